@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// The one container whose size may come from a file: growth that fails answers false instead of throwing.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace kelp {
+
+// The host's allocator. Both functions must be callable from every thread that uses the object; allocate answers null when it can not.
+// Memory must be aligned to 16 bytes.
+struct Allocator {
+  void* (*allocate)(void* user, std::size_t bytes) = [](void*, std::size_t bytes) { return std::malloc(bytes); };
+  void (*deallocate)(void* user, void* memory, std::size_t bytes) = [](void*, void* memory, std::size_t) { std::free(memory); };
+  void* user = nullptr;
+};
+
+// A contiguous array of trivially copyable values. Owns its memory; movable, not copyable. Not thread-safe.
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 16);
+
+ public:
+  Buffer() = default;
+  explicit Buffer(const Allocator& allocator) : allocator_(allocator) {}
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    if (this != &other) {
+      Buffer gone(std::move(other));
+      swap(gone);
+    }
+    return *this;
+  }
+  ~Buffer() {
+    if (data_) allocator_.deallocate(allocator_.user, data_, size_ * sizeof(T));
+  }
+
+  // Replaces the content by `size` zeroed values. False, with the content unchanged, when memory is short.
+  [[nodiscard]] bool reset(std::size_t size) {
+    if (size > std::numeric_limits<std::size_t>::max() / sizeof(T)) return false;
+    T* fresh = nullptr;
+    if (size > 0) {
+      fresh = static_cast<T*>(allocator_.allocate(allocator_.user, size * sizeof(T)));
+      if (!fresh) return false;
+      std::memset(static_cast<void*>(fresh), 0, size * sizeof(T));
+    }
+    if (data_) allocator_.deallocate(allocator_.user, data_, size_ * sizeof(T));
+    data_ = fresh;
+    size_ = size;
+    return true;
+  }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  T* begin() { return data_; }
+  T* end() { return data_ + size_; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+  std::span<T> span() { return {data_, size_}; }
+  std::span<const T> span() const { return {data_, size_}; }
+
+ private:
+  void swap(Buffer& other) noexcept {
+    std::swap(allocator_, other.allocator_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+  }
+
+  Allocator allocator_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace kelp

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Reader of .kelp packs. Never trusts a byte: everything is checked before it is used, memory is bounded before it is allocated.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "kelp/formats/brick.h"
+#include "kelp/formats/buffer.h"
+#include "kelp/formats/error.h"
+#include "kelp/formats/model.h"
+#include "kelp/formats/source.h"
+
+namespace kelp {
+
+inline constexpr std::uint16_t kFormatMajor = 1;
+inline constexpr std::uint16_t kFormatMinor = 0;
+
+// What a pack may ask for at most; kLimit beyond.
+struct Limits {
+  std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk, and of the metadata together
+  std::uint32_t max_side = 8192;                             // level-0 voxels along an axis
+  std::uint32_t max_parts = 4096;
+};
+
+// One page of bricks as the file holds it: loads alone.
+struct PageInfo {
+  std::uint64_t offset = 0;  // in the file
+  std::uint32_t stored = 0;  // bytes in the file (one zstd frame)
+  std::uint32_t raw = 0;     // bytes decoded, at most 64 KiB
+  std::uint64_t checksum = 0;
+  std::uint32_t first_slot = 0;
+  std::uint32_t count = 0;   // bricks
+};
+
+// The grid of one level of one part and the pages that hold its bricks.
+struct LevelGrid {
+  glm::ivec3 size{0};             // voxels of this level
+  glm::ivec3 grid{0};             // bricks
+  std::uint32_t bricks = 0;       // stored bricks; slots are 0 .. bricks - 1, each used by exactly one cell
+  Buffer<std::uint32_t> cells;    // grid.x * grid.y * grid.z, x fastest, then y, then z (see brick.h)
+  Buffer<PageInfo> pages;         // ascending slots, no gaps
+};
+
+// One decoded page.
+struct PageData {
+  std::uint32_t first_slot = 0;
+  std::uint32_t count = 0;
+  Buffer<std::uint8_t> codes;         // 512 a brick
+  Buffer<std::uint32_t> attributes;   // of all surface voxels, brick by brick, in code order
+};
+
+// An open pack: everything but the voxels is in memory and checked. Immutable; every const function may be called from any thread.
+// Movable. The source's `user` must outlive it.
+class Pack {
+ public:
+  // Reads and checks header, index and metadata. Errors: all but kMisuse's siblings kNotMonotone (kCorrupt is answered) and kGraphics.
+  static Result<Pack> open(const Source& source, const Limits& limits = {}, const Allocator& allocator = {});
+  Pack(Pack&&) noexcept;
+  Pack& operator=(Pack&&) noexcept;
+  ~Pack();
+
+  std::uint16_t minorVersion() const;
+  std::uint64_t fileSize() const;
+  std::string_view infoJson() const;            // INFO, UTF-8, as stored; it was not parsed
+  std::span<const Part> parts() const;
+  std::span<const Material> palette() const;    // 1 to 256
+  std::span<const Clip> clips() const;
+
+  // Reads, checks and decodes the grid of a level. kMisuse for a part or level that is not there.
+  Result<LevelGrid> readGrid(int part, int level) const;
+  // Reads, checks and decodes one page of a grid that readGrid of this pack gave. `out` is reused: no allocation when it is large enough.
+  Result<void> readPage(const PageInfo& page, PageData& out) const;
+
+  // The chunks, for tools that say where the bytes go. fourcc has its first letter in the lowest byte.
+  struct ChunkInfo {
+    std::uint32_t fourcc = 0, flags = 0, level = 0, part = 0;
+    std::uint64_t offset = 0, stored = 0, raw = 0, checksum = 0;
+  };
+  std::span<const ChunkInfo> chunks() const;
+
+ private:
+  struct Impl;
+  explicit Pack(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kelp

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The writer's side: a pack as plain data that a tool fills in, and the function that writes it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kelp/formats/brick.h"
+#include "kelp/formats/error.h"
+#include "kelp/formats/model.h"
+
+namespace kelp {
+
+// One level of one part, as brick.h describes it.
+struct RawLevel {
+  std::vector<std::uint32_t> cells;       // one a brick of the grid; slots number the stored bricks in Morton order
+  std::vector<std::uint8_t> codes;        // 512 a slot
+  std::vector<std::uint32_t> attributes;  // of all surface voxels, slot by slot, in code order
+};
+
+struct RawPart {
+  std::string name;
+  int parent = -1;
+  glm::ivec3 size{0};
+  glm::mat4x3 to_object{1};
+  glm::mat4x3 pivot{1};
+  std::vector<Knot> knots;
+  std::vector<RawLevel> levels;  // finest first, at least one
+};
+
+struct RawTrack {
+  std::uint32_t part = 0;
+  std::uint32_t knot = 0;
+  Target target = Target::kKnotOffset;
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<Key> keys;
+};
+
+struct RawClip {
+  std::string name;
+  float duration = 0;
+  std::vector<Wave> waves;
+  std::vector<RawTrack> tracks;
+};
+
+struct RawPack {
+  std::string info_json;
+  std::vector<Material> palette;
+  std::vector<RawPart> parts;
+  std::vector<RawClip> clips;
+};
+
+// Receives the file's bytes in order, from the first to the last. Answers false to stop (the writer then answers kIo).
+struct Sink {
+  bool (*write)(void* user, std::span<const std::byte> bytes) = nullptr;
+  void* user = nullptr;
+};
+
+// Writes the pack. The same RawPack gives the same bytes on every machine. kMisuse with a word if the data break the rules of SPEC.md
+// (all that the reader would refuse), kIo if the sink does, kOutOfMemory. Nothing is written before the data were checked.
+// threads: how many compress pages at once, at least 1.
+Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
+
+}  // namespace kelp

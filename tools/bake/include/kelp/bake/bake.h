@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// The baker as a library: a file in, a pack out. Stages are functions from plain data to plain data, in the order of this header.
+// Everything here throws BakeError, and nothing else; one boundary in tools/kelp-bake turns it into an exit code and a line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kelp/bake/source_model.h"
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::bake {
+
+// Exit codes of every kelp program (DESIGN: section 7).
+enum class Exit : int { kOk = 0, kUsage = 1, kIo = 2, kInvalid = 3, kRuntime = 4, kUnsupported = 5, kDifference = 7, kInterrupted = 130 };
+
+// what() is one line: file, place, what is wrong, what to do.
+struct BakeError : std::runtime_error {
+  BakeError(Exit code, const std::string& what) : std::runtime_error(what), exit(code) {}
+  Exit exit;
+};
+
+enum class Fill : std::uint8_t { kAuto, kSolid, kSurface };
+
+struct Settings {
+  int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
+  std::optional<double> voxel_size;    // metres (file units)
+  std::optional<Axis> axis;            // overrides the rig's
+  std::optional<std::filesystem::path> rig_file;
+  std::optional<std::string> rig_preset;
+  Fill fill = Fill::kAuto;
+  int levels = 0;                      // 0: down to a single brick
+  int threads = 0;                     // 0: all
+  std::uint64_t max_memory = 0;        // bytes; 0: the machine's physical memory
+};
+
+// Called with a stage's name and its progress 0..1; answers false to stop (BakeError kInterrupted). Called from the baking thread only.
+using Progress = std::function<bool(std::string_view stage, double done)>;
+
+// Seconds and numbers of a bake, for --report and the closing lines.
+struct Report {
+  struct Stage {
+    std::string name;
+    double seconds = 0;
+  };
+  struct Part {
+    std::string name, rig_origin, fill;
+    glm::ivec3 size{0};
+    double voxel_size = 0;
+    std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
+    bool closed = false;
+  };
+  struct Clip {
+    std::string name, part;
+    float duration = 0, leaves_box = 0;
+  };
+  std::string format;
+  std::vector<Stage> stages;
+  std::vector<Part> parts;
+  std::vector<Clip> clips;
+  std::vector<std::string> notices;
+  std::vector<std::filesystem::path> files_read;
+  double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
+  std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
+  std::uint64_t pack_bytes = 0;
+};
+
+// --- 1. import -------------------------------------------------------------------------------------------------------------------
+// Picks the importer by the file's extension and checks the content against it. files_read, if given, gets every file opened.
+SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+
+// --- 2. voxelize -----------------------------------------------------------------------------------------------------------------
+// The frame a part is voxelized in: `size` voxels of edge voxel_size; voxel = node_to_voxel * node.
+struct Frame {
+  glm::ivec3 size{0};
+  double voxel_size = 0;
+  glm::dmat4 node_to_voxel{1};
+};
+// The rig frame of a soup: its bounding box turned so that the rig's axis is +y; along y the box fits whole voxels exactly where the voxel
+// size is ours to choose (so the spline spans just the source's extent). `what` names the part in errors.
+Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what);
+
+struct VoxelizeResult {
+  VoxelGrid grid;
+  bool closed = false;    // the mesh has no boundary edge after welding equal positions
+  std::string fill;       // "solid" or "surface", and why
+};
+VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress);
+
+// --- 3. palette ------------------------------------------------------------------------------------------------------------------
+struct Palette {
+  std::vector<Material> entries;                       // 1 to 256
+  std::vector<std::vector<std::uint8_t>> indices;      // one list a grid, one index a surface sample
+  double mean_error = 0;                               // OKLab
+};
+Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads);
+
+// --- 4. pack ---------------------------------------------------------------------------------------------------------------------
+// Occupancy, attributes and levels of one grid.
+std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette,
+                                  int levels, int threads, const Progress& progress);
+
+// --- all of it -------------------------------------------------------------------------------------------------------------------
+// Bakes a file to a pack in memory.
+RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress = {});
+// Writes the pack beside `path`, flushes it to disk and renames it over `path`: an existing file is whole at every moment.
+void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report);
+
+}  // namespace kelp::bake

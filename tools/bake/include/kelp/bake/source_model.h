@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// What importers produce and voxelization consumes: plain data, no type of any third-party library.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kelp/rig_json/rig_json.h"
+
+namespace kelp::bake {
+
+// RGBA, 8 bits a channel, row 0 at the top (v = 0), as glTF has it.
+struct Image {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  bool srgb = true;  // the colour channels; alpha is always linear
+  std::vector<std::uint8_t> rgba;
+};
+
+enum class Wrap : std::uint8_t { kRepeat, kMirror, kClamp };
+
+struct SurfaceMaterial {
+  std::string name;
+  glm::vec4 base_color{1};  // linear; multiplies texture and vertex colour
+  int texture = -1;         // index into SourceModel::images
+  Wrap wrap_u = Wrap::kRepeat;
+  Wrap wrap_v = Wrap::kRepeat;
+  bool nearest = false;     // the sampler asks for nearest filtering
+  glm::vec3 emissive{0};
+  float metallic = 0;
+  float roughness = 1;
+  bool double_sided = false;
+};
+
+// Triangles in the space of their part's node, in metres for glTF, in file units otherwise.
+// Attributes belong to triangle corners, so that seams need no vertex splits. Vertices with equal positions are one vertex.
+struct TriangleSoup {
+  struct Triangle {
+    std::array<std::uint32_t, 3> vertex{};
+    std::uint32_t material = 0;  // index into SourceModel::materials
+  };
+  std::vector<glm::vec3> positions;
+  std::vector<Triangle> triangles;
+  std::vector<std::array<glm::vec2, 3>> uvs;      // empty, or one a triangle
+  std::vector<std::array<glm::vec4, 3>> colors;   // empty, or one a triangle; linear, multiplies the base colour
+};
+
+// A surface voxel before the palette is chosen.
+struct SurfaceSample {
+  std::uint64_t index = 0;  // x + size.x (y + size.y z)
+  glm::vec3 normal{0, 1, 0};  // unit, outward, in voxel axes
+  Material material;
+};
+
+// A voxel volume in its rig frame: +y along the spline.
+struct VoxelGrid {
+  glm::ivec3 size{0};
+  glm::mat4x3 to_node{1};              // voxels -> the node's space
+  std::vector<std::uint8_t> solid;     // dense, x fastest, then y, then z
+  std::vector<SurfaceSample> surface;  // ascending index; exactly fields::surfaceVoxels
+};
+
+struct SourcePart {
+  std::string name;
+  int parent = -1;
+  glm::mat4x3 to_object{1};  // node -> object at rest
+  glm::mat4x3 pivot{1};      // see formats/model.h
+  RigDescription rig;
+  std::string rig_origin;    // where the rig came from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
+  TriangleSoup soup;                // empty if grid is set
+  std::optional<VoxelGrid> grid;    // from a volume file, already in the rig's frame
+};
+
+struct SourceModel {
+  std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
+  std::vector<SourcePart> parts;
+  std::vector<SurfaceMaterial> materials;  // at least one
+  std::vector<Image> images;
+  std::vector<std::string> notices;  // what was skipped or repaired; one line each, for the user
+};
+
+}  // namespace kelp::bake

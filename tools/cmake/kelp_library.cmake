@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+# The one way in which kelp makes a library or a program: C++20, warnings and floating point set per target, nothing global.
+include_guard(GLOBAL)
+option(KELP_WERROR "Treat warnings as errors" OFF)
+
+function(kelp_target_defaults target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off
+    -ffunction-sections -fdata-sections $<$<BOOL:${KELP_WERROR}>:-Werror>)
+endfunction()
+
+# kelp_add_library(NAME INCLUDE_DIR dir HEADERS ... SOURCES ... [DEPENDS public...] [DEPENDS_PRIVATE ...] [NO_EXCEPTIONS] [INSTALL])
+# Makes the static library kelp_NAME with the alias kelp::NAME. Headers are listed relative to the current folder.
+function(kelp_add_library name)
+  cmake_parse_arguments(arg "NO_EXCEPTIONS;INSTALL" "INCLUDE_DIR" "HEADERS;SOURCES;DEPENDS;DEPENDS_PRIVATE" ${ARGN})
+  set(target kelp_${name})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(kelp::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/${arg_INCLUDE_DIR}" FILES ${arg_HEADERS})
+  target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_DEPENDS_PRIVATE})
+  kelp_target_defaults(${target})
+  if(arg_NO_EXCEPTIONS)
+    target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti)
+  endif()
+  if(arg_INSTALL)
+    install(TARGETS ${target} EXPORT kelpTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+            FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  endif()
+endfunction()
+
+# kelp_add_tool(NAME SOURCES ... DEPENDS ...): an installed program.
+function(kelp_add_tool name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
+  target_compile_definitions(${name} PRIVATE KELP_VERSION="${PROJECT_VERSION}")
+  kelp_target_defaults(${name})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()

@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: MIT
+include_guard(GLOBAL)
+find_package(GTest REQUIRED)
+include(GoogleTest)
+
+# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...]): one GoogleTest program, every case a ctest entry.
+# Tests that need the shared assets use tests/support/assets.h, which skips (and says so) where they are absent.
+function(kelp_add_test name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} kelp_test_support GTest::gtest_main)
+  kelp_target_defaults(${name})
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${arg_LABELS}" TIMEOUT 900)
+endfunction()
