@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Draws instances of packs with OpenGL 3.3 core or OpenGL ES 3.0, into whatever framebuffer the host has bound.
+// Everything here belongs to the thread that has the context current.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <glm/mat4x4.hpp>
+
+#include "kelp/runtime/instance.h"
+
+namespace kelp::gl {
+
+// What happens to the GL state a call touches.
+enum class State : std::uint8_t {
+  kRestore,  // every call leaves the state as it found it
+  kLeave,    // the host sets all state it needs itself; what kelp changes is listed in runtime/README.md
+};
+
+struct Config {
+  // Address of a GL function, as glfwGetProcAddress or eglGetProcAddress answer it. Called during create() only.
+  void* (*getProcAddress)(void* user, const char* name) = nullptr;
+  void* user = nullptr;
+  std::uint64_t gpu_budget = std::uint64_t{1} << 30;  // bytes of textures; upload() answers kLimit rather than exceed it
+  State state = State::kRestore;
+  // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit; null: sun and sky (shaders/surface.glsl, which also
+  // documents KelpSurface). Compiled once, in create(); kGraphics with the compiler's words in lastLog() if it does not compile.
+  const char* surface_glsl = nullptr;
+  Allocator allocator;
+};
+
+// The camera and the light. GL conventions: eye space looks down -z, clip space -w..w.
+struct View {
+  glm::mat4 world_to_eye{1};
+  glm::mat4 eye_to_clip{1};      // perspective or orthographic
+  glm::ivec2 viewport{0};        // pixels: size of the current viewport; nothing is drawn when a side is 0
+  glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
+  glm::vec3 sun_color{2.6f, 2.5f, 2.3f};       // linear
+  glm::vec3 sky_color{0.55f, 0.65f, 0.8f};     // linear, light from above
+  glm::vec3 ground_color{0.25f, 0.22f, 0.2f};  // linear, light from below
+  float pixels_per_voxel = 1.0f;  // a coarser level is drawn where finer voxels would be smaller than this many pixels; 0: always the finest
+};
+
+enum class Pass : std::uint8_t {
+  kColour,  // colour and depth
+  kDepth,   // depth only, for shadow maps and pre-passes
+};
+
+struct Stats {
+  std::uint32_t instances = 0;      // parts of instances drawn
+  std::uint32_t culled = 0;
+  std::uint32_t draws = 0;
+  std::uint64_t bytes_uploaded = 0;  // by this call
+  std::uint64_t gpu_bytes = 0;       // held now
+  std::uint32_t pending = 0;         // levels that are resident in memory and not yet on the GPU
+};
+
+// Owns GL objects of the context that was current in create(). Destroy it while that context is current, or call abandon() first.
+class Renderer {
+ public:
+  // kGraphics: no context is current, its version is below GL 3.3 / ES 3.0, a function is missing, or a shader does not compile.
+  static Result<std::unique_ptr<Renderer>> create(const Config& config);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  // Makes an asset known; it must outlive the renderer or be removed first. Adding twice is kMisuse.
+  Result<void> add(const runtime::Asset& asset);
+  void remove(const runtime::Asset& asset);
+
+  // Uploads resident levels of known assets, coarse to fine, at least one and no more than about `max_bytes`.
+  Result<Stats> upload(std::uint64_t max_bytes);
+
+  // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LESS (GL_LEQUAL for Pass::kColour after
+  // Pass::kDepth gives the same picture). The host's clear values and masks are its own. Instances whose asset has nothing uploaded yet
+  // are left out; poses that are not monotone, unknown assets and singular transforms are kMisuse and nothing is drawn.
+  // Colour is linear: enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl.
+  Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances, Pass pass = Pass::kColour);
+
+  // Forgets all GL objects without touching them: after the context was lost.
+  void abandon();
+
+  // What the GLSL compiler or the linker said last; empty if all is well.
+  const char* lastLog() const;
+
+ private:
+  struct Impl;
+  explicit Renderer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kelp::gl

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// The GLSL files of this folder as text, embedded at build time. Static storage, NUL-terminated.
+#pragma once
+
+namespace kelp::shaders {
+
+extern const char* const kTrace;     // trace.glsl: the tracing core
+extern const char* const kInstance;  // instance.glsl: where instances, segments and bricks come from on the GPU
+extern const char* const kSurface;   // surface.glsl: the default look, and KelpSurface
+extern const char* const kVertex;    // draw.vert: rasterises the proxy box of an instance
+extern const char* const kFragment;  // draw.frag: traces, shades, writes depth
+
+}  // namespace kelp::shaders

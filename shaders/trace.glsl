@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT
+// The tracing core: where does a straight ray through the deformed world first meet a solid voxel of the undeformed volume?
+//
+// One text for GLSL 3.30, GLSL ES 3.00 and C++20 with GLM; the GPU, the CPU queries and the tests run it. Hence the subset: `f` and `u` on
+// every literal, no mixing of int, uint and float, no swizzles, fields assigned one by one. The text before it defines the macros below.
+// Method: Groen et al., "Spline Based Shell Mapping for Smooth Voxel Deformation". Deviations (shaders/README.md says why):
+//   - the paper marches in world space and solves a cubic per sample; here the ray is mapped once per spline segment and becomes a cubic
+//     curve q(b) in the volume, so that a sample costs three multiply-adds;
+//   - the paper's distance heuristic may skip voxels; here every step is bounded by a proof (kelpStep), and skips none.
+//
+// Spaces and units. Part space: level-0 voxels, +y along the spline, deformed: what the ray lives in. Level space: voxels of the level
+// that is traced, undeformed: what q lives in. The ray's direction is a unit vector, so its parameter s is in level-0 voxels.
+//
+// The text before defines:
+//   KELP_FN                function qualifiers (empty in GLSL)
+//   KELP_CONTEXT_          first parameter of functions that read the part ("const Context& kelp_context," in C++, empty in GLSL)
+//   KELP_CONTEXT           the same as an argument
+//   KELP_SEGMENTS          int: number of spline segments
+//   KELP_SEGMENT(i)        KelpSegment: segment i
+//   KELP_BOUNDS_MIN, _MAX  vec3: a box around the deformed volume, part space
+//   KELP_SIZE              vec3: size of the volume, level-0 voxels
+//   KELP_LEVEL_SIZE        ivec3: size of the level, in its voxels
+//   KELP_LEVEL_SCALE       float: 2^-level
+//   KELP_FETCH_CELL(v)     uint: grid cell of brick v (formats/SPEC.md, "Voxels")
+//   KELP_FETCH_CODE(k, v)  uint: code of voxel v (modulo 8 on each axis) in the brick with slot k
+
+// S(t) = d + t (c + t (b + t a)), t in [0, 1]; S.y does not decrease.
+struct KelpSegment {
+  vec3 a;
+  vec3 b;
+  vec3 c;
+  vec3 d;
+};
+
+// The image of the ray in level space while it is inside one segment's range of heights: q(b) = q0 + b (c1 + b (c2 + b c3)), b in [0, end].
+// The spline parameter is t = t0 + b * rate, the ray parameter s(b) = s.x + b (s.y + b (s.z + b s.w)).
+struct KelpCurve {
+  vec3 q0;
+  vec3 c1;
+  vec3 c2;
+  vec3 c3;
+  vec4 s;
+  float t0;
+  float rate;
+  float end;
+};
+
+struct KelpHit {
+  bool found;
+  float s;        // along the ray
+  float t;        // spline parameter within the segment
+  int segment;
+  ivec3 voxel;    // level space
+  uint slot;      // of the voxel's brick
+  uint code;      // of the voxel
+  vec3 rest;      // where the hit is in the undeformed volume, level-0 voxels
+  int steps;      // fetching steps taken
+  int outside;    // steps taken beside the volume, without a fetch
+  int fetches;
+};
+
+// A solid voxel is found even if it is shrunk by this much on every side, and nothing smaller is promised. It also keeps float32 honest: a
+// curve that runs along a voxel's face, or whose parameter can no longer change, still gets on.
+#define KELP_ERODE 0.00390625f
+#define KELP_NEVER 1e18f
+#define KELP_MAX_STEPS 4096
+
+KELP_FN vec3 kelpSplineAt(KelpSegment g, float t) { return g.d + t * (g.c + t * (g.b + t * g.a)); }
+KELP_FN vec3 kelpSplineSlope(KelpSegment g, float t) { return g.c + t * (2.0f * g.b + (3.0f * t) * g.a); }
+
+// t in [0, 1] with S.y(t) = y. Measured from the nearer end of the segment, where nothing cancels; a quadratic start, then Newton's method
+// kept inside a shrinking bracket.
+KELP_FN float kelpSplineParameter(KelpSegment g, float y) {
+  float rise = g.c.y + g.b.y + g.a.y;
+  float target = y - g.d.y;
+  float a = g.a.y;
+  float b = g.b.y;
+  float c = g.c.y;
+  bool from_top = target > 0.5f * rise;
+  if (from_top) {  // u = 1 - t, heights measured downwards
+    b = -(g.b.y + 3.0f * g.a.y);
+    c = g.c.y + 2.0f * g.b.y + 3.0f * g.a.y;
+    target = rise - target;
+  }
+  target = max(target, 0.0f);
+  float u = min(2.0f * target / max(c + sqrt(max(c * c + 4.0f * b * target, 0.0f)), 1e-20f), 1.0f);
+  float low = 0.0f;
+  float high = 1.0f;
+  for (int i = 0; i < 16; ++i) {
+    float excess = u * (c + u * (b + u * a)) - target;
+    if (excess > 0.0f) { high = u; } else { low = u; }
+    float next = u - excess / max(c + u * (2.0f * b + 3.0f * a * u), 1e-20f);
+    next = (next >= low && next <= high) ? next : 0.5f * (low + high);
+    if (next == u) break;
+    u = next;
+  }
+  return from_top ? 1.0f - u : u;
+}
+
+// The curve from the point with spline parameter t0 and ray parameter s0 on. `y` is that point's height in part space, `base` the spline's
+// lowest height, `stretch` the volume's height over the spline's: the paper divides by the distance between the base planes.
+// Along the ray s = (S.y(t) - o.y) / r.y, so every coordinate is a cubic in t; b = (t - t0) / r.y divides by nothing that may vanish.
+KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t0, float y, float base, float stretch, float scale) {
+  float ry = r.y;
+  float t = t0;
+  if (abs(ry) < 1e-12f) {  // horizontal: the curve is a straight line; keep it moving where the spline has no slope
+    ry = 0.0f;
+    t = clamp(t0, 1e-6f, 1.0f - 1e-6f);
+  }
+  vec3 slope = kelpSplineSlope(g, t);
+  vec3 bend = g.b + (3.0f * t) * g.a;
+  vec3 at = kelpSplineAt(g, t);
+  vec3 p = o + s0 * r;
+  vec3 unit = vec3(scale, scale * stretch, scale);
+  KelpCurve c;
+  c.q0 = unit * vec3(p.x - at.x, y - base, p.z - at.z);
+  c.c1 = unit * (r * slope.y - ry * vec3(slope.x, 0.0f, slope.z));
+  c.c2 = unit * (ry * (r * bend.y - ry * vec3(bend.x, 0.0f, bend.z)));
+  c.c3 = unit * ((ry * ry) * (r * g.a.y - ry * vec3(g.a.x, 0.0f, g.a.z)));
+  c.s = vec4(s0, slope.y, ry * bend.y, ry * ry * g.a.y);
+  c.t0 = t;
+  c.rate = ry;
+  c.end = ry > 0.0f ? (1.0f - t) / ry : (ry < 0.0f ? -t / ry : KELP_NEVER);
+  return c;
+}
+
+KELP_FN vec3 kelpCurveAt(KelpCurve c, float b) { return c.q0 + b * (c.c1 + b * (c.c2 + b * c.c3)); }
+KELP_FN float kelpCurveRay(KelpCurve c, float b) { return c.s.x + b * (c.s.y + b * (c.s.z + b * c.s.w)); }
+
+// b + x, but always a little further: float32 must not stall.
+KELP_FN float kelpAdvance(float b, float x) {
+  float next = b + x;
+  return next > b ? next : intBitsToFloat(floatBitsToInt(b) + 2);
+}
+
+// A lower bound of the first x in (0, range] with w1 x + w2 x^2 + w3 x^3 = gap, gap > 0; KELP_NEVER if there is none.
+KELP_FN float kelpFirstReach(float gap, float w1, float w2, float w3, float range) {
+  float w = w2 + max(w3, 0.0f) * range;
+  float k = w1 * w1 + 4.0f * w * gap;
+  float root = sqrt(max(k, 0.0f));
+  float x = w1 > 0.0f ? 2.0f * gap / (w1 + root) : (root - w1) / (2.0f * max(w, 1e-30f));
+  return (k < 0.0f || (w1 <= 0.0f && w <= 0.0f)) ? KELP_NEVER : x;
+}
+
+// How far beside the box [0, extent] in x and z the point q is; at most 0 inside.
+KELP_FN vec3 kelpBeside(vec3 q, vec3 extent) { return max(-q, q - extent) - vec3(KELP_ERODE); }
+
+// Beside the volume: the distance in b to where the curve can first reach the slabs in x and z that it is outside of.
+KELP_FN float kelpOutsideStep(KelpCurve c, float b, vec3 q, vec3 gap) {
+  vec3 half_bend = c.c2 + (3.0f * b) * c.c3;
+  vec3 slope = c.c1 + b * (c.c2 + half_bend);
+  float range = c.end - b;
+  float x = 0.0f;
+  float towards_x = q.x > 0.0f ? -1.0f : 1.0f;
+  float towards_z = q.z > 0.0f ? -1.0f : 1.0f;
+  if (gap.x > 0.0f) x = kelpFirstReach(gap.x + 0.5f * KELP_ERODE, towards_x * slope.x, towards_x * half_bend.x, towards_x * c.c3.x, range);
+  if (gap.z > 0.0f) x = max(x, kelpFirstReach(gap.z + 0.5f * KELP_ERODE, towards_z * slope.z, towards_z * half_bend.z, towards_z * c.c3.z, range));
+  return x;
+}
+
+// Inside an empty cell, the cube of side 2 half_side with its lowest corner at `corner`: the distance in b that is safe to go.
+// The clearance's ball is around the cell, not around q: first leave the cell (enlarged by KELP_ERODE), then add the clearance.
+// With h(x) = |q'| x + |q''|/2 x^2 + |c3| x^3 >= the arc length over x, the step x solves h(x) = clearance + h(exit), from below.
+KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 corner, float half_side, float clearance) {
+  vec3 half_bend = c.c2 + (3.0f * b) * c.c3;
+  vec3 slope = c.c1 + b * (c.c2 + half_bend);
+  float speed2 = max(dot(slope, slope), 1e-30f);
+  float per_speed = inversesqrt(speed2);
+  float speed = speed2 * per_speed;
+  float bend = length(half_bend);
+  float twist = length(c.c3);
+  vec3 twists = abs(c.c3);
+  float range = c.end - b;
+
+  // Exit from the cell, per axis: through the face ahead, or, where the curve may turn around, through the one behind. Over [0, limit] the
+  // cubic term is bounded by its value at `limit`, which leaves quadratics.
+  float limit = min(3.6f * half_side * per_speed, range);
+  vec3 ahead_sign = vec3(slope.x < 0.0f ? -1.0f : 1.0f, slope.y < 0.0f ? -1.0f : 1.0f, slope.z < 0.0f ? -1.0f : 1.0f);
+  vec3 from_centre = ahead_sign * (q - corner - vec3(half_side));
+  vec3 along = abs(slope);
+  vec3 bends = ahead_sign * half_bend;
+  vec3 ahead = max(vec3(half_side + KELP_ERODE) - from_centre, vec3(0.25f * KELP_ERODE));
+  vec3 behind = max(vec3(half_side + KELP_ERODE) + from_centre, vec3(0.25f * KELP_ERODE));
+  vec3 high = bends + limit * twists;
+  vec3 low = bends - limit * twists;
+  vec3 k = along * along + 4.0f * high * ahead;
+  vec3 root_ahead = sqrt(max(k, vec3(0.0f)));
+  vec3 root_behind = sqrt(along * along - 4.0f * min(low, vec3(0.0f)) * behind);
+  vec3 x_ahead = 2.0f * ahead / max(along + root_ahead, vec3(1e-30f));
+  vec3 x_behind = (along + root_behind) / max(-2.0f * low, vec3(1e-30f));
+  float leave = limit;
+  leave = min(leave, k.x >= 0.0f ? x_ahead.x : KELP_NEVER);
+  leave = min(leave, k.y >= 0.0f ? x_ahead.y : KELP_NEVER);
+  leave = min(leave, k.z >= 0.0f ? x_ahead.z : KELP_NEVER);
+  leave = min(leave, low.x < -1e-20f ? x_behind.x : KELP_NEVER);
+  leave = min(leave, low.y < -1e-20f ? x_behind.y : KELP_NEVER);
+  leave = min(leave, low.z < -1e-20f ? x_behind.z : KELP_NEVER);
+
+  float reach = clearance + ((twist * leave + bend) * leave + speed) * leave;
+  float curvature = bend + twist * min(reach * per_speed, range);
+  return max(leave, 2.0f * reach / (speed + sqrt(speed2 + 4.0f * curvature * reach)));
+}
+
+// Follows one curve to its first solid voxel or its end. Fields of `hit` that count go on from their values.
+KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before) {
+  KelpHit hit = before;
+  vec3 extent = KELP_LEVEL_SCALE * KELP_SIZE;
+  ivec3 last = KELP_LEVEL_SIZE - ivec3(1);
+  float b = 0.0f;
+  while (hit.steps + hit.outside < KELP_MAX_STEPS && b < c.end && !(kelpCurveRay(c, b) > s_max)) {
+    vec3 q = kelpCurveAt(c, b);
+    vec3 gap = kelpBeside(q, extent);
+    if (!(dot(gap, gap) < KELP_NEVER)) break;  // not a number, or lost in the distance
+    if (max(gap.x, gap.z) > 0.5f * KELP_ERODE) {
+      ++hit.outside;
+      b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
+      continue;
+    }
+    ++hit.steps;
+    ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
+    uint cell = KELP_FETCH_CELL(ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3));
+    ++hit.fetches;
+    vec3 corner = vec3(8.0f * float(voxel.x >> 3), 8.0f * float(voxel.y >> 3), 8.0f * float(voxel.z >> 3));
+    float half_side = 4.0f;
+    float clearance = 0.00390625f * float(cell);
+    if (cell >= 0x80000000u) {
+      uint slot = cell & 0x00ffffffu;
+      uint code = KELP_FETCH_CODE(slot, voxel);
+      ++hit.fetches;
+      if (code >= 64u) {
+        hit.found = true;
+        hit.s = kelpCurveRay(c, b);
+        hit.t = clamp(c.t0 + b * c.rate, 0.0f, 1.0f);
+        hit.voxel = voxel;
+        hit.slot = slot;
+        hit.code = code;
+        hit.rest = q / KELP_LEVEL_SCALE;
+        break;
+      }
+      corner = vec3(float(voxel.x), float(voxel.y), float(voxel.z));
+      half_side = 0.5f;
+      clearance = 0.25f * float(code);
+    }
+    b = kelpAdvance(b, kelpStep(c, b, q, corner, half_side, clearance));
+  }
+  return hit;
+}
+
+// The first solid voxel along o + s r, s in [s_min, s_max]; r is a unit vector, o should be near the volume (the nearer, the more exact).
+KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpHit hit;
+  hit.found = false;
+  hit.s = s_max;
+  hit.t = 0.0f;
+  hit.segment = 0;
+  hit.voxel = ivec3(0);
+  hit.slot = 0u;
+  hit.code = 0u;
+  hit.rest = vec3(0.0f);
+  hit.steps = 0;
+  hit.outside = 0;
+  hit.fetches = 0;
+
+  int count = KELP_SEGMENTS;
+  KelpSegment top = KELP_SEGMENT(count - 1);
+  KelpSegment g = KELP_SEGMENT(0);
+  float y_low = g.d.y;
+  float y_high = top.d.y + (top.c.y + (top.b.y + top.a.y));
+  float stretch = KELP_SIZE.y / (y_high - y_low);
+
+  // The part of the ray inside the bounds, x and z first: the planes of y are exact, and a ray that enters through one starts at t = 0 or 1.
+  float s0 = s_min;
+  float s1 = s_max;
+  vec3 low = KELP_BOUNDS_MIN;
+  vec3 high = KELP_BOUNDS_MAX;
+  if (r.x != 0.0f) {
+    float sa = (low.x - o.x) / r.x;
+    float sb = (high.x - o.x) / r.x;
+    s0 = max(s0, min(sa, sb));
+    s1 = min(s1, max(sa, sb));
+  } else if (o.x < low.x || o.x > high.x) {
+    return hit;
+  }
+  if (r.z != 0.0f) {
+    float sa = (low.z - o.z) / r.z;
+    float sb = (high.z - o.z) / r.z;
+    s0 = max(s0, min(sa, sb));
+    s1 = min(s1, max(sa, sb));
+  } else if (o.z < low.z || o.z > high.z) {
+    return hit;
+  }
+  float y = o.y + s0 * r.y;
+  if (abs(r.y) >= 1e-12f) {
+    float entry_plane = r.y > 0.0f ? y_low : y_high;
+    float exit_plane = r.y > 0.0f ? y_high : y_low;
+    float entry = (entry_plane - o.y) / r.y;
+    if (entry >= s0) {
+      s0 = entry;
+      y = entry_plane;
+    }
+    s1 = min(s1, (exit_plane - o.y) / r.y);
+  } else if (y < y_low || y > y_high) {
+    return hit;
+  }
+  if (!(s0 <= s1)) return hit;
+
+  // The segment that holds that height; one root solve; then from knot to knot without another.
+  int i = 0;
+  float knot = g.d.y + (g.c.y + (g.b.y + g.a.y));
+  while (i + 1 < count && (y > knot || (y == knot && r.y > 0.0f))) {
+    ++i;
+    g = KELP_SEGMENT(i);
+    knot = g.d.y + (g.c.y + (g.b.y + g.a.y));
+  }
+  float t0 = y <= g.d.y ? 0.0f : (y >= knot ? 1.0f : kelpSplineParameter(g, y));
+  float s = s0;
+  for (int n = 0; n < count; ++n) {
+    KelpCurve c = kelpMakeCurve(g, o, r, s, t0, y, y_low, stretch, KELP_LEVEL_SCALE);
+    hit.segment = i;
+    hit = kelpMarch(KELP_CONTEXT c, s1, hit);
+    if (hit.found || abs(r.y) < 1e-12f) break;
+    i += r.y > 0.0f ? 1 : -1;
+    if (i < 0 || i >= count) break;
+    s = kelpCurveRay(c, c.end);
+    if (s > s1) break;
+    y = r.y > 0.0f ? g.d.y + (g.c.y + (g.b.y + g.a.y)) : g.d.y;
+    t0 = r.y > 0.0f ? 0.0f : 1.0f;
+    g = KELP_SEGMENT(i);
+  }
+  return hit;
+}
+
+// The world's normal of a surface whose normal in the undeformed volume is n, up to length: the inverse transpose of the map's derivative,
+// times S.y' >= 0 so that nothing is divided. `stretch` as in kelpMakeCurve. Part space. The paper's equation 5 holds for one bent axis only.
+KELP_FN vec3 kelpDeformNormal(KelpSegment g, float t, float stretch, vec3 n) {
+  vec3 slope = kelpSplineSlope(g, clamp(t, 1e-4f, 1.0f - 1e-4f));  // an end face with S' = 0 would give a zero vector
+  return vec3(slope.y * n.x, stretch * slope.y * n.y - slope.x * n.x - slope.z * n.z, slope.y * n.z);
+}
+
+// 24 bits (12 + 12, octahedral) -> a unit vector; formats/SPEC.md, "Normals".
+KELP_FN vec3 kelpDecodeNormal(uint bits) {
+  float x = float(bits & 4095u) * (2.0f / 4095.0f) - 1.0f;
+  float y = float((bits >> 12u) & 4095u) * (2.0f / 4095.0f) - 1.0f;
+  float z = 1.0f - abs(x) - abs(y);
+  float fold = max(-z, 0.0f);
+  return normalize(vec3(x + (x >= 0.0f ? -fold : fold), y + (y >= 0.0f ? -fold : fold), z));
+}
