@@ -7,7 +7,7 @@
 //   code (u8)            0 ..  63   empty voxel; clearance in 1/4 voxel, rounded down (a brick with a solid voxel never needs more than 41)
 //                        64 .. 127   surface voxel (solid, has an attribute); code - 64 = its rank among the surface voxels of its z-slice
 //                        128         inner voxel (solid, no attribute)
-//   attribute (u32)      bits 0..7 palette index, bits 8..19 and 20..31 octahedral normal (x, y; 12 bits each)
+//   attribute (u32)      bits 0..7 palette index, bits 8..19 and 20..31 octahedral normal (u, v; 12 bits each)
 //
 // Clearance = exact Euclidean distance between the closed cube of the voxel (or the closed 8^3 cube of the brick) and the nearest solid
 // voxel's closed cube, in voxels of its level: sqrt(sum over axes of max(|d| - 1, 0)^2). Surface voxels are the solid voxels that have an
@@ -42,7 +42,10 @@ inline int codeIndex(const glm::ivec3& voxel) { return (voxel.x & 7) | ((voxel.y
 // Morton order of bricks (x lowest bit), the order of slots in a level.
 std::uint64_t mortonCode(const glm::ivec3& brick);
 
-// Unit normal <-> 24 bits (12 + 12 octahedral). encode picks the nearest of the representable normals; a zero or non-finite input gives +y.
+// Unit normal <-> 24 bits: octahedral around +y, u in bits 0..11 for x, v in bits 12..23 for z. Every value of the 24 bits decodes:
+//   x = (min(u, 4094) - 2047) / 2047, z likewise from v, y = 1 - |x| - |z|, f = max(-y, 0),
+//   x -= x >= 0 ? f : -f, z -= z >= 0 ? f : -f, then normalise (x, y, z).
+// encode picks the nearest of the representable normals; a zero or non-finite input gives +y.
 std::uint32_t encodeNormal(const glm::vec3& normal);
 glm::vec3 decodeNormal(std::uint32_t bits24);
 

@@ -37,7 +37,7 @@ class Buffer {
     return *this;
   }
   ~Buffer() {
-    if (data_) allocator_.deallocate(allocator_.user, data_, size_ * sizeof(T));
+    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * sizeof(T));
   }
 
   // Replaces the content by `size` zeroed values. False, with the content unchanged, when memory is short.
@@ -49,8 +49,15 @@ class Buffer {
       if (!fresh) return false;
       std::memset(static_cast<void*>(fresh), 0, size * sizeof(T));
     }
-    if (data_) allocator_.deallocate(allocator_.user, data_, size_ * sizeof(T));
+    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * sizeof(T));
     data_ = fresh;
+    size_ = capacity_ = size;
+    return true;
+  }
+  // Gives room for `size` values of unspecified content. Allocates only beyond the largest size so far: for buffers that are used again
+  // and again. False, with the content unchanged, when memory is short.
+  [[nodiscard]] bool reuse(std::size_t size) {
+    if (size > capacity_) return reset(size);
     size_ = size;
     return true;
   }
@@ -73,11 +80,13 @@ class Buffer {
     std::swap(allocator_, other.allocator_);
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
   }
 
   Allocator allocator_;
   T* data_ = nullptr;
   std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
 };
 
 }  // namespace kelp

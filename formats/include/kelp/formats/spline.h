@@ -42,7 +42,7 @@ Result<void> checkKnots(std::span<const Knot> knots);
 void straightKnots(const glm::ivec3& size, Knot (&knots)[2]);
 
 // A box that contains every deformed voxel of a volume of `size` voxels (section 3.1 of the paper: copies of the base along the spline):
-// the Bezier hull of every segment, swept by the base. Conservative; voxels.
+// the exact range of every segment, widened by what evaluation in float may err, swept by the base. Voxels. Fewer than 2 knots: empty.
 Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size);
 
 }  // namespace kelp

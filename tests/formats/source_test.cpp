@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/formats/source.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace kelp {
+namespace {
+
+std::vector<std::byte> counting(std::size_t size) {
+  std::vector<std::byte> bytes(size);
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(i * 7 + i / 256);
+  return bytes;
+}
+
+// A file that goes with the test.
+struct TemporaryFile {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("kelp_source_test_" + std::to_string(::getpid()) + ".bin");
+
+  explicit TemporaryFile(const std::vector<std::byte>& bytes) {
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~TemporaryFile() { std::filesystem::remove(path); }
+};
+
+void expectReads(const Source& source, const std::vector<std::byte>& bytes) {
+  ASSERT_EQ(source.size, bytes.size());
+  std::vector<std::byte> got(100);
+  ASSERT_TRUE(source.read(source.user, 50, got));
+  EXPECT_TRUE(std::equal(got.begin(), got.end(), bytes.begin() + 50));
+  EXPECT_TRUE(source.read(source.user, bytes.size() - 100, got));
+  EXPECT_FALSE(source.read(source.user, bytes.size() - 99, got));
+  EXPECT_TRUE(source.read(source.user, bytes.size(), {}));
+  EXPECT_FALSE(source.read(source.user, bytes.size() + 1, {}));
+  EXPECT_FALSE(source.read(source.user, ~std::uint64_t{0}, got));  // offset + size would wrap around
+}
+
+TEST(MemorySource, ReadsWithinItsBytesOnly) {
+  const std::vector<std::byte> bytes = counting(1000);
+  MemorySource memory(bytes);
+  expectReads(memory.source(), bytes);
+}
+
+TEST(FileSource, ReadsWithinItsBytesOnly) {
+  const std::vector<std::byte> bytes = counting(1000);
+  const TemporaryFile file(bytes);
+  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  ASSERT_TRUE(opened);
+  FileSource moved;
+  moved = *std::move(opened);
+  expectReads(moved.source(), bytes);
+}
+
+TEST(FileSource, ReadsFromManyThreadsAtOnce) {
+  const std::vector<std::byte> bytes = counting(100000);
+  const TemporaryFile file(bytes);
+  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  ASSERT_TRUE(opened);
+  const Source source = opened->source();
+  std::array<int, 4> wrong{};
+  std::vector<std::thread> threads;
+  for (std::size_t worker = 0; worker < wrong.size(); ++worker) {
+    threads.emplace_back([&, worker] {
+      std::array<std::byte, 64> got;
+      for (std::size_t i = 0; i < 500; ++i) {
+        const std::size_t offset = (i * 7919 + worker * 104729) % (bytes.size() - got.size());
+        if (!source.read(source.user, offset, got) || !std::equal(got.begin(), got.end(), bytes.begin() + offset)) ++wrong[worker];
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, (std::array<int, 4>{}));
+}
+
+TEST(FileSource, AnswersFalseWhenTheFileShrinks) {
+  const TemporaryFile file(counting(1000));
+  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  ASSERT_TRUE(opened);
+  std::filesystem::resize_file(file.path, 10);
+  std::array<std::byte, 64> got;
+  const Source source = opened->source();
+  EXPECT_FALSE(source.read(source.user, 0, got));
+}
+
+TEST(FileSource, RefusesWhatIsNoRegularFile) {
+  const Result<FileSource> missing = FileSource::open("/nonexistent/kelp/pack.kelp");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(errno, ENOENT);
+  EXPECT_EQ(missing.error().code, ErrorCode::kIo);
+  const Result<FileSource> folder = FileSource::open(std::filesystem::temp_directory_path().c_str());
+  ASSERT_FALSE(folder);
+  EXPECT_EQ(errno, EISDIR);
+  EXPECT_EQ(folder.error().code, ErrorCode::kIo);
+  const Result<FileSource> null = FileSource::open(nullptr);
+  ASSERT_FALSE(null);
+  EXPECT_EQ(null.error().code, ErrorCode::kMisuse);
+}
+
+}  // namespace
+}  // namespace kelp
