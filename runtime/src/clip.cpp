@@ -1,1 +1,95 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "kelp/runtime/pose.h"
+
+namespace kelp::runtime {
+namespace {
+
+glm::quat asQuat(const glm::vec4& v) { return glm::quat(v.w, v.x, v.y, v.z); }
+
+// The value of a track at `time`; the first and the last value hold outside.
+glm::vec4 sample(const Track& track, float time) {
+  const std::span<const Key> keys = track.keys;
+  if (time <= keys.front().time) return keys.front().value;
+  if (time >= keys.back().time) return keys.back().value;
+  const auto after = std::upper_bound(keys.begin(), keys.end(), time, [](float t, const Key& key) { return t < key.time; });
+  const Key& k1 = *after;
+  const Key& k0 = *(after - 1);
+  const float dt = k1.time - k0.time;
+  const float u = (time - k0.time) / dt;
+  switch (track.interpolation) {
+    case Interpolation::kStep: return k0.value;
+    case Interpolation::kLinear:
+      if (track.target == Target::kPartRotation) {
+        const glm::quat q = glm::slerp(asQuat(k0.value), asQuat(k1.value), u);
+        return glm::vec4(q.x, q.y, q.z, q.w);
+      }
+      return glm::mix(k0.value, k1.value, u);
+    case Interpolation::kCubic: break;
+  }
+  const float u2 = u * u;
+  const float u3 = u2 * u;
+  return (2.0f * u3 - 3.0f * u2 + 1.0f) * k0.value + (u3 - 2.0f * u2 + u) * dt * k0.out + (3.0f * u2 - 2.0f * u3) * k1.value +
+         (u3 - u2) * dt * k1.in;
+}
+
+void apply(Target target, const glm::vec4& value, float weight, Knot& knot, Motion& motion) {
+  const glm::vec3 v(value);
+  switch (target) {
+    case Target::kKnotOffset:
+      knot.position += weight * v;
+      break;
+    case Target::kKnotTangent:
+      knot.tangent += weight * v;
+      break;
+    case Target::kPartTranslation: motion.translation += weight * v; break;
+    case Target::kPartScale: motion.scale += weight * v; break;
+    case Target::kPartRotation: {
+      const glm::quat q = asQuat(value);
+      const float length = glm::length(q);
+      if (length > 1e-6f) motion.rotation = glm::normalize(glm::slerp(glm::quat(1, 0, 0, 0), q / length, weight) * motion.rotation);
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+Result<void> addClip(const Asset& asset, int clip_index, double seconds, float weight, Pose& pose) {
+  const std::span<const Clip> clips = asset.pack().clips();
+  if (clip_index < 0 || static_cast<std::size_t>(clip_index) >= clips.size()) return Error{ErrorCode::kMisuse, "no clip of that index"};
+  if (pose.parts() != static_cast<int>(asset.pack().parts().size())) return Error{ErrorCode::kMisuse, "the pose is not one of this asset"};
+  for (int part = 0; part < pose.parts(); ++part) {
+    if (pose.knots(part).size() != asset.pack().parts()[static_cast<std::size_t>(part)].knots.size()) {
+      return Error{ErrorCode::kMisuse, "the pose is not one of this asset"};
+    }
+  }
+  if (!std::isfinite(seconds) || !std::isfinite(weight)) return Error{ErrorCode::kMisuse, "time or weight is not a number"};
+
+  const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
+  for (const Wave& wave : clip.waves) {
+    const double turns = seconds / double{wave.period} + double{wave.phase};
+    const float swing = static_cast<float>(std::sin(6.283185307179586 * (turns - std::floor(turns))));
+    const int part = static_cast<int>(wave.part);
+    apply(wave.target, glm::vec4(wave.amplitude * swing, 0.0f), weight, pose.knots(part)[wave.knot], pose.motion(part));
+  }
+  const double turns = seconds / double{clip.duration};
+  const float time = static_cast<float>((turns - std::floor(turns)) * double{clip.duration});
+  for (const Track& track : clip.tracks) {
+    const int part = static_cast<int>(track.part);
+    apply(track.target, sample(track, time), weight, pose.knots(part)[track.knot], pose.motion(part));
+  }
+  return {};
+}
+
+int findClip(const Asset& asset, std::string_view name) {
+  const std::span<const Clip> clips = asset.pack().clips();
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (clips[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+}  // namespace kelp::runtime

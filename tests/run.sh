@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
+#   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
+#   tests/run.sh --require-assets   the same, and every skipped test is a failure
+# Ends with a line that counts the tests: N passed, N failed, N skipped.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+require_assets=0
+for argument in "$@"; do
+  case "$argument" in
+    --require-assets) require_assets=1 ;;
+    -h|--help) sed -n '3,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "run.sh: unknown option '$argument'; see --help" >&2; exit 1 ;;
+  esac
+done
+
+tools/setup.sh || exit 1
+passed=0 failed=0 skipped=0
+
+# Builds a preset, runs its tests and adds up their results, as ctest's own report (JUnit) has them.
+run_preset() {
+  local preset=$1
+  cmake --preset "$preset" >"build-$preset.log" 2>&1 || { cat "build-$preset.log"; rm -f "build-$preset.log"; return 1; }
+  rm -f "build-$preset.log"
+  cmake --build --preset "$preset" || return 1
+  local report="$PWD/build/$preset/tests.xml"
+  rm -f "$report"
+  ctest --preset "$preset" --parallel "$(nproc)" --output-junit "$report"
+  [ -s "$report" ] || return 1
+  local counts
+  counts=$(python3 - "$report" <<'PY'
+import sys, xml.etree.ElementTree as tree
+suite = tree.parse(sys.argv[1]).getroot()
+total, failures, skips = (int(suite.get(k, 0)) for k in ("tests", "failures", "skipped"))
+disabled = int(suite.get("disabled", 0))
+print(total - failures - skips - disabled, failures, skips + disabled)
+for case in suite.iter("testcase"):
+    if case.get("status") in ("notrun", "disabled") or case.find("skipped") is not None:
+        print("skipped:", case.get("name"), file=sys.stderr)
+PY
+  ) || return 1
+  set -- $counts
+  passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+}
+
+broken=0
+for preset in dev runtime-only; do
+  run_preset "$preset" || { echo "run.sh: preset $preset did not build or test" >&2; broken=1; }
+done
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$broken" -eq 0 ] && [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ] || exit 1
+if [ "$require_assets" -eq 1 ] && [ "$skipped" -gt 0 ]; then
+  echo "run.sh: $skipped tests were skipped, and --require-assets allows none" >&2
+  exit 1
+fi

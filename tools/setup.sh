@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Installs what is missing to build kelp on Debian 12: `tools/setup.sh` for everything, `tools/setup.sh runtime` for the runtime, kelp-dump
+# and kelp-render alone. Does nothing, and needs no rights, when all is there.
+set -euo pipefail
+
+build=(g++ cmake ninja-build ccache pkg-config python3)
+runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
+         libegl-dev libgl-dev libgles-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev)
+baker=(libopenvdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev libopenmesh-dev libtinygltf-dev libdraco-dev
+       libmeshoptimizer-dev libstb-dev libhwy-dev)
+samples=(libglfw3-dev libimgui-dev xvfb)
+
+case "${1:-all}" in
+  all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
+  runtime) packages=("${build[@]}" "${runtime[@]}") ;;
+  *) echo "setup.sh: unknown set '$1': give 'all' or 'runtime'" >&2; exit 1 ;;
+esac
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "setup.sh: run as root, or install sudo; missing packages: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "Installing: ${missing[*]}" >&2
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -qq >&2
+"${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
