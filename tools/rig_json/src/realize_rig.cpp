@@ -1,1 +1,112 @@
 // SPDX-License-Identifier: MIT
+// The artist's units -> voxels of a part: lengths times size.y, directions turned so that the axis is +y.
+#include <algorithm>
+#include <cmath>
+
+#include "kelp/rig_json/rig_json.h"
+#include "words.h"
+
+namespace kelp {
+namespace {
+
+std::vector<RigDescription::Knot> knotsOf(const RigDescription& rig) {
+  if (!rig.knots.empty()) return rig.knots;
+  return {{0, glm::vec3(0), std::nullopt}, {1, glm::vec3(0), std::nullopt}};
+}
+
+// Catmull-Rom: the slope between the neighbours, one-sided at the ends.
+template <class V, class At, class Value>
+V automaticSlope(std::size_t i, std::size_t count, const At& at, const Value& value) {
+  if (count < 2) return V(0);
+  const std::size_t before = i > 0 ? i - 1 : 0, after = i + 1 < count ? i + 1 : i;
+  return (value(after) - value(before)) / (at(after) - at(before));
+}
+
+std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3& to_voxels) {
+  const std::size_t count = track.keys.size();
+  std::vector<Key> keys(count);
+  const auto map = [&](const glm::vec4& v) { return rig::movesKnot(track.target) ? glm::vec4(to_voxels * glm::vec3(v), 0.0f) : v; };
+  std::vector<float> signs(count, 1.0f);
+  for (std::size_t i = 0; i < count; ++i) {
+    glm::vec4 value = map(track.keys[i].value);
+    if (track.target == Target::kPartRotation) {
+      // q and -q are the same rotation: neighbours take the nearer one, so that cubic keys do not swing through zero.
+      value = glm::normalize(value);
+      if (i > 0 && glm::dot(value, keys[i - 1].value) < 0) signs[i] = -1.0f;
+      value *= signs[i];
+    }
+    keys[i].time = track.keys[i].time;
+    keys[i].value = value;
+  }
+  if (track.interpolation != Interpolation::kCubic) return keys;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& source = track.keys[i];
+    const glm::vec4 automatic = automaticSlope<glm::vec4>(
+        i, count, [&](std::size_t k) { return keys[k].time; }, [&](std::size_t k) { return keys[k].value; });
+    keys[i].in = source.in ? map(*source.in) * signs[i] : automatic;
+    keys[i].out = source.out ? map(*source.out) * signs[i] : automatic;
+  }
+  return keys;
+}
+
+float durationOf(const RigDescription::Clip& clip) {
+  if (clip.duration) return *clip.duration;
+  float last_key = 0, longest = 0;
+  for (const auto& track : clip.tracks) {
+    if (!track.keys.empty()) last_key = std::max(last_key, track.keys.back().time);
+  }
+  for (const auto& wave : clip.waves) longest = std::max(longest, wave.period);
+  return last_key > 0 ? last_key : longest;
+}
+
+}  // namespace
+
+std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size) {
+  const auto length = static_cast<float>(size.y);
+  const glm::mat3 to_voxels = axisRotation(rig.axis.value_or(Axis::kPlusY)) * length;
+  const auto described = knotsOf(rig);
+  std::vector<Knot> knots;
+  for (std::size_t i = 0; i < described.size(); ++i) {
+    const auto& knot = described[i];
+    // The automatic tangent differentiates the offsets only and adds the straight one, so that a straight rig is straight to the last bit.
+    const glm::vec3 tangent =
+        knot.tangent ? to_voxels * *knot.tangent
+                     : glm::vec3(0, length, 0) + to_voxels * automaticSlope<glm::vec3>(
+                                                                 i, described.size(), [&](std::size_t k) { return described[k].at; },
+                                                                 [&](std::size_t k) { return described[k].offset; });
+    knots.push_back({knot.at, glm::vec3(0, knot.at * length, 0) + to_voxels * knot.offset, tangent});
+  }
+  return knots;
+}
+
+std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part) {
+  const glm::mat3 to_voxels = axisRotation(rig.axis.value_or(Axis::kPlusY)) * static_cast<float>(size.y);
+  std::vector<RawClip> clips;
+  for (const auto& described : rig.clips) {
+    RawClip& clip = clips.emplace_back();
+    clip.name = described.name;
+    clip.duration = durationOf(described);
+    for (const auto& wave : described.waves)
+      clip.waves.push_back({part, static_cast<std::uint32_t>(wave.knot), wave.target, to_voxels * wave.amplitude, wave.period, wave.phase});
+    for (const auto& track : described.tracks)
+      clip.tracks.push_back({part, static_cast<std::uint32_t>(track.knot), track.target, track.interpolation, realizeKeys(track, to_voxels)});
+  }
+  return clips;
+}
+
+void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips) {
+  for (RawClip& clip : clips) {
+    const auto same = std::find_if(into.begin(), into.end(), [&](const RawClip& c) { return c.name == clip.name; });
+    if (same == into.end()) {
+      into.push_back(std::move(clip));
+      continue;
+    }
+    // The duration says when tracks repeat; waves do not care. So the side that has tracks decides, the longer one if both do.
+    if (same->tracks.empty() == clip.tracks.empty()) same->duration = std::max(same->duration, clip.duration);
+    else if (same->tracks.empty()) same->duration = clip.duration;
+    same->waves.insert(same->waves.end(), clip.waves.begin(), clip.waves.end());
+    std::move(clip.tracks.begin(), clip.tracks.end(), std::back_inserter(same->tracks));
+  }
+}
+
+}  // namespace kelp

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ struct RigDescription {
     float at = 0;
     glm::vec3 offset{0};
     std::optional<glm::vec3> tangent;  // dS/d(at); automatic (Catmull-Rom over the knots' rest positions) if absent
+    bool operator==(const Knot&) const = default;
   };
   struct Wave {
     int knot = 0;
@@ -37,28 +39,33 @@ struct RigDescription {
     glm::vec3 amplitude{0};
     float period = 1;
     float phase = 0;
+    bool operator==(const Wave&) const = default;
   };
   struct Key {
     float time = 0;
-    glm::vec4 value{0};            // artist's axes; for part targets: units of the part's pivot (see formats/model.h)
+    glm::vec4 value{0};            // artist's axes; for part targets: as formats/model.h has them (scale: factor minus 1)
     std::optional<glm::vec4> in, out;  // slopes per second; automatic (Catmull-Rom over the keys) if absent, for kCubic
+    bool operator==(const Key&) const = default;
   };
   struct Track {
     int knot = 0;
     Target target = Target::kKnotOffset;
     Interpolation interpolation = Interpolation::kLinear;
     std::vector<Key> keys;
+    bool operator==(const Track&) const = default;
   };
   struct Clip {
     std::string name;
     std::optional<float> duration;  // seconds; else the last key's time, or the longest period
     std::vector<Wave> waves;
     std::vector<Track> tracks;
+    bool operator==(const Clip&) const = default;
   };
 
   std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
   std::vector<Knot> knots;   // empty: two, at 0 and 1
   std::vector<Clip> clips;
+  bool operator==(const RigDescription&) const = default;
 };
 
 // Rigs are refused with this: what() is one line that names the place (JSON pointer or clip and knot), what is wrong and what to do.
@@ -73,7 +80,9 @@ RigDescription parseRig(std::string_view text);
 std::string printRig(const RigDescription& rig);
 
 // The presets: "none" (straight, no clips), "sway" (a plant: the upper end moves), "swim" (a fish: a wave runs down three knots). nullopt: no such preset.
-std::optional<RigDescription> presetRig(std::string_view name);
+// Presets move at right angles to the axis they are made for: pass the axis here rather than changing it afterwards. Absent: the preset's own
+// (+y; swim: -z, from the head to the tail of a fish that faces +z, as glTF's models do).
+std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis = std::nullopt);
 std::vector<std::string> presetNames();
 
 // Rest knots in voxels of a part whose axis is size.y voxels long.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "json_scan.h"
+
+#include <algorithm>
+#include <string>
+
+#include "kelp/rig_json/rig_json.h"
+
+namespace kelp::rig {
+
+void checkJsonBounds(std::string_view text) {
+  if (text.size() > kMaxTextBytes)
+    throw RigError("a rig may have at most " + std::to_string(kMaxTextBytes >> 20) + " MiB of text, this has " +
+                   std::to_string(text.size()) + " bytes: is it the right file?");
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxDepth) {
+        const LineColumn at = lineColumn(text, i);
+        throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) + ": nested more than " +
+                       std::to_string(kMaxDepth) + " deep: no rig is; is it the right file?");
+      }
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+}
+
+LineColumn lineColumn(std::string_view text, std::size_t offset) {
+  const std::string_view before = text.substr(0, std::min(offset, text.size()));
+  const std::size_t last_break = before.rfind('\n');
+  return {1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')),
+          1 + before.size() - (last_break == std::string_view::npos ? 0 : last_break + 1)};
+}
+
+}  // namespace kelp::rig
