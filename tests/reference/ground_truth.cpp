@@ -49,15 +49,15 @@ class Walk {
   bool first(double x0, double x1, double& x, glm::ivec3& voxel) const {
     dvec3 low, high;
     hull(x0, x1, low, high);
-    const dvec3 extent(volume_.size);
-    // Voxels whose eroded cubes [i + e, i + 1 - e] meet the hull's box.
+    const dvec3 extent = volume_.scale * dvec3(volume_.size0);
+    // Voxels whose eroded cubes [i + e, min(i + 1, extent) - e] meet the hull's box: those of a coarse level end where the volume does.
     glm::ivec3 from, to;
     for (int a = 0; a < 3; ++a) {
       from[a] = static_cast<int>(std::ceil(std::clamp(low[a] - 1.0 + erode_, -2.0, extent[a] + 2.0)));
       to[a] = static_cast<int>(std::floor(std::clamp(high[a] - erode_, -2.0, extent[a] + 2.0)));
       from[a] = std::max(from[a], 0);
       to[a] = std::min(to[a], volume_.size[a] - 1);
-      if (from[a] > to[a]) return false;
+      if (from[a] > to[a] || low[a] > extent[a] - erode_) return false;
     }
     const dvec3 side = high - low;
     const double longest = std::max({side.x, side.y, side.z});

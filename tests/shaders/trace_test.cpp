@@ -149,22 +149,22 @@ void expectExact(const Tally& tally, const char* what) {
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfAClump) {
   const Scene scene = makeScene(test::ballClump({96, 120, 72}, 24, 1));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 1500), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfDust) {
   const Scene scene = makeScene(test::dust({61, 64, 67}, 400, 2));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 1500), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfPlatesAndRods) {
   const Scene scene = makeScene(test::platesAndRods({70, 90, 50}));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 1500), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
 }
 
 TEST(Trace, FindsEveryHitAtACoarserLevelOfOddSize) {
   const Scene scene = makeScene(test::ballClump({97, 121, 73}, 24, 3), 1);
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 800), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 4000), pose.name);
 }
 
 TEST(Trace, FindsEveryHitThroughSeveralSegments) {
@@ -174,7 +174,7 @@ TEST(Trace, FindsEveryHitThroughSeveralSegments) {
                                 {0.65f, {-20, 70, 10}, {30, 0, -60}},
                                 {1, {10, 100, 0}, {0, 100, 0}}};
   ASSERT_TRUE(checkKnots(knots));
-  expectExact(compare(scene, knots, 3000), "four knots");
+  expectExact(compare(scene, knots, 10000), "four knots");
 }
 
 TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {
@@ -182,7 +182,7 @@ TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {
   for (const float height : {20.0f, 60.0f, 250.0f}) {
     const std::vector<Knot> knots{{0, {0, 5, 0}, {30, height, 10}}, {1, {10, 5 + height, -20}, {-60, height, 0}}};
     ASSERT_TRUE(checkKnots(knots));
-    expectExact(compare(scene, knots, 1500), "stretched");
+    expectExact(compare(scene, knots, 5000), "stretched");
   }
 }
 
