@@ -9,8 +9,8 @@ namespace kelp::rig {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
-constexpr double kRatioTolerance = 1e-6;
-constexpr int kLargestRatio = 64;      // numerator and denominator of a ratio that counts as commensurate
+constexpr double kRatioTolerance = 2.5e-7;  // two roundings to float, and a little
+constexpr int kLargestRatio = 1024;    // numerator times denominator of a ratio that counts as commensurate
 constexpr double kMostSwings = 1024;   // of the shortest member within a clock's period
 constexpr double kMostCuts = 1 << 15;  // keys times repetitions within a clock's period
 
@@ -56,7 +56,8 @@ struct Ratio {
 Ratio smallRatio(double ratio) {
   for (int denominator = 1; denominator <= kLargestRatio; ++denominator) {
     const double numerator = std::round(ratio * denominator);
-    if (numerator >= 1 && numerator <= kLargestRatio && std::abs(ratio * denominator - numerator) <= kRatioTolerance * numerator)
+    if (numerator * denominator > kLargestRatio) break;
+    if (numerator >= 1 && std::abs(ratio * denominator - numerator) <= kRatioTolerance * numerator)
       return {static_cast<int>(numerator), denominator};
   }
   return {};
@@ -212,7 +213,7 @@ Range ClockedMotion::range(double t0, double t1) const {
     // A crest lies at a quarter turn plus whole turns, a trough half a turn later; without one the ends are the extremes.
     const double from = wave.omega * t0 + wave.phase, to = wave.omega * t1 + wave.phase;
     const auto passes = [&](double angle) { return angle + kTau * std::ceil((from - angle) / kTau) <= to; };
-    const auto [least, most] = std::minmax(std::sin(from), std::sin(to));
+    const auto [least, most] = std::minmax({std::sin(from), std::sin(to)});
     constexpr double kRounding = 1e-12;
     range.low += wave.amplitude * ((passes(-kTau / 4) ? -1.0 : least) - kRounding);
     range.high += wave.amplitude * ((passes(kTau / 4) ? 1.0 : most) + kRounding);

@@ -64,7 +64,7 @@ struct Clock {
   std::vector<double> members;
   bool holds(double member) const;
 };
-// Puts each period on a clock. Ratios within 1e-6 of one of small integers are taken as exactly that: floats hold no better.
+// Puts each period on a clock. Ratios that are one of small integers to within the rounding of floats are taken as exactly that.
 std::vector<Clock> makeClocks(std::span<const Motion* const> motions);
 // Index of the first clock that holds the period, or clocks.size().
 std::size_t clockOf(std::span<const Clock> clocks, double period);

@@ -187,7 +187,7 @@ class SegmentProof {
       remedy = "make the part of its tangent along the axis larger than 0 at every time";
     } else {
       reason = "the tangents of knots " + k0 + " and " + k1 + " are too long for the distance between the knots";
-      remedy = "make the part of these tangents along the axis smaller, or bring the knots less close together";
+      remedy = "make the part of these tangents along the axis smaller, or move the knots apart";
     }
     throw RigError(place() + " turns back along the axis " + (time == "at rest" ? time : "at " + time) + ": " + reason + "; " + remedy);
   }
@@ -228,19 +228,17 @@ ClipReport proveClip(const RawClip& clip, std::uint32_t part, std::span<const Kn
 
   ClipReport report;
   const double slack = 1e-5 * length;  // for those who evaluate the clip in float
+  double beyond = 0;
   for (std::size_t s = 0; s + 1 < knots.size(); ++s) {
     for (int axis = 0; axis < 3; ++axis) {
       const Range range = boundSegment(clip, part, knots, s, axis);
       const double base = axis == 1 ? 0.0 : size[axis];  // copies of the base span [0, X] x [0, Z] from the spline
+      beyond = std::max({beyond, -range.low, range.high + base - size[axis]});
       report.bounds.min[axis] = std::min(report.bounds.min[axis], static_cast<float>(range.low - slack));
       report.bounds.max[axis] = std::max(report.bounds.max[axis], static_cast<float>(range.high + base + slack));
     }
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    const float beyond = std::max(-report.bounds.min[axis], report.bounds.max[axis] - static_cast<float>(size[axis]));
-    // The slack is not motion.
-    report.leaves_box = std::max(report.leaves_box, (beyond - static_cast<float>(slack)) / static_cast<float>(length));
-  }
+  report.leaves_box = static_cast<float>(beyond / length);
   return report;
 }
 
