@@ -1,1 +1,59 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "check.h"
+#include "kelp/fields/fields.h"
+#include "kelp/formats/brick.h"
+
+namespace kelp::fields {
+
+Occupancy coarser(const Occupancy& occupancy) {
+  checkedVolume(occupancy.solid.size(), occupancy.size);
+  Occupancy half;
+  half.size = levelSize(occupancy.size, 1);
+  half.solid.resize(checkedVolume(half.size));
+  for (int z = 0; z < occupancy.size.z; ++z) {
+    for (int y = 0; y < occupancy.size.y; ++y) {
+      const std::uint8_t* const fine = occupancy.solid.data() + occupancy.index({0, y, z});
+      std::uint8_t* const coarse = half.solid.data() + half.index({0, y / 2, z / 2});
+      for (int x = 0; x < occupancy.size.x; ++x) coarse[x / 2] |= static_cast<std::uint8_t>(fine[x] != 0);
+    }
+  }
+  return half;
+}
+
+Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
+  Occupancy occupancy;
+  occupancy.size = size;
+  occupancy.solid.resize(checkedVolume(size));
+  const glm::ivec3 grid = brickGrid(size);
+  if (level.cells.size() != checkedVolume(grid)) {
+    throw std::invalid_argument("a level has " + std::to_string(level.cells.size()) + " cells instead of " + std::to_string(checkedVolume(grid)));
+  }
+  const std::size_t slots = level.codes.size() / kBrickVoxels;
+  if (level.codes.size() % kBrickVoxels != 0) throw std::invalid_argument("the codes of a level are not whole bricks");
+
+  const std::uint32_t* cell = level.cells.data();
+  glm::ivec3 brick{0};
+  for (brick.z = 0; brick.z < grid.z; ++brick.z) {
+    for (brick.y = 0; brick.y < grid.y; ++brick.y) {
+      for (brick.x = 0; brick.x < grid.x; ++brick.x, ++cell) {
+        if (!(*cell & kCellSolid)) continue;
+        const std::size_t slot = *cell & kCellSlotMask;
+        if (slot >= slots) {
+          throw std::invalid_argument("a cell names slot " + std::to_string(slot) + " of a level with " + std::to_string(slots));
+        }
+        const std::uint8_t* code = level.codes.data() + slot * kBrickVoxels;
+        for (int i = 0; i < kBrickVoxels; ++i, ++code) {
+          if (!isSolidCode(*code)) continue;
+          const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
+          if (voxel.x >= size.x || voxel.y >= size.y || voxel.z >= size.z) throw std::invalid_argument("a solid voxel lies outside its volume");
+          occupancy.solid[occupancy.index(voxel)] = 1;
+        }
+      }
+    }
+  }
+  return occupancy;
+}
+
+}  // namespace kelp::fields

@@ -40,7 +40,9 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 // voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid. Equals squaredDistance of dilate26.
 std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int threads);
 
-// floor(scale * sqrt(squared)), exact. scale = 4 for codes, 256 for cells (brick.h).
+// floor(scale * sqrt(squared)), exact. scale = 4 for codes, 256 for cells (brick.h). Throws std::invalid_argument above kMaxClearanceScale,
+// where the result may no longer fit.
+inline constexpr std::uint32_t kMaxClearanceScale = 65535;
 std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale);
 
 // A surface voxel with its attribute. Lists are sorted by index (x + size.x (y + size.y z)), each at most once.

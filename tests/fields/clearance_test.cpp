@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "every_target.h"
+#include "kelp/fields/fields.h"
+#include "reference_fields.h"
+#include "volumes.h"
+
+namespace kelp::test {
+namespace {
+
+// Calls visit(neighbour, inside the volume) for the 26 neighbours of a voxel, itself too.
+template <class Visit>
+void aroundOf(const glm::ivec3& voxel, const glm::ivec3& size, Visit visit) {
+  for (int dz = -1; dz <= 1; ++dz) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const glm::ivec3 n = voxel + glm::ivec3(dx, dy, dz);
+        visit(n, n.x >= 0 && n.y >= 0 && n.z >= 0 && n.x < size.x && n.y < size.y && n.z < size.z);
+      }
+    }
+  }
+}
+
+TEST(SquaredClearance, IsTheDistanceBetweenClosedCubes) {
+  for (const NamedVolume& volume : hardVolumes()) {
+    const auto expected = bruteSquaredClearance(volume.occupancy);
+    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::squaredClearance(volume.occupancy, 2), expected) << volume.name << " on " << target; });
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Dilate26, SetsWhatHasASolidNeighbour) {
+  for (const NamedVolume& volume : hardVolumes()) {
+    const auto expected = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
+      bool any = false;
+      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) { any |= inside && volume.occupancy.solid[volume.occupancy.index(n)]; });
+      return any;
+    });
+    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::dilate26(volume.occupancy, 2), expected.solid) << volume.name << " on " << target; });
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
+  for (const NamedVolume& volume : hardVolumes()) {
+    std::vector<std::uint64_t> expected;
+    const auto surface = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
+      bool open = false;
+      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) { open |= !inside || !volume.occupancy.solid[volume.occupancy.index(n)]; });
+      return open && volume.occupancy.solid[volume.occupancy.index(v)];
+    });
+    for (std::size_t i = 0; i < surface.solid.size(); ++i) {
+      if (surface.solid[i]) expected.push_back(i);
+    }
+    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::surfaceVoxels(volume.occupancy, 2), expected) << volume.name << " on " << target; });
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Neighbours, AreTheSameForAnyNumberOfThreads) {
+  const auto volume = randomVolume({45, 31, 67}, 0.9, 3);
+  for (const int threads : {0, 2, 3, 4}) {
+    EXPECT_EQ(fields::dilate26(volume, threads), fields::dilate26(volume, 1));
+    EXPECT_EQ(fields::surfaceVoxels(volume, threads), fields::surfaceVoxels(volume, 1));
+    EXPECT_EQ(fields::squaredClearance(volume, threads), fields::squaredClearance(volume, 1));
+  }
+}
+
+TEST(Neighbours, RefuseSizesThatDoNotFit) {
+  auto volume = emptyVolume({4, 5, 6});
+  volume.size.x = 5;
+  EXPECT_THROW(fields::dilate26(volume, 1), std::invalid_argument);
+  EXPECT_THROW(fields::surfaceVoxels(volume, 1), std::invalid_argument);
+  EXPECT_THROW(fields::squaredClearance(volume, 1), std::invalid_argument);
+  EXPECT_THROW(fields::coarser(volume), std::invalid_argument);
+}
+
+// root = floor(scale sqrt(s)) if and only if root^2 <= scale^2 s < (root + 1)^2, in integers wide enough for all of them.
+bool isFloorOfRoot(std::uint64_t root, std::uint64_t squared, std::uint64_t scale) {
+  __extension__ using Wide = unsigned __int128;
+  const Wide target = Wide{scale} * scale * squared;
+  return Wide{root} * root <= target && target < Wide{root + 1} * (root + 1);
+}
+
+TEST(QuantizedClearance, IsTheExactFloor) {
+  for (const std::uint32_t scale : {1u, 4u, 256u, 257u, 65535u}) {
+    for (std::uint32_t s = 0; s < 200000; ++s) ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+    // Around squares, where rounding would show.
+    for (std::uint64_t root = 1; root <= 65535; root += root < 2000 ? 1 : 97) {
+      for (const int step : {-1, 0, 1}) {
+        const auto s = static_cast<std::uint32_t>(root * root + static_cast<std::uint64_t>(step));
+        ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+      }
+    }
+    for (std::uint32_t s = 0xffffffffu; s > 0xffffff00u; --s) ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+    std::mt19937 random(scale);
+    for (int i = 0; i < 200000; ++i) {
+      const std::uint32_t s = random();
+      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+    }
+  }
+  EXPECT_EQ(fields::quantizedClearance(108, 4), 41u);
+  EXPECT_EQ(fields::quantizedClearance(9, 256), 768u);
+  EXPECT_THROW(fields::quantizedClearance(1, 65536), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace kelp::test
