@@ -1,1 +1,124 @@
 // SPDX-License-Identifier: MIT
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "container.h"
+#include "kelp/formats/pack.h"
+#include "layout.h"
+#include "metadata.h"
+#include "voxels.h"
+
+namespace kelp {
+
+struct Pack::Impl {
+  Impl(const Source& from, const Limits& at_most, const Allocator& memory)
+      : source(from), limits(at_most), allocator(memory), container(memory), metadata(memory), levels(memory) {}
+
+  Source source;
+  Limits limits;
+  Allocator allocator;
+  Container container;
+  Metadata metadata;
+  LevelChunks levels;
+
+  Result<void> read();
+  Result<void> readMetadata();
+};
+
+namespace {
+
+// An error inside a chunk, moved to where it is in the file; inside a compressed chunk bytes have no place of their own.
+Error atChunk(const Error& error, const Pack::ChunkInfo& chunk) {
+  Error moved = error;
+  const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
+  moved.offset = chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset);
+  if (moved.code == ErrorCode::kNotMonotone) moved.code = ErrorCode::kCorrupt;  // a pose may fail so; a pack is broken
+  return moved;
+}
+
+}  // namespace
+
+Result<void> Pack::Impl::readMetadata() {
+  const Result<MetadataChunks> found = findMetadata(container.chunks.span());
+  if (!found) return found.error();
+  Buffer<std::byte> bytes(allocator);
+  std::uint64_t total = 0;
+  const auto readTable = [&](std::size_t index, auto parse) -> Result<void> {
+    if (index == MetadataChunks::kNone) return {};
+    const ChunkInfo& chunk = container.chunks[index];
+    total += chunk.raw;
+    if (total > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "the metadata are larger than the limits allow", chunk.offset};
+    if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read;
+    if (const Result<void> parsed = parse(std::span<const std::byte>(bytes.span())); !parsed) return atChunk(parsed.error(), chunk);
+    return {};
+  };
+  using Bytes = std::span<const std::byte>;
+  if (const Result<void> r = readTable(found->info, [&](Bytes b) { return parseInfo(b, metadata); }); !r) return r;
+  if (const Result<void> r = readTable(found->part, [&](Bytes b) { return parseParts(b, limits, metadata); }); !r) return r;
+  if (const Result<void> r = readTable(found->matl, [&](Bytes b) { return parsePalette(b, metadata); }); !r) return r;
+  if (const Result<void> r = readTable(found->rigs, [&](Bytes b) { return parseRigs(b, metadata); }); !r) return r;
+  return readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); });
+}
+
+Result<void> Pack::Impl::read() {
+  if (const Result<void> r = readContainer(source, limits, allocator, container); !r) return r;
+  if (const Result<void> r = readMetadata(); !r) return r;
+  return findLevels(container.chunks.span(), metadata.parts.span(), levels);
+}
+
+Pack::Pack(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Pack::Pack(Pack&&) noexcept = default;
+Pack& Pack::operator=(Pack&&) noexcept = default;
+Pack::~Pack() = default;
+
+Result<Pack> Pack::open(const Source& source, const Limits& limits, const Allocator& allocator) {
+  if (!allocator.allocate || !allocator.deallocate) return Error{ErrorCode::kMisuse, "the allocator lacks a function"};
+  std::unique_ptr<Impl> impl(new (std::nothrow) Impl(source, limits, allocator));
+  if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the pack"};
+  if (const Result<void> read = impl->read(); !read) return read.error();
+  return Pack(std::move(impl));
+}
+
+std::uint16_t Pack::minorVersion() const { return impl_->container.minor; }
+std::uint64_t Pack::fileSize() const { return impl_->container.file_size; }
+std::string_view Pack::infoJson() const { return {impl_->metadata.info.data(), impl_->metadata.info.size()}; }
+std::span<const Part> Pack::parts() const { return impl_->metadata.parts.span(); }
+std::span<const Material> Pack::palette() const { return impl_->metadata.palette.span(); }
+std::span<const Clip> Pack::clips() const { return impl_->metadata.clips.span(); }
+std::span<const Pack::ChunkInfo> Pack::chunks() const { return impl_->container.chunks.span(); }
+
+Result<LevelGrid> Pack::readGrid(int part, int level) const {
+  const std::span<const Part> all = parts();
+  if (part < 0 || static_cast<std::size_t>(part) >= all.size()) return Error{ErrorCode::kMisuse, "there is no such part"};
+  const Part& of = all[static_cast<std::size_t>(part)];
+  if (level < 0 || level >= of.levels) return Error{ErrorCode::kMisuse, "the part has no such level"};
+  const std::size_t slot = impl_->levels.first[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
+  const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
+  const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
+
+  const glm::ivec3 size = levelSize(of.size, level);
+  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(size))) {
+    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
+  }
+  Buffer<std::byte> bytes(impl_->allocator);
+  if (const Result<void> read = readChunk(impl_->source, chunk, impl_->limits, bytes, impl_->allocator); !read) return read.error();
+  LevelGrid grid(impl_->allocator);
+  if (const Result<void> parsed = parseGrid(bytes.span(), size, bricks, grid); !parsed) return atChunk(parsed.error(), chunk);
+  return Result<LevelGrid>(std::move(grid));
+}
+
+Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
+  const std::uint64_t size = impl_->container.file_size;
+  if (!isPossiblePage(page) || page.offset > size || page.stored > size - page.offset) {
+    return Error{ErrorCode::kMisuse, "the page does not come from a grid of this pack"};
+  }
+  if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
+  if (findBrickWithoutSolid(out.codes.span()) >= 0) return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
+  if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {
+    return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that is not there", page.offset};
+  }
+  return {};
+}
+
+}  // namespace kelp

@@ -1,1 +1,239 @@
 // SPDX-License-Identifier: MIT
+// Checks everything, packs everything, then writes from the first byte to the last.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+
+#include "checksum.h"
+#include "kelp/formats/raw_pack.h"
+#include "layout.h"
+#include "metadata.h"
+#include "metadata_writer.h"
+#include "page_writer.h"
+#include "raw_pack_check.h"
+#include "voxels.h"
+
+namespace kelp {
+namespace {
+
+const Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
+
+Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
+
+// A chunk to be: either bytes of its own, or pages behind one another.
+struct ChunkPlan {
+  Pack::ChunkInfo info;
+  Packed own;
+  std::span<const Packed> pages;
+};
+
+class Writer {
+ public:
+  Writer(const RawPack& pack, const Sink& sink, int threads) : pack_(pack), sink_(sink), threads_(threads) {}
+
+  Result<void> run() {
+    if (const Result<void> r = checkSizes(); !r) return r;
+    if (const Result<void> r = packMetadata(); !r) return r;
+    if (const Result<void> r = packLevels(); !r) return r;
+    return write();
+  }
+
+ private:
+  // What the 32-bit counts of the format can hold, and what later steps take for granted.
+  Result<void> checkSizes() {
+    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 64;  // bytes of any table then fit 32 bits too
+    if (pack_.parts.size() > kMost || pack_.clips.size() > kMost) return misuse("too many parts or clips");
+    std::size_t entries = 0;
+    for (const RawPart& part : pack_.parts) {
+      if (part.name.size() > layout::kMaxNameBytes) return misuse("a part's name is longer than 255 bytes");
+      if (part.knots.size() > static_cast<std::size_t>(kMaxKnots)) return misuse("a part has more than 64 knots");
+      levels_ += part.levels.size();
+    }
+    for (const RawClip& clip : pack_.clips) {
+      if (clip.name.size() > layout::kMaxNameBytes) return misuse("a clip's name is longer than 255 bytes");
+      entries += clip.waves.size() + clip.tracks.size();
+      for (const RawTrack& track : clip.tracks) entries += track.keys.size();
+    }
+    if (entries > kMost || levels_ > kMost) return misuse("too many levels, waves, tracks or keys");
+    return {};
+  }
+
+  // Builds the tables, and lets the reader's own rules judge them.
+  Result<void> packMetadata() {
+    chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * levels_]);
+    if (!chunks_) return kNoMemory;
+    Limits limits;
+    limits.max_decoded_bytes = std::numeric_limits<std::uint64_t>::max();
+    limits.max_side = layout::kMaxSide;
+    limits.max_parts = std::numeric_limits<std::uint32_t>::max();
+    Metadata parsed{Allocator()};
+    Buffer<std::byte> table;
+    const auto add = [&](std::uint32_t fourcc, bool required, const Result<void>& verdict) -> Result<void> {
+      if (!verdict) return verdict.error().code == ErrorCode::kOutOfMemory ? verdict.error() : misuse(verdict.error().detail);
+      ChunkPlan& chunk = chunks_[chunk_count_++];
+      if (!packBytes(table.span(), chunk.own)) return kNoMemory;
+      describe(chunk, fourcc, required ? layout::kFlagRequired : 0, 0, 0);
+      return {};
+    };
+    if (!pack_.info_json.empty()) {
+      if (!table.reset(pack_.info_json.size())) return kNoMemory;
+      std::memcpy(table.data(), pack_.info_json.data(), pack_.info_json.size());
+      if (const Result<void> r = add(layout::kInfo, false, parseInfo(table.span(), parsed)); !r) return r;
+    }
+    if (!buildParts(pack_, table)) return kNoMemory;
+    if (const Result<void> r = add(layout::kPart, true, parseParts(table.span(), limits, parsed)); !r) return r;
+    if (!buildPalette(pack_, table)) return kNoMemory;
+    if (const Result<void> r = add(layout::kMatl, true, parsePalette(table.span(), parsed)); !r) return r;
+    if (!buildRigs(pack_, table)) return kNoMemory;
+    if (const Result<void> r = add(layout::kRigs, true, parseRigs(table.span(), parsed)); !r) return r;
+    if (pack_.clips.empty()) return {};
+    if (!buildClips(pack_, table)) return kNoMemory;
+    return add(layout::kClip, false, parseClips(table.span(), parsed));
+  }
+
+  Result<void> packLevels() {
+    std::size_t page_count = 0, coarsest = 0;
+    for (const RawPart& part : pack_.parts) {
+      for (std::size_t level = 0; level < part.levels.size(); ++level) {
+        const RawLevel& raw = part.levels[level];
+        if (const Result<void> r = checkRawLevel(raw, levelSize(part.size, static_cast<int>(level)), pack_.palette.size()); !r) return r;
+        page_count += planPages(raw, {});
+      }
+      coarsest = std::max(coarsest, part.levels.size() - 1);
+    }
+    std::unique_ptr<PagePlan[]> plans(new (std::nothrow) PagePlan[page_count]);
+    packed_.reset(new (std::nothrow) Packed[page_count]);
+    if (!plans || !packed_) return kNoMemory;
+
+    // In the order of the file: coarse to fine, then part by part.
+    std::size_t first_page = 0;
+    for (std::size_t level = coarsest + 1; level-- > 0;) {
+      for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
+        if (level >= pack_.parts[part].levels.size()) continue;
+        const std::size_t pages = planPages(pack_.parts[part].levels[level], {plans.get() + first_page, page_count - first_page});
+        ChunkPlan& grid = chunks_[chunk_count_++];
+        ChunkPlan& bricks = chunks_[chunk_count_++];
+        bricks.pages = {packed_.get() + first_page, pages};
+        grid.info.level = bricks.info.level = static_cast<std::uint32_t>(level);
+        grid.info.part = bricks.info.part = static_cast<std::uint32_t>(part);
+        first_page += pages;
+      }
+    }
+    if (!packPages({plans.get(), page_count}, {packed_.get(), page_count}, threads_)) return kNoMemory;
+
+    for (std::size_t i = 0; i < chunk_count_; ++i) {
+      if (chunks_[i].pages.empty()) continue;
+      ChunkPlan& grid = chunks_[i - 1];
+      ChunkPlan& bricks = chunks_[i];
+      const std::size_t page = static_cast<std::size_t>(bricks.pages.data() - packed_.get());
+      if (!packGrid({plans.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
+      describe(grid, layout::kGrid, layout::kFlagRequired, grid.info.level, grid.info.part);
+      describe(bricks, layout::kBrck, layout::kFlagRequired, bricks.info.level, bricks.info.part);
+    }
+    return {};
+  }
+
+  // Cells, padding to 8 bytes, page table.
+  static bool packGrid(std::span<const PagePlan> plans, std::span<const Packed> pages, Packed& out) {
+    const std::vector<std::uint32_t>& cells = plans.front().level->cells;
+    const std::size_t table_at = static_cast<std::size_t>(layout::align(cells.size() * sizeof(std::uint32_t), 8));
+    Buffer<std::byte> raw;
+    if (!raw.reset(table_at + pages.size() * layout::kPageEntryBytes)) return false;
+    std::memcpy(raw.data(), cells.data(), cells.size() * sizeof(std::uint32_t));
+    std::uint64_t offset = 0;
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+      const std::size_t at = table_at + i * layout::kPageEntryBytes;
+      layout::store(raw.span(), at, offset);
+      layout::store(raw.span(), at + 8, static_cast<std::uint32_t>(pages[i].stored.size()));
+      layout::store(raw.span(), at + 12, static_cast<std::uint32_t>(pages[i].raw));
+      layout::store(raw.span(), at + 16, pages[i].checksum);
+      layout::store(raw.span(), at + 24, plans[i].first_slot);
+      layout::store(raw.span(), at + 28, plans[i].count);
+      offset += pages[i].stored.size();
+    }
+    return packBytes(raw.span(), out);
+  }
+
+  // Fills the index entry of a chunk whose bytes are known; the offset comes last.
+  static void describe(ChunkPlan& chunk, std::uint32_t fourcc, std::uint32_t flags, std::uint32_t level, std::uint32_t part) {
+    Pack::ChunkInfo& info = chunk.info;
+    info.fourcc = fourcc;
+    info.flags = flags | (chunk.own.compressed ? layout::kFlagZstd : 0);
+    info.level = level;
+    info.part = part;
+    if (chunk.pages.empty()) {
+      info.stored = chunk.own.stored.size();
+      info.raw = chunk.own.raw;
+      info.checksum = chunk.own.checksum;
+      return;
+    }
+    RunningChecksum running;
+    for (const Packed& page : chunk.pages) {
+      info.stored += page.stored.size();
+      running.add(page.stored.span());
+    }
+    info.raw = info.stored;
+    info.checksum = running.value();
+  }
+
+  Result<void> write() {
+    Buffer<std::byte> head;
+    if (!head.reset(layout::kHeaderBytes + chunk_count_ * layout::kIndexEntryBytes)) return kNoMemory;
+    std::uint64_t end = head.size();
+    for (std::size_t i = 0; i < chunk_count_; ++i) {
+      Pack::ChunkInfo& info = chunks_[i].info;
+      info.offset = layout::align(end, layout::kAlignment);
+      end = info.offset + info.stored;
+      layout::storeIndexEntry(head.span(), layout::kHeaderBytes + i * layout::kIndexEntryBytes, info);
+    }
+    layout::store(head.span(), 0, layout::kIdentifier);
+    layout::store(head.span(), 12, kFormatMajor);
+    layout::store(head.span(), 14, kFormatMinor);
+    layout::store(head.span(), 16, end);
+    layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
+    layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
+
+    bool taken = send(head.span());
+    for (std::size_t i = 0; i < chunk_count_ && taken; ++i) {
+      const ChunkPlan& chunk = chunks_[i];
+      taken = pad(chunk.info.offset) && (chunk.pages.empty() ? send(chunk.own.stored.span()) : true);
+      for (std::size_t page = 0; page < chunk.pages.size() && taken; ++page) taken = send(chunk.pages[page].stored.span());
+    }
+    if (!taken) return Error{ErrorCode::kIo, "the sink did not take the bytes", written_};
+    return {};
+  }
+
+  bool send(std::span<const std::byte> bytes) {
+    if (!sink_.write(sink_.user, bytes)) return false;
+    written_ += bytes.size();
+    return true;
+  }
+
+  bool pad(std::uint64_t offset) {
+    static constexpr std::byte kZeros[layout::kAlignment] = {};
+    return offset == written_ || send(std::span(kZeros).first(static_cast<std::size_t>(offset - written_)));
+  }
+
+  static constexpr std::size_t kMetadataChunks = 5;
+
+  const RawPack& pack_;
+  const Sink& sink_;
+  const int threads_;
+  std::size_t levels_ = 0;
+  std::unique_ptr<ChunkPlan[]> chunks_;
+  std::size_t chunk_count_ = 0;
+  std::unique_ptr<Packed[]> packed_;
+  std::uint64_t written_ = 0;
+};
+
+}  // namespace
+
+Result<void> writePack(const RawPack& pack, const Sink& sink, int threads) {
+  if (!sink.write) return misuse("the sink has no write function");
+  if (threads < 1) return misuse("at least one thread must do the work");
+  return Writer(pack, sink, threads).run();
+}
+
+}  // namespace kelp

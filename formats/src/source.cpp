@@ -48,7 +48,7 @@ Result<FileSource> FileSource::open(const char* path) {
     return Error{ErrorCode::kIo, "not a regular file"};
   }
   source.size_ = static_cast<std::uint64_t>(status.st_size);
-  return source;
+  return Result<FileSource>(std::move(source));
 }
 
 bool FileSource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {

@@ -2,6 +2,7 @@
 // Reader of .kelp packs. Never trusts a byte: everything is checked before it is used, memory is bounded before it is allocated.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -37,6 +38,9 @@ struct PageInfo {
 
 // The grid of one level of one part and the pages that hold its bricks.
 struct LevelGrid {
+  LevelGrid() = default;
+  explicit LevelGrid(const Allocator& allocator) : cells(allocator), pages(allocator) {}
+
   glm::ivec3 size{0};             // voxels of this level
   glm::ivec3 grid{0};             // bricks
   std::uint32_t bricks = 0;       // stored bricks; slots are 0 .. bricks - 1, each used by exactly one cell
@@ -44,12 +48,16 @@ struct LevelGrid {
   Buffer<PageInfo> pages;         // ascending slots, no gaps
 };
 
-// One decoded page.
+// One decoded page. Keep one per thread and read page after page into it: after the largest page it allocates no more.
 struct PageData {
+  PageData() = default;
+  explicit PageData(const Allocator& allocator) : codes(allocator), attributes(allocator), scratch(allocator) {}
+
   std::uint32_t first_slot = 0;
   std::uint32_t count = 0;
   Buffer<std::uint8_t> codes;         // 512 a brick
   Buffer<std::uint32_t> attributes;   // of all surface voxels, brick by brick, in code order
+  Buffer<std::byte> scratch;          // the reader's own
 };
 
 // An open pack: everything but the voxels is in memory and checked. Immutable; every const function may be called from any thread.

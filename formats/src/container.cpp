@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "container.h"
+
+#include <algorithm>
+#include <array>
+
+#include "checksum.h"
+#include "layout.h"
+#include "zstd_decode.h"
+
+namespace kelp {
+namespace {
+
+using ChunkInfo = Pack::ChunkInfo;
+
+bool isKnown(std::uint32_t fourcc) {
+  using namespace layout;
+  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kRigs || fourcc == kClip || fourcc == kGrid || fourcc == kBrck;
+}
+
+// INFO and CLIP are for those who want them; without the others nothing can be drawn.
+bool mustBeRequired(std::uint32_t fourcc) { return fourcc != layout::kInfo && fourcc != layout::kClip; }
+
+std::uint64_t entryOffset(std::size_t index) { return layout::kHeaderBytes + index * layout::kIndexEntryBytes; }
+
+// The rules that concern one known chunk by itself.
+Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
+  const bool level_chunk = chunk.fourcc == layout::kGrid || chunk.fourcc == layout::kBrck;
+  if (chunk.flags & ~layout::kKnownFlags) return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know", at + 4};
+  if (((chunk.flags & layout::kFlagRequired) != 0) != mustBeRequired(chunk.fourcc)) {
+    return Error{ErrorCode::kCorrupt, "a chunk's required flag is not as its kind demands", at + 4};
+  }
+  if (!level_chunk && (chunk.level != 0 || chunk.part != 0)) return Error{ErrorCode::kCorrupt, "a metadata chunk names a level or part", at + 8};
+  if (chunk.raw == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 32};
+  if (chunk.flags & layout::kFlagZstd) {
+    if (chunk.fourcc == layout::kBrck) return Error{ErrorCode::kCorrupt, "a brick chunk is flagged as compressed in one piece", at + 4};
+    if (chunk.raw / layout::kMaxExpansion > chunk.stored) return Error{ErrorCode::kCorrupt, "a chunk claims to expand further than zstd can", at + 32};
+  } else if (chunk.raw != chunk.stored) {
+    return Error{ErrorCode::kCorrupt, "an uncompressed chunk's two sizes differ", at + 32};
+  }
+  if (chunk.fourcc != layout::kBrck && chunk.raw > limits.max_decoded_bytes) {
+    return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", at + 32};
+  }
+  return {};
+}
+
+Result<void> checkIndex(const Container& container, const Limits& limits) {
+  std::uint64_t end = entryOffset(container.chunks.size());
+  for (std::size_t i = 0; i < container.chunks.size(); ++i) {
+    const ChunkInfo& chunk = container.chunks[i];
+    const std::uint64_t at = entryOffset(i);
+    if (chunk.offset != layout::align(end, layout::kAlignment)) return Error{ErrorCode::kCorrupt, "a chunk is not where the one before it ends", at + 16};
+    if (chunk.stored == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 24};
+    if (chunk.offset > container.file_size || chunk.stored > container.file_size - chunk.offset) {
+      return Error{ErrorCode::kCorrupt, "a chunk reaches beyond the end of the file", at + 24};
+    }
+    end = chunk.offset + chunk.stored;
+    if (isKnown(chunk.fourcc)) {
+      if (const Result<void> checked = checkKnownChunk(chunk, limits, at); !checked) return checked;
+    } else if (chunk.flags & layout::kFlagRequired) {
+      return Error{ErrorCode::kUnsupportedFeature, "a required chunk is of a kind that this version does not know", at};
+    }
+  }
+  if (end != container.file_size) return Error{ErrorCode::kCorrupt, "the last chunk does not end where the file does", 16};
+  return {};
+}
+
+}  // namespace
+
+Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes) {
+  if (!source.read(source.user, offset, bytes)) return Error{ErrorCode::kIo, "the source could not be read", offset};
+  return {};
+}
+
+Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator, Container& out) {
+  using namespace layout;
+  if (!source.read) return Error{ErrorCode::kMisuse, "the source has no read function"};
+  std::array<std::byte, kHeaderBytes> header{};
+  const std::size_t there = static_cast<std::size_t>(std::min<std::uint64_t>(source.size, kHeaderBytes));
+  if (const Result<void> read = readBytes(source, 0, std::span(header).first(there)); !read) return read;
+  // What there is of the identifier tells a cut pack from another kind of file.
+  const std::size_t compared = std::min(there, kIdentifier.size());
+  if (compared == 0 || std::memcmp(header.data(), kIdentifier.data(), compared) != 0) {
+    return Error{ErrorCode::kNotAPack, "the file does not begin as a .kelp pack does", 0};
+  }
+  if (there < kHeaderBytes) return Error{ErrorCode::kTruncated, "the file ends within its header", there};
+  if (load<std::uint16_t>(header, 12) > kFormatMajor) return Error{ErrorCode::kUnsupportedVersion, "the pack was written by a newer kelp", 12};
+  if (load<std::uint16_t>(header, 12) < kFormatMajor) return Error{ErrorCode::kCorrupt, "there is no such version of the format", 12};
+  out.minor = load<std::uint16_t>(header, 14);
+  out.file_size = load<std::uint64_t>(header, 16);
+  if (source.size < out.file_size) return Error{ErrorCode::kTruncated, "the file is shorter than its header says", source.size};
+  if (source.size > out.file_size) return Error{ErrorCode::kCorrupt, "the file is longer than its header says", out.file_size};
+  for (std::size_t i = 28; i < kHeaderChecksum; ++i) {
+    if (header[i] != std::byte{0}) return Error{ErrorCode::kCorrupt, "a reserved byte of the header is not zero", i};
+  }
+  const std::uint32_t count = load<std::uint32_t>(header, 24);
+  if (count < 1 || count > (out.file_size - kHeaderBytes) / kIndexEntryBytes) {
+    return Error{ErrorCode::kCorrupt, "the index does not fit the file", 24};
+  }
+  const std::uint64_t index_bytes = std::uint64_t{count} * kIndexEntryBytes;
+  if (index_bytes > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "the index is larger than the limits allow", 24};
+
+  Buffer<std::byte> index(allocator);
+  if (!index.reset(static_cast<std::size_t>(index_bytes)) || !out.chunks.reset(count)) {
+    return Error{ErrorCode::kOutOfMemory, "no memory for the index"};
+  }
+  if (const Result<void> read = readBytes(source, kHeaderBytes, index.span()); !read) return read;
+  const std::uint64_t stated = load<std::uint64_t>(header, kHeaderChecksum);
+  store(header, kHeaderChecksum, std::uint64_t{0});
+  RunningChecksum running;
+  running.add(header);
+  running.add(index.span());
+  if (running.value() != stated) return Error{ErrorCode::kChecksum, "header and index differ from their checksum", kHeaderChecksum};
+
+  for (std::size_t i = 0; i < count; ++i) out.chunks[i] = loadIndexEntry(index.span(), i * kIndexEntryBytes);
+  return checkIndex(out, limits);
+}
+
+Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out, const Allocator& allocator) {
+  if (chunk.raw > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", chunk.offset};
+  const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
+  Buffer<std::byte> frame(allocator);
+  Buffer<std::byte>& stored = compressed ? frame : out;
+  if (!stored.reset(static_cast<std::size_t>(chunk.stored))) return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
+  if (const Result<void> read = readBytes(source, chunk.offset, stored.span()); !read) return read;
+  if (checksum(stored.span()) != chunk.checksum) return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset};
+  if (!compressed) return {};
+
+  Buffer<std::byte> workspace(allocator);
+  if (!out.reset(static_cast<std::size_t>(chunk.raw)) || !workspace.reset(decodeWorkspaceBytes())) {
+    return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
+  }
+  if (!decodeFrame(frame.span(), out.span(), workspace.span())) {
+    return Error{ErrorCode::kCorrupt, "a chunk does not decompress to the size it states", chunk.offset};
+  }
+  return {};
+}
+
+}  // namespace kelp

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The bytes of a .kelp file, shared by reader, writer and verifier. formats/SPEC.md is the law; the numbers of its tables stand here.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "kelp/formats/pack.h"
+
+namespace kelp::layout {
+
+static_assert(std::endian::native == std::endian::little, "kelp reads and writes packs on little-endian machines only");
+
+// 0xAB K E L P A K 0xBB CR LF ^Z LF: a transfer that treats the file as text damages it visibly.
+inline constexpr std::array<std::uint8_t, 12> kIdentifier = {0xAB, 'K', 'E', 'L', 'P', 'A', 'K', 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
+
+constexpr std::uint32_t fourcc(const char (&name)[5]) {
+  return static_cast<std::uint32_t>(name[0]) | (static_cast<std::uint32_t>(name[1]) << 8) | (static_cast<std::uint32_t>(name[2]) << 16) |
+         (static_cast<std::uint32_t>(name[3]) << 24);
+}
+inline constexpr std::uint32_t kInfo = fourcc("INFO");
+inline constexpr std::uint32_t kPart = fourcc("PART");
+inline constexpr std::uint32_t kMatl = fourcc("MATL");
+inline constexpr std::uint32_t kRigs = fourcc("RIGS");
+inline constexpr std::uint32_t kClip = fourcc("CLIP");
+inline constexpr std::uint32_t kGrid = fourcc("GRID");
+inline constexpr std::uint32_t kBrck = fourcc("BRCK");
+
+inline constexpr std::uint32_t kFlagRequired = 1;
+inline constexpr std::uint32_t kFlagZstd = 2;
+inline constexpr std::uint32_t kKnownFlags = kFlagRequired | kFlagZstd;
+
+inline constexpr std::size_t kHeaderBytes = 64;
+inline constexpr std::size_t kHeaderChecksum = 56;  // where the header keeps the checksum of itself and the index
+inline constexpr std::size_t kIndexEntryBytes = 48;
+inline constexpr std::uint64_t kAlignment = 64;
+inline constexpr std::uint32_t kMaxPageRaw = 64 * 1024;
+inline constexpr std::uint32_t kMaxPageStored = 128 * 1024;
+inline constexpr std::size_t kPageEntryBytes = 32;
+inline constexpr std::uint32_t kMaxSide = 32768;     // level-0 voxels
+inline constexpr std::uint32_t kMaxNameBytes = 255;
+// No zstd block expands further: 128 KiB from the 4 bytes of a run.
+inline constexpr std::uint64_t kMaxExpansion = 32768;
+
+constexpr std::uint64_t align(std::uint64_t n, std::uint64_t unit) { return (n + unit - 1) / unit * unit; }
+
+// One value at `at`, which the caller has checked.
+template <class T>
+T load(std::span<const std::byte> bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+
+template <class T>
+void store(std::span<std::byte> bytes, std::size_t at, const T& value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+// The fourcc, flags, level, part, offset, stored, raw and checksum of an index entry, in this order and without gaps.
+inline Pack::ChunkInfo loadIndexEntry(std::span<const std::byte> bytes, std::size_t at) {
+  Pack::ChunkInfo chunk;
+  chunk.fourcc = load<std::uint32_t>(bytes, at);
+  chunk.flags = load<std::uint32_t>(bytes, at + 4);
+  chunk.level = load<std::uint32_t>(bytes, at + 8);
+  chunk.part = load<std::uint32_t>(bytes, at + 12);
+  chunk.offset = load<std::uint64_t>(bytes, at + 16);
+  chunk.stored = load<std::uint64_t>(bytes, at + 24);
+  chunk.raw = load<std::uint64_t>(bytes, at + 32);
+  chunk.checksum = load<std::uint64_t>(bytes, at + 40);
+  return chunk;
+}
+
+inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pack::ChunkInfo& chunk) {
+  store(bytes, at, chunk.fourcc);
+  store(bytes, at + 4, chunk.flags);
+  store(bytes, at + 8, chunk.level);
+  store(bytes, at + 12, chunk.part);
+  store(bytes, at + 16, chunk.offset);
+  store(bytes, at + 24, chunk.stored);
+  store(bytes, at + 32, chunk.raw);
+  store(bytes, at + 40, chunk.checksum);
+}
+
+// Sizes of the records in the metadata chunks.
+inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
+inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
+inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 4, kKnotRecord = 28;
+inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16, kKeyRecord = 52;
+
+}  // namespace kelp::layout

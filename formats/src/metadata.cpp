@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "metadata.h"
+
+#include <cstdint>
+#include <cstring>
+
+#include "record_reader.h"
+
+namespace kelp {
+namespace {
+
+// Whether the matrix can be inverted: the runtime goes both ways.
+bool isInvertible(const glm::mat4x3& m) {
+  const double determinant =
+      static_cast<double>(m[0].x) * (static_cast<double>(m[1].y) * m[2].z - static_cast<double>(m[1].z) * m[2].y) -
+      static_cast<double>(m[1].x) * (static_cast<double>(m[0].y) * m[2].z - static_cast<double>(m[0].z) * m[2].y) +
+      static_cast<double>(m[2].x) * (static_cast<double>(m[0].y) * m[1].z - static_cast<double>(m[0].z) * m[1].y);
+  return isFinite(m) && std::isfinite(determinant) && determinant != 0.0;
+}
+
+Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limits, Part& part) {
+  const std::size_t at = in.at();
+  part.parent = in.take<std::int32_t>();
+  const std::uint8_t kind = in.take<std::uint8_t>();
+  part.levels = in.take<std::uint8_t>();
+  const std::uint16_t reserved = in.take<std::uint16_t>();
+  const std::uint32_t size[3] = {in.u32(), in.u32(), in.u32()};
+  part.to_object = in.mat4x3();
+  part.pivot = in.mat4x3();
+  if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index)) return corrupt("a part's parent is not an earlier part", at);
+  if (kind != static_cast<std::uint8_t>(PartKind::kSolid)) {
+    return Error{ErrorCode::kUnsupportedFeature, "a part is of a kind that this version does not know", at + 4};
+  }
+  part.kind = PartKind::kSolid;
+  if (part.levels < 1 || part.levels > kMaxLevels) return corrupt("a part's number of levels is not 1 to 16", at + 5);
+  if (reserved != 0) return corrupt("a reserved field of a part is not zero", at + 6);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (size[axis] < 1 || size[axis] > layout::kMaxSide) return corrupt("a part's size is not 1 to 32768", at + 8);
+    if (size[axis] > limits.max_side) return Error{ErrorCode::kLimit, "a part has more voxels along an axis than the limits allow", at + 8};
+    part.size[axis] = static_cast<int>(size[axis]);
+  }
+  if (!isInvertible(part.to_object)) return corrupt("a part's transform to the object can not be inverted", at + 20);
+  if (!isInvertible(part.pivot)) return corrupt("a part's pivot can not be inverted", at + 68);
+  return {};
+}
+
+}  // namespace
+
+Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out) {
+  if (!out.info.reset(chunk.size())) return outOfMemory("no memory for the information text");
+  std::memcpy(out.info.data(), chunk.data(), chunk.size());
+  if (!isUtf8({out.info.data(), out.info.size()})) return corrupt("the information text is not UTF-8", 0);
+  return {};
+}
+
+Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out) {
+  if (chunk.size() < layout::kPartHeader) return corrupt("the part table is too short", 0);
+  RecordReader in(chunk);
+  const std::uint32_t count = in.u32();
+  const std::uint32_t text_bytes = in.u32();
+  if (count < 1) return corrupt("there are no parts", 0);
+  const std::uint64_t names_at = layout::kPartHeader + std::uint64_t{count} * layout::kPartRecord;
+  if (chunk.size() != names_at + text_bytes) return corrupt("the part table's size does not fit its counts", 0);
+  if (count > limits.max_parts) return Error{ErrorCode::kLimit, "more parts than the limits allow", 0};
+  if (!out.parts.reset(count) || !out.part_names.reset(text_bytes)) return outOfMemory("no memory for the parts");
+  if (text_bytes > 0) std::memcpy(out.part_names.data(), chunk.data() + names_at, text_bytes);
+
+  std::uint64_t text = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::size_t at = in.at();
+    Part part;
+    const std::uint32_t name_bytes = in.u32();
+    if (name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text) return corrupt("a part's name is too long", at);
+    part.name = {out.part_names.data() + text, name_bytes};
+    if (!isName(part.name)) return corrupt("a part's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
+    text += name_bytes;
+    if (const Result<void> read = readPart(in, i, limits, part); !read) return read;
+    out.parts[i] = part;
+  }
+  if (text != text_bytes) return corrupt("the part names' size does not fit the text", 4);
+  return {};
+}
+
+Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
+  if (chunk.size() < layout::kMatlHeader) return corrupt("the palette is too short", 0);
+  RecordReader in(chunk);
+  const std::uint32_t count = in.u32();
+  if (count < 1 || count > 256) return corrupt("the palette has not 1 to 256 entries", 0);
+  if (chunk.size() != layout::kMatlHeader + count * layout::kMatlRecord) return corrupt("the palette's size does not fit its count", 0);
+  if (!out.palette.reset(count)) return outOfMemory("no memory for the palette");
+
+  const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
+  for (Material& material : out.palette) {
+    const std::size_t at = in.at();
+    material.base_color = in.vec4();
+    material.emissive = in.vec3();
+    material.metallic = in.f32();
+    material.roughness = in.f32();
+    const glm::vec4& c = material.base_color;
+    const glm::vec3& e = material.emissive;
+    if (!in_unit(c.x) || !in_unit(c.y) || !in_unit(c.z) || !in_unit(c.w)) return corrupt("a base colour is not within 0 to 1", at);
+    if (!isFinite(e) || !(e.x >= 0 && e.y >= 0 && e.z >= 0)) return corrupt("an emissive colour is negative or not finite", at + 16);
+    if (!in_unit(material.metallic) || !in_unit(material.roughness)) return corrupt("metallic or roughness is not within 0 to 1", at + 28);
+  }
+  return {};
+}
+
+Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
+  const std::size_t parts = out.parts.size();
+  const std::uint64_t knots_at = layout::kRigsHeader + parts * layout::kRigsPerPart;
+  if (chunk.size() < knots_at) return corrupt("the rig table is too short", 0);
+  RecordReader in(chunk);
+  if (in.u32() != parts) return corrupt("the rig table is not for this number of parts", 0);
+  const std::uint32_t total = in.u32();
+  if (chunk.size() != knots_at + std::uint64_t{total} * layout::kKnotRecord) return corrupt("the rig table's size does not fit its counts", 4);
+  if (!out.knots.reset(total)) return outOfMemory("no memory for the knots");
+
+  std::uint64_t used = 0;
+  for (Part& part : out.parts) {
+    const std::size_t at = in.at();
+    const std::uint32_t count = in.u32();
+    if (count < 2 || count > static_cast<std::uint32_t>(kMaxKnots) || count > total - used) return corrupt("a rig has not 2 to 64 knots", at);
+    part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
+    used += count;
+  }
+  if (used != total) return corrupt("the rigs do not use every knot", 4);
+  for (Knot& knot : out.knots) {
+    knot.at = in.f32();
+    knot.position = in.vec3();
+    knot.tangent = in.vec3();
+  }
+  for (const Part& part : out.parts) {
+    const Result<void> checked = checkKnots(part.knots);
+    if (checked) continue;
+    const std::uint64_t knot = static_cast<std::uint64_t>(part.knots.data() - out.knots.data()) + checked.error().offset;
+    const bool turns = checked.error().code == ErrorCode::kNotMonotone;
+    return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail, knots_at + knot * layout::kKnotRecord};
+  }
+  return {};
+}
+
+}  // namespace kelp

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The metadata chunks as tables in memory. Each function reads one decoded chunk, checks every rule of SPEC.md and trusts nothing; the
+// writer runs them too, on what it is about to write. The offset of their errors counts from the chunk's first byte; codes are kCorrupt,
+// kNotMonotone (rigs), kLimit, kUnsupportedFeature (parts) and kOutOfMemory.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "kelp/formats/buffer.h"
+#include "kelp/formats/error.h"
+#include "kelp/formats/model.h"
+#include "kelp/formats/pack.h"
+
+namespace kelp {
+
+struct Metadata {
+  explicit Metadata(const Allocator& allocator)
+      : info(allocator), part_names(allocator), parts(allocator), palette(allocator), knots(allocator), clip_names(allocator),
+        clips(allocator), waves(allocator), tracks(allocator), keys(allocator) {}
+
+  Buffer<char> info;
+  Buffer<char> part_names;
+  Buffer<Part> parts;        // names point into part_names, knots into knots
+  Buffer<Material> palette;
+  Buffer<Knot> knots;
+  Buffer<char> clip_names;
+  Buffer<Clip> clips;        // names point into clip_names, waves and tracks into the tables below
+  Buffer<Wave> waves;
+  Buffer<Track> tracks;      // keys point into keys
+  Buffer<Key> keys;
+};
+
+Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
+Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out);
+Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
+Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
+Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
+
+// Whether the text is UTF-8 without overlong forms, surrogates and null. Names must have no control characters either.
+bool isUtf8(std::string_view text);
+bool isName(std::string_view text);
+
+}  // namespace kelp

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "metadata_writer.h"
+
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "layout.h"
+
+namespace kelp {
+namespace {
+
+// Puts values behind one another into a table whose size was computed before.
+class RecordWriter {
+ public:
+  explicit RecordWriter(Buffer<std::byte>& out) : out_(out) {}
+
+  template <class T>
+  void put(const T& value) {
+    layout::store(out_.span(), at_, value);
+    at_ += sizeof(T);
+  }
+  void count(std::size_t n) { put(static_cast<std::uint32_t>(n)); }
+  void text(std::string_view text) {
+    if (!text.empty()) std::memcpy(out_.data() + at_, text.data(), text.size());
+    at_ += text.size();
+  }
+
+ private:
+  Buffer<std::byte>& out_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+bool buildParts(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t text = 0;
+  for (const RawPart& part : pack.parts) text += part.name.size();
+  if (!out.reset(layout::kPartHeader + pack.parts.size() * layout::kPartRecord + text)) return false;
+  RecordWriter to(out);
+  to.count(pack.parts.size());
+  to.count(text);
+  for (const RawPart& part : pack.parts) {
+    to.count(part.name.size());
+    to.put(static_cast<std::int32_t>(part.parent));
+    to.put(PartKind::kSolid);
+    // Too many levels must not wrap around to a number that is allowed.
+    to.put(static_cast<std::uint8_t>(part.levels.size() < 255 ? part.levels.size() : 255));
+    to.put(std::uint16_t{0});
+    to.put(part.size);
+    to.put(part.to_object);
+    to.put(part.pivot);
+  }
+  for (const RawPart& part : pack.parts) to.text(part.name);
+  return true;
+}
+
+bool buildPalette(const RawPack& pack, Buffer<std::byte>& out) {
+  if (!out.reset(layout::kMatlHeader + pack.palette.size() * layout::kMatlRecord)) return false;
+  RecordWriter to(out);
+  to.count(pack.palette.size());
+  for (const Material& material : pack.palette) {
+    to.put(material.base_color);
+    to.put(material.emissive);
+    to.put(material.metallic);
+    to.put(material.roughness);
+  }
+  return true;
+}
+
+bool buildRigs(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t knots = 0;
+  for (const RawPart& part : pack.parts) knots += part.knots.size();
+  if (!out.reset(layout::kRigsHeader + pack.parts.size() * layout::kRigsPerPart + knots * layout::kKnotRecord)) return false;
+  RecordWriter to(out);
+  to.count(pack.parts.size());
+  to.count(knots);
+  for (const RawPart& part : pack.parts) to.count(part.knots.size());
+  for (const RawPart& part : pack.parts) {
+    for (const Knot& knot : part.knots) {
+      to.put(knot.at);
+      to.put(knot.position);
+      to.put(knot.tangent);
+    }
+  }
+  return true;
+}
+
+bool buildClips(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t waves = 0, tracks = 0, keys = 0, text = 0;
+  for (const RawClip& clip : pack.clips) {
+    waves += clip.waves.size();
+    tracks += clip.tracks.size();
+    for (const RawTrack& track : clip.tracks) keys += track.keys.size();
+    text += clip.name.size();
+  }
+  if (!out.reset(layout::kClipHeader + pack.clips.size() * layout::kClipRecord + waves * layout::kWaveRecord +
+                 tracks * layout::kTrackRecord + keys * layout::kKeyRecord + text)) {
+    return false;
+  }
+  RecordWriter to(out);
+  for (const std::size_t n : {pack.clips.size(), waves, tracks, keys, text}) to.count(n);
+  for (const RawClip& clip : pack.clips) {
+    to.count(clip.name.size());
+    to.put(clip.duration);
+    to.count(clip.waves.size());
+    to.count(clip.tracks.size());
+  }
+  for (const RawClip& clip : pack.clips) {
+    for (const Wave& wave : clip.waves) {
+      to.put(wave.part);
+      to.put(wave.knot);
+      to.put(static_cast<std::uint32_t>(wave.target));
+      to.put(wave.amplitude);
+      to.put(wave.period);
+      to.put(wave.phase);
+    }
+  }
+  for (const RawClip& clip : pack.clips) {
+    for (const RawTrack& track : clip.tracks) {
+      to.put(track.part);
+      to.put(track.knot);
+      to.put(track.target);
+      to.put(track.interpolation);
+      to.put(std::uint16_t{0});
+      to.count(track.keys.size());
+    }
+  }
+  for (const RawClip& clip : pack.clips) {
+    for (const RawTrack& track : clip.tracks) {
+      for (const Key& key : track.keys) {
+        to.put(key.time);
+        to.put(key.value);
+        to.put(key.in);
+        to.put(key.out);
+      }
+    }
+  }
+  for (const RawClip& clip : pack.clips) to.text(clip.name);
+  return true;
+}
+
+}  // namespace kelp

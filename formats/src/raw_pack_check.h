@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "kelp/formats/error.h"
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp {
+
+// Whether the voxels of a level keep the rules of SPEC.md; kMisuse with a word if not. size: voxels of this level.
+Result<void> checkRawLevel(const RawLevel& level, const glm::ivec3& size, std::size_t palette_size);
+
+}  // namespace kelp

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "checksum.h"
+#include "container.h"
+#include "layout.h"
+#include "morton_walk.h"
+#include "zstd_decode.h"
+
+namespace kelp {
+namespace {
+
+constexpr std::uint32_t kMaxPageBricks = layout::kMaxPageRaw / kBrickVoxels;
+
+}  // namespace
+
+std::uint64_t cellCount(const glm::ivec3& grid) {
+  return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) * static_cast<std::uint64_t>(grid.z);
+}
+
+Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid) {
+  std::uint32_t next = 0;
+  for (MortonWalk walk(grid); !walk.done(); walk.next()) {
+    const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
+    if (!(cell & kCellSolid)) continue;
+    if (next > kCellSlotMask) return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
+    if (cell != (kCellSolid | next)) return Error{ErrorCode::kCorrupt, "a cell's slot is not the next in Morton order", walk.index()};
+    ++next;
+  }
+  if (next == 0) return Error{ErrorCode::kCorrupt, "a level holds no brick", 0};
+  return next;
+}
+
+Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size, const Pack::ChunkInfo& bricks, LevelGrid& out) {
+  out.size = size;
+  out.grid = brickGrid(size);
+  const std::uint64_t cells = cellCount(out.grid);
+  const std::uint64_t table_at = layout::align(cells * sizeof(std::uint32_t), 8);
+  if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
+    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", 0};
+  }
+  const std::uint64_t pages = (chunk.size() - table_at) / layout::kPageEntryBytes;
+  if (!out.cells.reset(static_cast<std::size_t>(cells)) || !out.pages.reset(static_cast<std::size_t>(pages))) {
+    return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
+  }
+  std::memcpy(out.cells.data(), chunk.data(), static_cast<std::size_t>(cells) * sizeof(std::uint32_t));
+  for (std::uint64_t i = cells * sizeof(std::uint32_t); i < table_at; ++i) {
+    if (chunk[static_cast<std::size_t>(i)] != std::byte{0}) return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
+  }
+  const Result<std::uint32_t> count = checkCells(out.cells.span(), out.grid);
+  if (!count) return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
+  out.bricks = *count;
+
+  // Pages follow one another without gaps, in bytes and in slots, and cover the chunk and all bricks.
+  std::uint64_t offset = 0, slot = 0;
+  for (std::size_t i = 0; i < out.pages.size(); ++i) {
+    const std::size_t at = static_cast<std::size_t>(table_at) + i * layout::kPageEntryBytes;
+    PageInfo page;
+    page.offset = layout::load<std::uint64_t>(chunk, at);
+    page.stored = layout::load<std::uint32_t>(chunk, at + 8);
+    page.raw = layout::load<std::uint32_t>(chunk, at + 12);
+    page.checksum = layout::load<std::uint64_t>(chunk, at + 16);
+    page.first_slot = layout::load<std::uint32_t>(chunk, at + 24);
+    page.count = layout::load<std::uint32_t>(chunk, at + 28);
+    if (!isPossiblePage(page)) return Error{ErrorCode::kCorrupt, "a page's sizes are impossible", at + 8};
+    if (page.offset != offset || page.stored > bricks.stored - offset) return Error{ErrorCode::kCorrupt, "a page is not where the one before it ends", at};
+    if (page.first_slot != slot || page.count > out.bricks - slot) return Error{ErrorCode::kCorrupt, "a page's slots do not follow the one before", at + 24};
+    offset += page.stored;
+    slot += page.count;
+    page.offset += bricks.offset;
+    out.pages[i] = page;
+  }
+  if (offset != bricks.stored) return Error{ErrorCode::kCorrupt, "the pages do not fill the chunk of bricks", table_at};
+  if (slot != out.bricks) return Error{ErrorCode::kCorrupt, "the pages do not hold every brick", table_at};
+  return {};
+}
+
+bool isPossiblePage(const PageInfo& page) {
+  return page.stored >= 1 && page.stored <= layout::kMaxPageStored && page.raw <= layout::kMaxPageRaw && page.count >= 1 &&
+         page.count <= kMaxPageBricks && page.raw >= page.count * kBrickVoxels &&
+         (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
+}
+
+Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out) {
+  // One block of memory for what decoding needs: zstd's workspace, the decoded page, the stored page.
+  const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
+  const std::size_t raw_bytes = static_cast<std::size_t>(layout::align(page.raw, 16));
+  const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
+  const std::size_t attributes = (page.raw - code_bytes) / sizeof(std::uint32_t);
+  if (!out.scratch.reuse(workspace_bytes + raw_bytes + page.stored) || !out.codes.reuse(code_bytes) || !out.attributes.reuse(attributes)) {
+    return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
+  }
+  const std::span<std::byte> workspace = out.scratch.span().first(workspace_bytes);
+  const std::span<std::byte> raw = out.scratch.span().subspan(workspace_bytes, page.raw);
+  const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes + raw_bytes, page.stored);
+  if (const Result<void> read = readBytes(source, page.offset, stored); !read) return read;
+  if (checksum(stored) != page.checksum) return Error{ErrorCode::kChecksum, "a page differs from its checksum", page.offset};
+  if (!decodeFrame(stored, raw, workspace)) return Error{ErrorCode::kCorrupt, "a page does not decompress to the size it states", page.offset};
+
+  out.first_slot = page.first_slot;
+  out.count = page.count;
+  std::memcpy(out.codes.data(), raw.data(), code_bytes);
+  if (attributes > 0) std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
+  std::array<std::uint32_t, kMaxPageBricks * 8> slice_base;
+  const std::int64_t surface = computeSliceBase(out.codes.span(), 0, slice_base);
+  if (surface < 0) return Error{ErrorCode::kCorrupt, "a page holds a reserved code or a wrong rank", page.offset};
+  if (static_cast<std::uint64_t>(surface) != attributes) {
+    return Error{ErrorCode::kCorrupt, "a page has not one attribute for each surface voxel", page.offset};
+  }
+  return {};
+}
+
+std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
+  for (std::size_t brick = 0; brick * kBrickVoxels < codes.size(); ++brick) {
+    const auto voxels = codes.subspan(brick * kBrickVoxels, kBrickVoxels);
+    if (std::none_of(voxels.begin(), voxels.end(), isSolidCode)) return static_cast<std::int64_t>(brick);
+  }
+  return -1;
+}
+
+std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size) {
+  const auto wrong = std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; });
+  return wrong == attributes.end() ? -1 : wrong - attributes.begin();
+}
+
+bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size) {
+  const glm::ivec3 room = size - brick * kBrickSide;  // voxels of the level from the brick's corner on
+  if (room.x >= kBrickSide && room.y >= kBrickSide && room.z >= kBrickSide) return false;
+  for (int i = 0; i < kBrickVoxels; ++i) {
+    const bool inside = (i & 7) < room.x && ((i >> 3) & 7) < room.y && (i >> 6) < room.z;
+    if (!inside && isSolidCode(codes[static_cast<std::size_t>(i)])) return true;
+  }
+  return false;
+}
+
+}  // namespace kelp

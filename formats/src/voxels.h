@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Grids and pages: the rules of SPEC.md about voxels, used by reader, writer and verifier alike.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "kelp/formats/pack.h"
+
+namespace kelp {
+
+// Checks the cells of a grid: reserved bits, and slots that count up from 0 in Morton order. Answers the number of stored bricks, at least
+// one. The offset of the error is the cell's index.
+Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid);
+
+// Number of cells of a grid.
+std::uint64_t cellCount(const glm::ivec3& grid);
+
+// Reads a decoded GRID chunk of a level of `size` voxels whose BRCK chunk is `bricks`. The offset of errors counts from the chunk's begin.
+Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size, const Pack::ChunkInfo& bricks, LevelGrid& out);
+
+// Whether the page's numbers are possible at all; memory for it is then bounded.
+bool isPossiblePage(const PageInfo& page);
+
+// Reads a page, checks its checksum and decodes it: sizes, codes and ranks are then right. The offset of errors is the page's.
+Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out);
+
+// Index of the first brick without a solid voxel, or -1.
+std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes);
+// Index of the first attribute whose palette index is not below `palette_size`, or -1.
+std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size);
+// Whether a brick holds a solid voxel outside a level of `size` voxels. codes: the brick's 512; brick: its place in the grid.
+bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size);
+
+}  // namespace kelp

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "zstd_decode.h"
+
+#include <cstdint>
+#include <cstring>
+
+#define ZSTD_STATIC_LINKING_ONLY  // for the contexts in memory of our own
+#include <zstd.h>
+
+namespace kelp {
+
+std::size_t decodeWorkspaceBytes() { return ZSTD_estimateDCtxSize(); }
+
+bool decodeFrame(std::span<const std::byte> frame, std::span<std::byte> out, std::span<std::byte> workspace) {
+  // zstd would also take skippable frames and, where it was built so, the frames of its first versions.
+  std::uint32_t magic = 0;
+  if (frame.size() < sizeof(magic)) return false;
+  std::memcpy(&magic, frame.data(), sizeof(magic));
+  if (magic != ZSTD_MAGICNUMBER) return false;
+  if (ZSTD_getFrameContentSize(frame.data(), frame.size()) != out.size()) return false;
+  if (ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size()) return false;
+  ZSTD_DCtx* context = ZSTD_initStaticDCtx(workspace.data(), workspace.size());
+  if (!context) return false;
+  return ZSTD_decompressDCtx(context, out.data(), out.size(), frame.data(), frame.size()) == out.size();
+}
+
+}  // namespace kelp

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "zstd_encode.h"
+
+#include <zstd.h>
+
+namespace kelp {
+namespace {
+
+constexpr int kLevel = 9;
+
+}  // namespace
+
+FrameEncoder::FrameEncoder() : context_(ZSTD_createCCtx()) {}
+
+FrameEncoder::~FrameEncoder() { ZSTD_freeCCtx(static_cast<ZSTD_CCtx*>(context_)); }
+
+std::size_t FrameEncoder::bound(std::size_t bytes) { return ZSTD_compressBound(bytes); }
+
+std::size_t FrameEncoder::encode(std::span<const std::byte> block, std::span<std::byte> frame) {
+  if (!context_) return 0;
+  const std::size_t size =
+      ZSTD_compressCCtx(static_cast<ZSTD_CCtx*>(context_), frame.data(), frame.size(), block.data(), block.size(), kLevel);
+  return ZSTD_isError(size) ? 0 : size;
+}
+
+}  // namespace kelp

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Reads a whole pack back and compares it with what was written.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "kelp/formats/pack.h"
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::test {
+
+// All voxels of one level, as the writer was given them. `ok` is false (and the error there) when the pack refuses.
+struct ReadLevel {
+  Result<void> status;
+  RawLevel level;
+};
+
+inline ReadLevel readLevel(const Pack& pack, int part, int level) {
+  ReadLevel out;
+  const Result<LevelGrid> grid = pack.readGrid(part, level);
+  if (!grid) {
+    out.status = grid.error();
+    return out;
+  }
+  out.level.cells.assign(grid->cells.begin(), grid->cells.end());
+  PageData page;
+  for (const PageInfo& info : grid->pages) {
+    out.status = pack.readPage(info, page);
+    if (!out.status) return out;
+    out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
+    out.level.attributes.insert(out.level.attributes.end(), page.attributes.begin(), page.attributes.end());
+  }
+  return out;
+}
+
+// Bytes of plain values that have no padding, for exact comparison.
+template <class Range>
+std::vector<std::byte> bytesOf(const Range& range) {
+  std::vector<std::byte> bytes(range.size() * sizeof(*range.data()));
+  if (!bytes.empty()) std::memcpy(bytes.data(), range.data(), bytes.size());
+  return bytes;
+}
+
+// Whether everything of the pack, voxels and all, is what was written. Answers the first error of reading, and false in `equal` if content
+// differs without one.
+struct Comparison {
+  Result<void> status;
+  bool equal = true;
+};
+
+inline Comparison compare(const Pack& pack, const RawPack& raw) {
+  Comparison out;
+  const auto check = [&](bool same) { out.equal = out.equal && same; };
+  check(pack.infoJson() == raw.info_json);
+  check(bytesOf(pack.palette()) == bytesOf(raw.palette));
+  check(pack.parts().size() == raw.parts.size() && pack.clips().size() == raw.clips.size());
+  if (!out.equal) return out;
+  for (std::size_t p = 0; p < raw.parts.size(); ++p) {
+    const Part& a = pack.parts()[p];
+    const RawPart& b = raw.parts[p];
+    check(a.name == b.name && a.parent == b.parent && a.kind == PartKind::kSolid && a.size == b.size);
+    check(a.to_object == b.to_object && a.pivot == b.pivot && bytesOf(a.knots) == bytesOf(b.knots));
+    check(static_cast<std::size_t>(a.levels) == b.levels.size());
+    if (!out.equal) return out;
+    for (int level = 0; level < a.levels; ++level) {
+      const ReadLevel got = readLevel(pack, static_cast<int>(p), level);
+      out.status = got.status;
+      if (!out.status) return out;
+      const RawLevel& want = b.levels[static_cast<std::size_t>(level)];
+      check(got.level.cells == want.cells && got.level.codes == want.codes && got.level.attributes == want.attributes);
+    }
+  }
+  for (std::size_t c = 0; c < raw.clips.size(); ++c) {
+    const Clip& a = pack.clips()[c];
+    const RawClip& b = raw.clips[c];
+    check(a.name == b.name && a.duration == b.duration && a.waves.size() == b.waves.size() && a.tracks.size() == b.tracks.size());
+    if (!out.equal) return out;
+    for (std::size_t i = 0; i < b.waves.size(); ++i) {
+      const Wave &x = a.waves[i], &y = b.waves[i];
+      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.amplitude == y.amplitude && x.period == y.period && x.phase == y.phase);
+    }
+    for (std::size_t i = 0; i < b.tracks.size(); ++i) {
+      const Track& x = a.tracks[i];
+      const RawTrack& y = b.tracks[i];
+      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.interpolation == y.interpolation);
+      check(bytesOf(x.keys) == bytesOf(y.keys));
+    }
+  }
+  return out;
+}
+
+}  // namespace kelp::test
