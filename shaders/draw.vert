@@ -1,1 +1,34 @@
 // SPDX-License-Identifier: MIT
+// The proxy of a posed part: the far side of its deformed bounds. One fragment for every ray that leaves the box in front of the eye, also
+// when the eye is inside.
+
+out vec3 kelp_exit;          // where the pixel's ray leaves the bounds, part space
+flat out int kelp_texel;     // of the record
+
+void main() {
+  kelpLoadRecord(kelp_first_texel + gl_InstanceID * kelp_record_texels);
+  kelp_texel = kelp_record;
+  const int kAcross[6] = int[6](0, 1, 1, 0, 1, 0);
+  const int kUp[6] = int[6](0, 0, 1, 0, 1, 1);
+  int face = gl_VertexID / 6;
+  int corner = gl_VertexID - 6 * face;
+  int axis = face >> 1;
+  bool upper = (face & 1) == 1;
+
+  bvec3 high;
+  high[axis] = upper;
+  high[axis == 2 ? 0 : axis + 1] = kAcross[corner] == 1;
+  high[axis == 0 ? 2 : axis - 1] = kUp[corner] == 1;
+  kelp_exit = mix(kelp_bounds_min, kelp_bounds_max, vec3(high));
+
+  // The rays leave through this face if they point the way it does. Decided here, not by the rasteriser's winding: mirrored instances,
+  // flipped projections and the host's front face then make no difference.
+  vec4 eye = kelpRecord(kelp_record + 10);
+  float along = eye.w > 0.0 ? kelp_exit[axis] - eye[axis] : eye[axis];
+  bool leaves = upper ? along > 0.0 : along < 0.0;
+
+  // Depth is written per fragment. Here z = 0 keeps what lies before the near or beyond the far plane from being clipped away: the volume
+  // between them still has to be traced.
+  vec4 clip = kelpPartToClip() * vec4(kelp_exit, 1.0);
+  gl_Position = leaves ? vec4(clip.xy, 0.0, clip.w) : vec4(2.0, 2.0, 2.0, 1.0);
+}

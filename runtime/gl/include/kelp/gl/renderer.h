@@ -16,7 +16,7 @@ namespace kelp::gl {
 // What happens to the GL state a call touches.
 enum class State : std::uint8_t {
   kRestore,  // every call leaves the state as it found it
-  kLeave,    // the host sets all state it needs itself; what kelp changes is listed in runtime/README.md
+  kLeave,    // the host sets all state it needs itself; what kelp changes is listed in runtime/gl/README.md
 };
 
 struct Config {
@@ -26,8 +26,11 @@ struct Config {
   std::uint64_t gpu_budget = std::uint64_t{1} << 30;  // bytes of textures; upload() answers kLimit rather than exceed it
   State state = State::kRestore;
   // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit; null: sun and sky (shaders/surface.glsl, which also
-  // documents KelpSurface). Compiled once, in create(); kGraphics with the compiler's words in lastLog() if it does not compile.
+  // documents KelpSurface). Compiled once, in create(); kGraphics, and the compiler's words to `log`, if it does not compile.
   const char* surface_glsl = nullptr;
+  // Told what the GLSL compiler or the linker said, when create() fails because of it; null: nobody is. STRING:LINE in it are explained in
+  // runtime/gl/README.md. The text is good during the call only.
+  void (*log)(void* user, const char* text) = nullptr;
   Allocator allocator;
 };
 
@@ -73,17 +76,15 @@ class Renderer {
   // Uploads resident levels of known assets, coarse to fine, at least one and no more than about `max_bytes`.
   Result<Stats> upload(std::uint64_t max_bytes);
 
-  // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LESS (GL_LEQUAL for Pass::kColour after
-  // Pass::kDepth gives the same picture). The host's clear values and masks are its own. Instances whose asset has nothing uploaded yet
-  // are left out; poses that are not monotone, unknown assets and singular transforms are kMisuse and nothing is drawn.
+  // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL, so that Pass::kColour after Pass::kDepth
+  // gives the same picture. Clear values, scissor, stencil and the colour mask (but in Pass::kDepth) are the host's own. Instances whose
+  // asset has nothing uploaded yet are left out; poses that are not monotone, unknown assets and singular transforms are kMisuse and nothing
+  // is drawn.
   // Colour is linear: enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl.
   Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances, Pass pass = Pass::kColour);
 
-  // Forgets all GL objects without touching them: after the context was lost.
+  // Forgets all GL objects without touching them: after the context was lost. From then on everything but the destructor is kMisuse.
   void abandon();
-
-  // What the GLSL compiler or the linker said last; empty if all is well.
-  const char* lastLog() const;
 
  private:
   struct Impl;

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// The part of OpenGL 3.3 core and OpenGL ES 3.0 that kelp uses: functions from the caller's getProcAddress, and the constants of the
+// Khronos registry. Declared here, so that kelp compiles without GL headers and gets along with whichever of them the host includes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kelp/formats/error.h"
+
+#if defined(_WIN32) && !defined(_WIN64)
+#define KELP_GL_CALL __stdcall
+#else
+#define KELP_GL_CALL
+#endif
+
+namespace kelp::gl {
+
+using Enum = std::uint32_t;
+using Name = std::uint32_t;  // of a texture, program, ...
+
+// Each: result, name without "gl", parameters.
+#define KELP_GL_FUNCTIONS(X)                                                                                              \
+  X(const std::uint8_t*, GetString, (Enum))                                                                               \
+  X(Enum, GetError, ())                                                                                                   \
+  X(void, GetIntegerv, (Enum, std::int32_t*))                                                                             \
+  X(void, GetBooleanv, (Enum, std::uint8_t*))                                                                             \
+  X(std::uint8_t, IsEnabled, (Enum))                                                                                      \
+  X(void, Enable, (Enum))                                                                                                 \
+  X(void, Disable, (Enum))                                                                                                \
+  X(void, DepthFunc, (Enum))                                                                                              \
+  X(void, DepthMask, (std::uint8_t))                                                                                      \
+  X(void, ColorMask, (std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))                                            \
+  X(void, PixelStorei, (Enum, std::int32_t))                                                                              \
+  X(void, BindBuffer, (Enum, Name))                                                                                       \
+  X(void, GenVertexArrays, (std::int32_t, Name*))                                                                         \
+  X(void, DeleteVertexArrays, (std::int32_t, const Name*))                                                                \
+  X(void, BindVertexArray, (Name))                                                                                        \
+  X(void, GenTextures, (std::int32_t, Name*))                                                                             \
+  X(void, DeleteTextures, (std::int32_t, const Name*))                                                                    \
+  X(void, ActiveTexture, (Enum))                                                                                          \
+  X(void, BindTexture, (Enum, Name))                                                                                      \
+  X(void, BindSampler, (Name, Name))                                                                                      \
+  X(void, TexParameteri, (Enum, Enum, std::int32_t))                                                                      \
+  X(void, TexImage2D, (Enum, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, Enum, Enum, const void*))  \
+  X(void, TexImage3D, (Enum, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, Enum, Enum,  \
+                       const void*))                                                                                      \
+  X(void, TexSubImage2D, (Enum, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, Enum, Enum, const void*)) \
+  X(void, TexSubImage3D, (Enum, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t,       \
+                          std::int32_t, Enum, Enum, const void*))                                                         \
+  X(Name, CreateShader, (Enum))                                                                                           \
+  X(void, DeleteShader, (Name))                                                                                           \
+  X(void, ShaderSource, (Name, std::int32_t, const char* const*, const std::int32_t*))                                    \
+  X(void, CompileShader, (Name))                                                                                          \
+  X(void, GetShaderiv, (Name, Enum, std::int32_t*))                                                                       \
+  X(void, GetShaderInfoLog, (Name, std::int32_t, std::int32_t*, char*))                                                   \
+  X(Name, CreateProgram, ())                                                                                              \
+  X(void, DeleteProgram, (Name))                                                                                          \
+  X(void, AttachShader, (Name, Name))                                                                                     \
+  X(void, LinkProgram, (Name))                                                                                            \
+  X(void, GetProgramiv, (Name, Enum, std::int32_t*))                                                                      \
+  X(void, GetProgramInfoLog, (Name, std::int32_t, std::int32_t*, char*))                                                  \
+  X(void, UseProgram, (Name))                                                                                             \
+  X(std::int32_t, GetUniformLocation, (Name, const char*))                                                                \
+  X(void, Uniform1i, (std::int32_t, std::int32_t))                                                                        \
+  X(void, Uniform3i, (std::int32_t, std::int32_t, std::int32_t, std::int32_t))                                            \
+  X(void, Uniform3f, (std::int32_t, float, float, float))                                                                 \
+  X(void, DrawArraysInstanced, (Enum, std::int32_t, std::int32_t, std::int32_t))
+
+// Only in OpenGL, not in ES 3.0: state there that ES has once for all draw buffers, or not at all.
+#define KELP_GL_DESKTOP_FUNCTIONS(X)                                                                                      \
+  X(void, PolygonMode, (Enum, Enum))                                                                                      \
+  X(std::uint8_t, IsEnabledi, (Enum, Name))                                                                               \
+  X(void, Enablei, (Enum, Name))                                                                                          \
+  X(void, GetBooleani_v, (Enum, Name, std::uint8_t*))                                                                     \
+  X(void, ColorMaski, (Name, std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))
+
+// A context's functions and what it can do.
+struct Api {
+#define KELP_GL_DECLARE(result, name, parameters) result(KELP_GL_CALL* name) parameters = nullptr;
+  KELP_GL_FUNCTIONS(KELP_GL_DECLARE)
+  KELP_GL_DESKTOP_FUNCTIONS(KELP_GL_DECLARE)
+#undef KELP_GL_DECLARE
+
+  bool es = false;
+  int max_texture_size = 0;
+  int max_3d_texture_size = 0;
+  int draw_buffers = 1;
+};
+
+// Fills `api` from the current context. kGraphics: no context, one below OpenGL 3.3 and OpenGL ES 3.0, or a function is missing.
+Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api);
+
+// Values of the Khronos registry (gl.xml), named as there without GL_.
+namespace constant {
+inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505;
+inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMax3dTextureSize = 0x8073, kMaxDrawBuffers = 0x8824;
+inline constexpr Enum kTriangles = 0x0004;
+inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;
+inline constexpr Enum kDepthFunc = 0x0B74, kDepthWritemask = 0x0B72, kColorWritemask = 0x0C23, kLess = 0x0201, kLequal = 0x0203;
+inline constexpr Enum kPolygonMode = 0x0B40, kFrontAndBack = 0x0408, kFill = 0x1B02;
+inline constexpr Enum kCurrentProgram = 0x8B8D, kVertexArrayBinding = 0x85B5;
+inline constexpr Enum kPixelUnpackBuffer = 0x88EC, kPixelUnpackBufferBinding = 0x88EF;
+inline constexpr Enum kUnpackSwapBytes = 0x0CF0, kUnpackLsbFirst = 0x0CF1, kUnpackRowLength = 0x0CF2, kUnpackSkipRows = 0x0CF3,
+                      kUnpackSkipPixels = 0x0CF4, kUnpackAlignment = 0x0CF5, kUnpackSkipImages = 0x806D, kUnpackImageHeight = 0x806E;
+inline constexpr Enum kTexture0 = 0x84C0, kActiveTexture = 0x84E0, kTexture2d = 0x0DE1, kTexture3d = 0x806F,
+                      kTextureBinding2d = 0x8069, kTextureBinding3d = 0x806A, kSamplerBinding = 0x8919;
+inline constexpr Enum kTextureMinFilter = 0x2801, kTextureMagFilter = 0x2800, kTextureMaxLevel = 0x813D, kNearest = 0x2600;
+inline constexpr Enum kRedInteger = 0x8D94, kRgba = 0x1908, kR8ui = 0x8232, kR32ui = 0x8236, kRgba32f = 0x8814;
+inline constexpr Enum kUnsignedByte = 0x1401, kUnsignedInt = 0x1405, kFloat = 0x1406;
+inline constexpr Enum kFragmentShader = 0x8B30, kVertexShader = 0x8B31, kCompileStatus = 0x8B81, kLinkStatus = 0x8B82,
+                      kInfoLogLength = 0x8B84;
+}  // namespace constant
+
+// Forgets errors that were there before kelp's own calls; they are the host's.
+void drainErrors(const Api& api);
+// The error of kelp's calls since drainErrors, if any: kOutOfMemory or kGraphics with `detail`.
+Result<void> checkErrors(const Api& api, const char* detail);
+
+}  // namespace kelp::gl

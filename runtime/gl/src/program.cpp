@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "program.h"
+
+#include <cstdio>
+#include <memory>
+#include <new>
+
+#include "kelp/shaders/shaders.h"
+
+namespace kelp::gl {
+namespace {
+
+using namespace constant;
+
+constexpr char kDesktopPrelude[] = "#version 330 core\n";
+constexpr char kEsPrelude[] =
+    "#version 300 es\n"
+    "precision highp float;\nprecision highp int;\n"
+    "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler3D;\n";
+
+// Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
+constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
+               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n";
+
+// Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
+template <class GetLog>
+void passLog(const LogSink& sink, std::int32_t length, GetLog&& get) {
+  if (!sink.write) return;
+  const auto size = static_cast<std::size_t>(length > 0 ? length : 0) + 1;
+  const std::unique_ptr<char[]> text(new (std::nothrow) char[size]());
+  if (!text) return;
+  get(static_cast<std::int32_t>(size), text.get());
+  sink.write(sink.user, text.get());
+}
+
+template <std::size_t kCount>
+Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], const LogSink& log) {
+  const Name shader = api.CreateShader(kind);
+  api.ShaderSource(shader, static_cast<std::int32_t>(kCount), strings, nullptr);
+  api.CompileShader(shader);
+  std::int32_t good = 0;
+  api.GetShaderiv(shader, kCompileStatus, &good);
+  if (good) return shader;
+  std::int32_t length = 0;
+  api.GetShaderiv(shader, kInfoLogLength, &length);
+  passLog(log, length, [&](std::int32_t size, char* text) { api.GetShaderInfoLog(shader, size, nullptr, text); });
+  api.DeleteShader(shader);
+  return 0;
+}
+
+Name link(const Api& api, Name vertex, Name fragment, const LogSink& log) {
+  const Name program = api.CreateProgram();
+  api.AttachShader(program, vertex);
+  api.AttachShader(program, fragment);
+  api.LinkProgram(program);
+  std::int32_t good = 0;
+  api.GetProgramiv(program, kLinkStatus, &good);
+  if (good) return program;
+  std::int32_t length = 0;
+  api.GetProgramiv(program, kInfoLogLength, &length);
+  passLog(log, length, [&](std::int32_t size, char* text) { api.GetProgramInfoLog(program, size, nullptr, text); });
+  api.DeleteProgram(program);
+  return 0;
+}
+
+}  // namespace
+
+int attributeBits(const Api& api) {
+  int bits = 10;  // OpenGL 3.3 guarantees 1024
+  while (bits < 12 && (2 << bits) <= api.max_texture_size) ++bits;
+  return bits;
+}
+
+Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log) {
+  char defines[96];
+  std::snprintf(defines, sizeof defines, "#define KELP_ATTRIBUTE_BITS %d\n%s", attributeBits(api),
+                surface ? "#define KELP_HOST_SURFACE\n" : "");
+  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
+  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
+  const char* const fragment_text[] = {prelude,       defines,           kInstanceLine, shaders::kInstance,     kTraceLine, shaders::kTrace,
+                                       kSurfaceLine,  shaders::kSurface, kHostLine,     surface ? surface : "", kMainLine,  shaders::kFragment};
+
+  const Name vertex = compile(api, kVertexShader, vertex_text, log);
+  const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
+  const Name name = fragment ? link(api, vertex, fragment, log) : 0;
+  if (vertex) api.DeleteShader(vertex);
+  if (fragment) api.DeleteShader(fragment);
+  if (!vertex || !fragment) return Error{ErrorCode::kGraphics, "a shader does not compile; Config::log was told why"};
+  if (!name) return Error{ErrorCode::kGraphics, "the shaders do not link; Config::log was told why"};
+
+  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
+  api.UseProgram(name);
+  api.Uniform1i(locate("kelp_records"), kRecords);
+  api.Uniform1i(locate("kelp_cells"), kCells);
+  api.Uniform1i(locate("kelp_codes"), kCodes);
+  api.Uniform1i(locate("kelp_slice_base"), kSliceBase);
+  api.Uniform1i(locate("kelp_attributes"), kAttributes);
+  api.Uniform1i(locate("kelp_palette"), kPalette);
+
+  Program program;
+  program.name = name;
+  program.first_texel = locate("kelp_first_texel");
+  program.record_texels = locate("kelp_record_texels");
+  program.level = locate("kelp_level");
+  program.level_size = locate("kelp_level_size");
+  program.depth_only = locate("kelp_depth_only");
+  program.sun_direction = locate("kelp_sun_direction");
+  program.sun_color = locate("kelp_sun_color");
+  program.sky_color = locate("kelp_sky_color");
+  program.ground_color = locate("kelp_ground_color");
+  return program;
+}
+
+}  // namespace kelp::gl

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "state_guard.h"
+
+#include <algorithm>
+
+namespace kelp::gl {
+namespace {
+
+using namespace constant;
+
+struct Store {
+  Enum name;
+  std::int32_t tight;  // the value for tightly packed rows
+  bool desktop;        // not in OpenGL ES 3.0
+};
+constexpr Store kStoreTable[] = {{kUnpackAlignment, 1, false}, {kUnpackRowLength, 0, false},  {kUnpackImageHeight, 0, false},
+                                 {kUnpackSkipRows, 0, false},  {kUnpackSkipPixels, 0, false}, {kUnpackSkipImages, 0, false},
+                                 {kUnpackSwapBytes, 0, true},  {kUnpackLsbFirst, 0, true}};
+
+void setEnabled(const Api& api, Enum what, bool on) { on ? api.Enable(what) : api.Disable(what); }
+
+int drawBuffers(const Api& api, int most) { return std::clamp(api.draw_buffers, 1, most); }
+
+}  // namespace
+
+UploadGuard::UploadGuard(const Api& api, bool restore) : api_(api), restore_(restore) {
+  static_assert(sizeof kStoreTable / sizeof *kStoreTable == kStores);
+  if (restore) {
+    api.GetIntegerv(kPixelUnpackBufferBinding, &buffer_);
+    api.GetIntegerv(kTextureBinding2d, &texture_2d_);
+    api.GetIntegerv(kTextureBinding3d, &texture_3d_);
+  }
+  api.BindBuffer(kPixelUnpackBuffer, 0);
+  for (int i = 0; i < kStores; ++i) {
+    if (kStoreTable[i].desktop && api.es) continue;
+    if (restore) api.GetIntegerv(kStoreTable[i].name, &store_[i]);
+    api.PixelStorei(kStoreTable[i].name, kStoreTable[i].tight);
+  }
+}
+
+UploadGuard::~UploadGuard() {
+  if (!restore_) return;
+  for (int i = 0; i < kStores; ++i) {
+    if (!(kStoreTable[i].desktop && api_.es)) api_.PixelStorei(kStoreTable[i].name, store_[i]);
+  }
+  api_.BindBuffer(kPixelUnpackBuffer, static_cast<Name>(buffer_));
+  api_.BindTexture(kTexture2d, static_cast<Name>(texture_2d_));
+  api_.BindTexture(kTexture3d, static_cast<Name>(texture_3d_));
+}
+
+DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore) {
+  if (!restore) return;
+  api.GetIntegerv(kCurrentProgram, &program_);
+  api.GetIntegerv(kVertexArrayBinding, &vertex_array_);
+  api.GetIntegerv(kActiveTexture, &active_);
+  for (int i = 0; i < kTextureUnits; ++i) {
+    api.ActiveTexture(kTexture0 + static_cast<Enum>(i));
+    api.GetIntegerv(kUnitTargets[i] == kTexture3d ? kTextureBinding3d : kTextureBinding2d, &texture_[i]);
+    api.GetIntegerv(kSamplerBinding, &sampler_[i]);
+  }
+  api.ActiveTexture(static_cast<Enum>(active_));
+  depth_test_ = api.IsEnabled(kDepthTest);
+  api.GetIntegerv(kDepthFunc, &depth_func_);
+  api.GetBooleanv(kDepthWritemask, &depth_mask_);
+  cull_face_ = api.IsEnabled(kCullFace);
+  if (api.es) {
+    blend_ = api.IsEnabled(kBlend);
+    api.GetBooleanv(kColorWritemask, color_mask_[0]);
+    return;
+  }
+  api.GetIntegerv(kPolygonMode, polygon_mode_);
+  for (int i = 0; i < drawBuffers(api, kMaxDrawBuffers); ++i) {
+    const Name buffer = static_cast<Name>(i);
+    if (api.IsEnabledi(kBlend, buffer)) blend_ |= 1u << i;
+    api.GetBooleani_v(kColorWritemask, buffer, color_mask_[i]);
+  }
+}
+
+DrawGuard::~DrawGuard() {
+  if (!restore_) return;
+  api_.UseProgram(static_cast<Name>(program_));
+  api_.BindVertexArray(static_cast<Name>(vertex_array_));
+  for (int i = 0; i < kTextureUnits; ++i) {
+    api_.ActiveTexture(kTexture0 + static_cast<Enum>(i));
+    api_.BindTexture(kUnitTargets[i], static_cast<Name>(texture_[i]));
+    api_.BindSampler(static_cast<Name>(i), static_cast<Name>(sampler_[i]));
+  }
+  api_.ActiveTexture(static_cast<Enum>(active_));
+  setEnabled(api_, kDepthTest, depth_test_);
+  api_.DepthFunc(static_cast<Enum>(depth_func_));
+  api_.DepthMask(depth_mask_);
+  setEnabled(api_, kCullFace, cull_face_);
+  if (api_.es) {
+    setEnabled(api_, kBlend, blend_ != 0);
+    api_.ColorMask(color_mask_[0][0], color_mask_[0][1], color_mask_[0][2], color_mask_[0][3]);
+    return;
+  }
+  api_.PolygonMode(kFrontAndBack, static_cast<Enum>(polygon_mode_[0]));
+  for (int i = 0; i < drawBuffers(api_, kMaxDrawBuffers); ++i) {
+    const Name buffer = static_cast<Name>(i);
+    if (blend_ >> i & 1u) api_.Enablei(kBlend, buffer);  // drawing disabled it for all
+    api_.ColorMaski(buffer, color_mask_[i][0], color_mask_[i][1], color_mask_[i][2], color_mask_[i][3]);
+  }
+}
+
+}  // namespace kelp::gl

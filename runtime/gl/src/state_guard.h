@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Puts the GL state that kelp touches back as it was. One guard per kind of work; nothing happens in State::kLeave.
+#pragma once
+
+#include "gl_api.h"
+
+namespace kelp::gl {
+
+inline constexpr int kTextureUnits = 6;
+// The target that kelp binds on each unit it draws with; the order of the samplers in program.cpp.
+inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2d, constant::kTexture3d, constant::kTexture3d,
+                                                     constant::kTexture3d, constant::kTexture2d, constant::kTexture2d};
+
+// What filling textures touches: pixel store, the pixel unpack buffer, and a 2D and a 3D texture on the active unit. Sets the pixel store
+// to tightly packed rows from client memory.
+class UploadGuard {
+ public:
+  UploadGuard(const Api& api, bool restore);
+  ~UploadGuard();
+  UploadGuard(const UploadGuard&) = delete;
+  UploadGuard& operator=(const UploadGuard&) = delete;
+
+ private:
+  static constexpr int kStores = 8;
+  const Api& api_;
+  bool restore_;
+  std::int32_t store_[kStores] = {};
+  std::int32_t buffer_ = 0;
+  std::int32_t texture_2d_ = 0;
+  std::int32_t texture_3d_ = 0;
+};
+
+// What compiling and drawing touch: program, vertex array, texture units, depth, culling, blending, polygon mode, colour mask.
+class DrawGuard {
+ public:
+  DrawGuard(const Api& api, bool restore);
+  ~DrawGuard();
+  DrawGuard(const DrawGuard&) = delete;
+  DrawGuard& operator=(const DrawGuard&) = delete;
+
+ private:
+  static constexpr int kMaxDrawBuffers = 32;
+  const Api& api_;
+  bool restore_;
+  std::int32_t program_ = 0;
+  std::int32_t vertex_array_ = 0;
+  std::int32_t active_ = 0;
+  std::int32_t texture_[kTextureUnits] = {};
+  std::int32_t sampler_[kTextureUnits] = {};
+  std::int32_t depth_func_ = 0;
+  std::int32_t polygon_mode_[2] = {};  // compatibility contexts answer front and back
+  std::uint8_t depth_mask_ = 0;
+  bool depth_test_ = false;
+  bool cull_face_ = false;
+  std::uint32_t blend_ = 0;  // bit i: draw buffer i
+  std::uint8_t color_mask_[kMaxDrawBuffers][4] = {};
+};
+
+}  // namespace kelp::gl
