@@ -1,1 +1,217 @@
 // SPDX-License-Identifier: MIT
+// The whole way from a file to a pack.
+#include "kelp/bake/bake.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "frame.h"
+#include "info_json.h"
+#include "memory_estimate.h"
+#include "parallel.h"
+
+namespace kelp::bake {
+namespace {
+
+class StageClock {
+ public:
+  StageClock(Report& report, const Progress& progress) : report_(report), progress_(progress) {}
+  // Ends the stage before, if any, and begins the next.
+  void begin(const std::string& name) {
+    end();
+    name_ = name;
+    if (progress_ && !progress_(name_, 0.0)) throw BakeError(Exit::kInterrupted, "interrupted");
+  }
+  void end() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!name_.empty()) report_.stages.push_back({name_, std::chrono::duration<double>(now - start_).count()});
+    name_.clear();
+    start_ = now;
+  }
+
+ private:
+  Report& report_;
+  const Progress& progress_;
+  std::string name_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+void checkSettings(const Settings& settings) {
+  if (settings.voxel_size ? !(*settings.voxel_size > 0) || !std::isfinite(*settings.voxel_size) : false) {
+    throw BakeError(Exit::kUsage, fmt::format("--voxel-size {}: not a length above 0; give the edge of a voxel in metres, such as 0.01", *settings.voxel_size));
+  }
+  if (!settings.voxel_size && (settings.resolution < 1 || settings.resolution > kMaxResolution)) {
+    throw BakeError(Exit::kUsage, fmt::format("--resolution {}: not between 1 and {}; 128 is the default, 256 shows fine detail", settings.resolution, kMaxResolution));
+  }
+  if (settings.levels < 0 || settings.levels > kMaxLevels) throw BakeError(Exit::kUsage, fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
+  if (settings.threads < 0 || settings.threads > 1024) throw BakeError(Exit::kUsage, fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
+  if (settings.rig_file && settings.rig_preset) throw BakeError(Exit::kUsage, "a rig file and a preset at once; choose one");
+}
+
+Axis axisOf(const SourcePart& part) { return part.rig.axis.value_or(Axis::kPlusY); }
+
+// Object metres to a metre of the part's node, in the mean over its axes.
+double objectScale(const SourcePart& part) {
+  const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.to_object))));
+  return scale > 0 && std::isfinite(scale) ? scale : 1.0;
+}
+
+std::string placeOf(const std::filesystem::path& input, const SourcePart& part) { return fmt::format("{}: part '{}'", input.filename().string(), part.name); }
+
+// The frames of all parts that are meshes. Their voxels are of one size in the object, but for the nudge that makes y whole.
+std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings, const std::filesystem::path& input) {
+  double voxel = settings.voxel_size.value_or(0.0);
+  if (!settings.voxel_size) {
+    double longest = 0;
+    for (const SourcePart& part : model.parts) {
+      if (part.grid) continue;
+      const glm::dvec3 extent = rigExtent(part.soup, axisOf(part), placeOf(input, part)) * objectScale(part);
+      longest = std::max({longest, extent.x, extent.y, extent.z});
+    }
+    voxel = longest > 0 ? longest / settings.resolution : 1.0;
+  }
+  std::vector<Frame> frames;
+  for (const SourcePart& part : model.parts) {
+    Frame& frame = frames.emplace_back();
+    if (part.grid) continue;
+    const std::string place = placeOf(input, part);
+    double size = voxel / objectScale(part);
+    if (!settings.voxel_size) size = fitVoxelSize(rigExtent(part.soup, axisOf(part), place).y, size);
+    frame = makeFrame(part.soup, axisOf(part), size, place);
+  }
+  return frames;
+}
+
+void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input, Report& report) {
+  std::vector<PartSize> sizes;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    const SourcePart& part = model.parts[i];
+    sizes.push_back({part.grid ? part.grid->size : frames[i].size, part.soup.triangles.size()});
+  }
+  report.estimated_bytes = estimateMemory(sizes);
+  const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
+  if (report.estimated_bytes > limit) {
+    throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); lower --resolution or raise --max-memory", input.filename().string(),
+                                                printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory"));
+  }
+}
+
+glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) {
+  const auto whole = [](const glm::mat4x3& m) { return glm::dmat4(glm::dvec4(m[0], 0), glm::dvec4(m[1], 0), glm::dvec4(m[2], 0), glm::dvec4(m[3], 1)); };
+  const glm::dmat4 product = whole(outer) * whole(inner);
+  return glm::mat4x3(glm::vec3(product[0]), glm::vec3(product[1]), glm::vec3(product[2]), glm::vec3(product[3]));
+}
+
+bool moves(const RawClip& clip, std::uint32_t part) {
+  return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == part; }) ||
+         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part; });
+}
+
+// Knots and clips of all parts, proved monotone.
+void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    try {
+      pack.parts[i].knots = realizeKnots(model.parts[i].rig, pack.parts[i].size);
+      mergeClips(pack.clips, realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)));
+    } catch (const RigError& error) {
+      throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", placeOf(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
+    }
+    if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
+      throw BakeError(Exit::kInvalid, fmt::format("{} ({}): knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset",
+                                                  placeOf(input, model.parts[i]), model.parts[i].rig_origin, sound.error().offset, sound.error().detail));
+    }
+  }
+  for (const RawClip& clip : pack.clips) {
+    for (std::size_t i = 0; i < model.parts.size(); ++i) {
+      if (!moves(clip, static_cast<std::uint32_t>(i))) continue;
+      try {
+        const ClipReport proof = proveClip(clip, static_cast<std::uint32_t>(i), pack.parts[i].knots, pack.parts[i].size);
+        report.clips.push_back({clip.name, model.parts[i].name, clip.duration, proof.leaves_box});
+      } catch (const RigError& error) {
+        throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", placeOf(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress) {
+  checkSettings(settings);
+  const int threads = threadCount(settings.threads);
+  StageClock clock(report, progress);
+
+  clock.begin("import");
+  SourceModel model = importFile(input, settings, &report.files_read);
+  report.format = model.format;
+  report.notices = model.notices;
+  if (model.parts.empty()) throw BakeError(Exit::kInvalid, input.string() + ": holds nothing to bake; export a model with at least one mesh");
+  const std::vector<Frame> frames = makeFrames(model, settings, input);
+  checkMemory(model, frames, settings, input, report);
+
+  // Before the long work: a rig that turns back is the artist's commonest mistake.
+  RawPack pack;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    RawPart& raw = pack.parts.emplace_back();
+    raw.name = model.parts[i].name;
+    raw.parent = model.parts[i].parent;
+    raw.pivot = model.parts[i].pivot;
+    raw.size = model.parts[i].grid ? model.parts[i].grid->size : frames[i].size;
+  }
+  rigParts(model, input, pack, report);
+
+  clock.begin("voxelize");
+  const auto share = [&](std::size_t part) {
+    return !progress ? Progress() : Progress([&progress, part, count = model.parts.size()](std::string_view stage, double done) {
+      return progress(stage, (static_cast<double>(part) + done) / static_cast<double>(count));
+    });
+  };
+  std::vector<const VoxelGrid*> grids;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    SourcePart& part = model.parts[i];
+    Report::Part& line = report.parts.emplace_back();
+    line.name = part.name;
+    line.rig_origin = part.rig_origin;
+    line.triangles = part.soup.triangles.size();
+    if (part.grid) {
+      line.fill = "solid: from a volume";
+      line.closed = true;
+      line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.grid->to_node)))) * objectScale(part);
+    } else {
+      VoxelizeResult result = voxelize(model, part, frames[i], settings.fill, threads, share(i));
+      part.grid = std::move(result.grid);
+      part.soup = TriangleSoup();
+      line.fill = std::move(result.fill);
+      line.closed = result.closed;
+      line.voxel_size = frames[i].voxel_size * objectScale(part);
+    }
+    line.size = part.grid->size;
+    line.surface_voxels = part.grid->surface.size();
+    line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
+    if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
+    grids.push_back(&*part.grid);
+  }
+
+  clock.begin("palette");
+  Palette palette = choosePalette(grids, threads);
+  report.palette_error = palette.mean_error;
+
+  clock.begin("levels");
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    SourcePart& part = model.parts[i];
+    pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
+    pack.parts[i].levels = buildLevels(*part.grid, palette.indices[i], palette.entries, settings.levels, threads, share(i));
+    report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
+    part.grid.reset();
+  }
+  pack.palette = std::move(palette.entries);
+  pack.info_json = makeInfo(input, model.format, settings);
+  clock.end();
+  return pack;
+}
+
+}  // namespace kelp::bake

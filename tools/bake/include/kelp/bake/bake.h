@@ -112,7 +112,10 @@ std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::
 // --- all of it -------------------------------------------------------------------------------------------------------------------
 // Bakes a file to a pack in memory.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress = {});
-// Writes the pack beside `path`, flushes it to disk and renames it over `path`: an existing file is whole at every moment.
-void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report);
+// Whether writePackFile could write `path`, asked before the long work: BakeError kIo that says why not. Leaves nothing behind.
+void checkOutput(const std::filesystem::path& path);
+// Writes the pack beside `path`, flushes it to disk and renames it over `path`: an existing file is whole at every moment, and whatever
+// goes wrong leaves nothing behind.
+void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report, const Progress& progress = {});
 
 }  // namespace kelp::bake

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "fill_scan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "parallel.h"
+
+namespace kelp::bake {
+namespace {
+
+constexpr std::int64_t kUnit = std::int64_t{1} << kLatticeBits;
+
+struct Crossing {
+  std::uint32_t column = 0;
+  std::uint32_t component = 0;
+  double depth = 0;   // voxels along the scanline
+  int sign = 0;       // +1 enters the component, -1 leaves it
+
+  bool operator<(const Crossing& other) const {
+    if (column != other.column) return column < other.column;
+    if (depth != other.depth) return depth < other.depth;
+    if (component != other.component) return component < other.component;
+    return sign < other.sign;
+  }
+};
+
+// First pixel whose centre is at or beyond a lattice coordinate.
+std::int64_t firstCentre(std::int64_t lattice) { return (lattice - kUnit / 2 + kUnit - 1) >> kLatticeBits; }
+
+// First voxel whose centre is at or beyond `depth`.
+int firstCentre(double depth, int count) { return static_cast<int>(std::clamp(std::ceil(depth - 0.5), 0.0, static_cast<double>(count))); }
+
+// A scanline on an edge belongs to the side that a step of (1, epsilon) leads to: the same for all triangles, so that a closed mesh is
+// entered exactly as often as it is left.
+bool ownsEdge(std::int64_t du, std::int64_t dv) { return dv < 0 || (dv == 0 && du > 0); }
+
+// The scanlines of one axis: `axis` runs along them, u = axis + 1 and v = axis + 2 (modulo 3) number the columns.
+class Scanner {
+ public:
+  Scanner(const Topology& mesh, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels)
+      : mesh_(mesh), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels) {
+    const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
+    stride_ = stride[axis_];
+    stride_u_ = stride[u_];
+    stride_v_ = stride[v_];
+  }
+
+  // Rows [begin, end) of v. Slabs of rows touch no voxel of each other.
+  void scan(const std::vector<std::uint32_t>& triangles, int begin, int end) {
+    crossings_.clear();
+    for (const std::uint32_t i : triangles) rasterise(mesh_.triangles[i], begin, end);
+    std::sort(crossings_.begin(), crossings_.end());
+    for (std::size_t at = 0; at < crossings_.size();) {
+      std::size_t next = at;
+      while (next < crossings_.size() && crossings_[next].column == crossings_[at].column) ++next;
+      fillColumn(at, next, begin);
+      at = next;
+    }
+  }
+
+ private:
+  void rasterise(const SolidTriangle& triangle, int begin, int end) {
+    glm::i64vec3 a = mesh_.lattice[triangle.vertex[0]], b = mesh_.lattice[triangle.vertex[1]], c = mesh_.lattice[triangle.vertex[2]];
+    std::int64_t area = (b[u_] - a[u_]) * (c[v_] - a[v_]) - (b[v_] - a[v_]) * (c[u_] - a[u_]);
+    if (area == 0) return;
+    // Seen from the scanline's far end: a triangle that turns left faces it, and is where the scanline leaves.
+    const int sign = area > 0 ? -1 : 1;
+    if (area < 0) {
+      std::swap(b, c);
+      area = -area;
+    }
+    const std::int64_t u0 = std::max<std::int64_t>(0, firstCentre(std::min({a[u_], b[u_], c[u_]})));
+    const std::int64_t u1 = std::min<std::int64_t>(size_[u_] - 1, (std::max({a[u_], b[u_], c[u_]}) - kUnit / 2) >> kLatticeBits);
+    const std::int64_t v0 = std::max<std::int64_t>(begin, firstCentre(std::min({a[v_], b[v_], c[v_]})));
+    const std::int64_t v1 = std::min<std::int64_t>(end - 1, (std::max({a[v_], b[v_], c[v_]}) - kUnit / 2) >> kLatticeBits);
+    const glm::i64vec3* corner[3] = {&a, &b, &c};
+    std::int64_t row[3], step_u[3], step_v[3], bias[3];
+    for (int k = 0; k < 3; ++k) {
+      // Edge function of the side opposite to corner k: twice the area of the triangle it makes with the scanline.
+      const glm::i64vec3& p = *corner[(k + 1) % 3];
+      const glm::i64vec3& q = *corner[(k + 2) % 3];
+      const std::int64_t du = q[u_] - p[u_], dv = q[v_] - p[v_];
+      row[k] = du * (v0 * kUnit + kUnit / 2 - p[v_]) - dv * (u0 * kUnit + kUnit / 2 - p[u_]);
+      step_u[k] = -dv * kUnit;
+      step_v[k] = du * kUnit;
+      bias[k] = ownsEdge(du, dv) ? 0 : 1;
+    }
+    for (std::int64_t v = v0; v <= v1; ++v) {
+      std::int64_t w[3] = {row[0], row[1], row[2]};
+      for (std::int64_t u = u0; u <= u1; ++u) {
+        if (w[0] >= bias[0] && w[1] >= bias[1] && w[2] >= bias[2]) {
+          const double depth = (static_cast<double>(w[0]) * static_cast<double>(a[axis_]) + static_cast<double>(w[1]) * static_cast<double>(b[axis_]) +
+                                static_cast<double>(w[2]) * static_cast<double>(c[axis_])) / static_cast<double>(area) * kLatticeStep;
+          const std::uint32_t column = static_cast<std::uint32_t>(u + (v - begin) * size_[u_]);
+          crossings_.push_back({column, triangle.component, depth, sign});
+        }
+        for (int k = 0; k < 3; ++k) w[k] += step_u[k];
+      }
+      for (int k = 0; k < 3; ++k) row[k] += step_v[k];
+    }
+  }
+
+  void fillColumn(std::size_t at, std::size_t next, int begin) {
+    const std::size_t column = crossings_[at].column;
+    std::uint8_t* line = voxels_.data() + (column % static_cast<std::size_t>(size_[u_])) * stride_u_ +
+                         (static_cast<std::size_t>(begin) + column / static_cast<std::size_t>(size_[u_])) * stride_v_;
+    windings_.clear();
+    int inside = 0;
+    double start = 0, last_start = 0, last_end = -1e30;
+    bool pending = false;
+    const auto flush = [&] {
+      if (pending) fillStretch(line, last_start, last_end);
+      pending = false;
+    };
+    for (; at < next; ++at) {
+      const Crossing& crossing = crossings_[at];
+      if (!mesh_.components[crossing.component].solid) {
+        keep(line, crossing.depth);
+        continue;
+      }
+      const int before = inside;
+      int& winding = windingOf(crossing.component);
+      if (winding == 0) ++inside;
+      winding += crossing.sign;
+      if (winding == 0) --inside;
+      if (before == 0 && inside > 0) start = crossing.depth;
+      if (before > 0 && inside == 0) {
+        // Bodies that touch are one stretch: no voxel is owed to the seam.
+        if (!pending || start > last_end + kLatticeStep) {
+          flush();
+          last_start = start;
+          pending = true;
+        }
+        last_end = crossing.depth;
+      }
+    }
+    flush();
+  }
+
+  void fillStretch(std::uint8_t* line, double from, double to) {
+    const int first = firstCentre(from, size_[axis_]);
+    const int end = firstCentre(to, size_[axis_]);
+    if (first >= end) {
+      keep(line, (from + to) * 0.5);
+    } else if (axis_ == 0) {  // one axis fills; the others look for what it missed
+      std::fill(line + first, line + end, static_cast<std::uint8_t>(kInside));
+    }
+  }
+
+  void keep(std::uint8_t* line, double depth) {
+    const int at = static_cast<int>(std::clamp(std::floor(depth), 0.0, static_cast<double>(size_[axis_] - 1)));
+    std::uint8_t& voxel = line[static_cast<std::size_t>(at) * stride_];
+    if (voxel == kEmpty) voxel = kKept;
+  }
+
+  int& windingOf(std::uint32_t component) {
+    for (auto& [its, winding] : windings_) {
+      if (its == component) return winding;
+    }
+    return windings_.emplace_back(component, 0).second;
+  }
+
+  const Topology& mesh_;
+  glm::ivec3 size_;
+  int axis_, u_, v_;
+  std::size_t stride_ = 0, stride_u_ = 0, stride_v_ = 0;
+  std::vector<std::uint8_t>& voxels_;
+  std::vector<Crossing> crossings_;
+  std::vector<std::pair<std::uint32_t, int>> windings_;
+};
+
+}  // namespace
+
+void fillScanlines(const Topology& mesh, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    // Slabs of about a million columns bound the memory of the crossings; at least 16, for the threads.
+    const int rows = std::clamp((1 << 20) / size[u], 1, std::max(1, size[v] / 16));
+    const std::size_t slabs = static_cast<std::size_t>((size[v] + rows - 1) / rows);
+    std::vector<std::vector<std::uint32_t>> bins(slabs);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      std::int64_t low = mesh.lattice[mesh.triangles[i].vertex[0]][v], high = low;
+      for (const std::uint32_t vertex : mesh.triangles[i].vertex) {
+        low = std::min(low, mesh.lattice[vertex][v]);
+        high = std::max(high, mesh.lattice[vertex][v]);
+      }
+      const std::int64_t first = std::clamp<std::int64_t>(firstCentre(low), 0, size[v]);
+      const std::int64_t last = std::clamp<std::int64_t>((high - kUnit / 2) >> kLatticeBits, -1, size[v] - 1);
+      for (std::int64_t slab = first / rows; first <= last && slab <= last / rows; ++slab) bins[static_cast<std::size_t>(slab)].push_back(i);
+    }
+    parallelRanges(slabs, 1, threads, [&](std::size_t begin, std::size_t end) {
+      Scanner scanner(mesh, size, axis, voxels);
+      for (std::size_t slab = begin; slab < end; ++slab) {
+        const int row = static_cast<int>(slab) * rows;
+        scanner.scan(bins[slab], row, std::min(size[v], row + rows));
+      }
+    });
+  }
+}
+
+}  // namespace kelp::bake

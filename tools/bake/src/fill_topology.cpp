@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: MIT
+#include "fill_topology.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+namespace kelp::bake {
+namespace {
+
+struct LatticeHash {
+  std::size_t operator()(const glm::i64vec3& p) const {
+    std::uint64_t h = static_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u;
+    h = (h ^ (h >> 29)) + static_cast<std::uint64_t>(p.y) * 0xbf58476d1ce4e5b9u;
+    h = (h ^ (h >> 32)) + static_cast<std::uint64_t>(p.z) * 0x94d049bb133111ebu;
+    return static_cast<std::size_t>(h ^ (h >> 31));
+  }
+};
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  // The smaller index becomes the root, so that roots do not depend on the order of calls.
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+// One side of a triangle. `forward`: the triangle runs along it from low to high.
+struct Edge {
+  std::uint32_t low = 0, high = 0, triangle = 0;
+  bool forward = false;
+};
+
+// Calls visit(begin, end) for each run of equal edges; edges must be sorted.
+template <class Visit>
+void forEachEdge(const std::vector<Edge>& edges, const Visit& visit) {
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin + 1;
+    while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) ++end;
+    visit(begin, end);
+    begin = end;
+  }
+}
+
+glm::dvec3 areaVector(const Topology& mesh, const SolidTriangle& t) {
+  const glm::dvec3 a = mesh.position(t.vertex[0]);
+  return 0.5 * glm::cross(mesh.position(t.vertex[1]) - a, mesh.position(t.vertex[2]) - a);
+}
+
+void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
+  constexpr std::uint32_t kUnused = 0xffffffffu;
+  std::vector<std::uint32_t> welded(soup.positions.size(), kUnused);
+  std::unordered_map<glm::i64vec3, std::uint32_t, LatticeHash> known;
+  known.reserve(soup.positions.size());
+  const auto vertexOf = [&](std::uint32_t source) {
+    if (welded[source] == kUnused) {
+      const glm::dvec3 p(frame.node_to_voxel * glm::dvec4(glm::dvec3(soup.positions[source]), 1.0));
+      const glm::i64vec3 snapped(std::llround(p.x / kLatticeStep), std::llround(p.y / kLatticeStep), std::llround(p.z / kLatticeStep));
+      const auto [at, fresh] = known.try_emplace(snapped, static_cast<std::uint32_t>(mesh.lattice.size()));
+      if (fresh) mesh.lattice.push_back(snapped);
+      welded[source] = at->second;
+    }
+    return welded[source];
+  };
+  mesh.triangles.reserve(soup.triangles.size());
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+    SolidTriangle t;
+    for (int k = 0; k < 3; ++k) t.vertex[static_cast<std::size_t>(k)] = vertexOf(soup.triangles[i].vertex[static_cast<std::size_t>(k)]);
+    t.source = i;
+    mesh.triangles.push_back(t);
+  }
+}
+
+// A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside vanish: the first one stays.
+// Triangles that have collapsed to a line between two vertices go only if something else remains: a speck must leave its voxel.
+void removeDuplicates(Topology& mesh) {
+  std::vector<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>> keys;
+  keys.reserve(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    std::array<std::uint32_t, 3> v = mesh.triangles[i].vertex;
+    std::sort(v.begin(), v.end());
+    keys.emplace_back(v[0], v[1], v[2], i);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> drop(mesh.triangles.size(), false);
+  std::size_t dropped = 0;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const auto& [a, b, c, i] = keys[k];
+    const bool twice = k > 0 && std::tie(a, b, c) == std::tie(std::get<0>(keys[k - 1]), std::get<1>(keys[k - 1]), std::get<2>(keys[k - 1]));
+    if (twice || a == b || b == c) {
+      drop[i] = true;
+      ++dropped;
+    }
+  }
+  if (dropped == mesh.triangles.size()) drop[std::get<3>(keys.front())] = false;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!drop[i]) mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  mesh.triangles.resize(kept);
+}
+
+std::vector<Edge> sortedEdges(const Topology& mesh) {
+  std::vector<Edge> edges;
+  edges.reserve(mesh.triangles.size() * 3);
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[i].vertex[k];
+      const std::uint32_t b = mesh.triangles[i].vertex[(k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), i, a < b});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return std::tie(x.low, x.high, x.triangle) < std::tie(y.low, y.high, y.triangle); });
+  return edges;
+}
+
+// Winds each patch (triangles joined by edges of exactly two faces) in one sense: that of the larger part of its area. A patch that has
+// no two sides stays as it is.
+void windConsistently(Topology& mesh, const std::vector<Edge>& edges) {
+  struct Neighbour {
+    std::uint32_t triangle = 0;
+    bool same = false;  // wound alike
+  };
+  const std::size_t count = mesh.triangles.size();
+  std::vector<std::uint32_t> first(count + 1, 0);
+  std::vector<Neighbour> neighbours;
+  for (int pass = 0; pass < 2; ++pass) {
+    std::vector<std::uint32_t> cursor(first);
+    forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+      if (end - begin != 2 || edges[begin].triangle == edges[begin + 1].triangle) return;
+      const Edge& e = edges[begin];
+      const Edge& f = edges[begin + 1];
+      if (pass == 0) {
+        ++first[e.triangle + 1];
+        ++first[f.triangle + 1];
+      } else {
+        neighbours[cursor[e.triangle]++] = {f.triangle, e.forward != f.forward};
+        neighbours[cursor[f.triangle]++] = {e.triangle, e.forward != f.forward};
+      }
+    });
+    if (pass == 0) {
+      for (std::size_t i = 0; i < count; ++i) first[i + 1] += first[i];
+      neighbours.resize(first[count]);
+    }
+  }
+  enum : std::uint8_t { kUnseen, kKeep, kFlip };
+  std::vector<std::uint8_t> state(count, kUnseen);
+  std::vector<std::uint32_t> patch;
+  for (std::uint32_t seed = 0; seed < count; ++seed) {
+    if (state[seed] != kUnseen) continue;
+    state[seed] = kKeep;
+    patch.assign(1, seed);
+    bool two_sided = true;
+    double keep_area = 0, flip_area = 0;
+    for (std::size_t at = 0; at < patch.size(); ++at) {
+      const std::uint32_t i = patch[at];
+      (state[i] == kKeep ? keep_area : flip_area) += glm::length(areaVector(mesh, mesh.triangles[i]));
+      for (std::uint32_t n = first[i]; n < first[i + 1]; ++n) {
+        const std::uint8_t wanted = (state[i] == kKeep) == neighbours[n].same ? kKeep : kFlip;
+        std::uint8_t& its = state[neighbours[n].triangle];
+        if (its == kUnseen) {
+          its = wanted;
+          patch.push_back(neighbours[n].triangle);
+        } else if (its != wanted) {
+          two_sided = false;
+        }
+      }
+    }
+    if (!two_sided) continue;
+    const std::uint8_t flipped = flip_area <= keep_area ? kFlip : kKeep;
+    for (const std::uint32_t i : patch) {
+      if (state[i] == flipped) mesh.triangles[i].turn();
+    }
+  }
+}
+
+void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
+  DisjointSets sets(mesh.triangles.size());
+  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin + 1; i < end; ++i) sets.join(edges[begin].triangle, edges[i].triangle);
+  });
+  std::vector<std::uint32_t> number(mesh.triangles.size(), 0);
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::uint32_t root = sets.find(i);
+    if (root == i) {
+      number[i] = static_cast<std::uint32_t>(mesh.components.size());
+      mesh.components.emplace_back();
+      mesh.components.back().closed = true;
+    }
+    mesh.triangles[i].component = number[root];
+  }
+}
+
+// The cones over every component's boundary.
+std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edges) {
+  struct Boundary {
+    std::uint32_t component, from, to;
+  };
+  std::vector<Boundary> boundary;
+  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+    int net = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      // Flips since the edges were sorted are visible in the triangle only.
+      const SolidTriangle& t = mesh.triangles[edges[i].triangle];
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (t.vertex[k] == edges[i].low && t.vertex[(k + 1) % 3] == edges[i].high) ++net;
+        if (t.vertex[k] == edges[i].high && t.vertex[(k + 1) % 3] == edges[i].low) --net;
+      }
+    }
+    const std::uint32_t component = mesh.triangles[edges[begin].triangle].component;
+    // The cap runs against its neighbour.
+    for (int i = 0; i < std::abs(net); ++i) {
+      boundary.push_back(net > 0 ? Boundary{component, edges[begin].high, edges[begin].low} : Boundary{component, edges[begin].low, edges[begin].high});
+    }
+  });
+  std::stable_sort(boundary.begin(), boundary.end(), [](const Boundary& a, const Boundary& b) { return a.component < b.component; });
+
+  std::vector<SolidTriangle> caps;
+  std::unordered_map<std::uint32_t, std::uint32_t> local;
+  for (std::size_t begin = 0; begin < boundary.size();) {
+    std::size_t end = begin;
+    local.clear();
+    while (end < boundary.size() && boundary[end].component == boundary[begin].component) {
+      local.try_emplace(boundary[end].from, static_cast<std::uint32_t>(local.size()));
+      local.try_emplace(boundary[end].to, static_cast<std::uint32_t>(local.size()));
+      ++end;
+    }
+    DisjointSets loops(local.size());
+    for (std::size_t i = begin; i < end; ++i) loops.join(local[boundary[i].from], local[boundary[i].to]);
+    struct Sum {
+      glm::dvec3 moment{0};
+      double length = 0;
+      std::uint32_t apex = 0;
+    };
+    std::vector<Sum> sums(local.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      const glm::dvec3 a(mesh.lattice[boundary[i].from]), b(mesh.lattice[boundary[i].to]);
+      Sum& sum = sums[loops.find(local[boundary[i].from])];
+      sum.moment += (a + b) * 0.5 * glm::length(b - a);
+      sum.length += glm::length(b - a);
+    }
+    for (Sum& sum : sums) {
+      if (sum.length == 0) continue;
+      const glm::dvec3 p = sum.moment / sum.length;
+      sum.apex = static_cast<std::uint32_t>(mesh.lattice.size());
+      mesh.lattice.emplace_back(std::llround(p.x), std::llround(p.y), std::llround(p.z));
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      SolidTriangle cap;
+      cap.vertex = {boundary[i].from, boundary[i].to, sums[loops.find(local[boundary[i].from])].apex};
+      cap.source = kCap;
+      cap.component = boundary[i].component;
+      caps.push_back(cap);
+    }
+    begin = end;
+  }
+  return caps;
+}
+
+void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
+  // Volumes are summed around a point of each component: far from the origin the terms would cancel badly.
+  std::vector<std::uint32_t> anchor(mesh.components.size(), kCap);
+  const auto add = [&](const SolidTriangle& t, double& area) {
+    std::uint32_t& at = anchor[t.component];
+    if (at == kCap) at = t.vertex[0];
+    const glm::dvec3 o = mesh.position(at);
+    const glm::dvec3 vector = areaVector(mesh, t);
+    area += glm::length(vector);
+    mesh.components[t.component].volume += glm::dot(mesh.position(t.vertex[0]) - o, vector) / 3.0;
+  };
+  for (const SolidTriangle& t : mesh.triangles) add(t, mesh.components[t.component].area);
+  for (const SolidTriangle& t : caps) {
+    add(t, mesh.components[t.component].cap_area);
+    mesh.components[t.component].closed = false;
+  }
+}
+
+std::string summarise(const Topology& mesh, Fill fill) {
+  std::size_t closed = 0, capped = 0, sheets = 0;
+  double area = 0, cap_area = 0;
+  for (const Component& c : mesh.components) {
+    closed += c.closed;
+    sheets += !c.solid;
+    if (c.solid && !c.closed) {
+      ++capped;
+      area += c.area;
+      cap_area += c.cap_area;
+    }
+  }
+  const std::size_t total = mesh.components.size();
+  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} components closed)", closed, total);
+  std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
+  if (capped > 0) text += fmt::format(", {} with holes capped ({:.2g} % of {} surface)", capped, area > 0 ? 100.0 * cap_area / area : 0.0, capped == 1 ? "its" : "their");
+  if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface", sheets, sheets == 1 ? "" : "s");
+  return text;
+}
+
+}  // namespace
+
+Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
+  Topology mesh;
+  weld(soup, frame, mesh);
+  removeDuplicates(mesh);
+  const std::vector<Edge> edges = sortedEdges(mesh);
+  windConsistently(mesh, edges);
+  findComponents(mesh, edges);
+  const std::vector<SolidTriangle> caps = makeCaps(mesh, edges);
+  measure(mesh, caps);
+  mesh.closed = true;
+  for (Component& c : mesh.components) {
+    mesh.closed = mesh.closed && c.closed;
+    c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
+    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
+    c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
+  }
+  for (const SolidTriangle& cap : caps) {
+    if (!mesh.components[cap.component].solid) continue;
+    mesh.triangles.push_back(cap);
+    ++mesh.caps;
+  }
+  for (SolidTriangle& t : mesh.triangles) {
+    if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
+  }
+  mesh.summary = summarise(mesh, fill);
+  return mesh;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "hash_file.h"
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "kelp/bake/bake.h"
+
+namespace kelp::bake {
+
+std::string hashFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw BakeError(Exit::kIo, path.string() + ": can not be read again; keep the file in place while it is baked");
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  if (!state) throw std::bad_alloc();
+  XXH3_64bits_reset(state.get());
+  std::vector<char> block(1 << 20);
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(state.get())));
+  return text;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "info_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "hash_file.h"
+
+namespace kelp::bake {
+
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, const Settings& settings) {
+  nlohmann::ordered_json options;
+  if (settings.voxel_size) {
+    options["voxel_size"] = *settings.voxel_size;
+  } else {
+    options["resolution"] = settings.resolution;
+  }
+  if (settings.axis) options["axis"] = toString(*settings.axis);
+  if (settings.rig_file) options["rig"] = settings.rig_file->filename().string();
+  if (settings.rig_preset) options["rig"] = *settings.rig_preset;
+  options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
+  if (settings.levels > 0) options["levels"] = settings.levels;
+  const nlohmann::ordered_json info = {{"tool", "kelp-bake " KELP_VERSION},
+                                       {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashFile(input)}}},
+                                       {"options", options}};
+  // A name that is not UTF-8 must not stop the bake.
+  return info.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Levels: occupancy by OR, normals and colours by average.
+#include <algorithm>
+#include <cmath>
+
+#include "kelp/bake/bake.h"
+#include "kelp/fields/fields.h"
+#include "palette.h"
+#include "parallel.h"
+
+namespace kelp::bake {
+namespace {
+
+// A surface voxel of some level. Colours stay unrounded from level to level: only what is stored snaps to the palette.
+struct Attribute {
+  std::uint64_t index = 0;
+  glm::vec3 normal{0};
+  Material material;
+};
+
+std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size, const glm::ivec3& coarse_size) {
+  struct Child {
+    std::uint64_t parent;
+    std::size_t at;
+  };
+  std::vector<Child> children(fine.size());
+  const std::uint64_t x = static_cast<std::uint64_t>(fine_size.x), y = static_cast<std::uint64_t>(fine_size.y);
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    const std::uint64_t index = fine[i].index;
+    children[i] = {index % x / 2 + static_cast<std::uint64_t>(coarse_size.x) * (index / x % y / 2 + static_cast<std::uint64_t>(coarse_size.y) * (index / (x * y) / 2)), i};
+  }
+  std::sort(children.begin(), children.end(), [](const Child& a, const Child& b) { return a.parent != b.parent ? a.parent < b.parent : a.at < b.at; });
+  std::vector<Attribute> coarse;
+  for (std::size_t begin = 0; begin < children.size();) {
+    std::size_t end = begin;
+    glm::vec3 normal(0);
+    glm::vec4 base(0);
+    glm::vec3 emissive(0);
+    float metallic = 0, roughness = 0;
+    for (; end < children.size() && children[end].parent == children[begin].parent; ++end) {
+      const Attribute& child = fine[children[end].at];
+      normal += child.normal;
+      base += child.material.base_color;
+      emissive += child.material.emissive;
+      metallic += child.material.metallic;
+      roughness += child.material.roughness;
+    }
+    const float share = 1.0f / static_cast<float>(end - begin);
+    Attribute& parent = coarse.emplace_back();
+    parent.index = children[begin].parent;
+    const float length = std::sqrt(glm::dot(normal, normal));
+    // Children that face all ways, as on a thin sheet, cancel: any one of them is better than rounding.
+    parent.normal = length * share > 0.1f ? normal / length : fine[children[begin].at].normal;
+    parent.material.base_color = base * share;
+    parent.material.emissive = emissive * share;
+    parent.material.metallic = metallic * share;
+    parent.material.roughness = roughness * share;
+    begin = end;
+  }
+  return coarse;
+}
+
+int levelCount(const glm::ivec3& size, int asked) {
+  int count = 1;
+  for (int side = std::max({size.x, size.y, size.z}); side > kBrickSide && count < kMaxLevels; side = (side + 1) / 2) ++count;
+  return asked > 0 ? std::min(asked, count) : count;
+}
+
+}  // namespace
+
+std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
+                                  const Progress& progress) {
+  std::vector<MaterialPoint> points;
+  for (const Material& entry : palette) points.push_back(materialPoint(entry));
+  std::vector<Attribute> attributes(grid.surface.size());
+  for (std::size_t i = 0; i < attributes.size(); ++i) attributes[i] = {grid.surface[i].index, grid.surface[i].normal, grid.surface[i].material};
+
+  std::vector<RawLevel> built;
+  fields::Occupancy occupancy{grid.size, grid.solid};
+  const int count = levelCount(grid.size, levels);
+  for (int level = 0; level < count; ++level) {
+    if (progress && !progress("levels", static_cast<double>(level) / count)) throw BakeError(Exit::kInterrupted, "interrupted");
+    if (level > 0) {
+      fields::Occupancy coarse = fields::coarser(occupancy);
+      attributes = coarserAttributes(attributes, occupancy.size, coarse.size);
+      occupancy = std::move(coarse);
+    }
+    std::vector<fields::SurfaceVoxel> surface(attributes.size());
+    parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t entry = level == 0 ? palette_indices[i] : nearestEntry(points, materialPoint(attributes[i].material));
+        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), encodeNormal(attributes[i].normal))};
+      }
+    });
+    built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));
+  }
+  if (progress && !progress("levels", 1.0)) throw BakeError(Exit::kInterrupted, "interrupted");
+  return built;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Plain data parallelism for the stages: ranges to threads. What a range computes must not depend on which thread runs it.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace kelp::bake {
+
+inline int threadCount(int asked) { return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+// Calls work(begin, end) for ranges of at most `grain` items that cover [0, count). The first exception is thrown again here.
+template <class Work>
+void parallelRanges(std::size_t count, std::size_t grain, int threads, const Work& work) {
+  const std::size_t ranges = (count + grain - 1) / grain;
+  const std::size_t workers = std::min<std::size_t>(static_cast<std::size_t>(threadCount(threads)), ranges);
+  if (workers <= 1) {
+    for (std::size_t begin = 0; begin < count; begin += grain) work(begin, std::min(count, begin + grain));
+    return;
+  }
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto run = [&] {
+    try {
+      for (std::size_t range = next++; range < ranges; range = next++) work(range * grain, std::min(count, (range + 1) * grain));
+    } catch (...) {
+      next = ranges;
+      const std::lock_guard<std::mutex> lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> pool;
+  for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(run);
+  run();
+  for (std::thread& thread : pool) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// The nearest point of a mesh, exactly: the same answer for the same question, however it is asked.
+#pragma once
+
+#include <limits>
+#include <utility>
+
+#include "fill_topology.h"
+
+namespace kelp::bake {
+
+struct Nearest {
+  std::uint32_t triangle = kCap;   // index into Topology::triangles; kCap: none within the bound
+  double squared = std::numeric_limits<double>::infinity();
+  glm::dvec3 point{0};
+  glm::dvec3 weights{1, 0, 0};     // barycentric
+};
+
+// A hierarchy of boxes over the triangles. Immutable once made; queries may run on any thread.
+class TriangleBvh {
+ public:
+  // Refers to `mesh`, which must outlive it. with_caps: whether the caps of holes count as triangles.
+  TriangleBvh(const Topology& mesh, bool with_caps);
+
+  // The nearest triangle within `bound` voxels of p; of several at the same distance the one with the lowest index.
+  Nearest nearest(const glm::dvec3& p, double bound = std::numeric_limits<double>::infinity()) const {
+    return nearest(p, bound, [](std::uint32_t) { return true; });
+  }
+  // The same among the triangles that `accept(index)` lets pass.
+  template <class Accept>
+  Nearest nearest(const glm::dvec3& p, double bound, const Accept& accept) const;
+
+ private:
+  struct Node {
+    glm::vec3 low, high;
+    std::uint32_t first = 0;  // first of `count` entries in order_, or of two adjacent children
+    std::uint32_t count = 0;  // 0: inner node
+  };
+
+  static double squaredToBox(const glm::dvec3& p, const Node& node) {
+    const glm::dvec3 outside = glm::max(glm::max(glm::dvec3(node.low) - p, p - glm::dvec3(node.high)), glm::dvec3(0));
+    return glm::dot(outside, outside);
+  }
+
+  const Topology& mesh_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+// The point of triangle abc nearest to p and its barycentric weights.
+// Source: Ericson, "Real-Time Collision Detection", section 5.1.5.
+glm::dvec3 nearestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, glm::dvec3& weights);
+
+template <class Accept>
+Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& accept) const {
+  Nearest best;
+  best.squared = bound * bound;
+  struct Entry {
+    std::uint32_t node;
+    double squared;
+  };
+  Entry stack[128];
+  int top = 0;
+  stack[top++] = {0, squaredToBox(p, nodes_[0])};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.squared > best.squared) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count > 0) {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        if (!accept(order_[i])) continue;
+        const auto& v = mesh_.triangles[order_[i]].vertex;
+        glm::dvec3 weights;
+        const glm::dvec3 q = nearestOnTriangle(p, mesh_.position(v[0]), mesh_.position(v[1]), mesh_.position(v[2]), weights);
+        const double squared = glm::dot(p - q, p - q);
+        if (squared < best.squared || (squared == best.squared && order_[i] < best.triangle)) best = {order_[i], squared, q, weights};
+      }
+      continue;
+    }
+    Entry near{node.first, squaredToBox(p, nodes_[node.first])};
+    Entry far{node.first + 1, squaredToBox(p, nodes_[node.first + 1])};
+    if (far.squared < near.squared) std::swap(near, far);
+    // The tree is balanced: its depth, hence the stack, is some 32 for any mesh that has 32-bit indices.
+    if (far.squared <= best.squared) stack[top++] = far;
+    if (near.squared <= best.squared) stack[top++] = near;
+  }
+  return best;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// From triangles to voxels: what is solid, and what its surface looks like.
+#include <utility>
+
+#include "fill_scan.h"
+#include "fill_thin.h"
+#include "kelp/fields/fields.h"
+#include "surface_band.h"
+#include "surface_bvh.h"
+#include "surface_samples.h"
+
+namespace kelp::bake {
+
+VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress) {
+  const auto report = [&](double done) {
+    if (progress && !progress("voxelize", done)) throw BakeError(Exit::kInterrupted, "interrupted");
+  };
+  report(0.0);
+  const Topology mesh = analyse(part.soup, frame, fill);
+  report(0.15);
+  const std::size_t count = static_cast<std::size_t>(frame.size.x) * static_cast<std::size_t>(frame.size.y) * static_cast<std::size_t>(frame.size.z);
+  std::vector<std::uint8_t> voxels(count, kEmpty);
+  fillScanlines(mesh, frame.size, threads, voxels);
+  report(0.3);
+  const TriangleBvh bvh_real(mesh, false);
+  keepThinParts(mesh, bvh_real, touchedVoxels(mesh, frame.size, threads), frame.size, threads, voxels);
+  report(0.5);
+
+  fields::Occupancy occupancy{frame.size, std::vector<std::uint8_t>(count)};
+  for (std::size_t i = 0; i < count; ++i) occupancy.solid[i] = voxels[i] != kEmpty ? 1 : 0;
+  const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads);
+  report(0.6);
+
+  VoxelizeResult result;
+  const TriangleBvh bvh(mesh, true);
+  result.grid.surface = sampleSurface(model, part.soup, mesh, bvh, bvh_real, voxels, frame.size, surface, threads);
+  result.grid.size = frame.size;
+  result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
+  result.grid.solid = std::move(occupancy.solid);
+  result.closed = mesh.closed;
+  result.fill = mesh.summary;
+  report(1.0);
+  return result;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Output that is either the old file or the new one, whole.
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "kelp/bake/bake.h"
+
+namespace kelp::bake {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, int error, const std::string& remedy) {
+  throw BakeError(Exit::kIo, path.string() + ": " + what + (error != 0 ? ": " + std::generic_category().message(error) : std::string()) + "; " + remedy);
+}
+
+// Where the bytes go: through symbolic links, so that a link stays one.
+std::filesystem::path target(const std::filesystem::path& path) {
+  std::error_code error;
+  if (path.filename().empty()) fail(path, "is not a file name", 0, "give -o a name such as model.kelp");
+  if (std::filesystem::is_symlink(path, error)) {
+    const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
+    if (!error) return real;
+  }
+  return path;
+}
+
+// A new file in the folder of its final place, removed unless it was moved there.
+class TempFile {
+ public:
+  explicit TempFile(const std::filesystem::path& final_path) : final_(final_path), folder_(final_path.has_parent_path() ? final_path.parent_path() : ".") {
+    struct stat status {};
+    if (::stat(final_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+      fail(final_, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", 0, "name a file for the output");
+    }
+    static std::atomic<unsigned> counter{0};
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+      path_ = folder_ / ("." + final_.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + "-" + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
+      file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (file_ >= 0) return;
+      if (errno != EEXIST) break;
+    }
+    fail(final_, "can not be written", errno, "choose a folder that exists and that you may write to");
+  }
+  TempFile(const TempFile&) = delete;
+  TempFile& operator=(const TempFile&) = delete;
+  ~TempFile() {
+    if (file_ >= 0) ::close(file_);
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+
+  bool write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) {
+        error_ = written < 0 ? errno : ENOSPC;
+        return false;
+      }
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    return true;
+  }
+  int error() const { return error_; }
+
+  // Onto the disk, then into place; the folder too, or a crash might forget the name.
+  void commit() {
+    if (::fsync(file_) != 0) fail(final_, "can not be flushed to disk", errno, "free some space or choose another disk");
+    const int closed = ::close(std::exchange(file_, -1));
+    if (closed != 0) fail(final_, "can not be written", errno, "free some space or choose another disk");
+    if (::rename(path_.c_str(), final_.c_str()) != 0) fail(final_, "can not be replaced", errno, "choose another name");
+    path_.clear();
+    const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) {
+      ::fsync(folder);  // some file systems have no such call for folders: the file itself is safe
+      ::close(folder);
+    }
+  }
+
+ private:
+  std::filesystem::path final_, folder_, path_;
+  int file_ = -1;
+  int error_ = 0;
+};
+
+struct Output {
+  TempFile& file;
+  const Progress& progress;
+  std::uint64_t bytes = 0;
+  bool interrupted = false;
+};
+
+bool receive(void* user, std::span<const std::byte> bytes) {
+  Output& output = *static_cast<Output*>(user);
+  output.bytes += bytes.size();
+  if (output.progress && !output.progress("write", 0.5)) output.interrupted = true;
+  return !output.interrupted && output.file.write(bytes);
+}
+
+}  // namespace
+
+void checkOutput(const std::filesystem::path& path) { const TempFile probe(target(path)); }
+
+void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report, const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  TempFile file(target(path));
+  Output output{file, progress};
+  const Result<void> written = writePack(pack, Sink{receive, &output}, threads);
+  if (output.interrupted || (progress && !progress("write", 1.0))) throw BakeError(Exit::kInterrupted, "interrupted");
+  if (!written) {
+    if (written.error().code == ErrorCode::kIo) fail(path, "can not be written", file.error(), "free some space or choose another disk");
+    if (written.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+    throw BakeError(Exit::kRuntime, path.string() + ": the model makes no valid pack (" + written.error().detail + "); try another --resolution, and report this as a defect of kelp-bake");
+  }
+  file.commit();
+  report.pack_bytes = output.bytes;
+  report.stages.push_back({"write", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+}
+
+}  // namespace kelp::bake
