@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(At256, RealFiles,
                                          RealFile{"Box_Draco", "gltf/draco_testdata/Box_Draco.glb", 0.01}, RealFile{"bunny_draco", "gltf/pmndrs/bunny.glb", 0.01},
                                          RealFile{"spot", "mesh/common3d/spot.obj", 0.01}, RealFile{"stanford_bunny", "mesh/common3d/stanford-bunny.obj", 0.01},
                                          RealFile{"dragon", "mesh/stanford/dragon_vrip_res3.ply", 0.01}, RealFile{"vdb_sphere", "vdb/gaffer_sphere.vdb", 0.01}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& file) { return std::string(file.param.name); });
 
 }  // namespace
 }  // namespace kelp
