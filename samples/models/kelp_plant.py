@@ -3,7 +3,7 @@
 
 import math
 
-from geometry import Mesh, add, along, cross, dome, interpolate, normalize, rounded, scale, sub, superellipse
+from geometry import Mesh, add, along, cross, dome, dot, interpolate, normalize, rounded, scale, sub, superellipse
 from noise import between, fractal_noise, mix, ramp, shade, smoothstep, srgb, value_noise
 from rig import rig as make_rig
 from rig import travelling_wave
@@ -29,11 +29,14 @@ def direction(azimuth, elevation):
 
 def tube(mesh, path, radius, colour, steps, around=12):
     """A round skin about path(s) with radius(s); colour(s, angle, position)."""
-    def section(s):
-        centre = path(s)
+    frames, side = {}, (0.31, 0.17, 0.93)
+    for s in steps:  # each frame follows from the one before, so that the skin does not twist
         tangent = normalize(sub(path(min(s + 1e-3, 1.0)), path(max(s - 1e-3, 0.0))))
-        side = normalize(cross(tangent, (0.31, 0.17, 0.93)))
-        other = cross(tangent, side)
+        side = normalize(along(side, (tangent, -dot(side, tangent))))
+        frames[s] = side, cross(tangent, side)
+
+    def section(s):
+        centre, (side, other) = path(s), frames[s]
         r = radius(s) * dome(20.0 * s) * dome(20.0 * (1.0 - s))
         return (lambda angle: along(centre, (side, r * math.cos(angle)), (other, r * math.sin(angle))),
                 lambda angle, p: colour(s, angle, p))
@@ -41,8 +44,8 @@ def tube(mesh, path, radius, colour, steps, around=12):
     mesh.skin(steps, around, section)
 
 
-def stone_radius(d):
-    return 1.0 + 0.22 * fractal_noise(1.6 * d[0] + 5.0, 1.6 * d[1], 1.6 * d[2], 3, 40)
+def stone_radius(d, octaves=3):
+    return 1.0 + 0.22 * fractal_noise(1.6 * d[0] + 5.0, 1.6 * d[1], 1.6 * d[2], octaves, 40)
 
 
 def stone(mesh):
@@ -61,21 +64,27 @@ def stone(mesh):
 
 
 def holdfast(mesh):
-    """Root-like haptera that drape over the stone and grip it."""
+    """A crown that gathers the stipes, and root-like haptera that drape from it over the stone and grip it."""
+    def bark(s, angle, p):
+        return shade(mix(ROOT, STIPE_LOW, s), 1.0 + 0.3 * value_noise(2.5 * math.cos(angle), 14 * p[1], 2.5 * math.sin(angle), 79))
+
+    crown = ((0.0, 0.056), (0.5, 0.036), (1.0, 0.017))
+    tube(mesh, lambda s: (0.0, 0.06 + 0.11 * s, 0.0), lambda s: interpolate(crown, s), bark, rounded(24, 0.3), 24)
+
     count = 21
     for i in range(count):
         azimuth = (i + between(-0.35, 0.35, i, 70)) / count
         reach = (0.80, 0.55, 0.95)[i % 3] * between(0.9, 1.1, i, 71)
-        start = between(0.135, 0.185, i, 72)
+        start = between(0.145, 0.185, i, 72)
         curl = between(-0.06, 0.06, i, 73)
 
         def path(s, azimuth=azimuth, reach=reach, start=start, curl=curl, i=i):
             """From the stipe down to the stone, then along its surface."""
             turn = 2.0 * math.pi * (azimuth + curl * s * s + 0.012 * math.sin(8.0 * s + i))
-            tilt = 0.5 * math.pi * (0.06 + 0.88 * reach * s)
+            tilt = 0.5 * math.pi * (0.02 + 0.92 * reach * s ** 1.25)
             d = (math.sin(tilt) * math.cos(turn), math.cos(tilt), math.sin(tilt) * math.sin(turn))
-            r = stone_radius(d)
-            lift = (start - 0.1) * (1.0 - smoothstep(0.0, 0.55, s)) + 0.003
+            r = stone_radius(d, 1)  # over the stone's bumps, not into each
+            lift = (start - 0.1) * (1.0 - smoothstep(-0.25, 0.62, s)) / 0.86 + 0.004
             return (0.165 * d[0] * r, 0.062 * d[1] * r + 0.038 + lift, 0.135 * d[2] * r)
 
         def colour(s, angle, p, i=i):
@@ -195,7 +204,7 @@ def frond_blades(mesh, frond):
               length, length * between(0.092, 0.106, key, 14), root[1] / HEIGHT, key)
     # The growing tip: two young blades that part.
     for k, (turn, lift, size) in enumerate(((azimuth + 0.06, 0.205, 0.25), (azimuth + 0.55, 0.19, 0.20))):
-        blade(mesh, path(0.985), turn, lift, 0.06, size * (0.8 + 0.2 * height), 0.021, 1.0, 100 * seed + 90 + k, 0.0165)
+        blade(mesh, path(0.985 - 0.012 * k), turn, lift, 0.06, size * (0.8 + 0.2 * height), 0.021, 1.0, 100 * seed + 90 + k, 0.0165)
 
 
 def surfaces():

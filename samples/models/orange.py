@@ -58,14 +58,14 @@ def peel(mesh):
 def calyx(mesh):
     """The five-pointed star on which the fruit hung, draped over the dent; s runs from below to the rim at 1/2 and back on top."""
     def section(s):
-        r, under = math.sin(math.pi * s) ** 0.8, s < 0.5
+        r, v = superellipse(math.pi * (s - 0.5), 2.6)
 
         def point(angle):
             out = r * (0.0075 + 0.0050 * (0.5 + 0.5 * math.cos(5.0 * angle + 0.6)) ** 1.5)
             tilt = out / RADIUS
             d = (math.sin(tilt) * math.cos(angle), math.cos(tilt), math.sin(tilt) * math.sin(angle))
             curl = 0.0020 * smoothstep(0.55, 1.0, out / 0.0125)
-            return on_peel(d, -0.0012 if under else 0.0018 - 0.0006 * r + curl)
+            return on_peel(d, 0.0004 + 0.0015 * v + curl)
 
         def colour(angle, p):
             edge = smoothstep(0.4, 1.0, math.hypot(p[0], p[2]) / 0.012)

@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs samples/models/make_models.py twice and checks what it wrote, as a reader would who knows glTF 2.0 but not the script.
+
+Usage: check_models.py path/to/make_models.py
+"""
+
+import filecmp
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+
+# Axis, size along the axis in metres, clips and how far each moves the far end (in units of that size).
+EXPECTED = {
+    "kelp_plant": ("+y", 1.2, {"sway": (0.15, 0.35), "current": (0.25, 0.40)}),
+    "orange": ("+y", 0.11, {"wobble": (0.10, 0.25)}),
+    "fish": ("-x", 0.3, {"swim": (0.10, 0.20)}),
+}
+COMPONENTS = {5126: ("f", 4), 5123: ("H", 2), 5125: ("I", 4)}
+WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+class Fault(Exception):
+    pass
+
+
+def require(condition, what):
+    if not condition:
+        raise Fault(what)
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def read_glb(path):
+    """The document and the binary chunk; checks header, chunk order, lengths and padding (glTF 2.0, section 4.4)."""
+    with open(path, "rb") as file:
+        data = file.read()
+    magic, version, length = struct.unpack_from("<4sII", data)
+    require((magic, version, length) == (b"glTF", 2, len(data)), "header is %r" % ((magic, version, length),))
+    json_size, json_type = struct.unpack_from("<I4s", data, 12)
+    require(json_type == b"JSON" and json_size % 4 == 0, "the first chunk is %r, %d bytes" % (json_type, json_size))
+    bin_size, bin_type = struct.unpack_from("<I4s", data, 20 + json_size)
+    require(bin_type == b"BIN\0" and bin_size % 4 == 0, "the second chunk is %r, %d bytes" % (bin_type, bin_size))
+    require(28 + json_size + bin_size == len(data), "bytes after the last chunk")
+
+    def no_constants(text):
+        raise Fault("JSON has %s" % text)
+
+    document = json.loads(data[20:20 + json_size].decode("utf-8"), parse_constant=no_constants)
+    require(document["asset"]["version"] == "2.0", "asset.version")
+    require(len(document["buffers"]) == 1 and 0 <= bin_size - document["buffers"][0]["byteLength"] < 4, "buffers[0].byteLength")
+    return document, data[28 + json_size:]
+
+
+def read_accessor(document, binary, index, kinds, target):
+    accessor = document["accessors"][index]
+    view = document["bufferViews"][accessor["bufferView"]]
+    letter, size = COMPONENTS[accessor["componentType"]]
+    width = WIDTHS[accessor["type"]]
+    place = "accessors[%d]" % index
+    require((accessor["type"], accessor["componentType"]) in kinds, "%s is %s of %d" % (place, accessor["type"], accessor["componentType"]))
+    require(view["target"] == target and view["buffer"] == 0 and "byteStride" not in view, place + ": its view's target")
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    require(start % 4 == 0, place + " is not aligned")
+    require(accessor.get("byteOffset", 0) + accessor["count"] * width * size <= view["byteLength"], place + " leaves its view")
+    require(view.get("byteOffset", 0) + view["byteLength"] <= document["buffers"][0]["byteLength"], place + ": its view leaves the buffer")
+    values = list(struct.iter_unpack("<%d%s" % (width, letter), binary[start:start + accessor["count"] * width * size]))
+    require(all(map(math.isfinite, (x for v in values for x in v))), place + " is not finite")
+    for bound, choose in (("min", min), ("max", max)):
+        if bound in accessor:
+            require(accessor[bound] == [choose(c) for c in zip(*values)], "%s.%s" % (place, bound))
+    return accessor, values
+
+
+def components(count, triangles):
+    """Triangles grouped by connected component."""
+    parent = list(range(count))
+
+    def root(i):
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = parent[i]
+        return i
+
+    for a, b, c in triangles:
+        parent[root(b)] = root(a)
+        parent[root(c)] = root(a)
+    groups = {}
+    for t in triangles:
+        groups.setdefault(root(t[0]), []).append(t)
+    return list(groups.values())
+
+
+def check_surface(positions, triangles, least_area):
+    """Every component closed, two-manifold, consistently wound, facing outward, without slivers of no area. Returns their number."""
+    require({i for t in triangles for i in t} == set(range(len(positions))), "an index out of range, or a vertex without a triangle")
+    require(len(set(positions)) == len(positions), "two vertices share a position")
+    edges = set()
+    for t in triangles:
+        for i in range(3):
+            edge = (t[i], t[(i + 1) % 3])
+            require(edge[0] != edge[1], "triangle %r repeats a vertex" % (t,))
+            require(edge not in edges, "edge %r is walked twice in the same direction" % (edge,))
+            edges.add(edge)
+    for a, b in edges:
+        require((b, a) in edges, "edge %r has no opposite: the surface is open" % ((a, b),))
+    groups = components(len(positions), triangles)
+    for group in groups:
+        volume, area = 0.0, 0.0
+        for a, b, c in group:
+            p, q, r = positions[a], positions[b], positions[c]
+            n = cross([x - y for x, y in zip(q, p)], [x - y for x, y in zip(r, p)])
+            size = 0.5 * math.sqrt(dot(n, n))
+            require(size > least_area, "triangle %r has the area %g" % ((a, b, c), size))
+            area += size
+            volume += dot(p, cross(q, r)) / 6.0
+        require(volume > 0.0, "a component of %d triangles faces inward" % len(group))
+        # Half the mean thickness of a sheet is volume / area: nothing is a mere film.
+        require(volume / area > 1e-3 * math.sqrt(area), "a component of %d triangles is a film" % len(group))
+    return len(groups)
+
+
+def check_normals(positions, normals, triangles):
+    for n in normals:
+        require(abs(dot(n, n) - 1.0) < 1e-4, "a normal is %g long" % math.sqrt(dot(n, n)))
+    against = 0
+    for a, b, c in triangles:
+        n = cross([x - y for x, y in zip(positions[b], positions[a])], [x - y for x, y in zip(positions[c], positions[a])])
+        against += sum(dot(n, normals[i]) <= 0.0 for i in (a, b, c))
+    require(against < 1e-3 * len(triangles), "%d corners have normals against their triangle" % against)
+
+
+def check_rig(rig, expected_axis, clips):
+    require(set(rig) == {"kelp", "axis", "knots", "clips"} and rig["kelp"] == 1, "extras.kelp has the keys %s" % sorted(rig))
+    require(rig["axis"] == expected_axis, "axis is %s" % rig["axis"])
+    at = [knot["at"] for knot in rig["knots"]]
+    require(all(set(knot) == {"at"} for knot in rig["knots"]) and at[0] == 0 and at[-1] == 1 and at == sorted(set(at)), "knots at %r" % at)
+    require(set(rig["clips"]) == set(clips), "clips are %s" % sorted(rig["clips"]))
+    along = "xyz".index(expected_axis[1])
+    for name, clip in rig["clips"].items():
+        for wave in clip["waves"]:
+            kind = "offset" if "offset" in wave else "tangent"
+            require(set(wave) == {"knot", kind, "period", "phase"}, "%s: a wave has the keys %s" % (name, sorted(wave)))
+            require(0 <= wave["knot"] < len(at) and wave["period"] > 0 and len(wave[kind]) == 3, "%s: %r" % (name, wave))
+            require(wave[kind][along] == 0, "%s moves along the axis: the spline would not stay monotone beyond doubt" % name)
+            require(expected_axis != "+y" or kind == "tangent" or wave["knot"] > 0, "%s moves the foot" % name)
+        longest = max(wave["period"] for wave in clip["waves"])
+        require(all(abs(longest / w["period"] - round(longest / w["period"])) < 1e-6 for w in clip["waves"]), "%s does not loop" % name)
+        reach = 0.0
+        for step in range(240):
+            moved = [0.0, 0.0, 0.0]
+            for wave in clip["waves"]:
+                if wave["knot"] == len(at) - 1 and "offset" in wave:
+                    phase = math.sin(2.0 * math.pi * (step / 240.0 * longest / wave["period"] + wave["phase"]))
+                    moved = [m + phase * x for m, x in zip(moved, wave["offset"])]
+            reach = max(reach, math.sqrt(dot(moved, moved)))
+        require(clips[name][0] <= reach <= clips[name][1], "%s moves the far end by %.3f" % (name, reach))
+
+
+def check_model(path, name):
+    document, binary = read_glb(path)
+    axis, size, clips = EXPECTED[name]
+    require(document["scenes"][document["scene"]]["nodes"] == [0] and len(document["nodes"]) == 1, "scene")
+    node = document["nodes"][0]
+    check_rig(node["extras"]["kelp"], axis, clips)
+    parts, count, corners = 0, 0, []
+    for primitive in document["meshes"][node["mesh"]]["primitives"]:
+        attributes = primitive["attributes"]
+        require(set(attributes) == {"POSITION", "NORMAL", "COLOR_0"} and primitive.get("mode", 4) == 4, "attributes %s" % sorted(attributes))
+        require(0 <= primitive["material"] < len(document["materials"]), "material")
+        position, positions = read_accessor(document, binary, attributes["POSITION"], {("VEC3", 5126)}, ARRAY_BUFFER)
+        require("min" in position and "max" in position, "POSITION needs min and max")
+        _, normals = read_accessor(document, binary, attributes["NORMAL"], {("VEC3", 5126)}, ARRAY_BUFFER)
+        colour, colours = read_accessor(document, binary, attributes["COLOR_0"], {("VEC4", 5123)}, ARRAY_BUFFER)
+        require(colour["normalized"] is True and all(c[3] == 65535 for c in colours), "COLOR_0 is not normalized or not opaque")
+        require(len(set(colours)) > 100, "COLOR_0 is all but plain")
+        _, indices = read_accessor(document, binary, primitive["indices"], {("SCALAR", 5123), ("SCALAR", 5125)}, ELEMENT_ARRAY_BUFFER)
+        require(len(positions) == len(normals) == len(colours) and len(indices) % 3 == 0, "counts differ")
+        flat = [i for i, in indices]
+        triangles = list(zip(flat[0::3], flat[1::3], flat[2::3]))
+        parts += check_surface(positions, triangles, 1e-9 * size * size)
+        check_normals(positions, normals, triangles)
+        count += len(triangles)
+        corners += [position["min"], position["max"]]
+    extent = [max(c) - min(c) for c in zip(*corners)]
+    require(abs(extent["xyz".index(axis[1])] / size - 1.0) < 0.05, "its size is %r" % extent)
+    if axis == "+y":
+        require(0.0 <= min(c[1] for c in corners) < 0.01 * size, "it does not stand on the ground")
+    print("%s: %d triangles in %d closed surfaces, %.3f x %.3f x %.3f m" % (name, count, parts, *extent))
+    return positions, triangles
+
+
+def check_the_check(positions, triangles):
+    """A check that cannot fail shows nothing: damage the last surface in four ways and expect an answer to each."""
+    a, b, c = triangles[0]
+    damaged = {
+        "a hole": (positions, triangles[1:]),
+        "a turned triangle": (positions, [(a, c, b)] + triangles[1:]),
+        "a surface inside out": (positions, [(p, r, q) for p, q, r in triangles]),
+        "a collapsed triangle": ([positions[a] if i == b else p for i, p in enumerate(positions)], triangles),
+    }
+    for what, (some_positions, some_triangles) in damaged.items():
+        try:
+            check_surface(some_positions, some_triangles, 1e-12)
+        except Fault:
+            continue
+        raise Fault("the check does not see " + what)
+
+
+def main(script):
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [os.path.join(folder, "first"), os.path.join(folder, "second", "deeper")]
+        for run in runs:
+            subprocess.run([sys.executable, script, run], check=True, stdout=subprocess.DEVNULL)
+        for name in EXPECTED:
+            file = name + ".glb"
+            require(filecmp.cmp(os.path.join(runs[0], file), os.path.join(runs[1], file), shallow=False), file + " differs from run to run")
+        for name in EXPECTED:
+            try:
+                positions, triangles = check_model(os.path.join(runs[0], name + ".glb"), name)
+            except Fault as fault:
+                raise Fault("%s.glb: %s" % (name, fault)) from None
+        check_the_check(positions, triangles)
+        # The command line: no folder is a usage error, a folder that cannot be made an I/O error; both in one line or two, no traceback.
+        for arguments, code in (([], 1), ([os.path.join(runs[0], "fish.glb", "below_a_file")], 2)):
+            run = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            require(run.returncode == code and not run.stdout and "Traceback" not in run.stderr,
+                    "with %r: exit code %d, %s" % (arguments, run.returncode, run.stderr))
+        require(not os.path.exists(os.path.join(os.path.dirname(script), "__pycache__")), "the script left __pycache__ in the source tree")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1])
+    except Fault as fault:
+        sys.exit("check_models.py: %s" % fault)
