@@ -24,7 +24,7 @@ bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || fourcc ==
 
 }  // namespace
 
-Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks) {
+Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Limits& limits) {
   MetadataChunks found;
   struct Slot {
     std::uint32_t fourcc;
@@ -34,6 +34,7 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks) {
                         {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip}};
   const Slot* next = std::begin(slots);
   bool levels = false;
+  std::uint64_t total = 0;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     levels = levels || isLevel(chunks[i].fourcc);
     if (!isMetadata(chunks[i].fourcc)) continue;
@@ -42,6 +43,11 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks) {
     if (slot == std::end(slots)) return wrongOrder("a metadata chunk is there twice or out of order", i);
     *slot->index = i;
     next = slot + 1;
+    // No sum of five can wrap: each is within the limits already, or within the file.
+    total += std::min(chunks[i].raw, limits.max_decoded_bytes);
+    if (total > limits.max_decoded_bytes) {
+      return Error{ErrorCode::kLimit, "the metadata are larger than the limits allow", chunks[i].offset};
+    }
   }
   if (found.part == MetadataChunks::kNone) return wrongOrder("the PART chunk is missing", 0);
   if (found.matl == MetadataChunks::kNone) return wrongOrder("the MATL chunk is missing", 0);

@@ -13,11 +13,6 @@ namespace {
 
 using ChunkInfo = Pack::ChunkInfo;
 
-bool isKnown(std::uint32_t fourcc) {
-  using namespace layout;
-  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kRigs || fourcc == kClip || fourcc == kGrid || fourcc == kBrck;
-}
-
 // INFO and CLIP are for those who want them; without the others nothing can be drawn.
 bool mustBeRequired(std::uint32_t fourcc) { return fourcc != layout::kInfo && fourcc != layout::kClip; }
 
@@ -55,7 +50,7 @@ Result<void> checkIndex(const Container& container, const Limits& limits) {
       return Error{ErrorCode::kCorrupt, "a chunk reaches beyond the end of the file", at + 24};
     }
     end = chunk.offset + chunk.stored;
-    if (isKnown(chunk.fourcc)) {
+    if (layout::isKnown(chunk.fourcc)) {
       if (const Result<void> checked = checkKnownChunk(chunk, limits, at); !checked) return checked;
     } else if (chunk.flags & layout::kFlagRequired) {
       return Error{ErrorCode::kUnsupportedFeature, "a required chunk is of a kind that this version does not know", at};
@@ -134,6 +129,12 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
     return Error{ErrorCode::kCorrupt, "a chunk does not decompress to the size it states", chunk.offset};
   }
   return {};
+}
+
+Error inFile(const Error& error, const ChunkInfo& chunk) {
+  const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
+  const ErrorCode code = error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;  // a pose may turn back; a pack is broken
+  return {code, error.detail, chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset)};
 }
 
 }  // namespace kelp

@@ -27,12 +27,16 @@ Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std
 // Reads a chunk, checks its checksum and decompresses it if it is compressed. Not for BRCK.
 Result<void> readChunk(const Source& source, const Pack::ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out, const Allocator& allocator);
 
+// An error inside a chunk, moved to where it is in the file. Inside a compressed chunk bytes have no place of their own: its begin then.
+Error inFile(const Error& error, const Pack::ChunkInfo& chunk);
+
 // Where the metadata chunks are in the index.
 struct MetadataChunks {
   static constexpr std::size_t kNone = ~std::size_t{0};
   std::size_t info = kNone, part = kNone, matl = kNone, rigs = kNone, clip = kNone;  // info and clip may be absent
 };
-Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks);
+// Finds them and checks their order; kLimit when together they are larger than the limits allow.
+Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks, const Limits& limits);
 
 // Index of the GRID chunk of every level of every part: grids[first[part] + level]; its BRCK chunk is the next known one.
 struct LevelChunks {

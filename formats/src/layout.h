@@ -30,6 +30,10 @@ inline constexpr std::uint32_t kClip = fourcc("CLIP");
 inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 
+constexpr bool isKnown(std::uint32_t chunk) {
+  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kRigs || chunk == kClip || chunk == kGrid || chunk == kBrck;
+}
+
 inline constexpr std::uint32_t kFlagRequired = 1;
 inline constexpr std::uint32_t kFlagZstd = 2;
 inline constexpr std::uint32_t kKnownFlags = kFlagRequired | kFlagZstd;

@@ -26,31 +26,15 @@ struct Pack::Impl {
   Result<void> readMetadata();
 };
 
-namespace {
-
-// An error inside a chunk, moved to where it is in the file; inside a compressed chunk bytes have no place of their own.
-Error atChunk(const Error& error, const Pack::ChunkInfo& chunk) {
-  Error moved = error;
-  const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
-  moved.offset = chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset);
-  if (moved.code == ErrorCode::kNotMonotone) moved.code = ErrorCode::kCorrupt;  // a pose may fail so; a pack is broken
-  return moved;
-}
-
-}  // namespace
-
 Result<void> Pack::Impl::readMetadata() {
-  const Result<MetadataChunks> found = findMetadata(container.chunks.span());
+  const Result<MetadataChunks> found = findMetadata(container.chunks.span(), limits);
   if (!found) return found.error();
   Buffer<std::byte> bytes(allocator);
-  std::uint64_t total = 0;
   const auto readTable = [&](std::size_t index, auto parse) -> Result<void> {
     if (index == MetadataChunks::kNone) return {};
     const ChunkInfo& chunk = container.chunks[index];
-    total += chunk.raw;
-    if (total > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "the metadata are larger than the limits allow", chunk.offset};
     if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read;
-    if (const Result<void> parsed = parse(std::span<const std::byte>(bytes.span())); !parsed) return atChunk(parsed.error(), chunk);
+    if (const Result<void> parsed = parse(std::span<const std::byte>(bytes.span())); !parsed) return inFile(parsed.error(), chunk);
     return {};
   };
   using Bytes = std::span<const std::byte>;
@@ -97,15 +81,7 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
   const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
   const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
 
-  const glm::ivec3 size = levelSize(of.size, level);
-  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(size))) {
-    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
-  }
-  Buffer<std::byte> bytes(impl_->allocator);
-  if (const Result<void> read = readChunk(impl_->source, chunk, impl_->limits, bytes, impl_->allocator); !read) return read.error();
-  LevelGrid grid(impl_->allocator);
-  if (const Result<void> parsed = parseGrid(bytes.span(), size, bricks, grid); !parsed) return atChunk(parsed.error(), chunk);
-  return Result<LevelGrid>(std::move(grid));
+  return readLevelGrid(impl_->source, chunk, bricks, levelSize(of.size, level), impl_->limits, impl_->allocator);
 }
 
 Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {

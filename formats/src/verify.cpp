@@ -1,1 +1,224 @@
 // SPDX-License-Identifier: MIT
+#include "kelp/formats/verify.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "checksum.h"
+#include "container.h"
+#include "layout.h"
+#include "metadata.h"
+#include "morton_walk.h"
+#include "voxels.h"
+
+namespace kelp {
+namespace {
+
+using ChunkInfo = Pack::ChunkInfo;
+
+class Verifier {
+ public:
+  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user)
+      : source_(source), limits_(limits), report_(report), user_(user) {}
+
+  std::uint64_t run() {
+    if (const Result<void> read = readContainer(source_, limits_, Allocator(), container_); !read) {
+      issue(IssueId::kUnreadable, read.error());
+      return errors_;
+    }
+    const Result<MetadataChunks> found = findMetadata(chunks(), limits_);
+    if (!found) {
+      issue(IssueId::kUnreadable, found.error());
+      return errors_;
+    }
+    std::uint64_t end = layout::kHeaderBytes + chunks().size() * layout::kIndexEntryBytes;
+    for (std::size_t i = 0; i < chunks().size(); ++i) {
+      checkPadding(end, chunks()[i].offset);
+      checkChunk(i, *found);
+      end = chunks()[i].offset + chunks()[i].stored;
+    }
+    return errors_;
+  }
+
+ private:
+  std::span<const ChunkInfo> chunks() const { return container_.chunks.span(); }
+
+  void issue(IssueId id, const Error& error, std::int64_t page = -1) {
+    Issue found;
+    found.id = id;
+    found.severity = id == IssueId::kUnknownChunk ? Severity::kWarning : Severity::kError;
+    found.error = error;
+    found.part = part_;
+    found.level = level_;
+    found.page = page;
+    if (found.severity == Severity::kError) ++errors_;
+    if (report_) report_(user_, found);
+  }
+
+  void checkPadding(std::uint64_t from, std::uint64_t to) {
+    std::array<std::byte, layout::kAlignment> bytes;
+    const auto gap = std::span(bytes).first(static_cast<std::size_t>(to - from));
+    if (const Result<void> read = readBytes(source_, from, gap); !read) return issue(IssueId::kUnreadable, read.error());
+    const auto stain = std::find_if(gap.begin(), gap.end(), [](std::byte b) { return b != std::byte{0}; });
+    if (stain == gap.end()) return;
+    issue(IssueId::kPaddingNotZero, {ErrorCode::kCorrupt, "a byte between two chunks is not zero", from + static_cast<std::uint64_t>(stain - gap.begin())});
+  }
+
+  void checkChunk(std::size_t index, const MetadataChunks& metadata) {
+    const ChunkInfo& chunk = chunks()[index];
+    if (levels_good_ && (chunk.fourcc == layout::kGrid || chunk.fourcc == layout::kBrck)) {
+      part_ = static_cast<int>(chunk.part);
+      level_ = static_cast<int>(chunk.level);
+      if (chunk.fourcc == layout::kGrid) {
+        checkGrid(chunk);
+      } else {
+        checkStored(chunk);
+        if (grid_good_) checkPages();
+      }
+      part_ = level_ = -1;
+    } else if (index == metadata.info) {
+      checkTable(chunk, [&](Bytes b) { return parseInfo(b, model_); });
+    } else if (index == metadata.part) {
+      parts_good_ = checkTable(chunk, [&](Bytes b) { return parseParts(b, limits_, model_); });
+      if (parts_good_) findLevelChunks();
+    } else if (index == metadata.matl) {
+      palette_good_ = checkTable(chunk, [&](Bytes b) { return parsePalette(b, model_); });
+    } else if (index == metadata.rigs && parts_good_) {
+      rigs_good_ = checkTable(chunk, [&](Bytes b) { return parseRigs(b, model_); });
+    } else if (index == metadata.clip && rigs_good_) {
+      checkTable(chunk, [&](Bytes b) { return parseClips(b, model_); });
+    } else {
+      // A kind that is unknown, or whose content can not be judged without the tables that failed before.
+      checkStored(chunk);
+      if (!layout::isKnown(chunk.fourcc)) {
+        issue(IssueId::kUnknownChunk, {ErrorCode::kUnsupportedFeature, "an optional chunk of an unknown kind", chunk.offset});
+      }
+    }
+  }
+
+  // Compares a chunk with its checksum, block by block.
+  void checkStored(const ChunkInfo& chunk) {
+    RunningChecksum running;
+    for (std::uint64_t done = 0; done < chunk.stored;) {
+      const auto block = std::span(block_).first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.stored - done)));
+      if (const Result<void> read = readBytes(source_, chunk.offset + done, block); !read) return issue(IssueId::kUnreadable, read.error());
+      running.add(block);
+      done += block.size();
+    }
+    if (running.value() != chunk.checksum) {
+      issue(IssueId::kChunkChecksum, {ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset});
+    }
+  }
+
+  using Bytes = std::span<const std::byte>;
+
+  template <class Parse>
+  bool checkTable(const ChunkInfo& chunk, Parse parse) {
+    Buffer<std::byte> bytes;
+    if (const Result<void> read = readChunk(source_, chunk, limits_, bytes, Allocator()); !read) {
+      issue(idOf(read.error(), IssueId::kMetadata), read.error());
+      return false;
+    }
+    const Result<void> parsed = parse(Bytes(bytes.span()));
+    if (!parsed) issue(idOf(parsed.error(), IssueId::kMetadata), inFile(parsed.error(), chunk));
+    return static_cast<bool>(parsed);
+  }
+
+  static IssueId idOf(const Error& error, IssueId otherwise) {
+    if (error.code == ErrorCode::kIo) return IssueId::kUnreadable;
+    if (error.code == ErrorCode::kChecksum) return IssueId::kChunkChecksum;
+    if (error.code == ErrorCode::kNotMonotone) return IssueId::kNotMonotone;
+    return otherwise;
+  }
+
+  void findLevelChunks() {
+    const Result<void> found = findLevels(chunks(), model_.parts.span(), levels_);
+    if (!found) issue(IssueId::kUnreadable, found.error());
+    levels_good_ = static_cast<bool>(found);
+  }
+
+  void checkGrid(const ChunkInfo& chunk) {
+    const std::size_t slot = levels_.first[chunk.part] + chunk.level;
+    const glm::ivec3 size = levelSize(model_.parts[chunk.part].size, level_);
+    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], size, limits_, Allocator());
+    grid_good_ = static_cast<bool>(grid);
+    if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+    grid_ = *std::move(grid);
+  }
+
+  // The pages of the grid that came just before.
+  void checkPages() {
+    MortonWalk walk(grid_.grid);
+    for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkPage(i, walk);
+  }
+
+  void checkPage(std::size_t index, MortonWalk& walk) {
+    const PageInfo& page = grid_.pages[index];
+    const auto number = static_cast<std::int64_t>(index);
+    const auto broken = [&](IssueId id, const char* detail) { issue(id, {ErrorCode::kCorrupt, detail, page.offset}, number); };
+    const Result<void> decoded = decodePage(source_, page, page_);
+    if (!decoded) issue(IssueId::kPage, decoded.error(), number);
+    bool outside = false;
+    for (std::uint32_t brick = 0; brick < page.count; ++brick, walk.next()) {
+      while (!(grid_.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) walk.next();
+      if (decoded) outside = outside || hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), walk.cell(), grid_.size);
+    }
+    if (!decoded) return;
+    if (findBrickWithoutSolid(page_.codes.span()) >= 0) broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
+    if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
+    if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
+      broken(IssueId::kPaletteIndex, "an attribute names a palette entry that is not there");
+    }
+  }
+
+  const Source& source_;
+  const Limits& limits_;
+  void (*const report_)(void* user, const Issue& issue);
+  void* const user_;
+  std::uint64_t errors_ = 0;
+  int part_ = -1, level_ = -1;  // of the chunk in hand
+  Container container_{Allocator()};
+  Metadata model_{Allocator()};
+  LevelChunks levels_{Allocator()};
+  bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false, grid_good_ = false;
+  LevelGrid grid_;
+  PageData page_;
+  std::array<std::byte, 16384> block_;
+};
+
+}  // namespace
+
+std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user) {
+  return Verifier(source, limits, report, user).run();
+}
+
+const char* toString(IssueId id) {
+  switch (id) {
+    case IssueId::kUnreadable:
+      return "The file, its header or its index can not be read as a .kelp pack. Check that the file is complete, and bake it again.";
+    case IssueId::kChunkChecksum:
+      return "A chunk's bytes differ from their checksum: the file was damaged after it was written. Copy or bake it again.";
+    case IssueId::kPaddingNotZero:
+      return "A byte that must be zero is not: the file was changed after it was written, or its writer is wrong. Bake it again.";
+    case IssueId::kUnknownChunk:
+      return "An optional chunk is of a kind that this version does not know; it is skipped. A newer kelp may use it.";
+    case IssueId::kMetadata:
+      return "Parts, palette, rigs, clips or information contradict the format. The program that wrote the pack is wrong: report it.";
+    case IssueId::kNotMonotone:
+      return "The rest rig of a part turns back along its axis, so that it can not be drawn. Shorten the tangents of its knots and bake again.";
+    case IssueId::kGrid:
+      return "The grid of a level can not be read. Copy or bake the pack again.";
+    case IssueId::kPage:
+      return "A page of bricks can not be read. Copy or bake the pack again.";
+    case IssueId::kBrickWithoutSolid:
+      return "A stored brick holds no solid voxel. The program that wrote the pack is wrong: report it.";
+    case IssueId::kOutsideVolume:
+      return "A solid voxel lies outside its level. The program that wrote the pack is wrong: report it.";
+    case IssueId::kPaletteIndex:
+      return "A voxel's palette entry does not exist. The program that wrote the pack is wrong: report it.";
+  }
+  return "Unknown issue.";
+}
+
+}  // namespace kelp

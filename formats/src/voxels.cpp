@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "checksum.h"
 #include "container.h"
@@ -77,6 +78,19 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size,
   if (offset != bricks.stored) return Error{ErrorCode::kCorrupt, "the pages do not fill the chunk of bricks", table_at};
   if (slot != out.bricks) return Error{ErrorCode::kCorrupt, "the pages do not hold every brick", table_at};
   return {};
+}
+
+Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks, const glm::ivec3& size,
+                                const Limits& limits, const Allocator& allocator) {
+  // Before memory is taken for it.
+  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(size))) {
+    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
+  }
+  Buffer<std::byte> bytes(allocator);
+  if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read.error();
+  LevelGrid grid(allocator);
+  if (const Result<void> parsed = parseGrid(bytes.span(), size, bricks, grid); !parsed) return inFile(parsed.error(), chunk);
+  return Result<LevelGrid>(std::move(grid));
 }
 
 bool isPossiblePage(const PageInfo& page) {

@@ -44,8 +44,7 @@ std::vector<std::byte> bytesOf(const Range& range) {
   return bytes;
 }
 
-// Whether everything of the pack, voxels and all, is what was written. Answers the first error of reading, and false in `equal` if content
-// differs without one.
+// Reads everything of a pack. status: the first error; equal: whether all is what was written.
 struct Comparison {
   Result<void> status;
   bool equal = true;
@@ -57,22 +56,21 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
   check(pack.infoJson() == raw.info_json);
   check(bytesOf(pack.palette()) == bytesOf(raw.palette));
   check(pack.parts().size() == raw.parts.size() && pack.clips().size() == raw.clips.size());
-  if (!out.equal) return out;
-  for (std::size_t p = 0; p < raw.parts.size(); ++p) {
+  for (std::size_t p = 0; p < pack.parts().size(); ++p) {
     const Part& a = pack.parts()[p];
-    const RawPart& b = raw.parts[p];
+    const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
     check(a.name == b.name && a.parent == b.parent && a.kind == PartKind::kSolid && a.size == b.size);
     check(a.to_object == b.to_object && a.pivot == b.pivot && bytesOf(a.knots) == bytesOf(b.knots));
     check(static_cast<std::size_t>(a.levels) == b.levels.size());
-    if (!out.equal) return out;
     for (int level = 0; level < a.levels; ++level) {
       const ReadLevel got = readLevel(pack, static_cast<int>(p), level);
       out.status = got.status;
       if (!out.status) return out;
-      const RawLevel& want = b.levels[static_cast<std::size_t>(level)];
+      const RawLevel want = static_cast<std::size_t>(level) < b.levels.size() ? b.levels[static_cast<std::size_t>(level)] : RawLevel();
       check(got.level.cells == want.cells && got.level.codes == want.codes && got.level.attributes == want.attributes);
     }
   }
+  if (!out.equal) return out;
   for (std::size_t c = 0; c < raw.clips.size(); ++c) {
     const Clip& a = pack.clips()[c];
     const RawClip& b = raw.clips[c];

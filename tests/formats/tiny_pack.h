@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The smallest pack that has something of everything. Its bytes are checked in as golden/v1_tiny.kelp: never change it.
+#pragma once
+
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::test {
+
+// A brick: one surface voxel at `voxel`, an inner one beside it in x, the rest empty.
+inline void addTinyBrick(RawLevel& level, int voxel, std::uint8_t palette_index, const glm::vec3& normal) {
+  const std::size_t first = level.codes.size();
+  level.codes.resize(first + kBrickVoxels);
+  for (std::size_t i = 0; i < kBrickVoxels; ++i) level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % 41);
+  level.codes[first + static_cast<std::size_t>(voxel)] = kSurfaceCode;
+  level.codes[first + static_cast<std::size_t>(voxel) + 1] = kInnerCode;
+  level.attributes.push_back(makeAttribute(palette_index, encodeNormal(normal)));
+}
+
+inline RawPack makeTinyPack() {
+  RawPack pack;
+  pack.info_json = R"({"tool":"kelp tiny"})";
+  pack.palette.resize(2);
+  pack.palette[0] = {{0.25f, 0.5f, 0.125f, 1.0f}, {0, 0, 0}, 0.0f, 0.75f};
+  pack.palette[1] = {{1.0f, 0.0f, 0.0f, 0.5f}, {0, 2.5f, 0}, 1.0f, 0.0f};
+
+  RawPart stem;
+  stem.name = "stem";
+  stem.size = {8, 24, 8};
+  stem.to_object[3] = {-4, 0, -4};
+  stem.knots = {{0, {0, 0, 0}, {3, 0, 1}}, {0.5f, {0.5f, 12, 0}, {0, 24, 0}}, {1, {0, 24, 0}, {3, 0, 2}}};
+  stem.levels.resize(2);
+  stem.levels[0].cells = {kCellSolid | 0, 7 * 256 + 3, kCellSolid | 1};
+  addTinyBrick(stem.levels[0], 0, 0, {0, -1, 0});
+  addTinyBrick(stem.levels[0], 511 - 7, 1, {0.6f, 0.8f, 0});
+  stem.levels[1].cells = {kCellSolid | 0, 2 * 256};  // 4 x 12 x 4 voxels
+  addTinyBrick(stem.levels[1], 0, 0, {0, -1, 0});
+
+  RawPart leaf;
+  leaf.name = "Bl\xc3\xa4tt";
+  leaf.parent = 0;
+  leaf.size = {2, 1, 1};
+  leaf.pivot[3] = {1, 2, 3};
+  leaf.knots.resize(2);
+  leaf.knots[1] = {1, {0, 1, 0}, {0, 1, 0}};
+  leaf.knots[0].tangent = {0, 1, 0};
+  leaf.levels.resize(1);
+  leaf.levels[0].cells = {kCellSolid};
+  addTinyBrick(leaf.levels[0], 0, 1, {0, 0, -1});
+  pack.parts = {stem, leaf};
+
+  RawClip sway;
+  sway.name = "sway";
+  sway.duration = 3.5f;
+  sway.waves = {{0, 2, Target::kKnotOffset, {0.5f, 0, -0.25f}, 3.5f, 0.125f}};
+  RawTrack turn;
+  turn.part = 1;
+  turn.target = Target::kPartRotation;
+  turn.interpolation = Interpolation::kLinear;
+  turn.keys = {{0, {0, 0, 0, 1}, glm::vec4(0.0f), glm::vec4(0.0f)}, {1.5f, {0, 0.6f, 0, 0.8f}, glm::vec4(0.0f), glm::vec4(0.0f)}};
+  RawTrack bend;
+  bend.part = 0;
+  bend.knot = 1;
+  bend.target = Target::kKnotTangent;
+  bend.interpolation = Interpolation::kCubic;
+  bend.keys = {{0.5f, {1, 0, 2, 0}, {0.5f, 0, 0, 0}, {-0.5f, 0, 0, 0}}};
+  sway.tracks = {turn, bend};
+  pack.clips = {sway};
+  return pack;
+}
+
+}  // namespace kelp::test
