@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <string_view>
+
+#include "import_files.h"
+
+namespace kelp::bake {
+
+SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
+  const std::string extension = lowerExtension(path);
+  if (extension == ".gltf" || extension == ".glb") return importGltf(path, settings, files_read);
+  if (extension == ".vdb") return importVdb(path, settings, files_read);
+  constexpr std::array<std::string_view, 4> kMeshes = {".obj", ".ply", ".stl", ".off"};
+  for (std::string_view known : kMeshes)
+    if (extension == known) return importMesh(path, settings, files_read);
+  // A path that does not exist is that first: the name may be the mistake, not the type.
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
+  refuse(Exit::kUnsupported, path, "",
+         (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +
+             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off and .vdb");
+}
+
+}  // namespace kelp::bake

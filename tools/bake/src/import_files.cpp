@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "import_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <system_error>
+
+namespace kelp::bake {
+namespace {
+
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
+
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::optional<std::string> percentDecode(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    const int high = i + 1 < text.size() ? hexDigit(text[i + 1]) : -1;
+    const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) return std::nullopt;
+    out += static_cast<char>(high * 16 + low);
+    i += 2;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string oneLine(std::string_view text, std::size_t limit) {
+  std::string out;
+  for (char c : text.substr(0, limit)) {
+    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    if (!control) {
+      out += c;
+    } else if (!out.empty() && out.back() != ' ') {
+      out += ' ';
+    }
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  if (text.size() > limit) out += "...";
+  return out;
+}
+
+std::string placeOf(std::string_view array, std::size_t index) { return std::string(array) + '[' + std::to_string(index) + ']'; }
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  return extension;
+}
+
+void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what) {
+  std::string line = oneLine(file.string(), 4096);
+  if (!place.empty()) line += ": " + oneLine(place);
+  throw BakeError(code, line + ": " + oneLine(what, 1000));
+}
+
+std::vector<std::uint8_t> InputFiles::readFile(const std::filesystem::path& path) const {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) refuse(Exit::kIo, path, "", "no such file; check the path");
+  if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
+  if (!std::filesystem::is_regular_file(status)) refuse(Exit::kIo, path, "", "is not a regular file; name a file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
+  if (size > kMaxFileBytes) refuse(Exit::kUnsupported, path, "", "is larger than 4 GiB; split it");
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) refuse(Exit::kIo, path, "", std::string("can not be opened: ") + std::strerror(errno));
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<std::uintmax_t>(in.gcount()) != size) refuse(Exit::kIo, path, "", "could not be read to its end");
+  if (read_ && std::find(read_->begin(), read_->end(), path) == read_->end()) read_->push_back(path);
+  return bytes;
+}
+
+std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const {
+  const std::string shown = "reference '" + oneLine(reference, 120) + "'";
+  std::string text(reference);
+  if (kind == Reference::kUri) {
+    std::optional<std::string> decoded = percentDecode(reference);
+    if (!decoded) refuse(Exit::kInvalid, input_, shown, "has a broken percent encoding; write a percent sign as %25");
+    text = *std::move(decoded);
+  } else {
+    std::replace(text.begin(), text.end(), '\\', '/');
+  }
+  if (text.empty() || text.find('\0') != std::string::npos) refuse(Exit::kInvalid, input_, shown, "is empty or holds a zero byte");
+  const std::size_t colon = text.find(':');
+  if (colon != std::string::npos && text.find('/') >= colon)
+    refuse(Exit::kInvalid, input_, shown, "names a drive or a URI scheme; only files beside the input are read: put the file there");
+  const std::filesystem::path relative(text);
+  if (relative.is_absolute() || text.front() == '/' || text.front() == '\\')
+    refuse(Exit::kInvalid, input_, shown, "is an absolute path; only files beside the input are read: put the file there and name it relatively");
+  for (const auto& component : relative)
+    if (component == ".." || component.string().find('\\') != std::string::npos)
+      refuse(Exit::kInvalid, input_, shown, "leaves the input's folder; only files beside the input are read: put the file there");
+  return readFile(input_.parent_path() / relative);
+}
+
+}  // namespace kelp::bake

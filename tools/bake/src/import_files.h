@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// The files an importer may open: the input, and files in its folder or below. References inside a file are hostile until resolved here.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kelp/bake/bake.h"
+
+namespace kelp::bake {
+
+// Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. Control characters and overlong texts are made harmless.
+[[noreturn]] void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what);
+
+// A text from a file or a library, fit for one line of a message: printable, at most `limit` bytes.
+std::string oneLine(std::string_view text, std::size_t limit = 200);
+
+// "name[index]", the way glTF's own validator names places.
+std::string placeOf(std::string_view array, std::size_t index);
+
+// File extension in lower case, with its dot.
+std::string lowerExtension(const std::filesystem::path& path);
+
+class InputFiles {
+ public:
+  // `read` may be null; every file opened is appended to it once.
+  InputFiles(std::filesystem::path input, std::vector<std::filesystem::path>* read) : input_(std::move(input)), read_(read) {}
+
+  const std::filesystem::path& input() const { return input_; }
+  // The whole input. kIo when it can not be read or is larger than 4 GiB.
+  std::vector<std::uint8_t> readInput() const { return readFile(input_); }
+  // A file named inside the input, relative to the input's folder. A reference that leaves the folder, is absolute, names another scheme or
+  // a folder is refused (kInvalid); links are followed, since whoever made them has the machine already. kIo when it can not be read.
+  enum class Reference { kUri, kPath };  // percent-encoded (glTF), or as it stands with either slash (MTL)
+  std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
+  // Any other file that the user named (a rig).
+  std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
+
+ private:
+  std::filesystem::path input_;
+  std::vector<std::filesystem::path>* read_;
+};
+
+}  // namespace kelp::bake

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "import_gltf_document.h"
+
+#include <array>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+#include "import_gltf_json.h"
+
+namespace kelp::bake {
+namespace {
+
+constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 20;
+constexpr int kMaxDepth = 64;  // real files stay below 20
+
+// Extensions that change only what kelp does not bake, or that this importer understands.
+constexpr std::array<std::string_view, 20> kKnownExtensions = {
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
+    "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_clearcoat",
+    "KHR_materials_ior", "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_volume",
+    "KHR_materials_anisotropy", "KHR_materials_iridescence", "KHR_materials_dispersion", "KHR_materials_variants", "KHR_animation_pointer",
+    "KHR_xmp_json_ld"};
+
+std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 | static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
+         static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+}
+
+struct Container {
+  std::string_view json;
+  std::optional<std::span<const std::uint8_t>> binary;
+};
+
+// glTF 2.0 specification, section 4.4: 12-byte header, then chunks {length, type, data}; the first is JSON, the second may be BIN.
+Container openBinary(const InputFiles& files, std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 12) refuse(Exit::kInvalid, files.input(), "header", "the file ends inside the 12-byte GLB header; it is truncated");
+  const std::uint32_t version = readU32(bytes, 4);
+  if (version != 2)
+    refuse(Exit::kUnsupported, files.input(), "header", "is GLB version " + std::to_string(version) + "; export it as glTF 2.0");
+  const std::uint64_t length = readU32(bytes, 8);
+  if (length > bytes.size())
+    refuse(Exit::kInvalid, files.input(), "header",
+           "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) + "; it is truncated");
+  Container container;
+  std::size_t at = 12;
+  for (int index = 0; at + 8 <= length; ++index) {
+    const std::uint64_t size = readU32(bytes, at);
+    const std::uint32_t type = readU32(bytes, at + 4);
+    const std::string place = "chunk " + std::to_string(index);
+    if (size > length - at - 8) refuse(Exit::kInvalid, files.input(), place, "is longer than the file; it is truncated");
+    const auto data = bytes.subspan(at + 8, static_cast<std::size_t>(size));
+    if (index == 0) {
+      if (type != 0x4e4f534au) refuse(Exit::kInvalid, files.input(), place, "is not the JSON chunk that must come first");
+      container.json = {reinterpret_cast<const char*>(data.data()), data.size()};
+    } else if (index == 1 && type == 0x004e4942u) {
+      container.binary = data;
+    }
+    at += 8 + static_cast<std::size_t>(size);
+  }
+  if (container.json.empty()) refuse(Exit::kInvalid, files.input(), "chunk 0", "there is no JSON; the file is truncated or not a GLB");
+  return container;
+}
+
+Json parseJson(const InputFiles& files, std::string_view text) {
+  if (text.size() > kMaxJsonBytes) refuse(Exit::kUnsupported, files.input(), "JSON", "is larger than 256 MiB; use buffers for data");
+  bool too_deep = false;
+  const auto bound = [&](int depth, Json::parse_event_t, Json&) {
+    too_deep = too_deep || depth > kMaxDepth;
+    return !too_deep;  // discards what lies deeper; refused below
+  };
+  Json root;
+  try {
+    root = Json::parse(text, bound);
+  } catch (const Json::exception& error) {
+    refuse(Exit::kInvalid, files.input(), "JSON", std::string("does not parse: ") + oneLine(error.what()));
+  }
+  if (too_deep) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
+  if (!root.is_object()) refuse(Exit::kInvalid, files.input(), "JSON", "is not an object; this is not a glTF file");
+  return root;
+}
+
+void checkVersionAndExtensions(const InputFiles& files, const Json& root) {
+  const auto asset = root.find("asset");
+  if (asset == root.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
+    refuse(Exit::kInvalid, files.input(), "asset", "has no version; this is not a glTF 2.0 file");
+  const std::string version = (*asset)["version"];
+  if (version.rfind("2.", 0) != 0) refuse(Exit::kUnsupported, files.input(), "asset", "is glTF " + oneLine(version, 20) + "; export it as glTF 2.0");
+  const auto required = root.find("extensionsRequired");
+  if (required == root.end()) return;
+  if (!required->is_array()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "is not an array");
+  for (const Json& name : *required) {
+    if (!name.is_string()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "holds something that is not a string");
+    const std::string text = name;
+    bool known = false;
+    for (std::string_view candidate : kKnownExtensions) known = known || candidate == text;
+    if (!known)
+      refuse(Exit::kUnsupported, files.input(), "extensionsRequired",
+             "the file needs the extension '" + oneLine(text, 80) + "', which kelp does not read; export without it");
+  }
+}
+
+int base64Digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;
+  if (c == '/' || c == '_') return 63;
+  return -1;
+}
+
+std::vector<std::vector<std::uint8_t>> loadBuffers(const InputFiles& files, Json& root, const Container& container) {
+  std::vector<std::vector<std::uint8_t>> buffers;
+  for (Json& buffer : objects(files, root, "buffers")) {
+    const std::string place = placeOf("buffers", buffers.size());
+    const std::uint64_t length = wholeNumber(files, buffer, "byteLength", 0, place);
+    std::vector<std::uint8_t> bytes;
+    const auto uri = buffer.find("uri");
+    if (uri != buffer.end() && !uri->is_string()) refuse(Exit::kInvalid, files.input(), place, "has a uri that is not a string");
+    if (uri != buffer.end()) {
+      const std::string text = *uri;
+      bytes = text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
+    } else if (buffers.empty() && container.binary) {
+      bytes.assign(container.binary->begin(), container.binary->end());
+    } else {
+      // Legal for the fallback of EXT_meshopt_compression; whoever reads from it is refused by the range checks.
+      buffers.emplace_back();
+      continue;
+    }
+    if (bytes.size() < length)
+      refuse(Exit::kInvalid, files.input(), place,
+             "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) + "; the file is truncated");
+    bytes.resize(static_cast<std::size_t>(length));
+    buffers.push_back(std::move(bytes));
+  }
+  return buffers;
+}
+
+std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json& root) {
+  std::vector<GltfDocument::ImageSource> images;
+  for (Json& image : objects(files, root, "images")) {
+    const std::string place = placeOf("images", images.size());
+    GltfDocument::ImageSource source;
+    if (image.contains("name") && image["name"].is_string()) source.name = image["name"];
+    if (image.contains("uri") && image["uri"].is_string()) source.uri = image["uri"];
+    if (source.uri.empty()) {
+      const std::uint64_t view = wholeNumber(files, image, "bufferView", 0x7fffffff, place);
+      source.buffer_view = static_cast<int>(std::min<std::uint64_t>(view, 0x7fffffff));
+    }
+    images.push_back(std::move(source));
+  }
+  return images;
+}
+
+std::vector<std::optional<std::string>> listRigs(const InputFiles& files, Json& root) {
+  std::vector<std::optional<std::string>> rigs;
+  for (Json& node : objects(files, root, "nodes")) {
+    std::optional<std::string> rig;
+    const auto extras = node.find("extras");
+    if (extras != node.end() && extras->is_object() && extras->contains("kelp")) {
+      const Json& kelp = (*extras)["kelp"];
+      // Blender's custom properties hold the rig as a string; hand-written files as an object under the same rules as *.rig.json.
+      if (kelp.is_string()) rig = kelp.get<std::string>();
+      else if (kelp.is_object()) rig = kelp.dump(-1, ' ', false, Json::error_handler_t::replace);
+      else rig = extras->dump(-1, ' ', false, Json::error_handler_t::replace);  // extras is the rig: {"kelp": 1, ...}
+    }
+    rigs.push_back(std::move(rig));
+  }
+  return rigs;
+}
+
+}  // namespace
+
+Json& objects(const InputFiles& files, Json& root, const char* name) {
+  Json& array = root[name];
+  if (array.is_null()) array = Json::array();
+  if (!array.is_array()) refuse(Exit::kInvalid, files.input(), name, "is not an array");
+  for (std::size_t i = 0; i < array.size(); ++i)
+    if (!array[i].is_object()) refuse(Exit::kInvalid, files.input(), placeOf(name, i), "is not an object");
+  return array;
+}
+
+std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const char* name, std::uint64_t fallback, const std::string& place) {
+  const auto member = object.find(name);
+  if (member == object.end()) return fallback;
+  if (member->is_number_unsigned()) return member->get<std::uint64_t>();
+  // Some exporters write 12.0; a number that is whole is accepted.
+  if (member->is_number_float()) {
+    const double value = *member;
+    if (value >= 0 && value < 9e15 && value == static_cast<double>(static_cast<std::uint64_t>(value))) return static_cast<std::uint64_t>(value);
+  }
+  refuse(Exit::kInvalid, files.input(), place, std::string(name) + " is not a whole number of at least 0");
+}
+
+Json* extension(Json& object, const char* name) {
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->is_object()) return nullptr;
+  const auto found = extensions->find(name);
+  return found != extensions->end() && found->is_object() ? &*found : nullptr;
+}
+
+std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::string& uri, const std::string& place) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos || comma > 256 || uri.find(";base64") > comma)
+    refuse(Exit::kInvalid, files.input(), place, "has a data URI that is not base64");
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve((uri.size() - comma) / 4 * 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (std::size_t i = comma + 1; i < uri.size(); ++i) {
+    if (uri[i] == '=') break;
+    const int digit = base64Digit(uri[i]);
+    if (digit < 0) refuse(Exit::kInvalid, files.input(), place, "has a data URI with a character that is not base64");
+    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      bytes.push_back(static_cast<std::uint8_t>(bits >> count & 0xff));
+    }
+  }
+  return bytes;
+}
+
+GltfDocument readGltfDocument(const InputFiles& files) {
+  const std::vector<std::uint8_t> bytes = files.readInput();
+  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty");
+  Container container;
+  if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
+    container = openBinary(files, bytes);
+  } else {
+    std::size_t start = bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0;
+    while (start < bytes.size() && std::strchr(" \t\r\n", bytes[start]) && bytes[start]) ++start;
+    if (start == bytes.size() || bytes[start] != '{')
+      refuse(Exit::kInvalid, files.input(), "", "does not look like glTF (neither JSON nor the GLB signature); check the file's type");
+    container.json = {reinterpret_cast<const char*>(bytes.data()) + start, bytes.size() - start};
+  }
+  Json root = parseJson(files, container.json);
+  checkVersionAndExtensions(files, root);
+  GltfDocument document;
+  document.buffers = loadBuffers(files, root, container);
+  unpackMeshopt(files, root, document.buffers);
+  unpackDraco(files, root, document.buffers);
+  document.images = listImages(files, root);
+  document.rigs = listRigs(files, root);
+  root.erase("buffers");
+  root.erase("images");
+  document.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return document;
+}
+
+}  // namespace kelp::bake

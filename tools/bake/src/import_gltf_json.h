@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Checked access to the JSON of a glTF file. Only the two files that prepare the document see JSON.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "import_gltf_document.h"
+
+namespace kelp::bake {
+
+using Json = nlohmann::json;
+
+// A member that must be an array of objects; an empty array if absent.
+Json& objects(const InputFiles& files, Json& root, const char* name);
+// A non-negative integer member; `fallback` if absent.
+std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const char* name, std::uint64_t fallback, const std::string& place);
+// extensions.NAME of an object, if it is there and an object.
+Json* extension(Json& object, const char* name);
+
+// KHR_draco_mesh_compression and EXT_meshopt_compression: decodes into new buffers and makes the JSON refer to those.
+void unpackMeshopt(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers);
+void unpackDraco(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers);
+
+}  // namespace kelp::bake

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// A glTF file in memory, with every index that a reader follows checked. Shared by the files that give it meaning.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <tiny_gltf.h>
+
+#include "import_files.h"
+#include "import_gltf_document.h"
+#include "kelp/bake/source_model.h"
+
+namespace kelp::bake {
+
+struct GltfTransform {
+  glm::dvec3 translation{0};
+  glm::dquat rotation{1, 0, 0, 0};
+  glm::dvec3 scale{1};
+  glm::dmat4 matrix() const;
+};
+
+struct GltfModel {
+  const InputFiles* files = nullptr;
+  tinygltf::Model data;              // its buffers are filled, its images empty
+  GltfDocument document;             // images and rigs
+  std::vector<int> parents;          // of each node, -1: a root
+  std::vector<int> order;            // the nodes of the scene, parents before children
+  std::vector<glm::dmat4> world;     // of each node at rest
+  std::vector<std::string>* notices = nullptr;
+
+  [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
+  void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
+  // "node 'Reed'", or "nodes[3]" where it has no name.
+  std::string nodeName(int node) const;
+};
+
+// Parses the document and checks the graph: node indices, one parent a node, no cycle, meshes and skins that exist.
+GltfModel parseGltf(const InputFiles& files, GltfDocument document, std::vector<std::string>& notices);
+
+// The rest transform of a node; a matrix that is not a product of T, R and S has `exact` false.
+GltfTransform restTransform(const tinygltf::Node& node, bool* exact = nullptr);
+glm::dmat4 localMatrix(const tinygltf::Node& node);
+
+// --- accessors: values are copied out, ranges are checked, sparse values applied ---------------------------------------------------
+struct GltfValues {
+  std::size_t count = 0;
+  int components = 0;
+  std::vector<float> values;  // components each; normalised integers scaled
+  float at(std::size_t element, int component) const { return values[element * static_cast<std::size_t>(components) + static_cast<std::size_t>(component)]; }
+};
+GltfValues readValues(const GltfModel& model, int accessor, const std::string& user);
+std::vector<std::uint32_t> readIndices(const GltfModel& model, int accessor, const std::string& user);
+// Bytes of a buffer view (for images).
+std::span<const std::uint8_t> readView(const GltfModel& model, int view, const std::string& user);
+
+// --- materials -----------------------------------------------------------------------------------------------------------------------
+// What a primitive needs to know of its material to read its UVs.
+struct GltfMaterialUse {
+  int texcoord = -1;            // the TEXCOORD set; -1: no texture
+  glm::mat3 uv_transform{1};
+  bool keep_alpha = false;      // the material blends
+};
+// Fills model.materials (one more than the file has: the default) and model.images.
+std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out);
+
+// --- meshes --------------------------------------------------------------------------------------------------------------------------
+class SoupBuilder;
+// Adds the triangles of a node's mesh, in the space that `from_world` takes the world to.
+void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
+
+// --- animation -----------------------------------------------------------------------------------------------------------------------
+// One animated property of a node. Values: 3 components, or the 4 of a quaternion (x, y, z, w).
+struct GltfChannel {
+  enum class Path { kTranslation, kRotation, kScale };
+  int node = -1;
+  Path path = Path::kTranslation;
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<float> times;            // strictly ascending
+  std::vector<glm::dvec4> values;      // one a time
+  std::vector<glm::dvec4> in, out;     // kCubic only: slopes per second
+};
+struct GltfAnimation {
+  std::string name;
+  float duration = 0;                  // the last key of any channel
+  std::vector<GltfChannel> channels;
+};
+std::vector<GltfAnimation> readAnimations(const GltfModel& model);
+// The value at a time, as section 3.11 and appendix C of the glTF 2.0 specification define it.
+glm::dvec4 evaluate(const GltfChannel& channel, double time);
+
+// --- rigs ----------------------------------------------------------------------------------------------------------------------------
+// The empties knot.0 .. knot.n among a node's children, in order; empty if there are none. Gaps and doubles make a notice, and no rig.
+std::vector<int> findKnots(const GltfModel& model, int node);
+// The rest rig that the knots describe; nullopt with a notice if they make none. `soup` is in the node's space.
+std::optional<RigDescription> knotRig(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup,
+                                      std::optional<Axis> axis);
+// Adds the clips that move the part itself and its knots (none: `knots` is empty). Marks the channels it used.
+void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup, const std::string& part_name,
+              const std::vector<GltfAnimation>& animations, std::vector<std::vector<bool>>& used, RigDescription& rig);
+
+}  // namespace kelp::bake

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "import_image.h"
+
+#include <cstring>
+#include <memory>
+
+// Only the formats that glTF and MTL files use: stb_image's other decoders are attack surface without a purpose here.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_BMP
+#define STBI_ONLY_TGA
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 16384
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+#include <stb/stb_image.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace kelp::bake {
+namespace {
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192: 256 MiB decoded
+}
+
+std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name) {
+  if (bytes.empty()) return std::string("is empty");
+  if (bytes.size() > 0x7fffffffu) return std::string("is larger than 2 GiB");
+  const int length = static_cast<int>(bytes.size());
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, BMP or TGA image");
+  if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
+    return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);
+  if (!pixels) return std::string("can not be decoded (") + (stbi_failure_reason() ? stbi_failure_reason() : "unknown reason") + ")";
+  Image image;
+  image.name = name;
+  image.width = width;
+  image.height = height;
+  image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  return image;
+}
+
+}  // namespace kelp::bake

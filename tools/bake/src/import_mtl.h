@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "import_files.h"
+
+namespace kelp::bake {
+
+// Reads an MTL library: adds its materials and their images to `out`, answers their indices by name. `name` is the library's, for notices.
+std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, SourceModel& out);
+
+}  // namespace kelp::bake

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// Wavefront OBJ. kelp reads it itself: tools/bake/README.md says what the libraries lose.
+#include <cmath>
+#include <map>
+#include <string_view>
+
+#include "import_mesh.h"
+#include "import_mtl.h"
+#include "import_text.h"
+
+namespace kelp::bake {
+namespace {
+
+struct Corner {
+  std::int64_t position = -1, uv = -1;
+};
+
+class ObjReader {
+ public:
+  ObjReader(const InputFiles& files, SourceModel& out, SoupBuilder& soup) : files_(files), out_(out), soup_(soup) {
+    out_.materials.push_back(plainMaterial());
+  }
+
+  void read(std::string_view text) {
+    std::string joined;  // a line that a backslash continues
+    while (!text.empty()) {
+      const std::size_t end = text.find('\n');
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      ++line_;
+      const std::string_view trimmed = trim(line);
+      if (!trimmed.empty() && trimmed.back() == '\\') {
+        joined.append(trimmed.substr(0, trimmed.size() - 1)).push_back(' ');
+        continue;
+      }
+      if (!joined.empty()) {
+        joined.append(trimmed);
+        readLine(joined);
+        joined.clear();
+      } else {
+        readLine(trimmed);
+      }
+    }
+    if (!joined.empty()) readLine(joined);
+    finish();
+  }
+
+ private:
+  [[noreturn]] void refuseLine(const std::string& what) const { refuse(Exit::kInvalid, files_.input(), "line " + std::to_string(line_), what); }
+
+  void readLine(std::string_view line) {
+    if (line.empty() || line.front() == '#') return;
+    const std::string_view key = nextWord(line);
+    if (key == "v") readVertex(line);
+    else if (key == "vt") readTexcoord(line);
+    else if (key == "f") readFace(line);
+    else if (key == "usemtl") useMaterial(trim(line));
+    else if (key == "mtllib") readLibraries(trim(line));
+    else if (key == "l" || key == "p") ++not_faces_;
+    else if (key == "vn" || key == "g" || key == "o" || key == "s") return;
+    else ++unknown_;
+  }
+
+  void readVertex(std::string_view line) {
+    std::array<float, 8> value{};
+    std::size_t count = 0;
+    for (std::string_view word = nextWord(line); !word.empty() && count < value.size(); word = nextWord(line)) {
+      const std::optional<float> number = parseFloat(word);
+      if (!number) refuseLine("'" + oneLine(word, 40) + "' is not a number");
+      value[count++] = *number;
+    }
+    if (count < 3) refuseLine("a vertex needs three numbers");
+    positions_.emplace_back(value[0], value[1], value[2]);
+    // "x y z r g b", as ZBrush, MeshLab and Blender write it; "x y z w r g b" occurs as well. A vertex without stays white.
+    glm::vec3 color(1);
+    if (count >= 6) {
+      const std::size_t first = count >= 7 ? 4 : 3;
+      for (int c = 0; c < 3; ++c) color[c] = std::isfinite(value[first + static_cast<std::size_t>(c)]) ? value[first + static_cast<std::size_t>(c)] : 1.0f;
+      if (colors_.empty()) colors_.assign(positions_.size() - 1, glm::vec3(1));
+    }
+    if (count >= 6 || !colors_.empty()) colors_.push_back(color);
+  }
+
+  void readTexcoord(std::string_view line) {
+    const std::optional<float> u = parseFloat(nextWord(line));
+    if (!u) refuseLine("a texture coordinate needs a number");
+    const std::string_view second = nextWord(line);
+    const std::optional<float> v = second.empty() ? std::optional<float>(0.0f) : parseFloat(second);
+    if (!v) refuseLine("'" + oneLine(second, 40) + "' is not a number");
+    texcoords_.emplace_back(*u, 1.0f - *v);  // OBJ counts v from below
+  }
+
+  // One of "v", "v/t", "v/t/n", "v//n", counted from 1, or backwards from the end with negative numbers.
+  std::int64_t readIndex(std::string_view word, std::size_t count, const char* what) const {
+    std::int64_t index = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+    if (error != std::errc() || end != word.data() + word.size()) refuseLine("'" + oneLine(word, 40) + "' is not an index");
+    const std::int64_t at = index > 0 ? index - 1 : static_cast<std::int64_t>(count) + index;
+    if (index == 0 || at < 0) refuseLine("face " + std::to_string(faces_) + " names " + what + " " + std::to_string(index) + ", which does not exist (there are " + std::to_string(count) + " so far)");
+    return at;
+  }
+
+  void readFace(std::string_view line) {
+    ++faces_;
+    polygon_.clear();
+    for (std::string_view word = nextWord(line); !word.empty() && word.front() != '#'; word = nextWord(line)) {
+      Corner corner;
+      const std::size_t slash = word.find('/');
+      corner.position = readIndex(word.substr(0, slash), positions_.size(), "vertex");
+      if (slash != std::string_view::npos) {
+        std::string_view rest = word.substr(slash + 1);
+        rest = rest.substr(0, rest.find('/'));
+        if (!rest.empty()) corner.uv = readIndex(rest, texcoords_.size(), "texture coordinate");
+      }
+      polygon_.push_back(corner);
+    }
+    if (polygon_.size() < 3) {
+      ++not_faces_;
+      return;
+    }
+    // Vertices may come after the faces that use them: kept until the end of the file.
+    face_corners_.insert(face_corners_.end(), polygon_.begin(), polygon_.end());
+    face_sizes_.push_back(static_cast<std::uint32_t>(polygon_.size()));
+    face_materials_.push_back(material_);
+    face_lines_.push_back(line_);
+  }
+
+  void useMaterial(std::string_view name) {
+    const auto found = by_name_.find(std::string(name));
+    material_ = found == by_name_.end() ? 0 : found->second;
+    if (found == by_name_.end()) missing_materials_[std::string(name)]++;
+  }
+
+  // The whole rest of the line is one name, spaces and all; where there is no such file, its words are several names.
+  void readLibraries(std::string_view line) {
+    std::string failure;
+    if (tryLibrary(line, failure)) return;
+    bool any = false;
+    for (std::string_view rest = line, word = nextWord(rest); !word.empty() && word != line; word = nextWord(rest)) {
+      std::string ignored;
+      any = tryLibrary(word, ignored) || any;
+    }
+    if (!any) out_.notices.push_back(failure + ": its materials are left out");
+  }
+
+  bool tryLibrary(std::string_view name, std::string& failure) {
+    try {
+      const std::vector<std::uint8_t> bytes = files_.readReference(name, InputFiles::Reference::kPath);
+      for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), out_)) by_name_[material] = index;
+      return true;
+    } catch (const BakeError& error) {
+      failure = error.what();
+      return false;
+    }
+  }
+
+  void finish() {
+    std::size_t at = 0;
+    std::vector<glm::vec3> points;
+    for (std::size_t f = 0; f < face_sizes_.size(); ++f) {
+      const std::span<const Corner> corners(face_corners_.data() + at, face_sizes_[f]);
+      at += face_sizes_[f];
+      line_ = face_lines_[f];
+      points.clear();
+      bool with_uv = true;
+      for (const Corner& corner : corners) {
+        if (corner.position >= static_cast<std::int64_t>(positions_.size()))
+          refuseLine("the face names vertex " + std::to_string(corner.position + 1) + ", but there are " + std::to_string(positions_.size()));
+        if (corner.uv >= static_cast<std::int64_t>(texcoords_.size()))
+          refuseLine("the face names texture coordinate " + std::to_string(corner.uv + 1) + ", but there are " + std::to_string(texcoords_.size()));
+        points.push_back(positions_[static_cast<std::size_t>(corner.position)]);
+        with_uv = with_uv && corner.uv >= 0;
+      }
+      for (const auto& cut : triangulatePolygon(points)) addTriangle(corners, cut, face_materials_[f], with_uv);
+    }
+    if (not_faces_ > 0) out_.notices.push_back(std::to_string(not_faces_) + " points, lines or faces of fewer than three corners are skipped");
+    if (unknown_ > 0) out_.notices.push_back(std::to_string(unknown_) + " lines of unknown kind are skipped");
+    for (const auto& [name, count] : missing_materials_) out_.notices.push_back("material '" + oneLine(name, 60) + "' is not defined: white is used");
+    if (face_sizes_.empty()) {
+      const char* what = positions_.empty() ? "does not look like OBJ: it holds no vertex and no face; check the file's type" : "holds no faces; there is nothing to bake";
+      refuse(Exit::kInvalid, files_.input(), "", what);
+    }
+  }
+
+  void addTriangle(std::span<const Corner> corners, const std::array<std::uint32_t, 3>& cut, std::uint32_t material, bool with_uv) {
+    SoupBuilder::Triangle triangle;
+    triangle.material = material;
+    if (with_uv) triangle.uv.emplace();
+    if (!colors_.empty()) triangle.color.emplace();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Corner& corner = corners[cut[i]];
+      const auto position = static_cast<std::size_t>(corner.position);
+      triangle.position[i] = positions_[position];
+      if (with_uv) (*triangle.uv)[i] = texcoords_[static_cast<std::size_t>(corner.uv)];
+      if (position < colors_.size()) {
+        const glm::vec3 color = glm::clamp(colors_[position], 0.0f, 1.0f);
+        (*triangle.color)[i] = {srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b), 1};
+      } else if (triangle.color) {
+        (*triangle.color)[i] = glm::vec4(1);
+      }
+    }
+    if (!soup_.add(triangle)) refuseLine("the file has more than 64 million triangles; bake it in pieces");
+  }
+
+  const InputFiles& files_;
+  SourceModel& out_;
+  SoupBuilder& soup_;
+  std::size_t line_ = 0, faces_ = 0, not_faces_ = 0, unknown_ = 0;
+  std::vector<glm::vec3> positions_, colors_;
+  std::vector<glm::vec2> texcoords_;
+  std::vector<Corner> polygon_, face_corners_;
+  std::vector<std::uint32_t> face_sizes_, face_materials_;
+  std::vector<std::size_t> face_lines_;
+  std::map<std::string, std::uint32_t> by_name_;
+  std::map<std::string, int> missing_materials_;
+  std::uint32_t material_ = 0;
+};
+
+}  // namespace
+
+void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup) {
+  out.format = "OBJ";
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
+  ObjReader(files, out, soup).read(text);
+}
+
+}  // namespace kelp::bake

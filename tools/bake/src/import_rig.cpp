@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "import_rig.h"
+
+#include <system_error>
+
+namespace kelp::bake {
+namespace {
+
+RigDescription readRigFile(const InputFiles& files, const std::filesystem::path& path) {
+  const std::vector<std::uint8_t> bytes = files.readFile(path);
+  try {
+    return parseRig({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  } catch (const RigError& error) {
+    refuse(Exit::kInvalid, path, "", error.what());
+  }
+}
+
+}  // namespace
+
+std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
+
+std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings, std::vector<std::string>& notices) {
+  if (settings.rig_file) return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
+  if (settings.rig_preset) {
+    std::optional<RigDescription> preset = presetRig(*settings.rig_preset);
+    if (!preset) {
+      std::string known;
+      for (const std::string& name : presetNames()) known += (known.empty() ? "" : ", ") + name;
+      throw BakeError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) + "'; choose one of " + known);
+    }
+    return OuterRig{*std::move(preset), "preset '" + *settings.rig_preset + "'"};
+  }
+  std::filesystem::path beside = files.input();
+  beside.replace_extension(".rig.json");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(beside, error)) return std::nullopt;
+  OuterRig outer{readRigFile(files, beside), beside.filename().string() + " beside the input"};
+  notices.push_back("the rig is " + beside.filename().string() + ", found beside the input");
+  return outer;
+}
+
+void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Settings& settings) {
+  if (outer) {
+    part.rig = outer->rig;
+    part.rig_origin = outer->origin;
+  } else if (part.rig_origin.empty()) {
+    part.rig_origin = "straight (no rig found)";
+  }
+  if (settings.axis) part.rig.axis = settings.axis;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Building a TriangleSoup: vertices with equal positions become one, attributes stay with the corners, degenerate input is counted.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "kelp/bake/source_model.h"
+
+namespace kelp::bake {
+
+// IEC 61966-2-1, the transfer function of sRGB; 0..1 to 0..1.
+float srgbToLinear(float value);
+
+// Most triangles one input may have: bounds the memory that instancing can ask for.
+inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;
+
+class SoupBuilder {
+ public:
+  struct Triangle {
+    std::array<glm::vec3, 3> position{};
+    std::uint32_t material = 0;
+    std::optional<std::array<glm::vec2, 3>> uv;
+    std::optional<std::array<glm::vec4, 3>> color;  // linear
+  };
+  // Triangles with a non-finite corner, or whose corners are not three different points, are dropped and counted.
+  // False when kMaxTriangles are reached.
+  bool add(const Triangle& triangle);
+
+  std::size_t triangles() const { return soup_.triangles.size(); }
+  std::size_t droppedNonFinite() const { return non_finite_; }
+  std::size_t droppedDegenerate() const { return degenerate_; }
+  TriangleSoup take();
+
+ private:
+  std::uint32_t vertex(glm::vec3 position);
+
+  struct Hash {
+    std::size_t operator()(const std::array<std::uint32_t, 3>& bits) const;
+  };
+  TriangleSoup soup_;
+  std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> index_;
+  std::size_t non_finite_ = 0;
+  std::size_t degenerate_ = 0;
+};
+
+// Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans. Answers corners of the polygon,
+// three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
+// Source: Eberly, "Triangulation by Ear Clipping", without holes.
+std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm::vec3> corners);
+
+}  // namespace kelp::bake
