@@ -30,8 +30,8 @@ struct Touch {
   glm::dvec3 q{0};         // position in the undeformed volume, voxels of the volume
 };
 
-// The first point of o + s r, s in [s_min, s_max], that lies in a solid voxel shrunk by `erode` voxels on every side (negative: grown).
-// r is a unit vector, part space. Exact to about 1e-6 voxel.
+// The first point of o + s r, s in [s_min, s_max], that lies in the solid - the union of its voxels - shrunk by `erode` voxels, measured along
+// the axes (negative: grown). r is a unit vector, part space. Exact to about 1e-6 voxel. `voxel` is a solid voxel that is touched there.
 std::optional<Touch> firstTouch(const Volume& volume, std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s_min,
                                 double s_max, double erode);
 
