@@ -8,44 +8,52 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/type_ptr.hpp>
 
 #include "kelp/gl/renderer.h"
 
 // Vertices 0 to 3 are the ground, the other 194 the hoop: no vertex buffer needed. scene = reach, height of the ground, seconds.
 static const char* const kTriangles[2] = {R"(#version 330 core
 uniform mat4 to_clip; uniform vec3 scene;
-out vec3 color; out vec2 across;
+flat out vec3 color; out vec2 across;
 void main() {
   across = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 5.0 - 2.5;
   vec3 p = vec3(scene.x * across.x, scene.y, scene.x * across.y);
   color = vec3(0.55, 0.46, 0.30);
   if (gl_VertexID >= 4) {
-    float angle = float((gl_VertexID - 4) / 2) * 2.0 * 3.14159265 / 96.0, radius = (gl_VertexID & 1) == 0 ? 0.42 : 0.52;
-    p = cos(angle) * vec3(cos(scene.z), 0.4, sin(scene.z)) + sin(angle) * vec3(-sin(scene.z), 0.0, cos(scene.z));
-    p *= scene.x * radius;
+    float angle = float((gl_VertexID - 4) / 2) * 2.0 * 3.14159265 / 96.0, radius = scene.x * ((gl_VertexID & 1) == 0 ? 0.42 : 0.52);
+    p = radius * (cos(angle) * vec3(cos(scene.z), 0.4, sin(scene.z)) + sin(angle) * vec3(-sin(scene.z), 0.0, cos(scene.z)));
     across = vec2(0.0);
     color = (gl_VertexID - 4) / 16 % 2 == 0 ? vec3(0.80, 0.05, 0.03) : vec3(0.90, 0.88, 0.82);
   }
   gl_Position = to_clip * vec4(p, 1.0);
 })", R"(#version 330 core
-in vec3 color; in vec2 across; out vec4 result;
+flat in vec3 color; in vec2 across; out vec4 result;
 void main() { result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0); })"};
 
-static GLuint compileTriangles() {
+// Compiles the triangles' program and sets all OpenGL state of this host, once: kelp leaves the state as it finds it.
+static GLuint prepareTriangles() {
   const GLuint program = glCreateProgram();
-  for (const int i : {0, 1}) {
+  for (int i = 0; i < 2; ++i) {
     const GLuint shader = glCreateShader(i == 0 ? GL_VERTEX_SHADER : GL_FRAGMENT_SHADER);
     glShaderSource(shader, 1, &kTriangles[i], nullptr);
     glCompileShader(shader);
     glAttachShader(program, shader);
   }
   glLinkProgram(program);
+  glUseProgram(program);
+  GLuint no_vertices = 0;
+  glGenVertexArrays(1, &no_vertices);
+  glBindVertexArray(no_vertices);
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_FRAMEBUFFER_SRGB);  // kelp's colours are linear, as ours are
+  glClearColor(0.30f, 0.50f, 0.58f, 1);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
   return program;
 }
 
@@ -57,14 +65,12 @@ static int fail(const char* what, const kelp::Error& error) {
 
 static bool writePicture(const char* path, const glm::ivec2& size) {
   const std::size_t row = 3u * static_cast<unsigned>(size.x);
-  std::vector<unsigned char> pixels(row * static_cast<unsigned>(size.y));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  std::vector<char> pixels(row * static_cast<unsigned>(size.y));
   glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  std::FILE* const file = std::fopen(path, "wb");
-  if (!file) return false;
-  std::fprintf(file, "P6\n%d %d\n255\n", size.x, size.y);
-  for (std::size_t at = pixels.size(); at > 0; at -= row) std::fwrite(&pixels[at - row], 1, row, file);
-  return std::fclose(file) == 0;
+  std::ofstream file(path, std::ios::binary);
+  file << "P6\n" << size.x << " " << size.y << "\n255\n";
+  for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
+  return file.flush().good();
 }
 
 static int run(GLFWwindow* window, const char* path, int frames, const char* picture) {
@@ -80,20 +86,16 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
   if (const auto added = (*renderer)->add(**asset); !added) return fail(path, added.error());
-
   const kelp::runtime::Instance instance{&**asset, &*pose};
   const kelp::Box box = bounds(instance);  // at rest
   const glm::vec3 extent = box.max - box.min, centre = 0.5f * (box.min + box.max);
-  const GLuint triangles = compileTriangles();
-  GLuint no_vertices = 0;
-  glGenVertexArrays(1, &no_vertices);
+  const GLuint triangles = prepareTriangles();
   std::atomic<bool> quit = false, loaded = false;
   std::atomic<int> exit_code = 0;
   std::thread loader([&] {  // reads the voxels, coarse to fine; a game would call pump() from its jobs
-    for (bool more = true; more && !quit;) {
-      const auto pumped = (*asset)->pump();
-      if (!pumped) exit_code = fail(path, pumped.error());
-      more = pumped && *pumped;
+    for (kelp::Result<bool> more = true; more && *more && !quit;) {
+      more = (*asset)->pump();
+      if (!more) exit_code = fail(path, more.error());
     }
     loaded = true;
   });
@@ -103,8 +105,6 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     pose->reset();
     if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
     const auto sent = (*renderer)->upload(4 << 20);  // bytes that this frame may spend
-    if (!sent) exit_code = fail(path, sent.error());
-
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
     const float size = glm::length(extent), turn = static_cast<float>(0.3 * seconds);
@@ -112,20 +112,13 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     const glm::vec2 pixels = glm::max(view.viewport, 1);
     view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
     glViewport(0, 0, view.viewport.x, view.viewport.y);
-    glEnable(GL_FRAMEBUFFER_SRGB);  // kelp's colours are linear, as ours are
-    glEnable(GL_DEPTH_TEST);
-    glClearColor(0.30f, 0.50f, 0.58f, 1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    glUseProgram(triangles);
-    glBindVertexArray(no_vertices);
     const glm::mat4 to_clip = view.eye_to_clip * glm::translate(view.world_to_eye, centre);
-    glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, glm::value_ptr(to_clip));
+    glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
     glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y, static_cast<float>(seconds));
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-    glDrawArrays(GL_TRIANGLE_STRIP, 4, 194);
+    for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)}) glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
     const auto drawn = (*renderer)->draw(view, {&instance, 1});
-    if (!drawn) exit_code = fail(path, drawn.error());
-
+    if (!sent || !drawn) exit_code = fail(path, sent ? drawn.error() : sent.error());
     if (loaded && sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there
     if (picture && frame == frames && !writePicture(picture, view.viewport)) exit_code = fail(picture, {kelp::ErrorCode::kIo, "not written"});
     glfwSwapBuffers(window);
@@ -139,8 +132,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 int main(int count, char** words) {
   const bool once = count >= 4 && std::string_view(words[2]) == "--frames" && std::atoi(words[3]) > 0;
   if (count != 2 && !(once && count <= 5)) {
-    std::fputs("usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]\n"
-               "Shows the pack with its first clip. With --frames: ends after N frames, and saves the last as a picture.\n", stderr);
+    std::fputs("usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]    (ends after N frames, saves the last one)\n", stderr);
     return 1;
   }
   if (!glfwInit()) return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
@@ -149,9 +141,9 @@ int main(int count, char** words) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
   GLFWwindow* const window = glfwCreateWindow(960, 720, "kelp: game_loop", nullptr, nullptr);
-  if (window) glfwMakeContextCurrent(window);
-  const int exit_code = window ? run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr)
-                               : fail("window", {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
+  if (!window) return fail("window", {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
+  glfwMakeContextCurrent(window);
+  const int exit_code = run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr);
   glfwTerminate();
   return exit_code;
 }

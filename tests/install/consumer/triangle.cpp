@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // draw.cpp's program without kelp: a triangle instead of a pack.
 #include <cstdio>
+#include <initializer_list>
 
 #include "headless.h"
 
