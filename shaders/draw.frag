@@ -47,12 +47,12 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
   uint material;
   vec3 normal = -ray;
   if (hit.code < 128u) {
-    uint attribute = kelpAttribute(hit.slot, hit.voxel.z & 7, hit.code);
-    material = attribute & 255u;
+    uint bits = kelpAttribute(hit.slot, hit.voxel.z & 7, hit.code);
+    material = bits & 255u;
     KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
     KelpSegment bottom = KELP_SEGMENT(0);
     float stretch = kelp_size.y / (kelpSplineAt(top, 1.0).y - bottom.d.y);
-    vec3 bent = kelpDeformNormal(KELP_SEGMENT(hit.segment), hit.t, stretch, kelpDecodeNormal(attribute >> 8u));
+    vec3 bent = kelpDeformNormal(KELP_SEGMENT(hit.segment), hit.t, stretch, kelpDecodeNormal(bits >> 8u));
     normal = dot(bent, bent) > 0.0 ? bent : normal;
   } else {
     material = kelpInnerMaterial(hit.voxel);

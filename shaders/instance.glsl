@@ -62,11 +62,14 @@ vec3 kelpViewRay(vec3 p) {
 // The place of a voxel of brick `slot` in kelp_codes.
 ivec3 kelpBrick(uint slot) { return ivec3(int(slot & 255u), int((slot >> 8u) & 255u), int((slot >> 16u) & 255u)); }
 
+// Term k of segment i: 0 is a, 3 is d.
+vec3 kelpSegmentTerm(int i, int k) { return kelpRecord(kelp_record + KELP_RECORD + 4 * i + k).xyz; }
+
 #define KELP_FN
 #define KELP_CONTEXT_
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
-#define KELP_SEGMENT(i) kelpSegment(i)
+#define KELP_SEGMENT(i) KelpSegment(kelpSegmentTerm(i, 0), kelpSegmentTerm(i, 1), kelpSegmentTerm(i, 2), kelpSegmentTerm(i, 3))
 #define KELP_BOUNDS_MIN kelp_bounds_min
 #define KELP_BOUNDS_MAX kelp_bounds_max
 #define KELP_SIZE kelp_size

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// What every test here needs: a context, a framebuffer to draw into and read, a renderer with one asset on the GPU.
+#pragma once
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/glcorearb.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kelp/gl/renderer.h"
+#include "support/egl_context.h"
+#include "support/test_pack.h"
+
+namespace kelp::test {
+
+using Pixel = std::array<std::uint8_t, 4>;
+
+// A framebuffer of RGBA8 and 32-bit float depth, bound while it lives. Rows from bottom to top.
+class Canvas {
+ public:
+  explicit Canvas(glm::ivec2 size);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  glm::ivec2 size() const { return size_; }
+  void clear() const;  // to zero, depth 1
+  std::vector<Pixel> pixels() const;
+  std::vector<float> depths() const;  // desktop only: OpenGL ES reads no depth
+
+ private:
+  glm::ivec2 size_;
+  GLuint names_[2] = {};
+  GLuint framebuffer_ = 0;
+};
+
+// An asset in memory, complete.
+struct LoadedAsset {
+  explicit LoadedAsset(const RawPack& pack);
+  std::vector<std::byte> bytes;
+  MemorySource source;
+  std::unique_ptr<runtime::Asset> asset;
+};
+
+// A surface function that writes the voxel into red, green and blue, and 255 - level into alpha. Sides up to 256.
+inline constexpr char kVoxelSurface[] =
+    "vec4 kelpSurface(KelpSurface s) { return vec4(vec3(s.voxel), 255.0 - float(s.level)) / 255.0; }\n";
+
+// Every test of the fixture runs with OpenGL 3.3 core and with OpenGL ES 3.0.
+class GlTest : public testing::TestWithParam<GlApi> {
+ protected:
+  void SetUp() override;
+  // A renderer with the asset on the GPU. Fails the test if that can not be had.
+  std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr, gl::Config config = {});
+  bool desktop() const { return GetParam() == GlApi::kDesktop33; }
+
+  std::optional<EglContext> context_;
+};
+
+#define KELP_GL_TESTS(fixture)                                                                                              \
+  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::Values(kelp::test::GlApi::kDesktop33, kelp::test::GlApi::kEs30),           \
+                           [](const auto& test) { return kelp::test::toString(test.param); })
+
+// A perspective view from `eye` to `target`, all levels drawn as they are.
+gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f);
+gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f);
+
+// The ray through the centre of a pixel, from the near to the far plane: t = 0 .. 1.
+runtime::Ray pixelRay(const gl::View& view, int x, int y);
+
+}  // namespace kelp::test

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// An OpenGL that does nothing, of any version and any limits: what kelp allocates and lays out, without a driver's own doings.
+#pragma once
+
+namespace kelp::test {
+
+struct FakeGl {
+  const char* version = "OpenGL ES 3.0 fake";
+  int max_texture_size = 2048;  // what OpenGL ES 3.0 guarantees
+  int max_3d_texture_size = 256;
+  bool out_of_memory = false;   // glGetError says so
+
+  // For kelp::gl::Config; `user` is not used. One fake at a time: the one that current() points to.
+  static FakeGl*& current();
+  static void* getProcAddress(void* user, const char* name);
+};
+
+}  // namespace kelp::test

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// A frame allocates nothing once kelp has warmed up; memory or a context that is too small is an answer.
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "canvas.h"
+#include "count_new.h"
+#include "fake_gl.h"
+
+namespace kelp::test {
+namespace {
+
+using runtime::Instance;
+
+struct Counter {
+  long calls = 0;
+  long left = -1;  // allocations that still succeed; -1: all
+  long held = 0;
+  Allocator allocator() {
+    Allocator out;
+    out.user = this;
+    out.allocate = [](void* user, std::size_t bytes) -> void* {
+      auto& self = *static_cast<Counter*>(user);
+      ++self.calls;
+      if (self.left == 0) return nullptr;
+      if (self.left > 0) --self.left;
+      ++self.held;
+      return std::malloc(bytes);
+    };
+    out.deallocate = [](void* user, void* memory, std::size_t) {
+      --static_cast<Counter*>(user)->held;
+      std::free(memory);
+    };
+    return out;
+  }
+};
+
+// On a GL that does nothing: a driver allocates as it likes.
+class MemoryTest : public testing::Test {
+ protected:
+  void SetUp() override { FakeGl::current() = &fake_; }
+  gl::Config config() {
+    gl::Config out;
+    out.getProcAddress = FakeGl::getProcAddress;
+    out.allocator = counter_.allocator();
+    return out;
+  }
+  static gl::View view() {
+    gl::View out;
+    out.eye_to_clip = glm::perspective(0.8f, 1.0f, 0.1f, 10.0f);
+    out.world_to_eye = glm::lookAt(glm::vec3(0.8f, 0.9f, 3.8f), glm::vec3(0, 0.5f, 0), glm::vec3(0, 1, 0));
+    out.viewport = {400, 400};
+    return out;
+  }
+
+  FakeGl fake_;
+  Counter counter_;
+  const LoadedAsset loaded_{packOf(ballClump({60, 80, 50}, 20, 2))};
+};
+
+TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
+  const auto created = gl::Renderer::create(config());
+  ASSERT_TRUE(created);
+  gl::Renderer& renderer = **created;
+  ASSERT_TRUE(renderer.add(*loaded_.asset));
+  ASSERT_TRUE(renderer.upload(~std::uint64_t{0}));
+  runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
+  std::vector<Instance> instances(50, Instance{loaded_.asset.get(), &pose});
+  for (std::size_t i = 0; i < instances.size(); ++i) instances[i].to_world[3].x = 0.02f * static_cast<float>(i);
+  ASSERT_TRUE(renderer.draw(view(), instances));
+
+  const long own = counter_.calls;
+  const long all = newCalls();
+  std::uint32_t draws = 0;
+  for (int frame = 0; frame < 10; ++frame) {
+    pose.knots(0)[1].tangent.x = static_cast<float>(frame);
+    gl::View moved = view();
+    moved.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
+    const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));
+    const auto drawn = renderer.draw(moved, some);
+    draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.upload(1'000'000) ? drawn->draws : 0;
+  }
+  EXPECT_EQ(newCalls(), all);
+  EXPECT_EQ(counter_.calls, own);
+  EXPECT_GE(draws, 10u);
+}
+
+TEST_F(MemoryTest, EveryAllocationMayFail) {
+  const Instance instance{loaded_.asset.get(), nullptr};
+  int failures = 0;
+  bool complete = false;
+  for (long allowed = 0; !complete; ++allowed) {
+    ASSERT_LT(allowed, 100);
+    counter_.left = allowed;
+    const auto renderer = gl::Renderer::create(config());
+    ASSERT_TRUE(renderer);
+    complete = true;
+    const auto check = [&](const auto& result) {
+      if (result) return true;
+      complete = false;
+      ++failures;
+      EXPECT_EQ(result.error().code, ErrorCode::kOutOfMemory) << result.error().detail;
+      return false;
+    };
+    if (!check((*renderer)->add(*loaded_.asset))) continue;
+    check((*renderer)->upload(~std::uint64_t{0}));
+    check((*renderer)->draw(view(), {&instance, 1}));
+  }
+  EXPECT_GT(failures, 4);
+  EXPECT_EQ(counter_.held, 0);
+}
+
+TEST_F(MemoryTest, TheGpusMemoryMayBeShort) {
+  const auto created = gl::Renderer::create(config());
+  ASSERT_TRUE(created);
+  gl::Renderer& renderer = **created;
+  ASSERT_TRUE(renderer.add(*loaded_.asset));
+  fake_.out_of_memory = true;
+  const auto refused = renderer.upload(~std::uint64_t{0});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
+  const auto again = renderer.upload(~std::uint64_t{0});  // answered once
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->bytes_uploaded, 0u);
+  EXPECT_EQ(again->pending, 0u);
+}
+
+TEST_F(MemoryTest, SmallContextsHoldSmallLevels) {
+  fake_.max_3d_texture_size = 4;  // bricks along an axis, and no brick at all in an atlas
+  const auto created = gl::Renderer::create(config());
+  ASSERT_TRUE(created);
+  ASSERT_TRUE((*created)->add(*loaded_.asset));
+  const auto refused = (*created)->upload(~std::uint64_t{0});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+}
+
+TEST_F(MemoryTest, OldContextsAreRefused) {
+  for (const char* version : {"OpenGL ES 2.0 fake", "3.2 fake", "2.1", "", "nonsense"}) {
+    fake_.version = version;
+    const auto created = gl::Renderer::create(config());
+    ASSERT_FALSE(created) << version;
+    EXPECT_EQ(created.error().code, ErrorCode::kGraphics);
+  }
+  for (const char* version : {"OpenGL ES 3.0 fake", "OpenGL ES 3.2 fake", "3.3 fake", "4.6.0 fake 1.2.3"}) {
+    fake_.version = version;
+    EXPECT_TRUE(gl::Renderer::create(config())) << version;
+  }
+}
+
+}  // namespace
+}  // namespace kelp::test

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// The caller's mistakes are answered, in every build, and nothing is drawn.
+#include <cmath>
+#include <limits>
+
+#include "canvas.h"
+
+namespace kelp::test {
+namespace {
+
+using runtime::Instance;
+
+class MisuseTest : public GlTest {
+ protected:
+  const LoadedAsset loaded_{packOf(ballClump({24, 32, 20}, 12, 3))};
+  const LoadedAsset other_{packOf(ballClump({24, 32, 20}, 12, 4), {{0, {0, 0, 0}, {0, 32, 0}}, {0.5f, {0, 16, 0}, {0, 32, 0}}, {1, {0, 32, 0}, {0, 32, 0}}})};
+  const Instance instance_{loaded_.asset.get(), nullptr};
+
+  void expectMisuse(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, const Instance& bad) {
+    const Instance both[2] = {instance_, bad};
+    const auto drawn = renderer.draw(view, both);
+    ASSERT_FALSE(drawn);
+    EXPECT_EQ(drawn.error().code, ErrorCode::kMisuse);
+    EXPECT_NE(drawn.error().detail[0], '\0');
+    for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{}) << "the good instance was drawn";
+  }
+};
+
+TEST_P(MisuseTest, OfInstances) {
+  const Canvas canvas({40, 30});
+  const auto renderer = makeRenderer(*loaded_.asset);
+  const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  expectMisuse(*renderer, canvas, view, {nullptr, nullptr});
+  expectMisuse(*renderer, canvas, view, {other_.asset.get(), nullptr});
+
+  const runtime::Pose foreign = *runtime::Pose::create(*other_.asset);
+  expectMisuse(*renderer, canvas, view, {loaded_.asset.get(), &foreign});
+  runtime::Pose turning = *runtime::Pose::create(*loaded_.asset);
+  turning.knots(0)[0].tangent.y = -400;
+  expectMisuse(*renderer, canvas, view, {loaded_.asset.get(), &turning});
+
+  Instance bad = instance_;
+  bad.to_world[1] = glm::vec4(0);
+  expectMisuse(*renderer, canvas, view, bad);
+  bad = instance_;
+  bad.to_world[3].x = std::numeric_limits<float>::quiet_NaN();
+  expectMisuse(*renderer, canvas, view, bad);
+  bad = instance_;
+  bad.to_world[0][3] = 0.5f;  // not affine
+  expectMisuse(*renderer, canvas, view, bad);
+}
+
+TEST_P(MisuseTest, OfViews) {
+  const Canvas canvas({40, 30});
+  const auto renderer = makeRenderer(*loaded_.asset);
+  const gl::View good = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  const auto expectMisuseOf = [&](const gl::View& view) {
+    const auto drawn = renderer->draw(view, {&instance_, 1});
+    ASSERT_FALSE(drawn);
+    EXPECT_EQ(drawn.error().code, ErrorCode::kMisuse);
+  };
+  gl::View view = good;
+  view.viewport.x = -1;
+  expectMisuseOf(view);
+  view = good;
+  view.eye_to_clip = glm::mat4(0);
+  expectMisuseOf(view);
+  view = good;
+  view.world_to_eye[2].y = std::numeric_limits<float>::infinity();
+  expectMisuseOf(view);
+  view = good;
+  view.sun_direction = glm::vec3(0);
+  expectMisuseOf(view);
+  view = good;
+  view.pixels_per_voxel = std::nanf("");
+  expectMisuseOf(view);
+
+  view = good;
+  view.viewport = {0, 30};  // a minimised window is no mistake
+  const auto drawn = renderer->draw(view, {&instance_, 1});
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->draws, 0u);
+  EXPECT_EQ(renderer->draw(good, {})->draws, 0u);
+}
+
+TEST_P(MisuseTest, OfTheRenderer) {
+  const auto renderer = makeRenderer(*loaded_.asset);
+  EXPECT_EQ(renderer->add(*loaded_.asset).error().code, ErrorCode::kMisuse);
+  renderer->remove(*other_.asset);  // unknown: nothing happens
+  EXPECT_EQ(gl::Renderer::create({}).error().code, ErrorCode::kMisuse);
+  gl::Config nothing;
+  nothing.getProcAddress = [](void*, const char*) -> void* { return nullptr; };
+  EXPECT_EQ(gl::Renderer::create(nothing).error().code, ErrorCode::kGraphics);
+  gl::Config partial;
+  partial.getProcAddress = [](void* user, const char* name) {
+    return std::string(name) == "glDrawArraysInstanced" ? nullptr : EglContext::getProcAddress(user, name);
+  };
+  EXPECT_EQ(gl::Renderer::create(partial).error().code, ErrorCode::kGraphics);
+
+  renderer->abandon();
+  EXPECT_EQ(renderer->add(*other_.asset).error().code, ErrorCode::kMisuse);
+  EXPECT_EQ(renderer->upload(1).error().code, ErrorCode::kMisuse);
+  EXPECT_EQ(renderer->draw({}, {}).error().code, ErrorCode::kMisuse);
+}
+
+TEST_P(MisuseTest, NoContextIsAnError) {
+  context_.reset();
+  gl::Config config;
+  config.getProcAddress = EglContext::getProcAddress;
+  const auto created = gl::Renderer::create(config);
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().code, ErrorCode::kGraphics);
+}
+
+TEST_P(MisuseTest, ASurfaceThatDoesNotCompileIsExplained) {
+  static std::string said;
+  said.clear();
+  gl::Config config;
+  config.getProcAddress = EglContext::getProcAddress;
+  config.log = [](void*, const char* text) { said = text; };
+  config.surface_glsl = "vec4 kelpSurface(KelpSurface s) {\n  return s.nonsense;\n}\n";
+  const auto created = gl::Renderer::create(config);
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().code, ErrorCode::kGraphics);
+  EXPECT_NE(said.find("nonsense"), std::string::npos) << said;
+  EXPECT_NE(said.find(":2("), std::string::npos) << "the line in the host's text: " << said;
+}
+
+KELP_GL_TESTS(MisuseTest);
+
+}  // namespace
+}  // namespace kelp::test
