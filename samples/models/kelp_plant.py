@@ -138,7 +138,7 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
     """One blade from the stipe outward: petiole, bladder, neck and a ruffled, tapering leaf, in a single closed skin."""
     steps = rounded(66, 0.35)
     index = {s: i for i, s in enumerate(steps)}
-    roll = between(0.35, 0.8, seed, 1) * (1 if hash_sign(seed) else -1)
+    roll = between(0.35, 0.8, seed, 1) * (1.0 if between(0.0, 1.0, seed, 6) < 0.5 else -1.0)
     line, frames = mid_line(root, azimuth, elevation, droop, length, steps, roll, seed)
     waves, edge_lag = length * between(15.0, 18.5, seed, 2), between(0.25, 0.45, seed, 4)
 
@@ -182,10 +182,6 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
         return point, colour
 
     mesh.skin(steps, 22, section)
-
-
-def hash_sign(seed):
-    return between(0.0, 1.0, seed, 6) < 0.5
 
 
 def frond_blades(mesh, frond):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Repeatable randomness and colour: the same numbers on every machine, for ever."""
+"""Repeatable randomness and colour: the same numbers on every run."""
 
 import math
 

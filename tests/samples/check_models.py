@@ -39,7 +39,12 @@ def cross(a, b):
 
 
 def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def area_vector(p, q, r):
+    """Normal of a triangle, twice its area long."""
+    return cross((q[0] - p[0], q[1] - p[1], q[2] - p[2]), (r[0] - p[0], r[1] - p[1], r[2] - p[2]))
 
 
 def read_glb(path):
@@ -108,21 +113,23 @@ def check_surface(positions, triangles, least_area):
     require(len(set(positions)) == len(positions), "two vertices share a position")
     edges = set()
     for t in triangles:
-        for i in range(3):
-            edge = (t[i], t[(i + 1) % 3])
-            require(edge[0] != edge[1], "triangle %r repeats a vertex" % (t,))
-            require(edge not in edges, "edge %r is walked twice in the same direction" % (edge,))
+        a, b, c = t
+        for edge in ((a, b), (b, c), (c, a)):
+            if edge[0] == edge[1] or edge in edges:
+                raise Fault("triangle %r repeats a vertex, or walks an edge in a direction already taken" % (t,))
             edges.add(edge)
     for a, b in edges:
-        require((b, a) in edges, "edge %r has no opposite: the surface is open" % ((a, b),))
+        if (b, a) not in edges:
+            raise Fault("edge %r has no opposite: the surface is open" % ((a, b),))
     groups = components(len(positions), triangles)
     for group in groups:
         volume, area = 0.0, 0.0
         for a, b, c in group:
             p, q, r = positions[a], positions[b], positions[c]
-            n = cross([x - y for x, y in zip(q, p)], [x - y for x, y in zip(r, p)])
+            n = area_vector(p, q, r)
             size = 0.5 * math.sqrt(dot(n, n))
-            require(size > least_area, "triangle %r has the area %g" % ((a, b, c), size))
+            if size <= least_area:
+                raise Fault("triangle %r has the area %g" % ((a, b, c), size))
             area += size
             volume += dot(p, cross(q, r)) / 6.0
         require(volume > 0.0, "a component of %d triangles faces inward" % len(group))
@@ -132,12 +139,11 @@ def check_surface(positions, triangles, least_area):
 
 
 def check_normals(positions, normals, triangles):
-    for n in normals:
-        require(abs(dot(n, n) - 1.0) < 1e-4, "a normal is %g long" % math.sqrt(dot(n, n)))
+    require(all(abs(dot(n, n) - 1.0) < 1e-4 for n in normals), "a normal is not of length 1")
     against = 0
     for a, b, c in triangles:
-        n = cross([x - y for x, y in zip(positions[b], positions[a])], [x - y for x, y in zip(positions[c], positions[a])])
-        against += sum(dot(n, normals[i]) <= 0.0 for i in (a, b, c))
+        n = area_vector(positions[a], positions[b], positions[c])
+        against += (dot(n, normals[a]) <= 0.0) + (dot(n, normals[b]) <= 0.0) + (dot(n, normals[c]) <= 0.0)
     require(against < 1e-3 * len(triangles), "%d corners have normals against their triangle" % against)
 
 
@@ -222,7 +228,7 @@ def main(script):
     with tempfile.TemporaryDirectory() as folder:
         runs = [os.path.join(folder, "first"), os.path.join(folder, "second", "deeper")]
         for run in runs:
-            subprocess.run([sys.executable, script, run], check=True, stdout=subprocess.DEVNULL)
+            require(subprocess.run([sys.executable, script, run], stdout=subprocess.DEVNULL).returncode == 0, "the script failed")
         for name in EXPECTED:
             file = name + ".glb"
             require(filecmp.cmp(os.path.join(runs[0], file), os.path.join(runs[1], file), shallow=False), file + " differs from run to run")
