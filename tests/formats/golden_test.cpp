@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// One file for each version of the format, made once and kept for ever: what was written must stay readable, bit by bit.
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "kelp/formats/pack.h"
+#include "kelp/formats/verify.h"
+#include "pack_compare.h"
+#include "support/random_pack.h"
+#include "tiny_pack.h"
+
+namespace kelp {
+namespace {
+
+const std::filesystem::path kFolder = std::filesystem::path(KELP_SOURCE_DIR) / "tests/formats/golden";
+
+std::vector<std::byte> readFile(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in) << path;
+  const std::vector<char> chars{std::istreambuf_iterator<char>(in), {}};
+  std::vector<std::byte> bytes(chars.size());
+  std::memcpy(bytes.data(), chars.data(), chars.size());
+  return bytes;
+}
+
+TEST(Golden, VersionOneReadsAsItWasWritten) {
+  Result<FileSource> file = FileSource::open((kFolder / "v1_tiny.kelp").c_str());
+  ASSERT_TRUE(file);
+  Result<Pack> pack = Pack::open(file->source());
+  ASSERT_TRUE(pack) << pack.error().detail;
+  const test::Comparison result = test::compare(*pack, test::makeTinyPack());
+  ASSERT_TRUE(result.status);
+  EXPECT_TRUE(result.equal);
+  EXPECT_EQ(pack->minorVersion(), 0);
+  EXPECT_EQ(verify(file->source(), {}, nullptr, nullptr), 0u);
+}
+
+TEST(Golden, TheWriterStillWritesTheSameBytes) {
+  // Another version of zstd may compress otherwise; it must then still decode to the same, which the test above shows.
+  if (ZSTD_versionNumber() != 10504) GTEST_SKIP() << "the golden file was compressed by zstd 1.5.4";
+  EXPECT_EQ(test::writeToMemory(test::makeTinyPack()), readFile(kFolder / "v1_tiny.kelp"));
+}
+
+}  // namespace
+}  // namespace kelp

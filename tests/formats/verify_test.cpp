@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/formats/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pack_surgeon.h"
+#include "support/random_pack.h"
+#include "tiny_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::Bytes;
+using test::PackSurgeon;
+using test::set;
+
+std::vector<Issue> issuesOf(const Bytes& bytes, const Limits& limits = {}) {
+  std::vector<Issue> issues;
+  MemorySource memory(bytes);
+  const std::uint64_t errors = verify(
+      memory.source(), limits, [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); }, &issues);
+  const auto is_error = [](const Issue& issue) { return issue.severity == Severity::kError; };
+  EXPECT_EQ(errors, static_cast<std::uint64_t>(std::count_if(issues.begin(), issues.end(), is_error)));
+  for (const Issue& issue : issues) EXPECT_STRNE(toString(issue.id), "Unknown issue.");
+  return issues;
+}
+
+std::vector<IssueId> idsOf(const std::vector<Issue>& issues) {
+  std::vector<IssueId> ids;
+  for (const Issue& issue : issues) ids.push_back(issue.id);
+  return ids;
+}
+
+using Ids = std::vector<IssueId>;
+
+PackSurgeon tiny() { return PackSurgeon(test::writeToMemory(test::makeTinyPack())); }
+
+TEST(Verify, SoundPacksHaveNoIssues) {
+  EXPECT_EQ(idsOf(issuesOf(tiny().build())), Ids{});
+  for (std::uint32_t seed = 0; seed < 10; ++seed) EXPECT_EQ(idsOf(issuesOf(test::writeToMemory(test::makeRandomPack(seed)))), Ids{});
+}
+
+TEST(Verify, AnUnreadableHeaderIsOneIssue) {
+  EXPECT_EQ(idsOf(issuesOf({})), Ids{IssueId::kUnreadable});
+  Bytes bytes = tiny().build();
+  bytes.pop_back();
+  EXPECT_EQ(idsOf(issuesOf(bytes)), Ids{IssueId::kUnreadable});
+  PackSurgeon surgeon = tiny();
+  surgeon.chunks.pop_back();
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kUnreadable});
+}
+
+TEST(Verify, UnknownChunksAreWarnings) {
+  PackSurgeon surgeon = tiny();
+  PackSurgeon::Chunk chunk;
+  chunk.fourcc = PackSurgeon::fourcc("XTRA");
+  chunk.content.resize(100000, std::byte{5});
+  surgeon.chunks.insert(surgeon.chunks.begin() + 2, chunk);
+  Bytes bytes = surgeon.build();
+  const std::vector<Issue> issues = issuesOf(bytes);
+  ASSERT_EQ(idsOf(issues), Ids{IssueId::kUnknownChunk});
+  EXPECT_EQ(issues[0].severity, Severity::kWarning);
+  // Its bytes are checked all the same.
+  bytes[static_cast<std::size_t>(issues[0].error.offset) + 77777] ^= std::byte{1};
+  EXPECT_EQ(idsOf(issuesOf(bytes)), (Ids{IssueId::kChunkChecksum, IssueId::kUnknownChunk}));
+}
+
+TEST(Verify, EveryChangedByteIsFound) {
+  const Bytes bytes = tiny().build();
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    Bytes changed = bytes;
+    changed[at] ^= std::byte{0x10};
+    ASSERT_FALSE(issuesOf(changed).empty()) << at;
+  }
+}
+
+TEST(Verify, StainedPaddingIsFoundWhereItIs) {
+  Bytes bytes = tiny().build();
+  const PackSurgeon surgeon(bytes);
+  const std::size_t end_of_index = 64 + 48 * surgeon.chunks.size();
+  ASSERT_NE(end_of_index % 64, 0u);
+  bytes[end_of_index] = std::byte{1};
+  const std::vector<Issue> issues = issuesOf(bytes);
+  ASSERT_EQ(idsOf(issues), Ids{IssueId::kPaddingNotZero});
+  EXPECT_EQ(issues[0].error.offset, end_of_index);
+}
+
+TEST(Verify, TablesThatContradictThemselvesAreNamed) {
+  PackSurgeon surgeon = tiny();
+  set(surgeon.content("MATL"), 4, 7.0f);
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
+  surgeon = tiny();
+  set(surgeon.content("RIGS"), 16 + 20, -20.0f);
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kNotMonotone});
+  surgeon = tiny();
+  set(surgeon.content("PART"), 132, std::int32_t{1});
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
+  surgeon = tiny();
+  set(surgeon.content("CLIP"), 24, -1.0f);
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
+  surgeon = tiny();
+  set(surgeon.content("PART"), 17, std::uint8_t{1});  // one level fewer than there are chunks
+  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kUnreadable});
+}
+
+TEST(Verify, GridsAndPagesAreNamedWithTheirPlace) {
+  PackSurgeon surgeon = tiny();
+  set(surgeon.content("GRID"), 0, 0x80000001u);
+  std::vector<Issue> issues = issuesOf(surgeon.build());
+  ASSERT_EQ(idsOf(issues), Ids{IssueId::kGrid});
+  EXPECT_EQ(issues[0].part, 0);
+  EXPECT_EQ(issues[0].level, 1);
+
+  struct Case {
+    IssueId id;
+    void (*edit)(Bytes& page);
+  };
+  const Case cases[] = {
+      {IssueId::kPage, [](Bytes& p) { p[5] = std::byte{222}; }},
+      {IssueId::kBrickWithoutSolid, [](Bytes& p) { p.assign(512, std::byte{0}); }},
+      {IssueId::kOutsideVolume, [](Bytes& p) { p[4] = std::byte{128}; }},  // the level is 4 voxels wide
+      {IssueId::kPaletteIndex, [](Bytes& p) { p[512] = std::byte{9}; }},
+  };
+  for (const Case& c : cases) {
+    surgeon = tiny();
+    surgeon.editPage(c.edit);
+    issues = issuesOf(surgeon.build());
+    ASSERT_EQ(idsOf(issues), Ids{c.id});
+    EXPECT_EQ(issues[0].part, 0);
+    EXPECT_EQ(issues[0].level, 1);
+    EXPECT_EQ(issues[0].page, 0);
+    EXPECT_NE(issues[0].error.offset, Error::kNoOffset);
+  }
+}
+
+TEST(Verify, EverythingIsReportedInFileOrder) {
+  PackSurgeon surgeon = tiny();
+  set(surgeon.content("INFO"), 0, '\xff');
+  set(surgeon.content("MATL"), 4, 7.0f);
+  surgeon.editPage([](Bytes& page) { page[512] = std::byte{9}; });  // can not be judged without the palette
+  set(surgeon.content("RIGS"), 16 + 20, -20.0f);
+  Bytes bytes = surgeon.build();
+  bytes.back() ^= std::byte{1};  // in the last page
+  const std::vector<Issue> issues = issuesOf(bytes);
+  EXPECT_EQ(idsOf(issues), (Ids{IssueId::kMetadata, IssueId::kMetadata, IssueId::kNotMonotone, IssueId::kChunkChecksum, IssueId::kPage}));
+  EXPECT_TRUE(std::is_sorted(issues.begin(), issues.end(), [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
+}
+
+TEST(Verify, ASolidVoxelOutsideIsFoundInAnyBrickOfALevelOfManyPages) {
+  test::RandomPack random(31, {1, 8, 1, 0});
+  RawPack raw = random.make();
+  raw.parts[0].size = {101, 60, 97};
+  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 60, 0}}, {1, {0, 60, 0}, {0, 60, 0}}};
+  raw.parts[0].levels = {random.makeLevel(raw.parts[0].size, raw.palette.size(), 0.6f)};
+  const Bytes bytes = test::writeToMemory(raw);
+  EXPECT_EQ(idsOf(issuesOf(bytes)), Ids{});
+  // Say that the volume is one voxel less wide: the grid stays the same, the last bricks now reach outside.
+  PackSurgeon surgeon(bytes);
+  set(surgeon.content("PART"), 20, 97u);
+  const std::vector<Issue> issues = issuesOf(surgeon.build());
+  ASSERT_FALSE(issues.empty());
+  for (const Issue& issue : issues) EXPECT_EQ(issue.id, IssueId::kOutsideVolume);
+}
+
+TEST(Verify, LimitsAndUnreadableSourcesAreIssuesToo) {
+  Limits limits;
+  limits.max_side = 10;
+  EXPECT_EQ(idsOf(issuesOf(tiny().build(), limits)), Ids{IssueId::kMetadata});
+  Source source;
+  source.size = 1000;
+  source.read = [](void*, std::uint64_t, std::span<std::byte>) { return false; };
+  EXPECT_EQ(verify(source, {}, nullptr, nullptr), 1u);
+  EXPECT_EQ(verify(Source{}, {}, nullptr, nullptr), 1u);
+}
+
+}  // namespace
+}  // namespace kelp
