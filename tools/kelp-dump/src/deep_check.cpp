@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+#include "deep_check.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "kelp/fields/fields.h"
+#include "text.h"
+
+namespace kelp::dump {
+namespace {
+
+using fields::Occupancy;
+
+struct Place {
+  int part = 0;
+  int level = 0;
+};
+
+std::uint64_t physicalMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGE_SIZE);
+  return pages > 0 && bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(bytes) : ~std::uint64_t{0};
+}
+
+glm::ivec3 positionOf(std::uint64_t index, const glm::ivec3& size) {
+  const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
+  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
+}
+
+// A level as it is stored.
+struct StoredLevel {
+  RawLevel raw;
+  glm::ivec3 size{0};
+  glm::ivec3 grid{0};
+  std::vector<glm::ivec3> brick_of_slot;
+};
+
+// One flag a voxel: whether it has an attribute.
+std::vector<std::uint8_t> attributeFlags(const StoredLevel& level, const Occupancy& occupancy) {
+  std::vector<std::uint8_t> flags(occupancy.solid.size());
+  for (std::size_t slot = 0; slot < level.brick_of_slot.size(); ++slot) {
+    const std::uint8_t* const codes = level.raw.codes.data() + slot * kBrickVoxels;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      if (!isSurfaceCode(codes[i])) continue;
+      const glm::ivec3 voxel = level.brick_of_slot[slot] * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
+      flags[occupancy.index(voxel)] = 1;  // no solid voxel lies outside: formats' verify has looked
+    }
+  }
+  return flags;
+}
+
+// Counts the places of one kind in one level and remembers the first.
+class Tally {
+ public:
+  Tally(DeepIssue issue, const Place& place) : issue_(issue), place_(place) {}
+
+  void add(std::optional<glm::ivec3> brick, std::optional<glm::ivec3> voxel, std::string detail = "") {
+    if (count_++ > 0) return;
+    brick_ = brick;
+    voxel_ = voxel;
+    detail_ = std::move(detail);
+  }
+  std::uint64_t count() const { return count_; }
+
+  void report(VerifyReport& into) const {
+    if (count_ == 0) return;
+    Finding finding;
+    finding.id = static_cast<int>(issue_);
+    finding.message = toString(issue_);
+    finding.detail = detail_;
+    finding.part = place_.part;
+    finding.level = place_.level;
+    finding.brick = brick_;
+    finding.voxel = voxel_;
+    finding.count = count_;
+    into.findings.push_back(finding);
+  }
+
+ private:
+  DeepIssue issue_;
+  Place place_;
+  std::uint64_t count_ = 0;
+  std::optional<glm::ivec3> brick_, voxel_;
+  std::string detail_;
+};
+
+class DeepCheck {
+ public:
+  DeepCheck(PackFile& file, VerifyReport& report)
+      : file_(file), pack_(file.pack()), report_(report), threads_(static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 64u))) {}
+
+  void run() {
+    std::vector<bool> unsound(pack_.parts().size());
+    for (const Finding& f : report_.findings) {
+      if (f.severity == Severity::kError && f.part >= 0) unsound[static_cast<std::size_t>(f.part)] = true;
+    }
+    for (std::size_t p = 0; p < pack_.parts().size(); ++p) {
+      if (unsound[p]) continue;
+      requireMemory(static_cast<int>(p));
+      checkPart(static_cast<int>(p));
+    }
+  }
+
+ private:
+  void requireMemory(int p) const {
+    const Part& part = pack_.parts()[static_cast<std::size_t>(p)];
+    const std::uint64_t voxels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y) * static_cast<std::uint64_t>(part.size.z);
+    // Beside what buildLevel takes: occupancy and flags of this level and the finer one, and the stored level twice.
+    const std::uint64_t needed = fields::peakBytes(part.size) + 6 * voxels;
+    if (const std::uint64_t memory = physicalMemory(); needed > memory)
+      throw DumpError(kFailure, fmt::format("{}: part {} '{}': checking {} voxels deeply needs {} of memory, this machine has {}; verify without --deep, or on a larger machine",
+                                            file_.path(), p, nameText(part.name), sizeText(part.size), bytesText(needed), bytesText(memory)));
+  }
+
+  void checkPart(int part) {
+    Occupancy finer;
+    std::vector<std::uint8_t> finer_flags;
+    for (int l = 0; l < pack_.parts()[static_cast<std::size_t>(part)].levels; ++l) {
+      const Place place{part, l};
+      const StoredLevel level = readLevel(place);
+      Occupancy occupancy = fields::occupancyOf(level.raw, level.size);
+      std::vector<std::uint8_t> flags = attributeFlags(level, occupancy);
+      if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer));
+      checkAttributes(place, occupancy, flags, l == 0 ? nullptr : &finer, finer_flags);
+      checkClearance(place, level, occupancy, flags);
+      finer = std::move(occupancy);
+      finer_flags = std::move(flags);
+    }
+  }
+
+  StoredLevel readLevel(const Place& place) const {
+    const auto where = [&] {
+      return fmt::format("part {} '{}', level {}", place.part, nameText(pack_.parts()[static_cast<std::size_t>(place.part)].name), place.level);
+    };
+    const Result<LevelGrid> grid = pack_.readGrid(place.part, place.level);
+    if (!grid) file_.fail(grid.error(), where());
+    StoredLevel level;
+    level.size = grid->size;
+    level.grid = grid->grid;
+    level.raw.cells.assign(grid->cells.begin(), grid->cells.end());
+    level.brick_of_slot.resize(grid->bricks);
+    for (std::size_t c = 0; c < level.raw.cells.size(); ++c) {
+      if (level.raw.cells[c] & kCellSolid) level.brick_of_slot[level.raw.cells[c] & kCellSlotMask] = positionOf(c, level.grid);
+    }
+    level.raw.codes.reserve(std::size_t{grid->bricks} * kBrickVoxels);
+    PageData page;
+    for (const PageInfo& info : grid->pages) {
+      if (const Result<void> read = pack_.readPage(info, page); !read) file_.fail(read.error(), where());
+      level.raw.codes.insert(level.raw.codes.end(), page.codes.begin(), page.codes.end());
+      level.raw.attributes.insert(level.raw.attributes.end(), page.attributes.begin(), page.attributes.end());
+    }
+    return level;
+  }
+
+  void checkOccupancy(const Place& place, const Occupancy& stored, const Occupancy& expected) {
+    Tally lacks(DeepIssue::kLacksVoxel, place), extra(DeepIssue::kExtraVoxel, place);
+    for (std::size_t i = 0; i < stored.solid.size(); ++i) {
+      if ((stored.solid[i] != 0) == (expected.solid[i] != 0)) continue;
+      const glm::ivec3 voxel = positionOf(i, stored.size);
+      (stored.solid[i] ? extra : lacks).add(voxel / kBrickSide, voxel);
+    }
+    lacks.report(report_);
+    extra.report(report_);
+  }
+
+  // `finer` is null at level 0.
+  void checkAttributes(const Place& place, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags, const Occupancy* finer,
+                       const std::vector<std::uint8_t>& finer_flags) {
+    std::vector<std::uint8_t> expected(flags.size());
+    if (finer) {
+      for (std::size_t i = 0; i < finer_flags.size(); ++i) {
+        if (finer_flags[i]) expected[occupancy.index(positionOf(i, finer->size) / 2)] = 1;
+      }
+    } else {
+      for (const std::uint64_t i : fields::surfaceVoxels(occupancy, threads_)) expected[i] = 1;
+    }
+    Tally lacks(DeepIssue::kSurfaceLacksAttribute, place), extra(DeepIssue::kExtraAttribute, place);
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+      // A voxel that is missing altogether has been reported as that.
+      if (flags[i] == expected[i] || !occupancy.solid[i]) continue;
+      const glm::ivec3 voxel = positionOf(i, occupancy.size);
+      (flags[i] ? extra : lacks).add(voxel / kBrickSide, voxel);
+    }
+    lacks.report(report_);
+    extra.report(report_);
+  }
+
+  void checkClearance(const Place& place, const StoredLevel& level, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags) {
+    std::vector<fields::SurfaceVoxel> surface;
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+      if (flags[i]) surface.push_back({i, 0});
+    }
+    const RawLevel exact = fields::buildLevel(occupancy, surface, threads_);
+    Tally large(DeepIssue::kClearanceTooLarge, place), small(DeepIssue::kClearanceTooSmall, place);
+    const auto compare = [&](std::uint32_t stored, std::uint32_t right, double unit, const glm::ivec3& brick, std::optional<glm::ivec3> voxel) {
+      if (stored == right) return;
+      (stored > right ? large : small)
+          .add(brick, voxel, fmt::format("{} voxels stored, {} are right", unit * static_cast<double>(stored), unit * static_cast<double>(right)));
+    };
+    for (std::size_t c = 0; c < exact.cells.size(); ++c) {
+      const std::uint32_t stored = level.raw.cells[c], right = exact.cells[c];
+      const glm::ivec3 brick = positionOf(c, level.grid);
+      // Both agree on which bricks are stored and on their slots: the occupancy came from the stored cells, every stored brick holds a solid
+      // voxel, and slots ascend in Morton order; formats' verify has looked.
+      if (right & kCellSolid) {
+        const std::size_t codes = std::size_t{right & kCellSlotMask} * kBrickVoxels;
+        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, brick, compare);
+      } else {
+        compare(stored, right, 1.0 / 256, brick, std::nullopt);
+      }
+    }
+    large.report(report_);
+    small.report(report_);
+  }
+
+  template <class Compare>
+  static void compareCodes(const std::uint8_t* stored, const std::uint8_t* right, const glm::ivec3& brick, const Compare& compare) {
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      if (isSolidCode(stored[i])) continue;
+      compare(stored[i], right[i], 0.25, brick, brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6));
+    }
+  }
+
+  PackFile& file_;
+  const Pack& pack_;
+  VerifyReport& report_;
+  int threads_;
+};
+
+}  // namespace
+
+const char* toString(DeepIssue issue) {
+  switch (issue) {
+    case DeepIssue::kClearanceTooLarge:
+      return "A clearance is larger than the distance to the nearest solid, so that rays skip voxels. The program that wrote the pack is wrong: bake it again.";
+    case DeepIssue::kClearanceTooSmall:
+      return "A clearance is smaller than the distance to the nearest solid, so that rays take needless steps. Bake the pack again.";
+    case DeepIssue::kLacksVoxel:
+      return "A level is empty where the next finer one is solid, so that it shows holes from afar. Bake the pack again.";
+    case DeepIssue::kExtraVoxel:
+      return "A level is solid where the next finer one is empty. Bake the pack again.";
+    case DeepIssue::kSurfaceLacksAttribute:
+      return "A voxel of the surface has no colour and normal. Bake the pack again.";
+    case DeepIssue::kExtraAttribute:
+      return "A voxel that is not of the surface has a colour and normal. Bake the pack again.";
+  }
+  return "Unknown issue.";
+}
+
+void checkDeeply(PackFile& file, VerifyReport& report) { DeepCheck(file, report).run(); }
+
+}  // namespace kelp::dump

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "finding.h"
+#include "pack_file.h"
+
+namespace kelp::dump {
+
+// Recomputes what a pack's voxels imply, level by level and part by part, and appends to `report` whatever differs from what is stored:
+//   clearance of every empty brick and voxel (bit for bit), occupancy of each level against the next finer one, and
+//   which voxels have an attribute (the surface at level 0; above, those over a surface voxel).
+// Parts for which `report` already lists errors are left alone: what their voxels mean is unsure. DumpError (kFailure) if memory can not hold the
+// largest level.
+void checkDeeply(PackFile& file, VerifyReport& report);
+
+}  // namespace kelp::dump

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "json_output.h"
+
+#include <set>
+
+#include "safe_json.h"
+#include "text.h"
+
+namespace kelp::dump {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "kelp-dump/1";
+
+template <class V>
+Json array3(const V& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+std::string printed(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json partJson(const PartSummary& p) {
+  const Part& part = *p.part;
+  Json knots = Json::array(), levels = Json::array(), to_object = Json::array();
+  for (const Knot& knot : part.knots) knots.push_back({{"at", knot.at}, {"position", array3(knot.position)}, {"tangent", array3(knot.tangent)}});
+  for (const LevelSummary& level : p.levels) {
+    levels.push_back({{"size", array3(level.size)}, {"cells", level.cells}, {"bricks", level.bricks}, {"pages", level.pages},
+                      {"solid_voxels", level.solid}, {"surface_voxels", level.surface}, {"stored_bytes", level.stored}});
+  }
+  for (int column = 0; column < 4; ++column) to_object.push_back(array3(part.to_object[column]));
+  return {{"name", part.name},
+          {"parent", part.parent >= 0 ? Json(part.parent) : Json(nullptr)},
+          {"kind", part.kind == PartKind::kFog ? "fog" : "solid"},
+          {"size", array3(part.size)},
+          {"voxel_metres", array3(p.voxel)},
+          {"to_object", to_object},
+          {"knots", knots},
+          {"levels", levels}};
+}
+
+Json clipJson(const Clip& clip) {
+  std::set<std::uint32_t> parts;
+  for (const Wave& wave : clip.waves) parts.insert(wave.part);
+  for (const Track& track : clip.tracks) parts.insert(track.part);
+  return {{"name", clip.name}, {"duration", clip.duration}, {"waves", clip.waves.size()}, {"tracks", clip.tracks.size()}, {"parts", parts}};
+}
+
+Json findingJson(const Finding& f, const VerifyReport& report) {
+  Json json = {{"id", f.id}, {"severity", f.severity == Severity::kError ? "error" : "warning"}, {"message", f.message}, {"detail", f.detail}, {"count", f.count}};
+  if (f.code) json["code"] = toString(*f.code);
+  if (f.offset) json["offset"] = *f.offset;
+  if (f.part >= 0) {
+    json["part"] = f.part;
+    if (static_cast<std::size_t>(f.part) < report.part_names.size()) json["part_name"] = report.part_names[static_cast<std::size_t>(f.part)];
+  }
+  if (f.level >= 0) json["level"] = f.level;
+  if (f.page >= 0) json["page"] = f.page;
+  if (f.brick) json["brick"] = array3(*f.brick);
+  if (f.voxel) json["voxel"] = array3(*f.voxel);
+  return json;
+}
+
+}  // namespace
+
+std::string infoJson(const Summary& summary) {
+  const Pack& pack = *summary.pack;
+  Json parts = Json::array(), clips = Json::array(), palette = Json::array(), chunks = Json::array();
+  for (const PartSummary& part : summary.parts) parts.push_back(partJson(part));
+  for (const Clip& clip : pack.clips()) clips.push_back(clipJson(clip));
+  for (std::size_t i = 0; i < pack.palette().size(); ++i) {
+    const Material& m = pack.palette()[i];
+    palette.push_back({{"base_color", Json::array({m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a})},
+                       {"hex", hexColour(m.base_color)},
+                       {"emissive", array3(m.emissive)},
+                       {"metallic", m.metallic},
+                       {"roughness", m.roughness},
+                       {"surface_voxels", summary.palette_use[i]}});
+  }
+  for (const ChunkSummary& c : summary.chunks) chunks.push_back({{"kind", c.kind}, {"count", c.count}, {"stored_bytes", c.stored}, {"decoded_bytes", c.raw}});
+  const auto info = parseSafely(pack.infoJson());
+  const Json json = {{"schema", kSchema},
+                     {"command", "info"},
+                     {"file", summary.path},
+                     {"file_bytes", pack.fileSize()},
+                     {"decoded_bytes", summary.rawBytes()},
+                     {"format", {{"major", kFormatMajor}, {"minor", pack.minorVersion()}}},
+                     {"info", info ? *info : Json(nullptr)},
+                     {"parts", parts},
+                     {"clips", clips},
+                     {"palette", palette},
+                     {"chunks", chunks}};
+  return printed(json);
+}
+
+std::string verifyJson(const VerifyReport& report) {
+  Json issues = Json::array();
+  for (const Finding& finding : report.findings) issues.push_back(findingJson(finding, report));
+  const Json json = {{"schema", kSchema},
+                     {"command", "verify"},
+                     {"file", report.path},
+                     {"deep", report.deep},
+                     {"sound", report.errors() == 0},
+                     {"parts", report.part_names.size()},
+                     {"levels", report.levels},
+                     {"errors", report.errors()},
+                     {"warnings", report.warnings()},
+                     {"issues", issues}};
+  return printed(json);
+}
+
+}  // namespace kelp::dump

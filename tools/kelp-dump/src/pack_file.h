@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// A pack on disk, opened with errors a person can act on.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "commands.h"
+#include "kelp/formats/pack.h"
+
+namespace kelp::dump {
+
+class PackFile {
+ public:
+  // Opens the file only. DumpError (kIo) if it can not be read.
+  explicit PackFile(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  Source source() { return file_.source(); }
+  // Opens the pack on first use. DumpError if it is none, or unsound.
+  const Pack& pack();
+  // The same, or null if it does not open.
+  const Pack* packIfSound();
+
+  // What is wrong, where, and what to do: "reed.kelp: byte 4096: checksum mismatch: ...; ...". `where` may name a part and level.
+  [[noreturn]] void fail(const Error& error, const std::string& where = "") const;
+
+ private:
+  std::string path_;
+  FileSource file_;
+  std::optional<Pack> pack_;
+};
+
+// The exit code for an error of formats.
+Exit exitCode(ErrorCode code);
+// What to do about it, in a few words.
+const char* remedy(ErrorCode code);
+
+}  // namespace kelp::dump

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// What `info` says about a pack, as plain data; text and JSON are two ways to print it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pack_file.h"
+
+namespace kelp::dump {
+
+struct LevelSummary {
+  glm::ivec3 size{0};          // voxels
+  std::uint64_t cells = 0;     // bricks of the grid, stored or empty
+  std::uint64_t bricks = 0;    // stored ones
+  std::uint64_t pages = 0;
+  std::uint64_t solid = 0;     // voxels
+  std::uint64_t surface = 0;   // voxels with an attribute
+  std::uint64_t stored = 0;    // bytes in the file
+};
+
+struct PartSummary {
+  const Part* part = nullptr;  // of the PackFile's pack
+  glm::dvec3 voxel{0};         // edges of a voxel in metres
+  std::vector<LevelSummary> levels;
+};
+
+struct ChunkSummary {
+  std::string kind;            // fourcc; "other" for header, index and padding
+  std::uint64_t count = 0;
+  std::uint64_t stored = 0;    // bytes in the file
+  std::uint64_t raw = 0;       // bytes decoded
+};
+
+struct Summary {
+  std::string path;
+  const Pack* pack = nullptr;
+  std::vector<PartSummary> parts;
+  std::array<std::uint64_t, 256> palette_use{};  // surface voxels of level 0 that name the entry
+  std::vector<ChunkSummary> chunks;              // in the order of first appearance, "other" last
+
+  std::uint64_t storedBytes() const { return pack->fileSize(); }
+  std::uint64_t rawBytes() const;
+  std::uint64_t surfaceVoxels() const;           // of level 0 of all parts
+};
+
+// Reads every grid and page. DumpError if one can not be read.
+Summary summarize(PackFile& file);
+
+void printInfoText(const Summary& summary);
+
+}  // namespace kelp::dump

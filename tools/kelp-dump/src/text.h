@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Text for people: sizes, names from files made fit for a terminal, colours where there is one.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "kelp/formats/model.h"
+
+namespace kelp::dump {
+
+// "1.25 MiB", "832 bytes".
+std::string bytesText(std::uint64_t bytes);
+// "12 345".
+std::string countText(std::uint64_t count);
+// "64 x 256 x 48".
+std::string sizeText(const glm::ivec3& size);
+// A length in metres with a unit that suits it: "3.91 mm", "1.2 m".
+std::string metresText(double metres);
+// Text from a pack without control characters: what a terminal would obey becomes '?'. Cut to `longest` bytes.
+std::string nameText(std::string_view text, std::size_t longest = 120);
+// fourcc as four letters.
+std::string fourccText(std::uint32_t fourcc);
+// "1 clip", "2 clips".
+std::string plural(std::uint64_t count, std::string_view word);
+// A linear colour as "#rrggbb" in sRGB.
+std::string hexColour(const glm::vec4& linear);
+// Two cells of the colour, if stdout is a terminal that shows colours; else empty.
+std::string swatch(const glm::vec4& linear);
+// Emphasis on a terminal, else the text as it is.
+std::string bold(const std::string& text);
+
+// Writes all of `text` to stdout; DumpError (kIo) if that fails.
+void print(std::string_view text);
+
+}  // namespace kelp::dump
