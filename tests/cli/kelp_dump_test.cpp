@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: MIT
+// kelp-dump as a user runs it: packs that are sound, packs with every kind of damage, and files that are no packs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "kelp/fields/fields.h"
+#include "kelp/formats/raw_pack.h"
+#include "kelp/rig_json/rig_json.h"
+#include "process.h"
+#include "support/json_schema.h"
+#include "support/random_pack.h"
+
+namespace kelp {
+namespace {
+
+using nlohmann::json;
+using test::ProcessResult;
+
+ProcessResult dump(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), KELP_DUMP);
+  return test::runProcess(arguments);
+}
+
+void write(const std::string& path, const std::vector<std::byte>& bytes) {
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+// A blob with a hole and an antenna, off the corner of its volume, so that there are empty bricks, inner voxels and thin things.
+fields::Occupancy blob() {
+  fields::Occupancy volume{{45, 62, 38}, {}};
+  volume.solid.resize(45 * 62 * 38);
+  for (int z = 0; z < 38; ++z) {
+    for (int y = 0; y < 62; ++y) {
+      for (int x = 0; x < 45; ++x) {
+        const int d = (x - 17) * (x - 17) + (y - 20) * (y - 20) + (z - 18) * (z - 18);
+        const bool hole = (x - 17) * (x - 17) + (z - 18) * (z - 18) < 9;
+        const bool antenna = x == 17 && z == 30 && y > 20 && y < 60;
+        volume.solid[volume.index({x, y, z})] = (d < 15 * 15 && !hole) || antenna;
+      }
+    }
+  }
+  return volume;
+}
+
+std::vector<fields::SurfaceVoxel> withAttributes(const std::vector<std::uint64_t>& indices) {
+  std::vector<fields::SurfaceVoxel> surface;
+  for (const std::uint64_t i : indices) surface.push_back({i, makeAttribute(static_cast<std::uint8_t>(i % 3), encodeNormal({1, static_cast<float>(i % 7), 0}))});
+  return surface;
+}
+
+// Chooses each level's voxels and surface; the tests tamper with either.
+struct Level {
+  fields::Occupancy occupancy;
+  std::vector<std::uint64_t> surface;
+};
+
+std::vector<Level> levelsOf(const fields::Occupancy& volume, int count) {
+  std::vector<Level> levels{{volume, fields::surfaceVoxels(volume, 1)}};
+  while (static_cast<int>(levels.size()) < count) {
+    const Level& finer = levels.back();
+    Level next{fields::coarser(finer.occupancy), {}};
+    std::set<std::uint64_t> above;
+    for (const std::uint64_t i : finer.surface) {
+      const auto sx = static_cast<std::uint64_t>(finer.occupancy.size.x), sy = static_cast<std::uint64_t>(finer.occupancy.size.y);
+      above.insert(next.occupancy.index({static_cast<int>(i % sx) / 2, static_cast<int>(i / sx % sy) / 2, static_cast<int>(i / sx / sy) / 2}));
+    }
+    next.surface.assign(above.begin(), above.end());
+    levels.push_back(next);
+  }
+  return levels;
+}
+
+RawPart partOf(const std::vector<Level>& levels, const RigDescription& rig, const std::string& name) {
+  RawPart part;
+  part.name = name;
+  part.size = levels[0].occupancy.size;
+  part.to_object = glm::mat4x3(glm::vec3(0.01f, 0, 0), glm::vec3(0, 0.01f, 0), glm::vec3(0, 0, 0.01f), glm::vec3(0, 0, 0));
+  part.knots = realizeKnots(rig, part.size);
+  for (const Level& level : levels) part.levels.push_back(fields::buildLevel(level.occupancy, withAttributes(level.surface), 1));
+  return part;
+}
+
+RawPack packOf(const std::vector<Level>& levels) {
+  const RigDescription rig = *presetRig("sway");
+  RawPack pack;
+  pack.info_json = R"({"tool": "kelp-bake 0.1.0", "source": {"name": "blob.glb", "format": "glTF 2.0"}, "options": {"resolution": 64}})";
+  pack.palette.resize(3);
+  pack.palette[0].base_color = {1, 0, 0, 1};
+  pack.palette[1].base_color = {0, 0.2158605f, 0, 1};
+  pack.parts = {partOf(levels, rig, "blob"), partOf(levelsOf(blob(), 2), rig, "twin")};
+  pack.clips = realizeClips(rig, pack.parts[0].size, 0);
+  return pack;
+}
+
+class KelpDump : public testing::Test {
+ protected:
+  std::string path() const { return folder_ / "blob.kelp"; }
+  void writePack(const RawPack& pack) { write(path(), test::writeToMemory(pack)); }
+
+  // verify as JSON, checked against the schema; expects the exit code.
+  json verify(bool deep, int exit) {
+    std::vector<std::string> arguments{"verify", path(), "--format", "json"};
+    if (deep) arguments.push_back("--deep");
+    const ProcessResult result = dump(arguments);
+    EXPECT_EQ(result.exit, exit) << result.out << result.err;
+    EXPECT_EQ(result.err, "");
+    const json report = json::parse(result.out, nullptr, false);
+    EXPECT_EQ(schema_.check(report), "") << result.out;
+    return report;
+  }
+  // The deep check, and only it, finds exactly this.
+  json onlyDeepFinds(const RawPack& pack, const std::vector<int>& ids) {
+    writePack(pack);
+    EXPECT_TRUE(verify(false, 0).at("sound").get<bool>());
+    const json report = verify(true, 3);
+    std::vector<int> found;
+    for (const json& issue : report.at("issues")) found.push_back(issue.at("id"));
+    EXPECT_EQ(found, ids) << report.dump(1);
+    return report.at("issues").at(0);
+  }
+
+  test::TemporaryFolder folder_;
+  test::JsonSchema schema_{std::string(KELP_SOURCE_DIR) + "/tools/kelp-dump/kelp-dump.schema.json"};
+};
+
+TEST_F(KelpDump, InfoCountsWhatIsThere) {
+  const auto levels = levelsOf(blob(), 3);
+  writePack(packOf(levels));
+  const ProcessResult result = dump({"info", path(), "--format", "json"});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json info = json::parse(result.out);
+  EXPECT_EQ(schema_.check(info), "");
+  EXPECT_EQ(info["schema"], "kelp-dump/1");
+  EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(path()));
+  EXPECT_EQ(info["info"]["source"]["name"], "blob.glb");
+  ASSERT_EQ(info["parts"].size(), 2u);
+  const json& part = info["parts"][0];
+  EXPECT_EQ(part["name"], "blob");
+  EXPECT_EQ(part["size"], json({45, 62, 38}));
+  EXPECT_NEAR(part["voxel_metres"][1].get<double>(), 0.01, 1e-6);
+  EXPECT_EQ(part["knots"].size(), 2u);
+  ASSERT_EQ(part["levels"].size(), 3u);
+  std::uint64_t palette[3] = {};
+  for (std::size_t l = 0; l < 3; ++l) {
+    const auto& solid = levels[l].occupancy.solid;
+    EXPECT_EQ(part["levels"][l]["solid_voxels"], std::count(solid.begin(), solid.end(), 1));
+    EXPECT_EQ(part["levels"][l]["surface_voxels"], levels[l].surface.size());
+  }
+  for (const std::uint64_t i : levels[0].surface) palette[i % 3] += 2;  // the twin has the same level 0
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(info["palette"][i]["surface_voxels"], palette[i]);
+  EXPECT_EQ(info["palette"][0]["hex"], "#ff0000");
+  EXPECT_EQ(info["palette"][1]["hex"], "#008000");
+  EXPECT_EQ(info["clips"][0]["name"], "sway");
+  EXPECT_EQ(info["clips"][0]["duration"], 15);
+  EXPECT_EQ(info["clips"][0]["parts"], json({0}));
+  std::uint64_t stored = 0;
+  for (const json& chunk : info["chunks"]) stored += chunk["stored_bytes"].get<std::uint64_t>();
+  EXPECT_EQ(stored, info["file_bytes"]);
+}
+
+TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColourOffATerminal) {
+  writePack(packOf(levelsOf(blob(), 3)));
+  const ProcessResult result = dump({"info", path()});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  for (const char* words : {"blob.kelp", "kelp-bake 0.1.0", "name blob.glb", "45 x 62 x 38 voxels of 10 mm", "sway", "15 s", "#ff0000", "BRCK", "GRID", "total"})
+    EXPECT_NE(result.out.find(words), std::string::npos) << "'" << words << "' is not in:\n" << result.out;
+  EXPECT_EQ(result.out.find('\x1b'), std::string::npos);
+  EXPECT_LT(std::count(result.out.begin(), result.out.end(), '\n'), 50);
+}
+
+TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
+  RawPack pack = packOf(levelsOf(blob(), 1));
+  pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\", \"deep\": " + std::string(5000, '[') + std::string(5000, ']') + "}";
+  writePack(pack);
+  ProcessResult result = dump({"info", path()});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_EQ(result.out.find("evil"), std::string::npos);  // nested too deeply to be shown at all
+  pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\"}";
+  writePack(pack);
+  result = dump({"info", path()});
+  EXPECT_NE(result.out.find("evil ?[2J ? 31m"), std::string::npos) << result.out;
+  pack.info_json = "no JSON at all";
+  writePack(pack);
+  EXPECT_EQ(dump({"info", path()}).exit, 0);
+  EXPECT_EQ(json::parse(dump({"info", path(), "--format", "json"}).out)["info"], json(nullptr));
+}
+
+TEST_F(KelpDump, RigPrintsWhatTheBakerReads) {
+  writePack(packOf(levelsOf(blob(), 1)));
+  ProcessResult result = dump({"rig", path()});
+  EXPECT_EQ(result.exit, 0);
+  EXPECT_NE(result.err.find("has 2 parts, this is part 0 'blob'"), std::string::npos) << result.err;
+  const RigDescription rig = parseRig(result.out);
+  ASSERT_EQ(rig.clips.size(), 1u);
+  EXPECT_EQ(rig.clips[0].waves.size(), 4u);
+  EXPECT_FLOAT_EQ(rig.clips[0].waves[0].amplitude.x, 0.11f);
+  for (const char* name : {"twin", "1"}) {
+    result = dump({"rig", path(), "--part", name});
+    EXPECT_EQ(result.err, "");
+    EXPECT_TRUE(parseRig(result.out).clips.empty());
+  }
+  result = dump({"rig", path(), "--part", "tail"});
+  EXPECT_EQ(result.exit, 1);
+  EXPECT_NE(result.err.find("0 'blob', 1 'twin'"), std::string::npos) << result.err;
+}
+
+TEST_F(KelpDump, VerifyAcceptsSoundPacks) {
+  writePack(packOf(levelsOf(blob(), 4)));
+  EXPECT_EQ(verify(false, 0)["errors"], 0);
+  const json report = verify(true, 0);
+  EXPECT_TRUE(report["sound"].get<bool>());
+  EXPECT_EQ(report["parts"], 2);
+  EXPECT_EQ(report["levels"], 6);
+  const ProcessResult text = dump({"verify", path(), "--deep"});
+  EXPECT_EQ(text.exit, 0);
+  EXPECT_NE(text.out.find("blob.kelp: sound (2 parts, 6 levels, clearance and levels recomputed)"), std::string::npos) << text.out;
+}
+
+TEST_F(KelpDump, RandomPacksAreWellFormedButNotTrue) {
+  // Their clearances are random numbers: structure holds, the deep check does not.
+  writePack(test::makeRandomPack(3));
+  verify(false, 0);
+  EXPECT_GT(verify(true, 3)["errors"], 3);
+  for (const char* command : {"info", "rig"}) EXPECT_EQ(dump({command, path()}).exit, 0);
+}
+
+TEST_F(KelpDump, DeepFindsAClearanceThatIsOneTooLarge) {
+  RawPack pack = packOf(levelsOf(blob(), 3));
+  auto& codes = pack.parts[1].levels[1].codes;
+  const auto empty = std::find_if(codes.begin(), codes.end(), [](std::uint8_t code) { return !isSolidCode(code) && code < 41; });
+  ASSERT_NE(empty, codes.end());
+  ++*empty;
+  const json issue = onlyDeepFinds(pack, {500});
+  EXPECT_EQ(issue["part"], 1);
+  EXPECT_EQ(issue["part_name"], "twin");
+  EXPECT_EQ(issue["level"], 1);
+  EXPECT_EQ(issue["count"], 1);
+  EXPECT_TRUE(issue.contains("voxel"));
+  EXPECT_NE(issue["message"].get<std::string>().find("skip"), std::string::npos);
+  const ProcessResult text = dump({"verify", path(), "--deep"});
+  EXPECT_NE(text.out.find("error 500: part 1 'twin', level 1, brick ("), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("1 error"), std::string::npos) << text.out;
+}
+
+TEST_F(KelpDump, DeepFindsCellsThatAreOneOff) {
+  for (const int change : {1, -1}) {
+    RawPack pack = packOf(levelsOf(blob(), 3));
+    auto& cells = pack.parts[0].levels[0].cells;
+    const auto empty = std::find_if(cells.begin(), cells.end(), [](std::uint32_t cell) { return !(cell & kCellSolid) && cell > 256; });
+    ASSERT_NE(empty, cells.end());
+    *empty += static_cast<std::uint32_t>(change);
+    const json issue = onlyDeepFinds(pack, {change > 0 ? 500 : 501});
+    const auto index = static_cast<int>(empty - cells.begin());
+    const glm::ivec3 grid = brickGrid({45, 62, 38});
+    EXPECT_EQ(issue["brick"], json({index % grid.x, index / grid.x % grid.y, index / grid.x / grid.y}));
+    EXPECT_FALSE(issue.contains("voxel"));
+  }
+}
+
+// The first solid voxel of a level for which `wanted` holds.
+std::size_t findVoxel(const Level& level, const std::function<bool(std::size_t, bool surface)>& wanted) {
+  for (std::size_t i = 0; i < level.occupancy.solid.size(); ++i) {
+    if (level.occupancy.solid[i] && wanted(i, std::binary_search(level.surface.begin(), level.surface.end(), i))) return i;
+  }
+  ADD_FAILURE() << "no such voxel";
+  return 0;
+}
+
+TEST_F(KelpDump, DeepFindsALevelThatLacksAVoxel) {
+  auto levels = levelsOf(blob(), 2);
+  const std::size_t voxel = findVoxel(levels[1], [](std::size_t, bool surface) { return surface; });
+  levels[1].occupancy.solid[voxel] = 0;
+  levels[1].surface.erase(std::find(levels[1].surface.begin(), levels[1].surface.end(), voxel));
+  const json issue = onlyDeepFinds(packOf(levels), {502});
+  const glm::ivec3 size = levels[1].occupancy.size;
+  const auto i = static_cast<int>(voxel);
+  EXPECT_EQ(issue["voxel"], json({i % size.x, i / size.x % size.y, i / size.x / size.y}));
+  EXPECT_EQ(issue["level"], 1);
+}
+
+TEST_F(KelpDump, DeepFindsALevelWithOneVoxelTooMany) {
+  auto levels = levelsOf(blob(), 2);
+  auto& solid = levels[1].occupancy.solid;
+  solid[static_cast<std::size_t>(std::find(solid.begin(), solid.end(), 0) - solid.begin())] = 1;
+  EXPECT_EQ(onlyDeepFinds(packOf(levels), {503})["voxel"], json({0, 0, 0}));
+}
+
+TEST_F(KelpDump, DeepFindsWrongSurfaces) {
+  for (const std::size_t level : {0u, 1u}) {
+    const auto levels = levelsOf(blob(), 2);
+    auto lacking = levels;
+    lacking[level].surface.erase(lacking[level].surface.begin() + 5);
+    writePack(packOf(lacking));
+    const json report = verify(true, 3);
+    EXPECT_EQ(report["issues"][0]["id"], 504);
+    EXPECT_EQ(report["issues"][0]["level"], level);
+
+    auto extra = levels;
+    const std::size_t inner = findVoxel(extra[level], [](std::size_t, bool surface) { return !surface; });
+    extra[level].surface.insert(std::lower_bound(extra[level].surface.begin(), extra[level].surface.end(), inner), inner);
+    writePack(packOf(extra));
+    const json second = verify(true, 3);
+    EXPECT_EQ(second["issues"][0]["id"], 505);
+    EXPECT_EQ(second["issues"][0]["level"], level);
+  }
+}
+
+TEST_F(KelpDump, EveryFlippedByteIsFound) {
+  const auto bytes = test::writeToMemory(packOf(levelsOf(blob(), 2)));
+  int found = 0;
+  for (std::size_t i = 0; i < bytes.size(); i += i < 64 ? 3 : std::max<std::size_t>(1, bytes.size() / 60)) {
+    auto flipped = bytes;
+    flipped[i] ^= std::byte{1};
+    write(path(), flipped);
+    const ProcessResult result = dump({"verify", path()});
+    EXPECT_TRUE(result.exit == 3 || result.exit == 5) << i << ": " << result.exit << result.out << result.err;
+    EXPECT_NE(result.out.find("error "), std::string::npos) << result.out;
+    ++found;
+  }
+  EXPECT_GT(found, 60);
+}
+
+TEST_F(KelpDump, UnsoundFilesGetOneHelpfulLine) {
+  const auto bytes = test::writeToMemory(packOf(levelsOf(blob(), 2)));
+  const auto check = [&](const std::string& file, int exit, const std::vector<std::string>& says) {
+    for (const char* command : {"info", "rig"}) {
+      const ProcessResult result = dump({command, file});
+      EXPECT_EQ(result.exit, exit) << command << ": " << result.err;
+      EXPECT_EQ(result.out, "") << command;
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+      EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
+      for (const std::string& words : says) EXPECT_NE(result.err.find(words), std::string::npos) << "'" << words << "' is not in: " << result.err;
+    }
+    EXPECT_EQ(dump({"verify", file}).exit, exit);
+  };
+  check(folder_ / "missing.kelp", 2, {"No such file", "check the path"});
+  std::filesystem::create_directory(folder_ / "folder.kelp");
+  check(folder_ / "folder.kelp", 2, {"folder", "name a .kelp file"});
+  write(folder_ / "empty.kelp", {});
+  check(folder_ / "empty.kelp", 3, {"byte"});
+  write(folder_ / "text.kelp", std::vector<std::byte>(500, std::byte{'a'}));
+  check(folder_ / "text.kelp", 3, {"byte 0", "not a .kelp pack", "kelp-bake"});
+  auto cut = bytes;
+  cut.resize(bytes.size() - 1);
+  write(folder_ / "cut.kelp", cut);
+  check(folder_ / "cut.kelp", 3, {"byte", "truncated", "copy or bake it again"});
+  auto newer = bytes;
+  newer[12] = std::byte{9};  // major version
+  write(folder_ / "newer.kelp", newer);
+  check(folder_ / "newer.kelp", 5, {"newer version of kelp"});
+
+  auto flipped = bytes;
+  flipped[bytes.size() - 70] ^= std::byte{1};  // in the last page of bricks
+  write(path(), flipped);
+  const ProcessResult result = dump({"info", path()});
+  EXPECT_EQ(result.exit, 3);
+  for (const char* words : {"part 1 'twin', level 0", "byte ", "checksum", "copy or bake it again"})
+    EXPECT_NE(result.err.find(words), std::string::npos) << "'" << words << "' is not in: " << result.err;
+}
+
+TEST_F(KelpDump, UsageErrors) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {}, {"inf"}, {"info"}, {"info", "a", "b"}, {"info", "a", "--format", "xml"}, {"verify", "a", "--depe"}, {"rig", "a", "--format", "json"}}) {
+    const ProcessResult result = dump(arguments);
+    EXPECT_EQ(result.exit, 1) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find("--help"), std::string::npos);
+  }
+  const ProcessResult help = dump({"--help"});
+  EXPECT_EQ(help.exit, 0);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
+  EXPECT_EQ(help.err, "");
+  const ProcessResult version = dump({"--version"});
+  EXPECT_EQ(version.exit, 0);
+  EXPECT_EQ(version.out.rfind("kelp-dump ", 0), 0u) << version.out;
+  EXPECT_EQ(dump({"info", "--help"}).exit, 0);
+}
+
+TEST_F(KelpDump, AFullDiskIsNotedNotIgnored) {
+  writePack(packOf(levelsOf(blob(), 1)));
+  const ProcessResult result = test::runProcess({"/bin/sh", "-c", std::string(KELP_DUMP) + " info '" + path() + "' > /dev/full"});
+  EXPECT_EQ(result.exit, 2);
+  EXPECT_NE(result.err.find("standard output"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace kelp
