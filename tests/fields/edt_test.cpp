@@ -30,7 +30,7 @@ TEST(SquaredDistance, EqualsBruteForceOnEveryTarget) {
 
 TEST(SquaredDistance, EqualsBruteForceOnRandomSizes) {
   std::mt19937 random(7);
-  for (int round = 0; round < 150; ++round) {
+  for (int round = 0; round < 60; ++round) {
     const glm::ivec3 size(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 20));
     const double density = std::pow(0.5, static_cast<double>(random() % 12));
     const auto volume = randomVolume(size, density, random());

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels_highway.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include <hwy/cache_control.h>
 
 #include <cstring>
 
@@ -118,6 +119,12 @@ HWY_ATTR HWY_INLINE void storeSome(Lanes32 v, Lane d, std::uint32_t* to, int cou
   std::memcpy(values, some, static_cast<std::size_t>(count) * sizeof(*some));
 }
 
+// The rows of a z tile lie far apart, which hardware prefetchers do not follow.
+constexpr int kAhead = 8;
+HWY_INLINE void prefetchRow(const std::uint32_t* row, int width) {
+  for (int x = 0; x < width; x += 16) hwy::Prefetch(row + x);
+}
+
 // Lower envelopes after Meijster, Roerdink and Hesselink 2000, one pencil a lane. Two things differ from the scalar algorithm:
 // - A parabola enters a stack at most once, at its own row. So the stack is a list through the rows: links[u] holds the parabola below u
 //   (upper 16 bits, -1 at the bottom) and the first row at which that one is the lowest (lower 16 bits). A push is a store of a full
@@ -133,8 +140,10 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
   std::int32_t* const links = scratch + static_cast<std::size_t>(count) * kTileWidth;
   // The top of each lane's stack. All vectors of a row are treated before the next row, so that their latencies overlap.
   HWY_ALIGN std::int32_t tops[kTileWidth], starts[kTileWidth], top_heights[kTileWidth];
+  bool solid[kTileWidth] = {};  // all of the vector's lanes are set in the row before
   const auto zero = hn::Zero(d);
   const auto none = hn::Set(d, -1);
+  const auto one = hn::Set(d, 1);
   for (int x = 0; x < width; x += lanes) {
     hn::Store(none, d, tops + x);
     hn::Store(zero, d, starts + x);
@@ -145,11 +154,31 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
   const auto rows_i = hn::Set(d, count);
   for (int u = 0; u < count; ++u) {
     const std::size_t row = static_cast<std::size_t>(u) * kTileWidth;
+    if (u + kAhead < count) prefetchRow(values + static_cast<std::size_t>(u + kAhead) * stride, width);
     const auto here = hn::Set(d, u);
     const auto here_squared = hn::Set(d, u * u);
     for (int x = 0; x < width; x += lanes) {
-      const auto f = loadSome(d, values + static_cast<std::size_t>(u) * stride + x, width - x);
-      const auto live = hn::Gt(f, none);
+      const std::uint32_t* const from = values + static_cast<std::size_t>(u) * stride + x;
+      const auto f = loadSome(d, from, width - x);
+      // Inside a solid: the row before is on top everywhere, and gives way here.
+      const bool solid_before = solid[x];
+      solid[x] = hn::AllTrue(d, hn::Eq(f, zero));
+      if (solid_before && solid[x]) {
+        hn::StoreU(here_squared, d, heights + row + x);
+        hn::StoreU(hn::Or(hn::Set(d, (u - 1) << 16), hn::Load(d, starts + x)), d, links + row + x);
+        hn::Store(here, d, tops + x);
+        hn::Store(here, d, starts + x);
+        hn::Store(here_squared, d, top_heights + x);
+        continue;
+      }
+      auto live = hn::Gt(f, none);
+      if (u > 0 && u + 1 < count) {
+        const auto before = loadSome(d, from - stride, width - x);
+        const auto after = loadSome(d, from + stride, width - x);
+        const auto lesser = hn::Min(before, after);
+        const auto peak = hn::And(hn::And(hn::Gt(lesser, none), hn::Gt(f, lesser)), hn::Gt(hn::Add(f, one), hn::Max(before, after)));
+        live = hn::AndNot(peak, live);
+      }
       if (hn::AllFalse(d, live)) continue;
       const auto height = hn::Add(f, here_squared);
       hn::StoreU(height, d, heights + row + x);
@@ -197,12 +226,26 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
     auto top = hn::Load(d, tops + x);
     auto start = hn::Load(d, starts + x);
     auto height = hn::Load(d, top_heights + x);
+    bool solid_here = false;
     for (int i = count - 1; i >= 0; --i) {
+      std::uint32_t* const to = values + static_cast<std::size_t>(i) * stride + x;
       const auto here = hn::Set(d, i);
-      const auto value = hn::Add(height, hn::Mul(here, hn::Sub(here, hn::Add(top, top))));
-      storeSome(hn::IfThenElse(empty, none, value), d, values + static_cast<std::size_t>(i) * stride + x, width - x);
+      if (!solid_here) {
+        const auto value = hn::Add(height, hn::Mul(here, hn::Sub(here, hn::Add(top, top))));
+        storeSome(hn::IfThenElse(empty, none, value), d, to, width - x);
+      }
+      if (i == 0) break;
+      // Inside a solid every parabola begins at its own row: nothing to write, and nothing to gather.
+      const bool solid_above = solid_here;
+      solid_here = hn::AllTrue(d, hn::Eq(loadSome(d, to - stride, width - x), zero));
+      if (solid_above && solid_here) {
+        start = hn::And(hn::LoadU(d, links + static_cast<std::size_t>(i) * kTileWidth + x), hn::Set(d, 0xffff));
+        top = hn::Set(d, i - 1);
+        height = hn::Set(d, (i - 1) * (i - 1));
+        continue;
+      }
       const auto pop = hn::AndNot(empty, hn::Eq(start, here));
-      if (i == 0 || hn::AllFalse(d, pop)) continue;
+      if (hn::AllFalse(d, pop)) continue;
       const auto link = hn::GatherIndex(d, links, hn::Add(hn::IfThenElseZero(pop, hn::ShiftLeft<6>(top)), lane_index));
       top = hn::IfThenElse(pop, hn::ShiftRight<16>(link), top);
       start = hn::IfThenElse(pop, hn::And(link, hn::Set(d, 0xffff)), start);
