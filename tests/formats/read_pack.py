@@ -1,0 +1,386 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""A second reader of .kelp packs, written from formats/SPEC.md alone: shares no code with kelp. It reads every byte, as a validator must.
+
+  read_pack.py PACK            prints all that the pack holds, one thing a line: names in hexadecimal, floats as their bits, voxels as CRC-32
+  read_pack.py --damage PACK   changes every byte of the (small) pack in turn and expects each change to be refused
+
+Needs the zstd library (libzstd.so.1). Exit codes: 0 good, 1 usage, 3 refused, 7 a changed byte was not seen, 77 no zstd here.
+"""
+
+import ctypes
+import ctypes.util
+import math
+import struct
+import sys
+import zlib
+
+from xxh3 import xxh3_64
+
+
+class Refused(Exception):
+    """The pack breaks the specification; the text says where and how."""
+
+
+def need(condition, why):
+    if not condition:
+        raise Refused(why)
+
+
+class Zstd:
+    def __init__(self):
+        self.lib = ctypes.CDLL(ctypes.util.find_library("zstd") or "libzstd.so.1")
+        for name, result in (("ZSTD_getFrameContentSize", ctypes.c_ulonglong), ("ZSTD_findFrameCompressedSize", ctypes.c_size_t), ("ZSTD_decompress", ctypes.c_size_t)):
+            getattr(self.lib, name).restype = result
+
+    def decode(self, frame, raw):
+        """The one frame that fills `frame`, which must decode to `raw` bytes (section 2)."""
+        need(frame[:4] == b"\x28\xb5\x2f\xfd", "not a zstd frame")
+        size = ctypes.c_size_t(len(frame))
+        need(self.lib.ZSTD_getFrameContentSize(frame, size) == raw, "the frame does not state the raw size")
+        need(self.lib.ZSTD_findFrameCompressedSize(frame, size) == len(frame), "the frame does not fill its place")
+        out = ctypes.create_string_buffer(max(raw, 1))
+        need(self.lib.ZSTD_decompress(out, ctypes.c_size_t(raw), frame, size) == raw, "the frame does not decode")
+        return out.raw[:raw]
+
+
+class Table:
+    """Takes little-endian values off a chunk; must be used up."""
+
+    def __init__(self, data, what):
+        self.data, self.what, self.at = data, what, 0
+
+    def take(self, form):
+        size = struct.calcsize("<" + form)
+        need(self.at + size <= len(self.data), self.what + " is too short")
+        values = struct.unpack_from("<" + form, self.data, self.at)
+        self.at += size
+        for value in values:
+            need(not isinstance(value, float) or math.isfinite(value), self.what + " holds a number that is not finite")
+        return values
+
+    def one(self, form):
+        return self.take(form)[0]
+
+    def name(self, size):
+        need(size <= 255, "a name is too long")
+        text = self.text(self.data[self.at : self.at + size])
+        need(self.at + size <= len(self.data), "a name is beyond its table")
+        need(not any(ord(c) < 0x20 or 0x7F <= ord(c) <= 0x9F for c in text), "a name has control characters")
+        self.at += size
+        return text
+
+    @staticmethod
+    def text(data):
+        try:
+            text = data.decode("utf-8", "strict")
+        except UnicodeDecodeError:
+            raise Refused("a text is not UTF-8") from None
+        need("\0" not in text, "a text holds a null")
+        return text
+
+    def end(self):
+        need(self.at == len(self.data), self.what + " is longer than its counts say")
+
+
+METADATA = ["INFO", "PART", "MATL", "RIGS", "CLIP"]
+REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "RIGS": 1, "CLIP": 0, "GRID": 1, "BRCK": 1}
+
+
+class Pack:
+    def __init__(self, data, zstd):
+        self.data, self.zstd = data, zstd
+        self.read_header()
+        self.read_index()
+        self.read_metadata()
+        self.read_levels()
+
+    # Section 3.1
+    def read_header(self):
+        data = self.data
+        need(data[:12] == bytes.fromhex("AB4B454C50414BBB0D0A1A0A"), "not a pack")
+        need(len(data) >= 64, "truncated")
+        major, self.minor, size, self.count = struct.unpack_from("<HHQI", data, 12)
+        need(major == 1, "unsupported version")
+        need(len(data) == size, "truncated or too long")
+        need(not any(data[28:56]), "reserved bytes of the header")
+        need(self.count >= 1 and 64 + 48 * self.count <= size, "the index does not fit")
+        (stated,) = struct.unpack_from("<Q", data, 56)
+        need(xxh3_64(data[:56] + bytes(8) + data[64 : 64 + 48 * self.count]) == stated, "header checksum")
+
+    # Section 3.2
+    def read_index(self):
+        self.chunks = []
+        end = 64 + 48 * self.count
+        for i in range(self.count):
+            fourcc, flags, level, part, offset, stored, raw, checksum = struct.unpack_from("<4sIIIQQQQ", self.data, 64 + 48 * i)
+            need(offset == (end + 63) // 64 * 64, "a chunk is not where it belongs")
+            need(stored >= 1 and offset + stored <= len(self.data), "a chunk is beyond the end")
+            need(not any(self.data[end:offset]), "padding is not zero")
+            end = offset + stored
+            content = self.data[offset:end]
+            need(xxh3_64(content) == checksum, "chunk checksum")
+            name = fourcc.decode("latin-1")
+            if name not in REQUIRED:
+                need(not flags & 1, "unsupported feature: required chunk")
+                continue
+            need(flags & ~3 == 0, "unsupported feature: flag")
+            need(flags & 1 == REQUIRED[name], "required flag")
+            need(raw >= 1, "empty chunk")
+            if flags & 2:
+                need(name != "BRCK" and raw <= 32768 * stored + 32767, "zstd flag")
+                content = self.zstd.decode(content, raw)
+            need(len(content) == raw, "raw size")
+            if name in METADATA:
+                need(level == 0 and part == 0, "level or part of metadata")
+            self.chunks.append((name, level, part, content))
+        need(end == len(self.data), "bytes after the last chunk")
+
+    # Sections 3.3 and 4
+    def read_metadata(self):
+        names = [chunk[0] for chunk in self.chunks]
+        count = next((i for i, name in enumerate(names) if name not in METADATA), len(names))
+        found = names[:count]
+        need(found == [n for n in METADATA if n in found] and {"PART", "MATL", "RIGS"} <= set(found), "order of metadata")
+        content = {chunk[0]: chunk[3] for chunk in self.chunks[:count]}
+        self.level_chunks = self.chunks[count:]
+        self.info = Table.text(content["INFO"]) if "INFO" in content else ""
+        self.read_parts(Table(content["PART"], "PART"))
+        self.read_palette(Table(content["MATL"], "MATL"))
+        self.read_rigs(Table(content["RIGS"], "RIGS"))
+        self.clips = []
+        if "CLIP" in content:
+            self.read_clips(Table(content["CLIP"], "CLIP"))
+
+    def read_parts(self, table):
+        count, text_bytes = table.take("II")
+        need(count >= 1, "no parts")
+        self.parts, sizes = [], []
+        for i in range(count):
+            name_bytes, parent, kind, levels, reserved = table.take("IiBBH")
+            size, to_object, pivot = table.take("III"), table.take("12f"), table.take("12f")
+            need(-1 <= parent < i, "parent")
+            need(kind == 0, "unsupported feature: kind of part")
+            need(1 <= levels <= 16 and reserved == 0, "levels or reserved field")
+            need(all(1 <= side <= 32768 for side in size), "size of a part")
+            for m in (to_object, pivot):
+                a, b, c = m[0:3], m[3:6], m[6:9]
+                cross = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
+                determinant = sum(x * y for x, y in zip(a, cross))
+                need(math.isfinite(determinant) and determinant != 0, "a matrix can not be inverted")
+            sizes.append(name_bytes)
+            self.parts.append({"parent": parent, "levels": levels, "size": size, "to_object": to_object, "pivot": pivot})
+        need(sum(sizes) == text_bytes, "bytes of names")
+        for part, name_bytes in zip(self.parts, sizes):
+            part["name"] = table.name(name_bytes)
+        table.end()
+
+    def read_palette(self, table):
+        count = table.one("I")
+        need(1 <= count <= 256, "size of the palette")
+        self.palette = []
+        for _ in range(count):
+            entry = table.take("9f")
+            need(all(0 <= v <= 1 for v in entry[0:4] + entry[7:9]) and min(entry[4:7]) >= 0, "a material is out of range")
+            self.palette.append(entry)
+        table.end()
+
+    def read_rigs(self, table):
+        count, total = table.take("II")
+        need(count == len(self.parts), "rigs of another number of parts")
+        counts = table.take("%dI" % count)
+        need(all(2 <= n <= 64 for n in counts) and sum(counts) == total, "number of knots")
+        for part, n in zip(self.parts, counts):
+            knots = part["knots"] = [table.take("7f") for _ in range(n)]
+            need(knots[0][0] == 0 and knots[-1][0] == 1, "ends of a rig")
+            for a, b in zip(knots, knots[1:]):
+                need(b[0] > a[0], "knots do not ascend")
+                self.check_monotone(a, b)
+        table.end()
+
+    @staticmethod
+    def check_monotone(a, b):
+        """By sampling, which is another way than the library's."""
+        w = b[0] - a[0]
+        height = lambda t: (2 * t**3 - 3 * t**2 + 1) * a[2] + (t**3 - 2 * t**2 + t) * w * a[5] + (3 * t**2 - 2 * t**3) * b[2] + (t**3 - t**2) * w * b[5]
+        rise, highest = b[2] - a[2], a[2]
+        need(rise > 0, "a spline does not rise")
+        for i in range(1, 201):
+            y = height(i / 200)
+            need(highest - y <= 2e-5 * rise, "a spline turns back")
+            highest = max(highest, y)
+
+    def read_clips(self, table):
+        clips, waves, tracks, keys, text_bytes = table.take("5I")
+        records = [table.take("IfII") for _ in range(clips)]
+        need(all(r[1] > 0 for r in records), "duration of a clip")
+        need(sum(r[0] for r in records) == text_bytes and sum(r[2] for r in records) == waves and sum(r[3] for r in records) == tracks, "counts of clips")
+        knot_exists = lambda part, knot: part < len(self.parts) and knot < len(self.parts[part]["knots"])
+        all_waves = []
+        for _ in range(waves):
+            wave = table.take("III5f")
+            need(knot_exists(wave[0], wave[1]) and wave[2] <= 1 and wave[6] > 0, "a wave")
+            all_waves.append(wave)
+        all_tracks = []
+        for _ in range(tracks):
+            part, knot, target, interpolation, reserved, count = table.take("IIBBHI")
+            need(knot_exists(part, knot) and target <= 4 and interpolation <= 2 and reserved == 0 and count >= 1, "a track")
+            need(target <= 1 or knot == 0, "a track of a part names a knot")
+            all_tracks.append((part, knot, target, interpolation, count))
+        need(sum(t[4] for t in all_tracks) == keys, "number of keys")
+        for i, (part, knot, target, interpolation, count) in enumerate(all_tracks):
+            track_keys = [table.take("13f") for _ in range(count)]
+            need(track_keys[0][0] >= 0 and all(b[0] > a[0] for a, b in zip(track_keys, track_keys[1:])), "times of keys")
+            for key in track_keys:
+                need(interpolation == 2 or not any(key[5:]), "slopes of a track that is not cubic")
+                if target == 3:
+                    need(0.998 < sum(v * v for v in key[1:5]) < 1.002, "a rotation")
+                else:
+                    need(key[4] == 0 and key[8] == 0 and key[12] == 0, "fourth component")
+            all_tracks[i] = (part, knot, target, interpolation, track_keys)
+        names = [table.name(r[0]) for r in records]
+        table.end()
+        for name, (_, duration, wave_count, track_count) in zip(names, records):
+            self.clips.append({"name": name, "duration": duration, "waves": all_waves[:wave_count], "tracks": all_tracks[:track_count]})
+            del all_waves[:wave_count], all_tracks[:track_count]
+
+    # Section 5
+    def read_levels(self):
+        left = list(self.level_chunks)
+        for part in self.parts:
+            part["level"] = [None] * part["levels"]
+        for level in reversed(range(max(part["levels"] for part in self.parts))):
+            for index, part in enumerate(self.parts):
+                if level >= part["levels"]:
+                    continue
+                need(len(left) >= 2 and left[0][:3] == ("GRID", level, index) and left[1][:3] == ("BRCK", level, index), "order of levels")
+                part["level"][level] = self.read_level(part, level, left.pop(0)[3], left.pop(0)[3])
+        need(not left, "more levels than parts have")
+
+    def read_level(self, part, level, grid_chunk, bricks_chunk):
+        size = [-(-side // (1 << level)) for side in part["size"]]
+        grid = [-(-side // 8) for side in size]
+        count = grid[0] * grid[1] * grid[2]
+        table = Table(grid_chunk, "GRID")
+        cells = table.take("%dI" % count)
+        if count % 2:
+            need(table.one("I") == 0, "padding of a grid")
+        stored = self.check_cells(cells, grid)
+        codes, attributes, offset, slot = bytearray(), [], 0, 0
+        while table.at < len(grid_chunk):
+            page_offset, page_stored, page_raw, checksum, first, bricks = table.take("QIIQII")
+            need(page_offset == offset and first == slot, "a page is not where the one before ends")
+            need(1 <= page_stored <= 131072 and page_raw <= 65536 and 1 <= bricks <= 128, "numbers of a page")
+            frame = bricks_chunk[offset : offset + page_stored]
+            need(len(frame) == page_stored, "a page is beyond its chunk")
+            need(xxh3_64(frame) == checksum, "page checksum")
+            raw = self.zstd.decode(frame, page_raw)
+            surface = self.check_codes(raw[: 512 * bricks], bricks, stored[slot : slot + bricks], size)
+            need(page_raw == 512 * bricks + 4 * surface, "raw size of a page")
+            values = struct.unpack_from("<%dI" % surface, raw, 512 * bricks)
+            need(all(v & 0xFF < len(self.palette) for v in values), "palette index")
+            codes += raw[: 512 * bricks]
+            attributes += values
+            offset += page_stored
+            slot += bricks
+        need(offset == len(bricks_chunk) and slot == len(stored) and slot >= 1, "pages do not cover the bricks")
+        return {"cells": cells, "codes": bytes(codes), "attributes": attributes}
+
+    @staticmethod
+    def check_cells(cells, grid):
+        """Positions of the stored bricks, by slot."""
+        def morton(cell):
+            x, y, z = cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1]
+            return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2 for i in range(13))
+
+        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=morton)
+        need(len(stored) <= 1 << 24 and all(cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
+        return [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
+
+    @staticmethod
+    def check_codes(codes, bricks, positions, size):
+        need(len(codes) == 512 * bricks and len(positions) == bricks, "codes of a page")
+        surface = 0
+        for brick, position in enumerate(positions):
+            room = [size[a] - 8 * position[a] for a in range(3)]
+            solid = False
+            for z in range(8):
+                rank = 64
+                for i in range(64):
+                    code = codes[512 * brick + 64 * z + i]
+                    need(code <= 128, "reserved code")
+                    if code < 64:
+                        continue
+                    solid = True
+                    need(i % 8 < room[0] and i // 8 < room[1] and z < room[2], "solid voxel outside")
+                    if code < 128:
+                        need(code == rank, "rank")
+                        rank += 1
+                surface += rank - 64
+            need(solid, "brick without solid voxel")
+        return surface
+
+
+def bits(values):
+    return " ".join("%08x" % struct.unpack("<I", struct.pack("<f", v)) for v in values)
+
+
+def dump(pack):
+    out = ["minor %d" % pack.minor, "info " + pack.info]
+    out += ["material " + bits(entry) for entry in pack.palette]
+    for part in pack.parts:
+        out.append("part %s parent %d size %d %d %d levels %d" % ((part["name"].encode().hex(), part["parent"]) + part["size"] + (part["levels"],)))
+        out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
+        out += ["knot " + bits(knot) for knot in part["knots"]]
+        for level in part["level"]:
+            crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])), zlib.crc32(level["codes"])]
+            crc.append(zlib.crc32(struct.pack("<%dI" % len(level["attributes"]), *level["attributes"])))
+            out.append("level bricks %d surface %d crc %08x %08x %08x" % ((len(level["codes"]) // 512, len(level["attributes"])) + tuple(crc)))
+    for clip in pack.clips:
+        out.append("clip %s duration %s" % (clip["name"].encode().hex(), bits([clip["duration"]])))
+        out += ["wave %d %d %d %s" % (wave[0], wave[1], wave[2], bits(wave[3:])) for wave in clip["waves"]]
+        for part, knot, target, interpolation, keys in clip["tracks"]:
+            out.append("track %d %d %d %d" % (part, knot, target, interpolation))
+            out += ["key " + bits(key) for key in keys]
+    return "\n".join(out) + "\n"
+
+
+def damage(data, zstd):
+    """Every byte is covered by a checksum or must be zero: no change may go unseen."""
+    for at in range(len(data)):
+        changed = bytearray(data)
+        changed[at] ^= 1 << at % 8
+        try:
+            Pack(bytes(changed), zstd)
+        except Refused:
+            continue
+        print("the change of byte %d was not seen" % at, file=sys.stderr)
+        return 7
+    return 0
+
+
+def main(arguments):
+    damaging = arguments[:1] == ["--damage"]
+    paths = arguments[1:] if damaging else arguments
+    if len(paths) != 1:
+        print(__doc__, file=sys.stderr)
+        return 1
+    try:
+        zstd = Zstd()
+    except OSError:
+        return 77
+    with open(paths[0], "rb") as file:
+        data = file.read()
+    try:
+        pack = Pack(data, zstd)
+    except Refused as why:
+        print("%s: %s" % (paths[0], why), file=sys.stderr)
+        return 3
+    if damaging:
+        return damage(data, zstd)
+    sys.stdout.write(dump(pack))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

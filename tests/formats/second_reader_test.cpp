@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// read_pack.py, written from SPEC.md alone, reads what the writer writes, and what it says is compared line by line.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "pack_compare.h"
+#include "support/random_pack.h"
+#include "tiny_pack.h"
+
+namespace kelp {
+namespace {
+
+constexpr int kNoZstd = 77;
+
+// What a program printed and how it ended.
+struct Outcome {
+  int code = -1;
+  std::string text;
+};
+
+Outcome readPack(const std::string& arguments) {
+  const std::string command = std::string(KELP_PYTHON) + " -B " KELP_SOURCE_DIR "/tests/formats/read_pack.py " + arguments;
+  Outcome out;
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (!pipe) return out;
+  std::array<char, 4096> block;
+  for (std::size_t got; (got = std::fread(block.data(), 1, block.size(), pipe)) > 0;) out.text.append(block.data(), got);
+  const int status = ::pclose(pipe);
+  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return out;
+}
+
+// A pack in a file that goes with the test.
+struct PackFile {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / ("kelp_second_reader_" + std::to_string(::getpid()) + ".kelp");
+
+  explicit PackFile(const std::vector<std::byte>& bytes) {
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~PackFile() { std::filesystem::remove(path); }
+};
+
+std::string format(const char* form, auto... values) {
+  std::array<char, 512> text;
+  std::snprintf(text.data(), text.size(), form, values...);
+  return text.data();
+}
+
+// The floats of a plain struct as their bits.
+template <class T>
+std::string bits(const T& value) {
+  std::array<std::uint32_t, sizeof(T) / 4> words;
+  std::memcpy(words.data(), &value, sizeof(T));
+  std::string text;
+  for (const std::uint32_t word : words) text += format(text.empty() ? "%08x" : " %08x", word);
+  return text;
+}
+
+std::string hex(const std::string& name) {
+  std::string text;
+  for (const char c : name) text += format("%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// CRC-32 of ISO 3309, as zlib's.
+template <class T>
+std::uint32_t crc32(const std::vector<T>& values) {
+  std::uint32_t crc = ~0u;
+  for (const std::byte byte : test::bytesOf(values)) {
+    crc ^= static_cast<std::uint32_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  return ~crc;
+}
+
+std::string dump(const RawPack& pack) {
+  std::string out = "minor 0\ninfo " + pack.info_json + "\n";
+  for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
+  for (const RawPart& part : pack.parts) {
+    out += "part " + hex(part.name) + format(" parent %d size %d %d %d levels %zu\n", part.parent, part.size.x, part.size.y, part.size.z, part.levels.size());
+    out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
+    for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
+    for (const RawLevel& level : part.levels) {
+      out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512, level.attributes.size(), crc32(level.cells),
+                    crc32(level.codes), crc32(level.attributes));
+    }
+  }
+  for (const RawClip& clip : pack.clips) {
+    out += "clip " + hex(clip.name) + " duration " + bits(clip.duration) + "\n";
+    for (const Wave& w : clip.waves) {
+      out += format("wave %u %u %u ", w.part, w.knot, static_cast<unsigned>(w.target)) + bits(w.amplitude) + " " + bits(w.period) + " " + bits(w.phase) + "\n";
+    }
+    for (const RawTrack& t : clip.tracks) {
+      out += format("track %u %u %u %u\n", t.part, t.knot, static_cast<unsigned>(t.target), static_cast<unsigned>(t.interpolation));
+      for (const Key& key : t.keys) out += "key " + bits(key) + "\n";
+    }
+  }
+  return out;
+}
+
+TEST(SecondReader, ReadsWhatTheWriterWrote) {
+  std::vector<RawPack> packs = {test::makeTinyPack()};
+  for (std::uint32_t seed = 50; seed < 54; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
+  for (const RawPack& pack : packs) {
+    const PackFile file(test::writeToMemory(pack));
+    const Outcome read = readPack("\"" + file.path.string() + "\"");
+    if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
+    ASSERT_EQ(read.code, 0);
+    ASSERT_EQ(read.text, dump(pack));
+  }
+}
+
+TEST(SecondReader, SeesEveryChangedByte) {
+  const PackFile file(test::writeToMemory(test::makeTinyPack()));
+  const Outcome damaged = readPack("--damage \"" + file.path.string() + "\"");
+  if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
+  EXPECT_EQ(damaged.code, 0);
+}
+
+}  // namespace
+}  // namespace kelp
