@@ -28,7 +28,9 @@ void aroundOf(const glm::ivec3& voxel, const glm::ivec3& size, Visit visit) {
 TEST(SquaredClearance, IsTheDistanceBetweenClosedCubes) {
   for (const NamedVolume& volume : hardVolumes()) {
     const auto expected = bruteSquaredClearance(volume.occupancy);
-    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::squaredClearance(volume.occupancy, 2), expected) << volume.name << " on " << target; });
+    forEveryTarget([&](const char* target) {
+      ASSERT_EQ(fields::squaredClearance(volume.occupancy, 2), expected) << volume.name << " on " << target;
+    });
     if (HasFatalFailure()) return;
   }
 }
@@ -37,10 +39,13 @@ TEST(Dilate26, SetsWhatHasASolidNeighbour) {
   for (const NamedVolume& volume : hardVolumes()) {
     const auto expected = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool any = false;
-      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) { any |= inside && volume.occupancy.solid[volume.occupancy.index(n)]; });
+      aroundOf(v, volume.occupancy.size,
+               [&](const glm::ivec3& n, bool inside) { any |= inside && volume.occupancy.solid[volume.occupancy.index(n)]; });
       return any;
     });
-    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::dilate26(volume.occupancy, 2), expected.solid) << volume.name << " on " << target; });
+    forEveryTarget([&](const char* target) {
+      ASSERT_EQ(fields::dilate26(volume.occupancy, 2), expected.solid) << volume.name << " on " << target;
+    });
     if (HasFatalFailure()) return;
   }
 }
@@ -50,13 +55,16 @@ TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
     std::vector<std::uint64_t> expected;
     const auto surface = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool open = false;
-      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) { open |= !inside || !volume.occupancy.solid[volume.occupancy.index(n)]; });
+      aroundOf(v, volume.occupancy.size,
+               [&](const glm::ivec3& n, bool inside) { open |= !inside || !volume.occupancy.solid[volume.occupancy.index(n)]; });
       return open && volume.occupancy.solid[volume.occupancy.index(v)];
     });
     for (std::size_t i = 0; i < surface.solid.size(); ++i) {
       if (surface.solid[i]) expected.push_back(i);
     }
-    forEveryTarget([&](const char* target) { ASSERT_EQ(fields::surfaceVoxels(volume.occupancy, 2), expected) << volume.name << " on " << target; });
+    forEveryTarget([&](const char* target) {
+      ASSERT_EQ(fields::surfaceVoxels(volume.occupancy, 2), expected) << volume.name << " on " << target;
+    });
     if (HasFatalFailure()) return;
   }
 }
@@ -88,7 +96,8 @@ bool isFloorOfRoot(std::uint64_t root, std::uint64_t squared, std::uint64_t scal
 
 TEST(QuantizedClearance, IsTheExactFloor) {
   for (const std::uint32_t scale : {1u, 4u, 256u, 257u, 65535u}) {
-    for (std::uint32_t s = 0; s < 200000; ++s) ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+    for (std::uint32_t s = 0; s < 200000; ++s)
+      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
     // Around squares, where rounding would show.
     for (std::uint64_t root = 1; root <= 65535; root += root < 2000 ? 1 : 97) {
       for (const int step : {-1, 0, 1}) {
@@ -96,7 +105,8 @@ TEST(QuantizedClearance, IsTheExactFloor) {
         ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
       }
     }
-    for (std::uint32_t s = 0xffffffffu; s > 0xffffff00u; --s) ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
+    for (std::uint32_t s = 0xffffffffu; s > 0xffffff00u; --s)
+      ASSERT_TRUE(isFloorOfRoot(fields::quantizedClearance(s, scale), s, scale)) << s << " at " << scale;
     std::mt19937 random(scale);
     for (int i = 0; i < 200000; ++i) {
       const std::uint32_t s = random();

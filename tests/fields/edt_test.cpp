@@ -31,10 +31,12 @@ TEST(SquaredDistance, EqualsBruteForceOnEveryTarget) {
 TEST(SquaredDistance, EqualsBruteForceOnRandomSizes) {
   std::mt19937 random(7);
   for (int round = 0; round < 60; ++round) {
-    const glm::ivec3 size(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 20));
+    const glm::ivec3 size(1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40),
+                          1 + static_cast<int>(random() % 20));
     const double density = std::pow(0.5, static_cast<double>(random() % 12));
     const auto volume = randomVolume(size, density, random());
-    ASSERT_EQ(squaredDistanceOf(volume.solid, size, 2), bruteSquaredDistance(volume.solid, size)) << nameOf(size) << " at density " << density;
+    ASSERT_EQ(squaredDistanceOf(volume.solid, size, 2), bruteSquaredDistance(volume.solid, size))
+        << nameOf(size) << " at density " << density;
   }
 }
 
@@ -53,9 +55,12 @@ TEST(SquaredDistance, EqualsTheScalarTransformOnLargerShapes) {
   const auto length2 = [](const glm::vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; };
   const NamedVolume volumes[] = {
       {"ball", volumeWhere(size, [&](const glm::ivec3& v) { return length2(glm::vec3(v) - center) < 40.0f * 40.0f; })},
-      {"shell", volumeWhere(size, [&](const glm::ivec3& v) { return std::abs(std::sqrt(length2(glm::vec3(v) - center)) - 45.0f) < 0.6f; })},
+      {"shell",
+       volumeWhere(size,
+                   [&](const glm::ivec3& v) { return std::abs(std::sqrt(length2(glm::vec3(v) - center)) - 45.0f) < 0.6f; })},
       {"cone", volumeWhere(size, [&](const glm::ivec3& v) { return v.x == std::abs(v.y - 75) + std::abs(v.z - 48); })},
-      {"parabola", volumeWhere(size, [&](const glm::ivec3& v) { return v.x == 130 - (v.y - 75) * (v.y - 75) / 43 && v.z == 96; })},
+      {"parabola",
+       volumeWhere(size, [&](const glm::ivec3& v) { return v.x == 130 - (v.y - 75) * (v.y - 75) / 43 && v.z == 96; })},
       {"sparse noise", randomVolume(size, 0.00003, 5)},
       {"noise", randomVolume(size, 0.01, 6)},
   };
@@ -73,7 +78,8 @@ TEST(SquaredDistance, IsTheSameForAnyNumberOfThreads) {
   for (const double density : {0.0001, 0.01, 0.5}) {
     const auto volume = randomVolume(size, density, 11);
     const auto one = squaredDistanceOf(volume.solid, size, 1);
-    for (const int threads : {0, 2, 3, 4, 9}) EXPECT_EQ(squaredDistanceOf(volume.solid, size, threads), one) << threads << " threads";
+    for (const int threads : {0, 2, 3, 4, 9})
+      EXPECT_EQ(squaredDistanceOf(volume.solid, size, threads), one) << threads << " threads";
   }
 }
 

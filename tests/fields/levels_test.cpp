@@ -13,7 +13,9 @@
 namespace kelp::test {
 namespace {
 
-bool anySolid(const fields::Occupancy& occupancy) { return std::find(occupancy.solid.begin(), occupancy.solid.end(), 1) != occupancy.solid.end(); }
+bool anySolid(const fields::Occupancy& occupancy) {
+  return std::find(occupancy.solid.begin(), occupancy.solid.end(), 1) != occupancy.solid.end();
+}
 
 glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
   const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
@@ -23,7 +25,8 @@ glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
 // The surface with attributes that can be told apart.
 std::vector<fields::SurfaceVoxel> numberedSurface(const fields::Occupancy& occupancy) {
   std::vector<fields::SurfaceVoxel> surface;
-  for (const std::uint64_t index : fields::surfaceVoxels(occupancy, 1)) surface.push_back({index, static_cast<std::uint32_t>(index * 2654435761u + 17)});
+  for (const std::uint64_t index : fields::surfaceVoxels(occupancy, 1))
+    surface.push_back({index, static_cast<std::uint32_t>(index * 2654435761u + 17)});
   return surface;
 }
 
@@ -48,7 +51,8 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const
     for (const glm::ivec3& voxel : solid) least = std::min(least, squaredGap(low, extent, voxel));
     return least;
   };
-  ASSERT_EQ(level.cells.size(), static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(grid.z));
+  ASSERT_EQ(level.cells.size(),
+            static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(grid.z));
   ASSERT_EQ(level.codes.size() % kBrickVoxels, 0u);
   ASSERT_EQ(level.attributes.size(), surface.size());
 
@@ -101,7 +105,8 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const
     const glm::ivec3 v = base + glm::ivec3(at % 8, at / 8 % 8, at / 64);
     const bool inside = v.x < size.x && v.y < size.y && v.z < size.z;
     const std::uint64_t index = inside ? occupancy.index(v) : ~std::uint64_t{0};
-    const auto listed = std::lower_bound(surface.begin(), surface.end(), index, [](const auto& a, std::uint64_t b) { return a.index < b; });
+    const auto listed =
+        std::lower_bound(surface.begin(), surface.end(), index, [](const auto& a, std::uint64_t b) { return a.index < b; });
     if (listed != surface.end() && listed->index == index) {
       ASSERT_EQ(level.codes[i], 64 + rank++);
       ASSERT_EQ(level.attributes[next++], listed->attribute);

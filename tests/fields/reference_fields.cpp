@@ -88,13 +88,16 @@ std::int64_t squaredGap(const glm::ivec3& low, int extent, const glm::ivec3& sol
 }
 
 std::vector<std::uint32_t> bruteSquaredClearance(const fields::Occupancy& occupancy) {
-  return leastOfAll(occupancy.solid, occupancy.size, [](const glm::ivec3& a, const glm::ivec3& b) { return squaredGap(a, 1, b); });
+  return leastOfAll(occupancy.solid, occupancy.size,
+                    [](const glm::ivec3& a, const glm::ivec3& b) { return squaredGap(a, 1, b); });
 }
 
 std::vector<std::uint32_t> naiveSeparable(const std::vector<std::uint8_t>& set, const glm::ivec3& size) {
   std::vector<double> values(set.size());
-  std::transform(set.begin(), set.end(), values.begin(), [](std::uint8_t s) { return s ? 0.0 : std::numeric_limits<double>::infinity(); });
-  const std::size_t strides[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
+  std::transform(set.begin(), set.end(), values.begin(),
+                 [](std::uint8_t s) { return s ? 0.0 : std::numeric_limits<double>::infinity(); });
+  const std::size_t strides[3] = {1, static_cast<std::size_t>(size.x),
+                                  static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
   for (int axis = 0; axis < 3; ++axis) {
     const auto n = static_cast<std::size_t>(size[axis]);
     std::vector<double> pencil(n), z(n + 1);
@@ -110,8 +113,9 @@ std::vector<std::uint32_t> naiveSeparable(const std::vector<std::uint8_t>& set, 
     }
   }
   std::vector<std::uint32_t> squared(set.size());
-  std::transform(values.begin(), values.end(), squared.begin(),
-                 [](double d) { return d == std::numeric_limits<double>::infinity() ? fields::kNoFeature : static_cast<std::uint32_t>(d); });
+  std::transform(values.begin(), values.end(), squared.begin(), [](double d) {
+    return d == std::numeric_limits<double>::infinity() ? fields::kNoFeature : static_cast<std::uint32_t>(d);
+  });
   return squared;
 }
 

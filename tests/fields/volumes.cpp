@@ -6,9 +6,10 @@ namespace {
 
 // Sides around the widths of vectors (4, 8, 16, 32, 64 lanes) and tiles (64 pencils), lines along each axis, and slices.
 const glm::ivec3 kSizes[] = {
-    {1, 1, 1},  {2, 1, 1},   {1, 2, 1},  {1, 1, 2},   {1, 300, 1}, {300, 1, 1}, {1, 1, 300}, {17, 19, 1},  {1, 17, 19},  {19, 1, 17},
-    {8, 8, 8},  {7, 9, 8},   {15, 5, 3}, {16, 6, 4},  {17, 4, 6},  {31, 3, 4},  {33, 4, 3},  {63, 4, 3},   {64, 3, 4},   {65, 4, 3},
-    {3, 65, 5}, {4, 5, 130}, {5, 13, 5}, {127, 2, 3}, {128, 3, 2}, {129, 3, 2}, {9, 11, 13}, {3, 3, 64},   {12, 20, 7},  {257, 2, 1},
+    {1, 1, 1},   {2, 1, 1},   {1, 2, 1},   {1, 1, 2},  {1, 300, 1}, {300, 1, 1}, {1, 1, 300}, {17, 19, 1},
+    {1, 17, 19}, {19, 1, 17}, {8, 8, 8},   {7, 9, 8},  {15, 5, 3},  {16, 6, 4},  {17, 4, 6},  {31, 3, 4},
+    {33, 4, 3},  {63, 4, 3},  {64, 3, 4},  {65, 4, 3}, {3, 65, 5},  {4, 5, 130}, {5, 13, 5},  {127, 2, 3},
+    {128, 3, 2}, {129, 3, 2}, {9, 11, 13}, {3, 3, 64}, {12, 20, 7}, {257, 2, 1},
 };
 
 }  // namespace
@@ -17,7 +18,9 @@ std::vector<NamedVolume> hardVolumes() {
   std::vector<NamedVolume> volumes;
   std::uint32_t seed = 1;
   for (const glm::ivec3& size : kSizes) {
-    const auto add = [&](const char* name, fields::Occupancy occupancy) { volumes.push_back({nameOf(size) + " " + name, std::move(occupancy)}); };
+    const auto add = [&](const char* name, fields::Occupancy occupancy) {
+      volumes.push_back({nameOf(size) + " " + name, std::move(occupancy)});
+    };
     add("empty", emptyVolume(size));
     add("full", volumeWhere(size, [](const glm::ivec3&) { return true; }));
     for (int corner = 0; corner < 8; ++corner) {

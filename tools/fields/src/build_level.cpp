@@ -25,7 +25,9 @@ struct PaddedVolume {
   std::unique_ptr<std::uint32_t[]> squared;
 
   std::size_t index(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(size.x) *
+               (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
   }
 };
 
@@ -54,19 +56,22 @@ PaddedVolume paddedClearance(const Occupancy& occupancy, int threads) {
 
 class LevelBuilder {
  public:
-  LevelBuilder(const Occupancy& occupancy, int threads) : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads) {}
+  LevelBuilder(const Occupancy& occupancy, int threads)
+      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads) {}
 
   // Empty bricks get their clearance; the others a slot, in Morton order.
   void makeCells(const PaddedVolume& padded) {
     level_.cells.resize(checkedVolume(grid_));
-    parallelFor(grid_.z, 1, threads_, [&](std::int64_t begin, std::int64_t end) {
-      glm::ivec3 brick{0};
-      for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
-        for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
-          for (brick.x = 0; brick.x < grid_.x; ++brick.x) level_.cells[cellIndex(brick)] = clearanceOrSolid(padded, brick);
-        }
-      }
-    });
+    parallelFor(grid_.z, grainOf(std::int64_t{grid_.x} * grid_.y * kBrickVoxels), threads_,
+                [&](std::int64_t begin, std::int64_t end) {
+                  glm::ivec3 brick{0};
+                  for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
+                    for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
+                      for (brick.x = 0; brick.x < grid_.x; ++brick.x)
+                        level_.cells[cellIndex(brick)] = clearanceOrSolid(padded, brick);
+                    }
+                  }
+                });
     std::vector<std::pair<std::uint64_t, glm::ivec3>> ordered;
     glm::ivec3 brick{0};
     for (brick.z = 0; brick.z < grid_.z; ++brick.z) {
@@ -92,30 +97,32 @@ class LevelBuilder {
     std::array<std::uint8_t, kMaxSquaredInBrick + 1> quarter{};
     for (std::uint32_t s = 0; s <= kMaxSquaredInBrick; ++s) quarter[s] = static_cast<std::uint8_t>(quantizedClearance(s, 4));
     level_.codes.resize(stored_.size() * kBrickVoxels);
-    parallelFor(static_cast<std::int64_t>(stored_.size()), 64, threads_, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t slot = begin; slot < end; ++slot) {
-        const glm::ivec3 corner = stored_[static_cast<std::size_t>(slot)] * kBrickSide;
-        std::uint8_t* code = level_.codes.data() + static_cast<std::size_t>(slot) * kBrickVoxels;
-        for (int z = corner.z; z < corner.z + kBrickSide; ++z) {
-          for (int y = corner.y; y < corner.y + kBrickSide; ++y, code += kBrickSide) {
-            const std::uint32_t* const squared = padded.squared.get() + padded.index(corner.x, y, z);
-            for (int x = 0; x < kBrickSide; ++x) code[x] = quarter[squared[x]];
-            if (y >= occupancy_.size.y || z >= occupancy_.size.z) continue;
-            const std::uint8_t* const solid = occupancy_.solid.data() + occupancy_.index({corner.x, y, z});
-            for (int x = 0; x < std::min(kBrickSide, occupancy_.size.x - corner.x); ++x) {
-              if (solid[x]) code[x] = kInnerCode;
-            }
-          }
-        }
-      }
-    });
+    parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,
+                [&](std::int64_t begin, std::int64_t end) {
+                  for (std::int64_t slot = begin; slot < end; ++slot) {
+                    const glm::ivec3 corner = stored_[static_cast<std::size_t>(slot)] * kBrickSide;
+                    std::uint8_t* code = level_.codes.data() + static_cast<std::size_t>(slot) * kBrickVoxels;
+                    for (int z = corner.z; z < corner.z + kBrickSide; ++z) {
+                      for (int y = corner.y; y < corner.y + kBrickSide; ++y, code += kBrickSide) {
+                        const std::uint32_t* const squared = padded.squared.get() + padded.index(corner.x, y, z);
+                        for (int x = 0; x < kBrickSide; ++x) code[x] = quarter[squared[x]];
+                        if (y >= occupancy_.size.y || z >= occupancy_.size.z) continue;
+                        const std::uint8_t* const solid = occupancy_.solid.data() + occupancy_.index({corner.x, y, z});
+                        for (int x = 0; x < std::min(kBrickSide, occupancy_.size.x - corner.x); ++x) {
+                          if (solid[x]) code[x] = kInnerCode;
+                        }
+                      }
+                    }
+                  }
+                });
   }
 
   // Ranks of the surface voxels, and their attributes in the order of slots and codes.
   void makeAttributes(std::span<const SurfaceVoxel> surface) {
     for (std::size_t i = 0; i < surface.size(); ++i) {
       const std::uint64_t index = surface[i].index;
-      if (index >= occupancy_.solid.size()) throw std::invalid_argument("surface voxel " + std::to_string(index) + " lies outside the volume");
+      if (index >= occupancy_.solid.size())
+        throw std::invalid_argument("surface voxel " + std::to_string(index) + " lies outside the volume");
       if (i > 0 && index <= surface[i - 1].index) throw std::invalid_argument("surface voxels are not in ascending order");
       if (!occupancy_.solid[index]) throw std::invalid_argument("surface voxel " + std::to_string(index) + " is empty");
       level_.codes[codeOf(index)] = kSurfaceCode;
@@ -145,14 +152,17 @@ class LevelBuilder {
   static constexpr std::size_t kSliceVoxels = kBrickSide * kBrickSide;
 
   std::size_t cellIndex(const glm::ivec3& brick) const {
-    return static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(grid_.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid_.y) * static_cast<std::size_t>(brick.z));
+    return static_cast<std::size_t>(brick.x) +
+           static_cast<std::size_t>(grid_.x) *
+               (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid_.y) * static_cast<std::size_t>(brick.z));
   }
 
   // Place in the codes of a voxel of a stored brick.
   std::size_t codeOf(std::uint64_t index) const {
     const auto width = static_cast<std::uint64_t>(occupancy_.size.x);
     const auto height = static_cast<std::uint64_t>(occupancy_.size.y);
-    const glm::ivec3 voxel(static_cast<int>(index % width), static_cast<int>(index / width % height), static_cast<int>(index / width / height));
+    const glm::ivec3 voxel(static_cast<int>(index % width), static_cast<int>(index / width % height),
+                           static_cast<int>(index / width / height));
     const std::size_t slot = level_.cells[cellIndex(voxel / kBrickSide)] & kCellSlotMask;
     return slot * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel));
   }
@@ -212,8 +222,8 @@ std::uint64_t peakBytes(const glm::ivec3& size) {
   const glm::ivec3 grid = brickGrid(size);
   const std::uint64_t bricks = checkedVolume(grid);
   const std::uint64_t voxels = bricks * kBrickVoxels;
-  // A padded voxel: 4 bytes of squared clearance, and with it first a byte of dilated occupancy, then a code; or a code and an attribute.
-  // A brick: its cell, its place in the order of slots (with growth), its position, the first attribute of each slice.
+  // A padded voxel: 4 bytes of squared clearance, and with it first a byte of dilated occupancy, then a code; or a code and an
+  // attribute. A brick: its cell, its place in the order of slots (with growth), its position, the first attribute of each slice.
   const std::uint64_t per_brick = 4 + 3 * 24 + 12 + 8 * 4;
   return 5 * voxels + per_brick * bricks;
 }

@@ -14,7 +14,8 @@ std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int thre
 }
 
 std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale) {
-  if (scale > kMaxClearanceScale) throw std::invalid_argument("the scale of a clearance is at most " + std::to_string(kMaxClearanceScale));
+  if (scale > kMaxClearanceScale)
+    throw std::invalid_argument("the scale of a clearance is at most " + std::to_string(kMaxClearanceScale));
   // floor(scale sqrt(s)) = floor(sqrt(scale^2 s)), below 2^64. The double is near; integers decide.
   const std::uint64_t square = std::uint64_t{scale} * scale * squared;
   auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(square)));

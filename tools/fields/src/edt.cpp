@@ -11,7 +11,8 @@ namespace kelp::fields {
 namespace {
 
 // The envelopes of `pencils` adjacent pencils of `count` values, tile by tile.
-void envelopePass(const Kernels& kernels, std::uint32_t* values, std::size_t stride, int count, std::int64_t pencils, std::int32_t* scratch) {
+void envelopePass(const Kernels& kernels, std::uint32_t* values, std::size_t stride, int count, std::int64_t pencils,
+                  std::int32_t* scratch) {
   for (std::int64_t x = 0; x < pencils; x += kTileWidth) {
     kernels.envelopes(values + x, stride, count, static_cast<int>(std::min<std::int64_t>(kTileWidth, pencils - x)), scratch);
   }
@@ -27,7 +28,7 @@ void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, 
   const std::size_t slice = row * static_cast<std::size_t>(size.y);
 
   // x and y, slice by slice: the slice is still in the cache when the y pass begins.
-  parallelFor(size.z, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+  parallelFor(size.z, grainOf(static_cast<std::int64_t>(slice)), threads, [&](std::int64_t begin, std::int64_t end) {
     const auto row_scratch = std::make_unique_for_overwrite<std::uint16_t[]>(rowScratch(size.x));
     const auto scratch = std::make_unique_for_overwrite<std::int32_t[]>(envelopeScratch(size.y));
     for (std::int64_t z = begin; z < end; ++z) {
@@ -39,7 +40,7 @@ void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, 
   if (size.z == 1) return;
   // z, over tiles of the whole xy plane.
   const auto tiles = static_cast<std::int64_t>((slice + kTileWidth - 1) / kTileWidth);
-  parallelFor(tiles, 4, threads, [&](std::int64_t begin, std::int64_t end) {
+  parallelFor(tiles, grainOf(std::int64_t{kTileWidth} * size.z), threads, [&](std::int64_t begin, std::int64_t end) {
     const auto scratch = std::make_unique_for_overwrite<std::int32_t[]>(envelopeScratch(size.z));
     const std::int64_t first = begin * kTileWidth;
     const std::int64_t last = std::min(end * kTileWidth, static_cast<std::int64_t>(slice));

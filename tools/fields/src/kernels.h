@@ -9,13 +9,13 @@
 
 namespace kelp::fields {
 
-// Adjacent pencils that the y and z passes treat together: 256 bytes of every row, several vectors of the widest machine, so that the
-// latency of one vector's arithmetic hides behind the others.
+// Adjacent pencils that the y and z passes treat together: 256 bytes of every row, several vectors of the widest machine, so that
+// the latency of one vector's arithmetic hides behind the others.
 inline constexpr int kTileWidth = 64;
 
 struct Kernels {
-  // First pass, over `row_count` consecutive rows of `count` voxels: squared[x] = squared distance to the nearest set voxel of the same
-  // row, kNoFeature if there is none. scratch: rowScratch(count) values.
+  // First pass, over `row_count` consecutive rows of `count` voxels: squared[x] = squared distance to the nearest set voxel of
+  // the same row, kNoFeature if there is none. scratch: rowScratch(count) values.
   void (*rows)(const std::uint8_t* set, int count, int row_count, std::uint16_t* scratch, std::uint32_t* squared);
 
   // A further pass, in place, over a tile of `width` <= kTileWidth adjacent pencils of `count` values, `stride` values apart:
@@ -34,7 +34,8 @@ inline std::size_t neighbourScratch(int count) { return static_cast<std::size_t>
 
 // Plain C++, for volumes of every size up to kMaxSide.
 const Kernels& plainKernels();
-// The fastest for volumes within fitsFastKernels: Highway for the machine's vectors (kernels_highway.cpp), or the plain ones (kernels_none.cpp).
+// The fastest for volumes within fitsFastKernels: Highway for the machine's vectors (kernels_highway.cpp), or the plain ones
+// (kernels_none.cpp).
 const Kernels& fastKernels();
 
 // Signed 32-bit lanes hold f + i^2 plus the product 2 s (i - j) of the envelope test: squares of all sides and twice the largest.

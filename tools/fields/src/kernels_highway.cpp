@@ -2,9 +2,9 @@
 // The kernels in vectors: this file is compiled once for every instruction set and the best one is chosen at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels_highway.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <hwy/cache_control.h>
 
 #include <cstring>
 
@@ -16,7 +16,8 @@ namespace kelp::fields::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// --- first pass ------------------------------------------------------------------------------------------------------------------
+// --- first pass
+// ------------------------------------------------------------------------------------------------------------------
 
 constexpr std::uint16_t kFar = 0xffff;
 
@@ -67,8 +68,9 @@ HWY_ATTR void squareRow(const std::uint16_t* HWY_RESTRICT distance, int count, s
   for (; x < count; ++x) squared[x] = std::uint32_t{distance[x]} * distance[x];
 }
 
-// Shifts by 1, 2, 4, ... in both directions: every distance is a sum of such shifts, each taken or not, so a row of n voxels needs
-// log2(n) sweeps without any dependency from voxel to voxel. It is done as soon as no distance is left that a longer shift could change.
+// Shifts by 1, 2, 4, ... in both directions: every distance is a sum of such shifts, each taken or not, so a row of n voxels
+// needs log2(n) sweeps without any dependency from voxel to voxel. It is done as soon as no distance is left that a longer shift
+// could change.
 HWY_ATTR void rows(const std::uint8_t* set, int count, int row_count, std::uint16_t* scratch, std::uint32_t* squared) {
   // Two buffers, with room beyond the ends for the longest shift and for the last vector.
   int margin = 1;
@@ -96,7 +98,8 @@ HWY_ATTR void rows(const std::uint8_t* set, int count, int row_count, std::uint1
   }
 }
 
-// --- further passes --------------------------------------------------------------------------------------------------------------
+// --- further passes
+// --------------------------------------------------------------------------------------------------------------
 
 using Lane = hn::CappedTag<std::int32_t, kTileWidth>;
 using Lanes32 = hn::Vec<Lane>;
@@ -126,17 +129,19 @@ HWY_INLINE void prefetchRow(const std::uint32_t* row, int width) {
 }
 
 // Lower envelopes after Meijster, Roerdink and Hesselink 2000, one pencil a lane. Two things differ from the scalar algorithm:
-// - A parabola enters a stack at most once, at its own row. So the stack is a list through the rows: links[u] holds the parabola below u
-//   (upper 16 bits, -1 at the bottom) and the first row at which that one is the lowest (lower 16 bits). A push is a store of a full
-//   vector; only a pop gathers.
-// - A parabola is kept as g = f + u^2, its value at i being g + i (i - 2 u): comparing two of them at the start s of the upper one is
+// - A parabola enters a stack at most once, at its own row. So the stack is a list through the rows: links[u] holds the parabola
+// below u
+//   (upper 16 bits, -1 at the bottom) and the first row at which that one is the lowest (lower 16 bits). A push is a store of a
+//   full vector; only a pop gathers.
+// - A parabola is kept as g = f + u^2, its value at i being g + i (i - 2 u): comparing two of them at the start s of the upper
+// one is
 //   g_top + 2 s (u - top) > g_u, with one product.
 // Each lane pops at most once for each of its pushes, so the work is linear in the worst case too.
 HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, int width, std::int32_t* scratch) {
   const Lane d;
   const hn::Rebind<float, Lane> df;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  std::int32_t* const heights = scratch;                                                // g
+  std::int32_t* const heights = scratch;  // g
   std::int32_t* const links = scratch + static_cast<std::size_t>(count) * kTileWidth;
   // The top of each lane's stack. All vectors of a row are treated before the next row, so that their latencies overlap.
   HWY_ALIGN std::int32_t tops[kTileWidth], starts[kTileWidth], top_heights[kTileWidth];
@@ -176,7 +181,8 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
         const auto before = loadSome(d, from - stride, width - x);
         const auto after = loadSome(d, from + stride, width - x);
         const auto lesser = hn::Min(before, after);
-        const auto peak = hn::And(hn::And(hn::Gt(lesser, none), hn::Gt(f, lesser)), hn::Gt(hn::Add(f, one), hn::Max(before, after)));
+        const auto peak =
+            hn::And(hn::And(hn::Gt(lesser, none), hn::Gt(f, lesser)), hn::Gt(hn::Add(f, one), hn::Max(before, after)));
         live = hn::AndNot(peak, live);
       }
       if (hn::AllFalse(d, live)) continue;
@@ -197,12 +203,13 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
         top = hn::IfThenElse(pop, hn::ShiftRight<16>(link), top);
         start = hn::IfThenElse(pop, hn::And(link, hn::Set(d, 0xffff)), start);
         candidates = hn::And(pop, hn::Gt(top, none));
-        const auto below = hn::GatherIndex(d, heights, hn::Add(hn::IfThenElseZero(candidates, hn::ShiftLeft<6>(top)), lane_index));
+        const auto below =
+            hn::GatherIndex(d, heights, hn::Add(hn::IfThenElseZero(candidates, hn::ShiftLeft<6>(top)), lane_index));
         top_height = hn::IfThenElse(candidates, below, top_height);
       }
 
-      // The last row at which the top is at most the new parabola: floor((g_u - g_top) / 2 / (u - top)), by a float division and a
-      // correction. The quotient is at most `count` < 2^15 or clamped to it, so the float is wrong by less than one.
+      // The last row at which the top is at most the new parabola: floor((g_u - g_top) / 2 / (u - top)), by a float division and
+      // a correction. The quotient is at most `count` < 2^15 or clamped to it, so the float is wrong by less than one.
       const auto distance = hn::Sub(here, top);
       const auto half = hn::ShiftRight<1>(hn::Sub(height, top_height));
       auto last = hn::ConvertTo(d, hn::Min(hn::Div(hn::ConvertTo(df, half), hn::ConvertTo(df, distance)), rows_f));
@@ -255,22 +262,28 @@ HWY_ATTR void envelopes(std::uint32_t* values, std::size_t stride, int count, in
   }
 }
 
-// --- neighbourhoods --------------------------------------------------------------------------------------------------------------
+// --- neighbourhoods
+// --------------------------------------------------------------------------------------------------------------
 
 struct PickLargest {
   template <class V>
-  HWY_ATTR HWY_INLINE V operator()(V a, V b) const { return hn::Max(a, b); }
+  HWY_ATTR HWY_INLINE V operator()(V a, V b) const {
+    return hn::Max(a, b);
+  }
   HWY_INLINE std::uint8_t scalar(std::uint8_t a, std::uint8_t b) const { return a > b ? a : b; }
 };
 
 struct PickSmallest {
   template <class V>
-  HWY_ATTR HWY_INLINE V operator()(V a, V b) const { return hn::Min(a, b); }
+  HWY_ATTR HWY_INLINE V operator()(V a, V b) const {
+    return hn::Min(a, b);
+  }
   HWY_INLINE std::uint8_t scalar(std::uint8_t a, std::uint8_t b) const { return a < b ? a : b; }
 };
 
 template <class Pick>
-HWY_ATTR HWY_INLINE void neighbours(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch, std::uint8_t* out) {
+HWY_ATTR HWY_INLINE void neighbours(const std::uint8_t* const* in, int row_count, int count, std::uint8_t* scratch,
+                                    std::uint8_t* out) {
   const Pick pick;
   const hn::CappedTag<std::uint8_t, 256> d;
   const int lanes = static_cast<int>(hn::Lanes(d));

@@ -26,9 +26,10 @@ void rows(const std::uint8_t* set, int count, int row_count, std::uint16_t*, std
   for (int r = 0; r < row_count; ++r, set += count, squared += count) row(set, count, squared);
 }
 
-// Lower envelope of the parabolas f[j] + (i - j)^2 of one pencil, after Meijster, Roerdink and Hesselink 2000. `vertex` and `start` are
-// the stack: which parabola, and the first i at which it is the lowest.
-void envelope(const std::uint32_t* f, int count, std::int32_t* vertex, std::int32_t* start, std::uint32_t* out, std::size_t stride) {
+// Lower envelope of the parabolas f[j] + (i - j)^2 of one pencil, after Meijster, Roerdink and Hesselink 2000. `vertex` and
+// `start` are the stack: which parabola, and the first i at which it is the lowest.
+void envelope(const std::uint32_t* f, int count, std::int32_t* vertex, std::int32_t* start, std::uint32_t* out,
+              std::size_t stride) {
   const auto value = [&](std::int64_t j, std::int64_t i) { return f[j] + (i - j) * (i - j); };
   int top = -1;
   for (int u = 0; u < count; ++u) {
@@ -57,10 +58,12 @@ void envelopes(std::uint32_t* values, std::size_t stride, int count, int width, 
   // The tile, turned: reading and writing it row by row touches every cache line once.
   auto* const pencils = reinterpret_cast<std::uint32_t*>(scratch);
   for (std::size_t i = 0; i < length; ++i) {
-    for (int x = 0; x < width; ++x) pencils[static_cast<std::size_t>(x) * length + i] = values[i * stride + static_cast<std::size_t>(x)];
+    for (int x = 0; x < width; ++x)
+      pencils[static_cast<std::size_t>(x) * length + i] = values[i * stride + static_cast<std::size_t>(x)];
   }
   std::int32_t* const vertex = scratch + length * kTileWidth;
-  for (int x = 0; x < width; ++x) envelope(pencils + static_cast<std::size_t>(x) * length, count, vertex, vertex + length, values + x, stride);
+  for (int x = 0; x < width; ++x)
+    envelope(pencils + static_cast<std::size_t>(x) * length, count, vertex, vertex + length, values + x, stride);
 }
 
 template <class Pick>

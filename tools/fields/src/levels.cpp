@@ -28,7 +28,8 @@ Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
   occupancy.solid.resize(checkedVolume(size));
   const glm::ivec3 grid = brickGrid(size);
   if (level.cells.size() != checkedVolume(grid)) {
-    throw std::invalid_argument("a level has " + std::to_string(level.cells.size()) + " cells instead of " + std::to_string(checkedVolume(grid)));
+    throw std::invalid_argument("a level has " + std::to_string(level.cells.size()) + " cells instead of " +
+                                std::to_string(checkedVolume(grid)));
   }
   const std::size_t slots = level.codes.size() / kBrickVoxels;
   if (level.codes.size() % kBrickVoxels != 0) throw std::invalid_argument("the codes of a level are not whole bricks");
@@ -47,7 +48,8 @@ Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
         for (int i = 0; i < kBrickVoxels; ++i, ++code) {
           if (!isSolidCode(*code)) continue;
           const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
-          if (voxel.x >= size.x || voxel.y >= size.y || voxel.z >= size.z) throw std::invalid_argument("a solid voxel lies outside its volume");
+          if (voxel.x >= size.x || voxel.y >= size.y || voxel.z >= size.z)
+            throw std::invalid_argument("a solid voxel lies outside its volume");
           occupancy.solid[occupancy.index(voxel)] = 1;
         }
       }

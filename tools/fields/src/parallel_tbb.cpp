@@ -10,7 +10,8 @@
 
 namespace kelp::fields {
 
-void parallelFor(std::int64_t count, std::int64_t grain, int threads, const std::function<void(std::int64_t, std::int64_t)>& body) {
+void parallelFor(std::int64_t count, std::int64_t grain, int threads,
+                 const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
   grain = std::max<std::int64_t>(grain, 1);
   if (threads == 1 || count <= grain) return body(0, count);

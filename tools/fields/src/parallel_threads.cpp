@@ -11,7 +11,8 @@
 
 namespace kelp::fields {
 
-void parallelFor(std::int64_t count, std::int64_t grain, int threads, const std::function<void(std::int64_t, std::int64_t)>& body) {
+void parallelFor(std::int64_t count, std::int64_t grain, int threads,
+                 const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
   grain = std::max<std::int64_t>(grain, 1);
   if (threads < 1) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Exact Euclidean distance transform, clearance and levels of voxel volumes. The baker computes with it, kelp-dump verifies with it.
-// Every function gives the same result for any number of threads, with or without SIMD. Arrays are dense, x fastest, then y, then z.
+// Exact Euclidean distance transform, clearance and levels of voxel volumes. The baker computes with it, kelp-dump verifies with
+// it. Every function gives the same result for any number of threads, with or without SIMD. Arrays are dense, x fastest, then y,
+// then z.
 #pragma once
 
 #include <cstdint>
@@ -24,24 +25,26 @@ struct Occupancy {
   std::vector<std::uint8_t> solid;
 
   std::size_t index(const glm::ivec3& v) const {
-    return static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
+    return static_cast<std::size_t>(v.x) +
+           static_cast<std::size_t>(size.x) *
+               (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
   }
 };
 
-// squared[i] = squared distance, in voxels, from the centre of voxel i to the centre of the nearest voxel whose `set` is not 0; exact.
-// Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al. 2003, in integers. Throws std::invalid_argument on
-// sizes that do not match or exceed kMaxSide.
+// squared[i] = squared distance, in voxels, from the centre of voxel i to the centre of the nearest voxel whose `set` is not 0;
+// exact. Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al. 2003, in integers. Throws
+// std::invalid_argument on sizes that do not match or exceed kMaxSide.
 void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, std::span<std::uint32_t> squared, int threads);
 
 // Occupancy dilated by one voxel in the 26-neighbourhood, clipped to the volume.
 std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 
-// Squared clearance of every voxel: for empty voxels the squared distance between its closed cube and the nearest solid closed cube, in
-// voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid. Equals squaredDistance of dilate26.
+// Squared clearance of every voxel: for empty voxels the squared distance between its closed cube and the nearest solid closed
+// cube, in voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid. Equals squaredDistance of dilate26.
 std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int threads);
 
-// floor(scale * sqrt(squared)), exact. scale = 4 for codes, 256 for cells (brick.h). Throws std::invalid_argument above kMaxClearanceScale,
-// where the result may no longer fit.
+// floor(scale * sqrt(squared)), exact. scale = 4 for codes, 256 for cells (brick.h). Throws std::invalid_argument above
+// kMaxClearanceScale, where the result may no longer fit.
 inline constexpr std::uint32_t kMaxClearanceScale = 65535;
 std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale);
 
@@ -57,8 +60,8 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
 Occupancy coarser(const Occupancy& occupancy);
 
-// Bricks and clearance of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute, all solid.
-// Throws std::invalid_argument if nothing is solid or `surface` does not fit.
+// Bricks and clearance of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute, all
+// solid. Throws std::invalid_argument if nothing is solid or `surface` does not fit.
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
 // The occupancy that a level's cells and codes hold (the inverse of buildLevel, for checks). Throws on slots out of range.
