@@ -68,15 +68,23 @@ void refuse(Exit code, const std::filesystem::path& file, std::string_view place
   throw BakeError(code, line + ": " + oneLine(what, 1000));
 }
 
+std::vector<std::uint8_t> InputFiles::readHead(std::size_t most) const { return readFirst(input_, most); }
+
 std::vector<std::uint8_t> InputFiles::readFile(const std::filesystem::path& path) const {
+  std::error_code error;
+  if (const std::uintmax_t size = std::filesystem::file_size(path, error); !error && size > kMaxFileBytes)
+    refuse(Exit::kUnsupported, path, "", "is larger than 4 GiB; split it");
+  return readFirst(path, kMaxFileBytes);
+}
+
+std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& path, std::uintmax_t most) const {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) refuse(Exit::kIo, path, "", "no such file; check the path");
   if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
   if (!std::filesystem::is_regular_file(status)) refuse(Exit::kIo, path, "", "is not a regular file; name a file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  const std::uintmax_t size = std::min(std::filesystem::file_size(path, error), most);
   if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
-  if (size > kMaxFileBytes) refuse(Exit::kUnsupported, path, "", "is larger than 4 GiB; split it");
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) refuse(Exit::kIo, path, "", std::string("can not be opened: ") + std::strerror(errno));

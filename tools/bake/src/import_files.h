@@ -32,6 +32,8 @@ class InputFiles {
   const std::filesystem::path& input() const { return input_; }
   // The whole input. kIo when it can not be read or is larger than 4 GiB.
   std::vector<std::uint8_t> readInput() const { return readFile(input_); }
+  // Its first bytes alone, for importers whose library opens the file itself.
+  std::vector<std::uint8_t> readHead(std::size_t most) const;
   // A file named inside the input, relative to the input's folder. A reference that leaves the folder, is absolute, names another scheme or
   // a folder is refused (kInvalid); links are followed, since whoever made them has the machine already. kIo when it can not be read.
   enum class Reference { kUri, kPath };  // percent-encoded (glTF), or as it stands with either slash (MTL)
@@ -40,6 +42,8 @@ class InputFiles {
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
 
  private:
+  std::vector<std::uint8_t> readFirst(const std::filesystem::path& path, std::uintmax_t most) const;
+
   std::filesystem::path input_;
   std::vector<std::filesystem::path>* read_;
 };
