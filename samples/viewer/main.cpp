@@ -58,18 +58,24 @@ class Application {
     });
   }
 
-  bool open(const std::string& path) {
+  // Shows the pack and answers 0; or says what is wrong, leaves what is shown, and answers the exit code: 2 I/O, 3 the pack, 4 graphics.
+  int open(const std::string& path) {
     wrong_.clear();
-    if (std::unique_ptr<Model> model = Model::open(path, wrong_)) wrong_ = stage_.show(std::move(model));
+    auto model = Model::open(path);
+    if (!model) {
+      wrong_ = path + ": " + describe(model.error());
+    } else {
+      wrong_ = stage_.show(*std::move(model));
+    }
     if (!wrong_.empty()) {
       std::fprintf(stderr, "viewer: %s\n", wrong_.c_str());
-      return false;
+      return model ? 4 : model.error().code == kelp::ErrorCode::kIo ? 2 : 3;
     }
     held_.reset();
     choices_.seconds = 0;
     fitCamera();
     glfwSetWindowTitle(window_, ("kelp: " + path).c_str());
-    return true;
+    return 0;
   }
 
   void frame() {
@@ -153,7 +159,10 @@ bool writePicture(const std::string& path, GLFWwindow* window) {
 
 int run(GLFWwindow* window, const Arguments& arguments) {
   Application application(window);
-  if (!arguments.pack.empty() && !application.open(arguments.pack) && arguments.frames > 0) return 3;
+  if (!arguments.pack.empty()) {
+    const int exit_code = application.open(arguments.pack);
+    if (exit_code != 0) return exit_code;
+  }
   for (int frame = 0; !glfwWindowShouldClose(window) && (arguments.frames == 0 || frame < arguments.frames);) {
     glfwPollEvents();
     ImGui_ImplOpenGL3_NewFrame();

@@ -10,21 +10,17 @@ std::string describe(const kelp::Error& error) {
   return text;
 }
 
-std::unique_ptr<Model> Model::open(const std::string& path, std::string& error) {
+kelp::Result<std::unique_ptr<Model>> Model::open(const std::string& path) {
   std::unique_ptr<Model> model(new Model);
   model->path_ = path;
-  const auto fail = [&](const kelp::Error& reason) {
-    error = path + ": " + describe(reason);
-    return nullptr;
-  };
   kelp::Result<kelp::FileSource> file = kelp::FileSource::open(path.c_str());
-  if (!file) return fail(file.error());
+  if (!file) return file.error();
   model->file_ = *std::move(file);
   auto asset = kelp::runtime::Asset::open(model->file_.source());
-  if (!asset) return fail(asset.error());
+  if (!asset) return asset.error();
   model->asset_ = *std::move(asset);
   kelp::Result<kelp::runtime::Pose> pose = kelp::runtime::Pose::create(*model->asset_);
-  if (!pose) return fail(pose.error());
+  if (!pose) return pose.error();
   model->pose_ = *std::move(pose);
 
   const kelp::Pack& pack = model->asset_->pack();

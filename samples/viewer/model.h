@@ -18,8 +18,8 @@ std::string describe(const kelp::Error& error);
 
 class Model {
  public:
-  // Null, with one line in `error`, if the file is no sound pack. The voxels follow from a thread of the model's own.
-  static std::unique_ptr<Model> open(const std::string& path, std::string& error);
+  // Reads all but the voxels, which follow from a thread of the model's own.
+  static kelp::Result<std::unique_ptr<Model>> open(const std::string& path);
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;

@@ -69,7 +69,7 @@ std::string Stage::paint(Surface surface) {
 
 std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
   glViewport(0, 0, viewport.x, viewport.y);
-  glClearColor(0.035f, 0.055f, 0.075f, 1);
+  glClearColor(0.15f, 0.18f, 0.21f, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (!model_) return {};
 

@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# From a fresh Debian 12 to pictures of models that bend: installs what is missing (as root, or with sudo), builds kelp, makes the sample models,
+# bakes and verifies them, and renders them into samples/out. A second run only does what has changed.
+#   samples/demo.sh                 all of it
+#   samples/demo.sh --help          this text
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+case "${1:-}" in
+  "") ;;
+  -h|--help) sed -n '3,6s/^# \{0,1\}//p' "samples/demo.sh"; exit 0 ;;
+  *) echo "demo.sh: unknown option '$1'; see --help" >&2; exit 1 ;;
+esac
+
+out=samples/out
+bin=build/release/bin
+log=$out/demo.log
+mkdir -p "$out"
+: >"$log"
+
+# step WHAT COMMAND...: says what is done; the command's words go to the log, and are shown if it fails, which ends the demo.
+step() {
+  local what=$1 began=$SECONDS code=0
+  shift
+  printf '  %-52s' "$what" >&2
+  echo "== $what: $*" >>"$log"
+  "$@" >>"$log" 2>&1 || code=$?
+  if [ "$code" -ne 0 ]; then
+    echo "FAILED" >&2
+    tail -n 40 "$log" >&2
+    echo "demo.sh: '$what' failed with exit code $code; all it said is in $log" >&2
+    exit "$code"
+  fi
+  echo "$((SECONDS - began)) s" >&2
+}
+
+# stale TARGET SOURCE...: whether a source is newer than the target, or the target is not there.
+stale() {
+  local target=$1 source
+  shift
+  [ -s "$target" ] || return 0
+  for source in "$@"; do [ "$source" -nt "$target" ] && return 0; done
+  return 1
+}
+
+bake() {
+  local name=$1 resolution=$2
+  stale "$out/$name.kelp" "$out/models/$name.glb" "$bin/kelp-bake" || return 0
+  "$bin/kelp-bake" "$out/models/$name.glb" -o "$out/$name.kelp" --resolution "$resolution"
+}
+
+# picture FILE NAME OPTIONS...: renders the pack of that name.
+picture() {
+  local file=$1 name=$2
+  shift 2
+  "$bin/kelp-render" "$out/$name.kelp" -o "$out/$file" --size 960x960 "$@"
+}
+
+echo "kelp's demo" >&2
+step "packages (minutes, the first time)" tools/setup.sh
+step "configure" cmake --preset release
+step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-dump kelp-render game_loop viewer
+if stale "$out/models/fish.glb" samples/models/*.py; then
+  step "make the models" python3 -B samples/models/make_models.py "$out/models"
+fi
+for name in kelp_plant orange fish; do
+  step "bake $name at 256 voxels" bake "$name" 256
+  step "verify $name" "$bin/kelp-dump" verify --deep "$out/$name.kelp"
+done
+step "render the plant at rest" picture plant_rest.png kelp_plant
+step "render the plant bent" picture plant_bent.png kelp_plant --tangent 1=0.9,1,0.3
+step "render the plant in motion" picture plant_sway.png kelp_plant --clip sway --time 0.8
+step "render the orange" picture orange.png orange
+step "render the fish" picture fish.png fish --clip swim --time 0.2
+
+echo
+"$bin/kelp-dump" info "$out/kelp_plant.kelp"
+cat <<END
+
+Pictures, in $PWD/$out:
+  plant_rest.png   the plant at rest
+  plant_bent.png   bent by one tangent
+  plant_sway.png   0.8 s into its clip
+  orange.png fish.png
+
+See it move:          $bin/viewer $out/kelp_plant.kelp
+                      $bin/game_loop $out/kelp_plant.kelp
+Bake a model of yours: $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
+END

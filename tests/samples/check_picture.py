@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""check_picture.py game_loop|viewer PROGRAM PACK: runs a sample on a pack of the kelp plant and looks at the picture it saves, and at what it
+says of bad input."""
+
+import os
+import subprocess
+import sys
+import tempfile
+
+
+def read_ppm(path):
+    """Width, height and a list of (r, g, b)."""
+    with open(path, "rb") as file:
+        magic, size, depth, pixels = file.read().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert magic == b"P6" and depth == b"255" and len(pixels) == 3 * width * height, "not a whole PPM picture: " + path
+    return width, height, [tuple(pixels[i:i + 3]) for i in range(0, len(pixels), 3)]
+
+
+def share(pixels, test):
+    return sum(1 for pixel in pixels if test(*pixel)) / len(pixels)
+
+
+def is_olive(r, g, b):
+    """The plant: more green than blue, and no more red than olive has."""
+    return g > 1.35 * b and g > 0.6 * r and g > 30
+
+
+def is_red(r, g, b):
+    return r > 150 and r > 2 * g and r > 2 * b
+
+
+def is_white(r, g, b):
+    return min(r, g, b) > 200 and max(r, g, b) - min(r, g, b) < 40
+
+
+def check_game_loop(width, height, pixels):
+    assert share(pixels, is_olive) > 0.02, "the plant is missing"
+    assert share(pixels, is_red) > 0.001 and share(pixels, is_white) > 0.001, "the hoop is missing"
+    # The hoop goes round the stem at half height.
+    middle = pixels[width * (height // 3):width * (2 * height // 3)]
+    assert share(middle, is_olive) > 0.01 and share(middle, lambda *p: is_red(*p) or is_white(*p)) > 0.002, "plant and hoop do not meet"
+
+
+def check_viewer(width, height, pixels):
+    assert share(pixels, is_olive) > 0.02, "the plant is missing"
+    assert share(pixels, lambda r, g, b: (r, g, b) == (255, 200, 60)) > 0.0001, "the knots are missing"
+    assert share(pixels, lambda r, g, b: (r, g, b) == (90, 200, 255)) > 0.0001, "the tangents are missing"
+
+
+def expect(command, exit_code, word):
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    lines = done.stderr.strip().splitlines()
+    assert done.returncode == exit_code, "%s: exit code %d instead of %d\n%s" % (command, done.returncode, exit_code, done.stderr)
+    assert len(lines) >= 1 and word in lines[0], "%s says %r, which lacks %r" % (command, done.stderr, word)
+
+
+def main(sample, program, pack):
+    with tempfile.TemporaryDirectory() as folder:
+        picture = os.path.join(folder, "picture.ppm")
+        subprocess.run([program, pack, "--frames", "3", picture], check=True, timeout=240)
+        {"game_loop": check_game_loop, "viewer": check_viewer}[sample](*read_ppm(picture))
+
+        truncated = os.path.join(folder, "truncated.kelp")
+        with open(pack, "rb") as whole, open(truncated, "wb") as part:
+            part.write(whole.read()[:-100])
+        expect([program, truncated, "--frames", "1"], 3, truncated)
+        absent = os.path.join(folder, "absent.kelp")
+        expect([program, absent, "--frames", "1"], 2, absent)
+        expect([program, pack, "--frames", "1", os.path.join(folder, "absent", "picture.ppm")], 2, "picture.ppm")
+        expect([program, pack, "--frames", "none"], 1, "usage")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
