@@ -337,11 +337,11 @@ KELP_FN vec3 kelpDeformNormal(KelpSegment g, float t, float stretch, vec3 n) {
   return vec3(slope.y * n.x, stretch * slope.y * n.y - slope.x * n.x - slope.z * n.z, slope.y * n.z);
 }
 
-// 24 bits (12 + 12, octahedral) -> a unit vector; formats/SPEC.md, "Normals".
+// 24 bits (12 + 12, octahedral around +y) -> a unit vector; formats/SPEC.md, "Attributes".
 KELP_FN vec3 kelpDecodeNormal(uint bits) {
-  float x = float(bits & 4095u) * (2.0f / 4095.0f) - 1.0f;
-  float y = float((bits >> 12u) & 4095u) * (2.0f / 4095.0f) - 1.0f;
-  float z = 1.0f - abs(x) - abs(y);
-  float fold = max(-z, 0.0f);
-  return normalize(vec3(x + (x >= 0.0f ? -fold : fold), y + (y >= 0.0f ? -fold : fold), z));
+  float x = (min(float(bits & 4095u), 4094.0f) - 2047.0f) * (1.0f / 2047.0f);
+  float z = (min(float((bits >> 12u) & 4095u), 4094.0f) - 2047.0f) * (1.0f / 2047.0f);
+  float y = 1.0f - abs(x) - abs(z);
+  float fold = max(-y, 0.0f);
+  return normalize(vec3(x + (x >= 0.0f ? -fold : fold), y, z + (z >= 0.0f ? -fold : fold)));
 }

@@ -141,6 +141,75 @@ TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
   expectAgreement(compare(*renderer, canvas, flipped, instances), "flipped projection");
 }
 
+// Normals, positions and materials that the surface function gets, against the CPU's.
+TEST_P(PictureTest, SurfacesAreTheCpus) {
+  const Canvas canvas({160, 120});
+  const auto normals = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }\n");
+  const auto rests = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.rest / s.size, 1.0); }\n");
+  const auto colors = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n");
+  take(kFigure6[3]);
+  Instance instance{loaded_.asset.get(), &pose_};
+  instance.tint = {1, 0.5f, 0.25f, 1};
+  instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) * glm::scale(glm::mat4(1), glm::vec3(-1, 1.5f, 0.7f));
+  const gl::View view = lookAt(canvas, {0.8f, 1.5f, 3}, {0, 0.8f, 0});
+  const auto drawnBy = [&](gl::Renderer& renderer) {
+    canvas.clear();
+    EXPECT_TRUE(renderer.draw(view, {&instance, 1}));
+    return canvas.pixels();
+  };
+  const std::vector<Pixel> normal_pixels = drawnBy(*normals);
+  const std::vector<Pixel> rest_pixels = drawnBy(*rests);
+  const std::vector<Pixel> color_pixels = drawnBy(*colors);
+  const auto expectNear = [](const Pixel& pixel, const glm::vec3& value, const char* what) {
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(static_cast<float>(pixel[static_cast<std::size_t>(i)]), 255 * value[i], 1.6f) << what;
+  };
+  int compared = 0;
+  for (int y = 0; y < 120 && !HasFailure(); ++y) {
+    for (int x = 0; x < 160; ++x) {
+      const auto i = static_cast<std::size_t>(160 * y + x);
+      const auto hit = raycast(instance, pixelRay(view, x, y));
+      if (!hit || normal_pixels[i][3] == 0) continue;
+      ++compared;
+      expectNear(normal_pixels[i], 0.5f + 0.5f * hit->normal, "normal");
+      expectNear(rest_pixels[i], hit->rest / glm::vec3(volume_.size), "rest");
+      expectNear(color_pixels[i], glm::vec3(0.8f, 0.4f, 0.1f) * glm::vec3(instance.tint), "colour");
+    }
+  }
+  EXPECT_GT(compared, 500);
+}
+
+// A sphere's light side is where the sun is.
+TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
+  const Canvas canvas({80, 80});
+  fields::Occupancy ball{{40, 40, 40}, std::vector<std::uint8_t>(64000)};
+  for (int i = 0; i < 64000; ++i) {
+    ball.solid[static_cast<std::size_t>(i)] = glm::distance(glm::vec3(i % 40, i / 40 % 40, i / 1600) + 0.5f, glm::vec3(20)) < 19;
+  }
+  const LoadedAsset loaded(packOf(ball));
+  const auto renderer = makeRenderer(*loaded.asset);
+  const Instance instance{loaded.asset.get(), nullptr};
+  for (const glm::vec3 sun : {glm::vec3(1, 0, 0.3f), glm::vec3(-1, 0, 0.3f), glm::vec3(0, 1, 0.3f), glm::vec3(0, -1, 0.3f)}) {
+    gl::View view = lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0});
+    view.sun_direction = 7.0f * sun;
+    view.ground_color = view.sky_color = glm::vec3(0.1f);
+    canvas.clear();
+    ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
+    const std::vector<Pixel> pixels = canvas.pixels();
+    glm::vec2 centre(0);
+    float sum = 0;
+    for (int y = 0; y < 80; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const Pixel& pixel = pixels[static_cast<std::size_t>(80 * y + x)];
+        centre += static_cast<float>(pixel[0]) * (glm::vec2(x, y) - 39.5f);
+        sum += static_cast<float>(pixel[0]);
+      }
+    }
+    centre /= sum;
+    EXPECT_GT(glm::dot(centre, glm::vec2(sun)), 3.0f);
+    EXPECT_LT(std::abs(centre.x * sun.y - centre.y * sun.x), 1.0f);
+  }
+}
+
 TEST_P(PictureTest, SeveralSegmentsAndAMovedEnd) {
   const Canvas canvas({160, 120});
   std::vector<Knot> knots = {{0, {0, 0, 0}, {60, 50, 0}}, {0.3f, {14, 30, 4}, {-30, 90, 40}}, {0.6f, {-6, 50, 10}, {0, 60, -80}}, {1, {0, 95, 0}, {40, 70, 30}}};

@@ -65,13 +65,14 @@ Footprint project(const glm::dmat4& to_clip, const Box& box) {
   return footprint;
 }
 
-// The finest level whose voxels, where they are nearest to the eye, are at least `pixels_per_voxel` pixels large; the coarsest, if none is.
-int chooseLevel(const Camera& camera, const glm::mat4& to_world, double nearest, float pixels_per_voxel, int levels) {
-  if (!(nearest > 0)) return 0;
+// The finest level, from `finest` on, whose voxels are at least `pixels_per_voxel` pixels large where they are nearest to the eye; the
+// coarsest, if none is.
+int chooseLevel(const Camera& camera, const glm::mat4& to_world, double nearest, int finest, float pixels_per_voxel, int levels) {
+  int level = std::min(finest, levels - 1);
+  if (!(nearest > 0)) return level;
   double side = 0;
   for (int axis = 0; axis < 3; ++axis) side = std::max(side, static_cast<double>(glm::length(glm::vec3(to_world[axis]))));
-  double pixels = side * camera.pixel_scale / nearest;
-  int level = 0;
+  double pixels = std::ldexp(side * camera.pixel_scale / nearest, level);
   while (level + 1 < levels && pixels < static_cast<double>(pixels_per_voxel)) {
     pixels *= 2;
     ++level;
@@ -149,13 +150,13 @@ Result<Camera> makeCamera(const View& view) {
   return camera;
 }
 
-Result<void> DrawList::build(const AssetStore& store, const Camera& camera, float pixels_per_voxel,
+Result<void> DrawList::build(const AssetStore& store, const Camera& camera, const View& view,
                              std::span<const runtime::Instance> instances) {
   count_ = 0;
   texels_ = 0;
   culled_ = 0;
   for (const runtime::Instance& instance : instances) {
-    if (auto good = addInstance(store, camera, pixels_per_voxel, instance); !good) {
+    if (auto good = addInstance(store, camera, view, instance); !good) {
       count_ = 0;
       return good;
     }
@@ -166,7 +167,7 @@ Result<void> DrawList::build(const AssetStore& store, const Camera& camera, floa
   return writeRecords(camera, store);
 }
 
-Result<void> DrawList::addInstance(const AssetStore& store, const Camera& camera, float pixels_per_voxel, const runtime::Instance& instance) {
+Result<void> DrawList::addInstance(const AssetStore& store, const Camera& camera, const View& view, const runtime::Instance& instance) {
   const int index = store.find(instance.asset);
   if (index < 0) return Error{ErrorCode::kMisuse, "an instance's asset is not known to the renderer"};
   if (auto good = checkInstance(instance); !good) return good;
@@ -192,7 +193,7 @@ Result<void> DrawList::addInstance(const AssetStore& store, const Camera& camera
       continue;
     }
     item.depth = static_cast<float>(footprint.nearest);
-    item.level = std::max(chooseLevel(camera, item.to_world, footprint.nearest, pixels_per_voxel, gpu.levels), gpu.finest);
+    item.level = std::max(chooseLevel(camera, item.to_world, footprint.nearest, view.finest_level, view.pixels_per_voxel, gpu.levels), gpu.finest);
     if (!grow(items_, count_ + 1, allocator_)) return kNoMemory;
     items_[count_++] = item;
   }

@@ -37,7 +37,7 @@ class DrawList {
   explicit DrawList(const Allocator& allocator) : allocator_(allocator), items_(allocator), records_(allocator) {}
 
   // kMisuse for an instance that must not be drawn; nothing is listed then.
-  Result<void> build(const AssetStore& store, const Camera& camera, float pixels_per_voxel, std::span<const runtime::Instance> instances);
+  Result<void> build(const AssetStore& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances);
 
   // Near to far within a draw; the items of a draw in a row, their records too.
   std::span<const DrawItem> items() const { return items_.span().first(count_); }
@@ -49,7 +49,7 @@ class DrawList {
   static std::size_t recordTexels(const DrawItem& item) { return 15 + 4 * (item.knots.size() - 1); }
 
  private:
-  Result<void> addInstance(const AssetStore& store, const Camera& camera, float pixels_per_voxel, const runtime::Instance& instance);
+  Result<void> addInstance(const AssetStore& store, const Camera& camera, const View& view, const runtime::Instance& instance);
   Result<void> writeRecords(const Camera& camera, const AssetStore& store);
 
   Allocator allocator_;

@@ -46,7 +46,7 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 
 bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
-  return view.viewport.x >= 0 && view.viewport.y >= 0 && std::isfinite(length) && length > 0 && view.pixels_per_voxel >= 0;
+  return view.viewport.x >= 0 && view.viewport.y >= 0 && std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0;
 }
 
 }  // namespace
@@ -178,14 +178,14 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative viewport or pixels_per_voxel, or no direction of the sun"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative viewport or level, or no direction of the sun"};
   Stats stats;
   stats.gpu_bytes = self.store.bytes();
   stats.pending = self.store.pending();
   if (view.viewport.x == 0 || view.viewport.y == 0) return stats;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
-  if (auto good = self.list.build(self.store, *camera, view.pixels_per_voxel, instances); !good) return good.error();
+  if (auto good = self.list.build(self.store, *camera, view, instances); !good) return good.error();
   stats.culled = self.list.culled();
   stats.instances = static_cast<std::uint32_t>(self.list.items().size());
   if (stats.instances == 0) return stats;

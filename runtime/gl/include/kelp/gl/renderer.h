@@ -43,6 +43,7 @@ struct View {
   glm::vec3 sun_color{2.6f, 2.5f, 2.3f};       // linear
   glm::vec3 sky_color{0.55f, 0.65f, 0.8f};     // linear, light from above
   glm::vec3 ground_color{0.25f, 0.22f, 0.2f};  // linear, light from below
+  int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   float pixels_per_voxel = 1.0f;  // a coarser level is drawn where finer voxels would be smaller than this many pixels; 0: always the finest
 };
 

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// kelp-render: a pack, a pose, a picture. The one place where errors become exit codes.
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "camera.h"
+#include "canvas.h"
+#include "headless_context.h"
+#include "options.h"
+#include "picture.h"
+#include "png_file.h"
+#include "posing.h"
+#include "render_error.h"
+#include "views.h"
+
+namespace kelp::render {
+namespace {
+
+Exit exitOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kIo: return kIo;
+    case ErrorCode::kUnsupportedVersion:
+    case ErrorCode::kUnsupportedFeature: return kUnsupported;
+    case ErrorCode::kMisuse:
+    case ErrorCode::kOutOfMemory:
+    case ErrorCode::kGraphics: return kFailure;
+    default: return kInvalid;
+  }
+}
+
+const char* remedyOf(ErrorCode code) {
+  switch (exitOf(code)) {
+    case kIo: return "check the disk and the file's permissions";
+    case kUnsupported: return "use a newer version of kelp";
+    case kFailure: return code == ErrorCode::kOutOfMemory ? "free memory, or bake with a lower resolution" : "please report this as a fault of kelp-render";
+    default: return "check it with kelp-dump verify, or bake it again";
+  }
+}
+
+FileSource openFile(const std::string& path) {
+  errno = 0;
+  auto opened = FileSource::open(path.c_str());
+  if (opened) return *std::move(opened);
+  throw RenderError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, errno ? std::strerror(errno) : "it is not a file"));
+}
+
+template <class T>
+T check(const std::string& path, Result<T> result) {
+  if (!result) failPack(path, result.error());
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+// OUT.png, or OUT_0001.png and so on.
+std::string frameName(const Options& options, int frame) {
+  if (options.frames == 1) return options.output;
+  return fmt::format("{}_{:04}.png", options.output.substr(0, options.output.size() - 4), frame + 1);
+}
+
+void run(const Options& options) {
+  FileSource file = openFile(options.pack);
+  const auto asset = check(options.pack, runtime::Asset::open(file.source()));
+  runtime::Pose pose = check(options.pack, runtime::Pose::create(*asset));
+  const runtime::Instance instance{asset.get(), &pose};
+
+  // The camera sees the model at rest and in every frame.
+  const Posing posing(*asset, options);
+  std::vector<glm::dvec3> points;
+  addOutline(instance, points);
+  const bool turntable = options.clip.empty();
+  for (int frame = 0; frame < (turntable ? 1 : options.frames); ++frame) {
+    posing.apply(frame, pose);
+    addOutline(instance, points);
+  }
+  const double aspect = static_cast<double>(options.size.x) / options.size.y;
+  const Camera camera(std::move(points), options.yaw, options.pitch, turntable ? options.frames : 1, aspect);
+  const ViewStyle style = styleOf(options.view, camera);
+  check(options.pack, asset->loadAll());
+
+  const HeadlessContext context;
+  Canvas canvas(options.samples * options.size, style.colors, context.es());
+  gl::Config config;
+  config.getProcAddress = HeadlessContext::getProcAddress;
+  config.surface_glsl = style.surface.c_str();
+  config.log = [](void*, const char* text) { std::fputs(text, stderr); };
+  const auto renderer = check("OpenGL", gl::Renderer::create(config));
+  check(options.pack, renderer->add(*asset));
+  check(options.pack, renderer->upload(~std::uint64_t{0}));
+
+  gl::View view;
+  view.viewport = options.samples * options.size;
+  view.sun_color = {2.3f, 2.2f, 2.05f};
+  view.sky_color = {0.48f, 0.52f, 0.58f};
+  view.ground_color = {0.22f, 0.2f, 0.18f};
+  if (options.level) {
+    view.finest_level = *options.level;
+    view.pixels_per_voxel = 0;
+  }
+  for (int frame = 0; frame < options.frames; ++frame) {
+    posing.apply(frame, pose);
+    camera.apply(turntable ? frame : 0, view);
+    canvas.clear();
+    check(options.pack, renderer->draw(view, {&instance, 1}));
+    writePng(frameName(options, frame),
+             resolve(canvas.read(), options.size, options.samples, style.colors, options.background.value_or(style.background)));
+  }
+}
+
+// One line whatever the message holds.
+int complain(Exit code, std::string message) {
+  std::replace_if(message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  std::fprintf(stderr, "kelp-render: %s\n", message.c_str());
+  return code;
+}
+
+}  // namespace
+
+void failPack(const std::string& path, const Error& error) {
+  std::string message = path + ": ";
+  if (error.offset != Error::kNoOffset) message += fmt::format("byte {}: ", error.offset);
+  message += toString(error.code);
+  if (*error.detail) message += fmt::format(" ({})", error.detail);
+  throw RenderError(exitOf(error.code), fmt::format("{}; {}", message, remedyOf(error.code)));
+}
+
+}  // namespace kelp::render
+
+int main(int argc, char** argv) {
+  using namespace kelp::render;
+  try {
+    if (const auto options = parseOptions(argc, argv)) run(*options);
+    return kOk;
+  } catch (const RenderError& error) {
+    return complain(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(kFailure, "out of memory; lower --size or --samples, or bake with a lower resolution");
+  } catch (const std::exception& error) {
+    return complain(kFailure, std::string("unexpected: ") + error.what() + "; please report this as a fault of kelp-render");
+  }
+}

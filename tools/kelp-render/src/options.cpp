@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include "options.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <glm/vector_relational.hpp>
+
+#include "render_error.h"
+
+namespace kelp::render {
+namespace {
+
+constexpr int kMaxSide = 8192;
+constexpr int kMaxFrames = 9999;
+
+[[noreturn]] void refuse(const char* option, const std::string& text, const char* wanted) {
+  throw RenderError(kUsage, fmt::format("{} {}: expected {}; see kelp-render --help", option, text, wanted));
+}
+
+// All of `text` as a number.
+template <class Number>
+bool parseNumber(std::string_view text, Number& out) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// "x,y,z"
+bool parseVector(std::string_view text, glm::vec3& out) {
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i == 2)) return false;
+    if (!parseNumber(text.substr(0, comma), out[i]) || !std::isfinite(out[i])) return false;
+    text.remove_prefix(i == 2 ? text.size() : comma + 1);
+  }
+  return true;
+}
+
+glm::ivec2 parseSize(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  glm::ivec2 size;
+  if (cross == std::string::npos || !parseNumber(std::string_view(text).substr(0, cross), size.x) ||
+      !parseNumber(std::string_view(text).substr(cross + 1), size.y) || size.x < 1 || size.y < 1 || size.x > kMaxSide || size.y > kMaxSide) {
+    refuse("--size", text, "WIDTHxHEIGHT, each from 1 to 8192");
+  }
+  return size;
+}
+
+KnotChange parseChange(const char* option, const std::string& text, bool tangent) {
+  KnotChange change;
+  change.tangent = tangent;
+  change.text = fmt::format("{} {}", option, text);
+  const std::size_t equals = text.rfind('=');
+  std::string knot = text.substr(0, equals);
+  const std::size_t colon = knot.rfind(':');
+  if (colon != std::string::npos) {
+    change.part = knot.substr(0, colon);
+    knot.erase(0, colon + 1);
+  }
+  if (equals == std::string::npos || !parseNumber(knot, change.knot) || change.knot < 0 ||
+      !parseVector(std::string_view(text).substr(equals + 1), change.value)) {
+    refuse(option, text, "KNOT=x,y,z or PART:KNOT=x,y,z");
+  }
+  return change;
+}
+
+Background parseBackground(const std::string& text) {
+  Background background;
+  if (text == "none") {
+    background.transparent = true;
+    return background;
+  }
+  if (!parseVector(text, background.top) || glm::any(glm::lessThan(background.top, glm::vec3(0))) ||
+      glm::any(glm::greaterThan(background.top, glm::vec3(255)))) {
+    refuse("--background", text, "R,G,B, each from 0 to 255, or none");
+  }
+  background.top /= 255.0f;
+  background.bottom = background.top;
+  return background;
+}
+
+constexpr char kFooter[] =
+    "Examples:\n"
+    "  kelp-render reed.kelp -o reed.png                                     at rest\n"
+    "  kelp-render orange.kelp -o bent.png --tangent 0=3,0,1 --tangent 1=3,0,2\n"
+    "  kelp-render reed.kelp -o sway.png --clip sway --frames 24             sway_0001.png ... sway_0024.png\n"
+    "  kelp-render reed.kelp -o turn.png --frames 36                         a turntable\n"
+    "  kelp-render reed.kelp -o cost.png --view steps                        how many steps each ray took: blue 0, red 64 and more\n"
+    "\n"
+    "Vectors are in the part's axes, y along the spline; 1 is the length of the axis.\n"
+    "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or pose, 4 failure at run time, 5 unsupported feature.";
+
+}  // namespace
+
+std::optional<Options> parseOptions(int argc, char** argv) {
+  CLI::App app("Renders a .kelp pack to PNG, without a window.", "kelp-render");
+  app.set_version_flag("--version", "kelp-render " KELP_VERSION);
+  app.footer(kFooter);
+  Options options;
+  std::string size, background;
+  std::vector<std::string> tangents, offsets;
+  int level = 0;
+  const std::map<std::string, ViewKind> views{{"shaded", ViewKind::kShaded},
+                                              {"normals", ViewKind::kNormals},
+                                              {"depth", ViewKind::kDepth},
+                                              {"steps", ViewKind::kSteps},
+                                              {"level", ViewKind::kLevel}};
+  app.add_option("PACK", options.pack, "the .kelp file")->required();
+  app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
+  app.add_option("--view", options.view, "what to show")->transform(CLI::Transformer(views))->option_text("shaded|normals|depth|steps|level [shaded]");
+  app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
+  app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
+  app.add_option("--clip", options.clip, "the animation to play")->option_text("NAME");
+  app.add_option("--time", options.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
+  app.add_option("--tangent", tangents, "replaces the tangent dS/d(at) of a knot")->option_text("[PART:]KNOT=x,y,z ...")->allow_extra_args(false);
+  app.add_option("--offset", offsets, "moves a knot")->option_text("[PART:]KNOT=x,y,z ...")->allow_extra_args(false);
+  app.add_option("--frames", options.frames, "pictures over the clip's duration; without a clip, over a full turn")
+      ->check(CLI::Range(1, kMaxFrames))
+      ->option_text("N [1]");
+  app.add_option("--yaw", options.yaw, "degrees to the right of the model's front")->option_text("DEGREES [30]");
+  app.add_option("--pitch", options.pitch, "degrees from which it is looked down upon")->check(CLI::Range(-90.0, 90.0))->option_text("DEGREES [15]");
+  CLI::Option* const level_option =
+      app.add_option("--level", level, "the level to draw, 0 = finest; by default chosen by the size of its voxels in the picture")
+          ->check(CLI::Range(0, 15))
+          ->option_text("N");
+  app.add_option("--background", background, "one colour, or none for a transparent picture; by default a gradient")->option_text("R,G,B|none");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) throw RenderError(kUsage, fmt::format("{}; see kelp-render --help", error.what()));
+    app.exit(error);
+    return std::nullopt;
+  }
+  if (!options.output.ends_with(".png")) refuse("-o", options.output, "a name that ends in .png");
+  if (!std::isfinite(options.time) || !std::isfinite(options.yaw)) throw RenderError(kUsage, "--time and --yaw take finite numbers; see kelp-render --help");
+  if (!size.empty()) options.size = parseSize(size);
+  if (!background.empty()) options.background = parseBackground(background);
+  if (*level_option) options.level = level;
+  for (const std::string& text : tangents) options.changes.push_back(parseChange("--tangent", text, true));
+  for (const std::string& text : offsets) options.changes.push_back(parseChange("--offset", text, false));
+  return options;
+}
+
+}  // namespace kelp::render

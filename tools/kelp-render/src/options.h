@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// The command line as plain data.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace kelp::render {
+
+enum class ViewKind { kShaded, kNormals, kDepth, kSteps, kLevel };
+
+// --tangent or --offset: a knot and a vector in units of the axis' length.
+struct KnotChange {
+  std::string part;  // name or index; empty: the only one
+  int knot = 0;
+  glm::vec3 value{0};
+  bool tangent = false;  // else the position
+  std::string text;      // as written, for messages
+};
+
+struct Background {
+  bool transparent = false;
+  glm::vec3 bottom{0}, top{0};  // sRGB, 0 .. 1
+};
+
+struct Options {
+  std::string pack;
+  std::string output;
+  ViewKind view = ViewKind::kShaded;
+  glm::ivec2 size{800, 600};
+  int samples = 2;  // along each side of a pixel
+  std::string clip;
+  double time = 0;
+  std::vector<KnotChange> changes;
+  int frames = 1;
+  double yaw = 30;    // degrees; 0 looks at the front (+z)
+  double pitch = 15;  // degrees, downwards
+  std::optional<int> level;
+  std::optional<Background> background;
+};
+
+// nullopt: --help or --version was answered. RenderError (kUsage) otherwise.
+std::optional<Options> parseOptions(int argc, char** argv);
+
+}  // namespace kelp::render

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "posing.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "render_error.h"
+
+namespace kelp::render {
+namespace {
+
+// Names for a message: at most eight.
+template <class Range>
+std::string listNames(const Range& things) {
+  std::string list;
+  int count = 0;
+  for (const auto& thing : things) {
+    if (++count > 8) return list + ", ...";
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", thing.name);
+  }
+  return list.empty() ? "none" : list;
+}
+
+int findPart(const Pack& pack, const KnotChange& change) {
+  const std::span<const Part> parts = pack.parts();
+  if (change.part.empty()) {
+    if (parts.size() == 1) return 0;
+    throw RenderError(kUsage, fmt::format("{}: the pack has several parts; say which as PART:KNOT. Parts: {}", change.text, listNames(parts)));
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].name == change.part) return static_cast<int>(i);
+  }
+  int index = -1;
+  const char* const end = change.part.data() + change.part.size();
+  const auto parsed = std::from_chars(change.part.data(), end, index);
+  if (parsed.ec == std::errc() && parsed.ptr == end && index >= 0 && static_cast<std::size_t>(index) < parts.size()) return index;
+  throw RenderError(kUsage, fmt::format("{}: the pack has no part \"{}\". Parts: {}", change.text, change.part, listNames(parts)));
+}
+
+// The first segment that turns back; the pose is known to have one.
+std::string describe(const Pack& pack, const runtime::Pose& pose) {
+  for (int p = 0; p < pose.parts(); ++p) {
+    const std::span<const Knot> knots = pose.knots(p);
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      if (isMonotone(makeSegment(knots[k], knots[k + 1]))) continue;
+      return fmt::format("part {}: the spline turns back along its axis between knots {} and {}", pack.parts()[static_cast<std::size_t>(p)].name, k, k + 1);
+    }
+  }
+  return "the spline turns back along its axis";
+}
+
+}  // namespace
+
+Posing::Posing(const runtime::Asset& asset, const Options& options) : asset_(asset), options_(options) {
+  const Pack& pack = asset.pack();
+  for (const KnotChange& change : options.changes) {
+    const int part = findPart(pack, change);
+    const std::size_t knots = pack.parts()[static_cast<std::size_t>(part)].knots.size();
+    if (static_cast<std::size_t>(change.knot) >= knots) {
+      throw RenderError(kUsage, fmt::format("{}: the part has the knots 0 to {}", change.text, knots - 1));
+    }
+    changes_.push_back({part, &change});
+  }
+  if (options.clip.empty()) return;
+  clip_ = runtime::findClip(asset, options.clip);
+  if (clip_ < 0) throw RenderError(kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", options.clip, options.pack, listNames(pack.clips())));
+}
+
+void Posing::apply(int frame, runtime::Pose& pose) const {
+  pose.reset();
+  for (const Resolved& resolved : changes_) {
+    const auto part = static_cast<std::size_t>(resolved.part);
+    const glm::vec3 voxels = static_cast<float>(asset_.pack().parts()[part].size.y) * resolved.change->value;
+    Knot& knot = pose.knots(resolved.part)[static_cast<std::size_t>(resolved.change->knot)];
+    if (resolved.change->tangent) {
+      knot.tangent = voxels;
+    } else {
+      knot.position += voxels;
+    }
+  }
+  if (clip_ >= 0) {
+    const double duration = double{asset_.pack().clips()[static_cast<std::size_t>(clip_)].duration};
+    const double seconds = options_.time + duration * frame / options_.frames;
+    if (const auto added = runtime::addClip(asset_, clip_, seconds, 1, pose); !added) failPack(options_.pack, added.error());
+  }
+  if (!pose.check()) {
+    throw RenderError(kInvalid, fmt::format("{}: {}; keep the knots' y ascending and the y of every tangent between 0 and 3 times the rise to the "
+                                            "next knot per share of the axis", options_.pack, describe(asset_.pack(), pose)));
+  }
+}
+
+}  // namespace kelp::render

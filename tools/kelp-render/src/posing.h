@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// The pose of each frame: rest, then what --tangent and --offset change, then the clip.
+#pragma once
+
+#include "kelp/runtime/pose.h"
+#include "options.h"
+
+namespace kelp::render {
+
+class Posing {
+ public:
+  // RenderError: kUsage for a clip, part or knot that is not there.
+  Posing(const runtime::Asset& asset, const Options& options);
+
+  // Sets `pose` for the frame. RenderError (kInvalid) with the knot's name if it is not monotone.
+  void apply(int frame, runtime::Pose& pose) const;
+
+ private:
+  struct Resolved {
+    int part = 0;
+    const KnotChange* change = nullptr;
+  };
+  const runtime::Asset& asset_;
+  const Options& options_;
+  std::vector<Resolved> changes_;
+  int clip_ = -1;
+};
+
+}  // namespace kelp::render

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// What the pixels of each --view mean.
+#pragma once
+
+#include <string>
+
+#include "camera.h"
+#include "options.h"
+
+namespace kelp::render {
+
+struct ViewStyle {
+  std::string surface;       // GLSL for kelp::gl::Config::surface_glsl
+  bool colors = false;       // linear colour, to be encoded as sRGB; else plain numbers
+  Background background;     // unless --background says otherwise
+};
+
+ViewStyle styleOf(ViewKind kind, const Camera& camera);
+
+}  // namespace kelp::render
