@@ -242,6 +242,36 @@ TEST(ProveClip, ExactlyAtTheLimit) {
   }
 }
 
+TEST(ProveClip, CubicKeysAtTheLimit) {
+  // Two keys, none too deep; what dips between them is the overshoot, whose depth the slope sets. The limit is 66.7 voxels, as above.
+  const auto swing = [](float slope) {
+    RawClip clip{"swing", 2, {}, {{0, 1, Target::kKnotOffset, Interpolation::kCubic, {}}}};
+    clip.tracks[0].keys = {{0.25f, {0, 10, 0, 0}, {}, {0, -slope, 0, 0}}, {1.5f, {0, -30, 0, 0}, {0, 0.5f * slope, 0, 0}, {}}};
+    return clip;
+  };
+  const auto depth = [&](float slope) {
+    const RawClip clip = swing(slope);
+    double lowest = 0;
+    for (int i = 0; i <= 20000; ++i) lowest = std::min(lowest, trackAt(clip.tracks[0], 1, 2.0 * i / 20000));
+    return -lowest;
+  };
+  float slope = 0;
+  while (depth(slope) < 66.3) slope += 0.25f;
+  ASSERT_LT(depth(slope), 66.6);
+  EXPECT_NO_THROW(proveClip(swing(slope), 0, straight(100), {8, 100, 8}));
+  while (depth(slope) < 66.8) slope += 0.25f;
+  EXPECT_THROW(proveClip(swing(slope), 0, straight(100), {8, 100, 8}), RigError);
+  // Bounds hold the overshoot, and not much more.
+  while (depth(slope) > 60) slope -= 0.25f;
+  RawClip sideways = swing(slope);
+  for (Key& key : sideways.tracks[0].keys) {
+    for (glm::vec4* v : {&key.value, &key.in, &key.out}) *v = {v->y, 0, 0, 0};
+  }
+  const ClipReport report = proveClip(sideways, 0, straight(100), {8, 100, 8});
+  EXPECT_LE(report.bounds.min.x, static_cast<float>(-depth(slope)));
+  EXPECT_GE(report.bounds.min.x, static_cast<float>(-1.6 * depth(slope)));
+}
+
 TEST(ProveClip, UnrelatedPeriodsAreTakenAtTheirWorst) {
   // 40 + 40 of 66.7 voxels: each wave alone is fine, together they are not, at times far from the start.
   RawClip clip{"beat", 2, {{0, 1, Target::kKnotOffset, {0, 40, 0}, 1, 0.5f}, {0, 1, Target::kKnotOffset, {0, 40, 0}, 1.4142135f, 0.5f}}, {}};
