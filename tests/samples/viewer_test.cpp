@@ -36,6 +36,8 @@ class Viewer : public ::testing::Test {
 
   glm::vec2 pixelOf(const Handle& handle) const { return camera_.project(position(*model_, handle)).value(); }
 
+  float depthOf(const Handle& handle) const { return (camera_.worldToEye() * glm::vec4(position(*model_, handle), 1)).z; }
+
   std::filesystem::path path_;
   std::unique_ptr<Model> model_;
   OrbitCamera camera_;
@@ -87,8 +89,10 @@ TEST_F(Viewer, ADraggedHandleFollowsTheMouse) {
       camera_.orbit({130, 25});
       for (int move = 1; move <= 3; ++move) {
         const glm::vec2 mouse = pixelOf(handle) + glm::vec2(15 * move, -4);
+        const float depth = depthOf(handle);
         drag(*model_, handle, camera_, mouse);
         model_->pose(seconds);
+        EXPECT_NEAR(depthOf(handle), depth, 1e-4f);
         EXPECT_LT(glm::distance(pixelOf(handle), mouse), 0.1f) << "knot " << handle.knot << " tangent " << (handle.kind == Handle::Kind::kTangent);
       }
       EXPECT_TRUE(model_->edited());
