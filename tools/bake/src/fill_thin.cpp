@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fill_thin.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "parallel.h"
 
@@ -11,6 +13,10 @@ namespace {
 constexpr std::uint32_t kCentreBit = 1u << 13;
 constexpr double kHalfDiagonal = 0.8660254037844387;
 constexpr std::size_t kGrain = 4096;
+// Values of voxels while this file works.
+constexpr std::uint8_t kLost = 3;     // kept by the first pass; the second looks for its neighbours
+constexpr std::uint8_t kPassed = 4;   // empty, but a thin component passes through
+bool isSolid(std::uint8_t voxel) { return voxel != kEmpty && voxel != kPassed; }
 
 // For each of the 27 cells the cells that touch it.
 struct Touching {
@@ -46,6 +52,47 @@ glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
   return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y))};
 }
 
+// Calls visit(neighbour, its dense index) for the voxels of the volume at most `reach` away.
+template <class Visit>
+void forEachAround(const glm::ivec3& voxel, const glm::ivec3& size, int reach, const Visit& visit) {
+  for (int z = std::max(0, voxel.z - reach); z <= std::min(size.z - 1, voxel.z + reach); ++z) {
+    for (int y = std::max(0, voxel.y - reach); y <= std::min(size.y - 1, voxel.y + reach); ++y) {
+      for (int x = std::max(0, voxel.x - reach); x <= std::min(size.x - 1, voxel.x + reach); ++x) {
+        visit(glm::ivec3(x, y, z), static_cast<std::size_t>(x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z)));
+      }
+    }
+  }
+}
+
+int chebyshev(const glm::ivec3& a, const glm::ivec3& b) { return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}); }
+
+// Whether a passed voxel beside `voxel` touches something solid that does not hang together, within two voxels, with what `voxel` touches.
+bool seesTwoEnds(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel) {
+  glm::ivec3 solid[125], passed[26];
+  int solids = 0, passes = 0;
+  forEachAround(voxel, size, 2, [&](const glm::ivec3& at, std::size_t index) {
+    if (isSolid(voxels[index])) solid[solids++] = at;
+    if (voxels[index] == kPassed && at != voxel && chebyshev(at, voxel) == 1) passed[passes++] = at;
+  });
+  if (passes == 0) return false;
+  // What hangs together with what `voxel` touches moves to the front.
+  int reached = 0;
+  for (int i = 0; i < solids; ++i) {
+    if (chebyshev(solid[i], voxel) <= 1) std::swap(solid[reached++], solid[i]);
+  }
+  for (int i = 0; i < reached; ++i) {
+    for (int k = reached; k < solids; ++k) {
+      if (chebyshev(solid[i], solid[k]) <= 1) std::swap(solid[reached++], solid[k]);
+    }
+  }
+  for (int i = reached; i < solids; ++i) {
+    for (int k = 0; k < passes; ++k) {
+      if (chebyshev(solid[i], passed[k]) <= 1) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel) {
@@ -59,7 +106,7 @@ std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::
       }
       const std::size_t row = static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
       for (int x = voxel.x - 1; x <= voxel.x + 1; ++x, ++bit) {
-        if (x >= 0 && x < size.x && voxels[row + static_cast<std::size_t>(x)] != kEmpty) mask |= 1u << bit;
+        if (x >= 0 && x < size.x && isSolid(voxels[row + static_cast<std::size_t>(x)])) mask |= 1u << bit;
       }
     }
   }
@@ -68,53 +115,54 @@ std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::
 
 void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size, int threads,
                    std::vector<std::uint8_t>& voxels) {
-  constexpr std::uint8_t kLost = 3;  // kept by the first pass; the second looks for its neighbours
   std::vector<std::uint8_t> chosen(touched.size(), 0);
   const auto sweep = [&](const auto& wanted) {
     parallelRanges(touched.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        chosen[i] = 0;
-        if (voxels[touched[i]] != kEmpty) continue;
-        const glm::ivec3 voxel = voxelAt(touched[i], size);
-        const std::uint32_t mask = neighbourMask(voxels, size, voxel) & ~kCentreBit;
-        chosen[i] = wanted(voxel, mask) ? 1 : 0;
-      }
+      for (std::size_t i = begin; i < end; ++i) chosen[i] = !isSolid(voxels[touched[i]]) && wanted(i, voxelAt(touched[i], size)) ? 1 : 0;
     });
   };
-  // The nearest triangle, if its nearest point lies in the voxel.
-  const auto passing = [&](const glm::ivec3& voxel) {
-    const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    Nearest nearest = bvh.nearest(centre, kHalfDiagonal);
-    const glm::dvec3 away = glm::abs(nearest.point - centre);
-    if (std::max({away.x, away.y, away.z}) > 0.5) nearest.triangle = kCap;
-    return nearest.triangle;
-  };
-  const auto keep = [&](std::uint8_t value) {
+  const auto set = [&](std::uint8_t value) {
     for (std::size_t i = 0; i < touched.size(); ++i) {
       if (chosen[i]) voxels[touched[i]] = value;
     }
   };
+  // The triangle that passes through an empty voxel; kCap if the nearest point lies elsewhere.
+  const auto passing = [&](const glm::ivec3& voxel) {
+    const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
+    const Nearest nearest = bvh.nearest(centre, kHalfDiagonal);
+    const glm::dvec3 away = glm::abs(nearest.point - centre);
+    return std::max({away.x, away.y, away.z}) <= 0.5 ? nearest.triangle : kCap;
+  };
+  const auto neighbours = [&](const glm::ivec3& voxel) { return neighbourMask(voxels, size, voxel) & ~kCentreBit; };
 
-  sweep([&](const glm::ivec3& voxel, std::uint32_t mask) { return mask == 0 && passing(voxel) != kCap; });
-  keep(kLost);
-  sweep([&](const glm::ivec3& voxel, std::uint32_t mask) {
-    if (mask == 0 || connected(mask)) return false;
+  // 1. Where nothing is around.
+  sweep([&](std::size_t, const glm::ivec3& voxel) { return neighbours(voxel) == 0 && passing(voxel) != kCap; });
+  set(kLost);
+  // 2. What joins those to the rest, and single gaps in thin components.
+  const auto lostBeside = [&](const glm::ivec3& voxel) {
+    bool found = false;
+    forEachAround(voxel, size, 1, [&](const glm::ivec3&, std::size_t at) { found = found || voxels[at] == kLost; });
+    return found;
+  };
+  std::vector<std::uint8_t> thin(touched.size(), 0);
+  sweep([&](std::size_t i, const glm::ivec3& voxel) {
+    const std::uint32_t mask = neighbours(voxel);
+    if (mask == 0) return false;
     const std::uint32_t triangle = passing(voxel);
     if (triangle == kCap) return false;
-    if (mesh.components[mesh.triangles[triangle].component].thin) return true;
-    for (int z = std::max(0, voxel.z - 1); z <= std::min(size.z - 1, voxel.z + 1); ++z) {
-      for (int y = std::max(0, voxel.y - 1); y <= std::min(size.y - 1, voxel.y + 1); ++y) {
-        for (int x = std::max(0, voxel.x - 1); x <= std::min(size.x - 1, voxel.x + 1); ++x) {
-          const std::size_t at = static_cast<std::size_t>(x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
-          if (voxels[at] == kLost) return true;
-        }
-      }
-    }
-    return false;
+    thin[i] = mesh.components[mesh.triangles[triangle].component].thin ? 1 : 0;
+    return !connected(mask) && (thin[i] || lostBeside(voxel));
   });
-  keep(kKept);
+  set(kKept);
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    if (thin[i] && voxels[touched[i]] == kEmpty) voxels[touched[i]] = kPassed;
+  }
+  // 3. Gaps of two, whose voxels each see only one end.
+  sweep([&](std::size_t i, const glm::ivec3& voxel) { return thin[i] && seesTwoEnds(voxels, size, voxel); });
+  set(kKept);
   for (const std::uint64_t index : touched) {
     if (voxels[index] == kLost) voxels[index] = kKept;
+    if (voxels[index] == kPassed) voxels[index] = kEmpty;
   }
 }
 

@@ -9,7 +9,7 @@ namespace kelp::bake {
 
 // After the scanlines: adds (as kKept) touched voxels where the mesh is thinner than they can see, such as a wire, a grass blade or the
 // tip of an ear. First, voxels that the surface passes through and that have nothing solid around them; then, beside those and on thin
-// components, voxels that join what would fall apart. Thick bodies gain nothing.
+// components, voxels that join what would fall apart, alone or in pairs. Thick bodies gain nothing.
 void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size, int threads,
                    std::vector<std::uint8_t>& voxels);
 

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// Fill and normals against shapes whose volume, surface and normals are known in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+#include "kelp/fields/fields.h"
+#include "shapes.h"
+
+namespace kelp {
+namespace {
+
+using test::voxelizeUnit;
+
+constexpr double kPi = 3.14159265358979;
+
+glm::dvec3 centreOf(const bake::VoxelGrid& grid, std::uint64_t index) {
+  const std::uint64_t x = static_cast<std::uint64_t>(grid.size.x), y = static_cast<std::uint64_t>(grid.size.y);
+  return glm::dvec3(static_cast<double>(index % x), static_cast<double>(index / x % y), static_cast<double>(index / (x * y))) + 0.5;
+}
+
+// Mean angle, in degrees, between the samples' normals and the exact ones.
+double meanNormalError(const bake::VoxelGrid& grid, const std::function<glm::dvec3(const glm::dvec3&)>& exact) {
+  double sum = 0;
+  for (const bake::SurfaceSample& sample : grid.surface) {
+    const glm::dvec3 node(grid.to_node * glm::vec4(glm::vec3(centreOf(grid, sample.index)), 1.0f));
+    sum += std::acos(std::min(1.0, glm::dot(glm::dvec3(sample.normal), exact(node)))) * 180.0 / kPi;
+  }
+  return sum / static_cast<double>(grid.surface.size());
+}
+
+TEST(Voxelize, SphereHasItsVolumeAndItsNormals) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {3, -7, 11}, 64.0f, 200);
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(baked.grid().size, glm::ivec3(128));
+  EXPECT_TRUE(baked.result.closed);
+  EXPECT_EQ(baked.result.fill, "solid: 1 of 1 component closed");
+  const double volume = 4.0 / 3.0 * kPi * 64.0 * 64.0 * 64.0;
+  EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
+  EXPECT_LT(meanNormalError(baked.grid(), [](const glm::dvec3& p) { return glm::normalize(p - glm::dvec3(3, -7, 11)); }), 1.0);
+}
+
+TEST(Voxelize, TorusOf256HasItsVolumeAndItsNormals) {
+  bake::TriangleSoup soup;
+  test::addTorus(soup, 92.0f, 36.0f, 300);
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(baked.grid().size, glm::ivec3(256, 72, 256));
+  const double volume = 2.0 * kPi * kPi * 92.0 * 36.0 * 36.0;
+  EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
+  const auto exact = [](const glm::dvec3& p) { return glm::normalize(p - 92.0 * glm::normalize(glm::dvec3(p.x, 0, p.z))); };
+  EXPECT_LT(meanNormalError(baked.grid(), exact), 1.0);
+}
+
+TEST(Voxelize, BoxFillsEveryVoxelOfItsExtent) {
+  bake::TriangleSoup soup;
+  test::addBox(soup, {0, 0, 0}, {5, 8, 3});
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(baked.grid().size, glm::ivec3(5, 8, 3));
+  EXPECT_EQ(baked.solid, 5u * 8u * 3u);
+}
+
+TEST(Voxelize, SurfaceIsExactlyTheSurfaceVoxelsWithUnitNormals) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {0, 0, 0}, 12.0f, 24);
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  const std::vector<std::uint64_t> expected = fields::surfaceVoxels({baked.grid().size, baked.grid().solid}, 1);
+  ASSERT_EQ(baked.grid().surface.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(baked.grid().surface[i].index, expected[i]);
+    EXPECT_NEAR(glm::length(baked.grid().surface[i].normal), 1.0f, 1e-5f);
+  }
+}
+
+TEST(Voxelize, InsideOutIsTheSameSolid) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {0, 0, 0}, 20.0f, 40);
+  const test::Baked outward = voxelizeUnit(test::makeModel(soup));
+  test::turnInsideOut(soup);
+  const test::Baked inward = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(outward.grid().solid, inward.grid().solid);
+  for (std::size_t i = 0; i < outward.grid().surface.size(); ++i) {
+    EXPECT_GT(glm::dot(outward.grid().surface[i].normal, inward.grid().surface[i].normal), 0.999f);
+  }
+}
+
+TEST(Voxelize, MixedWindingIsTheSameSolid) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {0, 0, 0}, 20.0f, 40);
+  const test::Baked consistent = voxelizeUnit(test::makeModel(soup));
+  for (std::size_t i = 0; i < soup.triangles.size(); i += 3) std::swap(soup.triangles[i].vertex[0], soup.triangles[i].vertex[1]);
+  const test::Baked mixed = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(consistent.grid().solid, mixed.grid().solid);
+}
+
+TEST(Voxelize, FacesModelledTwiceAreOne) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {0, 0, 0}, 20.0f, 40);
+  const test::Baked once = voxelizeUnit(test::makeModel(soup));
+  bake::TriangleSoup back = soup;
+  test::turnInsideOut(back);
+  soup.triangles.insert(soup.triangles.end(), back.triangles.begin(), back.triangles.end());
+  const test::Baked twice = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(once.grid().solid, twice.grid().solid);
+}
+
+TEST(Voxelize, OverlappingAndNestedBodiesAreTheirUnion) {
+  bake::TriangleSoup overlapping;
+  test::addBox(overlapping, {0, 0, 0}, {10, 10, 10});
+  test::addBox(overlapping, {6, 0, 0}, {16, 10, 10});
+  EXPECT_EQ(voxelizeUnit(test::makeModel(overlapping)).solid, 16u * 10u * 10u);
+
+  // The inner shell is wound inward, as a hollow ball is modelled: nobody sees the cavity, and it would cost memory.
+  bake::TriangleSoup nested, inner;
+  test::addBox(nested, {0, 0, 0}, {20, 20, 20});
+  test::addBox(inner, {5, 5, 5}, {15, 15, 15});
+  test::turnInsideOut(inner);
+  for (bake::TriangleSoup::Triangle triangle : inner.triangles) {
+    for (std::uint32_t& vertex : triangle.vertex) vertex += static_cast<std::uint32_t>(nested.positions.size());
+    nested.triangles.push_back(triangle);
+  }
+  nested.positions.insert(nested.positions.end(), inner.positions.begin(), inner.positions.end());
+  EXPECT_EQ(voxelizeUnit(test::makeModel(nested)).solid, 20u * 20u * 20u);
+}
+
+TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {
+  bake::TriangleSoup soup;
+  test::addBox(soup, {0, 0, 0}, {20, 20, 20});
+  test::addBox(soup, {4.3f, 4.3f, 0.7f}, {15.6f, 15.6f, 10.0f});  // its -z face lies 0.7 beneath the other's
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  for (const bake::SurfaceSample& sample : baked.grid().surface) {
+    const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+    if (p.z < 1.0 && p.x > 5 && p.x < 15 && p.y > 5 && p.y < 15) {
+      EXPECT_LT(sample.normal.z, -0.99f);
+    }
+  }
+}
+
+TEST(Voxelize, HolesAreCapped) {
+  bake::TriangleSoup soup;  // the lowest 25 degrees are missing: far wider than a voxel
+  test::addSphere(soup, {0, 0, 0}, 40.0f, 90, [](float latitude) { return latitude > -65.0f * 3.14159265f / 180.0f; });
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_FALSE(baked.result.closed);
+  EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
+  const double h = 40.0 * (1.0 - std::sin(65.0 * kPi / 180.0));
+  const double volume = 4.0 / 3.0 * kPi * 40.0 * 40.0 * 40.0 - kPi * h * h * (40.0 - h / 3.0);
+  EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.01 * volume);
+  // The cap is flat and faces down, though no triangle of the mesh is near.
+  const int middle = baked.grid().size.x / 2;
+  EXPECT_TRUE(baked.at(middle, 0, middle));
+  for (const bake::SurfaceSample& sample : baked.grid().surface) {
+    const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+    if (p.y < 1 && std::hypot(p.x - middle, p.z - middle) < 10) {
+      EXPECT_LT(sample.normal.y, -0.99f);
+    }
+  }
+}
+
+TEST(Voxelize, OpenSheetsStaySheets) {
+  bake::TriangleSoup bowl;
+  test::addSphere(bowl, {0, 0, 0}, 30.0f, 60, [](float latitude) { return latitude < 0; });
+  const test::Baked baked = voxelizeUnit(test::makeModel(bowl));
+  EXPECT_EQ(baked.result.fill.substr(0, 8), "surface:") << baked.result.fill;
+  const int middle = baked.grid().size.x / 2;
+  EXPECT_FALSE(baked.at(middle, baked.grid().size.y / 2, middle)) << "the bowl is full";
+  EXPECT_TRUE(baked.at(middle, 0, middle));
+  // Tight: every vertical line through the bowl's opening meets it.
+  for (int z = 0; z < baked.grid().size.z; ++z) {
+    for (int x = 0; x < baked.grid().size.x; ++x) {
+      if (std::hypot(x + 0.5 - 30.0, z + 0.5 - 30.0) > 29.5) continue;
+      int hits = 0;
+      for (int y = 0; y < baked.grid().size.y; ++y) hits += baked.at(x, y, z);
+      EXPECT_GT(hits, 0) << x << " " << z;
+    }
+  }
+}
+
+TEST(Voxelize, FillCanBeForced) {
+  bake::TriangleSoup box;
+  test::addBox(box, {0, 0, 0}, {10, 10, 10}, 3);  // without a lid: a fifth of its surface
+  EXPECT_EQ(voxelizeUnit(test::makeModel(box)).solid, 1000u - 8u * 8u * 9u);
+  EXPECT_EQ(voxelizeUnit(test::makeModel(box), bake::Fill::kSolid).solid, 1000u);
+  bake::TriangleSoup closed;
+  test::addBox(closed, {0, 0, 0}, {10, 10, 10});
+  EXPECT_EQ(voxelizeUnit(test::makeModel(closed), bake::Fill::kSurface).solid, 1000u - 8u * 8u * 8u);
+}
+
+// A plate of any thickness and tilt has no pinhole along the three axes and keeps to its place.
+TEST(Voxelize, ThinPlatesHaveNoHoles) {
+  for (const float thickness : {0.05f, 0.3f, 0.6f, 0.9f}) {
+    for (const float slope : {0.0f, 0.05f, 0.5f}) {
+      bake::TriangleSoup soup;
+      test::addBox(soup, {0, 0, 0}, {40, thickness, 40});
+      for (glm::vec3& p : soup.positions) p.y += slope * p.x;
+      const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+      const glm::ivec3 size = baked.grid().size;
+      for (int z = 0; z < size.z; ++z) {
+        for (int x = 0; x < size.x; ++x) {
+          int hits = 0;
+          for (int y = 0; y < size.y; ++y) hits += baked.at(x, y, z);
+          ASSERT_GE(hits, 1) << "thickness " << thickness << " slope " << slope << " at " << x << " " << z;
+          ASSERT_LE(hits, 2) << "thickness " << thickness << " slope " << slope << " at " << x << " " << z;
+        }
+      }
+    }
+  }
+}
+
+// Solid voxels of the grid that hang together with the first one.
+std::size_t connectedCount(const test::Baked& baked) {
+  const glm::ivec3 size = baked.grid().size;
+  std::vector<std::uint8_t> seen(baked.grid().solid.size(), 0);
+  std::vector<glm::ivec3> stack;
+  const auto index = [&](const glm::ivec3& v) { return static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z)); };
+  for (int z = 0; z < size.z && stack.empty(); ++z) {
+    for (int y = 0; y < size.y && stack.empty(); ++y) {
+      for (int x = 0; x < size.x && stack.empty(); ++x) {
+        if (baked.at(x, y, z)) stack.push_back({x, y, z});
+      }
+    }
+  }
+  std::size_t count = 0;
+  seen[index(stack.front())] = 1;
+  while (!stack.empty()) {
+    const glm::ivec3 v = stack.back();
+    stack.pop_back();
+    ++count;
+    for (int cell = 0; cell < 27; ++cell) {
+      const glm::ivec3 n = v + glm::ivec3(cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1);
+      if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= size.x || n.y >= size.y || n.z >= size.z || !baked.at(n.x, n.y, n.z) || seen[index(n)]) continue;
+      seen[index(n)] = 1;
+      stack.push_back(n);
+    }
+  }
+  return count;
+}
+
+// Wires far thinner than a voxel, in all directions: in one piece from end to end.
+TEST(Voxelize, WiresStayInOnePiece) {
+  const glm::vec3 ends[] = {{40, 0, 0}, {40, 13, 7}, {33, 40, 21}, {5, 40, -17}, {31, 29, 30}};
+  for (const glm::vec3& end : ends) {
+    for (const float radius : {0.02f, 0.2f, 0.4f}) {
+      bake::TriangleSoup soup;
+      test::addRod(soup, {0, 0, 0}, end, radius);
+      const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+      const double length = std::max({std::abs(end.x), std::abs(end.y), std::abs(end.z)});
+      EXPECT_GE(static_cast<double>(baked.solid), length - 1) << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
+      EXPECT_LE(static_cast<double>(baked.solid), 3.0 * length + 3) << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
+      EXPECT_EQ(connectedCount(baked), baked.solid) << "to " << end.x << " " << end.y << " " << end.z << " radius " << radius;
+    }
+  }
+}
+
+TEST(Voxelize, TipsOfThickBodiesStay) {
+  bake::TriangleSoup soup;  // a spike of 3 x 3 voxels that ends in a point 60 away
+  const glm::vec3 base[4] = {{0, 0, 0}, {3, 0, 0}, {3, 0, 3}, {0, 0, 3}};
+  const glm::vec3 tip(1.9f, 60.0f, 1.2f);
+  for (int k = 0; k < 4; ++k) test::addTriangle(soup, base[k], tip, base[(k + 1) % 4]);
+  test::addTriangle(soup, base[0], base[1], base[2]);
+  test::addTriangle(soup, base[0], base[2], base[3]);
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(connectedCount(baked), baked.solid);
+  int top = 0;
+  for (int z = 0; z < baked.grid().size.z; ++z) {
+    for (int x = 0; x < baked.grid().size.x; ++x) top += baked.at(x, 59, z);
+  }
+  EXPECT_GE(top, 1);
+}
+
+TEST(Voxelize, SpecksLeaveAVoxel) {
+  bake::TriangleSoup soup;
+  test::addBox(soup, {0, 0, 0}, {20, 20, 20});
+  test::addBox(soup, {30.6f, 10.6f, 10.6f}, {30.7f, 10.7f, 10.7f});
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_EQ(baked.solid, 8001u);
+}
+
+TEST(Voxelize, AnyNumberOfThreadsGivesTheSame) {
+  bake::TriangleSoup soup;
+  test::addSphere(soup, {0, 0, 0}, 30.0f, 50);
+  test::addTorus(soup, 40.0f, 6.0f, 60);
+  test::addRod(soup, {-50, -20, 3}, {40, 33, -20}, 0.2f);
+  test::addSphere(soup, {20, 0, 0}, 25.0f, 30, [](float latitude) { return latitude < 0.5f; });
+  const bake::SourceModel model = test::makeModel(soup);
+  const test::Baked one = voxelizeUnit(model, bake::Fill::kAuto, 1);
+  for (const int threads : {2, 3, 8}) {
+    const test::Baked many = voxelizeUnit(model, bake::Fill::kAuto, threads);
+    EXPECT_EQ(one.grid().solid, many.grid().solid);
+    ASSERT_EQ(one.grid().surface.size(), many.grid().surface.size());
+    for (std::size_t i = 0; i < one.grid().surface.size(); ++i) {
+      ASSERT_EQ(one.grid().surface[i].normal, many.grid().surface[i].normal);
+      ASSERT_EQ(one.grid().surface[i].material.base_color, many.grid().surface[i].material.base_color);
+    }
+  }
+}
+
+TEST(MakeFrame, FitsTheBoxAndTurnsTheAxis) {
+  bake::TriangleSoup soup;
+  test::addBox(soup, {1, 2, 3}, {5, 10, 6});
+  const bake::Frame up = bake::makeFrame(soup, Axis::kPlusY, 0.5, "box");
+  EXPECT_EQ(up.size, glm::ivec3(8, 16, 6));
+  EXPECT_NEAR(glm::distance(glm::dvec3(up.node_to_voxel * glm::dvec4(1, 2, 3, 1)), glm::dvec3(0)), 0.0, 1e-9);
+  const bake::Frame along = bake::makeFrame(soup, Axis::kMinusX, 0.5, "box");
+  EXPECT_EQ(along.size.y, 8);
+  // -x runs up: the box's high x is the bottom.
+  EXPECT_NEAR((along.node_to_voxel * glm::dvec4(5, 2, 3, 1)).y, 0.0, 1e-9);
+  EXPECT_NEAR((along.node_to_voxel * glm::dvec4(1, 2, 3, 1)).y, 8.0, 1e-9);
+  EXPECT_GT(glm::determinant(glm::dmat3(along.node_to_voxel)), 0.0) << "mirrored";
+  // What does not divide evenly is centred.
+  const bake::Frame odd = bake::makeFrame(soup, Axis::kPlusY, 3.0, "box");
+  EXPECT_EQ(odd.size, glm::ivec3(2, 3, 1));
+  EXPECT_NEAR((odd.node_to_voxel * glm::dvec4(3, 6, 4.5, 1)).y, 1.5, 1e-9);
+}
+
+TEST(MakeFrame, RefusesWhatHasNoBox) {
+  bake::TriangleSoup soup;
+  EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1.0, "nothing"), bake::BakeError);
+  test::addBox(soup, {0, 0, 0}, {1, 1, 1});
+  EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 0.0, "box"), bake::BakeError);
+  EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1e-5, "box"), bake::BakeError);
+  soup.triangles[0].vertex[0] = 1000;
+  EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1.0, "box"), bake::BakeError);
+}
+
+}  // namespace
+}  // namespace kelp

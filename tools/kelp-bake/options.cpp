@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace kelp::bake_cli {
+namespace {
+
+using bake::BakeError;
+using bake::Exit;
+
+constexpr const char* kExamples = R"(Examples:
+  kelp-bake reed.glb -o reed.kelp                     128 voxels along the longest side
+  kelp-bake reed.glb -o reed.kelp --resolution 256    finer
+  kelp-bake fish.obj -o fish.kelp --axis -x --rig swim
+  kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
+  kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
+
+A rig comes from --rig, from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from empties named
+knot.0, knot.1, ... under a mesh; without any the part is straight. Exit codes: 0 done, 1 usage, 2 files, 3 invalid input,
+4 out of memory, 5 unsupported feature, 130 interrupted.)";
+
+// A number that is all of the text.
+template <class Number>
+std::optional<Number> parseNumber(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+int wholeNumber(const std::string& option, const std::string& text) {
+  const std::optional<int> value = parseNumber<int>(text);
+  if (!value) throw BakeError(Exit::kUsage, option + " " + text + ": not a whole number; see kelp-bake --help");
+  return *value;
+}
+
+// What the library takes as "leave it to me" is no number a user may give.
+int positiveNumber(const std::string& option, const std::string& text) {
+  const int value = wholeNumber(option, text);
+  if (value < 1) throw BakeError(Exit::kUsage, option + " " + text + ": less than 1; leave the option out for the default");
+  return value;
+}
+
+// The compilers' spelling: a single dash and two letters, which CLI11 would take apart.
+std::vector<std::string> readArguments(int argc, const char* const* argv) {
+  std::vector<std::string> arguments;
+  for (int i = argc - 1; i > 0; --i) {  // CLI11 takes them last first
+    const std::string argument = argv[i];
+    arguments.push_back(argument == "-MD" ? "--write-deps" : argument == "-MF" ? "--deps-file" : argument);
+  }
+  return arguments;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> parseBytes(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value > 0)) return std::nullopt;
+  std::string unit(end, text.data() + text.size());
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  static const std::map<std::string, int> kShift = {{"", 0}, {"b", 0}, {"k", 10}, {"kb", 10}, {"kib", 10}, {"m", 20}, {"mb", 20}, {"mib", 20}, {"g", 30}, {"gb", 30}, {"gib", 30}, {"t", 40}, {"tb", 40}, {"tib", 40}};
+  const auto shift = kShift.find(unit);
+  if (shift == kShift.end()) return std::nullopt;
+  const double bytes = std::ldexp(value, shift->second);
+  if (!(bytes >= 1 && bytes < 9e18)) return std::nullopt;
+  return static_cast<std::uint64_t>(bytes);
+}
+
+std::optional<Options> parseOptions(int argc, const char* const* argv) {
+  CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
+  app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
+  app.footer(kExamples);
+  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", levels, threads, max_memory, progress = "auto", report, deps;
+  bool write_deps = false;
+  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF or VDB file")->required()->type_name("FILE");
+  app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
+  const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
+  app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres (the file's units for formats without any)")->type_name("LENGTH")->excludes(resolution_option);
+  app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
+  app.add_option("--axis", axis, "the axis to bend along, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
+  app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
+  app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
+  app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
+  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory)")->type_name("SIZE");
+  app.add_option("--progress", progress, "auto: a bar on a terminal; bar; json: a line a step on stderr; none")->type_name("auto|bar|json|none");
+  app.add_option("--report", report, "write what was done and how long it took, as JSON")->type_name("FILE");
+  app.add_flag("--write-deps", write_deps, "write the files that were read as a make rule to OUT.d (also -MD)");
+  app.add_option("--deps-file", deps, "where to write that rule instead (also -MF)")->type_name("FILE");
+  try {
+    std::vector<std::string> arguments = readArguments(argc, argv);
+    app.parse(arguments);
+  } catch (const CLI::CallForHelp&) {
+    std::fputs(app.help().c_str(), stdout);
+    return std::nullopt;
+  } catch (const CLI::CallForVersion&) {
+    std::fputs("kelp-bake " KELP_VERSION "\n", stdout);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw BakeError(Exit::kUsage, std::string(error.what()) + "; see kelp-bake --help");
+  }
+
+  Options options;
+  options.input = input;
+  options.output = output;
+  if (!resolution.empty()) {
+    options.settings.resolution = wholeNumber("--resolution", resolution);
+    options.resolution_given = true;
+  }
+  if (!voxel_size.empty()) {
+    options.settings.voxel_size = parseNumber<double>(voxel_size);
+    if (!options.settings.voxel_size) throw BakeError(Exit::kUsage, "--voxel-size " + voxel_size + ": not a number; give a length such as 0.01");
+  }
+  if (!rig.empty()) {
+    const std::vector<std::string> presets = presetNames();
+    if (std::find(presets.begin(), presets.end(), rig) != presets.end()) {
+      options.settings.rig_preset = rig;
+    } else {
+      options.settings.rig_file = rig;
+    }
+  }
+  if (!axis.empty()) {
+    options.settings.axis = parseAxis(axis);
+    if (!options.settings.axis) throw BakeError(Exit::kUsage, "--axis " + axis + ": not an axis; use one of +x -x +y -y +z -z");
+  }
+  if (fill == "solid") {
+    options.settings.fill = bake::Fill::kSolid;
+  } else if (fill == "surface") {
+    options.settings.fill = bake::Fill::kSurface;
+  } else if (fill != "auto") {
+    throw BakeError(Exit::kUsage, "--fill " + fill + ": unknown; use auto, solid or surface");
+  }
+  if (!levels.empty()) options.settings.levels = positiveNumber("--levels", levels);
+  if (!threads.empty()) options.settings.threads = positiveNumber("--threads", threads);
+  if (!max_memory.empty()) {
+    const std::optional<std::uint64_t> bytes = parseBytes(max_memory);
+    if (!bytes) throw BakeError(Exit::kUsage, "--max-memory " + max_memory + ": not a size; use a number with K, M, G or T, such as 4G");
+    options.settings.max_memory = *bytes;
+  }
+  static const std::map<std::string, ProgressStyle> kStyles = {{"auto", ProgressStyle::kAuto}, {"bar", ProgressStyle::kBar}, {"json", ProgressStyle::kJson}, {"none", ProgressStyle::kNone}};
+  const auto style = kStyles.find(progress);
+  if (style == kStyles.end()) throw BakeError(Exit::kUsage, "--progress " + progress + ": unknown; use auto, bar, json or none");
+  options.progress = style->second;
+  if (!report.empty()) options.report_file = report;
+  if (!deps.empty()) {
+    options.dependency_file = deps;
+  } else if (write_deps) {
+    options.dependency_file = output + ".d";
+  }
+  return options;
+}
+
+}  // namespace kelp::bake_cli

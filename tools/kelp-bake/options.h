@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// The command line of kelp-bake.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "kelp/bake/bake.h"
+
+namespace kelp::bake_cli {
+
+enum class ProgressStyle { kAuto, kBar, kJson, kNone };
+
+struct Options {
+  std::filesystem::path input, output;
+  bake::Settings settings;
+  bool resolution_given = false;
+  ProgressStyle progress = ProgressStyle::kAuto;
+  std::optional<std::filesystem::path> report_file;
+  std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja
+};
+
+// nullopt when --help or --version was all that was asked; they are on stdout then. BakeError kUsage for what can not be understood.
+std::optional<Options> parseOptions(int argc, const char* const* argv);
+
+// "4G", "512M", "1.5 GiB", "1000000": bytes. nullopt if it is none of these.
+std::optional<std::uint64_t> parseBytes(const std::string& text);
+
+}  // namespace kelp::bake_cli

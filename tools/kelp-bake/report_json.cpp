@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "report_json.h"
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+namespace kelp::bake_cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void writeText(const std::filesystem::path& path, const std::string& text) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw bake::BakeError(bake::Exit::kIo, path.string() + ": can not be written: " + std::generic_category().message(errno) + "; choose a folder that exists and that you may write to");
+}
+
+// Make reads spaces as separators, $ as variables and # as comments.
+std::string escapeForMake(const std::filesystem::path& path) {
+  std::string escaped;
+  for (const char c : path.string()) {
+    if (c == ' ' || c == '#' || c == '\\') escaped += '\\';
+    if (c == '$') escaped += '$';
+    escaped += c;
+  }
+  return escaped;
+}
+
+}  // namespace
+
+void writeReport(const std::filesystem::path& path, const Options& options, const bake::Report& report, double seconds) {
+  Json json;
+  json["kelp-bake"] = KELP_VERSION;
+  json["input"] = options.input.string();
+  json["output"] = options.output.string();
+  json["format"] = report.format;
+  json["parts"] = Json::array();
+  for (const bake::Report::Part& part : report.parts) {
+    json["parts"].push_back({{"name", part.name},
+                             {"size", {part.size.x, part.size.y, part.size.z}},
+                             {"voxel_size", part.voxel_size},
+                             {"rig", part.rig_origin},
+                             {"fill", part.fill},
+                             {"closed", part.closed},
+                             {"triangles", part.triangles},
+                             {"solid_voxels", part.solid_voxels},
+                             {"surface_voxels", part.surface_voxels},
+                             {"bricks", part.bricks}});
+  }
+  json["clips"] = Json::array();
+  for (const bake::Report::Clip& clip : report.clips) json["clips"].push_back({{"name", clip.name}, {"part", clip.part}, {"duration", clip.duration}, {"leaves_box", clip.leaves_box}});
+  json["stages"] = Json::array();
+  for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  json["notices"] = report.notices;
+  json["palette_error"] = report.palette_error;
+  json["estimated_bytes"] = report.estimated_bytes;
+  json["pack_bytes"] = report.pack_bytes;
+  json["seconds"] = seconds;
+  writeText(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report) {
+  std::string rule = escapeForMake(options.output) + ":";
+  for (const std::filesystem::path& file : report.files_read) rule += " \\\n  " + escapeForMake(file);
+  writeText(path, rule + "\n");
+}
+
+}  // namespace kelp::bake_cli

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// What was baked, for people.
+#pragma once
+
+#include "options.h"
+
+namespace kelp::bake_cli {
+
+// Lines on stderr: what was understood, warnings, clips, what was written.
+void printSummary(const Options& options, const bake::Report& report, double seconds);
+
+}  // namespace kelp::bake_cli
