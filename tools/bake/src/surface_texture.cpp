@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "import_soup.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -39,8 +41,6 @@ float tame(float value, Wrap wrap) {
 }
 
 }  // namespace
-
-float srgbToLinear(float value) { return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f); }
 
 TexturePyramid::TexturePyramid(const Image& image) : image_(image) {
   for (glm::ivec2 size(image.width, image.height); size.x > 1 || size.y > 1;) {

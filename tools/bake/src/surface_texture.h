@@ -27,6 +27,4 @@ class TexturePyramid {
   std::vector<Level> reduced_;  // from half the size on: the image itself stays in bytes
 };
 
-float srgbToLinear(float value);
-
 }  // namespace kelp::bake
