@@ -22,8 +22,8 @@ KELP_FN PaperRoots paperCubic(float a, float b, float c, float d) {
   roots.count = 0;
   roots.t = vec3(-1.0f);
   float size = max(max(abs(a), abs(b)), max(abs(c), abs(d)));
-  if (abs(a) < 1e-6f * size) {  // not a cubic
-    if (abs(b) < 1e-6f * size) {
+  if (abs(a) <= 1e-6f * size) {  // not a cubic
+    if (abs(b) <= 1e-6f * size) {
       if (abs(c) > 0.0f) {
         roots.count = 1;
         roots.t.x = -d / c;
@@ -234,9 +234,9 @@ KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, f
   return hit;
 }
 
-// Equations 4 and 5: the normal turned by the angles of the slope at the voxel's height. The angles' signs are those that make a bend along
-// one axis right.
-KELP_FN vec3 paperNormal(KELP_CONTEXT_ KelpSegment g, float t, vec3 n) {
+// Equations 4 and 5: the normal turned by the angles of the slope at the voxel's height. The angles' signs are those that make a bend along x
+// right for normals in the plane of the bend; nothing else comes out right.
+KELP_FN vec3 paperNormal(KelpSegment g, float t, vec3 n) {
   vec3 slope = kelpSplineSlope(g, t);
   float x = atan(slope.x / max(slope.y, 1e-20f));
   float z = atan(slope.z / max(slope.y, 1e-20f));
