@@ -68,7 +68,7 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
-    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles; there is nothing to bake");
+    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles; there is nothing to bake" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")"));
     uniqueNames();
     noteUnusedAnimations();
     return std::move(out_);

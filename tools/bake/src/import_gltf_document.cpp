@@ -2,6 +2,7 @@
 #include "import_gltf_document.h"
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <span>
 #include <string_view>
@@ -169,6 +170,16 @@ std::vector<std::optional<std::string>> listRigs(const InputFiles& files, Json& 
   return rigs;
 }
 
+// JSON has one kind of number, tinygltf two: 12.0 becomes 12. Depth is bounded by then.
+void wholeFloatsToIntegers(Json& value) {
+  if (value.is_structured()) {
+    for (Json& member : value) wholeFloatsToIntegers(member);
+  } else if (value.is_number_float()) {
+    const double number = value;
+    if (std::abs(number) < 9e15 && number == std::trunc(number)) value = static_cast<std::int64_t>(number);
+  }
+}
+
 }  // namespace
 
 Json& objects(const InputFiles& files, Json& root, const char* name) {
@@ -244,6 +255,7 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   document.rigs = listRigs(files, root);
   root.erase("buffers");
   root.erase("images");
+  wholeFloatsToIntegers(root);
   document.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return document;
 }

@@ -103,6 +103,7 @@ GltfModel parseGltf(const InputFiles& files, GltfDocument document, std::vector<
   std::string error, warning;
   if (!loader.LoadASCIIFromString(&model.data, &error, &warning, document.json.c_str(), static_cast<unsigned int>(document.json.size()), ""))
     model.refuse("JSON", "is not valid glTF: " + oneLine(error));
+  if (!error.empty() || !warning.empty()) model.note("JSON: " + oneLine(error + warning));
   document.json = {};
   model.document = std::move(document);
 

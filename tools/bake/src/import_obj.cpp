@@ -2,6 +2,7 @@
 // Wavefront OBJ. kelp reads it itself: tools/bake/README.md says what the libraries lose.
 #include <cmath>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "import_mesh.h"
@@ -128,7 +129,7 @@ class ObjReader {
   void useMaterial(std::string_view name) {
     const auto found = by_name_.find(std::string(name));
     material_ = found == by_name_.end() ? 0 : found->second;
-    if (found == by_name_.end()) missing_materials_[std::string(name)]++;
+    if (found == by_name_.end()) missing_materials_.insert(std::string(name));
   }
 
   // The whole rest of the line is one name, spaces and all; where there is no such file, its words are several names.
@@ -140,7 +141,9 @@ class ObjReader {
       std::string ignored;
       any = tryLibrary(word, ignored) || any;
     }
-    if (!any) out_.notices.push_back(failure + ": its materials are left out");
+    if (any) return;
+    out_.notices.push_back(failure + ": its materials are left out, white is used");
+    library_missing_ = true;
   }
 
   bool tryLibrary(std::string_view name, std::string& failure) {
@@ -175,7 +178,7 @@ class ObjReader {
     }
     if (not_faces_ > 0) out_.notices.push_back(std::to_string(not_faces_) + " points, lines or faces of fewer than three corners are skipped");
     if (unknown_ > 0) out_.notices.push_back(std::to_string(unknown_) + " lines of unknown kind are skipped");
-    for (const auto& [name, count] : missing_materials_) out_.notices.push_back("material '" + oneLine(name, 60) + "' is not defined: white is used");
+    for (const std::string& name : library_missing_ ? std::set<std::string>() : missing_materials_) out_.notices.push_back("material '" + oneLine(name, 60) + "' is not defined: white is used");
     if (face_sizes_.empty()) {
       const char* what = positions_.empty() ? "does not look like OBJ: it holds no vertex and no face; check the file's type" : "holds no faces; there is nothing to bake";
       refuse(Exit::kInvalid, files_.input(), "", what);
@@ -212,7 +215,8 @@ class ObjReader {
   std::vector<std::uint32_t> face_sizes_, face_materials_;
   std::vector<std::size_t> face_lines_;
   std::map<std::string, std::uint32_t> by_name_;
-  std::map<std::string, int> missing_materials_;
+  std::set<std::string> missing_materials_;
+  bool library_missing_ = false;
   std::uint32_t material_ = 0;
 };
 

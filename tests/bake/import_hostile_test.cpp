@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Files made to do harm: whatever they hold, importing ends in a model or in one line, and soon.
+#include <random>
+
+#include "import_scratch.h"
+#include "support/assets.h"
+
+namespace kelp::bake::test {
+namespace {
+
+// True when a model came out. Anything but a BakeError of one line fails the test.
+bool survive(const std::filesystem::path& path) {
+  try {
+    importFile(path, {});
+    return true;
+  } catch (const BakeError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << path;
+    EXPECT_LT(std::string(error.what()).size(), 6000u) << path;
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << path << " threw something else: " << error.what();
+  }
+  return false;
+}
+
+TEST(ImportHostile, KnownBadFiles) {
+  KELP_ASSET(folder, "hostile");
+  int files = 0;
+  std::vector<std::string> accepted;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".gltf" && extension != ".glb" && extension != ".obj" && extension != ".ply" && extension != ".off" && extension != ".stl") continue;
+    ++files;
+    if (survive(entry.path())) accepted.push_back(entry.path().filename().string());
+  }
+  EXPECT_GT(files, 80);
+  // Sound geometry beside values of a wrong type that it does not need, and one bad line of an otherwise good OBJ.
+  for (const std::string& name : accepted) EXPECT_TRUE(name.rfind("bad", 0) == 0 || name == "malformed2.obj") << name;
+}
+
+// Real files, cut and with bytes turned over: a fixed seed, some hundred variants a format.
+TEST(ImportHostile, CutAndFlippedFiles) {
+  const Scratch scratch;
+  std::mt19937 random(20240607);
+  for (const char* name : {"gltf/draco_testdata/Box.glb", "gltf/draco_testdata/Box_Draco.glb", "gltf/aquarium/fish.glb", "gltf/assimp/BoxTextured.glb", "gltf/draco_testdata/SimpleSparseAccessor/SimpleSparseAccessor.gltf",
+                           "mesh/assimp/OBJ/box.obj", "mesh/assimp/PLY/cube_binary.ply", "mesh/assimp/PLY/cube_uv.ply", "mesh/draco_testdata/test_pos_color.ply", "gltf/meshopt/pirate.glb"}) {
+    KELP_ASSET(path, name);
+    std::ifstream in(path, std::ios::binary);
+    const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    for (int variant = 0; variant < 100; ++variant) {
+      std::string bad = good;
+      if (variant % 2 == 0) bad.resize(random() % bad.size());
+      for (int flips = static_cast<int>(random() % 4) + variant % 2; flips > 0 && !bad.empty(); --flips) bad[random() % bad.size()] = static_cast<char>(random());
+      survive(scratch.write("variant" + path.extension().string(), bad));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

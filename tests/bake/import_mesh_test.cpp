@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// OBJ, PLY, STL and OFF: counts of real files, attributes against the files' own lines, and what must be refused.
+#include <cmath>
+#include <cstring>
+
+#include "import_scratch.h"
+#include "support/assets.h"
+
+namespace kelp::bake::test {
+namespace {
+
+TEST(ImportMesh, RealFilesHaveTheirCounts) {
+  struct Known {
+    const char* path;
+    std::size_t triangles, vertices;
+  };
+  // Faces and vertices as grep and the PLY header count them; spot's 5856 triangles are its "f" lines.
+  for (const Known& known : {Known{"mesh/common3d/spot.obj", 5856, 2930}, Known{"mesh/common3d/stanford-bunny.obj", 69451, 34834},
+                             Known{"mesh/stanford/dragon_vrip_res3.ply", 47794, 22982}, Known{"mesh/common3d/teapot.obj", 6320, 3241}}) {
+    KELP_ASSET(path, known.path);
+    const SourceModel model = importFile(path, {});
+    EXPECT_EQ(model.parts[0].soup.triangles.size(), known.triangles) << known.path;
+    EXPECT_EQ(model.parts[0].soup.positions.size(), known.vertices) << known.path;
+  }
+}
+
+// The first face of spot.obj, written out: f 738/739 735/736 189/190 with its vt lines.
+TEST(ImportMesh, ObjCornersKeepTheirTextureCoordinates) {
+  KELP_ASSET(path, "mesh/common3d/spot.obj");
+  std::ifstream in(path);
+  std::vector<glm::vec2> vt;
+  std::vector<std::array<int, 3>> faces;
+  for (std::string line; std::getline(in, line);) {
+    glm::vec2 uv;
+    std::array<int, 3> v, t;
+    if (std::sscanf(line.c_str(), "vt %f %f", &uv.x, &uv.y) == 2) vt.push_back(uv);
+    if (std::sscanf(line.c_str(), "f %d/%d %d/%d %d/%d", &v[0], &t[0], &v[1], &t[1], &v[2], &t[2]) == 6) faces.push_back(t);
+  }
+  const SourceModel model = importFile(path, {});
+  const auto& soup = model.parts[0].soup;
+  ASSERT_EQ(soup.uvs.size(), faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const glm::vec2 wanted = vt[static_cast<std::size_t>(faces[f][c]) - 1];
+      ASSERT_NEAR(soup.uvs[f][c].x, wanted.x, 1e-6);
+      ASSERT_NEAR(soup.uvs[f][c].y, 1 - wanted.y, 1e-6);
+    }
+  }
+}
+
+TEST(ImportMesh, ObjMaterialsNamesWithSpacesAndNegativeIndices) {
+  const Scratch scratch;
+  scratch.write("my colours.mtl", "newmtl deep red\nKd 0.5 0 0\nd 0.25\nnewmtl glow\nKd 1 1 1\nKe 0 2 0\nmap_Kd -clamp on ../secret.png\n");
+  const SourceModel model = importFile(scratch.write("a.obj",
+      "mtllib my colours.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl deep red\nf -4 -3 \\\n-2\nusemtl glow\nf 1// 3//9 4//\nusemtl nothing\nf 1 2 3 4 # a quad\nl 1 2\n"), {});
+  const auto& soup = model.parts[0].soup;
+  ASSERT_EQ(soup.triangles.size(), 4u);
+  const SurfaceMaterial& red = model.materials[soup.triangles[0].material];
+  EXPECT_EQ(red.name, "deep red");
+  EXPECT_NEAR(red.base_color.r, 0.2140411, 1e-6);  // 0.5 as a display value
+  EXPECT_EQ(red.base_color.a, 0.25f);
+  const SurfaceMaterial& glow = model.materials[soup.triangles[1].material];
+  EXPECT_EQ(glow.emissive, glm::vec3(0, 2, 0));
+  EXPECT_EQ(glow.texture, -1);
+  EXPECT_TRUE(anyContains(model.notices, "leaves the input's folder"));
+  EXPECT_TRUE(anyContains(model.notices, "'nothing'"));
+  EXPECT_EQ(model.materials[soup.triangles[2].material].name, "default");
+}
+
+TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
+  const Scratch scratch;
+  // An L of area 3: a fan from its first corner would fold over.
+  const SourceModel model = importFile(scratch.write("l.off", "OFF # comment\n6 1 0\n1 1 0\n1 2 0\n0 2 0\n0 0 0\n2 0 0\n2 1 0\n6 0 1 2 3 4 5\n"), {});
+  double area = 0;
+  for (const auto& t : model.parts[0].soup.triangles) {
+    const auto& p = model.parts[0].soup.positions;
+    const double one = glm::cross(p[t.vertex[1]] - p[t.vertex[0]], p[t.vertex[2]] - p[t.vertex[0]]).z / 2;
+    EXPECT_GT(one, 0);
+    area += one;
+  }
+  EXPECT_NEAR(area, 3, 1e-6);
+  EXPECT_EQ(model.parts[0].soup.triangles.size(), 4u);
+}
+
+// One quad with colours, in all the ways of PLY.
+TEST(ImportMesh, PlyEncodingsAgree) {
+  const Scratch scratch;
+  const auto header = [](const std::string& format) {
+    return "ply\nformat " + format + " 1.0\ncomment made by hand\nelement vertex 4\nproperty double x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+           "property uchar blue\nelement face 1\nproperty list uint uint vertex_indices\nproperty list uchar float texcoord\nelement edge 0\nproperty int a\nend_header\n";
+  };
+  const auto number = [](auto value, bool big) {
+    std::string out(reinterpret_cast<const char*>(&value), sizeof value);
+    return big ? std::string(out.rbegin(), out.rend()) : out;
+  };
+  for (int encoding = 0; encoding < 3; ++encoding) {
+    std::string body;
+    for (int i = 0; i < 4; ++i) {
+      const int x = i == 1 || i == 2, y = i >= 2;
+      if (encoding == 0) body += std::to_string(x) + " " + std::to_string(y) + " 0 255 128 0\n";
+      else body += number(double(x), encoding == 2) + number(float(y), encoding == 2) + number(0.0f, false) + std::string("\xff\x80\x00", 3);
+    }
+    if (encoding == 0) body += "4 0 1 2 3 2 0.5 0.5\n";
+    else {
+      body += number(std::uint32_t{4}, encoding == 2);
+      for (std::uint32_t i = 0; i < 4; ++i) body += number(i, encoding == 2);
+      body += std::string("\x01", 1) + number(0.5f, encoding == 2);
+    }
+    const char* formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    const SourceModel model = importFile(scratch.write("q.PLY", header(formats[encoding]) + body), {});
+    const auto& soup = model.parts[0].soup;
+    ASSERT_EQ(soup.triangles.size(), 2u);
+    EXPECT_EQ(soup.positions.size(), 4u);
+    EXPECT_NEAR(soup.colors[0][0].g, 0.2158605, 1e-6);  // 128 of 255 as a display value
+    EXPECT_EQ(soup.colors[0][0].r, 1.0f);
+  }
+}
+
+TEST(ImportMesh, StlTextAndBinaryAgree) {
+  const Scratch scratch;
+  const SourceModel text = importFile(scratch.write("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"), {});
+  EXPECT_EQ(text.parts[0].soup.triangles.size(), 1u);
+  std::string binary = "solid that is none" + std::string(62, ' ') + std::string("\x01\0\0\0", 4);
+  const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  binary += bytesOf(facet) + std::string(2, '\0');
+  EXPECT_EQ(importFile(scratch.write("b.stl", binary), {}).parts[0].soup.positions, text.parts[0].soup.positions);
+  std::string lying = binary;
+  std::memset(lying.data() + 80, 0xff, 4);
+  EXPECT_TRUE(contains(refusal(scratch.write("c.stl", lying), Exit::kInvalid), "4294967295"));
+  refusal(scratch.write("d.stl", binary.substr(0, 100)), Exit::kInvalid);
+  refusal(scratch.write("e.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"), Exit::kInvalid);
+}
+
+TEST(ImportMesh, CornersThatAreNotFiniteAreDroppedAndCounted) {
+  const Scratch scratch;
+  const SourceModel model = importFile(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv inf 1 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"), {});
+  EXPECT_EQ(model.parts[0].soup.triangles.size(), 1u);
+  EXPECT_TRUE(anyContains(model.notices, "2 triangles"));
+}
+
+TEST(ImportMesh, BadFilesAreRefusedInOneLineThatNamesThePlace) {
+  const Scratch scratch;
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 9\n"), Exit::kInvalid), "line 5"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nf 0 1 1\n"), Exit::kInvalid), "line 2"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 zero 0\n"), Exit::kInvalid), "zero"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\n"), Exit::kInvalid), "no faces"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", ""), Exit::kInvalid), "empty"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "\x89PNG\r\n\x1a\n"), Exit::kInvalid), "PNG"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "v 0 0 0\n"), Exit::kInvalid), "does not look like PLY"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "ply\nformat ascii 1.0\nproperty float x\nend_header\n"), Exit::kInvalid), "line 3"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3"), Exit::kInvalid), "4000000000"));
+  const std::string ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", ply + "3 0 1 7\n"), Exit::kInvalid), "face[0]"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", ply + "3 0 1"), Exit::kInvalid), "truncated"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n"), Exit::kInvalid), "truncated"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), Exit::kInvalid), "line 6"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.xyz", "1"), Exit::kUnsupported), ".gltf"));
+  EXPECT_TRUE(contains(refusal(scratch.folder() / "absent.obj", Exit::kIo), "absent.obj"));
+  refusal(scratch.folder(), Exit::kUnsupported);
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Small files for the importers' tests, written where a test may write.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "kelp/bake/bake.h"
+
+namespace kelp::bake::test {
+
+// A folder that goes when the test does.
+class Scratch {
+ public:
+  Scratch() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / ("kelp_" + std::string(info->test_suite_name()) + "_" + info->name() + "_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::filesystem::path write(const std::string& name, const std::string& content) const {
+    const std::filesystem::path path = folder_ / name;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << content;
+    return path;
+  }
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// The message of the BakeError that importing a file throws; its code must be `code`.
+inline std::string refusal(const std::filesystem::path& path, Exit code, const Settings& settings = {}) {
+  try {
+    importFile(path, settings);
+  } catch (const BakeError& error) {
+    EXPECT_EQ(static_cast<int>(error.exit), static_cast<int>(code)) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << path << " was accepted";
+  return {};
+}
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+inline bool anyContains(const std::vector<std::string>& lines, const std::string& part) {
+  for (const std::string& line : lines)
+    if (contains(line, part)) return true;
+  return false;
+}
+
+struct Bounds {
+  glm::vec3 low{1e30f}, high{-1e30f};
+};
+inline Bounds boundsOf(const SourcePart& part) {
+  Bounds bounds;
+  for (const glm::vec3& p : part.soup.positions) {
+    const glm::vec3 object = part.to_object * glm::vec4(p, 1);
+    bounds.low = glm::min(bounds.low, object);
+    bounds.high = glm::max(bounds.high, object);
+  }
+  return bounds;
+}
+
+// Volume by the divergence theorem, in the object: positive where the triangles wind counter-clockwise seen from outside.
+inline double signedVolume(const SourcePart& part) {
+  double volume = 0;
+  for (const auto& triangle : part.soup.triangles) {
+    std::array<glm::dvec3, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = glm::dvec3(part.soup.positions[triangle.vertex[i]]);
+    volume += glm::dot(p[0], glm::cross(p[1], p[2])) / 6;
+  }
+  return volume;
+}
+
+inline std::string base64(const std::string& bytes) {
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t j = 0; j < 3; ++j) bits = bits << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+    for (std::size_t j = 0; j < 4; ++j) out += j <= bytes.size() - i ? digits[bits >> (18 - 6 * j) & 63] : '=';
+  }
+  return out;
+}
+
+template <class T>
+std::string bytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+// A glTF file in the making: one buffer as a data URI; accessors are numbered in the order of their adding.
+class GltfMaker {
+ public:
+  int floats(const std::vector<float>& values, int components) {
+    static const char* const kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    return add(bytesOf(values), 5126, values.size() / static_cast<std::size_t>(components), kTypes[components - 1]);
+  }
+  int indices(const std::vector<std::uint16_t>& values) { return add(bytesOf(values), 5123, values.size(), "SCALAR"); }
+
+  // Accessor 0: eight corners of the box [-0.1, 0.1] x [0, 2] x [-0.1, 0.1]; accessor 1: its twelve triangles, wound outward.
+  void addBox() {
+    std::vector<float> corners;
+    for (int i = 0; i < 8; ++i) {
+      corners.push_back(i & 1 ? 0.1f : -0.1f);
+      corners.push_back(i & 2 ? 2.0f : 0.0f);
+      corners.push_back(i & 4 ? 0.1f : -0.1f);
+    }
+    floats(corners, 3);
+    indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+  }
+
+  // `rest` is the other members of the root object.
+  std::string text(const std::string& rest) const {
+    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(buffer_.size()) + R"(,"uri":"data:application/octet-stream;base64,)" +
+           base64(buffer_) + R"("}],"bufferViews":[)" + views_ + R"(],"accessors":[)" + accessors_ + "]," + rest + "}";
+  }
+  static std::string boxMesh() { return R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])"; }
+
+ private:
+  int add(const std::string& bytes, int component, std::size_t count, const char* type) {
+    const std::string comma = next_ == 0 ? "" : ",";
+    views_ += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(buffer_.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) + "}";
+    accessors_ += comma + R"({"bufferView":)" + std::to_string(next_) + R"(,"componentType":)" + std::to_string(component) + R"(,"count":)" + std::to_string(count) +
+                  R"(,"type":")" + type + R"("})";
+    buffer_ += bytes;
+    buffer_.resize((buffer_.size() + 3) / 4 * 4);
+    return next_++;
+  }
+  std::string buffer_, views_, accessors_;
+  int next_ = 0;
+};
+
+}  // namespace kelp::bake::test

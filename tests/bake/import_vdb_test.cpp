@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// Level sets against the sphere's own formulas.
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <cmath>
+
+#include "import_scratch.h"
+#include "support/assets.h"
+
+namespace kelp::bake::test {
+namespace {
+
+std::filesystem::path writeGrids(const Scratch& scratch, const openvdb::GridCPtrVec& grids) {
+  const auto path = scratch.folder() / "grids.vdb";
+  openvdb::io::File file(path.string());
+  file.write(grids);
+  file.close();
+  return path;
+}
+
+openvdb::FloatGrid::Ptr sphere(float radius, const openvdb::Vec3f& center, float voxel) {
+  openvdb::initialize();
+  auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(radius, center, voxel);
+  grid->setName("ball");
+  return grid;
+}
+
+struct Measure {
+  double volume = 0;          // of the object
+  glm::dvec3 centre{0};
+  double mean_normal_error = 0;  // degrees, against the direction from the centre
+};
+
+Measure measure(const SourceModel& model) {
+  const VoxelGrid& grid = *model.parts[0].grid;
+  const glm::dmat4x3 to_node(grid.to_node);
+  Measure out;
+  double count = 0;
+  for (int z = 0; z < grid.size.z; ++z)
+    for (int y = 0; y < grid.size.y; ++y)
+      for (int x = 0; x < grid.size.x; ++x)
+        if (grid.solid[static_cast<std::size_t>(x) + static_cast<std::size_t>(grid.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))]) {
+          ++count;
+          out.centre += to_node * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1);
+        }
+  out.centre /= count;
+  out.volume = count * std::abs(glm::determinant(glm::dmat3(to_node)));
+  for (const SurfaceSample& sample : grid.surface) {
+    const auto i = sample.index;
+    const glm::dvec3 voxel(double(i % std::uint64_t(grid.size.x)) + 0.5, double(i / std::uint64_t(grid.size.x) % std::uint64_t(grid.size.y)) + 0.5,
+                           double(i / (std::uint64_t(grid.size.x) * std::uint64_t(grid.size.y))) + 0.5);
+    const glm::dvec3 wanted = glm::normalize(to_node * glm::dvec4(voxel, 1) - out.centre);
+    const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(glm::dmat3(to_node))) * glm::dvec3(sample.normal));
+    out.mean_normal_error += std::acos(std::clamp(glm::dot(wanted, normal), -1.0, 1.0)) * 57.29578 / double(grid.surface.size());
+  }
+  return out;
+}
+
+constexpr double ballVolume(double r) { return 4.0 / 3.0 * 3.14159265358979 * r * r * r; }
+
+TEST(ImportVdb, ASphereKeepsItsVoxelsItsPlaceAndItsVolume) {
+  const Scratch scratch;
+  const SourceModel model = importFile(writeGrids(scratch, {sphere(2.0f, {5, -3, 1}, 0.05f)}), {});
+  const VoxelGrid& grid = *model.parts[0].grid;
+  EXPECT_NEAR(grid.size.x, 80, 1);
+  EXPECT_NEAR(grid.to_node[0][0], 0.05f, 1e-6);
+  const Measure m = measure(model);
+  EXPECT_NEAR(m.volume, ballVolume(2), 0.01 * ballVolume(2));
+  EXPECT_LT(glm::length(m.centre - glm::dvec3(5, -3, 1)), 0.01);
+  EXPECT_LT(m.mean_normal_error, 0.5);
+}
+
+TEST(ImportVdb, ResolutionAndVoxelSizeResample) {
+  const Scratch scratch;
+  const auto path = writeGrids(scratch, {sphere(2.0f, {5, -3, 1}, 0.05f)});
+  Settings settings;
+  settings.resolution = 100;
+  settings.resolution_given = true;
+  SourceModel model = importFile(path, settings);
+  EXPECT_EQ(model.parts[0].grid->size, glm::ivec3(100));
+  Measure m = measure(model);
+  EXPECT_NEAR(m.volume, ballVolume(2), 0.01 * ballVolume(2));
+  EXPECT_LT(glm::length(m.centre - glm::dvec3(5, -3, 1)), 0.01);
+  EXPECT_LT(m.mean_normal_error, 0.5);
+  settings.voxel_size = 0.1;
+  model = importFile(path, settings);
+  EXPECT_EQ(model.parts[0].grid->size, glm::ivec3(40));
+}
+
+TEST(ImportVdb, TransformsThatTurnOrStretchAreApplied) {
+  const Scratch scratch;
+  // An ellipsoid with the half axes 1, 2 and 1: a sphere of radius 20 voxels under a stretch and a turn of 30 degrees about z.
+  auto grid = sphere(20.0f, {0, 0, 0}, 1.0f);
+  openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(0.05);
+  transform->preScale(openvdb::Vec3d(1, 2, 1));
+  transform->postRotate(0.5235988, openvdb::math::Z_AXIS);
+  grid->setTransform(transform);
+  const SourceModel model = importFile(writeGrids(scratch, {grid}), {});
+  const Measure m = measure(model);
+  EXPECT_NEAR(m.volume, 2 * ballVolume(1), 0.02 * 2 * ballVolume(1));
+  const glm::dmat3 linear(glm::dmat4x3(model.parts[0].grid->to_node));
+  EXPECT_NEAR(glm::length(linear[0]), glm::length(linear[1]), 1e-6);
+}
+
+TEST(ImportVdb, AnyAxisIsTheSameBall) {
+  const Scratch scratch;
+  auto grid = sphere(2.0f, {5, -3, 1}, 0.1f);
+  const auto path = writeGrids(scratch, {grid});
+  for (int axis = 0; axis < 6; ++axis) {
+    Settings settings;
+    settings.axis = static_cast<Axis>(axis);
+    const SourceModel model = importFile(path, settings);
+    EXPECT_LT(glm::length(measure(model).centre - glm::dvec3(5, -3, 1)), 0.01);
+    // +y of the part is the axis of the file.
+    const glm::vec3 up = model.parts[0].grid->to_node * glm::vec4(0, 1, 0, 0);
+    glm::vec3 wanted(0);
+    wanted[axis / 2] = axis % 2 == 0 ? 0.1f : -0.1f;
+    EXPECT_LT(glm::length(up - wanted), 1e-6);
+  }
+}
+
+TEST(ImportVdb, GafferSphereAtItsOwnVoxelsAndAt256) {
+  KELP_ASSET(path, "vdb/gaffer_sphere.vdb");
+  EXPECT_EQ(importFile(path, {}).parts[0].grid->size, glm::ivec3(121));
+  Settings settings;
+  settings.resolution = 256;
+  settings.resolution_given = true;
+  EXPECT_EQ(importFile(path, settings).parts[0].grid->size, glm::ivec3(256));
+}
+
+TEST(ImportVdb, WhatCanNotBeBakedIsSaid) {
+  KELP_ASSET(fog, "vdb/gaffer_smoke.vdb");
+  EXPECT_TRUE(contains(refusal(fog, Exit::kUnsupported), "fog volumes can not be baked"));
+  KELP_ASSET(two, "vdb/openusd_densityAndHeat.vdb");
+  EXPECT_TRUE(contains(refusal(two, Exit::kUnsupported), "'heat' (float, unknown)"));
+  const Scratch scratch;
+  auto first = sphere(2, {0, 0, 0}, 0.1f), second = sphere(1, {0, 0, 0}, 0.1f);
+  second->setName("other");
+  EXPECT_TRUE(contains(refusal(writeGrids(scratch, {first, second}), Exit::kUnsupported), "'other'"));
+  auto empty = openvdb::FloatGrid::create(1.0f);
+  empty->setGridClass(openvdb::GRID_LEVEL_SET);
+  refusal(writeGrids(scratch, {empty}), Exit::kInvalid);
+  refusal(scratch.write("not.vdb", "v 0 0 0"), Exit::kInvalid);
+}
+
+TEST(ImportVdb, TruncatedFilesAreRefused) {
+  const Scratch scratch;
+  const auto path = writeGrids(scratch, {sphere(2, {0, 0, 0}, 0.2f)});
+  std::ifstream in(path, std::ios::binary);
+  const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  for (std::size_t size = 0; size < good.size(); size += good.size() / 40) EXPECT_LT(refusal(scratch.write("cut.vdb", good.substr(0, size)), Exit::kInvalid).size(), 2000u);
+}
+
+}  // namespace
+}  // namespace kelp::bake::test
