@@ -102,7 +102,10 @@ class Walk {
   }
 
   bool isSolid(int x, int y, int z) const {
-    return volume_.solid[static_cast<std::size_t>(x) + static_cast<std::size_t>(volume_.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(volume_.size.y) * static_cast<std::size_t>(z))] != 0;
+    const bool tiled = volume_.tile.x > 0;
+    const glm::ivec3 v = tiled ? glm::ivec3(x, y, z) % volume_.tile : glm::ivec3(x, y, z);
+    const glm::ivec3& size = tiled ? volume_.tile : volume_.size;
+    return volume_.solid[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z))] != 0;
   }
 
   bool anySolid(const dvec3& low, const dvec3& high, glm::ivec3& voxel) const {

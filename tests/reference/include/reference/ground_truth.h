@@ -20,6 +20,7 @@ struct Volume {
   std::span<const std::uint8_t> solid;
   double scale = 1;        // voxels of this volume per level-0 voxel: 2^-level
   glm::ivec3 size0{0};     // level-0 size, for the spline's stretch
+  glm::ivec3 tile{0};      // not 0: `solid` is a tile of this size that repeats over the volume, which may then be larger than any memory
 };
 
 struct Touch {
