@@ -59,14 +59,33 @@ void Camera::apply(int turn, gl::View& view) const {
 }
 
 void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& points) {
-  constexpr int kHeights = 32;
+  constexpr int kMostBricks = 24;  // along a side: fine enough to frame by, and few
   const std::span<const Part> parts = instance.asset->pack().parts();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const glm::vec3 size(parts[p].size);
-    for (int i = 0; i <= kHeights; ++i) {
-      for (int corner = 0; corner < 4; ++corner) {
-        const glm::vec3 rest(corner & 1 ? size.x : 0.0f, size.y * static_cast<float>(i) / kHeights, corner & 2 ? size.z : 0.0f);
-        points.emplace_back(toWorld(instance, static_cast<int>(p), rest));
+  for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
+    const Part& part = parts[static_cast<std::size_t>(p)];
+    int index = 0;
+    while (index + 1 < part.levels && std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index) ++index;
+    const runtime::LevelData& level = *instance.asset->level(p, index);
+    const float brick = static_cast<float>(kBrickSide << index);
+    const glm::mat4 to_world = partToWorld(instance, p);
+
+    // The map moves every height as a whole: two layers of corners for each layer of bricks.
+    for (int y = 0; y < level.grid.y; ++y) {
+      for (int upper = 0; upper < 2; ++upper) {
+        const float height = std::min(brick * static_cast<float>(y + upper), static_cast<float>(part.size.y));
+        const glm::dvec3 axis(toWorld(instance, p, {0, height, 0}));
+        for (int z = 0; z < level.grid.z; ++z) {
+          for (int x = 0; x < level.grid.x; ++x) {
+            const auto cell = static_cast<std::size_t>(x) +
+                              static_cast<std::size_t>(level.grid.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(z));
+            if (!(level.cells[cell] & kCellSolid)) continue;
+            for (int corner = 0; corner < 4; ++corner) {
+              const float along_x = std::min(brick * static_cast<float>(x + (corner & 1)), static_cast<float>(part.size.x));
+              const float along_z = std::min(brick * static_cast<float>(z + (corner >> 1)), static_cast<float>(part.size.z));
+              points.push_back(axis + glm::dvec3(along_x * to_world[0] + along_z * to_world[2]));
+            }
+          }
+        }
       }
     }
   }

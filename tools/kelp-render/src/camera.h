@@ -30,7 +30,7 @@ class Camera {
   double near_ = 0, far_ = 0;
 };
 
-// The corners of the deformed volume along its spline, world: what a camera has to see.
+// The corners of the bricks that hold voxels, as the instance poses them, world: what a camera has to see. The asset must be loaded.
 void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& points);
 
 }  // namespace kelp::render

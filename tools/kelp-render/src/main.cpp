@@ -67,9 +67,10 @@ void run(const Options& options) {
   const auto asset = check(options.pack, runtime::Asset::open(file.source()));
   runtime::Pose pose = check(options.pack, runtime::Pose::create(*asset));
   const runtime::Instance instance{asset.get(), &pose};
+  const Posing posing(*asset, options);
+  check(options.pack, asset->loadAll());
 
   // The camera sees the model at rest and in every frame.
-  const Posing posing(*asset, options);
   std::vector<glm::dvec3> points;
   addOutline(instance, points);
   const bool turntable = options.clip.empty();
@@ -80,7 +81,6 @@ void run(const Options& options) {
   const double aspect = static_cast<double>(options.size.x) / options.size.y;
   const Camera camera(std::move(points), options.yaw, options.pitch, turntable ? options.frames : 1, aspect);
   const ViewStyle style = styleOf(options.view, camera);
-  check(options.pack, asset->loadAll());
 
   const HeadlessContext context;
   Canvas canvas(options.samples * options.size, style.colors, context.es());
@@ -94,8 +94,8 @@ void run(const Options& options) {
 
   gl::View view;
   view.viewport = options.samples * options.size;
-  view.sun_color = {2.3f, 2.2f, 2.05f};
-  view.sky_color = {0.48f, 0.52f, 0.58f};
+  view.sun_color = {2.0f, 1.92f, 1.8f};
+  view.sky_color = {0.44f, 0.47f, 0.52f};
   view.ground_color = {0.22f, 0.2f, 0.18f};
   if (options.level) {
     view.finest_level = *options.level;

@@ -100,6 +100,7 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   CLI::App app("Renders a .kelp pack to PNG, without a window.", "kelp-render");
   app.set_version_flag("--version", "kelp-render " KELP_VERSION);
   app.footer(kFooter);
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
   Options options;
   std::string size, background;
   std::vector<std::string> tangents, offsets;
@@ -116,8 +117,14 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
   app.add_option("--clip", options.clip, "the animation to play")->option_text("NAME");
   app.add_option("--time", options.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
-  app.add_option("--tangent", tangents, "replaces the tangent dS/d(at) of a knot")->option_text("[PART:]KNOT=x,y,z ...")->allow_extra_args(false);
-  app.add_option("--offset", offsets, "moves a knot")->option_text("[PART:]KNOT=x,y,z ...")->allow_extra_args(false);
+  app.add_option("--tangent", tangents, "replaces the tangent dS/d(at) of a knot; may be repeated")
+      ->option_text("[PART:]KNOT=x,y,z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+  app.add_option("--offset", offsets, "moves a knot; may be repeated")
+      ->option_text("[PART:]KNOT=x,y,z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
   app.add_option("--frames", options.frames, "pictures over the clip's duration; without a clip, over a full turn")
       ->check(CLI::Range(1, kMaxFrames))
       ->option_text("N [1]");

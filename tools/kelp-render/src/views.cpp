@@ -6,7 +6,7 @@
 namespace kelp::render {
 namespace {
 
-// kelp's own light, and the model's shadow on itself.
+// kelp's own light, and the model's shadow on itself. The shadow fades in where the light grazes: there voxels shade their neighbours.
 constexpr char kShaded[] = R"(
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
@@ -14,8 +14,9 @@ vec4 kelpSurface(KelpSurface s) {
   mat3 to_world = mat3(kelpPartToWorld());
   float voxel = float(1 << s.level) * max(length(to_world[0]), max(length(to_world[1]), length(to_world[2])));
   float facing = dot(s.normal, kelp_sun_direction);
-  bool shadow = facing > 0.0 && kelpOccluded(s.position + 2.5 * voxel * s.normal, kelp_sun_direction, 1e4 * voxel);
-  vec3 light = kelpSkyLight(s, diffuse, specular) + (shadow ? 0.0 : 1.0) * kelpSunLight(s, diffuse, specular);
+  bool hidden = facing > 0.0 && kelpOccluded(s.position + 2.5 * voxel * s.normal, kelp_sun_direction, 1e4 * voxel);
+  float shadow = hidden ? smoothstep(0.0, 0.3, facing) : 0.0;
+  vec3 light = kelpSkyLight(s, diffuse, specular) + (1.0 - shadow) * kelpSunLight(s, diffuse, specular);
   return vec4(light + s.emissive, 1.0);
 }
 )";

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+// kelp-render as a user runs it: pictures that show what they should, and mistakes that are explained.
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "process.h"
+#include "support/test_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::ProcessResult;
+
+ProcessResult render(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), KELP_RENDER);
+  return test::runProcess(arguments);
+}
+
+void write(const std::string& path, std::span<const std::byte> bytes) {
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+// Rows from top to bottom. Empty if the file is no PNG.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;
+
+  explicit Picture(const std::string& path) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    if (!png_image_begin_read_from_file(&image, path.c_str())) return;
+    image.format = PNG_FORMAT_RGBA;
+    rgba.resize(PNG_IMAGE_SIZE(image));
+    if (!png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr)) return;
+    width = static_cast<int>(image.width);
+    height = static_cast<int>(image.height);
+  }
+  glm::ivec4 at(int x, int y) const {
+    if (x >= width || y >= height) return glm::ivec4(-1);
+    const std::uint8_t* p = rgba.data() + 4 * (y * width + x);
+    return {p[0], p[1], p[2], p[3]};
+  }
+  bool covered(int x, int y) const { return at(x, y).a > 127; }
+  // Mean x of the covered pixels of some rows; -1: none.
+  double middle(int top, int bottom) const {
+    double sum = 0;
+    int count = 0;
+    for (int y = top; y < bottom; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (covered(x, y)) sum += x, ++count;
+      }
+    }
+    return count ? sum / count : -1;
+  }
+};
+
+// A box of 24 x 48 x 16 voxels: below green, above red, and on its right (+x) blue. Its clip moves the top to the right.
+RawPack boxPack() {
+  const glm::ivec3 size(24, 48, 16);
+  fields::Occupancy volume{size, std::vector<std::uint8_t>(24 * 48 * 16, 1)};
+  RawPack pack = test::packOf(volume);
+  pack.palette = {Material{{0.02f, 0.5f, 0.02f, 1}, {0, 0, 0}, 0, 1}, Material{{0.6f, 0.02f, 0.02f, 1}, {0, 0, 0}, 0, 1},
+                  Material{{0.02f, 0.02f, 0.7f, 1}, {0, 0, 0}, 0, 1}};
+  std::vector<fields::SurfaceVoxel> surface;
+  for (const std::uint64_t i : fields::surfaceVoxels(volume, 1)) {
+    const glm::ivec3 v(static_cast<int>(i % 24), static_cast<int>(i / 24 % 48), static_cast<int>(i / (24 * 48)));
+    const glm::vec3 normal = v.z == 15 ? glm::vec3(0, 0, 1) : v.x == 23 ? glm::vec3(1, 0, 0) : v.x == 0 ? glm::vec3(-1, 0, 0) : glm::vec3(0, 1, 0);
+    surface.push_back({i, makeAttribute(v.x >= 16 ? 2 : v.y >= 24 ? 1 : 0, encodeNormal(normal))});
+  }
+  pack.parts[0].levels[0] = fields::buildLevel(volume, surface, 1);
+  RawClip clip;
+  clip.name = "lean";
+  clip.duration = 2;
+  clip.waves.push_back({0, 1, Target::kKnotOffset, {24, 0, 0}, 2, 0});
+  pack.clips.push_back(clip);
+  return pack;
+}
+
+class KelpRender : public testing::Test {
+ protected:
+  void SetUp() override { write(pack_, test::bytesOf(boxPack())); }
+  // Renders the box from the front, without background; the test fails if that fails.
+  Picture picture(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {pack_, "-o", out_, "--size", "120x120", "--yaw", "0", "--pitch", "0", "--background", "none"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = render(arguments);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    EXPECT_EQ(result.out, "");
+    return Picture(out_);
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string pack_ = folder_ / "box.kelp";
+  const std::string out_ = folder_ / "out.png";
+};
+
+TEST_F(KelpRender, ShowsTheModelUprightAndInItsColours) {
+  const Picture p = picture();
+  ASSERT_EQ(p.width, 120);
+  ASSERT_EQ(p.height, 120);
+  // The box is half as wide as high and fills most of the height.
+  EXPECT_FALSE(p.covered(5, 60));
+  EXPECT_FALSE(p.covered(60, 2));
+  EXPECT_TRUE(p.covered(60, 12));
+  EXPECT_TRUE(p.covered(60, 108));
+  EXPECT_NEAR(p.middle(0, 120), 59.5, 1.0);
+  const auto strongest = [&](int x, int y) {
+    const glm::ivec4 c = p.at(x, y);
+    return c.r > 2 * c.g && c.r > 2 * c.b ? 'r' : c.g > 2 * c.r && c.g > 2 * c.b ? 'g' : c.b > 2 * c.r && c.b > 2 * c.g ? 'b' : '?';
+  };
+  EXPECT_EQ(strongest(45, 30), 'r');
+  EXPECT_EQ(strongest(45, 90), 'g');
+  EXPECT_EQ(strongest(78, 30), 'b');
+  EXPECT_EQ(strongest(78, 90), 'b');
+}
+
+TEST_F(KelpRender, YawShowsTheRightSideAndPitchTheTop) {
+  const Picture side = picture({"--yaw", "90"});
+  EXPECT_GT(side.at(60, 60).b, 2 * side.at(60, 60).r);  // all of the +x face is blue
+  EXPECT_GT(side.at(50, 30).b, 2 * side.at(50, 30).r);
+  const Picture top = picture({"--pitch", "90", "--view", "normals"});
+  EXPECT_NEAR(top.at(60, 60).g, 255, 2);
+}
+
+TEST_F(KelpRender, BendsByTangentsAndOffsets) {
+  const double straight = picture().middle(10, 40);
+  EXPECT_NEAR(straight, picture().middle(80, 110), 1.0);
+  const Picture moved = picture({"--offset", "1=0.5,0,0"});
+  EXPECT_GT(moved.middle(10, 40), moved.middle(80, 110) + 15);
+  // A tangent of (1.5, 1, 0) at the lower end bulges to the right and comes back.
+  const Picture bulged = picture({"--tangent", "0=1.5,1,0"});
+  EXPECT_GT(bulged.middle(60, 100), bulged.middle(8, 20) + 5);
+  EXPECT_GT(bulged.middle(60, 100), bulged.middle(100, 112) + 2);
+}
+
+TEST_F(KelpRender, ViewsShowWhatTheySay) {
+  const glm::ivec4 normal = picture({"--view", "normals"}).at(60, 60);
+  EXPECT_NEAR(normal.r, 128, 2);
+  EXPECT_NEAR(normal.g, 128, 2);
+  EXPECT_NEAR(normal.b, 255, 2);
+  const Picture depth = picture({"--view", "depth", "--pitch", "45"});
+  EXPECT_GT(depth.at(60, 30).r, depth.at(60, 100).r);  // the top's near edge against the foot of the front
+  const glm::ivec4 steps = picture({"--view", "steps"}).at(60, 60);
+  EXPECT_GT(steps.b, steps.r);  // few steps
+  EXPECT_NE(picture({"--view", "level", "--level", "0"}).at(60, 60), picture({"--view", "level", "--level", "2"}).at(60, 60));
+}
+
+TEST_F(KelpRender, BackgroundsAreWhatWasAsked) {
+  EXPECT_EQ(picture().at(0, 0), glm::ivec4(0));
+  EXPECT_EQ(picture({"--background", "10,200,30"}).at(0, 0), glm::ivec4(10, 200, 30, 255));
+}
+
+TEST_F(KelpRender, ClipsAndTurntablesGiveFrames) {
+  picture({"--clip", "lean", "--frames", "4"});
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  double middle[4];
+  for (int i = 0; i < 4; ++i) middle[i] = Picture(folder_ / ("out_000" + std::to_string(i + 1) + ".png")).middle(8, 30);
+  EXPECT_GT(middle[1], middle[0] + 10);  // a quarter of the wave: right
+  EXPECT_NEAR(middle[2], middle[0], 2);
+  EXPECT_LT(middle[3], middle[0] - 10);
+  EXPECT_GT(picture({"--clip", "lean", "--time", "0.5"}).middle(8, 30), middle[0] + 10);
+
+  picture({"--frames", "2"});
+  const Picture front(folder_ / "out_0001.png"), back(folder_ / "out_0002.png");
+  EXPECT_GT(front.at(78, 30).b, 2 * front.at(78, 30).r);
+  EXPECT_GT(back.at(42, 30).b, 2 * back.at(42, 30).r);  // from behind, right is left
+}
+
+TEST_F(KelpRender, SaysTheSameTwice) {
+  picture();
+  const std::string first = test::readWhole(out_);
+  picture();
+  EXPECT_EQ(test::readWhole(out_), first);
+}
+
+TEST_F(KelpRender, HelpAndVersion) {
+  EXPECT_EQ(render({"--help"}).exit, 0);
+  EXPECT_NE(render({"--help"}).out.find("--tangent 0=3,0,1"), std::string::npos);
+  EXPECT_EQ(render({"--version"}).out.rfind("kelp-render ", 0), 0u);
+}
+
+TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
+  const std::vector<std::byte> bytes = test::bytesOf(boxPack());
+  const std::string cut = folder_ / "cut.kelp", flipped = folder_ / "flipped.kelp", text = folder_ / "text.kelp", newer = folder_ / "newer.kelp";
+  write(cut, std::span(bytes).first(bytes.size() / 2));
+  std::vector<std::byte> damaged = bytes;
+  damaged[bytes.size() - 100] ^= std::byte{1};
+  write(flipped, damaged);
+  damaged = bytes;
+  damaged[12] = std::byte{9};  // the major version
+  write(newer, damaged);
+  std::ofstream(text) << "not a pack";
+  struct Case {
+    std::vector<std::string> arguments;
+    int exit;
+    const char* says;
+  };
+  const std::vector<Case> cases = {
+      {{}, 1, "PACK"},
+      {{pack_}, 1, "--output"},
+      {{pack_, "-o", out_, "--nonsense"}, 1, "--nonsense"},
+      {{pack_, "-o", folder_ / "out.jpg"}, 1, ".png"},
+      {{pack_, "-o", out_, "--size", "0x10"}, 1, "--size 0x10"},
+      {{pack_, "-o", out_, "--size", "100000x10"}, 1, "8192"},
+      {{pack_, "-o", out_, "--size", "ten"}, 1, "WIDTHxHEIGHT"},
+      {{pack_, "-o", out_, "--samples", "3"}, 1, "samples"},
+      {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
+      {{pack_, "-o", out_, "--view", "inside"}, 1, "view"},
+      {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
+      {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},
+      {{pack_, "-o", out_, "--tangent", "0=1,2"}, 1, "--tangent 0=1,2"},
+      {{pack_, "-o", out_, "--tangent", "0=1,2,inf"}, 1, "KNOT=x,y,z"},
+      {{pack_, "-o", out_, "--tangent", "7=1,2,3"}, 1, "knots 0 to 1"},
+      {{pack_, "-o", out_, "--tangent", "tail:0=1,2,3"}, 1, "no part \"tail\". Parts: part"},
+      {{pack_, "-o", out_, "--clip", "swim"}, 1, "Clips: lean"},
+      {{folder_ / "none.kelp", "-o", out_}, 2, "No such file"},
+      {{folder_ / ".", "-o", out_}, 2, "can not be opened"},
+      {{pack_, "-o", folder_ / "no/such/folder/out.png"}, 2, "folder"},
+      {{cut, "-o", out_}, 3, "cut.kelp"},
+      {{flipped, "-o", out_}, 3, "checksum"},
+      {{text, "-o", out_}, 3, "not a .kelp pack"},
+      {{newer, "-o", out_}, 5, "newer"},
+      {{pack_, "-o", out_, "--tangent", "part:0=0,-2,0"}, 3, "between knots 0 and 1"},
+      {{pack_, "-o", out_, "--offset", "1=0,-2,0"}, 3, "turns back"},
+  };
+  std::ofstream(out_) << "precious";
+  for (const Case& c : cases) {
+    const ProcessResult result = render(c.arguments);
+    std::string line;
+    for (const std::string& argument : c.arguments) line += argument + " ";
+    EXPECT_EQ(result.exit, c.exit) << line << "\n" << result.err;
+    EXPECT_NE(result.err.find(c.says), std::string::npos) << line << "\n" << result.err;
+    EXPECT_EQ(result.err.rfind("kelp-render: ", 0), 0u) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "") << line;
+    EXPECT_EQ(test::readWhole(out_), "precious") << line;
+  }
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(out_).parent_path())) files += entry.is_regular_file();
+  EXPECT_EQ(files, 6) << "a temporary file was left behind";
+}
+
+TEST_F(KelpRender, WithoutAnEglDeviceSaysWhatToInstall) {
+  // glvnd finds no vendor, so EGL has no display.
+  const ProcessResult result = test::runProcess({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null", KELP_RENDER, pack_, "-o", out_});
+  EXPECT_EQ(result.exit, 4) << result.err;
+  EXPECT_NE(result.err.find("install libegl1 libgl1-mesa-dri"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace kelp
