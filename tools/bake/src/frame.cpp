@@ -46,8 +46,8 @@ glm::dvec3 rigExtent(const TriangleSoup& soup, Axis axis, const std::string& wha
 }
 
 double fitVoxelSize(double extent_y, double wanted) {
-  const double voxels = std::round(extent_y / wanted);
-  return voxels < 4.0 ? wanted : extent_y / voxels;
+  const double voxels = std::floor(extent_y / wanted + 1e-4);
+  return voxels < 8.0 ? wanted : extent_y / voxels;
 }
 
 Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what) {

@@ -12,8 +12,8 @@ inline constexpr int kMaxResolution = 8192;
 // Extents of the soup in the rig's axes (x, y, z with y along the spline); node units. BakeError kInvalid if the soup is empty or not finite.
 glm::dvec3 rigExtent(const TriangleSoup& soup, Axis axis, const std::string& what);
 
-// The voxel size next to `wanted` that divides `extent_y` into whole voxels. Below four voxels along y the nudge would exceed an eighth:
-// then `wanted` stays.
+// The smallest voxel size from `wanted` on that divides `extent_y` into whole voxels: no side gets more of them than it was promised. Below
+// eight voxels along y the nudge might exceed an eighth: then `wanted` stays.
 double fitVoxelSize(double extent_y, double wanted);
 
 }  // namespace kelp::bake

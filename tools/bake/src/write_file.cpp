@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "kelp/bake/bake.h"
+#include "parallel.h"
 
 namespace kelp::bake {
 namespace {
@@ -22,13 +23,11 @@ namespace {
 
 // Where the bytes go: through symbolic links, so that a link stays one.
 std::filesystem::path target(const std::filesystem::path& path) {
-  std::error_code error;
   if (path.filename().empty()) fail(path, "is not a file name", 0, "give -o a name such as model.kelp");
-  if (std::filesystem::is_symlink(path, error)) {
-    const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
-    if (!error) return real;
-  }
-  return path;
+  std::filesystem::path real = path;
+  std::error_code error;
+  for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
+  return real;
 }
 
 // A new file in the folder of its final place, removed unless it was moved there.
@@ -112,7 +111,7 @@ void writePackFile(const RawPack& pack, const std::filesystem::path& path, int t
   const auto start = std::chrono::steady_clock::now();
   TempFile file(target(path));
   Output output{file, progress};
-  const Result<void> written = writePack(pack, Sink{receive, &output}, threads);
+  const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads));
   if (output.interrupted || (progress && !progress("write", 1.0))) throw BakeError(Exit::kInterrupted, "interrupted");
   if (!written) {
     if (written.error().code == ErrorCode::kIo) fail(path, "can not be written", file.error(), "free some space or choose another disk");

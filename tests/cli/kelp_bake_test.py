@@ -1,0 +1,221 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+KELP_BAKE = os.path.abspath(sys.argv.pop(1))
+
+CUBE = """v 0 0 0
+v 1 0 0
+v 1 2 0
+v 0 2 0
+v 0 0 1
+v 1 0 1
+v 1 2 1
+v 0 2 1
+f 1 4 3 2
+f 5 6 7 8
+f 1 2 6 5
+f 4 8 7 3
+f 1 5 8 4
+f 2 3 7 6
+"""
+
+
+def wavy_obj(n):
+    """A closed lump of 12 n^2 triangles."""
+    lines = []
+    index = {}
+
+    def vertex(p):
+        if p not in index:
+            x, y, z = (2 * c / n - 1 for c in p)
+            scale = 1 + 0.2 * ((x * 7) % 1) / (1 + x * x + y * y + z * z)
+            index[p] = len(index) + 1
+            lines.append(f"v {x * scale} {y * scale} {z * scale}")
+        return index[p]
+
+    faces = []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        p = [0, 0, 0]
+                        p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, i + di, j + dj
+                        quad.append(vertex(tuple(p)))
+                    faces.append("f " + " ".join(map(str, quad if side else quad[::-1])))
+    return "\n".join(lines + faces) + "\n"
+
+
+class KelpBake(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.cube = self.write("cube.obj", CUBE)
+        self.out = self.path("out.kelp")
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, content):
+        with open(self.path(name), "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+        return self.path(name)
+
+    def bake(self, *arguments):
+        return subprocess.run([KELP_BAKE, *arguments], capture_output=True, timeout=120)
+
+    def read(self, path):
+        with open(path, "rb") as file:
+            return file.read()
+
+    def fails(self, code, *arguments, says=(), remedy=True):
+        """Fails with the code and one line on stderr that holds all of `says`; leaves an existing output and nothing else."""
+        self.write("out.kelp", b"the pack that was there")
+        before = sorted(os.listdir(self.folder.name))
+        result = self.bake(*arguments)
+        text = result.stderr.decode()
+        self.assertEqual(result.returncode, code, text)
+        self.assertEqual(result.stdout, b"")
+        self.assertTrue(text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)
+        if remedy:
+            self.assertIn(";", text, "names no remedy: " + text)
+        for word in says:
+            self.assertIn(word, text)
+        self.assertEqual(self.read(self.out), b"the pack that was there")
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+
+    def test_bakes_a_cube(self):
+        result = self.bake(self.cube, "-o", self.out, "--report", self.path("report.json"), "-MD")
+        text = result.stderr.decode()
+        self.assertEqual(result.returncode, 0, text)
+        self.assertEqual(result.stdout, b"")
+        self.assertIn("128 (default; --resolution N to change)", text)
+        self.assertIn("64 x 128 x 64", text)
+        self.assertNotIn("\x1b", text, "colour or a bar although stderr is no terminal")
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["cube.obj", "out.kelp", "out.kelp.d", "report.json"])
+        report = json.loads(self.read(self.path("report.json")))
+        self.assertEqual(report["parts"][0]["size"], [64, 128, 64])
+        self.assertEqual(report["parts"][0]["solid_voxels"], 64 * 128 * 64)
+        self.assertTrue(report["parts"][0]["closed"])
+        self.assertEqual(report["pack_bytes"], os.path.getsize(self.out))
+        rule = self.read(self.path("out.kelp.d")).decode()
+        self.assertTrue(rule.startswith(self.out + ":"))
+        self.assertIn("cube.obj", rule)
+
+    def test_same_input_same_bytes(self):
+        lump = self.write("lump.obj", wavy_obj(20))
+        packs = []
+        for threads in (1, 2, 4):
+            result = self.bake(lump, "-o", self.out, "--threads", str(threads), "--resolution", "60", "--rig", "sway")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            packs.append(self.read(self.out))
+        self.assertEqual(packs[0], packs[1])
+        self.assertEqual(packs[0], packs[2])
+        os.mkdir(self.path("elsewhere"))
+        os.rename(lump, self.path("elsewhere/lump.obj"))
+        self.bake(self.path("elsewhere/lump.obj"), "-o", self.out, "--resolution", "60", "--rig", "sway")
+        self.assertEqual(packs[0], self.read(self.out), "the pack depends on where its source lay")
+
+    def test_help_and_version(self):
+        result = self.bake("--help")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn(b"Examples:", result.stdout)
+        self.assertEqual(result.stderr, b"")
+        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+\n$")
+
+    def test_usage(self):
+        self.fails(1, "--resolution", "128", says=["--help"])
+        self.fails(1, self.cube, "-o", self.out, "--nonsense", says=["--nonsense"])
+        self.fails(1, self.cube, "-o", self.out, "--resolution", "0", says=["--resolution 0", "8192"])
+        self.fails(1, self.cube, "-o", self.out, "--resolution", "100000", says=["--resolution 100000", "8192"])
+        self.fails(1, self.cube, "-o", self.out, "--resolution", "many", says=["many"])
+        self.fails(1, self.cube, "-o", self.out, "--resolution", "-5", says=["-5"])
+        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "0", says=["--voxel-size"])
+        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "nan", says=["--voxel-size"])
+        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e-7", says=["8192"])
+        self.fails(1, self.cube, "-o", self.out, "--levels", "0", says=["--levels"])
+        self.fails(1, self.cube, "-o", self.out, "--threads", "0", says=["--threads"])
+        self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
+        self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
+        self.fails(1, self.cube, "-o", self.out, "--max-memory", "lots", says=["lots"])
+        self.fails(1, self.cube, "-o", self.cube, says=["is the input"])
+
+    def test_files(self):
+        self.fails(2, self.path("absent.obj"), "-o", self.out, says=["absent.obj"])
+        self.fails(2, self.cube, "-o", os.path.join(self.cube, "out.kelp"), says=["out.kelp", "Not a directory"])
+        self.fails(2, self.cube, "-o", self.path("no/such/folder/out.kelp"), says=["No such file or directory"])
+        self.fails(2, self.cube, "-o", self.folder.name, says=["is a folder"])
+        self.fails(2, self.cube, "-o", "/dev/full", says=["/dev/full"])
+        self.fails(2, self.cube, "-o", "/proc/out.kelp", says=["/proc/out.kelp"])
+        self.fails(2, self.cube, "-o", self.out, "--rig", self.path("absent.rig.json"), says=["absent.rig.json"])
+
+    def test_a_full_disk_leaves_the_old_pack(self):
+        lump = self.write("lump.obj", wavy_obj(20))
+        self.write("out.kelp", b"the pack that was there")
+        limited = subprocess.run(["bash", "-c", "ulimit -f 1; trap '' XFSZ; exec \"$@\"", "bash", KELP_BAKE, lump, "-o", self.out], capture_output=True, timeout=120)
+        self.assertEqual(limited.returncode, 2, limited.stderr)
+        self.assertIn(b"File too large", limited.stderr)
+        self.assertEqual(self.read(self.out), b"the pack that was there")
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["cube.obj", "lump.obj", "out.kelp"])
+
+    def test_invalid_input(self):
+        self.fails(3, self.write("empty.obj", ""), "-o", self.out, says=["empty.obj", "is empty"], remedy=False)
+        self.fails(3, self.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "-o", self.out, says=["points.obj"])
+        self.fails(3, self.write("cut.glb", b"glTF" + struct.pack("<II", 2, 100)), "-o", self.out, says=["cut.glb"])
+        self.fails(3, self.write("not.vdb", b"no volume at all"), "-o", self.out, says=["not.vdb"])
+        result = self.bake(self.write("model.blend", "BLENDER"), "-o", self.out)
+        self.assertIn(result.returncode, (1, 3, 5), result.stderr)
+        self.assertIn(b"model.blend", result.stderr)
+        turning = {"kelp": 1, "knots": [{"at": 0, "tangent": [0, -3, 0]}, {"at": 1}]}
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("turning.rig.json", json.dumps(turning)), says=["cube"])
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("broken.rig.json", "{"), says=["broken.rig.json"])
+        wild = {"kelp": 1, "clips": {"wild": {"waves": [{"knot": 1, "offset": [0, 5, 0], "period": 1}]}}}
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("wild.rig.json", json.dumps(wild)), says=["wild"])
+
+    def test_memory_is_refused_before_the_work(self):
+        start = time.monotonic()
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "2048", "--max-memory", "64M", says=["GiB", "64.0 MiB", "--max-memory"])
+        self.assertLess(time.monotonic() - start, 20)
+
+    def test_a_link_stays_a_link(self):
+        os.symlink("real.kelp", self.path("link.kelp"))
+        self.assertEqual(self.bake(self.cube, "-o", self.path("link.kelp"), "--resolution", "16").returncode, 0)
+        self.assertTrue(os.path.islink(self.path("link.kelp")))
+        self.assertTrue(os.path.isfile(self.path("real.kelp")))
+
+    def test_progress_as_json(self):
+        result = self.bake(self.cube, "-o", self.out, "--resolution", "32", "--progress", "json")
+        steps = [json.loads(line) for line in result.stderr.splitlines() if line.startswith(b"{")]
+        self.assertIn("voxelize", {step["stage"] for step in steps})
+        self.assertTrue(all(0 <= step["done"] <= 1 for step in steps))
+
+    def test_interrupt(self):
+        lump = self.write("lump.obj", wavy_obj(60))
+        self.write("out.kelp", b"the pack that was there")
+        before = sorted(os.listdir(self.folder.name))
+        process = subprocess.Popen([KELP_BAKE, lump, "-o", self.out, "--resolution", "400", "--progress", "json"], stderr=subprocess.PIPE)
+        for line in process.stderr:
+            if b"voxelize" in line:
+                process.send_signal(signal.SIGINT)
+                break
+        rest = process.stderr.read()
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=60), 130, rest)
+        self.assertIn(b"kelp-bake: interrupted", rest)
+        self.assertEqual(self.read(self.out), b"the pack that was there")
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
