@@ -115,6 +115,7 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1e999})", {"too large"}},
       {R"({"kelp": 1, "clips": []})", {"/clips", "maps names to clips"}},
       {R"({"kelp": 1, "clips": {"": {"waves": [{)" + wave + "}]}}}", {"/clips/", "name", "0"}},
+      {"{\"kelp\": 1, \"clips\": {\"a\xc2\x9b\": {\"waves\": [{" + wave + "}]}}}", {"/clips/", "control characters"}},
       {R"({"kelp": 1, "clips": {"c": {}}})", {"/clips/c", "moves nothing"}},
       {R"({"kelp": 1, "clips": {"c": {"wave": []}}})", {"/clips/c/wave", "did you mean 'waves'?"}},
       {R"({"kelp": 1, "clips": {"c": {"duration": 0, "waves": [{)" + wave + "}]}}}", {"/clips/c/duration", "out of range"}},

@@ -153,5 +153,14 @@ TEST(DescribeRig, IsTheInverseOfRealize) {
   }
 }
 
+TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
+  std::vector<RawClip> clips;
+  for (const char* name : {"", "swim", "swim", ""}) clips.push_back({name, 1, {Wave{0, 1, Target::kKnotOffset, {1, 0, 0}, 1, 0}}, {}});
+  const auto rig = parseRig(printRig(describeRig(realizeKnots({}, {8, 8, 8}), clips, 0, {8, 8, 8})));
+  std::vector<std::string> names;
+  for (const auto& clip : rig.clips) names.push_back(clip.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));
+}
+
 }  // namespace
 }  // namespace kelp

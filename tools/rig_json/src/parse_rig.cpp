@@ -237,9 +237,7 @@ RigDescription::Clip readClip(const Place& place, const std::string& name, std::
   static constexpr std::array<std::string_view, 4> kKeys{"duration", "interpolation", "waves", "keys"};
   requireObject(place, kKeys);
   if (name.empty() || name.size() > kMaxNameBytes) fail(place, "a clip's name has 1 to " + std::to_string(kMaxNameBytes) + " bytes, this has " + std::to_string(name.size()));
-  for (const char c : name) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) fail(place, "a clip's name may not hold control characters");
-  }
+  if (rig::hasControls(name)) fail(place, "a clip's name may not hold control characters; rename it");
   RigDescription::Clip clip;
   clip.name = name;
   if (place.has("duration")) clip.duration = readFloat(place.at("duration"), kShortestPeriod, kLargest);

@@ -77,6 +77,15 @@ std::string suggestion(std::string_view word, std::span<const std::string_view> 
   return list;
 }
 
+bool hasControls(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte < 0x20 || byte == 0x7f) return true;
+    if (byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0) return true;
+  }
+  return false;
+}
+
 std::string printable(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   std::string clean;
