@@ -208,7 +208,7 @@ class Baked {
 struct RealFile {
   const char* name;
   const char* path;
-  double color_error;  // allowed mean, linear: what a nearest texel differs from one filtered over a voxel (a flipped texture is off by 0.1 and more)
+  double color_error;  // allowed mean, linear: what a nearest texel differs from one filtered over a voxel (a flipped texture is off by 0.08 and more)
 };
 
 class RealFiles : public testing::TestWithParam<RealFile> {};
