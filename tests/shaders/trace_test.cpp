@@ -242,5 +242,11 @@ TEST(Trace, DeformedNormalIsTheInverseTransposeOfTheMap) {
   }
 }
 
+TEST(Trace, DecodesNormalsAsTheFormatDoes) {
+  for (std::uint32_t bits = 0; bits < (1u << 24); bits += 37) {
+    ASSERT_LT(glm::distance(trace::kelpDecodeNormal(bits), decodeNormal(bits)), 1e-6f) << bits;
+  }
+}
+
 }  // namespace
 }  // namespace kelp
