@@ -169,6 +169,8 @@ const Lie kIndexLies[] = {
     {"BRCK compressed in one", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("BRCK")].flags |= 2; }},
     {"offset too large", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = 64; }},
     {"offset wraps around", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = ~std::uint64_t{0} - 63; }},
+    {"64 zeros too many", kCorrupt, [](PackSurgeon& s) { s.chunks[2].gap = 64; }},
+    {"not aligned", kCorrupt, [](PackSurgeon& s) { s.chunks.back().gap = 8; }},
     {"PART missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("PART"))); }},
     {"MATL missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("MATL"))); }},
     {"RIGS missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("RIGS"))); }},
@@ -356,6 +358,13 @@ const Lie kPageLies[] = {
      [](PackSurgeon& s) {
        Bytes& bricks = s.content("BRCK");
        bricks.push_back(std::byte{0});
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
+       set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
+     }},
+    {"skippable frame after the frame", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& bricks = s.content("BRCK");
+       for (const int byte : {0x50, 0x2A, 0x4D, 0x18, 0, 0, 0, 0}) bricks.push_back(static_cast<std::byte>(byte));
        set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
        set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
      }},

@@ -49,6 +49,7 @@ struct PackSurgeon {
     Bytes content;                // decoded; the pages of a BRCK as they are stored
     std::uint64_t raw_lie = 0;    // stated instead of the decoded size if not 0
     std::uint64_t offset_lie = 0;  // added to the offset stated
+    std::size_t gap = 0;           // zeros before it, beyond those that the alignment asks for
   };
 
   std::uint16_t major = 1, minor = 0;
@@ -107,7 +108,7 @@ struct PackSurgeon {
     for (std::size_t i = 0; i < chunks.size(); ++i) {
       const Chunk& chunk = chunks[i];
       const Bytes stored = chunk.flags & 2 ? zstdFrame(chunk.content) : chunk.content;
-      file.resize((file.size() + 63) / 64 * 64);
+      file.resize((file.size() + 63) / 64 * 64 + chunk.gap);
       const std::size_t at = 64 + 48 * i;
       set(file, at, chunk.fourcc);
       set(file, at + 4, chunk.flags);
