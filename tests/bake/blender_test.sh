@@ -24,7 +24,7 @@ import sys
 report = json.load(open(sys.argv[1]))
 (part,) = report["parts"]
 (clip,) = report["clips"]
-assert part["name"] == "Reed" and part["rig_origin"].startswith("3 knot empties"), part
+assert part["name"] == "Reed" and part["rig"].startswith("3 knot empties"), part
 assert clip["name"] == "sway" and abs(clip["duration"] - 49 / 24) < 0.01, clip
 assert not report["notices"], report["notices"]
 PYTHON

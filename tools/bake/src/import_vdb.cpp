@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <mutex>
 #include <new>
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/blocked_range.h>
@@ -51,9 +53,14 @@ openvdb::GridBase::Ptr openLevelSet(const InputFiles& files) {
                (fog ? "fog volumes can not be baked: convert the grid to a level set" : "convert a grid to a level set and set its class"));
   }
   if (level_sets.size() > 1) refuse(Exit::kUnsupported, files.input(), "", "holds several level sets: " + list + "; keep one of them in the file");
-  const openvdb::GridBase::Ptr grid = file.readGrid(level_sets[0]->getName());
-  if (!grid || grid->empty()) refuse(Exit::kInvalid, files.input(), "grid " + describe(*level_sets[0]), "has no values; there is nothing to bake");
-  return grid;
+  file.close();
+  // File::readGrid takes the rest of a truncated file for zeros; a stream that throws where it ends does not.
+  std::ifstream in(files.input(), std::ios::binary);
+  in.exceptions(std::ios::failbit | std::ios::badbit);
+  const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in, false).getGrids();
+  for (const openvdb::GridBase::Ptr& grid : *grids)
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET && isScalar(*grid) && !grid->empty()) return grid;
+  refuse(Exit::kInvalid, files.input(), "grid " + describe(*level_sets[0]), "has no values; there is nothing to bake");
 }
 
 // Row vectors in OpenVDB, column vectors here.
