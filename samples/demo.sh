@@ -69,8 +69,9 @@ for name in kelp_plant orange fish; do
   step "verify $name" "$bin/kelp-dump" verify --deep "$out/$name.kelp"
 done
 step "render the plant at rest" picture plant_rest.png kelp_plant
-step "render the plant bent" picture plant_bent.png kelp_plant --tangent 1=0.9,1,0.3
-step "render the plant in motion" picture plant_sway.png kelp_plant --clip sway --time 0.8
+step "render the plant bent" picture plant_bent.png kelp_plant --offset 2=-0.13,-0.01,0.03 --offset 3=-0.5,-0.08,0.1 \
+  --tangent 1=-0.25,1,0.05 --tangent 2=-0.9,1,0.2 --tangent 3=-1.3,0.7,0.2
+step "render the plant in motion" picture plant_sway.png kelp_plant --clip current --time 2
 step "render the orange" picture orange.png orange
 step "render the fish" picture fish.png fish --clip swim --time 0.2
 
@@ -80,8 +81,8 @@ cat <<END
 
 Pictures, in $PWD/$out:
   plant_rest.png   the plant at rest
-  plant_bent.png   bent by one tangent
-  plant_sway.png   0.8 s into its clip
+  plant_bent.png   bent by its knots and tangents
+  plant_sway.png   2 s into its clip "current"
   orange.png fish.png
 
 See it move:          $bin/viewer $out/kelp_plant.kelp

@@ -108,7 +108,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
     const float size = glm::length(extent), turn = static_cast<float>(0.3 * seconds);
-    view.world_to_eye = glm::lookAt(centre + 1.7f * size * glm::vec3(glm::sin(turn), 0.3f, glm::cos(turn)), centre, {0, 1, 0});
+    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.3f, glm::cos(turn)), centre, {0, 1, 0});
     const glm::vec2 pixels = glm::max(view.viewport, 1);
     view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
     glViewport(0, 0, view.viewport.x, view.viewport.y);
