@@ -22,7 +22,7 @@ std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem(
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings, std::vector<std::string>& notices) {
   if (settings.rig_file) return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
   if (settings.rig_preset) {
-    std::optional<RigDescription> preset = presetRig(*settings.rig_preset);
+    std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis);
     if (!preset) {
       std::string known;
       for (const std::string& name : presetNames()) known += (known.empty() ? "" : ", ") + name;
