@@ -114,7 +114,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   options.output = output;
   if (!resolution.empty()) {
     options.settings.resolution = wholeNumber("--resolution", resolution);
-    options.resolution_given = true;
+    options.settings.resolution_given = true;
   }
   if (!voxel_size.empty()) {
     options.settings.voxel_size = parseNumber<double>(voxel_size);

@@ -15,7 +15,6 @@ enum class ProgressStyle { kAuto, kBar, kJson, kNone };
 struct Options {
   std::filesystem::path input, output;
   bake::Settings settings;
-  bool resolution_given = false;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<std::filesystem::path> report_file;
   std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja

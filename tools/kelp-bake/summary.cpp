@@ -17,7 +17,7 @@ std::string printBytes(std::uint64_t bytes) {
 // What the largest part's longest side has in voxels depends on this; so say where it came from.
 std::string printGrain(const Options& options) {
   if (options.settings.voxel_size) return fmt::format("voxels of {:g}", *options.settings.voxel_size);
-  return fmt::format("resolution {}{}", options.settings.resolution, options.resolution_given ? "" : " (default; --resolution N to change)");
+  return fmt::format("resolution {}{}", options.settings.resolution, options.settings.resolution_given ? "" : " (default; --resolution N to change)");
 }
 
 }  // namespace
@@ -29,8 +29,8 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     surface += part.surface_voxels;
   }
   fmt::print(stderr, "kelp-bake: {}: {}, {} part{}", options.input.filename().string(), report.format, report.parts.size(), report.parts.size() == 1 ? "" : "s");
-  if (triangles > 0) fmt::print(stderr, ", {} triangles, {}", triangles, printGrain(options));
-  std::fputc('\n', stderr);
+  if (triangles > 0) fmt::print(stderr, ", {} triangles", triangles);
+  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options) : "the volume's own voxels (--resolution N to change)");
   for (const bake::Report::Part& part : report.parts) {
     fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {:.4g}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, part.voxel_size, part.rig_origin, part.fill);
   }

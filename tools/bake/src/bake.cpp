@@ -92,7 +92,9 @@ void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, con
     const SourcePart& part = model.parts[i];
     sizes.push_back({part.grid ? part.grid->size : frames[i].size, part.soup.triangles.size()});
   }
-  report.estimated_bytes = estimateMemory(sizes);
+  std::uint64_t image_bytes = 0;
+  for (const Image& image : model.images) image_bytes += image.rgba.size();
+  report.estimated_bytes = estimateMemory(sizes, image_bytes);
   const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
   if (report.estimated_bytes > limit) {
     throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); lower --resolution or raise --max-memory", input.filename().string(),

@@ -129,7 +129,7 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
   // The triangle that passes through an empty voxel; kCap if the nearest point lies elsewhere.
   const auto passing = [&](const glm::ivec3& voxel) {
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    const Nearest nearest = bvh.nearest(centre, kHalfDiagonal);
+    const Nearest nearest = bvh.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return mesh.triangles[i].source != kCap; });
     const glm::dvec3 away = glm::abs(nearest.point - centre);
     return std::max({away.x, away.y, away.z}) <= 0.5 ? nearest.triangle : kCap;
   };

@@ -11,7 +11,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   nlohmann::ordered_json options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
-  } else {
+  } else if (settings.resolution_given || format != "OpenVDB") {  // a volume keeps its own voxels unless told otherwise
     options["resolution"] = settings.resolution;
   }
   if (settings.axis) options["axis"] = toString(*settings.axis);

@@ -10,10 +10,12 @@
 
 namespace kelp::bake {
 
-std::uint64_t estimateMemory(std::span<const PartSize> parts) {
+std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
   // A triangle with its welded copy, edges and hierarchy; a touched voxel in OpenVDB's tree and lists; the attributes of two levels at once.
   constexpr std::uint64_t kTriangle = 400, kTouched = 40, kAttribute = 140;
-  std::uint64_t kept = 0, peak = 0;
+  // Reductions hold a third as many texels, each four times as large.
+  constexpr std::uint64_t kProgram = std::uint64_t{32} << 20;
+  std::uint64_t kept = kProgram + image_bytes + image_bytes / 3 * 4, peak = 0;
   for (const PartSize& part : parts) {
     const std::uint64_t x = static_cast<std::uint64_t>(part.size.x), y = static_cast<std::uint64_t>(part.size.y), z = static_cast<std::uint64_t>(part.size.z);
     const std::uint64_t voxels = x * y * z;

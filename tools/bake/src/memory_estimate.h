@@ -13,9 +13,10 @@ struct PartSize {
   std::uint64_t triangles = 0;
 };
 
-// Bytes at the peak: the dense arrays of the largest part while its distances are computed, beside the voxels of all the others. The
-// number of surface voxels is guessed as three times the box's faces.
-std::uint64_t estimateMemory(std::span<const PartSize> parts);
+// Bytes at the peak: the dense arrays of the largest part while its distances are computed, beside the voxels of all the others, the
+// images (image_bytes as they are in memory) with their reductions, and the program itself. The number of surface voxels is guessed as
+// three times the box's faces.
+std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
 // The machine's physical memory; bytes.
 std::uint64_t physicalMemory();
 // "1.5 GiB".

@@ -65,8 +65,8 @@ glm::dvec3 nearestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm
   return a + ab * v + ac * w;
 }
 
-TriangleBvh::TriangleBvh(const Topology& mesh, bool with_caps) : mesh_(mesh) {
-  const std::size_t count = with_caps ? mesh.triangles.size() : mesh.triangles.size() - mesh.caps;
+TriangleBvh::TriangleBvh(const Topology& mesh) {
+  const std::size_t count = mesh.triangles.size();
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0u);
   std::vector<glm::vec3> centre(count);
@@ -117,6 +117,11 @@ TriangleBvh::TriangleBvh(const Topology& mesh, bool with_caps) : mesh_(mesh) {
     nodes_.emplace_back();
     tasks.push_back({children, task.begin, middle});
     tasks.push_back({children + 1, middle, task.end});
+  }
+  corners_.reserve(count);
+  for (const std::uint32_t i : order_) {
+    const auto& v = mesh.triangles[i].vertex;
+    corners_.push_back({mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])});
   }
 }
 

@@ -19,8 +19,8 @@ struct Nearest {
 // A hierarchy of boxes over the triangles. Immutable once made; queries may run on any thread.
 class TriangleBvh {
  public:
-  // Refers to `mesh`, which must outlive it. with_caps: whether the caps of holes count as triangles.
-  TriangleBvh(const Topology& mesh, bool with_caps);
+  // Over all triangles of `mesh`, caps too.
+  explicit TriangleBvh(const Topology& mesh);
 
   // The nearest triangle within `bound` voxels of p; of several at the same distance the one with the lowest index.
   Nearest nearest(const glm::dvec3& p, double bound = std::numeric_limits<double>::infinity()) const {
@@ -42,8 +42,13 @@ class TriangleBvh {
     return glm::dot(outside, outside);
   }
 
-  const Topology& mesh_;
+  // Copied corners, leaf by leaf: a query that reaches a leaf reads one stretch of memory.
+  struct Corners {
+    glm::dvec3 a, b, c;
+  };
+
   std::vector<std::uint32_t> order_;
+  std::vector<Corners> corners_;   // of order_
   std::vector<Node> nodes_;
 };
 
@@ -69,9 +74,8 @@ Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& ac
     if (node.count > 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (!accept(order_[i])) continue;
-        const auto& v = mesh_.triangles[order_[i]].vertex;
         glm::dvec3 weights;
-        const glm::dvec3 q = nearestOnTriangle(p, mesh_.position(v[0]), mesh_.position(v[1]), mesh_.position(v[2]), weights);
+        const glm::dvec3 q = nearestOnTriangle(p, corners_[i].a, corners_[i].b, corners_[i].c, weights);
         const double squared = glm::dot(p - q, p - q);
         if (squared < best.squared || (squared == best.squared && order_[i] < best.triangle)) best = {order_[i], squared, q, weights};
       }

@@ -20,9 +20,9 @@ constexpr double kTooNear = 0.02;
 
 class Sampler {
  public:
-  Sampler(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh, const TriangleBvh& bvh_real,
+  Sampler(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh,
           const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
-      : model_(model), soup_(soup), mesh_(mesh), bvh_(bvh), bvh_real_(bvh_real), voxels_(voxels), size_(size), textures_(model.images.size()) {
+      : model_(model), soup_(soup), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size), textures_(model.images.size()) {
     for (const TriangleSoup::Triangle& triangle : soup.triangles) {
       if (triangle.material >= model.materials.size()) throw BakeError(Exit::kInvalid, fmt::format("a triangle uses material {} of {}; export the model again", triangle.material, model.materials.size()));
       const int texture = model.materials[triangle.material].texture;
@@ -51,7 +51,9 @@ class Sampler {
         normal = glm::normalize(open);
       }
     }
-    if (mesh_.triangles[nearest.triangle].source == kCap) nearest = bvh_real_.nearest(centre);
+    if (mesh_.triangles[nearest.triangle].source == kCap) {
+      nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(), [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
+    }
 
     SurfaceSample sample;
     sample.index = index;
@@ -135,7 +137,6 @@ class Sampler {
   const TriangleSoup& soup_;
   const Topology& mesh_;
   const TriangleBvh& bvh_;
-  const TriangleBvh& bvh_real_;
   const std::vector<std::uint8_t>& voxels_;
   glm::ivec3 size_;
   std::vector<std::optional<TexturePyramid>> textures_;
@@ -143,9 +144,9 @@ class Sampler {
 
 }  // namespace
 
-std::vector<SurfaceSample> sampleSurface(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh, const TriangleBvh& bvh_real,
+std::vector<SurfaceSample> sampleSurface(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh,
                                          const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads) {
-  const Sampler sampler(model, soup, mesh, bvh, bvh_real, voxels, size);
+  const Sampler sampler(model, soup, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i]);

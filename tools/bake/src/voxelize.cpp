@@ -22,8 +22,8 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   std::vector<std::uint8_t> voxels(count, kEmpty);
   fillScanlines(mesh, frame.size, threads, voxels);
   report(0.3);
-  const TriangleBvh bvh_real(mesh, false);
-  keepThinParts(mesh, bvh_real, touchedVoxels(mesh, frame.size, threads), frame.size, threads, voxels);
+  const TriangleBvh bvh(mesh);
+  keepThinParts(mesh, bvh, touchedVoxels(mesh, frame.size, threads), frame.size, threads, voxels);
   report(0.5);
 
   fields::Occupancy occupancy{frame.size, std::vector<std::uint8_t>(count)};
@@ -32,8 +32,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.6);
 
   VoxelizeResult result;
-  const TriangleBvh bvh(mesh, true);
-  result.grid.surface = sampleSurface(model, part.soup, mesh, bvh, bvh_real, voxels, frame.size, surface, threads);
+  result.grid.surface = sampleSurface(model, part.soup, mesh, bvh, voxels, frame.size, surface, threads);
   result.grid.size = frame.size;
   result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
   result.grid.solid = std::move(occupancy.solid);
