@@ -116,6 +116,38 @@ TEST(ImportGltf, MirroredNodesKeepTheirOutsideOutside) {
   }
 }
 
+// The lower end of a box follows one joint, the upper end another that stands 3 to the side; the mesh's own node must not matter.
+TEST(ImportGltf, SkinsPlaceTheirVerticesAtRest) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  std::vector<std::uint16_t> joints;
+  std::vector<float> weights;
+  for (int i = 0; i < 8; ++i) {
+    joints.insert(joints.end(), {static_cast<std::uint16_t>(i & 2 ? 1 : 0), 0, 0, 0});
+    weights.insert(weights.end(), {1, 0, 0, 0});
+  }
+  maker.joints(joints);
+  maker.floats(weights, 4);
+  const SourceModel model = importText(scratch, maker.text(
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"skins":[{"joints":[1,2]}],
+      "nodes":[{"mesh":0,"skin":0,"translation":[100,0,0]},{"name":"root","children":[2]},{"name":"tip","translation":[3,0,0]}])"));
+  for (const glm::vec3& p : model.parts[0].soup.positions) EXPECT_NEAR(p.x, p.y > 1 ? 3 : 0, 0.11) << p.y;
+  EXPECT_NEAR(boundsOf(model.parts[0]).high.x, 3.1, 1e-5);
+}
+
+TEST(ImportGltf, MorphTargetsHaveTheirDefaultWeights) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  std::vector<float> up;
+  for (int i = 0; i < 8; ++i) up.insert(up.end(), {0, i & 2 ? 2.0f : 0.0f, 0});
+  maker.floats(up, 3);
+  const std::string mesh = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2}]}],"weights":[0.5]}],"nodes":[{"mesh":0)";
+  EXPECT_NEAR(boundsOf(importText(scratch, maker.text(mesh + "}]")).parts[0]).high.y, 3, 1e-5);
+  EXPECT_NEAR(boundsOf(importText(scratch, maker.text(mesh + R"(,"weights":[0.25]}])")).parts[0]).high.y, 2.5, 1e-5);
+}
+
 TEST(ImportGltf, WithoutAScenesAllRootsAreBakedAndTheDefaultSceneWins) {
   const Scratch scratch;
   GltfMaker maker;

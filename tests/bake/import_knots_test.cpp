@@ -126,6 +126,15 @@ TEST(ImportKnots, BlendersActionNamesJoinIntoOneClip) {
   EXPECT_EQ(model.parts[0].rig.clips[0].tracks.size(), 2u);
 }
 
+TEST(ImportKnots, TwoAnimationsOfOneNameAreTwoClips) {
+  Reed reed;
+  const std::string one = R"({"name":"sway","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]})";
+  reed.animations = "[" + one + "," + one + "]";
+  const SourceModel model = reed.import();
+  ASSERT_EQ(model.parts[0].rig.clips.size(), 2u);
+  EXPECT_EQ(model.parts[0].rig.clips[1].name, "sway.2");
+}
+
 TEST(ImportKnots, GapsDoublesAndDisorderMakeANoticeAndNoRig) {
   for (const std::string knots : {R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.3","translation":[0,2,0]})",
                                   R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.1.001","translation":[0,2,0]})",

@@ -111,6 +111,8 @@ class GltfMaker {
   }
   int indices(const std::vector<std::uint16_t>& values) { return add(bytesOf(values), 5123, values.size(), "SCALAR"); }
 
+  int joints(const std::vector<std::uint16_t>& values) { return add(bytesOf(values), 5123, values.size() / 4, "VEC4"); }
+
   // Accessor 0: eight corners of the box [-0.1, 0.1] x [0, 2] x [-0.1, 0.1]; accessor 1: its twelve triangles, wound outward.
   void addBox() {
     std::vector<float> corners;

@@ -191,6 +191,12 @@ void addPartTracks(const GltfTransform& rest, const NodeChannels& channels, std:
   }
 }
 
+bool overlap(const std::vector<RigDescription::Track>& a, const std::vector<RigDescription::Track>& b) {
+  return std::any_of(a.begin(), a.end(), [&](const RigDescription::Track& x) {
+    return std::any_of(b.begin(), b.end(), [&](const RigDescription::Track& y) { return x.knot == y.knot && x.target == y.target; });
+  });
+}
+
 // Blender names the motion of an object that is in no NLA track after the object: "knot.1Action". Such motions of one rig are one clip.
 bool namedAfterItsNode(const GltfModel& model, const GltfAnimation& animation) {
   const int node = animation.channels.front().node;
@@ -301,8 +307,15 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
       model.note("animation '" + animation.name + "' holds part '" + part_name + "' still and makes no clip of it");
       continue;
     }
-    const std::string name = namedAfterItsNode(model, animation) ? part_name : animation.name;
-    auto clip = std::find_if(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& c) { return c.name == name; });
+    const std::string wanted = namedAfterItsNode(model, animation) ? part_name : animation.name;
+    std::string name = wanted;
+    const auto named = [&] { return std::find_if(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& c) { return c.name == name; }); };
+    auto clip = named();
+    // Motions of one name join; two that move the same thing are two clips.
+    for (int suffix = 2; clip != rig.clips.end() && overlap(clip->tracks, tracks); ++suffix) {
+      name = wanted + "." + std::to_string(suffix);
+      clip = named();
+    }
     if (clip == rig.clips.end()) {
       rig.clips.emplace_back();
       clip = rig.clips.end() - 1;
