@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The order of chunks: INFO PART MATL RIGS CLIP, then per level, coarse to fine, and per part GRID BRCK. Optional chunks that this version
-// does not know may stand anywhere between.
+// The order of chunks: INFO PART MATL RIGS CLIP, then per level, coarse to fine, and per part GRID BRCK. Optional chunks that
+// this version does not know may stand anywhere between.
 #include <algorithm>
 
 #include "container.h"
@@ -30,8 +30,11 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
     std::uint32_t fourcc;
     std::size_t* index;
   };
-  const Slot slots[] = {{layout::kInfo, &found.info}, {layout::kPart, &found.part}, {layout::kMatl, &found.matl},
-                        {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip}};
+  const Slot slots[] = {{layout::kInfo, &found.info},
+                        {layout::kPart, &found.part},
+                        {layout::kMatl, &found.matl},
+                        {layout::kRigs, &found.rigs},
+                        {layout::kClip, &found.clip}};
   const Slot* next = std::begin(slots);
   bool levels = false;
   std::uint64_t total = 0;
@@ -67,7 +70,8 @@ Result<void> findLevels(std::span<const ChunkInfo> chunks, std::span<const Part>
   if (!out.first.reset(parts.size()) || !out.grids.reset(levels) || !out.bricks.reset(levels)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
   }
-  for (std::size_t p = 1; p < parts.size(); ++p) out.first[p] = out.first[p - 1] + static_cast<std::uint32_t>(parts[p - 1].levels);
+  for (std::size_t p = 1; p < parts.size(); ++p)
+    out.first[p] = out.first[p - 1] + static_cast<std::uint32_t>(parts[p - 1].levels);
 
   std::size_t i = 0;
   const auto expect = [&](std::uint32_t fourcc, int level, std::size_t part) {

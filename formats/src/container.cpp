@@ -21,15 +21,19 @@ std::uint64_t entryOffset(std::size_t index) { return layout::kHeaderBytes + ind
 // The rules that concern one known chunk by itself.
 Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
   const bool level_chunk = chunk.fourcc == layout::kGrid || chunk.fourcc == layout::kBrck;
-  if (chunk.flags & ~layout::kKnownFlags) return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know", at + 4};
+  if (chunk.flags & ~layout::kKnownFlags)
+    return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know", at + 4};
   if (((chunk.flags & layout::kFlagRequired) != 0) != mustBeRequired(chunk.fourcc)) {
     return Error{ErrorCode::kCorrupt, "a chunk's required flag is not as its kind demands", at + 4};
   }
-  if (!level_chunk && (chunk.level != 0 || chunk.part != 0)) return Error{ErrorCode::kCorrupt, "a metadata chunk names a level or part", at + 8};
+  if (!level_chunk && (chunk.level != 0 || chunk.part != 0))
+    return Error{ErrorCode::kCorrupt, "a metadata chunk names a level or part", at + 8};
   if (chunk.raw == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 32};
   if (chunk.flags & layout::kFlagZstd) {
-    if (chunk.fourcc == layout::kBrck) return Error{ErrorCode::kCorrupt, "a brick chunk is flagged as compressed in one piece", at + 4};
-    if (chunk.raw / layout::kMaxExpansion > chunk.stored) return Error{ErrorCode::kCorrupt, "a chunk claims to expand further than zstd can", at + 32};
+    if (chunk.fourcc == layout::kBrck)
+      return Error{ErrorCode::kCorrupt, "a brick chunk is flagged as compressed in one piece", at + 4};
+    if (chunk.raw / layout::kMaxExpansion > chunk.stored)
+      return Error{ErrorCode::kCorrupt, "a chunk claims to expand further than zstd can", at + 32};
   } else if (chunk.raw != chunk.stored) {
     return Error{ErrorCode::kCorrupt, "an uncompressed chunk's two sizes differ", at + 32};
   }
@@ -44,7 +48,8 @@ Result<void> checkIndex(const Container& container, const Limits& limits) {
   for (std::size_t i = 0; i < container.chunks.size(); ++i) {
     const ChunkInfo& chunk = container.chunks[i];
     const std::uint64_t at = entryOffset(i);
-    if (chunk.offset != layout::align(end, layout::kAlignment)) return Error{ErrorCode::kCorrupt, "a chunk is not where the one before it ends", at + 16};
+    if (chunk.offset != layout::align(end, layout::kAlignment))
+      return Error{ErrorCode::kCorrupt, "a chunk is not where the one before it ends", at + 16};
     if (chunk.stored == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 24};
     if (chunk.offset > container.file_size || chunk.stored > container.file_size - chunk.offset) {
       return Error{ErrorCode::kCorrupt, "a chunk reaches beyond the end of the file", at + 24};
@@ -79,8 +84,10 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
     return Error{ErrorCode::kNotAPack, "the file does not begin as a .kelp pack does", 0};
   }
   if (there < kHeaderBytes) return Error{ErrorCode::kTruncated, "the file ends within its header", there};
-  if (load<std::uint16_t>(header, 12) > kFormatMajor) return Error{ErrorCode::kUnsupportedVersion, "the pack was written by a newer kelp", 12};
-  if (load<std::uint16_t>(header, 12) < kFormatMajor) return Error{ErrorCode::kCorrupt, "there is no such version of the format", 12};
+  if (load<std::uint16_t>(header, 12) > kFormatMajor)
+    return Error{ErrorCode::kUnsupportedVersion, "the pack was written by a newer kelp", 12};
+  if (load<std::uint16_t>(header, 12) < kFormatMajor)
+    return Error{ErrorCode::kCorrupt, "there is no such version of the format", 12};
   out.minor = load<std::uint16_t>(header, 14);
   out.file_size = load<std::uint64_t>(header, 16);
   if (source.size < out.file_size) return Error{ErrorCode::kTruncated, "the file is shorter than its header says", source.size};
@@ -105,20 +112,25 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
   RunningChecksum running;
   running.add(header);
   running.add(index.span());
-  if (running.value() != stated) return Error{ErrorCode::kChecksum, "header and index differ from their checksum", kHeaderChecksum};
+  if (running.value() != stated)
+    return Error{ErrorCode::kChecksum, "header and index differ from their checksum", kHeaderChecksum};
 
   for (std::size_t i = 0; i < count; ++i) out.chunks[i] = loadIndexEntry(index.span(), i * kIndexEntryBytes);
   return checkIndex(out, limits);
 }
 
-Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out, const Allocator& allocator) {
-  if (chunk.raw > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", chunk.offset};
+Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out,
+                       const Allocator& allocator) {
+  if (chunk.raw > limits.max_decoded_bytes)
+    return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", chunk.offset};
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
   Buffer<std::byte> frame(allocator);
   Buffer<std::byte>& stored = compressed ? frame : out;
-  if (!stored.reset(static_cast<std::size_t>(chunk.stored))) return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
+  if (!stored.reset(static_cast<std::size_t>(chunk.stored)))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
   if (const Result<void> read = readBytes(source, chunk.offset, stored.span()); !read) return read;
-  if (checksum(stored.span()) != chunk.checksum) return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset};
+  if (checksum(stored.span()) != chunk.checksum)
+    return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset};
   if (!compressed) return {};
 
   Buffer<std::byte> workspace(allocator);
@@ -133,7 +145,8 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
 
 Error inFile(const Error& error, const ChunkInfo& chunk) {
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
-  const ErrorCode code = error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;  // a pose may turn back; a pack is broken
+  const ErrorCode code =
+      error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;  // a pose may turn back; a pack is broken
   return {code, error.detail, chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset)};
 }
 

@@ -25,9 +25,11 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
 Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes);
 
 // Reads a chunk, checks its checksum and decompresses it if it is compressed. Not for BRCK.
-Result<void> readChunk(const Source& source, const Pack::ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out, const Allocator& allocator);
+Result<void> readChunk(const Source& source, const Pack::ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out,
+                       const Allocator& allocator);
 
-// An error inside a chunk, moved to where it is in the file. Inside a compressed chunk bytes have no place of their own: its begin then.
+// An error inside a chunk, moved to where it is in the file. Inside a compressed chunk bytes have no place of their own: its
+// begin then.
 Error inFile(const Error& error, const Pack::ChunkInfo& chunk);
 
 // Where the metadata chunks are in the index.
@@ -42,10 +44,11 @@ Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks, con
 struct LevelChunks {
   explicit LevelChunks(const Allocator& allocator) : first(allocator), grids(allocator), bricks(allocator) {}
 
-  Buffer<std::uint32_t> first;   // one a part
+  Buffer<std::uint32_t> first;  // one a part
   Buffer<std::uint32_t> grids, bricks;
 };
-// Checks that the chunks after the metadata are GRID and BRCK of each level, coarse to fine, and of each part that has it; finds them.
+// Checks that the chunks after the metadata are GRID and BRCK of each level, coarse to fine, and of each part that has it; finds
+// them.
 Result<void> findLevels(std::span<const Pack::ChunkInfo> chunks, std::span<const Part> parts, LevelChunks& out);
 
 }  // namespace kelp

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a .kelp file, shared by reader, writer and verifier. formats/SPEC.md is the law; the numbers of its tables stand here.
+// The bytes of a .kelp file, shared by reader, writer and verifier. formats/SPEC.md is the law; the numbers of its tables stand
+// here.
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ static_assert(std::endian::native == std::endian::little, "kelp reads and writes
 inline constexpr std::array<std::uint8_t, 12> kIdentifier = {0xAB, 'K', 'E', 'L', 'P', 'A', 'K', 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
 
 constexpr std::uint32_t fourcc(const char (&name)[5]) {
-  return static_cast<std::uint32_t>(name[0]) | (static_cast<std::uint32_t>(name[1]) << 8) | (static_cast<std::uint32_t>(name[2]) << 16) |
-         (static_cast<std::uint32_t>(name[3]) << 24);
+  return static_cast<std::uint32_t>(name[0]) | (static_cast<std::uint32_t>(name[1]) << 8) |
+         (static_cast<std::uint32_t>(name[2]) << 16) | (static_cast<std::uint32_t>(name[3]) << 24);
 }
 inline constexpr std::uint32_t kInfo = fourcc("INFO");
 inline constexpr std::uint32_t kPart = fourcc("PART");
@@ -31,7 +32,8 @@ inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 
 constexpr bool isKnown(std::uint32_t chunk) {
-  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kRigs || chunk == kClip || chunk == kGrid || chunk == kBrck;
+  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kRigs || chunk == kClip || chunk == kGrid ||
+         chunk == kBrck;
 }
 
 inline constexpr std::uint32_t kFlagRequired = 1;
@@ -45,7 +47,7 @@ inline constexpr std::uint64_t kAlignment = 64;
 inline constexpr std::uint32_t kMaxPageRaw = 64 * 1024;
 inline constexpr std::uint32_t kMaxPageStored = 128 * 1024;
 inline constexpr std::size_t kPageEntryBytes = 32;
-inline constexpr std::uint32_t kMaxSide = 32768;     // level-0 voxels
+inline constexpr std::uint32_t kMaxSide = 32768;  // level-0 voxels
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 // No zstd block expands further: 128 KiB from the 4 bytes of a run.
 inline constexpr std::uint64_t kMaxExpansion = 32768;

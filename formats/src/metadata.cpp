@@ -27,7 +27,8 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   const std::uint32_t size[3] = {in.u32(), in.u32(), in.u32()};
   part.to_object = in.mat4x3();
   part.pivot = in.mat4x3();
-  if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index)) return corrupt("a part's parent is not an earlier part", at);
+  if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index))
+    return corrupt("a part's parent is not an earlier part", at);
   if (kind != static_cast<std::uint8_t>(PartKind::kSolid)) {
     return Error{ErrorCode::kUnsupportedFeature, "a part is of a kind that this version does not know", at + 4};
   }
@@ -36,7 +37,8 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   if (reserved != 0) return corrupt("a reserved field of a part is not zero", at + 6);
   for (int axis = 0; axis < 3; ++axis) {
     if (size[axis] < 1 || size[axis] > layout::kMaxSide) return corrupt("a part's size is not 1 to 32768", at + 8);
-    if (size[axis] > limits.max_side) return Error{ErrorCode::kLimit, "a part has more voxels along an axis than the limits allow", at + 8};
+    if (size[axis] > limits.max_side)
+      return Error{ErrorCode::kLimit, "a part has more voxels along an axis than the limits allow", at + 8};
     part.size[axis] = static_cast<int>(size[axis]);
   }
   if (!isInvertible(part.to_object)) return corrupt("a part's transform to the object can not be inverted", at + 20);
@@ -72,7 +74,8 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
     const std::uint32_t name_bytes = in.u32();
     if (name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text) return corrupt("a part's name is too long", at);
     part.name = {out.part_names.data() + text, name_bytes};
-    if (!isName(part.name)) return corrupt("a part's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
+    if (!isName(part.name))
+      return corrupt("a part's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
     text += name_bytes;
     if (const Result<void> read = readPart(in, i, limits, part); !read) return read;
     out.parts[i] = part;
@@ -86,7 +89,8 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
   RecordReader in(chunk);
   const std::uint32_t count = in.u32();
   if (count < 1 || count > 256) return corrupt("the palette has not 1 to 256 entries", 0);
-  if (chunk.size() != layout::kMatlHeader + count * layout::kMatlRecord) return corrupt("the palette's size does not fit its count", 0);
+  if (chunk.size() != layout::kMatlHeader + count * layout::kMatlRecord)
+    return corrupt("the palette's size does not fit its count", 0);
   if (!out.palette.reset(count)) return outOfMemory("no memory for the palette");
 
   const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
@@ -98,9 +102,12 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
     material.roughness = in.f32();
     const glm::vec4& c = material.base_color;
     const glm::vec3& e = material.emissive;
-    if (!in_unit(c.x) || !in_unit(c.y) || !in_unit(c.z) || !in_unit(c.w)) return corrupt("a base colour is not within 0 to 1", at);
-    if (!isFinite(e) || !(e.x >= 0 && e.y >= 0 && e.z >= 0)) return corrupt("an emissive colour is negative or not finite", at + 16);
-    if (!in_unit(material.metallic) || !in_unit(material.roughness)) return corrupt("metallic or roughness is not within 0 to 1", at + 28);
+    if (!in_unit(c.x) || !in_unit(c.y) || !in_unit(c.z) || !in_unit(c.w))
+      return corrupt("a base colour is not within 0 to 1", at);
+    if (!isFinite(e) || !(e.x >= 0 && e.y >= 0 && e.z >= 0))
+      return corrupt("an emissive colour is negative or not finite", at + 16);
+    if (!in_unit(material.metallic) || !in_unit(material.roughness))
+      return corrupt("metallic or roughness is not within 0 to 1", at + 28);
   }
   return {};
 }
@@ -112,14 +119,16 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
   RecordReader in(chunk);
   if (in.u32() != parts) return corrupt("the rig table is not for this number of parts", 0);
   const std::uint32_t total = in.u32();
-  if (chunk.size() != knots_at + std::uint64_t{total} * layout::kKnotRecord) return corrupt("the rig table's size does not fit its counts", 4);
+  if (chunk.size() != knots_at + std::uint64_t{total} * layout::kKnotRecord)
+    return corrupt("the rig table's size does not fit its counts", 4);
   if (!out.knots.reset(total)) return outOfMemory("no memory for the knots");
 
   std::uint64_t used = 0;
   for (Part& part : out.parts) {
     const std::size_t at = in.at();
     const std::uint32_t count = in.u32();
-    if (count < 2 || count > static_cast<std::uint32_t>(kMaxKnots) || count > total - used) return corrupt("a rig has not 2 to 64 knots", at);
+    if (count < 2 || count > static_cast<std::uint32_t>(kMaxKnots) || count > total - used)
+      return corrupt("a rig has not 2 to 64 knots", at);
     part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
     used += count;
   }
@@ -134,7 +143,8 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     if (checked) continue;
     const std::uint64_t knot = static_cast<std::uint64_t>(part.knots.data() - out.knots.data()) + checked.error().offset;
     const bool turns = checked.error().code == ErrorCode::kNotMonotone;
-    return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail, knots_at + knot * layout::kKnotRecord};
+    return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail,
+                 knots_at + knot * layout::kKnotRecord};
   }
   return {};
 }

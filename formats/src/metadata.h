@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The metadata chunks as tables in memory. Each function reads one decoded chunk, checks every rule of SPEC.md and trusts nothing; the
-// writer runs them too, on what it is about to write. The offset of their errors counts from the chunk's first byte; codes are kCorrupt,
-// kNotMonotone (rigs), kLimit, kUnsupportedFeature (parts) and kOutOfMemory.
+// The metadata chunks as tables in memory. Each function reads one decoded chunk, checks every rule of SPEC.md and trusts
+// nothing; the writer runs them too, on what it is about to write. The offset of their errors counts from the chunk's first byte;
+// codes are kCorrupt, kNotMonotone (rigs), kLimit, kUnsupportedFeature (parts) and kOutOfMemory.
 #pragma once
 
 #include <cstddef>
@@ -17,18 +17,26 @@ namespace kelp {
 
 struct Metadata {
   explicit Metadata(const Allocator& allocator)
-      : info(allocator), part_names(allocator), parts(allocator), palette(allocator), knots(allocator), clip_names(allocator),
-        clips(allocator), waves(allocator), tracks(allocator), keys(allocator) {}
+      : info(allocator),
+        part_names(allocator),
+        parts(allocator),
+        palette(allocator),
+        knots(allocator),
+        clip_names(allocator),
+        clips(allocator),
+        waves(allocator),
+        tracks(allocator),
+        keys(allocator) {}
 
   Buffer<char> info;
   Buffer<char> part_names;
-  Buffer<Part> parts;        // names point into part_names, knots into knots
+  Buffer<Part> parts;  // names point into part_names, knots into knots
   Buffer<Material> palette;
   Buffer<Knot> knots;
   Buffer<char> clip_names;
-  Buffer<Clip> clips;        // names point into clip_names, waves and tracks into the tables below
+  Buffer<Clip> clips;  // names point into clip_names, waves and tracks into the tables below
   Buffer<Wave> waves;
-  Buffer<Track> tracks;      // keys point into keys
+  Buffer<Track> tracks;  // keys point into keys
   Buffer<Key> keys;
 };
 

@@ -61,7 +61,8 @@ Result<void> readKey(RecordReader& in, const Track& track, Key& key) {
   key.in = in.vec4();
   key.out = in.vec4();
   if (!isFinite(key.time) || !(key.time >= 0)) return corrupt("a key's time is negative or not finite", at);
-  if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out)) return corrupt("a key holds a number that is not finite", at + 4);
+  if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out))
+    return corrupt("a key holds a number that is not finite", at + 4);
   if (track.target == Target::kPartRotation) {
     const glm::vec4& q = key.value;
     const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
@@ -99,7 +100,8 @@ Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out) {
     const std::uint32_t wave_count = in.u32(), track_count = in.u32();
     if (name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text) return corrupt("a clip's name is too long", at);
     clip.name = {out.clip_names.data() + text, name_bytes};
-    if (!isName(clip.name)) return corrupt("a clip's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
+    if (!isName(clip.name))
+      return corrupt("a clip's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
     if (!isFinite(clip.duration) || !(clip.duration > 0)) return corrupt("a clip's duration is not positive and finite", at + 4);
     if (wave_count > waves - used_waves) return corrupt("the clips have more waves than the table", at + 8);
     if (track_count > tracks - used_tracks) return corrupt("the clips have more tracks than the table", at + 12);
@@ -110,7 +112,8 @@ Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out) {
     used_tracks += track_count;
     slot = clip;
   }
-  if (text != text_bytes || used_waves != waves || used_tracks != tracks) return corrupt("the clips do not use every wave, track and name", 0);
+  if (text != text_bytes || used_waves != waves || used_tracks != tracks)
+    return corrupt("the clips do not use every wave, track and name", 0);
 
   for (Wave& wave : out.waves) {
     if (const Result<void> read = readWave(in, out, wave); !read) return read;

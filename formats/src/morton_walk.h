@@ -23,7 +23,8 @@ class MortonWalk {
   // Index of the cell in an array with x fastest, then y, then z.
   std::uint64_t index() const {
     return static_cast<std::uint64_t>(cell_.x) +
-           static_cast<std::uint64_t>(grid_.x) * (static_cast<std::uint64_t>(cell_.y) + static_cast<std::uint64_t>(grid_.y) * static_cast<std::uint64_t>(cell_.z));
+           static_cast<std::uint64_t>(grid_.x) *
+               (static_cast<std::uint64_t>(cell_.y) + static_cast<std::uint64_t>(grid_.y) * static_cast<std::uint64_t>(cell_.z));
   }
 
   void next() {

@@ -34,7 +34,8 @@ Result<void> Pack::Impl::readMetadata() {
     if (index == MetadataChunks::kNone) return {};
     const ChunkInfo& chunk = container.chunks[index];
     if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read;
-    if (const Result<void> parsed = parse(std::span<const std::byte>(bytes.span())); !parsed) return inFile(parsed.error(), chunk);
+    if (const Result<void> parsed = parse(std::span<const std::byte>(bytes.span())); !parsed)
+      return inFile(parsed.error(), chunk);
     return {};
   };
   using Bytes = std::span<const std::byte>;
@@ -90,7 +91,8 @@ Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
     return Error{ErrorCode::kMisuse, "the page does not come from a grid of this pack"};
   }
   if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
-  if (findBrickWithoutSolid(out.codes.span()) >= 0) return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
+  if (findBrickWithoutSolid(out.codes.span()) >= 0)
+    return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
   if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {
     return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that is not there", page.offset};
   }

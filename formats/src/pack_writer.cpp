@@ -98,7 +98,8 @@ class Writer {
     for (const RawPart& part : pack_.parts) {
       for (std::size_t level = 0; level < part.levels.size(); ++level) {
         const RawLevel& raw = part.levels[level];
-        if (const Result<void> r = checkRawLevel(raw, levelSize(part.size, static_cast<int>(level)), pack_.palette.size()); !r) return r;
+        if (const Result<void> r = checkRawLevel(raw, levelSize(part.size, static_cast<int>(level)), pack_.palette.size()); !r)
+          return r;
         page_count += planPages(raw, {});
       }
       coarsest = std::max(coarsest, part.levels.size() - 1);

@@ -22,7 +22,8 @@ bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& ra
   const std::size_t attribute_bytes = std::size_t{page.attributes} * sizeof(std::uint32_t);
   if (!raw.reuse(code_bytes + attribute_bytes) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return false;
   std::memcpy(raw.data(), page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels, code_bytes);
-  if (attribute_bytes > 0) std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute, attribute_bytes);
+  if (attribute_bytes > 0)
+    std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute, attribute_bytes);
   const std::size_t size = encoder.encode(raw.span(), frame.span());
   if (size == 0 || !packed.stored.reset(size)) return false;
   std::memcpy(packed.stored.data(), frame.data(), size);
@@ -65,7 +66,8 @@ std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
   };
   for (std::size_t slot = 0; slot < bricks; ++slot) {
     const std::uint32_t surface = surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
-    const std::size_t raw = std::size_t{page.count + 1} * kBrickVoxels + std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
+    const std::size_t raw =
+        std::size_t{page.count + 1} * kBrickVoxels + std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
     if (raw > layout::kMaxPageRaw) close();
     ++page.count;
     page.attributes += surface;

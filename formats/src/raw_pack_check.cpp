@@ -35,7 +35,8 @@ Result<void> checkRawLevel(const RawLevel& level, const glm::ivec3& size, std::s
     attributes += static_cast<std::uint64_t>(surface);
   }
   if (level.attributes.size() != attributes) return misuse("a level has not one attribute for each surface voxel");
-  if (findWrongPaletteIndex(level.attributes, palette_size) >= 0) return misuse("an attribute names a palette entry that is not there");
+  if (findWrongPaletteIndex(level.attributes, palette_size) >= 0)
+    return misuse("an attribute names a palette entry that is not there");
   return {};
 }
 

@@ -62,7 +62,8 @@ class Verifier {
     if (const Result<void> read = readBytes(source_, from, gap); !read) return issue(IssueId::kUnreadable, read.error());
     const auto stain = std::find_if(gap.begin(), gap.end(), [](std::byte b) { return b != std::byte{0}; });
     if (stain == gap.end()) return;
-    issue(IssueId::kPaddingNotZero, {ErrorCode::kCorrupt, "a byte between two chunks is not zero", from + static_cast<std::uint64_t>(stain - gap.begin())});
+    issue(IssueId::kPaddingNotZero,
+          {ErrorCode::kCorrupt, "a byte between two chunks is not zero", from + static_cast<std::uint64_t>(stain - gap.begin())});
   }
 
   void checkChunk(std::size_t index, const MetadataChunks& metadata) {
@@ -101,8 +102,10 @@ class Verifier {
   void checkStored(const ChunkInfo& chunk) {
     RunningChecksum running;
     for (std::uint64_t done = 0; done < chunk.stored;) {
-      const auto block = std::span(block_).first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.stored - done)));
-      if (const Result<void> read = readBytes(source_, chunk.offset + done, block); !read) return issue(IssueId::kUnreadable, read.error());
+      const auto block =
+          std::span(block_).first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.stored - done)));
+      if (const Result<void> read = readBytes(source_, chunk.offset + done, block); !read)
+        return issue(IssueId::kUnreadable, read.error());
       running.add(block);
       done += block.size();
     }
@@ -162,10 +165,13 @@ class Verifier {
     bool outside = false;
     for (std::uint32_t brick = 0; brick < page.count; ++brick, walk.next()) {
       while (!(grid_.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) walk.next();
-      if (decoded) outside = outside || hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), walk.cell(), grid_.size);
+      if (decoded)
+        outside = outside || hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels),
+                                             walk.cell(), grid_.size);
     }
     if (!decoded) return;
-    if (findBrickWithoutSolid(page_.codes.span()) >= 0) broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
+    if (findBrickWithoutSolid(page_.codes.span()) >= 0)
+      broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
     if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
     if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
       broken(IssueId::kPaletteIndex, "an attribute names a palette entry that is not there");
@@ -196,7 +202,8 @@ std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(
 const char* toString(IssueId id) {
   switch (id) {
     case IssueId::kUnreadable:
-      return "The file, its header or its index can not be read as a .kelp pack. Check that the file is complete, and bake it again.";
+      return "The file, its header or its index can not be read as a .kelp pack. Check that the file is complete, and bake it "
+             "again.";
     case IssueId::kChunkChecksum:
       return "A chunk's bytes differ from their checksum: the file was damaged after it was written. Copy or bake it again.";
     case IssueId::kPaddingNotZero:
@@ -204,9 +211,11 @@ const char* toString(IssueId id) {
     case IssueId::kUnknownChunk:
       return "An optional chunk is of a kind that this version does not know; it is skipped. A newer kelp may use it.";
     case IssueId::kMetadata:
-      return "Parts, palette, rigs, clips or information contradict the format. The program that wrote the pack is wrong: report it.";
+      return "Parts, palette, rigs, clips or information contradict the format. The program that wrote the pack is wrong: report "
+             "it.";
     case IssueId::kNotMonotone:
-      return "The rest rig of a part turns back along its axis, so that it can not be drawn. Shorten the tangents of its knots and bake again.";
+      return "The rest rig of a part turns back along its axis, so that it can not be drawn. Shorten the tangents of its knots "
+             "and bake again.";
     case IssueId::kGrid:
       return "The grid of a level can not be read. Copy or bake the pack again.";
     case IssueId::kPage:

@@ -29,7 +29,8 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm
     const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
     if (!(cell & kCellSolid)) continue;
     if (next > kCellSlotMask) return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
-    if (cell != (kCellSolid | next)) return Error{ErrorCode::kCorrupt, "a cell's slot is not the next in Morton order", walk.index()};
+    if (cell != (kCellSolid | next))
+      return Error{ErrorCode::kCorrupt, "a cell's slot is not the next in Morton order", walk.index()};
     ++next;
   }
   if (next == 0) return Error{ErrorCode::kCorrupt, "a level holds no brick", 0};
@@ -68,8 +69,10 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size,
     page.first_slot = layout::load<std::uint32_t>(chunk, at + 24);
     page.count = layout::load<std::uint32_t>(chunk, at + 28);
     if (!isPossiblePage(page)) return Error{ErrorCode::kCorrupt, "a page's sizes are impossible", at + 8};
-    if (page.offset != offset || page.stored > bricks.stored - offset) return Error{ErrorCode::kCorrupt, "a page is not where the one before it ends", at};
-    if (page.first_slot != slot || page.count > out.bricks - slot) return Error{ErrorCode::kCorrupt, "a page's slots do not follow the one before", at + 24};
+    if (page.offset != offset || page.stored > bricks.stored - offset)
+      return Error{ErrorCode::kCorrupt, "a page is not where the one before it ends", at};
+    if (page.first_slot != slot || page.count > out.bricks - slot)
+      return Error{ErrorCode::kCorrupt, "a page's slots do not follow the one before", at + 24};
     offset += page.stored;
     slot += page.count;
     page.offset += bricks.offset;
@@ -80,8 +83,8 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size,
   return {};
 }
 
-Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks, const glm::ivec3& size,
-                                const Limits& limits, const Allocator& allocator) {
+Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
+                                const glm::ivec3& size, const Limits& limits, const Allocator& allocator) {
   // Before memory is taken for it.
   if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(size))) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
@@ -105,7 +108,8 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
   const std::size_t raw_bytes = static_cast<std::size_t>(layout::align(page.raw, 16));
   const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
   const std::size_t attributes = (page.raw - code_bytes) / sizeof(std::uint32_t);
-  if (!out.scratch.reuse(workspace_bytes + raw_bytes + page.stored) || !out.codes.reuse(code_bytes) || !out.attributes.reuse(attributes)) {
+  if (!out.scratch.reuse(workspace_bytes + raw_bytes + page.stored) || !out.codes.reuse(code_bytes) ||
+      !out.attributes.reuse(attributes)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
   }
   const std::span<std::byte> workspace = out.scratch.span().first(workspace_bytes);
@@ -113,7 +117,8 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
   const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes + raw_bytes, page.stored);
   if (const Result<void> read = readBytes(source, page.offset, stored); !read) return read;
   if (checksum(stored) != page.checksum) return Error{ErrorCode::kChecksum, "a page differs from its checksum", page.offset};
-  if (!decodeFrame(stored, raw, workspace)) return Error{ErrorCode::kCorrupt, "a page does not decompress to the size it states", page.offset};
+  if (!decodeFrame(stored, raw, workspace))
+    return Error{ErrorCode::kCorrupt, "a page does not decompress to the size it states", page.offset};
 
   out.first_slot = page.first_slot;
   out.count = page.count;
@@ -137,7 +142,8 @@ std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
 }
 
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size) {
-  const auto wrong = std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; });
+  const auto wrong =
+      std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; });
   return wrong == attributes.end() ? -1 : wrong - attributes.begin();
 }
 

@@ -10,19 +10,20 @@
 
 namespace kelp {
 
-// Checks the cells of a grid: reserved bits, and slots that count up from 0 in Morton order. Answers the number of stored bricks, at least
-// one. The offset of the error is the cell's index.
+// Checks the cells of a grid: reserved bits, and slots that count up from 0 in Morton order. Answers the number of stored bricks,
+// at least one. The offset of the error is the cell's index.
 Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid);
 
 // Number of cells of a grid.
 std::uint64_t cellCount(const glm::ivec3& grid);
 
-// Reads a decoded GRID chunk of a level of `size` voxels whose BRCK chunk is `bricks`. The offset of errors counts from the chunk's begin.
+// Reads a decoded GRID chunk of a level of `size` voxels whose BRCK chunk is `bricks`. The offset of errors counts from the
+// chunk's begin.
 Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size, const Pack::ChunkInfo& bricks, LevelGrid& out);
 
 // Reads, checks and decodes the grid of a level of `size` voxels. The offset of errors is that in the file.
-Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks, const glm::ivec3& size,
-                                const Limits& limits, const Allocator& allocator);
+Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
+                                const glm::ivec3& size, const Limits& limits, const Allocator& allocator);
 
 // Whether the page's numbers are possible at all; memory for it is then bounded.
 bool isPossiblePage(const PageInfo& page);

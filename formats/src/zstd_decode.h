@@ -10,8 +10,9 @@ namespace kelp {
 // Bytes of workspace that decodeFrame needs, whatever the frame.
 std::size_t decodeWorkspaceBytes();
 
-// Decodes the one zstd frame that fills `frame` exactly into `out`, which it fills exactly; the frame must state its content size and use
-// no dictionary. False if anything is otherwise. Safe for hostile frames; allocates nothing. workspace: aligned to 8 bytes.
+// Decodes the one zstd frame that fills `frame` exactly into `out`, which it fills exactly; the frame must state its content size
+// and use no dictionary. False if anything is otherwise. Safe for hostile frames; allocates nothing. workspace: aligned to 8
+// bytes.
 bool decodeFrame(std::span<const std::byte> frame, std::span<std::byte> out, std::span<std::byte> workspace);
 
 }  // namespace kelp

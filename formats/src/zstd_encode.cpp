@@ -6,8 +6,8 @@
 namespace kelp {
 namespace {
 
-// Measured on the 55 pages (3.5 MB) of a lumpy ball and a ring at 256^3: level 3 gives 1068 kB in 28 ms, 9 gives 1017 kB in 122 ms, 12 gives
-// 1014 kB in 432 ms, 19 gives 964 kB in 1857 ms. Decoding costs the same at every level.
+// Measured on the 55 pages (3.5 MB) of a lumpy ball and a ring at 256^3: level 3 gives 1068 kB in 28 ms, 9 gives 1017 kB in 122
+// ms, 12 gives 1014 kB in 432 ms, 19 gives 964 kB in 1857 ms. Decoding costs the same at every level.
 constexpr int kLevel = 9;
 
 }  // namespace

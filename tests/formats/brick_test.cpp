@@ -148,8 +148,12 @@ TEST(SliceBase, CountsTheSurfaceVoxelsBeforeEachSlice) {
     if (i % 64 == 0) expected.push_back(total);
     const std::uint32_t rank = total - expected.back();
     switch (random() % 3) {
-      case 0: codes[i] = static_cast<std::uint8_t>(random() % 64); break;
-      case 1: codes[i] = kInnerCode; break;
+      case 0:
+        codes[i] = static_cast<std::uint8_t>(random() % 64);
+        break;
+      case 1:
+        codes[i] = kInnerCode;
+        break;
       default:
         codes[i] = static_cast<std::uint8_t>(kSurfaceCode + rank);
         ++total;

@@ -67,7 +67,8 @@ TEST(Hostile, EveryTruncationIsRefused) {
   const Bytes bytes = tinyBytes();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     SCOPED_TRACE(size);
-    expectError(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)), size == 0 ? ErrorCode::kNotAPack : ErrorCode::kTruncated);
+    expectError(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)),
+                size == 0 ? ErrorCode::kNotAPack : ErrorCode::kTruncated);
   }
 }
 
@@ -171,14 +172,22 @@ const Lie kIndexLies[] = {
     {"offset wraps around", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = ~std::uint64_t{0} - 63; }},
     {"64 zeros too many", kCorrupt, [](PackSurgeon& s) { s.chunks[2].gap = 64; }},
     {"not aligned", kCorrupt, [](PackSurgeon& s) { s.chunks.back().gap = 8; }},
-    {"PART missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("PART"))); }},
-    {"MATL missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("MATL"))); }},
-    {"RIGS missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("RIGS"))); }},
-    {"GRID missing", kCorrupt, [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"))); }},
+    {"PART missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("PART"))); }},
+    {"MATL missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("MATL"))); }},
+    {"RIGS missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("RIGS"))); }},
+    {"GRID missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"))); }},
     {"BRCK missing", kCorrupt, [](PackSurgeon& s) { s.chunks.pop_back(); }},
     {"PART twice", kCorrupt, [](PackSurgeon& s) { s.chunks.insert(s.chunks.begin(), s.chunks[s.find("PART")]); }},
     {"MATL before PART", kCorrupt, [](PackSurgeon& s) { std::swap(s.chunks[s.find("PART")], s.chunks[s.find("MATL")]); }},
-    {"CLIP last", kCorrupt, [](PackSurgeon& s) { std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")), s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")) + 1, s.chunks.end()); }},
+    {"CLIP last", kCorrupt,
+     [](PackSurgeon& s) {
+       std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")),
+                   s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")) + 1, s.chunks.end());
+     }},
     {"fine before coarse", kCorrupt,
      [](PackSurgeon& s) {
        const auto first = s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"));
@@ -306,7 +315,8 @@ const Lie kClipLies[] = {
     {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, kInfinity); }},
 };
 
-// The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has three cells and padding.
+// The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has three cells and
+// padding.
 const Lie kGridLies[] = {
     {"too short", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(4); }},
     {"no pages", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(8); }},
@@ -325,8 +335,10 @@ const Lie kGridLies[] = {
     {"no brick", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 0, 0u); }},
     {"page not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, std::uint64_t{1}); }},
     {"page at 2^64 - 1", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, ~std::uint64_t{0}); }},
-    {"page shorter than its chunk", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() - 1)); }},
-    {"page longer than its chunk", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() + 1)); }},
+    {"page shorter than its chunk", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() - 1)); }},
+    {"page longer than its chunk", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() + 1)); }},
     {"page of 0 bytes", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 16, 0u); }},
     {"page expands to 2^32 - 4", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 0xfffffffcu); }},
     {"page of another size", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 520u); }},

@@ -66,7 +66,8 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
       const ReadLevel got = readLevel(pack, static_cast<int>(p), level);
       out.status = got.status;
       if (!out.status) return out;
-      const RawLevel want = static_cast<std::size_t>(level) < b.levels.size() ? b.levels[static_cast<std::size_t>(level)] : RawLevel();
+      const RawLevel want =
+          static_cast<std::size_t>(level) < b.levels.size() ? b.levels[static_cast<std::size_t>(level)] : RawLevel();
       check(got.level.cells == want.cells && got.level.codes == want.codes && got.level.attributes == want.attributes);
     }
   }
@@ -78,7 +79,8 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
     if (!out.equal) return out;
     for (std::size_t i = 0; i < b.waves.size(); ++i) {
       const Wave &x = a.waves[i], &y = b.waves[i];
-      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.amplitude == y.amplitude && x.period == y.period && x.phase == y.phase);
+      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.amplitude == y.amplitude && x.period == y.period &&
+            x.phase == y.phase);
     }
     for (std::size_t i = 0; i < b.tracks.size(); ++i) {
       const Track& x = a.tracks[i];

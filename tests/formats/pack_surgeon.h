@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Takes a pack apart and puts it together again with right checksums, so that tests can tell lies that only the structure gives away.
-// Written from formats/SPEC.md with zstd and xxHash alone: it shares no code with the library.
+// Takes a pack apart and puts it together again with right checksums, so that tests can tell lies that only the structure gives
+// away. Written from formats/SPEC.md with zstd and xxHash alone: it shares no code with the library.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -46,8 +46,8 @@ inline Bytes zstdDecode(const std::byte* frame, std::size_t size) {
 struct PackSurgeon {
   struct Chunk {
     std::uint32_t fourcc = 0, flags = 0, level = 0, part = 0;
-    Bytes content;                // decoded; the pages of a BRCK as they are stored
-    std::uint64_t raw_lie = 0;    // stated instead of the decoded size if not 0
+    Bytes content;                 // decoded; the pages of a BRCK as they are stored
+    std::uint64_t raw_lie = 0;     // stated instead of the decoded size if not 0
     std::uint64_t offset_lie = 0;  // added to the offset stated
     std::size_t gap = 0;           // zeros before it, beyond those that the alignment asks for
   };

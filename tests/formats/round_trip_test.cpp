@@ -124,8 +124,8 @@ TEST(Reader, RefusesPartsLevelsAndPagesThatAreNotThere) {
   PageData data;
   for (const auto spoil : {+[](PageInfo& p) { p.offset = ~std::uint64_t{0}; }, +[](PageInfo& p) { p.stored = 0; },
                            +[](PageInfo& p) { p.stored = 0xffffffffu; }, +[](PageInfo& p) { p.raw = 0xffffffffu; },
-                           +[](PageInfo& p) { p.raw += 1; }, +[](PageInfo& p) { p.count = 0; }, +[](PageInfo& p) { p.count = 0xffffffu; },
-                           +[](PageInfo& p) { p.raw = p.count * 512 - 4; }}) {
+                           +[](PageInfo& p) { p.raw += 1; }, +[](PageInfo& p) { p.count = 0; },
+                           +[](PageInfo& p) { p.count = 0xffffffu; }, +[](PageInfo& p) { p.raw = p.count * 512 - 4; }}) {
     PageInfo page = grid->pages[0];
     spoil(page);
     EXPECT_TRUE(misuse(pack->readPage(page, data)));

@@ -40,10 +40,12 @@ Outcome readPack(const std::string& arguments) {
 
 // A pack in a file that goes with the test.
 struct PackFile {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / ("kelp_second_reader_" + std::to_string(::getpid()) + ".kelp");
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("kelp_second_reader_" + std::to_string(::getpid()) + ".kelp");
 
   explicit PackFile(const std::vector<std::byte>& bytes) {
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   ~PackFile() { std::filesystem::remove(path); }
 };
@@ -85,21 +87,25 @@ std::string dump(const RawPack& pack) {
   std::string out = "minor 0\ninfo " + pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
-    out += "part " + hex(part.name) + format(" parent %d size %d %d %d levels %zu\n", part.parent, part.size.x, part.size.y, part.size.z, part.levels.size());
+    out +=
+        "part " + hex(part.name) +
+        format(" parent %d size %d %d %d levels %zu\n", part.parent, part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
     for (const RawLevel& level : part.levels) {
-      out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512, level.attributes.size(), crc32(level.cells),
-                    crc32(level.codes), crc32(level.attributes));
+      out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512, level.attributes.size(),
+                    crc32(level.cells), crc32(level.codes), crc32(level.attributes));
     }
   }
   for (const RawClip& clip : pack.clips) {
     out += "clip " + hex(clip.name) + " duration " + bits(clip.duration) + "\n";
     for (const Wave& w : clip.waves) {
-      out += format("wave %u %u %u ", w.part, w.knot, static_cast<unsigned>(w.target)) + bits(w.amplitude) + " " + bits(w.period) + " " + bits(w.phase) + "\n";
+      out += format("wave %u %u %u ", w.part, w.knot, static_cast<unsigned>(w.target)) + bits(w.amplitude) + " " +
+             bits(w.period) + " " + bits(w.phase) + "\n";
     }
     for (const RawTrack& t : clip.tracks) {
-      out += format("track %u %u %u %u\n", t.part, t.knot, static_cast<unsigned>(t.target), static_cast<unsigned>(t.interpolation));
+      out +=
+          format("track %u %u %u %u\n", t.part, t.knot, static_cast<unsigned>(t.target), static_cast<unsigned>(t.interpolation));
       for (const Key& key : t.keys) out += "key " + bits(key) + "\n";
     }
   }

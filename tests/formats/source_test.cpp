@@ -27,7 +27,8 @@ struct TemporaryFile {
       std::filesystem::temp_directory_path() / ("kelp_source_test_" + std::to_string(::getpid()) + ".bin");
 
   explicit TemporaryFile(const std::vector<std::byte>& bytes) {
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   ~TemporaryFile() { std::filesystem::remove(path); }
 };
@@ -73,7 +74,8 @@ TEST(FileSource, ReadsFromManyThreadsAtOnce) {
       std::array<std::byte, 64> got;
       for (std::size_t i = 0; i < 500; ++i) {
         const std::size_t offset = (i * 7919 + worker * 104729) % (bytes.size() - got.size());
-        if (!source.read(source.user, offset, got) || !std::equal(got.begin(), got.end(), bytes.begin() + offset)) ++wrong[worker];
+        if (!source.read(source.user, offset, got) || !std::equal(got.begin(), got.end(), bytes.begin() + offset))
+          ++wrong[worker];
       }
     });
   }

@@ -141,8 +141,8 @@ TEST(Spline, IsMonotoneHoldsAtItsLimits) {
   EXPECT_TRUE(isMonotone(segment(64, 4 * 64, 1 * 64)));
   EXPECT_FALSE(isMonotone(segment(64, 4.1f * 64, 1 * 64)));
   EXPECT_FALSE(isMonotone(segment(64, -0.1f * 64, 64)));
-  EXPECT_FALSE(isMonotone(segment(0, 0, 0)));    // never rises
-  EXPECT_FALSE(isMonotone(segment(-1, 0, 0)));   // falls
+  EXPECT_FALSE(isMonotone(segment(0, 0, 0)));   // never rises
+  EXPECT_FALSE(isMonotone(segment(-1, 0, 0)));  // falls
   EXPECT_FALSE(isMonotone(segment(1, std::numeric_limits<float>::quiet_NaN(), 0)));
   EXPECT_FALSE(isMonotone(segment(1, std::numeric_limits<float>::infinity(), 0)));
 }

@@ -21,7 +21,8 @@ std::vector<Issue> issuesOf(const Bytes& bytes, const Limits& limits = {}) {
   std::vector<Issue> issues;
   MemorySource memory(bytes);
   const std::uint64_t errors = verify(
-      memory.source(), limits, [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); }, &issues);
+      memory.source(), limits, [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); },
+      &issues);
   const auto is_error = [](const Issue& issue) { return issue.severity == Severity::kError; };
   EXPECT_EQ(errors, static_cast<std::uint64_t>(std::count_if(issues.begin(), issues.end(), is_error)));
   for (const Issue& issue : issues) EXPECT_STRNE(toString(issue.id), "Unknown issue.");
@@ -40,7 +41,8 @@ PackSurgeon tiny() { return PackSurgeon(test::writeToMemory(test::makeTinyPack()
 
 TEST(Verify, SoundPacksHaveNoIssues) {
   EXPECT_EQ(idsOf(issuesOf(tiny().build())), Ids{});
-  for (std::uint32_t seed = 0; seed < 10; ++seed) EXPECT_EQ(idsOf(issuesOf(test::writeToMemory(test::makeRandomPack(seed)))), Ids{});
+  for (std::uint32_t seed = 0; seed < 10; ++seed)
+    EXPECT_EQ(idsOf(issuesOf(test::writeToMemory(test::makeRandomPack(seed)))), Ids{});
 }
 
 TEST(Verify, AnUnreadableHeaderIsOneIssue) {
@@ -145,8 +147,10 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
   Bytes bytes = surgeon.build();
   bytes.back() ^= std::byte{1};  // in the last page
   const std::vector<Issue> issues = issuesOf(bytes);
-  EXPECT_EQ(idsOf(issues), (Ids{IssueId::kMetadata, IssueId::kMetadata, IssueId::kNotMonotone, IssueId::kChunkChecksum, IssueId::kPage}));
-  EXPECT_TRUE(std::is_sorted(issues.begin(), issues.end(), [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
+  EXPECT_EQ(idsOf(issues),
+            (Ids{IssueId::kMetadata, IssueId::kMetadata, IssueId::kNotMonotone, IssueId::kChunkChecksum, IssueId::kPage}));
+  EXPECT_TRUE(std::is_sorted(issues.begin(), issues.end(),
+                             [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
 }
 
 TEST(Verify, SolidVoxelsOutsideAreFoundInEveryPage) {

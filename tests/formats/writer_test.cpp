@@ -59,7 +59,10 @@ const Mistake kMistakes[] = {
     {"keys out of order", [](RawPack& p) { std::swap(p.clips[0].tracks[0].keys[0], p.clips[0].tracks[0].keys[1]); }},
     {"a cell too few", [](RawPack& p) { p.parts[0].levels[0].cells.pop_back(); }},
     {"slot twice", [](RawPack& p) { p.parts[0].levels[0].cells[2] = kCellSolid; }},
-    {"no brick", [](RawPack& p) { p.parts[1].levels[0] = {{256}, {}, {}}; }},
+    {"no brick",
+     [](RawPack& p) {
+       p.parts[1].levels[0] = {{256}, {}, {}};
+     }},
     {"a code too few", [](RawPack& p) { p.parts[0].levels[0].codes.pop_back(); }},
     {"a brick of codes too many", [](RawPack& p) { p.parts[0].levels[0].codes.resize(3 * 512); }},
     {"reserved code", [](RawPack& p) { p.parts[0].levels[0].codes[9] = 200; }},

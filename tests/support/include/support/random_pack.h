@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a shape (clearances are random),
-// they are only well formed.
+// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a shape (clearances are
+// random), they are only well formed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ inline std::vector<std::byte> writeToMemory(const RawPack& pack, int threads = 1
 
 struct RandomPackOptions {
   int parts = 3;
-  int max_side = 40;   // level-0 voxels
+  int max_side = 40;  // level-0 voxels
   int max_levels = 4;
   int clips = 2;
 };
@@ -167,6 +167,8 @@ class RandomPack {
   RandomPackOptions options_;
 };
 
-inline RawPack makeRandomPack(std::uint32_t seed, const RandomPackOptions& options = {}) { return RandomPack(seed, options).make(); }
+inline RawPack makeRandomPack(std::uint32_t seed, const RandomPackOptions& options = {}) {
+  return RandomPack(seed, options).make();
+}
 
 }  // namespace kelp::test
