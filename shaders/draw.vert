@@ -8,17 +8,14 @@ flat out int kelp_texel;     // of the record
 void main() {
   kelpLoadRecord(kelp_first_texel + gl_InstanceID * kelp_record_texels);
   kelp_texel = kelp_record;
-  const int kAcross[6] = int[6](0, 1, 1, 0, 1, 0);
-  const int kUp[6] = int[6](0, 0, 1, 0, 1, 1);
-  int face = gl_VertexID / 6;
-  int corner = gl_VertexID - 6 * face;
-  int axis = face >> 1;
-  bool upper = (face & 1) == 1;
-
-  bvec3 high;
-  high[axis] = upper;
-  high[axis == 2 ? 0 : axis + 1] = kAcross[corner] == 1;
-  high[axis == 0 ? 2 : axis - 1] = kUp[corner] == 1;
+  // Six faces of two triangles each; a corner is one of four, (across, up).
+  const bool kAcross[6] = bool[6](false, true, true, false, true, false);
+  const bool kUp[6] = bool[6](false, false, true, false, true, true);
+  int axis = gl_VertexID / 12;
+  bool upper = gl_VertexID % 12 >= 6;
+  bool across = kAcross[gl_VertexID % 6];
+  bool up = kUp[gl_VertexID % 6];
+  bvec3 high = axis == 0 ? bvec3(upper, across, up) : (axis == 1 ? bvec3(up, upper, across) : bvec3(across, up, upper));
   kelp_exit = mix(kelp_bounds_min, kelp_bounds_max, vec3(high));
 
   // The rays leave through this face if they point the way it does. Decided here, not by the rasteriser's winding: mirrored instances,

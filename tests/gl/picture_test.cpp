@@ -178,6 +178,39 @@ TEST_P(PictureTest, SurfacesAreTheCpus) {
   EXPECT_GT(compared, 500);
 }
 
+// Inner voxels, seen where the near plane cuts into a solid: the material beside them, and turned to the eye.
+TEST_P(PictureTest, ACutSolidShowsTheMaterialBeside) {
+  const Canvas canvas({80, 80});
+  const fields::Occupancy block{{20, 20, 20}, std::vector<std::uint8_t>(8000, 1)};
+  RawPack pack = packOf(block);
+  pack.parts[0].levels = levelsOf(block, 1);
+  const LoadedAsset loaded(pack);
+  const auto renderer = makeRenderer(*loaded.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.material), dot(s.normal, s.view), 0.0, 1.0); }\n");
+  const Instance instance{loaded.asset.get(), nullptr};
+  const gl::View view = orthographic(canvas, {0, 0.5f, 2}, {0, 0.5f, 0}, 0.6f, 2.0f, 5.0f);  // cuts the block in the middle
+  ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
+  const std::vector<Pixel> pixels = canvas.pixels();
+  int beside = 0, within = 0;
+  for (int y = 0; y < 80; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const auto hit = raycast(instance, pixelRay(view, x, y));
+      const Pixel& pixel = pixels[static_cast<std::size_t>(80 * y + x)];
+      ASSERT_EQ(hit.has_value(), pixel[3] != 0);
+      if (!hit) continue;
+      EXPECT_EQ(pixel[0] != 0, hit->material == 1);
+      const int edge = std::min({hit->voxel.x, hit->voxel.y, 19 - hit->voxel.x, 19 - hit->voxel.y});
+      beside += edge == 1;
+      within += edge > 1;
+      if (edge > 0) {
+        EXPECT_EQ(pixel[0] != 0, edge == 1);
+        EXPECT_EQ(pixel[1], 255);
+      }
+    }
+  }
+  EXPECT_GT(beside, 300);
+  EXPECT_GT(within, 1500);
+}
+
 // A sphere's light side is where the sun is.
 TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
   const Canvas canvas({80, 80});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/gl/renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 
@@ -26,14 +27,16 @@ struct RecordTexture {
 Result<void> uploadRecords(const Api& api, RecordTexture& texture, std::span<const glm::vec4> records) {
   constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
   const std::size_t rows = records.size() / DrawList::kRecordWidth;
-  if (rows > static_cast<std::size_t>(api.max_texture_size)) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
+  const auto most = static_cast<std::size_t>(api.max_texture_size);
+  if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
   api.BindTexture(kTexture2d, texture.name);
   if (rows > texture.rows) {
-    drainErrors(api);
-    api.TexImage2D(kTexture2d, 0, kRgba32f, kWidth, static_cast<std::int32_t>(rows), 0, kRgba, kFloat, nullptr);
+    const std::size_t fresh = std::min(std::max(rows, 2 * texture.rows), most);
     texture.rows = 0;
+    drainErrors(api);
+    api.TexImage2D(kTexture2d, 0, kRgba32f, kWidth, static_cast<std::int32_t>(fresh), 0, kRgba, kFloat, nullptr);
     if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good) return good;
-    texture.rows = rows;
+    texture.rows = fresh;
   }
   api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgba, kFloat, records.data());
   return {};

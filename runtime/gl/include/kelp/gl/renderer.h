@@ -57,7 +57,7 @@ struct Stats {
   std::uint32_t culled = 0;
   std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
-  std::uint64_t gpu_bytes = 0;       // held now
+  std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
   std::uint32_t pending = 0;         // levels that are resident in memory and not yet on the GPU
 };
 
@@ -74,7 +74,9 @@ class Renderer {
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
 
-  // Uploads resident levels of known assets, coarse to fine, at least one and no more than about `max_bytes`.
+  // Uploads resident levels of known assets, coarse to fine, at least one and no more than about `max_bytes`. A level that can not go to the
+  // GPU is left out, and its part drawn coarser; the rest goes on. kLimit: over gpu_budget (answered every time, until there is room), or too
+  // large for this context's textures (answered once). kOutOfMemory, kGraphics: OpenGL refused (answered once).
   Result<Stats> upload(std::uint64_t max_bytes);
 
   // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL, so that Pass::kColour after Pass::kDepth
