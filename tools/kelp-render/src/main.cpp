@@ -94,9 +94,6 @@ void run(const Options& options) {
 
   gl::View view;
   view.viewport = options.samples * options.size;
-  view.sun_color = {2.0f, 1.92f, 1.8f};
-  view.sky_color = {0.44f, 0.47f, 0.52f};
-  view.ground_color = {0.22f, 0.2f, 0.18f};
   if (options.level) {
     view.finest_level = *options.level;
     view.pixels_per_voxel = 0;

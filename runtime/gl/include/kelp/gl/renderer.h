@@ -40,9 +40,10 @@ struct View {
   glm::mat4 eye_to_clip{1};      // perspective or orthographic
   glm::ivec2 viewport{0};        // pixels: size of the current viewport; nothing is drawn when a side is 0
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
-  glm::vec3 sun_color{2.6f, 2.5f, 2.3f};       // linear
-  glm::vec3 sky_color{0.55f, 0.65f, 0.8f};     // linear, light from above
-  glm::vec3 ground_color{0.25f, 0.22f, 0.2f};  // linear, light from below
+  // Linear. The defaults sum to white for a white surface in full light, so that a host without tone mapping sees no clipping.
+  glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
+  glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
+  glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   float pixels_per_voxel = 1.0f;  // a coarser level is drawn where finer voxels would be smaller than this many pixels; 0: always the finest
 };
