@@ -177,6 +177,19 @@ TEST_F(KelpRender, SaysTheSameTwice) {
   EXPECT_EQ(test::readWhole(out_), first);
 }
 
+TEST_F(KelpRender, DrawsTheSameWithOpenGlEs) {
+  const Picture desktop = picture({"--view", "shaded"});
+  // Mesa then refuses a context of OpenGL 3.3.
+  const ProcessResult result = test::runProcess({"env", "MESA_GL_VERSION_OVERRIDE=3.2", KELP_RENDER, pack_, "-o", out_, "--size", "120x120", "--yaw", "0",
+                                                 "--pitch", "0", "--background", "none"});
+  ASSERT_EQ(result.exit, 0) << result.err;
+  const Picture embedded(out_);
+  ASSERT_EQ(embedded.rgba.size(), desktop.rgba.size());
+  int different = 0;
+  for (std::size_t i = 0; i < desktop.rgba.size(); ++i) different += std::abs(embedded.rgba[i] - desktop.rgba[i]) > 2;
+  EXPECT_LE(different, 20);
+}
+
 TEST_F(KelpRender, HelpAndVersion) {
   EXPECT_EQ(render({"--help"}).exit, 0);
   EXPECT_NE(render({"--help"}).out.find("--tangent 0=3,0,1"), std::string::npos);
