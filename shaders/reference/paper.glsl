@@ -7,7 +7,7 @@
 // The text before defines, beside trace.glsl's macros:
 //   PAPER_FETCH(v)   float: value of the dense 3D texture at voxel v: the distance to the nearest solid voxel's centre, 0 in a solid voxel
 //   PAPER_STEP       float: the constant step, voxels
-//   PAPER_ARCSINE    defined: solve S.y by arcsine where the tangents have no y (a shortcut that the paper does not have)
+//   PAPER_ARCSINE    defined: S.y = y by arcsine, a shortcut that the paper does not have. Only for tangents without y, or a straight spline
 
 struct PaperRoots {
   int count;
@@ -61,18 +61,17 @@ KELP_FN PaperRoots paperCubic(float a, float b, float c, float d) {
 KELP_FN float paperSplinePlane(KelpSegment g, float y) {
 #ifdef PAPER_ARCSINE
   float rise = g.c.y + g.b.y + g.a.y;
-  if (abs(g.c.y) + abs(g.b.y - 3.0f * rise) + abs(g.a.y + 2.0f * rise) < 1e-4f * rise) {  // S.y = rise (3 t^2 - 2 t^3)
-    float h = (y - g.d.y) / rise;
-    if (h < 0.0f || h > 1.0f) return -1.0f;
-    return 0.5f - sin(asin(1.0f - 2.0f * h) / 3.0f);
-  }
-#endif
+  float h = (y - g.d.y) / rise;
+  float arcsine = 0.5f - sin(asin(clamp(1.0f - 2.0f * h, -1.0f, 1.0f)) / 3.0f);
+  return (h < 0.0f || h > 1.0f) ? -1.0f : (abs(g.a.y) < 1e-4f * rise ? h : arcsine);
+#else
   PaperRoots roots = paperCubic(g.a.y, g.b.y, g.c.y, g.d.y - y);
   float t = -1.0f;
   if (roots.count > 0 && roots.t.x > -1e-5f && roots.t.x < 1.00001f) t = clamp(roots.t.x, 0.0f, 1.0f);
   if (roots.count > 1 && roots.t.y > -1e-5f && roots.t.y < 1.00001f) t = clamp(roots.t.y, 0.0f, 1.0f);
   if (roots.count > 2 && roots.t.z > -1e-5f && roots.t.z < 1.00001f) t = clamp(roots.t.z, 0.0f, 1.0f);
   return t;
+#endif
 }
 
 struct PaperMap {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Draws a view of a posed scene with one of the methods, counts, and takes the time. One object at a time: it makes the GL context.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench_trace_views.h"
+
+namespace kelp::bench {
+
+enum class Method { kStandard, kStandardArcsine, kDf, kDfWorld, kKelp };
+inline constexpr std::array<Method, 5> kMethods{Method::kStandard, Method::kStandardArcsine, Method::kDf, Method::kDfWorld, Method::kKelp};
+const char* toString(Method method);
+
+// What one ray did; all zero and s = -1 where the ray misses the bounds.
+struct Count {
+  float s = -1;  // of the hit, or -1
+  float steps = 0;
+  float fetches = 0;
+  float outside = 0;
+};
+
+class Gpu {
+ public:
+  // Throws std::runtime_error where there is no OpenGL 3.3.
+  explicit Gpu(const glm::ivec2& size);
+  ~Gpu();
+  Gpu(const Gpu&) = delete;
+  Gpu& operator=(const Gpu&) = delete;
+
+  std::string renderer() const;
+  void setScene(const Scene& scene);
+  void setView(const std::vector<PosedItem>& items, const View& view);
+
+  // The rays of one item alone.
+  std::vector<Count> count(Method method, std::size_t item);
+  // Milliseconds of one whole frame of all items with depth test.
+  double frame(Method method);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kelp::bench
