@@ -27,7 +27,7 @@ void main() {
   color = vec3(0.55, 0.46, 0.30);
   if (gl_VertexID >= 4) {
     float angle = float((gl_VertexID - 4) / 2) * 2.0 * 3.14159265 / 96.0, radius = scene.x * ((gl_VertexID & 1) == 0 ? 0.42 : 0.52);
-    p = radius * (cos(angle) * vec3(cos(scene.z), 0.4, sin(scene.z)) + sin(angle) * vec3(-sin(scene.z), 0.0, cos(scene.z)));
+    p = radius * (cos(angle) * vec3(cos(scene.z), 0.2, sin(scene.z)) + sin(angle) * vec3(-sin(scene.z), 0.0, cos(scene.z)));
     across = vec2(0.0);
     color = (gl_VertexID - 4) / 16 % 2 == 0 ? vec3(0.80, 0.05, 0.03) : vec3(0.90, 0.88, 0.82);
   }
@@ -108,7 +108,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
     const float size = glm::length(extent), turn = static_cast<float>(0.3 * seconds);
-    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.3f, glm::cos(turn)), centre, {0, 1, 0});
+    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)), centre, {0, 1, 0});
     const glm::vec2 pixels = glm::max(view.viewport, 1);
     view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
     glViewport(0, 0, view.viewport.x, view.viewport.y);
