@@ -141,6 +141,33 @@ TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
   expectAgreement(compare(*renderer, canvas, flipped, instances), "flipped projection");
 }
 
+TEST_P(PictureTest, PartsFollowTheirParents) {
+  const Canvas canvas({160, 120});
+  const fields::Occupancy arm = ballClump({20, 48, 24}, 14, 5);
+  RawPack pack = packOf(volume_);
+  pack.parts.push_back(partOf(arm, figureKnots(kFigure6[1], arm.size), "arm"));
+  pack.parts[1].parent = 0;
+  pack.parts[1].to_object[3] += glm::vec3(0.6f, 0.2f, 0);
+  pack.parts[1].pivot[3] = glm::vec3(0.5f, 0.3f, 0);
+  const LoadedAsset loaded(pack);
+  runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
+  pose.motion(0).rotation = glm::angleAxis(0.5f, glm::normalize(glm::vec3(0.2f, 1, 0.1f)));
+  pose.motion(1).rotation = glm::angleAxis(-0.9f, glm::vec3(0, 0, 1));
+  pose.motion(1).scale = {0.8f, 1.2f, 1};
+  pose.motion(1).translation = {0.1f, 0.05f, 0.2f};
+  const auto renderer = makeRenderer(*loaded.asset, kVoxelSurface);
+  const Instance instance{loaded.asset.get(), &pose};
+  const gl::View view = lookAt(canvas, {1.0f, 1.1f, 2.4f}, {0.2f, 0.5f, 0});
+  expectAgreement(compare(*renderer, canvas, view, {&instance, 1}), "two parts");
+  EXPECT_EQ(renderer->draw(view, {&instance, 1})->instances, 2u);
+
+  pose.motion(1).scale = glm::vec3(0);  // a part may vanish
+  const auto drawn = renderer->draw(view, {&instance, 1});
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->instances, 1u);
+  EXPECT_EQ(drawn->culled, 1u);
+}
+
 // Normals, positions and materials that the surface function gets, against the CPU's.
 TEST_P(PictureTest, SurfacesAreTheCpus) {
   const Canvas canvas({160, 120});
