@@ -62,6 +62,27 @@ TEST(Voxelize, BoxFillsEveryVoxelOfItsExtent) {
   EXPECT_EQ(baked.solid, 5u * 8u * 3u);
 }
 
+// Scanlines that run exactly through edges and vertices count each face once, however it is cut into triangles.
+TEST(Voxelize, ScanlinesOnEdgesAndVerticesCountOnce) {
+  for (int face = 0; face < 6; ++face) {
+    bake::TriangleSoup soup;
+    test::addBox(soup, {0, 0, 0}, {11, 11, 11}, face);
+    const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    glm::vec3 centre(5.5f);  // the middle of a voxel's face: four triangles meet there, and their edges run through voxel centres
+    centre[axis] = face % 2 ? 11.0f : 0.0f;
+    const glm::vec2 ring[5] = {{0, 0}, {11, 0}, {11, 11}, {0, 11}, {0, 0}};
+    for (int k = 0; k < 4; ++k) {
+      glm::vec3 a(centre), b(centre);
+      a[u] = ring[k].x;
+      a[v] = ring[k].y;
+      b[u] = ring[k + 1].x;
+      b[v] = ring[k + 1].y;
+      test::addTriangle(soup, centre, face % 2 ? a : b, face % 2 ? b : a);
+    }
+    EXPECT_EQ(voxelizeUnit(test::makeModel(soup)).solid, 11u * 11u * 11u) << "face " << face;
+  }
+}
+
 TEST(Voxelize, SurfaceIsExactlyTheSurfaceVoxelsWithUnitNormals) {
   bake::TriangleSoup soup;
   test::addSphere(soup, {0, 0, 0}, 12.0f, 24);

@@ -29,7 +29,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     surface += part.surface_voxels;
   }
   fmt::print(stderr, "kelp-bake: {}: {}, {} part{}", options.input.filename().string(), report.format, report.parts.size(), report.parts.size() == 1 ? "" : "s");
-  if (triangles > 0) fmt::print(stderr, ", {} triangles", triangles);
+  if (triangles > 0) fmt::print(stderr, ", {} triangle{}", triangles, triangles == 1 ? "" : "s");
   fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options) : "the volume's own voxels (--resolution N to change)");
   for (const bake::Report::Part& part : report.parts) {
     fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {:.4g}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, part.voxel_size, part.rig_origin, part.fill);
