@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The smallest honest embedding of kelp. Window, context, thread, clock and depth buffer are the host's; kelp draws into them. The host's
-// own triangles, a ground and a striped hoop, go through the voxels: both write real depth, so each hides the other where it is nearer.
+// The smallest honest embedding of kelp: window, context, thread, clock and depth buffer are the host's. Its own triangles, a
+// ground and a striped hoop, go through the voxels: both write real depth, so each hides the other where it is nearer.
 #define GL_GLEXT_PROTOTYPES
 #define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
@@ -18,7 +18,7 @@
 #include "kelp/gl/renderer.h"
 
 // Vertices 0 to 3 are the ground, the other 194 the hoop: no vertex buffer needed. scene = reach, height of the ground, seconds.
-static const char* const kTriangles[2] = {R"(#version 330 core
+static const char* const kVertexShader = R"(#version 330 core
 uniform mat4 to_clip; uniform vec3 scene;
 flat out vec3 color; out vec2 across;
 void main() {
@@ -32,16 +32,17 @@ void main() {
     color = (gl_VertexID - 4) / 16 % 2 == 0 ? vec3(0.80, 0.05, 0.03) : vec3(0.90, 0.88, 0.82);
   }
   gl_Position = to_clip * vec4(p, 1.0);
-})", R"(#version 330 core
+})";
+static const char* const kFragmentShader = R"(#version 330 core
 flat in vec3 color; in vec2 across; out vec4 result;
-void main() { result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0); })"};
+void main() { result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0); })";
 
 // Compiles the triangles' program and sets all OpenGL state of this host, once: kelp leaves the state as it finds it.
 static GLuint prepareTriangles() {
   const GLuint program = glCreateProgram();
   for (int i = 0; i < 2; ++i) {
     const GLuint shader = glCreateShader(i == 0 ? GL_VERTEX_SHADER : GL_FRAGMENT_SHADER);
-    glShaderSource(shader, 1, &kTriangles[i], nullptr);
+    glShaderSource(shader, 1, i == 0 ? &kVertexShader : &kFragmentShader, nullptr);
     glCompileShader(shader);
     glAttachShader(program, shader);
   }
@@ -63,14 +64,14 @@ static int fail(const char* what, const kelp::Error& error) {
   return error.code == kelp::ErrorCode::kIo ? 2 : error.code == kelp::ErrorCode::kGraphics ? 4 : 3;
 }
 
-static bool writePicture(const char* path, const glm::ivec2& size) {
+static int writePicture(const char* path, const glm::ivec2& size) {
   const std::size_t row = 3u * static_cast<unsigned>(size.x);
   std::vector<char> pixels(row * static_cast<unsigned>(size.y));
   glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   std::ofstream file(path, std::ios::binary);
   file << "P6\n" << size.x << " " << size.y << "\n255\n";
   for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
-  return file.flush().good();
+  return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture can not be written"});
 }
 
 static int run(GLFWwindow* window, const char* path, int frames, const char* picture) {
@@ -104,10 +105,11 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     const double seconds = glfwGetTime();
     pose->reset();
     if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
+    const bool all_read = loaded;
     const auto sent = (*renderer)->upload(4 << 20);  // bytes that this frame may spend
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
-    const float size = glm::length(extent), turn = static_cast<float>(0.3 * seconds);
+    const float size = glm::length(extent), now = static_cast<float>(seconds), turn = 0.3f * now;
     view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)), centre, {0, 1, 0});
     const glm::vec2 pixels = glm::max(view.viewport, 1);
     view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
@@ -115,12 +117,12 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     const glm::mat4 to_clip = view.eye_to_clip * glm::translate(view.world_to_eye, centre);
     glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
-    glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y, static_cast<float>(seconds));
+    glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y, now);
     for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)}) glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
     const auto drawn = (*renderer)->draw(view, {&instance, 1});
     if (!sent || !drawn) exit_code = fail(path, sent ? drawn.error() : sent.error());
-    if (loaded && sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there
-    if (picture && frame == frames && !writePicture(picture, view.viewport)) exit_code = fail(picture, {kelp::ErrorCode::kIo, "not written"});
+    if (all_read && sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there
+    if (frame == frames && picture) exit_code = writePicture(picture, view.viewport);
     glfwSwapBuffers(window);
     glfwPollEvents();
   }
@@ -131,10 +133,8 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 
 int main(int count, char** words) {
   const bool once = count >= 4 && std::string_view(words[2]) == "--frames" && std::atoi(words[3]) > 0;
-  if (count != 2 && !(once && count <= 5)) {
-    std::fputs("usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]    (ends after N frames, saves the last one)\n", stderr);
-    return 1;
-  }
+  if (count != 2 && !(once && count <= 5))
+    return std::fputs("usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)\n", stderr), 1;
   if (!glfwInit()) return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

@@ -12,11 +12,14 @@ namespace {
 std::span<const kelp::Part> parts(const Model& model) { return model.asset().pack().parts(); }
 const kelp::Part& part(const Model& model, int index) { return parts(model)[static_cast<std::size_t>(index)]; }
 
-// A tangent is as long as the whole axis; its handle is drawn at a third of an average segment, where a Bezier curve has its control point.
+// A tangent is as long as the whole axis; its handle is drawn at a third of an average segment, where a Bezier curve has its
+// control point.
 float tangentShare(const kelp::Part& part) { return 1.0f / (3.0f * static_cast<float>(part.knots.size() - 1)); }
 
 // Rigs count from the corner of the base; the handles stand over its middle.
-glm::vec3 middle(const kelp::Part& part) { return {0.5f * static_cast<float>(part.size.x), 0, 0.5f * static_cast<float>(part.size.z)}; }
+glm::vec3 middle(const kelp::Part& part) {
+  return {0.5f * static_cast<float>(part.size.x), 0, 0.5f * static_cast<float>(part.size.z)};
+}
 
 }  // namespace
 

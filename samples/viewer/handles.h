@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the mouse can take hold of: every knot, and the tip of every tangent. They stand in the middle of the part, where the spline is.
+// What the mouse can take hold of: every knot, and the tip of every tangent. They stand in the middle of the part, where the
+// spline is.
 #pragma once
 
 #include <vector>

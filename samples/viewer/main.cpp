@@ -24,7 +24,8 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: viewer [PACK.kelp] [--frames N [PICTURE.ppm]]\n"
-    "Shows a pack; drop files onto the window to see them. With --frames the viewer ends after N frames and saves the last as a picture.\n";
+    "Shows a pack; drop files onto the window to see them. With --frames the viewer ends after N frames and saves the last as a "
+    "picture.\n";
 constexpr float kGrip = 12;  // pixels about a handle
 
 struct Arguments {
@@ -58,7 +59,8 @@ class Application {
     });
   }
 
-  // Shows the pack and answers 0; or says what is wrong, leaves what is shown, and answers the exit code: 2 I/O, 3 the pack, 4 graphics.
+  // Shows the pack and answers 0; or says what is wrong, leaves what is shown, and answers the exit code: 2 I/O, 3 the pack, 4
+  // graphics.
   int open(const std::string& path) {
     wrong_.clear();
     auto model = Model::open(path);

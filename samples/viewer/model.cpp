@@ -73,9 +73,13 @@ void Model::pose(double seconds) {
   pose_->clampMonotone();
 }
 
-void Model::moveKnot(int part, int knot, const glm::vec3& position) { edit(part, knot).offset = position - edit(part, knot).before.position; }
+void Model::moveKnot(int part, int knot, const glm::vec3& position) {
+  edit(part, knot).offset = position - edit(part, knot).before.position;
+}
 
-void Model::bendKnot(int part, int knot, const glm::vec3& tangent) { edit(part, knot).tangent = tangent - edit(part, knot).before.tangent; }
+void Model::bendKnot(int part, int knot, const glm::vec3& tangent) {
+  edit(part, knot).tangent = tangent - edit(part, knot).before.tangent;
+}
 
 void Model::forgetEdits() {
   for (std::vector<Edit>& knots : edits_) std::fill(knots.begin(), knots.end(), Edit{});

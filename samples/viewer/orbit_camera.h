@@ -16,7 +16,7 @@ class OrbitCamera {
 
   void orbit(const glm::vec2& pixels);  // a drag of so many pixels
   void pan(const glm::vec2& pixels);
-  void zoom(float clicks);              // of the wheel; positive: nearer
+  void zoom(float clicks);  // of the wheel; positive: nearer
 
   glm::mat4 worldToEye() const;
   glm::mat4 eyeToClip() const;

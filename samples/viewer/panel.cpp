@@ -29,8 +29,8 @@ void drawParts(const Model& model) {
   const std::span<const kelp::Part> parts = model.asset().pack().parts();
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
     const kelp::Part& part = parts[static_cast<std::size_t>(i)];
-    ImGui::Text("%.*s: %d x %d x %d, level %d of 0..%d", static_cast<int>(part.name.size()), part.name.data(), part.size.x, part.size.y,
-                part.size.z, model.asset().residentLevel(i), part.levels - 1);
+    ImGui::Text("%.*s: %d x %d x %d, level %d of 0..%d", static_cast<int>(part.name.size()), part.name.data(), part.size.x,
+                part.size.y, part.size.z, model.asset().residentLevel(i), part.levels - 1);
   }
 }
 
@@ -38,7 +38,8 @@ void drawSurface(Stage& stage, Choices& choices, std::string& wrong) {
   if (ImGui::BeginCombo("colours", toString(stage.surface()))) {
     for (int i = 0; i < static_cast<int>(Surface::kCount); ++i) {
       const auto surface = static_cast<Surface>(i);
-      if (ImGui::Selectable(toString(surface), surface == stage.surface()) && surface != stage.surface()) wrong = stage.paint(surface);
+      if (ImGui::Selectable(toString(surface), surface == stage.surface()) && surface != stage.surface())
+        wrong = stage.paint(surface);
     }
     ImGui::EndCombo();
   }
@@ -72,12 +73,14 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<kelp::runtime
     } else {
       ImGui::TextDisabled("no voxel under the mouse");
     }
-    if (const std::string error = model->loadError(); !error.empty()) ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", error.c_str());
+    if (const std::string error = model->loadError(); !error.empty())
+      ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", error.c_str());
   } else {
     ImGui::TextUnformatted("Drop a .kelp file here.");
   }
   if (!wrong.empty()) ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", wrong.c_str());
-  ImGui::TextDisabled("drag: turn, or a handle. right drag: move. wheel: nearer. F: all of it. space: play. R: let go. H: handles.");
+  ImGui::TextDisabled(
+      "drag: turn, or a handle. right drag: move. wheel: nearer. F: all of it. space: play. R: let go. H: handles.");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }

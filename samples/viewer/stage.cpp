@@ -54,6 +54,7 @@ std::string Stage::show(std::unique_ptr<Model> model) {
   if (std::string wrong = makeRenderer(*model, surface_, renderer); !wrong.empty()) return wrong;
   renderer_ = std::move(renderer);
   model_ = std::move(model);
+  complete_ = false;
   return {};
 }
 
@@ -73,6 +74,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (!model_) return {};
 
+  const bool all_read = model_->loaded();
   const auto sent = renderer_->upload(kUploadPerFrame);
   if (!sent) return describe(sent.error());
   kelp::gl::View view;
@@ -89,6 +91,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   stats_ = *drawn;
   stats_.bytes_uploaded = sent->bytes_uploaded;
   stats_.pending = sent->pending;
+  complete_ = all_read && sent->pending == 0;
   return {};
 }
 

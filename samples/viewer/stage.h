@@ -27,13 +27,14 @@ class Stage {
   // Sends voxels to the GPU and draws. Answers an empty line, or what is wrong.
   std::string draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel);
   const kelp::gl::Stats& stats() const { return stats_; }  // of the last draw()
-  bool complete() const { return model_ && model_->loaded() && stats_.pending == 0; }
+  bool complete() const { return complete_; }              // whether it showed every voxel that will ever come
 
  private:
   std::unique_ptr<Model> model_;
   std::unique_ptr<kelp::gl::Renderer> renderer_;  // goes before the model that it knows
   Surface surface_ = Surface::kShaded;
   kelp::gl::Stats stats_;
+  bool complete_ = false;
 };
 
 }  // namespace viewer

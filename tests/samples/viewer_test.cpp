@@ -18,11 +18,13 @@ class Viewer : public ::testing::Test {
   void SetUp() override {
     path_ = std::filesystem::path(::testing::TempDir()) /
             (std::string("kelp_viewer_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".kelp");
-    kelp::RawPack pack = kelp::test::packOf(kelp::test::ballClump({40, 64, 32}, 12, 1),
-                                            {{0, {0, 0, 0}, {0, 64, 0}}, {0.5f, {3, 32, 0}, {10, 64, 0}}, {1, {0, 64, 2}, {0, 64, 5}}});
+    kelp::RawPack pack =
+        kelp::test::packOf(kelp::test::ballClump({40, 64, 32}, 12, 1),
+                           {{0, {0, 0, 0}, {0, 64, 0}}, {0.5f, {3, 32, 0}, {10, 64, 0}}, {1, {0, 64, 2}, {0, 64, 5}}});
     pack.clips.push_back({"sway", 2, {{0, 2, kelp::Target::kKnotOffset, {6, 0, 1}, 2, 0}}, {}});
     const std::vector<std::byte> bytes = kelp::test::bytesOf(pack);
-    std::ofstream(path_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     auto opened = Model::open(path_.string());
     ASSERT_TRUE(opened) << describe(opened.error());
     model_ = *std::move(opened);
@@ -68,7 +70,8 @@ TEST_F(Viewer, TheWholeModelIsInThePictureHoweverItTurns) {
   for (int i = 0; i < 20; ++i) {
     camera_.orbit({57, i % 2 == 0 ? 90 : -60});
     for (int corner = 0; corner < 8; ++corner) {
-      const glm::vec3 at(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z);
+      const glm::vec3 at(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                         corner & 4 ? box.max.z : box.min.z);
       const std::optional<glm::vec2> pixel = camera_.project(at);
       ASSERT_TRUE(pixel);
       EXPECT_TRUE(pixel->x > 0 && pixel->y > 0 && pixel->x < kWindow.x && pixel->y < kWindow.y) << pixel->x << " " << pixel->y;
@@ -77,7 +80,8 @@ TEST_F(Viewer, TheWholeModelIsInThePictureHoweverItTurns) {
 }
 
 TEST_F(Viewer, PickFindsTheNearestHandleOrNone) {
-  for (const Handle& handle : handlesOf(*model_)) EXPECT_EQ(pick(*model_, camera_, pixelOf(handle) + glm::vec2(1, -1), 12), handle);
+  for (const Handle& handle : handlesOf(*model_))
+    EXPECT_EQ(pick(*model_, camera_, pixelOf(handle) + glm::vec2(1, -1), 12), handle);
   EXPECT_EQ(pick(*model_, camera_, {5, 5}, 12), std::nullopt);
 }
 
@@ -93,7 +97,8 @@ TEST_F(Viewer, ADraggedHandleFollowsTheMouse) {
         drag(*model_, handle, camera_, mouse);
         model_->pose(seconds);
         EXPECT_NEAR(depthOf(handle), depth, 1e-4f);
-        EXPECT_LT(glm::distance(pixelOf(handle), mouse), 0.1f) << "knot " << handle.knot << " tangent " << (handle.kind == Handle::Kind::kTangent);
+        EXPECT_LT(glm::distance(pixelOf(handle), mouse), 0.1f)
+            << "knot " << handle.knot << " tangent " << (handle.kind == Handle::Kind::kTangent);
       }
       EXPECT_TRUE(model_->edited());
     }
@@ -121,7 +126,8 @@ TEST_F(Viewer, TheSplineRunsThroughTheKnots) {
   const std::vector<glm::vec3> spline = splineOf(*model_, 0);
   ASSERT_EQ(spline.size(), 49u);
   for (const int knot : {0, 1, 2}) {
-    EXPECT_LT(glm::distance(spline[static_cast<std::size_t>(24 * knot)], position(*model_, {0, knot, Handle::Kind::kKnot})), 1e-5f);
+    EXPECT_LT(glm::distance(spline[static_cast<std::size_t>(24 * knot)], position(*model_, {0, knot, Handle::Kind::kKnot})),
+              1e-5f);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws the pack that write_pack makes, as a game would, and checks pixels, depth and the CPU's ray against what the cube's geometry says.
+// Draws the pack that write_pack makes, as a game would, and checks pixels, depth and the CPU's ray against what the cube's
+// geometry says.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -14,7 +15,8 @@ namespace {
 constexpr float kNear = 0.5f, kFar = 4.0f;
 constexpr glm::vec3 kEye{0, 0.5f, 2};  // before the middle of the cube's front, which is at z = 1/4
 constexpr float kDistance = 1.75f;
-constexpr float kSlack = 0.125f / 128;  // a hit lies at most 1/256 voxel (of 1/8 m) inside the surface; as much again for rounding
+constexpr float kSlack =
+    0.125f / 128;  // a hit lies at most 1/256 voxel (of 1/8 m) inside the surface; as much again for rounding
 
 int failures = 0;
 
@@ -90,7 +92,8 @@ int run(const char* path) {
     expect(drawn->instances == 1 && drawn->pending == 0, "the instance is drawn, and nothing waits");
     if (seconds > 0) beside = pixel(kSide / 2 + 28, kSide / 2 + 10);
   }
-  expect(beside[2] > 60 && beside[2] > 3 * beside[0] && beside != pixel(kSide / 2 + 28, kSide / 2 + 10), "the clip moves the cube's top aside");
+  expect(beside[2] > 60 && beside[2] > 3 * beside[0] && beside != pixel(kSide / 2 + 28, kSide / 2 + 10),
+         "the clip moves the cube's top aside");
   checkPicture(instance);
   std::printf("%d colours\n", countColors());
   return failures == 0 ? 0 : 4;

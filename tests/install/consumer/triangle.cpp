@@ -8,7 +8,8 @@
 namespace {
 
 const char* const kShaders[2] = {R"(#version 330 core
-void main() { gl_Position = vec4(gl_VertexID == 1 ? 0.8 : -0.8, gl_VertexID == 2 ? 0.8 : -0.8, 0.0, 1.0); })", R"(#version 330 core
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 0.8 : -0.8, gl_VertexID == 2 ? 0.8 : -0.8, 0.0, 1.0); })",
+                                 R"(#version 330 core
 out vec4 color;
 void main() { color = vec4(gl_FragCoord.xy / 128.0, 0.5, 1.0); })"};
 
