@@ -85,7 +85,7 @@ Pictures, in $PWD/$out:
   plant_sway.png   2 s into its clip "current"
   orange.png fish.png
 
-See it move:          $bin/viewer $out/kelp_plant.kelp
-                      $bin/game_loop $out/kelp_plant.kelp
-Bake a model of yours: $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
+See it move:            $bin/viewer $out/kelp_plant.kelp
+                        $bin/game_loop $out/kelp_plant.kelp
+Bake a model of yours:  $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
 END
