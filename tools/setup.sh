@@ -6,10 +6,10 @@ set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
 runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
-         libegl-dev libgl-dev libgles-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev)
+         libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev)
 baker=(libopenvdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev libopenmesh-dev libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libhwy-dev)
-samples=(libglfw3-dev libimgui-dev xvfb)
+samples=(libglfw3-dev libimgui-dev xvfb xauth)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
