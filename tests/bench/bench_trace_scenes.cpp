@@ -21,7 +21,7 @@ struct ItemSource {
   const char* file;     // a sample model, or below the assets
   bool sample;
   Axis axis;            // of the file, along the spline
-  glm::ivec3 size;      // the box that the model is scaled into, each axis by itself; y is along the spline. y = 0: x voxels on the longest side
+  glm::ivec3 size;      // the box that the model is scaled into, each axis by itself; y is along the spline
   Placement placement;
 };
 
@@ -31,12 +31,12 @@ struct SceneSource {
   std::vector<ItemSource> items;
 };
 
-// The paper's Table 1. The fish's long side is its spline's axis, so its 128 x 128 x 256 voxels are 128 x 256 x 128 here.
+// The paper's Table 1, and a bunny as it is, for comparison at 256. The fish's long side is its spline's axis, so its 128 x 128 x 256 voxels are 128 x 256 x 128 here.
 const std::vector<SceneSource>& sources() {
   static const std::vector<SceneSource> all{
       {"orange", true, {{"orange.glb", true, Axis::kPlusY, {256, 256, 163}, kOrigin}}},
       {"spot", true, {{"mesh/common3d/spot.obj", false, Axis::kPlusY, {256, 256, 180}, kOrigin}}},
-      {"bunny256", true, {{"gltf/pmndrs/bunny.glb", false, Axis::kPlusY, {256, 0, 0}, kOrigin}}},
+      {"bunny256", true, {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {256, 249, 195}, kOrigin}}},
       {"bunny512", true, {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {512, 361, 512}, kOrigin}}},
       {"underwater",
        false,
@@ -63,11 +63,7 @@ Item makeItem(const ItemSource& source, const std::filesystem::path& path, int t
       high = glm::max(high, turn * dvec3(part.soup.positions[v]));
     }
   }
-  glm::ivec3 size = source.size;
-  if (size.y == 0) {
-    const dvec3 extent = high - low;
-    size = glm::ivec3(glm::ceil(extent * (source.size.x / std::max({extent.x, extent.y, extent.z})) - 1e-4));
-  }
+  const glm::ivec3 size = source.size;
   for (glm::vec3& p : part.soup.positions) p = glm::vec3((turn * dvec3(p) - low) / (high - low) * dvec3(size));
 
   bake::Frame frame;
