@@ -162,6 +162,14 @@ TEST_F(KelpDump, InfoCountsWhatIsThere) {
   std::uint64_t stored = 0;
   for (const json& chunk : info["chunks"]) stored += chunk["stored_bytes"].get<std::uint64_t>();
   EXPECT_EQ(stored, info["file_bytes"]);
+  // Pages are frames of their own: decoded, they hold 512 codes a brick and 4 bytes a surface voxel.
+  std::uint64_t pages = 0;
+  for (const json& some : info["parts"]) {
+    for (const json& level : some["levels"]) pages += 512 * level["bricks"].get<std::uint64_t>() + 4 * level["surface_voxels"].get<std::uint64_t>();
+  }
+  for (const json& chunk : info["chunks"]) {
+    if (chunk["kind"] == "BRCK") EXPECT_EQ(chunk["decoded_bytes"], pages);
+  }
 }
 
 TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColourOffATerminal) {

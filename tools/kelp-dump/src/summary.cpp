@@ -24,6 +24,7 @@ LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std:
   summary.pages = grid->pages.size();
   PageData page;
   for (const PageInfo& info : grid->pages) {
+    summary.page_bytes += info.raw;
     if (const Result<void> read = pack.readPage(info, page); !read) file.fail(read.error(), where());
     summary.solid += static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));
     summary.surface += page.attributes.size();
@@ -38,7 +39,8 @@ LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std:
   return summary;
 }
 
-std::vector<ChunkSummary> summarizeChunks(const Pack& pack) {
+// page_bytes: what the pages of all BRCK chunks decode to; the index counts these chunks as they are stored, each page being a frame of its own.
+std::vector<ChunkSummary> summarizeChunks(const Pack& pack, std::uint64_t page_bytes) {
   std::vector<ChunkSummary> kinds;
   std::uint64_t in_chunks = 0;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
@@ -47,7 +49,7 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack) {
     if (same == kinds.end()) same = kinds.insert(same, ChunkSummary{kind, 0, 0, 0});
     ++same->count;
     same->stored += chunk.stored;
-    same->raw += chunk.raw;
+    same->raw = kind == "BRCK" ? page_bytes : same->raw + chunk.raw;
     in_chunks += chunk.stored;
   }
   const std::uint64_t other = pack.fileSize() - std::min(pack.fileSize(), in_chunks);
@@ -77,7 +79,11 @@ Summary summarize(PackFile& file) {
     for (int axis = 0; axis < 3; ++axis) out.voxel[axis] = glm::length(glm::dvec3(part.to_object[axis]));
     for (int level = 0; level < part.levels; ++level) out.levels.push_back(summarizeLevel(file, static_cast<int>(p), level, summary.palette_use));
   }
-  summary.chunks = summarizeChunks(pack);
+  std::uint64_t page_bytes = 0;
+  for (const PartSummary& part : summary.parts) {
+    for (const LevelSummary& level : part.levels) page_bytes += level.page_bytes;
+  }
+  summary.chunks = summarizeChunks(pack, page_bytes);
   return summary;
 }
 

@@ -16,6 +16,7 @@ struct LevelSummary {
   std::uint64_t cells = 0;     // bricks of the grid, stored or empty
   std::uint64_t bricks = 0;    // stored ones
   std::uint64_t pages = 0;
+  std::uint64_t page_bytes = 0;  // decoded
   std::uint64_t solid = 0;     // voxels
   std::uint64_t surface = 0;   // voxels with an attribute
   std::uint64_t stored = 0;    // bytes in the file
