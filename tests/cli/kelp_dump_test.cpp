@@ -168,7 +168,7 @@ TEST_F(KelpDump, InfoCountsWhatIsThere) {
     for (const json& level : some["levels"]) pages += 512 * level["bricks"].get<std::uint64_t>() + 4 * level["surface_voxels"].get<std::uint64_t>();
   }
   for (const json& chunk : info["chunks"]) {
-    if (chunk["kind"] == "BRCK") EXPECT_EQ(chunk["decoded_bytes"], pages);
+    if (chunk["kind"] == "BRCK") { EXPECT_EQ(chunk["decoded_bytes"], pages); }
   }
 }
 
