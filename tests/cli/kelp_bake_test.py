@@ -79,8 +79,8 @@ class KelpBake(unittest.TestCase):
         with open(path, "rb") as file:
             return file.read()
 
-    def fails(self, code, *arguments, says=(), remedy=True):
-        """Fails with the code and one line on stderr that holds all of `says`; leaves an existing output and nothing else."""
+    def fails(self, code, *arguments, says=()):
+        """Fails with the code and one line on stderr that names a remedy and holds all of `says`; leaves an existing output and nothing else."""
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
         result = self.bake(*arguments)
@@ -88,8 +88,7 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.returncode, code, text)
         self.assertEqual(result.stdout, b"")
         self.assertTrue(text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)
-        if remedy:
-            self.assertIn(";", text, "names no remedy: " + text)
+        self.assertIn(";", text, "names no remedy: " + text)
         for word in says:
             self.assertIn(word, text)
         self.assertEqual(self.read(self.out), b"the pack that was there")
@@ -170,7 +169,9 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder.name)), ["cube.obj", "lump.obj", "out.kelp"])
 
     def test_invalid_input(self):
-        self.fails(3, self.write("empty.obj", ""), "-o", self.out, says=["empty.obj", "is empty"], remedy=False)
+        self.fails(3, self.write("empty.obj", ""), "-o", self.out, says=["empty.obj", "is empty"])
+        self.fails(3, self.write("empty.glb", ""), "-o", self.out, says=["empty.glb", "is empty"])
+        self.fails(3, self.write("empty.vdb", ""), "-o", self.out, says=["empty.vdb", "is empty"])
         self.fails(3, self.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "-o", self.out, says=["points.obj"])
         self.fails(3, self.write("cut.glb", b"glTF" + struct.pack("<II", 2, 100)), "-o", self.out, says=["cut.glb"])
         self.fails(3, self.write("not.vdb", b"no volume at all"), "-o", self.out, says=["not.vdb"])

@@ -234,7 +234,7 @@ std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::stri
 
 GltfDocument readGltfDocument(const InputFiles& files) {
   const std::vector<std::uint8_t> bytes = files.readInput();
-  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty");
+  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
   Container container;
   if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
     container = openBinary(files, bytes);

@@ -36,7 +36,7 @@ std::string_view otherFormat(std::span<const std::uint8_t> bytes) {
 }
 
 void checkContent(const InputFiles& files, std::span<const std::uint8_t> bytes, const std::string& extension) {
-  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty");
+  if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
   const std::string_view other = otherFormat(bytes);
   std::string format = extension.substr(1);
   std::transform(format.begin(), format.end(), format.begin(), [](char c) { return static_cast<char>(c - 'a' + 'A'); });

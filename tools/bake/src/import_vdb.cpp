@@ -259,7 +259,7 @@ SourceModel readVdb(const InputFiles& files, const Settings& settings) {
   // The format's magic number, as eight bytes.
   constexpr std::array<std::uint8_t, 8> kMagic = {0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
   if (bytes.size() < kMagic.size() || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin()))
-    refuse(Exit::kInvalid, files.input(), "", bytes.empty() ? "is empty" : "does not look like OpenVDB (its signature is missing); check the file's type");
+    refuse(Exit::kInvalid, files.input(), "", bytes.empty() ? "is empty; export the volume again" : "does not look like OpenVDB (its signature is missing); check the file's type");
   SourcePart part;
   part.name = stemOf(files);
   giveRig(part, outer, settings);
