@@ -25,7 +25,8 @@ constexpr const char* kExamples = R"(Examples:
 
 A rig comes from --rig, from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from empties named
 knot.0, knot.1, ... under a mesh; without any the part is straight. Exit codes: 0 done, 1 usage, 2 files, 3 invalid input,
-4 out of memory, 5 unsupported feature, 130 interrupted.)";
+4 out of memory, 5 unsupported feature, 130 interrupted (Ctrl-C lets a file that is being read come to its end; a second
+one stops at once; an existing output stays as it was in either case).)";
 
 // A number that is all of the text.
 template <class Number>
