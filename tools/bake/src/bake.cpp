@@ -188,6 +188,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       part.grid = std::move(result.grid);
       part.soup = TriangleSoup();
       line.fill = std::move(result.fill);
+      for (const std::string& notice : result.notices) report.notices.push_back(fmt::format("part '{}': {}", part.name, notice));
       line.closed = result.closed;
       line.voxel_size = frames[i].voxel_size * objectScale(part);
     }

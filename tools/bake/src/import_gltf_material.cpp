@@ -11,7 +11,8 @@
 namespace kelp::bake {
 namespace {
 
-// What alpha means to the voxels: the three alpha modes of glTF. A mask becomes 0 or 1 here, so that nobody else needs the cutoff.
+// What alpha means to the voxels: the three alpha modes of glTF. A mask becomes 0 or 1 here, so that its average over a voxel
+// is the share of the voxel that is there.
 enum class Alpha { kIgnore, kMask, kKeep };
 
 class MaterialReader {
@@ -49,9 +50,13 @@ class MaterialReader {
       material.metallic *= value.z;
     }
     use.keep_alpha = alpha == Alpha::kKeep;
+    const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, material.base_color.a);
     if (!use.keep_alpha) material.base_color.a = 1;
-    const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, color4(pbr.baseColorFactor).a);
     material.texture = baseTexture(texture, alpha, cutoff, material, place);
+    if (alpha != Alpha::kIgnore && material.texture >= 0) {
+      if (hasHoles(out_.images[static_cast<std::size_t>(material.texture)])) material.alpha_cutoff = 0.5f * material.base_color.a;
+      else if (alpha == Alpha::kMask) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
+    }
     if (material.texture >= 0) {
       use.texcoord = std::clamp(texcoord, 0, 1000);
       if (transform && transform->IsObject()) {
@@ -166,6 +171,13 @@ class MaterialReader {
     const int index = static_cast<int>(out_.images.size()) - 1;
     placed_.emplace(key, index);
     return index;
+  }
+
+  // Whether a picture shows something and leaves something out: a leaf on a card does, a tinted pane does not.
+  static bool hasHoles(const Image& image) {
+    bool low = false, high = false;
+    for (std::size_t i = 3; i < image.rgba.size() && !(low && high); i += 4) (image.rgba[i] < 128 ? low : high) = true;
+    return low && high;
   }
 
   static glm::vec3 meanOf(const Image& image) {

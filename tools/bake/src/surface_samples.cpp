@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "surface_samples.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
-
-#include <fmt/format.h>
+#include <limits>
 
 #include "fill_thin.h"
 #include "parallel.h"
-#include "surface_texture.h"
 
 namespace kelp::bake {
 namespace {
@@ -20,18 +16,8 @@ constexpr double kTooNear = 0.02;
 
 class Sampler {
  public:
-  Sampler(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh,
-          const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
-      : model_(model), soup_(soup), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size), textures_(model.images.size()) {
-    for (const TriangleSoup::Triangle& triangle : soup.triangles) {
-      if (triangle.material >= model.materials.size()) throw BakeError(Exit::kInvalid, fmt::format("a triangle uses material {} of {}; export the model again", triangle.material, model.materials.size()));
-      const int texture = model.materials[triangle.material].texture;
-      if (texture < 0 || soup.uvs.empty()) continue;
-      if (static_cast<std::size_t>(texture) >= textures_.size()) throw BakeError(Exit::kInvalid, fmt::format("material '{}' uses image {} of {}; export the model again", model.materials[triangle.material].name, texture, textures_.size()));
-      std::optional<TexturePyramid>& pyramid = textures_[static_cast<std::size_t>(texture)];
-      if (!pyramid) pyramid.emplace(model.images[static_cast<std::size_t>(texture)]);
-    }
-  }
+  Sampler(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
+      : look_(look), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size) {}
 
   SurfaceSample sample(std::uint64_t index) const {
     const std::uint64_t x = static_cast<std::uint64_t>(size_.x), y = static_cast<std::uint64_t>(size_.y);
@@ -40,6 +26,10 @@ class Sampler {
     const glm::dvec3 open = openSide(voxel);
 
     Nearest nearest = bvh_.nearest(centre);
+    if (look_.isCutOut(nearest)) {
+      const Nearest shown = look_.nearestShown(bvh_, centre);
+      if (shown.triangle != kCap) nearest = shown;
+    }
     glm::dvec3 normal = outward(nearest, centre, index, open);
     if (glm::dot(normal, open) < -0.1 * glm::length(open)) {
       // The nearest triangle is hidden inside another body: look for one that faces the open.
@@ -58,7 +48,7 @@ class Sampler {
     SurfaceSample sample;
     sample.index = index;
     sample.normal = glm::vec3(normal);
-    sample.material = materialAt(nearest);
+    sample.material = look_.materialAt(nearest);
     return sample;
   }
 
@@ -94,59 +84,18 @@ class Sampler {
     return length > 0 ? normal / length : glm::dvec3(0, 1, 0);
   }
 
-  Material materialAt(const Nearest& nearest) const {
-    const SolidTriangle& solid = mesh_.triangles[nearest.triangle];
-    const TriangleSoup::Triangle& triangle = soup_.triangles[solid.source];
-    const SurfaceMaterial& source = model_.materials[triangle.material];
-    Material material;
-    material.base_color = source.base_color;
-    material.emissive = source.emissive;
-    material.metallic = source.metallic;
-    material.roughness = source.roughness;
-    const std::array<float, 3> weights = cornerWeights(nearest);
-    if (!soup_.colors.empty()) {
-      const auto& c = soup_.colors[solid.source];
-      material.base_color *= c[0] * weights[0] + c[1] * weights[1] + c[2] * weights[2];
-    }
-    if (source.texture >= 0 && !soup_.uvs.empty()) {
-      const auto& uv = soup_.uvs[solid.source];
-      const TexturePyramid& texture = *textures_[static_cast<std::size_t>(source.texture)];
-      material.base_color *= texture.sample(uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2], texelsPerVoxel(solid, uv, source.texture), source.wrap_u, source.wrap_v, source.nearest);
-    }
-    for (int i = 0; i < 4; ++i) material.base_color[i] = material.base_color[i] > 0 ? std::min(material.base_color[i], 1.0f) : 0.0f;  // NaN too
-    return material;
-  }
-
-  // Weights for the soup's corners: winding may have swapped two of the mesh's.
-  std::array<float, 3> cornerWeights(const Nearest& nearest) const {
-    const glm::vec3 w(nearest.weights);
-    return mesh_.triangles[nearest.triangle].swapped ? std::array<float, 3>{w.x, w.z, w.y} : std::array<float, 3>{w.x, w.y, w.z};
-  }
-
-  // log2 of how many texels of the texture a voxel's side covers on this triangle.
-  float texelsPerVoxel(const SolidTriangle& solid, const std::array<glm::vec2, 3>& uv, int texture) const {
-    const Image& image = model_.images[static_cast<std::size_t>(texture)];
-    const glm::vec2 side1 = uv[1] - uv[0], side2 = uv[2] - uv[0];
-    const double texels = std::abs(static_cast<double>(side1.x) * side2.y - static_cast<double>(side1.y) * side2.x) * image.width * image.height;
-    const glm::dvec3 a = mesh_.position(solid.vertex[0]);
-    const double voxels = glm::length(glm::cross(mesh_.position(solid.vertex[1]) - a, mesh_.position(solid.vertex[2]) - a));
-    return texels > voxels && voxels > 0 ? static_cast<float>(0.5 * std::log2(texels / voxels)) : 0.0f;
-  }
-
-  const SourceModel& model_;
-  const TriangleSoup& soup_;
+  const SurfaceLook& look_;
   const Topology& mesh_;
   const TriangleBvh& bvh_;
   const std::vector<std::uint8_t>& voxels_;
   glm::ivec3 size_;
-  std::vector<std::optional<TexturePyramid>> textures_;
 };
 
 }  // namespace
 
-std::vector<SurfaceSample> sampleSurface(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh,
-                                         const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads) {
-  const Sampler sampler(model, soup, mesh, bvh, voxels, size);
+std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
+                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads) {
+  const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i]);

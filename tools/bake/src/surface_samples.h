@@ -3,14 +3,14 @@
 #pragma once
 
 #include "fill_scan.h"
-#include "surface_bvh.h"
+#include "surface_look.h"
 
 namespace kelp::bake {
 
 // One sample a surface voxel (`surface`, ascending dense indices). Normals are the gradient of the signed distance, taken from the exact
-// nearest point; on sheets the triangle's normal, on the side where more is empty. Colours
-// never come from the cap of a hole.
-std::vector<SurfaceSample> sampleSurface(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh, const TriangleBvh& bvh,
-                                         const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads);
+// nearest point; on sheets the triangle's normal, on the side where more is empty. Colours never come from the cap of a hole, nor from
+// where a sheet is cut out if another passes through the voxel.
+std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
+                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads);
 
 }  // namespace kelp::bake

@@ -40,6 +40,18 @@ float tame(float value, Wrap wrap) {
   return wrap == Wrap::kClamp ? std::clamp(value, -1.0f, 2.0f) : value - 2.0f * std::floor(value * 0.5f);
 }
 
+// The mean of four texels by weights that sum to 1.
+glm::vec4 blend(const std::array<glm::vec4, 4>& t, const std::array<float, 4>& weight) {
+  if (t[0].a == t[1].a && t[0].a == t[2].a && t[0].a == t[3].a) return t[0] * weight[0] + t[1] * weight[1] + t[2] * weight[2] + t[3] * weight[3];
+  glm::vec3 color(0);
+  float alpha = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    color += glm::vec3(t[i]) * (t[i].a * weight[i]);
+    alpha += t[i].a * weight[i];
+  }
+  return glm::vec4(color / std::max(alpha, 1e-20f), alpha);
+}
+
 }  // namespace
 
 TexturePyramid::TexturePyramid(const Image& image) : image_(image) {
@@ -52,7 +64,7 @@ TexturePyramid::TexturePyramid(const Image& image) : image_(image) {
       const int y1 = std::min(2 * y + 1, size.y - 1);
       for (int x = 0; x < half.x; ++x) {
         const int x1 = std::min(2 * x + 1, size.x - 1);
-        level.texels.push_back(0.25f * (texel(from, 2 * x, 2 * y) + texel(from, x1, 2 * y) + texel(from, 2 * x, y1) + texel(from, x1, y1)));
+        level.texels.push_back(blend({texel(from, 2 * x, 2 * y), texel(from, x1, 2 * y), texel(from, 2 * x, y1), texel(from, x1, y1)}, {0.25f, 0.25f, 0.25f, 0.25f}));
       }
     }
     reduced_.push_back(std::move(level));
@@ -84,7 +96,8 @@ glm::vec4 TexturePyramid::sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap
   const float ax = x - 0.5f - fx, ay = y - 0.5f - fy;
   const int x0 = wrapTexel(static_cast<int>(fx), size.x, wrap_u), x1 = wrapTexel(static_cast<int>(fx) + 1, size.x, wrap_u);
   const int y0 = wrapTexel(static_cast<int>(fy), size.y, wrap_v), y1 = wrapTexel(static_cast<int>(fy) + 1, size.y, wrap_v);
-  return (texel(level, x0, y0) * (1 - ax) + texel(level, x1, y0) * ax) * (1 - ay) + (texel(level, x0, y1) * (1 - ax) + texel(level, x1, y1) * ax) * ay;
+  return blend({texel(level, x0, y0), texel(level, x1, y0), texel(level, x0, y1), texel(level, x1, y1)},
+               {(1 - ax) * (1 - ay), ax * (1 - ay), (1 - ax) * ay, ax * ay});
 }
 
 }  // namespace kelp::bake

@@ -11,6 +11,7 @@ class TexturePyramid {
  public:
   explicit TexturePyramid(const Image& image);
 
+  // Colours are weighted by alpha, since what is transparent has none to give.
   // Linear RGBA at (u, v), in texture widths and heights, from the reduction nearest to `lod` (0: the image itself, 1: half its size ...).
   glm::vec4 sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap_v, bool nearest) const;
 

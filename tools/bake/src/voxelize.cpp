@@ -2,11 +2,13 @@
 // From triangles to voxels: what is solid, and what its surface looks like.
 #include <utility>
 
+#include "fill_cutout.h"
 #include "fill_scan.h"
 #include "fill_thin.h"
 #include "kelp/fields/fields.h"
 #include "surface_band.h"
 #include "surface_bvh.h"
+#include "surface_look.h"
 #include "surface_samples.h"
 
 namespace kelp::bake {
@@ -23,7 +25,9 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   fillScanlines(mesh, frame.size, threads, voxels);
   report(0.3);
   const TriangleBvh bvh(mesh);
+  const SurfaceLook look(model, part.soup, mesh);
   keepThinParts(mesh, bvh, touchedVoxels(mesh, frame.size, threads), frame.size, threads, voxels);
+  if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
   fields::Occupancy occupancy{frame.size, std::vector<std::uint8_t>(count)};
@@ -32,12 +36,13 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.6);
 
   VoxelizeResult result;
-  result.grid.surface = sampleSurface(model, part.soup, mesh, bvh, voxels, frame.size, surface, threads);
+  result.grid.surface = sampleSurface(look, mesh, bvh, voxels, frame.size, surface, threads);
   result.grid.size = frame.size;
   result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
   result.grid.solid = std::move(occupancy.solid);
   result.closed = mesh.closed;
   result.fill = mesh.summary;
+  result.notices = look.notices();
   report(1.0);
   return result;
 }

@@ -94,6 +94,7 @@ struct VoxelizeResult {
   VoxelGrid grid;
   bool closed = false;    // the mesh has no boundary edge after welding equal positions
   std::string fill;       // "solid" or "surface", and why
+  std::vector<std::string> notices;
 };
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress);
 

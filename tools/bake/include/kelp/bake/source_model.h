@@ -36,6 +36,7 @@ struct SurfaceMaterial {
   float metallic = 0;
   float roughness = 1;
   bool double_sided = false;
+  float alpha_cutoff = 0;   // sheets are cut out where the alpha of base_color x texture x vertex colour is below it; 0: nowhere
 };
 
 // Triangles in the space of their part's node, in metres for glTF, in file units otherwise.

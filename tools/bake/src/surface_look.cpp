@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "surface_look.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kelp::bake {
+namespace {
+
+// Half a voxel's side, and the rounding of a point that lies on its face.
+constexpr double kHalfSide = 0.5 + kLatticeStep;
+constexpr double kHalfDiagonal = 1.7320508 * kHalfSide;
+
+}  // namespace
+
+SurfaceLook::SurfaceLook(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh)
+    : model_(model), soup_(soup), mesh_(mesh), textures_(model.images.size()) {
+  for (const TriangleSoup::Triangle& triangle : soup.triangles) {
+    if (triangle.material >= model.materials.size())
+      throw BakeError(Exit::kInvalid, fmt::format("a triangle uses material {} of {}; export the model again", triangle.material,
+                                                  model.materials.size()));
+    const SurfaceMaterial& material = model.materials[triangle.material];
+    if (material.texture < 0 || soup.uvs.empty()) continue;
+    const std::size_t texture = static_cast<std::size_t>(material.texture);
+    if (texture >= textures_.size())
+      throw BakeError(Exit::kInvalid, fmt::format("material '{}' uses image {} of {}; export the model again", material.name,
+                                                  texture, textures_.size()));
+    if (!textures_[texture]) textures_[texture].emplace(model.images[texture]);
+  }
+  cuts_out_ = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const SolidTriangle& t) {
+    return t.source != kCap && !mesh.components[t.component].solid && materialOf(t).alpha_cutoff > 0;
+  });
+}
+
+Material SurfaceLook::materialAt(const Nearest& nearest) const {
+  const SurfaceMaterial& source = materialOf(mesh_.triangles[nearest.triangle]);
+  Material material;
+  material.base_color = colorAt(nearest);
+  if (source.alpha_cutoff > 0) material.base_color.a = 1;
+  material.emissive = source.emissive;
+  material.metallic = source.metallic;
+  material.roughness = source.roughness;
+  return material;
+}
+
+bool SurfaceLook::isCutOut(const Nearest& nearest) const {
+  if (!cuts_out_) return false;
+  const SolidTriangle& solid = mesh_.triangles[nearest.triangle];
+  if (solid.source == kCap || mesh_.components[solid.component].solid) return false;
+  const float cutoff = materialOf(solid).alpha_cutoff;
+  return cutoff > 0 && colorAt(nearest).a < cutoff;
+}
+
+Nearest SurfaceLook::nearestShown(const TriangleBvh& bvh, const glm::dvec3& centre) const {
+  return bvh.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) {
+    const SolidTriangle& solid = mesh_.triangles[i];
+    if (solid.source == kCap) return false;
+    Nearest at;
+    at.triangle = i;
+    at.point = nearestOnTriangle(centre, mesh_.position(solid.vertex[0]), mesh_.position(solid.vertex[1]),
+                                 mesh_.position(solid.vertex[2]), at.weights);
+    const glm::dvec3 away = glm::abs(at.point - centre);
+    return std::max({away.x, away.y, away.z}) <= kHalfSide && !isCutOut(at);
+  });
+}
+
+std::vector<std::string> SurfaceLook::notices() const {
+  std::vector<std::uint32_t> ignored;  // materials
+  for (const SolidTriangle& t : mesh_.triangles) {
+    if (t.source == kCap || !mesh_.components[t.component].solid || materialOf(t).alpha_cutoff <= 0) continue;
+    const std::uint32_t material = soup_.triangles[t.source].material;
+    if (std::find(ignored.begin(), ignored.end(), material) == ignored.end()) ignored.push_back(material);
+  }
+  std::vector<std::string> lines;
+  for (const std::uint32_t material : ignored)
+    lines.push_back(fmt::format("material '{}' has cut-outs, which solid bodies are baked without; --fill surface cuts them out",
+                                model_.materials[material].name));
+  return lines;
+}
+
+// Base colour, vertex colour and texture multiplied; each channel 0 to 1.
+glm::vec4 SurfaceLook::colorAt(const Nearest& nearest) const {
+  const SolidTriangle& solid = mesh_.triangles[nearest.triangle];
+  const SurfaceMaterial& source = materialOf(solid);
+  glm::vec4 color = source.base_color;
+  const std::array<float, 3> weights = cornerWeights(nearest);
+  if (!soup_.colors.empty()) {
+    const auto& c = soup_.colors[solid.source];
+    color *= c[0] * weights[0] + c[1] * weights[1] + c[2] * weights[2];
+  }
+  if (source.texture >= 0 && !soup_.uvs.empty()) {
+    const auto& uv = soup_.uvs[solid.source];
+    const TexturePyramid& texture = *textures_[static_cast<std::size_t>(source.texture)];
+    color *= texture.sample(uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2],
+                            texelsPerVoxel(solid, uv, source.texture), source.wrap_u, source.wrap_v, source.nearest);
+  }
+  for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;  // NaN too
+  return color;
+}
+
+// Weights for the soup's corners: winding may have swapped two of the mesh's.
+std::array<float, 3> SurfaceLook::cornerWeights(const Nearest& nearest) const {
+  const glm::vec3 w(nearest.weights);
+  return mesh_.triangles[nearest.triangle].swapped ? std::array<float, 3>{w.x, w.z, w.y} : std::array<float, 3>{w.x, w.y, w.z};
+}
+
+// log2 of how many texels of the texture a voxel's side covers on this triangle.
+float SurfaceLook::texelsPerVoxel(const SolidTriangle& solid, const std::array<glm::vec2, 3>& uv, int texture) const {
+  const Image& image = model_.images[static_cast<std::size_t>(texture)];
+  const glm::vec2 side1 = uv[1] - uv[0], side2 = uv[2] - uv[0];
+  const double texels =
+      std::abs(static_cast<double>(side1.x) * side2.y - static_cast<double>(side1.y) * side2.x) * image.width * image.height;
+  const glm::dvec3 a = mesh_.position(solid.vertex[0]);
+  const double voxels = glm::length(glm::cross(mesh_.position(solid.vertex[1]) - a, mesh_.position(solid.vertex[2]) - a));
+  return texels > voxels && voxels > 0 ? static_cast<float>(0.5 * std::log2(texels / voxels)) : 0.0f;
+}
+
+}  // namespace kelp::bake
