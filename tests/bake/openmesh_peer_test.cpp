@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by triangle, to the last bit.
-// OpenMesh is right on files of good behaviour; tools/bake/README.md has those where it is not.
+// kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by triangle, to the
+// last bit. OpenMesh is right on files of good behaviour; tools/bake/README.md has those where it is not.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -43,9 +43,12 @@ void readPeer(const std::filesystem::path& path, Peer& peer) {
 glm::vec3 toGlm(const PeerMesh::Point& p) { return glm::vec3(p[0], p[1], p[2]) + 0.0f; }  // -0 and +0 are one place
 
 using Position = std::array<std::uint32_t, 3>;
-Position bitsOf(const glm::vec3& p) { return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)}; }
+Position bitsOf(const glm::vec3& p) {
+  return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)};
+}
 
-// A corner to the last bit, with what it carries; a triangle from its lowest corner on, so that where it starts does not matter, its winding does.
+// A corner to the last bit, with what it carries; a triangle from its lowest corner on, so that where it starts does not matter,
+// its winding does.
 struct Corner {
   Position position;
   std::array<float, 2> uv{};
@@ -72,7 +75,9 @@ std::vector<Triangle> trianglesOf(const TriangleSoup& soup, bool uvs, bool color
     for (std::size_t k = 0; k < 3; ++k) {
       t[k].position = bitsOf(soup.positions[soup.triangles[i].vertex[k]]);
       if (uvs) t[k].uv = {soup.uvs[i][k].x, soup.uvs[i][k].y};
-      if (colors) t[k].color = {storedValue(soup.colors[i][k].r), storedValue(soup.colors[i][k].g), storedValue(soup.colors[i][k].b), std::round(soup.colors[i][k].a * 255.0f)};
+      if (colors)
+        t[k].color = {storedValue(soup.colors[i][k].r), storedValue(soup.colors[i][k].g), storedValue(soup.colors[i][k].b),
+                      std::round(soup.colors[i][k].a * 255.0f)};
     }
   }
   putInOrder(out);
@@ -88,7 +93,8 @@ std::vector<Triangle> trianglesOf(const Peer& peer, bool uvs, bool colors) {
     for (const auto half : peer.mesh.fh_range(face)) {
       Corner& corner = t.at(k++);
       corner.position = bitsOf(toGlm(peer.mesh.point(half.to())));
-      if (uvs) corner.uv = {peer.mesh.texcoord2D(half)[0], 1.0f - peer.mesh.texcoord2D(half)[1]};  // both formats count v from below
+      if (uvs)
+        corner.uv = {peer.mesh.texcoord2D(half)[0], 1.0f - peer.mesh.texcoord2D(half)[1]};  // both formats count v from below
       if (colors) {
         for (std::size_t c = 0; c < 4; ++c) corner.color[c] = std::round(peer.mesh.color(half.to())[c] * 255.0f);
       }
@@ -139,7 +145,8 @@ Sums sumsOf(const Peer& peer) {
 }
 
 bool allTriangles(const Peer& peer) {
-  return std::all_of(peer.mesh.faces_begin(), peer.mesh.faces_end(), [&](const auto face) { return peer.mesh.valence(face) == 3; });
+  return std::all_of(peer.mesh.faces_begin(), peer.mesh.faces_end(),
+                     [&](const auto face) { return peer.mesh.valence(face) == 3; });
 }
 
 struct Expected {
@@ -165,7 +172,8 @@ void compare(const std::filesystem::path& path, Expected expected = {}) {
   const Sums ours = sumsOf(soup), theirs = sumsOf(peer);
   EXPECT_EQ(ours.positions, theirs.positions);
   if (allTriangles(peer)) {
-    const std::vector<Triangle> a = trianglesOf(soup, expected.uvs, expected.colors), b = trianglesOf(peer, expected.uvs, expected.colors);
+    const std::vector<Triangle> a = trianglesOf(soup, expected.uvs, expected.colors),
+                                b = trianglesOf(peer, expected.uvs, expected.colors);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i], b[i]) << "triangle " << i << " in order";
     EXPECT_NEAR(ours.area, theirs.area, 1e-9 * theirs.area);
@@ -193,16 +201,18 @@ TEST_P(OpenMeshPeer, ReadsTheSame) {
 
 std::string nameOf(const ::testing::TestParamInfo<Asset>& info) {
   std::string name = std::filesystem::path(info.param.path).filename().string();
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Files, OpenMeshPeer,
-    ::testing::Values(Asset{"mesh/common3d/spot.obj", {.uvs = true}}, Asset{"mesh/common3d/stanford-bunny.obj"}, Asset{"mesh/common3d/teapot.obj"},
-                      Asset{"mesh/converted/armadillo.obj"}, Asset{"mesh/meshopt/pirate.obj"}, Asset{"mesh/assimp/OBJ/box.obj"},
-                      Asset{"mesh/assimp/OBJ/cube_with_vertexcolors.obj", {.colors = true}}, Asset{"mesh/assimp/OBJ/WusonOBJ.obj"},
-                      Asset{"mesh/assimp/OBJ/spider.obj"}, Asset{"mesh/stanford/dragon_vrip_res3.ply"}, Asset{"mesh/assimp/PLY/cube_binary.ply"},
+    ::testing::Values(Asset{"mesh/common3d/spot.obj", {.uvs = true}}, Asset{"mesh/common3d/stanford-bunny.obj"},
+                      Asset{"mesh/common3d/teapot.obj"}, Asset{"mesh/converted/armadillo.obj"}, Asset{"mesh/meshopt/pirate.obj"},
+                      Asset{"mesh/assimp/OBJ/box.obj"}, Asset{"mesh/assimp/OBJ/cube_with_vertexcolors.obj", {.colors = true}},
+                      Asset{"mesh/assimp/OBJ/WusonOBJ.obj"}, Asset{"mesh/assimp/OBJ/spider.obj"},
+                      Asset{"mesh/stanford/dragon_vrip_res3.ply"}, Asset{"mesh/assimp/PLY/cube_binary.ply"},
                       Asset{"mesh/assimp/PLY/cube_uv.ply"}, Asset{"mesh/draco_testdata/test_pos_color.ply", {.colors = true}}),
     nameOf);
 
@@ -215,10 +225,13 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   std::vector<PeerMesh::VertexHandle> ring;
   for (int j = 0; j <= kUp; ++j) {
     for (int i = 0; i < kAround; ++i) {
-      const double turn = 2 * M_PI * i / kAround, up = M_PI * (j + 0.5) / (kUp + 1), r = 1 + 0.2 * std::sin(3 * turn) * std::sin(2 * up);
-      const auto vertex = lump.mesh.add_vertex(PeerMesh::Point(static_cast<float>(r * std::sin(up) * std::cos(turn)), static_cast<float>(r * std::cos(up)),
+      const double turn = 2 * M_PI * i / kAround, up = M_PI * (j + 0.5) / (kUp + 1),
+                   r = 1 + 0.2 * std::sin(3 * turn) * std::sin(2 * up);
+      const auto vertex = lump.mesh.add_vertex(PeerMesh::Point(static_cast<float>(r * std::sin(up) * std::cos(turn)),
+                                                               static_cast<float>(r * std::cos(up)),
                                                                static_cast<float>(r * std::sin(up) * std::sin(turn))));
-      lump.mesh.set_color(vertex, PeerMesh::Color(static_cast<float>(i) / 255.0f, static_cast<float>(20 * j) / 255.0f, static_cast<float>(i * j % 256) / 255.0f, 1));
+      lump.mesh.set_color(vertex, PeerMesh::Color(static_cast<float>(i) / 255.0f, static_cast<float>(20 * j) / 255.0f,
+                                                  static_cast<float>(i * j % 256) / 255.0f, 1));
       ring.push_back(vertex);
     }
   }
@@ -239,9 +252,10 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   binary_color += Io::Options::VertexColor;
   binary_big_color += Io::Options::VertexColor;
   binary_big_color += Io::Options::MSB;
-  for (const Way& way : {Way{"text.obj", {}, {}}, Way{"text.off", {}, {}}, Way{"text.stl", {}, {}}, Way{"binary.stl", binary, {}}, Way{"text.ply", {}, {}},
-                         Way{"colour.off", color, {.colors = true}}, Way{"colour.ply", color, {.colors = true}}, Way{"binary.ply", binary_color, {.colors = true}},
-                         Way{"big.ply", binary_big_color, {.colors = true}}}) {
+  for (const Way& way :
+       {Way{"text.obj", {}, {}}, Way{"text.off", {}, {}}, Way{"text.stl", {}, {}}, Way{"binary.stl", binary, {}},
+        Way{"text.ply", {}, {}}, Way{"colour.off", color, {.colors = true}}, Way{"colour.ply", color, {.colors = true}},
+        Way{"binary.ply", binary_color, {.colors = true}}, Way{"big.ply", binary_big_color, {.colors = true}}}) {
     const std::filesystem::path path = scratch.folder() / way.name;
     ASSERT_TRUE(Io::write_mesh(lump.mesh, path.string(), way.options)) << way.name;
     compare(path, way.expected);
