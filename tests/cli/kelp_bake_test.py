@@ -148,7 +148,34 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
         self.fails(1, self.cube, "-o", self.out, "--max-memory", "lots", says=["lots"])
-        self.fails(1, self.cube, "-o", self.cube, says=["is the input"])
+
+    def test_nothing_that_is_read_is_overwritten(self):
+        material = self.write("cube.mtl", "newmtl red\nKd 1 0 0\n")
+        cube = self.write("cube.obj", "mtllib cube.mtl\nusemtl red\n" + CUBE)
+        rig = self.write("cube.rig.json", '{"kelp": 1}')
+        os.symlink(material, self.path("link"))
+        os.link(material, self.path("hard.mtl"))
+        os.mkdir(self.path("sub"))
+        before = {path: self.read(path) for path in (cube, material, rig)}
+        for victim in (cube, material, rig, self.path("link"), self.path("hard.mtl"), self.path("sub/../cube.mtl")):
+            self.fails(1, cube, "-o", victim, "--resolution", "8", says=["-o " + victim, "cube."])
+            self.fails(1, cube, "-o", self.out, "--resolution", "8", "--report", victim, says=["--report " + victim, "cube."])
+            self.fails(1, cube, "-o", self.out, "--resolution", "8", "-MF", victim, says=["-MF " + victim, "cube."])
+            self.assertEqual({path: self.read(path) for path in before}, before)
+        other = self.write("other.json", '{"kelp": 1}')
+        self.fails(1, cube, "-o", self.out, "--rig", other, "--report", other, says=["--report " + other])
+        self.assertEqual(self.read(other), b'{"kelp": 1}')
+
+    def test_no_output_is_another(self):
+        os.symlink("fresh.json", self.path("link"))
+        fresh = self.path("fresh.json")
+        self.fails(1, self.cube, "-o", self.out, "--report", self.out, says=["--report", "-o"])
+        self.fails(1, self.cube, "-o", self.out, "-MF", self.out, says=["-MF", "-o"])
+        self.fails(1, self.cube, "-o", self.out, "-MD", "--report", self.out + ".d", says=["-MF", "--report"])
+        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("./fresh.json"), says=["-MF", "--report"])
+        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("link"), says=["-MF", "--report"])
+        result = self.bake(self.cube, "-o", self.out, "--resolution", "8", "--report", "/dev/null", "-MF", "/dev/null")
+        self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_files(self):
         self.fails(2, self.path("absent.obj"), "-o", self.out, says=["absent.obj"])

@@ -6,7 +6,9 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
+#include "clashes.h"
 #include "interrupt.h"
 #include "options.h"
 #include "progress_display.h"
@@ -19,16 +21,19 @@ using kelp::bake::BakeError;
 using kelp::bake::Exit;
 using namespace kelp::bake_cli;
 
+// Before the work: what is known of the files without reading them.
 void checkPaths(const Options& options) {
   std::error_code error;
   if (!std::filesystem::exists(options.input, error)) throw BakeError(Exit::kIo, options.input.string() + ": no such file; check the name");
-  if (std::filesystem::equivalent(options.input, options.output, error)) throw BakeError(Exit::kUsage, options.output.string() + ": is the input itself; give the pack another name");
+  std::vector<std::filesystem::path> read{options.input};
+  if (options.settings.rig_file) read.push_back(*options.settings.rig_file);
+  checkClashes(options, read);
+  kelp::bake::checkOutput(options.output);
 }
 
 void run(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   checkPaths(options);
-  kelp::bake::checkOutput(options.output);
   catchInterrupts();
   kelp::bake::Report report;
   ProgressDisplay display(options.progress);
@@ -37,6 +42,7 @@ void run(const Options& options) {
     return !interrupted();
   };
   const kelp::RawPack pack = kelp::bake::bake(options.input, options.settings, report, progress);
+  checkClashes(options, report.files_read);
   kelp::bake::writePackFile(pack, options.output, options.settings.threads, report, progress);
   display.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
