@@ -2,6 +2,7 @@
 #include "kelp/runtime/asset.h"
 
 #include <atomic>
+#include <condition_variable>
 #include <mutex>
 #include <new>
 
@@ -63,6 +64,10 @@ struct Asset::Impl {
   Buffer<std::uint32_t> first_level;  // of each part, into `place`
   Buffer<std::uint32_t> place;        // part-major -> index into `states`
   Scratch* scratch = nullptr;
+  std::uint32_t in_hand = 0;           // grids and pages that threads work on now
+  std::condition_variable idle;        // in_hand became 0
+  Error first_error;
+  bool any_error = false;
 };
 
 Result<void> Asset::Impl::prepareLevels() {
@@ -173,6 +178,7 @@ Result<bool> Asset::pump() {
       }
     }
     if (!state) return false;
+    ++a.in_hand;
     if (!grid && a.scratch) {
       scratch = a.scratch;
       a.scratch = scratch->next;
@@ -192,15 +198,18 @@ Result<bool> Asset::pump() {
   }
 
   std::lock_guard lock(a.mutex);
+  if (--a.in_hand == 0) a.idle.notify_all();
   if (scratch) {
     scratch->next = a.scratch;
     a.scratch = scratch;
   }
   if (!done) {
-    const bool first_error = state->stage != LevelState::Stage::kFailed;
+    const bool answered = state->stage == LevelState::Stage::kFailed;
     a.fail(*state);
-    if (first_error) return done.error();
-    return true;
+    if (!a.any_error) a.first_error = done.error();
+    a.any_error = true;
+    if (answered) return true;
+    return done.error();
   }
   if (state->stage == LevelState::Stage::kFailed) return true;  // another page of the level failed meanwhile
   if (grid) {
@@ -217,11 +226,23 @@ Result<bool> Asset::pump() {
 }
 
 Result<void> Asset::loadAll() {
-  Result<void> first;
+  Impl& a = *impl_;
   while (true) {
-    Result<bool> more = pump();
-    if (!more && first) first = more.error();
-    if (more && !*more) return first;
+    while (true) {
+      const Result<bool> more = pump();
+      if (more && !*more) break;
+    }
+    // Nothing is left to take; a grid in another thread's hands may bring new pages.
+    std::unique_lock lock(a.mutex);
+    a.idle.wait(lock, [&a] { return a.in_hand == 0; });
+    bool wanted = false;
+    for (std::size_t i = 0; i < a.state_count; ++i) {
+      const LevelState& state = a.states[i];
+      wanted = wanted || state.stage == LevelState::Stage::kGridWanted || (state.stage == LevelState::Stage::kPages && state.next_page < state.grid.pages.size());
+    }
+    if (wanted) continue;
+    if (a.any_error) return a.first_error;
+    return {};
   }
 }
 

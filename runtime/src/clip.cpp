@@ -73,13 +73,13 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
     const double turns = seconds / double{wave.period} + double{wave.phase};
     const float swing = static_cast<float>(std::sin(6.283185307179586 * (turns - std::floor(turns))));
     const int part = static_cast<int>(wave.part);
-    apply(wave.target, glm::vec4(wave.amplitude * swing, 0.0f), weight, pose.knots(part)[wave.knot], pose.motion(part));
+    apply(wave.target, glm::vec4(wave.amplitude * swing, 0.0f), weight, pose.knots(part)[wave.knot], *pose.motion(part));
   }
   const double turns = seconds / double{clip.duration};
   const float time = static_cast<float>((turns - std::floor(turns)) * double{clip.duration});
   for (const Track& track : clip.tracks) {
     const int part = static_cast<int>(track.part);
-    apply(track.target, sample(track, time), weight, pose.knots(part)[track.knot], pose.motion(part));
+    apply(track.target, sample(track, time), weight, pose.knots(part)[track.knot], *pose.motion(part));
   }
   return {};
 }

@@ -55,8 +55,8 @@ glm::mat4 partToWorld(const Instance& instance, int part) {
   const std::span<const Part> parts = instance.asset->pack().parts();
   glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    if (!instance.pose || i >= instance.pose->parts() || atRest(instance.pose->motion(i))) continue;
-    matrix = motionMatrix(parts[static_cast<std::size_t>(i)], instance.pose->motion(i)) * matrix;
+    if (!instance.pose || i >= instance.pose->parts() || atRest(*instance.pose->motion(i))) continue;
+    matrix = motionMatrix(parts[static_cast<std::size_t>(i)], *instance.pose->motion(i)) * matrix;
   }
   return instance.to_world * matrix;
 }

@@ -70,13 +70,20 @@ void Pose::clampMonotone() {
     }
     // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 + m1^2 <= 9 d^2.
     for (Knot& knot : k) knot.tangent.y = std::max(knot.tangent.y, 0.0f);
-    for (std::size_t i = 0; i + 1 < k.size(); ++i) {
-      const float share = k[i + 1].at - k[i].at;
-      const float rise = (k[i + 1].position.y - k[i].position.y) / share;
-      const float length = std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
-      if (isMonotone(makeSegment(k[i], k[i + 1])) || length <= 3.0f * rise) continue;
-      k[i].tangent.y *= 2.999f * rise / length;
-      k[i + 1].tangent.y *= 2.999f * rise / length;
+    // Shrinking a tangent may spoil the neighbour's segment, if that was monotone outside the circle; a segment inside stays there. So each
+    // pass brings one more segment to rest, or is the last.
+    bool mended = true;
+    while (mended) {
+      mended = false;
+      for (std::size_t i = 0; i + 1 < k.size(); ++i) {
+        const float share = k[i + 1].at - k[i].at;
+        const float rise = (k[i + 1].position.y - k[i].position.y) / share;
+        const float length = std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
+        if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1]))) continue;
+        k[i].tangent.y *= 2.999f * rise / length;
+        k[i + 1].tangent.y *= 2.999f * rise / length;
+        mended = true;
+      }
     }
   }
 }

@@ -151,17 +151,17 @@ TEST_P(PictureTest, PartsFollowTheirParents) {
   pack.parts[1].pivot[3] = glm::vec3(0.5f, 0.3f, 0);
   const LoadedAsset loaded(pack);
   runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-  pose.motion(0).rotation = glm::angleAxis(0.5f, glm::normalize(glm::vec3(0.2f, 1, 0.1f)));
-  pose.motion(1).rotation = glm::angleAxis(-0.9f, glm::vec3(0, 0, 1));
-  pose.motion(1).scale = {0.8f, 1.2f, 1};
-  pose.motion(1).translation = {0.1f, 0.05f, 0.2f};
+  pose.motion(0)->rotation = glm::angleAxis(0.5f, glm::normalize(glm::vec3(0.2f, 1, 0.1f)));
+  pose.motion(1)->rotation = glm::angleAxis(-0.9f, glm::vec3(0, 0, 1));
+  pose.motion(1)->scale = {0.8f, 1.2f, 1};
+  pose.motion(1)->translation = {0.1f, 0.05f, 0.2f};
   const auto renderer = makeRenderer(*loaded.asset, kVoxelSurface);
   const Instance instance{loaded.asset.get(), &pose};
   const gl::View view = lookAt(canvas, {1.0f, 1.1f, 2.4f}, {0.2f, 0.5f, 0});
   expectAgreement(compare(*renderer, canvas, view, {&instance, 1}), "two parts");
   EXPECT_EQ(renderer->draw(view, {&instance, 1})->instances, 2u);
 
-  pose.motion(1).scale = glm::vec3(0);  // a part may vanish
+  pose.motion(1)->scale = glm::vec3(0);  // a part may vanish
   const auto drawn = renderer->draw(view, {&instance, 1});
   ASSERT_TRUE(drawn);
   EXPECT_EQ(drawn->instances, 1u);

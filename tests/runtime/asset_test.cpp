@@ -78,6 +78,39 @@ TEST(Asset, AnyNumberOfThreadsMayPump) {
   expectHolds(**asset, test::ballClump({70, 90, 60}, 30, 1));
 }
 
+TEST(Asset, LoadAllWaitsForPagesInOtherThreadsHands) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  for (int i = 0; i < 40; ++i) {
+    MemorySource source(bytes);
+    auto asset = Asset::open(source.source());
+    ASSERT_TRUE(asset);
+    std::thread other([&] {
+      while (true) {
+        const Result<bool> more = (*asset)->pump();
+        if (!more || !*more) break;
+      }
+    });
+    EXPECT_TRUE((*asset)->loadAll());
+    EXPECT_EQ((*asset)->residentLevel(0), 0) << "run " << i;
+    other.join();
+  }
+}
+
+TEST(Asset, LoadAllTellsOfErrorsThatAnotherThreadMet) {
+  std::vector<std::byte> bytes = clumpBytes();
+  bytes[bytes.size() - 100] ^= std::byte{1};
+  MemorySource source(bytes);
+  auto asset = Asset::open(source.source());
+  ASSERT_TRUE(asset);
+  while (true) {
+    const Result<bool> more = (*asset)->pump();
+    if (more && !*more) break;
+  }
+  const Result<void> loaded = (*asset)->loadAll();
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, ErrorCode::kChecksum);
+}
+
 TEST(Asset, ADamagedFineLevelLeavesTheCoarseOnes) {
   std::vector<std::byte> bytes = clumpBytes();
   bytes[bytes.size() - 100] ^= std::byte{1};  // in the last page: the finest level comes last

@@ -58,12 +58,14 @@ TEST(Pose, StartsAtRestAndReturns) {
   ASSERT_EQ(pose->knots(0).size(), 2u);
   EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 40, 0));
   pose->knots(0)[1].position.x = 9;
-  pose->motion(0).translation.y = 2;
+  pose->motion(0)->translation.y = 2;
   pose->reset();
   EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 40, 0));
-  EXPECT_EQ(pose->motion(0).translation, glm::vec3(0));
+  EXPECT_EQ(pose->motion(0)->translation, glm::vec3(0));
   EXPECT_TRUE(pose->knots(1).empty());
   EXPECT_TRUE(pose->knots(-1).empty());
+  EXPECT_EQ(pose->motion(1), nullptr);
+  EXPECT_EQ(pose->motion(-1), nullptr);
 }
 
 TEST(Pose, AddsClips) {
@@ -78,7 +80,7 @@ TEST(Pose, AddsClips) {
   ASSERT_TRUE(addClip(*loaded.asset, 0, 2.0, 0.5f, pose));
   EXPECT_NEAR(pose.knots(0)[1].position.x, -3.0f, 1e-5f);
   EXPECT_NEAR(pose.knots(0)[1].tangent.x, 2.5f, 1e-5f);  // half of the half-way value
-  const float angle = 2.0f * std::asin(pose.motion(0).rotation.y);
+  const float angle = 2.0f * std::asin(pose.motion(0)->rotation.y);
   EXPECT_NEAR(angle, 0.25f, 1e-4f);  // half-way of one radian, half weight
   pose.reset();
   ASSERT_TRUE(addClip(*loaded.asset, 0, 1.0, 1.0f, pose));
@@ -128,14 +130,32 @@ TEST(Pose, CheckRefusesAndClampMends) {
   EXPECT_GT(refused, 100);
 }
 
+TEST(Pose, ClampMendsManyKnots) {
+  std::vector<Knot> knots;
+  for (const float at : {0.0f, 0.2f, 0.35f, 0.8f, 1.0f}) knots.push_back({at, {0, 40 * at, 0}, {0, 40, 0}});
+  Loaded loaded(test::packOf(test::ballClump({24, 40, 24}, 8, 1), knots));
+  Pose pose = *Pose::create(*loaded.asset);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> d(-100, 200);
+  for (int i = 0; i < 100000; ++i) {
+    pose.reset();
+    for (Knot& knot : pose.knots(0)) {
+      knot.position.y += 0.1f * d(random);
+      knot.tangent.y = d(random);
+    }
+    pose.clampMonotone();
+    ASSERT_TRUE(pose.check()) << i;
+  }
+}
+
 TEST(Instance, RestPointsGoToTheWorldAndBack) {
   Loaded loaded(animated());
   Pose pose = *Pose::create(*loaded.asset);
   pose.knots(0)[0].tangent = {120, 0, 40};
   pose.knots(0)[1].tangent = {120, 0, 80};
   pose.knots(0)[1].position = {10, 55, -5};
-  pose.motion(0).translation = {0.2f, 0, 0};
-  pose.motion(0).rotation = glm::angleAxis(0.5f, glm::vec3(0, 0, 1));
+  pose.motion(0)->translation = {0.2f, 0, 0};
+  pose.motion(0)->rotation = glm::angleAxis(0.5f, glm::vec3(0, 0, 1));
   ASSERT_TRUE(pose.check());
   Instance instance{loaded.asset.get(), &pose};
   instance.to_world[3] = {5, -2, 1, 1};

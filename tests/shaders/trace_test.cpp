@@ -192,6 +192,17 @@ TEST(Trace, StepsAreFew) {
   EXPECT_LT(tally.steps / tally.rays, 25.0);  // constant steps of 0.001 take hundreds
 }
 
+TEST(Trace, ReachesTheEndOfALongNarrowChannel) {
+  // Nothing to leap over: one step a voxel, more than any other ray takes.
+  fields::Occupancy volume{{5, 5, 6000}, std::vector<std::uint8_t>(5 * 5 * 6000, 1)};
+  for (int z = 0; z < 5999; ++z) volume.solid[volume.index({2, 2, z})] = 0;
+  const Scene scene = makeScene(std::move(volume));
+  const Posed posed(scene, test::figureKnots(test::kFigure6[0], scene.size0));
+  const trace::KelpHit hit = trace::kelpTrace(posed.context, {2.5f, 2.5f, 0}, {0, 0, 1}, 0, 1e6f);
+  ASSERT_TRUE(hit.found);
+  EXPECT_EQ(hit.voxel, glm::ivec3(2, 2, 5999));
+}
+
 TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> unit(0, 1);

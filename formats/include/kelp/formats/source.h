@@ -23,7 +23,7 @@ struct Source {
 class MemorySource {
  public:
   explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  Source source() { return {&MemorySource::read, this, bytes_.size()}; }
+  Source source() & { return {&MemorySource::read, this, bytes_.size()}; }  // not on a temporary: the Source points to this object
 
  private:
   static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);

@@ -42,7 +42,8 @@ class Asset {
   // After an error (the pack is damaged, or memory is short) that level and the finer ones of its part stay absent; the error is answered
   // once, and pump() goes on with the rest.
   Result<bool> pump();
-  // pump() until everything is resident. Answers the first error.
+  // pump() until everything is resident, waiting for pages that other threads have in hand. Answers the first error of any level, also one
+  // that another thread's pump() met; what could be loaded is resident all the same.
   Result<void> loadAll();
 
   // The level if all of it is resident, else null. The pointer stays good as long as the asset.

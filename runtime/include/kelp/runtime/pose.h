@@ -30,8 +30,9 @@ class Pose {
   // The knots of a part, to read and to move: voxels. An empty span for a part that is not there. `at` must not be changed.
   std::span<Knot> knots(int part);
   std::span<const Knot> knots(int part) const;
-  Motion& motion(int part) { return motions_[static_cast<std::size_t>(part)]; }
-  const Motion& motion(int part) const { return motions_[static_cast<std::size_t>(part)]; }
+  // The motion of a part, to read and to move; null for a part that is not there.
+  Motion* motion(int part) { return part >= 0 && part < parts() ? &motions_[static_cast<std::size_t>(part)] : nullptr; }
+  const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
 
   void reset();                                   // back to rest
   [[nodiscard]] bool assign(const Pose& other);   // false if `other` belongs to another kind of asset
