@@ -178,6 +178,100 @@ TEST(ImportKnots, ExtrasMakePartsAndNestedPartsHaveParents) {
   EXPECT_TRUE(contains(model.parts[2].rig_origin, "extras.kelp of node 'Leaf'"));
 }
 
+// The box as a node beside `others`, with `rest` as further members of the file.
+SourceModel importBox(const Scratch& scratch, const std::string& box, const std::string& others = "", const std::string& rest = "") {
+  GltfMaker maker;
+  maker.addBox();
+  return importFile(scratch.write("box.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Box","mesh":0)" + box + "}" + others + "]" + rest)), {});
+}
+
+constexpr const char* kLooseKnots = R"(,{"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
+
+TEST(ImportKnots, KnotsThatNobodyParentedBendTheOnlyModel) {
+  Reed reed;
+  reed.reed = R"("name":"Reed","mesh":0)";
+  const std::string text = reed.text();
+  const std::string all = R"("scenes":[{"nodes":[0,1,2,3]}])", one = R"("scenes":[{"nodes":[0]}])";
+  const SourceModel model = importFile(reed.scratch().write("loose.gltf", std::string(text).replace(text.find(one), one.size(), all)), {});
+  ASSERT_EQ(model.parts.size(), 1u);
+  EXPECT_EQ(model.parts[0].rig_origin, "3 knot empties of the scene");
+  ASSERT_EQ(model.parts[0].rig.knots.size(), 3u);
+  EXPECT_EQ(model.parts[0].rig.knots[1].at, 0.5f);
+  // Their keys move them as though they were the mesh's.
+  const std::vector<RigDescription::Clip> owned = Reed().import().parts[0].rig.clips;
+  EXPECT_EQ(model.parts[0].rig.clips, owned);
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+}
+
+TEST(ImportKnots, KnotsThatNobodyParentedAreNeverPassedOverInSilence) {
+  const Scratch scratch;
+  // Two models: whose knots are they?
+  SourceModel model = importBox(scratch, "", std::string(kLooseKnots) + R"(,{"name":"Other","mesh":0,"translation":[3,0,0]})");
+  EXPECT_TRUE(model.parts[0].rig.knots.empty());
+  EXPECT_TRUE(anyContains(model.notices, "parent them to the mesh")) << model.notices.size();
+  // Another rig in the file.
+  model = importBox(scratch, R"(,"extras":{"kelp":{"kelp":1}})", kLooseKnots);
+  EXPECT_EQ(model.parts.at(0).rig_origin, "extras.kelp of node 'Box'");
+  EXPECT_TRUE(anyContains(model.notices, "parent them to the mesh"));
+  // Far away from the mesh.
+  model = importBox(scratch, R"(,"translation":[9,0,0])", kLooseKnots);
+  EXPECT_TRUE(model.parts[0].rig.knots.empty());
+  EXPECT_TRUE(anyContains(model.notices, "parent them to it"));
+  // Below an empty of their own.
+  model = importBox(scratch, "", R"(,{"name":"Rig","children":[2,3]},{"name":"knot.0"},{"name":"knot.1","translation":[0,2,0]})");
+  EXPECT_TRUE(anyContains(model.notices, "parent the knots to the mesh"));
+  // A mesh of that name is no empty.
+  model = importBox(scratch, "", R"(,{"name":"knot.0","mesh":0})");
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+}
+
+TEST(ImportKnots, ExtrasOfAMeshAreTheRigOfItsOnlyNode) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const std::string mesh = R"("meshes":[{"name":"Blade","primitives":[{"attributes":{"POSITION":0},"indices":1}],"extras":{"kelp":"{\"kelp\":1,\"axis\":\"-y\"}"}}],"nodes":[{"name":"Box","mesh":0)";
+  const auto import = [&](const std::string& nodes) { return importFile(scratch.write("blade.gltf", maker.text(mesh + nodes)), {}); };
+  SourceModel model = import("}]");
+  ASSERT_EQ(model.parts.size(), 1u);
+  EXPECT_EQ(model.parts[0].rig_origin, "extras.kelp of mesh 'Blade'");
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kMinusY);
+  EXPECT_EQ(model.parts[0].name, "Box");
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  model = import(R"(},{"mesh":0,"translation":[1,0,0]}])");
+  EXPECT_FALSE(model.parts[0].rig.axis);
+  EXPECT_TRUE(anyContains(model.notices, "mesh 'Blade': 2 nodes use the mesh: no rig is made of it"));
+  model = import(R"(,"extras":{"kelp":{"kelp":1,"axis":"+x"}}}])");
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusX);
+  EXPECT_TRUE(anyContains(model.notices, "the node's is the rig"));
+}
+
+TEST(ImportKnots, ExtrasOfTheSceneOrTheFileAreTheRigOfAllThatHasNone) {
+  const Scratch scratch;
+  const std::string rig = R"("extras":{"kelp":{"kelp":1,"axis":"+z"}})", scene = R"(,"scenes":[{"name":"Scene","nodes":[0,1],)" + rig + "}]";
+  const std::string other = R"(,{"name":"Other","mesh":0,"translation":[3,0,0],"extras":{"kelp":{"kelp":1}}})", plain = R"(,{"mesh":0,"translation":[3,0,0]})";
+  SourceModel model = importBox(scratch, "", plain, scene);
+  ASSERT_EQ(model.parts.size(), 1u);
+  EXPECT_EQ(model.parts[0].rig_origin, "extras.kelp of scene 'Scene'");
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusZ);
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  model = importBox(scratch, "", other, scene);
+  ASSERT_EQ(model.parts.size(), 2u);
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusZ);
+  EXPECT_FALSE(model.parts[1].rig.axis);
+  model = importBox(scratch, "", plain, "," + rig);
+  EXPECT_EQ(model.parts[0].rig_origin, "extras.kelp of the file's top");
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusZ);
+  model = importBox(scratch, R"(,"extras":{"kelp":{"kelp":1}})", "", "," + rig);
+  EXPECT_TRUE(anyContains(model.notices, "extras.kelp of the file's top bends nothing"));
+}
+
+TEST(ImportKnots, ExtrasThatAreTheRigOfNothingAreNamed) {
+  const Scratch scratch;
+  const std::string rig = R"("extras":{"kelp":{"kelp":1}})";
+  const SourceModel model = importBox(scratch, "", R"(,{"name":"Hidden","mesh":0,)" + rig + "}", R"(,"scenes":[{"nodes":[0]},{"nodes":[1],)" + rig + R"(}],"scene":0,"materials":[{)" + rig + "}]");
+  for (const char* place : {"nodes[1].extras.kelp", "scenes[1].extras.kelp", "materials[0].extras.kelp"}) EXPECT_TRUE(anyContains(model.notices, place)) << place;
+}
+
 TEST(ImportKnots, BrokenExtrasNameTheNode) {
   Scratch scratch;
   GltfMaker maker;

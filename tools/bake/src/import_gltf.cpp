@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <set>
 
 #include "import_gltf_model.h"
 #include "import_rig.h"
@@ -14,27 +15,48 @@ namespace {
 struct PartPlan {
   int node = -1;                 // the node with the rig; -1: all that belongs to no rigged node
   int parent = -1;               // plan
+  std::optional<GltfRig> rig;
   std::vector<int> knots;
   std::vector<int> members;      // nodes
 };
 
+// Knots at the top of the scene are the likeliest slip: nobody parented them to the mesh. With one model in the file it is plain what they mean.
+std::vector<int> findLooseKnots(const GltfModel& model, bool other_rigs) {
+  std::vector<int> knots = findKnots(model, -1);
+  if (knots.empty()) return knots;
+  std::vector<int> root(model.data.nodes.size(), -1);
+  std::set<int> models;  // roots with triangles below
+  for (int node : model.order) {
+    const auto at = static_cast<std::size_t>(node);
+    root[at] = model.parents[at] >= 0 ? root[static_cast<std::size_t>(model.parents[at])] : node;
+    if (model.data.nodes[at].mesh >= 0) models.insert(root[at]);
+  }
+  if (!other_rigs && models.size() == 1) return knots;
+  model.note("the empties knot.0 to knot." + std::to_string(knots.size() - 1) + " stand at the top of the scene: no rig is made of them; parent them to the mesh that they bend");
+  return {};
+}
+
 // Parts in an order in which parents come first. With `single`, the whole file is one part.
-std::vector<PartPlan> planParts(const GltfModel& model, bool single, std::vector<int>& owner) {
+std::vector<PartPlan> planParts(const GltfModel& model, bool single) {
   std::vector<PartPlan> plans(1);
-  owner.assign(model.data.nodes.size(), 0);
+  std::vector<int> owner(model.data.nodes.size(), 0);  // plans
+  GltfRigs rigs;
+  if (!single) rigs = findRigs(model);
   for (int node : model.order) {
     const auto at = static_cast<std::size_t>(node);
     const int above = model.parents[at] >= 0 ? owner[static_cast<std::size_t>(model.parents[at])] : 0;
     owner[at] = above;
     if (!single) {
       std::vector<int> knots = findKnots(model, node);
-      if (model.document.rigs[at] || !knots.empty()) {
+      if (rigs.nodes[at] || !knots.empty()) {
         owner[at] = static_cast<int>(plans.size());
-        plans.push_back({node, above > 0 ? above : -1, std::move(knots), {}});
+        plans.push_back({node, above > 0 ? above : -1, std::move(rigs.nodes[at]), std::move(knots), {}});
       }
     }
     plans[static_cast<std::size_t>(owner[at])].members.push_back(node);
   }
+  plans[0].rig = std::move(rigs.file);
+  if (!single) plans[0].knots = findLooseKnots(model, plans.size() > 1);
   return plans;
 }
 
@@ -56,7 +78,7 @@ class GltfImporter {
     animations_ = readAnimations(model_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
 
-    const std::vector<PartPlan> plans = planParts(model_, outer_.has_value(), owner_);
+    const std::vector<PartPlan> plans = planParts(model_, outer_.has_value());
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
       if (std::optional<SourcePart> part = makePart(plans[p])) {
@@ -92,15 +114,21 @@ class GltfImporter {
     triangles_ += soup.triangles();
     if (triangles_ > kMaxTriangles) model_.refuse("scene", "has more than 64 million triangles; bake it in pieces");
     if (soup.triangles() == 0) {
-      if (!main) model_.note(model_.nodeName(plan.node) + " has a rig but no triangles in its subtree: no part is made of it");
+      if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
       return std::nullopt;
     }
     part.soup = soup.take();
     part.to_object = toAffine(world);
     part.pivot = toAffine(pivotOf(plan.node));
-    if (!main) readRig(plan, part);
+    if (plan.rig || !plan.knots.empty()) readRig(plan, part);
     giveRig(part, outer_, settings_);
     return part;
+  }
+
+  std::string noTriangles(const PartPlan& plan) const {
+    if (plan.node < 0) return (plan.rig ? "extras.kelp of " + plan.rig->owner : std::string("the scene's knot empties")) + " bends nothing: all triangles belong to nodes with rigs of their own";
+    return model_.nodeName(plan.node) + " has a rig but no triangles in its subtree: no part is made of it; " +
+           (plan.rig ? "put extras.kelp on the mesh's node" : "parent the knots to the mesh");
   }
 
   // World of the parent, then the node's own place and turn at rest: where its animated translation, rotation and scale act.
@@ -113,17 +141,20 @@ class GltfImporter {
   }
 
   void readRig(const PartPlan& plan, SourcePart& part) {
-    const std::optional<std::string>& extras = model_.document.rigs[static_cast<std::size_t>(plan.node)];
     const std::string place = model_.nodeName(plan.node);
     std::vector<int> knots = plan.knots;
-    if (extras) {
+    if (plan.rig) {
       try {
-        part.rig = parseRig(*extras);
+        part.rig = parseRig(plan.rig->text);
       } catch (const RigError& error) {
-        refuse(Exit::kInvalid, files_.input(), place + ".extras.kelp", error.what());
+        refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp", error.what());
       }
-      part.rig_origin = "extras.kelp of " + place;
-      if (!knots.empty()) model_.note(place + ": has extras.kelp and knot empties: extras.kelp is the rig");
+      part.rig_origin = "extras.kelp of " + plan.rig->owner;
+      if (!knots.empty()) model_.note(place + " has knot empties, and " + plan.rig->owner + " has extras.kelp: extras.kelp is the rig");
+      knots.clear();
+    } else if (plan.node < 0 && !lieBeside(model_, knots, part.soup)) {
+      model_.note("the empties knot.0 to knot." + std::to_string(knots.size() - 1) + " stand at the top of the scene, away from the mesh: no rig is made of them; move them along the mesh and parent them to it");
+      part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
       knots.clear();
     } else if (std::optional<RigDescription> rig = knotRig(model_, plan.node, knots, part.soup, settings_.axis)) {
       part.rig = *std::move(rig);
@@ -163,7 +194,6 @@ class GltfImporter {
   std::vector<GltfMaterialUse> materials_;
   std::vector<GltfAnimation> animations_;
   std::vector<std::vector<bool>> used_;
-  std::vector<int> owner_;
   std::size_t triangles_ = 0;
 };
 

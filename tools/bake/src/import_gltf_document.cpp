@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -153,21 +154,28 @@ std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json&
   return images;
 }
 
-std::vector<std::optional<std::string>> listRigs(const InputFiles& files, Json& root) {
-  std::vector<std::optional<std::string>> rigs;
-  for (Json& node : objects(files, root, "nodes")) {
-    std::optional<std::string> rig;
-    const auto extras = node.find("extras");
-    if (extras != node.end() && extras->is_object() && extras->contains("kelp")) {
-      const Json& kelp = (*extras)["kelp"];
-      // Blender's custom properties hold the rig as a string; hand-written files as an object under the same rules as *.rig.json.
-      if (kelp.is_string()) rig = kelp.get<std::string>();
-      else if (kelp.is_object()) rig = kelp.dump(-1, ' ', false, Json::error_handler_t::replace);
-      else rig = extras->dump(-1, ' ', false, Json::error_handler_t::replace);  // extras is the rig: {"kelp": 1, ...}
-    }
-    rigs.push_back(std::move(rig));
+// The rig in an object's extras.
+std::optional<std::string> rigOf(const Json& object) {
+  const auto extras = object.find("extras");
+  if (extras == object.end() || !extras->is_object()) return std::nullopt;
+  const auto kelp = extras->find("kelp");
+  if (kelp == extras->end()) return std::nullopt;
+  // Blender's custom properties hold the rig as a string; hand-written files as an object under the same rules as *.rig.json.
+  if (kelp->is_string()) return kelp->get<std::string>();
+  const Json& rig = kelp->is_object() ? *kelp : *extras;  // extras may be the rig itself: {"kelp": 1, ...}
+  return rig.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// Looks everywhere, so that none is overlooked in silence. Depth is bounded by then.
+void listRigs(const Json& value, const std::string& place, std::map<std::string, std::string>& rigs) {
+  if (value.is_array()) {
+    for (std::size_t i = 0; i < value.size(); ++i)
+      if (value[i].is_structured()) listRigs(value[i], placeOf(place, i), rigs);
+  } else if (value.is_object()) {
+    if (std::optional<std::string> rig = rigOf(value)) rigs.emplace(place, *std::move(rig));
+    for (const auto& [key, member] : value.items())
+      if (key != "extras" && member.is_structured()) listRigs(member, place.empty() ? oneLine(key, 60) : place + "." + oneLine(key, 60), rigs);
   }
-  return rigs;
 }
 
 // JSON has one kind of number, tinygltf two: 12.0 becomes 12. Depth is bounded by then.
@@ -252,7 +260,7 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   unpackMeshopt(files, root, document.buffers);
   unpackDraco(files, root, document.buffers);
   document.images = listImages(files, root);
-  document.rigs = listRigs(files, root);
+  listRigs(root, "", document.rigs);
   root.erase("buffers");
   root.erase("images");
   wholeFloatsToIntegers(root);

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,7 +21,7 @@ struct GltfDocument {
   std::string json;                                  // without `buffers` and `images`: those are below
   std::vector<std::vector<std::uint8_t>> buffers;
   std::vector<ImageSource> images;
-  std::vector<std::optional<std::string>> rigs;      // one a node: the text of extras.kelp
+  std::map<std::string, std::string> rigs;           // the text of every extras.kelp, by its owner: "nodes[3]", "asset", "" (the root)
 };
 
 // Reads .gltf and .glb (told apart by content). BakeError on anything that is not sound; hostile-safe.

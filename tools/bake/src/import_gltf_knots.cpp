@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <set>
 
 #include "import_gltf_model.h"
@@ -12,6 +13,7 @@ namespace kelp::bake {
 namespace {
 
 constexpr double kEndTolerance = 0.02;   // of the extent: how far an end knot may lie from the mesh's end without a word
+constexpr double kBeside = 0.1;         // of the longest side: how far from a mesh's box a knot that nobody owns may lie
 constexpr double kStraight = 1e-4;       // of the extent: below this a rest rig is straight, exactly
 constexpr double kLeastCosine = 0.17;    // an empty whose +Y lies this far (80 degrees) from the axis was not turned to be a tangent
 constexpr double kSampleRate = 30;       // a second, for tangents that turn
@@ -209,9 +211,12 @@ bool namedAfterItsNode(const GltfModel& model, const GltfAnimation& animation) {
 
 std::vector<int> findKnots(const GltfModel& model, int node) {
   std::map<int, int> numbered;
-  for (int child : nodeAt(model, node).children) {
+  std::vector<int> children;
+  if (node >= 0) children = nodeAt(model, node).children;
+  else std::copy_if(model.order.begin(), model.order.end(), std::back_inserter(children), [&](int at) { return model.parents[static_cast<std::size_t>(at)] < 0; });
+  for (int child : children) {
     const int number = knotNumber(nodeAt(model, child).name);
-    if (number < 0) continue;
+    if (number < 0 || (node < 0 && nodeAt(model, child).mesh >= 0)) continue;
     if (!numbered.emplace(number, child).second) {
       model.note(model.nodeName(node) + " has two children that are knot " + std::to_string(number) + ": no rig is made of its knots; name them knot.0 to knot.n");
       return {};
@@ -232,6 +237,20 @@ std::vector<int> findKnots(const GltfModel& model, int node) {
     return {};
   }
   return knots;
+}
+
+bool lieBeside(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup) {
+  glm::dvec3 low(INFINITY), high(-INFINITY);
+  for (const glm::vec3& position : soup.positions) {
+    low = glm::min(low, glm::dvec3(position));
+    high = glm::max(high, glm::dvec3(position));
+  }
+  const glm::dvec3 size = high - low;
+  const double reach = kBeside * std::max({size.x, size.y, size.z});
+  return std::all_of(knots.begin(), knots.end(), [&](int knot) {
+    const glm::dvec3 at = restTransform(nodeAt(model, knot)).translation;
+    return glm::all(glm::greaterThanEqual(at, low - reach)) && glm::all(glm::lessThanEqual(at, high + reach));
+  });
 }
 
 std::optional<RigDescription> knotRig(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup, std::optional<Axis> axis) {

@@ -36,8 +36,7 @@ void checkNode(const GltfModel& model, std::size_t index) {
 std::vector<int> sceneRoots(const GltfModel& model) {
   const auto& scenes = model.data.scenes;
   std::vector<int> roots;
-  if (!scenes.empty()) {
-    const int scene = model.data.defaultScene < 0 ? 0 : model.data.defaultScene;
+  if (const int scene = model.scene(); scene >= 0) {
     if (scene >= static_cast<int>(scenes.size())) model.refuse("scene", "names a scene that does not exist");
     roots = scenes[static_cast<std::size_t>(scene)].nodes;
     if (scenes.size() > 1 && model.data.defaultScene < 0) model.note("the file has " + std::to_string(scenes.size()) + " scenes and no default: the first is baked");
@@ -57,7 +56,10 @@ glm::dmat4 GltfTransform::matrix() const {
   return glm::translate(glm::dmat4(1), translation) * glm::mat4_cast(rotation) * glm::scale(glm::dmat4(1), scale);
 }
 
+int GltfModel::scene() const { return data.scenes.empty() ? -1 : std::max(data.defaultScene, 0); }
+
 std::string GltfModel::nodeName(int node) const {
+  if (node < 0) return "the scene";
   const std::string& name = data.nodes[static_cast<std::size_t>(node)].name;
   return name.empty() ? placeOf("nodes", static_cast<std::size_t>(node)) : "node '" + oneLine(name, 60) + "'";
 }

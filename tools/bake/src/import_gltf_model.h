@@ -44,8 +44,10 @@ struct GltfModel {
   std::vector<std::string>* notices = nullptr;
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
+  // The scene that is baked; -1: the file has none, and every node counts.
+  int scene() const;
   void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
-  // "node 'Reed'", or "nodes[3]" where it has no name.
+  // "node 'Reed'", or "nodes[3]" where it has no name; -1: "the scene".
   std::string nodeName(int node) const;
 };
 
@@ -104,8 +106,23 @@ std::vector<GltfAnimation> readAnimations(const GltfModel& model);
 glm::dvec4 evaluate(const GltfChannel& channel, double time);
 
 // --- rigs ----------------------------------------------------------------------------------------------------------------------------
+// A rig as text in the file.
+struct GltfRig {
+  std::string text;
+  std::string owner;                   // "node 'Reed'", "mesh 'Blade'", "scene 'Scene'"
+};
+struct GltfRigs {
+  std::vector<std::optional<GltfRig>> nodes;  // of each node: its own, or that of a mesh that it alone uses
+  std::optional<GltfRig> file;                // of all that belongs to no rigged node: the scene's, the asset's or the root's
+};
+// Which extras.kelp is the rig of what. One that is the rig of nothing makes a notice.
+GltfRigs findRigs(const GltfModel& model);
+
 // The empties knot.0 .. knot.n among a node's children, in order; empty if there are none. Gaps and doubles make a notice, and no rig.
+// Node -1: those at the top of the scene.
 std::vector<int> findKnots(const GltfModel& model, int node);
+// Whether knots that no mesh owns can be meant for this one: none lies away from it.
+bool lieBeside(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup);
 // The rest rig that the knots describe; nullopt with a notice if they make none. `soup` is in the node's space.
 std::optional<RigDescription> knotRig(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup,
                                       std::optional<Axis> axis);
