@@ -2,6 +2,7 @@
 // Fill and normals against shapes whose volume, surface and normals are known in closed form.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -195,6 +196,60 @@ TEST(Voxelize, OpenSheetsStaySheets) {
       for (int y = 0; y < baked.grid().size.y; ++y) hits += baked.at(x, y, z);
       EXPECT_GT(hits, 0) << x << " " << z;
     }
+  }
+}
+
+// A sheet has one normal at each place, whichever way the voxels' steps happen to open: no rings where neighbours disagree.
+TEST(Voxelize, OpenSheetsHaveSmoothNormals) {
+  const auto radial = [](const glm::dvec3& p) { return glm::normalize(p); };
+  const auto around = [](const glm::dvec3& p) { return glm::normalize(glm::dvec3(p.x, 0, p.z)); };
+  bake::TriangleSoup bowl, pipe, inward;
+  test::addSphere(bowl, {0, 0, 0}, 50.3f, 120, [](float latitude) { return latitude < 0; });
+  test::addSphere(inward, {0, 0, 0}, 50.3f, 120, [](float latitude) { return latitude < 0; });
+  test::turnInsideOut(inward);
+  test::addRod(pipe, {0, 0, 0}, {0, 60, 0}, 20.4f);
+  const auto onRing = [&](const bake::TriangleSoup::Triangle& t) { return pipe.positions[t.vertex[0]].y == pipe.positions[t.vertex[1]].y && pipe.positions[t.vertex[1]].y == pipe.positions[t.vertex[2]].y; };
+  pipe.triangles.erase(std::remove_if(pipe.triangles.begin(), pipe.triangles.end(), onRing), pipe.triangles.end());
+  struct Case {
+    const char* name;
+    bake::TriangleSoup soup;
+    std::function<glm::dvec3(const glm::dvec3&)> exact;
+    double bound;  // degrees; a rod has few sides
+  };
+  for (const Case& its : {Case{"bowl", bowl, radial, 1.5}, Case{"inward bowl", inward, radial, 1.5}, Case{"pipe", pipe, around, 12.0}}) {
+    const test::Baked baked = voxelizeUnit(test::makeModel(its.soup));
+    ASSERT_EQ(baked.result.fill.substr(0, 8), "surface:") << its.name;
+    const double error = meanNormalError(baked.grid(), its.exact);
+    EXPECT_LT(std::min(error, 180.0 - error), its.bound) << its.name;
+    std::vector<const bake::SurfaceSample*> at(baked.grid().solid.size(), nullptr);
+    for (const bake::SurfaceSample& sample : baked.grid().surface) at[sample.index] = &sample;
+    const std::size_t stride[3] = {1, static_cast<std::size_t>(baked.grid().size.x), static_cast<std::size_t>(baked.grid().size.x) * static_cast<std::size_t>(baked.grid().size.y)};
+    std::size_t turned = 0;
+    for (const bake::SurfaceSample& sample : baked.grid().surface) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (centreOf(baked.grid(), sample.index)[axis] + 1 > baked.grid().size[axis]) continue;
+        const bake::SurfaceSample* next = at[sample.index + stride[axis]];
+        turned += next && glm::dot(sample.normal, next->normal) < 0;
+      }
+    }
+    EXPECT_EQ(turned, 0u) << its.name;
+  }
+}
+
+// A sheet that lies on a body is seen from outside, however it is wound.
+TEST(Voxelize, SheetsOnBodiesFaceTheOpen) {
+  for (const bool turn : {false, true}) {
+    bake::TriangleSoup soup;
+    test::addTriangle(soup, {4, 20.4f, 4}, turn ? glm::vec3(4, 20.4f, 28) : glm::vec3(28, 20.4f, 4), turn ? glm::vec3(28, 20.4f, 4) : glm::vec3(4, 20.4f, 28));
+    test::addBox(soup, {0, 0, 0}, {30, 20, 30});
+    const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+    std::size_t seen = 0;
+    for (const bake::SurfaceSample& sample : baked.grid().surface) {
+      if (centreOf(baked.grid(), sample.index).y < 20) continue;
+      ++seen;
+      EXPECT_GT(sample.normal.y, 0.99f);
+    }
+    EXPECT_GT(seen, 200u);
   }
 }
 

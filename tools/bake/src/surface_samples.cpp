@@ -13,13 +13,22 @@ namespace {
 constexpr std::size_t kGrain = 2048;
 // Nearer than this the direction to the nearest point is rounding; the triangle's own normal is not.
 constexpr double kTooNear = 0.02;
+// A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that lies on a body has 9 more on the
+// open side. Beyond this mean difference it is known which side is seen.
+constexpr double kHiddenSide = 2.0;
+
+// What a voxel says about the sheet that it belongs to.
+struct SheetVote {
+  std::uint32_t component = kCap;  // kCap: the voxel is part of a body
+  float open = 0;                  // how many more empty voxels lie before the sheet than behind
+};
 
 class Sampler {
  public:
   Sampler(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
       : look_(look), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size) {}
 
-  SurfaceSample sample(std::uint64_t index) const {
+  SurfaceSample sample(std::uint64_t index, SheetVote& vote) const {
     const std::uint64_t x = static_cast<std::uint64_t>(size_.x), y = static_cast<std::uint64_t>(size_.y);
     const glm::ivec3 voxel(static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y)));
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
@@ -31,9 +40,12 @@ class Sampler {
       if (shown.triangle != kCap) nearest = shown;
     }
     glm::dvec3 normal = outward(nearest, centre, index, open);
-    if (glm::dot(normal, open) < -0.1 * glm::length(open)) {
+    if (!isSolid(nearest.triangle) && voxels_[index] != kInside) {
+      // A sheet has no inside, and in the open its voxels' steps say nothing about its sides: its winding decides, for all of it alike.
+      vote = {mesh_.triangles[nearest.triangle].component, static_cast<float>(glm::dot(normal, open))};
+    } else if (glm::dot(normal, open) < -0.1 * glm::length(open)) {
       // The nearest triangle is hidden inside another body: look for one that faces the open.
-      const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return mesh_.components[mesh_.triangles[i].component].solid && glm::dot(faceNormal(i), open) > 0; });
+      const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return isSolid(i) && glm::dot(faceNormal(i), open) > 0; });
       if (facing.triangle != kCap) {
         nearest = facing;
         normal = faceNormal(facing.triangle);
@@ -53,6 +65,8 @@ class Sampler {
   }
 
  private:
+  bool isSolid(std::uint32_t triangle) const { return mesh_.components[mesh_.triangles[triangle].component].solid; }
+
   glm::dvec3 faceNormal(std::uint32_t triangle) const {
     const auto& v = mesh_.triangles[triangle].vertex;
     const glm::dvec3 a = mesh_.position(v[0]);
@@ -73,9 +87,8 @@ class Sampler {
 
   glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index, const glm::dvec3& open) const {
     glm::dvec3 normal = faceNormal(nearest.triangle);
-    if (!mesh_.components[mesh_.triangles[nearest.triangle].component].solid) {
-      // A sheet has no inside. One voxel thick, it is open on both sides alike: then its own winding decides.
-      if (glm::dot(normal, open) < -0.5) normal = -normal;
+    if (!isSolid(nearest.triangle)) {
+      if (voxels_[index] == kInside && glm::dot(normal, open) < 0) normal = -normal;  // it lies in the skin of a body
     } else if (const double distance = std::sqrt(nearest.squared); distance > kTooNear) {
       normal = (voxels_[index] == kInside ? nearest.point - centre : centre - nearest.point) / distance;
     }
@@ -91,15 +104,31 @@ class Sampler {
   glm::ivec3 size_;
 };
 
+// Turns the sheets that are seen from behind, each as a whole: a sign chosen voxel by voxel would flicker.
+void turnHiddenSheets(const std::vector<SheetVote>& votes, std::size_t components, std::vector<SurfaceSample>& samples) {
+  std::vector<double> open(components, 0), count(components, 0);
+  for (const SheetVote& vote : votes) {
+    if (vote.component == kCap) continue;
+    open[vote.component] += static_cast<double>(vote.open);
+    count[vote.component] += 1;
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::uint32_t component = votes[i].component;
+    if (component != kCap && open[component] < -kHiddenSide * count[component]) samples[i].normal = -samples[i].normal;
+  }
+}
+
 }  // namespace
 
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
                                          const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads) {
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
+  std::vector<SheetVote> votes(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i]);
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
   });
+  turnHiddenSheets(votes, mesh.components.size(), samples);
   return samples;
 }
 
