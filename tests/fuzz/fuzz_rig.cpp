@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Any bytes as a rig's JSON: read it; what is read must print and read again as the same, and its clips must prove or refuse quickly.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "kelp/rig_json/rig_json.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kelp;
+  try {
+    const RigDescription rig = parseRig({reinterpret_cast<const char*>(data), size});
+    if (!(parseRig(printRig(rig)) == rig)) std::abort();
+    const glm::ivec3 voxels(32, 64, 32);
+    const std::vector<Knot> knots = realizeKnots(rig, voxels);
+    for (const RawClip& clip : realizeClips(rig, voxels, 0)) proveClip(clip, 0, knots, voxels);
+  } catch (const RigError&) {
+  }
+  return 0;
+}
