@@ -236,6 +236,33 @@ TEST(Voxelize, OpenSheetsHaveSmoothNormals) {
   }
 }
 
+// A sleeve with its cuff folded back, both wound to be seen from outside; and the same sleeve with a strip wound by mistake.
+TEST(Voxelize, FoldedSheetsShowTheSideThatWasMeant) {
+  for (const bool folded : {true, false}) {
+    bake::TriangleSoup soup;
+    const auto point = [](float angle, float radius, float y) { return glm::vec3(radius * std::cos(angle), y, radius * std::sin(angle)); };
+    for (int k = 0; k < 64; ++k) {
+      const float a = static_cast<float>(2 * kPi) * static_cast<float>(k) / 64, b = static_cast<float>(2 * kPi) * static_cast<float>((k + 1) % 64) / 64;
+      const auto band = [&](float y0, float r0, float y1, float r1, bool outward) {
+        const glm::vec3 p = point(a, r0, y0), q = point(b, r0, y0), r = point(a, r1, y1), s = point(b, r1, y1);
+        test::addTriangle(soup, p, outward ? r : q, outward ? q : r);
+        test::addTriangle(soup, q, outward ? r : s, outward ? s : r);
+      };
+      band(0, 20, 50, 20, true);
+      band(-20, 20, 0, 20, folded);
+      if (folded) band(-20, 20, 0, 26, true);
+    }
+    const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+    ASSERT_EQ(baked.result.fill.substr(0, 8), "surface:") << baked.result.fill;
+    const double middle = 0.5 * baked.grid().size.x;
+    for (const bake::SurfaceSample& sample : baked.grid().surface) {
+      const glm::dvec3 p = centreOf(baked.grid(), sample.index);
+      const glm::dvec3 outward = glm::normalize(glm::dvec3(p.x - middle, 0, p.z - middle));
+      ASSERT_GT(glm::dot(glm::dvec3(sample.normal), outward), 0.8) << "folded " << folded << " at " << p.x << " " << p.y << " " << p.z;
+    }
+  }
+}
+
 // A sheet that lies on a body is seen from outside, however it is wound.
 TEST(Voxelize, SheetsOnBodiesFaceTheOpen) {
   for (const bool turn : {false, true}) {
