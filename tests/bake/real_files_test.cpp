@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 #include "kelp/bake/bake.h"
@@ -210,6 +211,8 @@ struct RealFile {
   const char* path;
   double color_error;  // allowed mean, linear: what a nearest texel differs from one filtered over a voxel (a flipped texture is off by 0.08 and more)
 };
+
+void PrintTo(const RealFile& file, std::ostream* out) { *out << file.path; }
 
 class RealFiles : public testing::TestWithParam<RealFile> {};
 
