@@ -188,29 +188,6 @@ void windConsistently(Topology& mesh, const std::vector<Edge>& edges) {
   }
 }
 
-// A cuff folded back over its sleeve shows the sheet's other side: it was wound against the sleeve, and meant so. What windConsistently turned
-// in a sheet is turned back where the neighbours across its border faced the same way before, rather than opposite ways as by mistake.
-void restoreFolds(Topology& mesh, const std::vector<Edge>& edges) {
-  const auto turned = [&](std::uint32_t i) { return mesh.triangles[i].swapped && !mesh.components[mesh.triangles[i].component].solid; };
-  DisjointSets groups(mesh.triangles.size());
-  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
-    if (end - begin == 2 && turned(edges[begin].triangle) && turned(edges[begin + 1].triangle)) groups.join(edges[begin].triangle, edges[begin + 1].triangle);
-  });
-  std::vector<double> agreement(mesh.triangles.size(), 0);  // of groups, weighted with the length of their borders
-  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
-    if (end - begin != 2) return;
-    const std::uint32_t a = edges[begin].triangle, b = edges[begin + 1].triangle;
-    if (turned(a) == turned(b)) return;
-    const glm::dvec3 n = areaVector(mesh, mesh.triangles[a]), m = areaVector(mesh, mesh.triangles[b]);
-    const double lengths = glm::length(n) * glm::length(m);
-    const double border = glm::distance(mesh.position(edges[begin].low), mesh.position(edges[begin].high));
-    if (lengths > 0) agreement[groups.find(turned(a) ? a : b)] -= border * glm::dot(n, m) / lengths;
-  });
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (turned(i) && agreement[groups.find(i)] > 0) mesh.triangles[i].turn();
-  }
-}
-
 void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   DisjointSets sets(mesh.triangles.size());
   forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
@@ -350,7 +327,6 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
     // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
   }
-  restoreFolds(mesh, edges);
   for (const SolidTriangle& cap : caps) {
     if (!mesh.components[cap.component].solid) continue;
     mesh.triangles.push_back(cap);

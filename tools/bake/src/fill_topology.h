@@ -21,7 +21,7 @@ struct SolidTriangle {
   std::array<std::uint32_t, 3> vertex{};
   std::uint32_t source = 0;     // index into the soup; of caps: kCap
   std::uint32_t component = 0;
-  bool swapped = false;         // corners 1 and 2 against the soup's
+  bool swapped = false;         // corners 1 and 2 against the soup's; in a sheet: it was wound against the larger part around it
 
   void turn() {
     std::swap(vertex[1], vertex[2]);

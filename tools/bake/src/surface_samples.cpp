@@ -2,6 +2,7 @@
 #include "surface_samples.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "fill_thin.h"
@@ -20,7 +21,9 @@ constexpr double kHiddenSide = 2.0;
 // What a voxel says about the sheet that it belongs to.
 struct SheetVote {
   std::uint32_t component = kCap;  // kCap: the voxel is part of a body
+  bool turned = false;             // against the file's winding, to agree with the rest of the sheet
   float open = 0;                  // how many more empty voxels lie before the sheet than behind
+  int visible = 0;                 // 1: seen from outside only from before, -1: only from behind
 };
 
 class Sampler {
@@ -42,7 +45,10 @@ class Sampler {
     glm::dvec3 normal = outward(nearest, centre, index, open);
     if (!isSolid(nearest.triangle) && voxels_[index] != kInside) {
       // A sheet has no inside, and in the open its voxels' steps say nothing about its sides: its winding decides, for all of it alike.
-      vote = {mesh_.triangles[nearest.triangle].component, static_cast<float>(glm::dot(normal, open))};
+      vote.component = mesh_.triangles[nearest.triangle].component;
+      vote.turned = mesh_.triangles[nearest.triangle].swapped;
+      vote.open = static_cast<float>(glm::dot(normal, open));
+      vote.visible = static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
     } else if (glm::dot(normal, open) < -0.1 * glm::length(open)) {
       // The nearest triangle is hidden inside another body: look for one that faces the open.
       const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return isSolid(i) && glm::dot(faceNormal(i), open) > 0; });
@@ -85,6 +91,16 @@ class Sampler {
     return sum;
   }
 
+  // Whether a ray from a voxel meets no other on its way out of the box.
+  bool leadsOutside(const glm::dvec3& centre, const glm::dvec3& direction) const {
+    for (double at = 2.0;; at += 1.0) {  // beyond the voxel's own neighbours
+      const glm::ivec3 v(glm::floor(centre + at * direction));
+      if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return true;
+      const std::size_t row = static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z);
+      if (voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * row] != kEmpty) return false;
+    }
+  }
+
   glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index, const glm::dvec3& open) const {
     glm::dvec3 normal = faceNormal(nearest.triangle);
     if (!isSolid(nearest.triangle)) {
@@ -104,17 +120,27 @@ class Sampler {
   glm::ivec3 size_;
 };
 
-// Turns the sheets that are seen from behind, each as a whole: a sign chosen voxel by voxel would flicker.
+// Turns the sheets that are seen from behind, each as a whole: a sign chosen voxel by voxel would flicker. Within a sheet whose file winds one
+// part against the rest, that part may be a mistake or a cuff folded back over its sleeve. It is the latter if now, all wound alike, the rest
+// is seen from before and the part from behind.
 void turnHiddenSheets(const std::vector<SheetVote>& votes, std::size_t components, std::vector<SurfaceSample>& samples) {
-  std::vector<double> open(components, 0), count(components, 0);
+  struct Sum {
+    double open = 0, count = 0;
+    std::int64_t visible[2] = {0, 0};  // of what is wound as in the file, and of what was turned
+  };
+  std::vector<Sum> sums(components);
   for (const SheetVote& vote : votes) {
     if (vote.component == kCap) continue;
-    open[vote.component] += static_cast<double>(vote.open);
-    count[vote.component] += 1;
+    Sum& sum = sums[vote.component];
+    sum.open += static_cast<double>(vote.open);
+    sum.count += 1;
+    sum.visible[vote.turned ? 1 : 0] += vote.visible;
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::uint32_t component = votes[i].component;
-    if (component != kCap && open[component] < -kHiddenSide * count[component]) samples[i].normal = -samples[i].normal;
+    if (votes[i].component == kCap) continue;
+    const Sum& sum = sums[votes[i].component];
+    const bool folded = votes[i].turned && sum.visible[0] > 0 && sum.visible[1] < 0;
+    if ((sum.open < -kHiddenSide * sum.count) != folded) samples[i].normal = -samples[i].normal;
   }
 }
 
