@@ -311,6 +311,47 @@ TEST(Voxelize, ThinPlatesHaveNoHoles) {
   }
 }
 
+// Parallel plates stay apart: each is its own row of voxels (or two where it straddles), and a row that no plate owns is empty.
+TEST(Voxelize, ThinPlatesDoNotFuse) {
+  struct Case {
+    float thickness, gap, inset;
+  };
+  for (const Case& its : {Case{0.7f, 1.0f, 0}, Case{0.7f, 1.6f, 0}, Case{0.5f, 1.0f, 0}, Case{0.7f, 1.0f, 0.3f}, Case{0.7f, 1.6f, 0.3f}, Case{0.5f, 1.0f, 0.3f}}) {
+    const std::string what = testing::PrintToString(its.thickness) + " / " + testing::PrintToString(its.gap) + " inset " + testing::PrintToString(its.inset);
+    bake::TriangleSoup soup;
+    for (int k = 0; k < 12; ++k) {
+      const float y = static_cast<float>(k) * (its.thickness + its.gap), inset = k % 2 ? its.inset : 0.0f;  // so that some end within a voxel
+      test::addBox(soup, {inset, y, inset}, {20 - inset, y + its.thickness, 20 - inset});
+    }
+    const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+    const glm::ivec3 size = baked.grid().size;
+    std::vector<int> filled(static_cast<std::size_t>(size.y), 0);
+    for (int y = 0; y < size.y; ++y) {
+      for (int z = 0; z < size.z; ++z) {
+        for (int x = 0; x < size.x; ++x) filled[static_cast<std::size_t>(y)] += baked.at(x, y, z);
+      }
+    }
+    std::vector<int> owned(static_cast<std::size_t>(size.y), 0);
+    for (int k = 0; k < 12; ++k) {
+      // Voxels are cubes, and the box is centred in whole ones.
+      const auto row = [&](float y) { return static_cast<int>(std::floor((baked.frame.node_to_voxel * glm::dvec4(0, static_cast<double>(y), 0, 1)).y)); };
+      const float y = static_cast<float>(k) * (its.thickness + its.gap);
+      int whole = 0;
+      for (int r = row(y); r <= std::min(row(y + its.thickness), size.y - 1); ++r) {
+        owned[static_cast<std::size_t>(r)] = 1;
+        whole += filled[static_cast<std::size_t>(r)] == size.x * size.z;
+      }
+      EXPECT_GE(whole, 1) << what << ": plate " << k;
+    }
+    int rows = 0;
+    for (int y = 0; y < size.y; ++y) {
+      rows += filled[static_cast<std::size_t>(y)] > 0;
+      EXPECT_TRUE(owned[static_cast<std::size_t>(y)] || filled[static_cast<std::size_t>(y)] == 0) << what << ": row " << y << " has " << filled[static_cast<std::size_t>(y)];
+    }
+    EXPECT_EQ(rows, 12) << what;
+  }
+}
+
 // Solid voxels of the grid that hang together with the first one.
 std::size_t connectedCount(const test::Baked& baked) {
   const glm::ivec3 size = baked.grid().size;

@@ -66,32 +66,31 @@ void forEachAround(const glm::ivec3& voxel, const glm::ivec3& size, int reach, c
 
 int chebyshev(const glm::ivec3& a, const glm::ivec3& b) { return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}); }
 
-// Whether a passed voxel beside `voxel` touches something solid that does not hang together, within two voxels, with what `voxel` touches.
-bool seesTwoEnds(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel) {
+// The voxels within two of `voxel` of which a condition holds, for the search of a gap's two ends.
+struct Surroundings {
   glm::ivec3 solid[125], passed[26];
   int solids = 0, passes = 0;
-  forEachAround(voxel, size, 2, [&](const glm::ivec3& at, std::size_t index) {
-    if (isSolid(voxels[index])) solid[solids++] = at;
-    if (voxels[index] == kPassed && at != voxel && chebyshev(at, voxel) == 1) passed[passes++] = at;
-  });
-  if (passes == 0) return false;
-  // What hangs together with what `voxel` touches moves to the front.
-  int reached = 0;
-  for (int i = 0; i < solids; ++i) {
-    if (chebyshev(solid[i], voxel) <= 1) std::swap(solid[reached++], solid[i]);
-  }
-  for (int i = 0; i < reached; ++i) {
-    for (int k = reached; k < solids; ++k) {
-      if (chebyshev(solid[i], solid[k]) <= 1) std::swap(solid[reached++], solid[k]);
+
+  // Whether a passed voxel touches something solid that does not hang together with what `voxel` touches.
+  bool showTwoEnds(const glm::ivec3& voxel) {
+    // What hangs together with what `voxel` touches moves to the front.
+    int reached = 0;
+    for (int i = 0; i < solids; ++i) {
+      if (chebyshev(solid[i], voxel) <= 1) std::swap(solid[reached++], solid[i]);
     }
-  }
-  for (int i = reached; i < solids; ++i) {
-    for (int k = 0; k < passes; ++k) {
-      if (chebyshev(solid[i], passed[k]) <= 1) return true;
+    for (int i = 0; i < reached; ++i) {
+      for (int k = reached; k < solids; ++k) {
+        if (chebyshev(solid[i], solid[k]) <= 1) std::swap(solid[reached++], solid[k]);
+      }
     }
+    for (int i = reached; i < solids; ++i) {
+      for (int k = 0; k < passes; ++k) {
+        if (chebyshev(solid[i], passed[k]) <= 1) return true;
+      }
+    }
+    return false;
   }
-  return false;
-}
+};
 
 }  // namespace
 
@@ -126,17 +125,23 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
       if (chosen[i]) voxels[touched[i]] = value;
     }
   };
-  // The triangle that passes through an empty voxel; kCap if the nearest point lies elsewhere.
-  const auto passing = [&](const glm::ivec3& voxel) {
+  // The component that passes through a voxel, of those that `accept(component)` lets pass; kCap if the nearest point lies elsewhere.
+  const auto passing = [&](const glm::ivec3& voxel, const auto& accept) {
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    const Nearest nearest = bvh.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return mesh.triangles[i].source != kCap; });
+    const Nearest nearest = bvh.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return mesh.triangles[i].source != kCap && accept(mesh.triangles[i].component); });
     const glm::dvec3 away = glm::abs(nearest.point - centre);
-    return std::max({away.x, away.y, away.z}) <= 0.5 ? nearest.triangle : kCap;
+    return nearest.triangle != kCap && std::max({away.x, away.y, away.z}) <= 0.5 ? mesh.triangles[nearest.triangle].component : kCap;
+  };
+  const auto passingAny = [&](const glm::ivec3& voxel) { return passing(voxel, [](std::uint32_t) { return true; }); };
+  // Whether a component passes through a voxel or fills it. Only such voxels are ends of its gaps: two plates a voxel apart are no gap.
+  const auto belongs = [&](const glm::ivec3& voxel, std::uint8_t value, std::uint32_t component) {
+    if (passing(voxel, [&](std::uint32_t its) { return its == component; }) != kCap) return true;
+    return value == kInside && mesh.triangles[bvh.nearest(glm::dvec3(voxel) + 0.5).triangle].component == component;
   };
   const auto neighbours = [&](const glm::ivec3& voxel) { return neighbourMask(voxels, size, voxel) & ~kCentreBit; };
 
   // 1. Where nothing is around.
-  sweep([&](std::size_t, const glm::ivec3& voxel) { return neighbours(voxel) == 0 && passing(voxel) != kCap; });
+  sweep([&](std::size_t, const glm::ivec3& voxel) { return neighbours(voxel) == 0 && passingAny(voxel) != kCap; });
   set(kLost);
   // 2. What joins those to the rest, and single gaps in thin components.
   const auto lostBeside = [&](const glm::ivec3& voxel) {
@@ -144,21 +149,51 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
     forEachAround(voxel, size, 1, [&](const glm::ivec3&, std::size_t at) { found = found || voxels[at] == kLost; });
     return found;
   };
-  std::vector<std::uint8_t> thin(touched.size(), 0);
+  const auto endsOf = [&](std::uint32_t component, const glm::ivec3& voxel) {
+    std::uint32_t mask = 0;
+    forEachAround(voxel, size, 1, [&](const glm::ivec3& at, std::size_t index) {
+      if (at == voxel || !isSolid(voxels[index]) || !belongs(at, voxels[index], component)) return;
+      mask |= 1u << (at.x - voxel.x + 1 + 3 * (at.y - voxel.y + 1) + 9 * (at.z - voxel.z + 1));
+    });
+    return mask;
+  };
+  std::vector<std::uint32_t> thin(touched.size(), kCap);  // the thin component that passes through
   sweep([&](std::size_t i, const glm::ivec3& voxel) {
     const std::uint32_t mask = neighbours(voxel);
     if (mask == 0) return false;
-    const std::uint32_t triangle = passing(voxel);
-    if (triangle == kCap) return false;
-    thin[i] = mesh.components[mesh.triangles[triangle].component].thin ? 1 : 0;
-    return !connected(mask) && (thin[i] || lostBeside(voxel));
+    std::uint32_t component = passingAny(voxel);
+    if (component == kCap) return false;
+    if (mesh.components[component].thin) thin[i] = component;
+    if (connected(mask)) return false;
+    const bool lost = lostBeside(voxel);
+    // Of several components in one voxel each may have its gap here.
+    std::vector<std::uint32_t> seen;
+    while (component != kCap) {
+      if ((lost || mesh.components[component].thin) && !connected(endsOf(component, voxel))) return true;
+      seen.push_back(component);
+      component = passing(voxel, [&](std::uint32_t its) { return std::find(seen.begin(), seen.end(), its) == seen.end(); });
+    }
+    return false;
   });
   set(kKept);
   for (std::size_t i = 0; i < touched.size(); ++i) {
-    if (thin[i] && voxels[touched[i]] == kEmpty) voxels[touched[i]] = kPassed;
+    if (thin[i] != kCap && voxels[touched[i]] == kEmpty) voxels[touched[i]] = kPassed;
   }
   // 3. Gaps of two, whose voxels each see only one end.
-  sweep([&](std::size_t i, const glm::ivec3& voxel) { return thin[i] && seesTwoEnds(voxels, size, voxel); });
+  const auto thinAt = [&](std::size_t index) { return thin[static_cast<std::size_t>(std::lower_bound(touched.begin(), touched.end(), index) - touched.begin())]; };
+  sweep([&](std::size_t i, const glm::ivec3& voxel) {
+    if (thin[i] == kCap) return false;
+    // First all that is solid, which is cheap and mostly the end of it; then what belongs to the component.
+    for (const bool own : {false, true}) {
+      Surroundings around;
+      forEachAround(voxel, size, 2, [&](const glm::ivec3& at, std::size_t index) {
+        if (isSolid(voxels[index]) && (!own || belongs(at, voxels[index], thin[i]))) around.solid[around.solids++] = at;
+        if (voxels[index] == kPassed && at != voxel && chebyshev(at, voxel) == 1 && thinAt(index) == thin[i]) around.passed[around.passes++] = at;
+      });
+      if (around.passes == 0 || !around.showTwoEnds(voxel)) return false;
+    }
+    return true;
+  });
   set(kKept);
   for (const std::uint64_t index : touched) {
     if (voxels[index] == kLost) voxels[index] = kKept;
