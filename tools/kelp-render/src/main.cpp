@@ -62,9 +62,17 @@ std::string frameName(const Options& options, int frame) {
   return fmt::format("{}_{:04}.png", options.output.substr(0, options.output.size() - 4), frame + 1);
 }
 
+// Parts may have different numbers of levels; a level that none of them has would be the coarsest of each in disguise.
+void checkLevel(const Options& options, const Pack& pack) {
+  int levels = 0;
+  for (const Part& part : pack.parts()) levels = std::max(levels, static_cast<int>(part.levels));
+  if (options.level.value_or(0) >= levels) throw RenderError(kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them", *options.level, options.pack, levels - 1));
+}
+
 void run(const Options& options) {
   FileSource file = openFile(options.pack);
   const auto asset = check(options.pack, runtime::Asset::open(file.source()));
+  checkLevel(options, asset->pack());
   runtime::Pose pose = check(options.pack, runtime::Pose::create(*asset));
   const runtime::Instance instance{asset.get(), &pose};
   const Posing posing(*asset, options);

@@ -40,6 +40,17 @@ bool parseVector(std::string_view text, glm::vec3& out) {
   return true;
 }
 
+ViewKind parseView(const std::string& text) {
+  static const std::map<std::string, ViewKind> views{{"shaded", ViewKind::kShaded},
+                                                     {"normals", ViewKind::kNormals},
+                                                     {"depth", ViewKind::kDepth},
+                                                     {"steps", ViewKind::kSteps},
+                                                     {"level", ViewKind::kLevel}};
+  const auto found = views.find(text);
+  if (found == views.end()) refuse("--view", text, "shaded, normals, depth, steps or level");
+  return found->second;
+}
+
 glm::ivec2 parseSize(const std::string& text) {
   const std::size_t cross = text.find('x');
   glm::ivec2 size;
@@ -102,21 +113,17 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   app.footer(kFooter);
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
   Options options;
-  std::string size, background;
+  std::string view, size, background;
   std::vector<std::string> tangents, offsets;
   int level = 0;
-  const std::map<std::string, ViewKind> views{{"shaded", ViewKind::kShaded},
-                                              {"normals", ViewKind::kNormals},
-                                              {"depth", ViewKind::kDepth},
-                                              {"steps", ViewKind::kSteps},
-                                              {"level", ViewKind::kLevel}};
   app.add_option("PACK", options.pack, "the .kelp file")->required();
   app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
-  app.add_option("--view", options.view, "what to show")->transform(CLI::Transformer(views))->option_text("shaded|normals|depth|steps|level [shaded]");
+  app.add_option("--view", view, "what to show")->option_text("shaded|normals|depth|steps|level [shaded]");
   app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
   app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
   app.add_option("--clip", options.clip, "the animation to play")->option_text("NAME");
-  app.add_option("--time", options.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
+  CLI::Option* const time_option =
+      app.add_option("--time", options.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
   app.add_option("--tangent", tangents, "replaces the tangent dS/d(at) of a knot; may be repeated")
       ->option_text("[PART:]KNOT=x,y,z")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -144,6 +151,8 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   }
   if (!options.output.ends_with(".png")) refuse("-o", options.output, "a name that ends in .png");
   if (!std::isfinite(options.time) || !std::isfinite(options.yaw)) throw RenderError(kUsage, "--time and --yaw take finite numbers; see kelp-render --help");
+  if (*time_option && options.clip.empty()) throw RenderError(kUsage, "--time: there is no clip to play; name one with --clip, kelp-dump info lists them");
+  if (!view.empty()) options.view = parseView(view);
   if (!size.empty()) options.size = parseSize(size);
   if (!background.empty()) options.background = parseBackground(background);
   if (*level_option) options.level = level;

@@ -58,7 +58,7 @@ Posing::Posing(const runtime::Asset& asset, const Options& options) : asset_(ass
     const int part = findPart(pack, change);
     const std::size_t knots = pack.parts()[static_cast<std::size_t>(part)].knots.size();
     if (static_cast<std::size_t>(change.knot) >= knots) {
-      throw RenderError(kUsage, fmt::format("{}: the part has the knots 0 to {}", change.text, knots - 1));
+      throw RenderError(kUsage, fmt::format("{}: the part has the knots 0 to {}; name one of them", change.text, knots - 1));
     }
     changes_.push_back({part, &change});
   }
