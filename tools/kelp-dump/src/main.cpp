@@ -2,8 +2,8 @@
 // kelp-dump: what is in a pack, and whether it is sound. The command line and the one place where errors become exit codes.
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <new>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -27,12 +27,11 @@ int run(int argc, char** argv) {
       "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack, 4 failure at run time, 5 unsupported feature.");
 
   std::string path, part;
-  Format format = Format::kText;
+  std::string format_name = "text";
   bool deep = false;
-  const std::map<std::string, Format> formats{{"text", Format::kText}, {"json", Format::kJson}};
   const auto addPack = [&](CLI::App* command) { command->add_option("PACK", path, "the .kelp file")->required(); };
   const auto addFormat = [&](CLI::App* command) {
-    command->add_option("--format", format, "text or json")->transform(CLI::Transformer(formats))->option_text("text|json [text]");
+    command->add_option("--format", format_name, "text or json")->option_text("text|json [text]");
   };
   CLI::App* const info_command = app.add_subcommand("info", "Print what is in a pack, on one screen");
   addPack(info_command);
@@ -45,13 +44,19 @@ int run(int argc, char** argv) {
   addPack(rig_command);
   rig_command->add_option("--part", part, "name or index of the part")->option_text("NAME|INDEX [the first]");
 
+  // CLI11 says of a sub-command that does not exist only that one is missing.
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands([&](const CLI::App* command) { return command->get_name() == argv[1]; }).empty()) {
+    throw DumpError(kUsage, std::string(argv[1]) + ": not a sub-command; use info, verify or rig, see kelp-dump --help");
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::fprintf(stderr, "kelp-dump: %s; see kelp-dump --help\n", error.what());
-    return kUsage;
+    if (argc == 1) throw DumpError(kUsage, "no sub-command; use info, verify or rig, see kelp-dump --help");
+    throw DumpError(kUsage, std::string(error.what()) + "; see kelp-dump --help");
   }
+  if (format_name != "text" && format_name != "json") throw DumpError(kUsage, "--format " + format_name + ": expected text or json; see kelp-dump --help");
+  const Format format = format_name == "json" ? Format::kJson : Format::kText;
   if (info_command->parsed()) return info(path, format);
   if (verify_command->parsed()) return verify(path, deep, format);
   return rig(path, part);
