@@ -212,7 +212,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     part.grid.reset();
   }
   pack.palette = std::move(palette.entries);
-  pack.info_json = makeInfo(input, model.format, settings);
+  pack.info_json = makeInfo(input, model.format, settings, report.files_read);
   clock.end();
   return pack;
 }

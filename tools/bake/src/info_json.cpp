@@ -1,13 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "info_json.h"
 
+#include <algorithm>
+#include <optional>
+
 #include <nlohmann/json.hpp>
 
 #include "hash_file.h"
 
 namespace kelp::bake {
 
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, const Settings& settings) {
+namespace {
+
+// The rig from outside the input, if it came from a file.
+std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
+  if (settings.rig_file) return settings.rig_file;
+  std::filesystem::path beside = input;
+  beside.replace_extension(".rig.json");
+  if (std::find(files_read.begin(), files_read.end(), beside) == files_read.end()) return std::nullopt;
+  return beside;
+}
+
+}  // namespace
+
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
   nlohmann::ordered_json options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
@@ -15,7 +31,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
     options["resolution"] = settings.resolution;
   }
   if (settings.axis) options["axis"] = toString(*settings.axis);
-  if (settings.rig_file) options["rig"] = settings.rig_file->filename().string();
+  if (const auto rig = rigFile(input, settings, files_read)) options["rig"] = {{"name", rig->filename().string()}, {"xxh3", hashFile(*rig)}};
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
   if (settings.levels > 0) options["levels"] = settings.levels;
