@@ -222,6 +222,25 @@ class KelpBake(unittest.TestCase):
         self.assertTrue(os.path.islink(self.path("link.kelp")))
         self.assertTrue(os.path.isfile(self.path("real.kelp")))
 
+    def test_a_replaced_pack_keeps_its_mode(self):
+        for mode in (0o600, 0o640, 0o664):
+            self.write("out.kelp", b"the pack that was there")
+            os.chmod(self.out, mode)
+            self.assertEqual(self.bake(self.cube, "-o", self.out, "--resolution", "8").returncode, 0)
+            self.assertEqual(os.stat(self.out).st_mode & 0o777, mode)
+        os.remove(self.out)
+        umask = os.umask(0o022)
+        self.assertEqual(self.bake(self.cube, "-o", self.out, "--resolution", "8").returncode, 0)
+        os.umask(umask)
+        self.assertEqual(os.stat(self.out).st_mode & 0o777, 0o644)
+
+    def test_the_summary_names_units(self):
+        text = self.bake(self.cube, "-o", self.out, "--voxel-size", "1").stderr.decode()
+        self.assertIn("12 triangles, voxels of 1 unit\n", text)
+        self.assertIn("1 x 2 x 1 voxels of 1 unit;", text)
+        text = self.bake(self.cube, "-o", self.out, "--resolution", "4").stderr.decode()
+        self.assertIn("2 x 4 x 2 voxels of 0.5 units;", text)
+
     def test_progress_as_json(self):
         result = self.bake(self.cube, "-o", self.out, "--resolution", "32", "--progress", "json")
         steps = [json.loads(line) for line in result.stderr.splitlines() if line.startswith(b"{")]

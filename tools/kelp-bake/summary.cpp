@@ -14,9 +14,14 @@ std::string printBytes(std::uint64_t bytes) {
   return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
 }
 
+// Only glTF says what a length of 1 means.
+std::string printLength(double length, const std::string& format) {
+  return fmt::format("{:.4g} {}", length, format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
+}
+
 // What the largest part's longest side has in voxels depends on this; so say where it came from.
-std::string printGrain(const Options& options) {
-  if (options.settings.voxel_size) return fmt::format("voxels of {:g}", *options.settings.voxel_size);
+std::string printGrain(const Options& options, const std::string& format) {
+  if (options.settings.voxel_size) return "voxels of " + printLength(*options.settings.voxel_size, format);
   return fmt::format("resolution {}{}", options.settings.resolution, options.settings.resolution_given ? "" : " (default; --resolution N to change)");
 }
 
@@ -30,9 +35,9 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   }
   fmt::print(stderr, "kelp-bake: {}: {}, {} part{}", options.input.filename().string(), report.format, report.parts.size(), report.parts.size() == 1 ? "" : "s");
   if (triangles > 0) fmt::print(stderr, ", {} triangle{}", triangles, triangles == 1 ? "" : "s");
-  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options) : "the volume's own voxels (--resolution N to change)");
+  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : "the volume's own voxels (--resolution N to change)");
   for (const bake::Report::Part& part : report.parts) {
-    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {:.4g}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, part.voxel_size, part.rig_origin, part.fill);
+    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, report.format), part.rig_origin, part.fill);
   }
   for (const bake::Report::Clip& clip : report.clips) {
     fmt::print(stderr, "  clip '{}' of '{}': {:.3g} s, ", clip.name, clip.part, clip.duration);
@@ -44,7 +49,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   }
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
   if (report.palette_error > 0) fmt::print(stderr, "  more than 256 materials: the palette is off by {:.4f} in the mean (OKLab)\n", report.palette_error);
-  fmt::print(stderr, "kelp-bake: wrote {}: {}, {} surface voxels, in {:.2f} s\n", options.output.string(), printBytes(report.pack_bytes), surface, seconds);
+  fmt::print(stderr, "kelp-bake: wrote {}: {}, {} surface voxel{}, in {:.2f} s\n", options.output.string(), printBytes(report.pack_bytes), surface, surface == 1 ? "" : "s", seconds);
 }
 
 }  // namespace kelp::bake_cli

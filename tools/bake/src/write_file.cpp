@@ -35,7 +35,8 @@ class TempFile {
  public:
   explicit TempFile(const std::filesystem::path& final_path) : final_(final_path), folder_(final_path.has_parent_path() ? final_path.parent_path() : ".") {
     struct stat status {};
-    if (::stat(final_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+    const bool replaces = ::stat(final_.c_str(), &status) == 0;
+    if (replaces && !S_ISREG(status.st_mode)) {
       fail(final_, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", 0, "name a file for the output");
     }
     static std::atomic<unsigned> counter{0};
@@ -43,7 +44,11 @@ class TempFile {
       const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
       path_ = folder_ / ("." + final_.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + "-" + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
       file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (file_ >= 0) return;
+      if (file_ >= 0) {
+        // A pack that others may not read stays so. Where a file system knows no modes there is none to keep.
+        if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
+        return;
+      }
       if (errno != EEXIST) break;
     }
     fail(final_, "can not be written", errno, "choose a folder that exists and that you may write to");
