@@ -102,7 +102,7 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "axis": "up"})", {"/axis", "\"up\"", "\"+x\""}},
       {R"({"kelp": 1, "axis": 1})", {"/axis", "not 1"}},
       {R"({"kelp": 1, "knots": {}})", {"/knots", "must be an array"}},
-      {R"({"kelp": 1, "knots": [{"at": 0}]})", {"/knots", "1 knots", "2 to 64"}},
+      {R"({"kelp": 1, "knots": [{"at": 0}]})", {"/knots", "has 1 knot;", "2 to 64"}},
       {R"({"kelp": 1, "knots": [{"at": 0}, {}]})", {"/knots/1", "'at' is missing"}},
       {R"({"kelp": 1, "knots": [{"at": 0.1}, {"at": 1}]})", {"/knots/0/at", "first knot must be at 0"}},
       {R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.9}]})", {"/knots/1/at", "last knot must be at 1"}},

@@ -302,7 +302,7 @@ std::string summarise(const Topology& mesh, Fill fill) {
     }
   }
   const std::size_t total = mesh.components.size();
-  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} components closed)", closed, total);
+  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total, total == 1 ? "" : "s");
   std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
   if (capped > 0) text += fmt::format(", {} with holes capped ({:.2g} % of {} surface)", capped, area > 0 ? 100.0 * cap_area / area : 0.0, capped == 1 ? "its" : "their");
   if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface", sheets, sheets == 1 ? "" : "s");

@@ -59,7 +59,7 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
   const glm::dvec3 extent = bounds.high - bounds.low;
   const double longest = std::max({extent.x, extent.y, extent.z});
   if (longest / voxel_size > kMaxResolution + 0.5) {
-    throw BakeError(Exit::kUsage, fmt::format("{}: voxels of {:.6g} make {:.0f} along the longest side, {} is the limit; use --voxel-size {:.4g} or more", what, voxel_size,
+    throw BakeError(Exit::kUsage, fmt::format("{}: voxels of {:.6g} units make {:.0f} along the longest side, {} is the limit; use --voxel-size {:.4g} or more", what, voxel_size,
                                               std::ceil(longest / voxel_size), kMaxResolution, std::nextafter(longest / kMaxResolution, longest) * 1.001));
   }
   Frame frame;

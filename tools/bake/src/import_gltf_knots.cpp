@@ -233,7 +233,7 @@ std::vector<int> findKnots(const GltfModel& model, int node) {
     knots.push_back(child);
   }
   if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots)) {
-    model.note(model.nodeName(node) + " has " + std::to_string(knots.size()) + " knots: no rig is made of them; a rig has 2 to " + std::to_string(kMaxKnots));
+    model.note(model.nodeName(node) + " has " + std::to_string(knots.size()) + (knots.size() == 1 ? " knot" : " knots") + ": no rig is made of them; a rig has 2 to " + std::to_string(kMaxKnots));
     return {};
   }
   return knots;

@@ -120,7 +120,7 @@ std::vector<RigDescription::Knot> readKnots(const Place& place) {
   requireArray(place);
   const std::size_t count = place.json.size();
   if (count < 2 || count > static_cast<std::size_t>(kMaxKnots))
-    fail(place, "has " + std::to_string(count) + " knots; a rig has 2 to " + std::to_string(kMaxKnots) + " (leave the key out for two, at 0 and 1)");
+    fail(place, "has " + std::to_string(count) + (count == 1 ? " knot" : " knots") + "; a rig has 2 to " + std::to_string(kMaxKnots) + " (leave the key out for two, at 0 and 1)");
   std::vector<RigDescription::Knot> knots;
   for (std::size_t i = 0; i < count; ++i) {
     const Place entry = place.at(i);
