@@ -16,6 +16,8 @@ bool survive(const std::filesystem::path& path) {
   } catch (const BakeError& error) {
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << path;
     EXPECT_LT(std::string(error.what()).size(), 6000u) << path;
+    EXPECT_TRUE(contains(error.what(), "; ")) << "names no remedy: " << error.what();
+    for (const char* raw : {"json.exception", "basic_ios", "std::"}) EXPECT_FALSE(contains(error.what(), raw)) << error.what();
   } catch (const std::exception& error) {
     ADD_FAILURE() << path << " threw something else: " << error.what();
   }
@@ -35,6 +37,39 @@ TEST(ImportHostile, KnownBadFiles) {
   EXPECT_GT(files, 80);
   // Sound geometry beside values of a wrong type that it does not need, and one bad line of an otherwise good OBJ.
   for (const std::string& name : accepted) EXPECT_TRUE(name.rfind("bad", 0) == 0 || name == "malformed2.obj") << name;
+}
+
+TEST(ImportHostile, MessagesSayWhereAndWhatToDo) {
+  const Scratch scratch;
+  const std::string truncated = refusal(scratch.write("cut.gltf", "{\"asset\":{\"version\":\"2.0\"},\n\"nodes\":["), Exit::kInvalid);
+  EXPECT_TRUE(contains(truncated, "JSON: ends in the middle; it is truncated")) << truncated;
+  const std::string wrong = refusal(scratch.write("wrong.gltf", "{\"asset\":{\"version\":\"2.0\"},\n \"nodes\":[}]}"), Exit::kInvalid);
+  EXPECT_TRUE(contains(wrong, "JSON, line 2, column 11: is not valid JSON; ")) << wrong;
+  const std::string first = refusal(scratch.write("first.gltf", "{x}"), Exit::kInvalid);
+  EXPECT_TRUE(contains(first, "JSON, line 1, column 2: ")) << first;
+  const std::string array = refusal(scratch.write("array.gltf", R"({"asset":{"version":"2.0"},"meshes":[{},{"primitives":7}]})"), Exit::kInvalid);
+  EXPECT_TRUE(contains(array, "meshes[1].primitives: is not an array; ")) << array;
+  const std::string number = refusal(scratch.write("number.obj", "v 0 0 0\nv 1 0 3.1+e2\n"), Exit::kInvalid);
+  EXPECT_TRUE(contains(number, "line 2: '3.1+e2' is not a number; repair the file there")) << number;
+  const std::string vertex = refusal(scratch.write("vertex.obj", "v 0 0 0\nf 1 2 3\n"), Exit::kInvalid);
+  EXPECT_TRUE(contains(vertex, "line 2: the face names vertex 2, but there are 1; ")) << vertex;
+  for (const char* name : {"folder", "folder.obj", "folder.glb", "folder.vdb"}) {
+    std::filesystem::create_directories(scratch.folder() / name);
+    const std::string folder = refusal(scratch.folder() / name, Exit::kIo);
+    EXPECT_TRUE(contains(folder, "is a folder; name the file")) << folder;
+  }
+}
+
+TEST(ImportHostile, ATruncatedVolumeIsCalledThat) {
+  KELP_ASSET(path, "vdb/gaffer_sphere.vdb");
+  const Scratch scratch;
+  std::ifstream in(path, std::ios::binary);
+  const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  for (const std::size_t eighths : {1, 2, 4, 7}) {
+    const std::string message = refusal(scratch.write("cut.vdb", good.substr(0, good.size() * eighths / 8)), Exit::kInvalid);
+    EXPECT_TRUE(contains(message, "; it is truncated")) << message;
+    EXPECT_FALSE(contains(message, "basic_ios")) << message;
+  }
 }
 
 // Real files, cut and with bytes turned over: a fixed seed, some hundred variants a format.

@@ -156,7 +156,7 @@ TEST(ImportMesh, BadFilesAreRefusedInOneLineThatNamesThePlace) {
   EXPECT_TRUE(contains(refusal(scratch.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), Exit::kInvalid), "line 6"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.xyz", "1"), Exit::kUnsupported), ".gltf"));
   EXPECT_TRUE(contains(refusal(scratch.folder() / "absent.obj", Exit::kIo), "absent.obj"));
-  refusal(scratch.folder(), Exit::kUnsupported);
+  refusal(scratch.folder(), Exit::kIo);
 }
 
 }  // namespace

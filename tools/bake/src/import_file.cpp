@@ -7,6 +7,8 @@
 namespace kelp::bake {
 
 SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) refuse(Exit::kIo, path, "", "is a folder; name the file in it that is to be baked");
   const std::string extension = lowerExtension(path);
   if (extension == ".gltf" || extension == ".glb") return importGltf(path, settings, files_read);
   if (extension == ".vdb") return importVdb(path, settings, files_read);
@@ -14,7 +16,6 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   for (std::string_view known : kMeshes)
     if (extension == known) return importMesh(path, settings, files_read);
   // A path that does not exist is that first: the name may be the mistake, not the type.
-  std::error_code error;
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +

@@ -36,6 +36,16 @@ std::optional<std::string> percentDecode(std::string_view text) {
   return out;
 }
 
+// What helps where the place and the fault are said and nothing more particular is known.
+const char* remedyOf(Exit code) {
+  switch (code) {
+    case Exit::kIo: return "; check the path and its permissions";
+    case Exit::kInvalid: return "; repair the file there or export it again";
+    case Exit::kRuntime: return "; free memory, or bake a smaller model";
+    default: return "; export it in another way";
+  }
+}
+
 }  // namespace
 
 std::string oneLine(std::string_view text, std::size_t limit) {
@@ -65,7 +75,9 @@ std::string lowerExtension(const std::filesystem::path& path) {
 void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what) {
   std::string line = oneLine(file.string(), 4096);
   if (!place.empty()) line += ": " + oneLine(place);
-  throw BakeError(code, line + ": " + oneLine(what, 1000));
+  line += ": " + oneLine(what, 1000);
+  if (what.find("; ") == std::string_view::npos) line += remedyOf(code);
+  throw BakeError(code, line);
 }
 
 std::vector<std::uint8_t> InputFiles::readHead(std::size_t most) const { return readFirst(input_, most); }
@@ -82,6 +94,7 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) refuse(Exit::kIo, path, "", "no such file; check the path");
   if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
+  if (std::filesystem::is_directory(status)) refuse(Exit::kIo, path, "", "is a folder; name a file");
   if (!std::filesystem::is_regular_file(status)) refuse(Exit::kIo, path, "", "is not a regular file; name a file");
   const std::uintmax_t size = std::min(std::filesystem::file_size(path, error), most);
   if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());

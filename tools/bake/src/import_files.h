@@ -12,7 +12,7 @@
 
 namespace kelp::bake {
 
-// Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. Control characters and overlong texts are made harmless.
+// Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. `what` ends in "; " and the remedy, or gets the general one. Control characters and overlong texts are made harmless.
 [[noreturn]] void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what);
 
 // A text from a file or a library, fit for one line of a message: printable, at most `limit` bytes.

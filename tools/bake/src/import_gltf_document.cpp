@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import_gltf_document.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -74,8 +75,14 @@ Json parseJson(const InputFiles& files, std::string_view text) {
   Json root;
   try {
     root = Json::parse(text, bound);
-  } catch (const Json::exception& error) {
-    refuse(Exit::kInvalid, files.input(), "JSON", std::string("does not parse: ") + oneLine(error.what()));
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    if (before.size() >= text.size()) refuse(Exit::kInvalid, files.input(), "JSON", "ends in the middle; it is truncated: export the model again");
+    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+    const std::size_t column = before.size() - (before.rfind('\n') + 1) + 1;  // npos + 1 is 0
+    refuse(Exit::kInvalid, files.input(), "JSON, line " + std::to_string(line) + ", column " + std::to_string(column), "is not valid JSON; repair it there or export the model again");
+  } catch (const Json::exception&) {
+    refuse(Exit::kInvalid, files.input(), "JSON", "holds a number beyond all bounds; repair it or export the model again");
   }
   if (too_deep) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
   if (!root.is_object()) refuse(Exit::kInvalid, files.input(), "JSON", "is not an object; this is not a glTF file");
@@ -190,12 +197,13 @@ void wholeFloatsToIntegers(Json& value) {
 
 }  // namespace
 
-Json& objects(const InputFiles& files, Json& root, const char* name) {
-  Json& array = root[name];
+Json& objects(const InputFiles& files, Json& parent, const char* name, const std::string& where) {
+  Json& array = parent[name];
+  const std::string place = where.empty() ? name : where + "." + name;
   if (array.is_null()) array = Json::array();
-  if (!array.is_array()) refuse(Exit::kInvalid, files.input(), name, "is not an array");
+  if (!array.is_array()) refuse(Exit::kInvalid, files.input(), place, "is not an array");
   for (std::size_t i = 0; i < array.size(); ++i)
-    if (!array[i].is_object()) refuse(Exit::kInvalid, files.input(), placeOf(name, i), "is not an object");
+    if (!array[i].is_object()) refuse(Exit::kInvalid, files.input(), placeOf(place, i), "is not an object");
   return array;
 }
 

@@ -10,8 +10,8 @@ namespace kelp::bake {
 
 using Json = nlohmann::json;
 
-// A member that must be an array of objects; an empty array if absent.
-Json& objects(const InputFiles& files, Json& root, const char* name);
+// A member that must be an array of objects; an empty array if absent. `where` is the place of its parent: "" is the root.
+Json& objects(const InputFiles& files, Json& parent, const char* name, const std::string& where = "");
 // A non-negative integer member; `fallback` if absent.
 std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const char* name, std::uint64_t fallback, const std::string& place);
 // extensions.NAME of an object, if it is there and an object.

@@ -95,7 +95,7 @@ void unpackDraco(const InputFiles& files, Json& root, std::vector<std::vector<st
   objects(files, root, "accessors");
   Json& meshes = objects(files, root, "meshes");
   for (std::size_t m = 0; m < meshes.size(); ++m) {
-    Json& primitives = objects(files, meshes[m], "primitives");
+    Json& primitives = objects(files, meshes[m], "primitives", placeOf("meshes", m));
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       Json* packed = extension(primitives[p], "KHR_draco_mesh_compression");
       if (!packed) continue;
