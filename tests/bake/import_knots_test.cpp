@@ -289,18 +289,41 @@ TEST(ImportRig, FileBeatsPresetBeatsNeighbourBeatsKnots) {
   reed.scratch().write("reed.rig.json", R"({"kelp":1,"axis":"-z"})");
   SourceModel model = reed.import(settings);
   EXPECT_EQ(model.parts[0].rig.axis, Axis::kMinusZ);
-  EXPECT_TRUE(anyContains(model.notices, "reed.rig.json"));
+  EXPECT_EQ(model.parts[0].rig_origin, "reed.rig.json beside the input");
+  EXPECT_FALSE(anyContains(model.notices, "reed.rig.json")) << "said twice";
   settings.rig_preset = "sway";
   EXPECT_TRUE(contains(reed.import(settings).parts[0].rig_origin, "sway"));
   settings.rig_file = rig;
-  settings.axis = Axis::kPlusX;
   model = reed.import(settings);
   EXPECT_EQ(model.parts[0].rig_origin, "rig file mine.rig.json");
-  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusX);
+  EXPECT_EQ(model.parts[0].rig.axis, Axis::kPlusZ);
   EXPECT_EQ(model.parts[0].name, "reed");
   settings.rig_file.reset();
   settings.rig_preset = "jump";
   refusal(reed.scratch().folder() / "reed.gltf", Exit::kUsage, settings);
+}
+
+TEST(ImportRig, AnAxisIsForRigsThatNameNone) {
+  Reed reed;
+  const std::filesystem::path gltf = reed.scratch().write("reed.gltf", reed.text());
+  Settings settings;
+  settings.axis = Axis::kPlusX;
+  settings.rig_file = reed.scratch().write("none.rig.json", R"({"kelp":1})");
+  EXPECT_EQ(importFile(gltf, settings).parts[0].rig.axis, Axis::kPlusX);
+  settings.rig_file = reed.scratch().write("same.rig.json", R"({"kelp":1,"axis":"+x"})");
+  EXPECT_EQ(importFile(gltf, settings).parts[0].rig.axis, Axis::kPlusX);
+  settings.rig_file = reed.scratch().write("other.rig.json", R"({"kelp":1,"axis":"-z"})");
+  std::string message = refusal(gltf, Exit::kUsage, settings);
+  EXPECT_TRUE(contains(message, "--axis +x: the rig (rig file other.rig.json) names the axis -z itself; ")) << message;
+  settings.rig_file.reset();
+  reed.scratch().write("reed.rig.json", R"({"kelp":1,"axis":"+y"})");
+  message = refusal(gltf, Exit::kUsage, settings);
+  EXPECT_TRUE(contains(message, "reed.rig.json")) << message;
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  message = refusal(scratch.write("own.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Stem","mesh":0,"extras":{"kelp":{"kelp":1,"axis":"+y"}}}])")), Exit::kUsage, settings);
+  EXPECT_TRUE(contains(message, "extras.kelp of node 'Stem'")) << message;
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
   app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres (the file's units for formats without any)")->type_name("LENGTH")->excludes(resolution_option);
   app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
-  app.add_option("--axis", axis, "the axis to bend along, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
+  app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");

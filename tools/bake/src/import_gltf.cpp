@@ -72,7 +72,7 @@ class GltfImporter {
 
   SourceModel import() {
     out_.format = "glTF 2.0";
-    outer_ = findOuterRig(files_, settings_, out_.notices);
+    outer_ = findOuterRig(files_, settings_);
     model_ = parseGltf(files_, readGltfDocument(files_), out_.notices);
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);

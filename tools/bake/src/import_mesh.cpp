@@ -56,7 +56,7 @@ void noteDropped(const SoupBuilder& soup, SourceModel& out) {
 SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   const std::string extension = lowerExtension(files.input());
   SourceModel out;
-  const std::optional<OuterRig> outer = findOuterRig(files, settings, out.notices);
+  const std::optional<OuterRig> outer = findOuterRig(files, settings);
   const std::vector<std::uint8_t> bytes = files.readInput();
   checkContent(files, bytes, extension);
   SoupBuilder soup;

@@ -19,7 +19,7 @@ RigDescription readRigFile(const InputFiles& files, const std::filesystem::path&
 
 std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
 
-std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings, std::vector<std::string>& notices) {
+std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings) {
   if (settings.rig_file) return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
   if (settings.rig_preset) {
     std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis);
@@ -34,9 +34,7 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& se
   beside.replace_extension(".rig.json");
   std::error_code error;
   if (!std::filesystem::is_regular_file(beside, error)) return std::nullopt;
-  OuterRig outer{readRigFile(files, beside), beside.filename().string() + " beside the input"};
-  notices.push_back("the rig is " + beside.filename().string() + ", found beside the input");
-  return outer;
+  return OuterRig{readRigFile(files, beside), beside.filename().string() + " beside the input"};
 }
 
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Settings& settings) {
@@ -46,7 +44,12 @@ void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Setti
   } else if (part.rig_origin.empty()) {
     part.rig_origin = "straight (no rig found)";
   }
-  if (settings.axis) part.rig.axis = settings.axis;
+  if (!settings.axis) return;
+  // The rig's offsets and tangents stand at right angles to its own axis: about another one they would mean something else.
+  if (part.rig.axis && *part.rig.axis != *settings.axis)
+    throw BakeError(Exit::kUsage, std::string("--axis ") + toString(*settings.axis) + ": the rig (" + part.rig_origin + ") names the axis " + toString(*part.rig.axis) +
+                                      " itself; leave --axis out, or take \"axis\" out of the rig");
+  part.rig.axis = settings.axis;
 }
 
 }  // namespace kelp::bake

@@ -14,9 +14,10 @@ struct OuterRig {
   RigDescription rig;
   std::string origin;
 };
-std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings, std::vector<std::string>& notices);
+std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings);
 
-// Gives a part of a file that brings no rig of its own the outer rig or the straight one, and the axis that the settings force.
+// Gives a part of a file that brings no rig of its own the outer rig or the straight one, and a rig that names no axis that of the settings;
+// BakeError (kUsage) if it names another one.
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Settings& settings);
 
 // The input's name without folder and extension: the name of its main part.

@@ -254,7 +254,7 @@ VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, Axis axis, const S
 SourceModel readVdb(const InputFiles& files, const Settings& settings) {
   SourceModel out;
   out.format = "OpenVDB";
-  const std::optional<OuterRig> outer = findOuterRig(files, settings, out.notices);
+  const std::optional<OuterRig> outer = findOuterRig(files, settings);
   const std::vector<std::uint8_t> bytes = files.readHead(8);
   // The format's magic number, as eight bytes.
   constexpr std::array<std::uint8_t, 8> kMagic = {0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
@@ -284,10 +284,12 @@ SourceModel importVdb(const std::filesystem::path& path, const Settings& setting
   } catch (const BakeError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    refuse(Exit::kRuntime, path, "", "does not fit into memory, or is damaged");
+    refuse(Exit::kRuntime, path, "", "does not fit into memory, or is damaged; free memory or export the volume again");
+  } catch (const std::ios_base::failure&) {
+    refuse(Exit::kInvalid, path, "", "ends in the middle of a grid; it is truncated: export the volume again");
   } catch (const std::exception& error) {
     // A truncated file can make a message of gigabytes: only its beginning is looked at.
-    refuse(Exit::kInvalid, path, "", "can not be read as OpenVDB (" + oneLine(error.what()) + "); it is truncated or damaged");
+    refuse(Exit::kInvalid, path, "", "can not be read as OpenVDB (" + oneLine(error.what()) + "); it is truncated or damaged: export the volume again");
   }
 }
 

@@ -32,7 +32,7 @@ struct Settings {
   int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
   bool resolution_given = false;       // resolution was asked for, not defaulted: volumes, which have voxels of their own, are resampled to it
   std::optional<double> voxel_size;    // metres (file units)
-  std::optional<Axis> axis;            // overrides the rig's
+  std::optional<Axis> axis;            // for rigs that name none
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
   Fill fill = Fill::kAuto;
