@@ -250,5 +250,24 @@ TEST(ImportGltf, DracoStreamsThatLieAboutTheirSizeAreRefused) {
   EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", text), Exit::kInvalid), "61 bytes"));
 }
 
+TEST(ImportGltf, GlassIsBakedOpaqueAndThatIsSaid) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const auto notices = [&](const std::string& material) {
+    return importText(scratch, maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{"name":"Pane",)" + material + "}]")).notices;
+  };
+  const char* const said = "materials[0] 'Pane': is transparent; it is baked opaque";
+  EXPECT_TRUE(anyContains(notices(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9}})"), said));
+  EXPECT_TRUE(anyContains(notices(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.3]})"), said));
+  EXPECT_TRUE(notices(R"("alphaMode":"BLEND","extensions":{"KHR_materials_transmission":{}})").empty());
+  EXPECT_TRUE(notices(R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.3]})").empty());
+}
+
+TEST(ImportGltf, TheTankIsOfGlass) {
+  KELP_ASSET(path, "gltf/aquarium/tank.glb");
+  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "is transparent; it is baked opaque"));
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

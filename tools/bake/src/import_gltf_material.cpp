@@ -57,6 +57,7 @@ class MaterialReader {
       if (hasHoles(out_.images[static_cast<std::size_t>(material.texture)])) material.alpha_cutoff = 0.5f * material.base_color.a;
       else if (alpha == Alpha::kMask) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
+    if (letsLightThrough(source, alpha, material)) noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
     if (material.texture >= 0) {
       use.texcoord = std::clamp(texcoord, 0, 1000);
       if (transform && transform->IsObject()) {
@@ -178,6 +179,19 @@ class MaterialReader {
     bool low = false, high = false;
     for (std::size_t i = 3; i < image.rgba.size() && !(low && high); i += 4) (image.rgba[i] < 128 ? low : high) = true;
     return low && high;
+  }
+
+  // Glass and water, which voxels of kelp are not. Exporters write BLEND for much that has no alpha below 1, and leaves are cut out.
+  bool letsLightThrough(const tinygltf::Material& source, Alpha alpha, const SurfaceMaterial& material) const {
+    const tinygltf::Value* transmission = member(source.extensions, "KHR_materials_transmission");
+    if (transmission && number(*transmission, "transmissionFactor", 0) > 0) return true;
+    if (alpha != Alpha::kKeep || material.alpha_cutoff > 0) return false;
+    if (material.base_color.a < 1) return true;
+    if (material.texture < 0) return false;
+    const std::vector<std::uint8_t>& rgba = out_.images[static_cast<std::size_t>(material.texture)].rgba;
+    for (std::size_t i = 3; i < rgba.size(); i += 4)
+      if (rgba[i] < 255) return true;
+    return false;
   }
 
   static glm::vec3 meanOf(const Image& image) {
