@@ -128,6 +128,58 @@ TEST(Voxelize, FacesModelledTwiceAreOne) {
   EXPECT_EQ(once.grid().solid, twice.grid().solid);
 }
 
+// Blocks side by side, as building kits and voxel editors export them: each closed, with both of their faces where two meet.
+bake::TriangleSoup blocks(float edge) {
+  bake::TriangleSoup soup;
+  for (int i = 0; i < 27; ++i) {
+    const glm::vec3 low = edge * glm::vec3(static_cast<float>(i % 3), static_cast<float>(i / 3 % 3), static_cast<float>(i / 9));
+    test::addBox(soup, low, low + edge);
+  }
+  return soup;
+}
+
+// How many voxels of the skin of a box, two or more away from its edges, have another normal than its face.
+int normalsAside(const bake::VoxelGrid& grid) {
+  int wrong = 0;
+  for (const bake::SurfaceSample& sample : grid.surface) {
+    const glm::dvec3 p = centreOf(grid, sample.index);
+    glm::dvec3 face(0);
+    int near = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = p[axis], high = grid.size[axis] - p[axis];
+      near += std::min(low, high) < 3.0;
+      if (low < 1.0) face[axis] = -1;
+      if (high < 1.0) face[axis] = 1;
+    }
+    if (near == 1) wrong += glm::dot(face, glm::dvec3(sample.normal)) < 0.99;
+  }
+  return wrong;
+}
+
+TEST(Voxelize, BlocksThatTouchAreOneBody) {
+  const test::Baked baked = voxelizeUnit(test::makeModel(blocks(6.0f)));
+  EXPECT_EQ(baked.solid, 18u * 18u * 18u) << baked.result.fill;
+  EXPECT_TRUE(baked.result.closed) << baked.result.fill;
+  for (const float edge : {5.5f, 6.0f, 6.3f, 6.8f}) {
+    const test::Baked seams = voxelizeUnit(test::makeModel(blocks(edge)));
+    EXPECT_EQ(normalsAside(seams.grid()), 0) << "the walls of blocks of " << edge << " show";
+  }
+}
+
+TEST(Voxelize, LeavesModelledFromBothSidesStayOnTheirStem) {
+  bake::TriangleSoup soup;
+  test::addBox(soup, {0, 0, 0}, {6, 30, 6});
+  for (const bool back : {false, true}) {
+    // It shares its edge with two of the stem's faces.
+    const glm::vec3 a(6, 0, 0), b(6, 30, 0), c(20.5f, 15, -10);
+    back ? test::addTriangle(soup, a, c, b) : test::addTriangle(soup, a, b, c);
+  }
+  const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+  EXPECT_TRUE(baked.result.closed) << baked.result.fill;
+  EXPECT_TRUE(baked.at(3, 15, 13)) << "inside of the stem";
+  EXPECT_TRUE(baked.at(18, 15, 1)) << "the leaf";
+}
+
 TEST(Voxelize, OverlappingAndNestedBodiesAreTheirUnion) {
   bake::TriangleSoup overlapping;
   test::addBox(overlapping, {0, 0, 0}, {10, 10, 10});
@@ -157,6 +209,14 @@ TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {
     if (p.z < 1.0 && p.x > 5 && p.x < 15 && p.y > 5 && p.y < 15) {
       EXPECT_LT(sample.normal.z, -0.99f);
     }
+  }
+
+  // Bodies that overlap with their sides flush: the hidden ends stand across what is seen.
+  for (const float at : {10.1f, 10.4f, 10.7f}) {
+    bake::TriangleSoup flush;
+    test::addBox(flush, {0, 0, 0}, {20, 12, 12});
+    test::addBox(flush, {at, 0, 0}, {30, 12, 12});
+    EXPECT_EQ(normalsAside(voxelizeUnit(test::makeModel(flush)).grid()), 0) << "the end at " << at << " shows";
   }
 }
 

@@ -39,10 +39,13 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
-// One side of a triangle. `forward`: the triangle runs along it from low to high.
+// One side of a triangle. `forward`: the triangle runs along it from low to high. Walls share edges with walls only.
 struct Edge {
   std::uint32_t low = 0, high = 0, triangle = 0;
   bool forward = false;
+  bool wall = false;
+
+  auto place() const { return std::tie(low, high, wall); }
 };
 
 // Calls visit(begin, end) for each run of equal edges; edges must be sorted.
@@ -50,7 +53,7 @@ template <class Visit>
 void forEachEdge(const std::vector<Edge>& edges, const Visit& visit) {
   for (std::size_t begin = 0; begin < edges.size();) {
     std::size_t end = begin + 1;
-    while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) ++end;
+    while (end < edges.size() && edges[end].place() == edges[begin].place()) ++end;
     visit(begin, end);
     begin = end;
   }
@@ -85,7 +88,11 @@ void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
   }
 }
 
-// A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside vanish: the first one stays.
+// Whether the corners ascend, up to a rotation.
+bool runsUpward(const std::array<std::uint32_t, 3>& v) { return (v[0] < v[1]) + (v[1] < v[2]) + (v[2] < v[0]) == 2; }
+
+// A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside vanish: the first one stays,
+// marked as a wall if there were as many for one side as for the other.
 // Triangles that have collapsed to a line between two vertices go only if something else remains: a speck must leave its voxel.
 void removeDuplicates(Topology& mesh) {
   std::vector<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>> keys;
@@ -98,9 +105,17 @@ void removeDuplicates(Topology& mesh) {
   std::sort(keys.begin(), keys.end());
   std::vector<bool> drop(mesh.triangles.size(), false);
   std::size_t dropped = 0;
+  std::size_t first = 0;
+  int upward = 0;
   for (std::size_t k = 0; k < keys.size(); ++k) {
     const auto& [a, b, c, i] = keys[k];
     const bool twice = k > 0 && std::tie(a, b, c) == std::tie(std::get<0>(keys[k - 1]), std::get<1>(keys[k - 1]), std::get<2>(keys[k - 1]));
+    if (!twice) {
+      first = k;
+      upward = 0;
+    }
+    upward += runsUpward(mesh.triangles[i].vertex) ? 1 : -1;
+    mesh.triangles[std::get<3>(keys[first])].wall = upward == 0;
     if (twice || a == b || b == c) {
       drop[i] = true;
       ++dropped;
@@ -114,18 +129,55 @@ void removeDuplicates(Topology& mesh) {
   mesh.triangles.resize(kept);
 }
 
-std::vector<Edge> sortedEdges(const Topology& mesh) {
+std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls) {
   std::vector<Edge> edges;
   edges.reserve(mesh.triangles.size() * 3);
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.triangles[i].vertex[k];
       const std::uint32_t b = mesh.triangles[i].vertex[(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), i, a < b});
+      edges.push_back({std::min(a, b), std::max(a, b), i, a < b, separate_walls && mesh.triangles[i].wall});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return std::tie(x.low, x.high, x.triangle) < std::tie(y.low, y.high, y.triangle); });
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return std::tie(x.low, x.high, x.wall, x.triangle) < std::tie(y.low, y.high, y.wall, y.triangle); });
   return edges;
+}
+
+DisjointSets joinedByEdges(const Topology& mesh, const std::vector<Edge>& edges) {
+  DisjointSets sets(mesh.triangles.size());
+  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin + 1; i < end; ++i) sets.join(edges[begin].triangle, edges[i].triangle);
+  });
+  return sets;
+}
+
+// A face modelled from both sides is the skin of a body (all of it is modelled so), a sheet, a leaf on a body, or the wall between two bodies that
+// touch. The last two are no part of any skin, and known by this: the rest of what hangs together has a shorter boundary without them.
+void findWalls(Topology& mesh) {
+  if (std::none_of(mesh.triangles.begin(), mesh.triangles.end(), [](const SolidTriangle& t) { return t.wall; })) return;
+  struct Boundary {
+    double with = 0, without = 0;
+    bool rest = false;
+  };
+  const std::vector<Edge> edges = sortedEdges(mesh, false);
+  DisjointSets sets = joinedByEdges(mesh, edges);
+  std::vector<Boundary> boundaries(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!mesh.triangles[i].wall) boundaries[sets.find(i)].rest = true;
+  }
+  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
+    const auto walls = std::count_if(edges.begin() + static_cast<std::ptrdiff_t>(begin), edges.begin() + static_cast<std::ptrdiff_t>(end),
+                                     [&](const Edge& e) { return mesh.triangles[e.triangle].wall; });
+    const std::size_t rest = end - begin - static_cast<std::size_t>(walls);
+    const double length = glm::length(mesh.position(edges[begin].high) - mesh.position(edges[begin].low));
+    Boundary& boundary = boundaries[sets.find(edges[begin].triangle)];
+    boundary.with += (end - begin) % 2 == 1 ? length : 0.0;
+    boundary.without += rest % 2 == 1 ? length : 0.0;
+  });
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Boundary& boundary = boundaries[sets.find(i)];
+    mesh.triangles[i].wall = mesh.triangles[i].wall && boundary.rest && boundary.without < boundary.with;
+  }
 }
 
 // Winds each patch (triangles joined by edges of exactly two faces) in one sense: that of the larger part of its area. A patch that has
@@ -189,10 +241,7 @@ void windConsistently(Topology& mesh, const std::vector<Edge>& edges) {
 }
 
 void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
-  DisjointSets sets(mesh.triangles.size());
-  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin + 1; i < end; ++i) sets.join(edges[begin].triangle, edges[i].triangle);
-  });
+  DisjointSets sets = joinedByEdges(mesh, edges);
   std::vector<std::uint32_t> number(mesh.triangles.size(), 0);
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::uint32_t root = sets.find(i);
@@ -200,6 +249,7 @@ void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
       number[i] = static_cast<std::uint32_t>(mesh.components.size());
       mesh.components.emplace_back();
       mesh.components.back().closed = true;
+      mesh.components.back().wall = mesh.triangles[i].wall;
     }
     mesh.triangles[i].component = number[root];
   }
@@ -290,9 +340,13 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
 }
 
 std::string summarise(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0;
+  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0;
   double area = 0, cap_area = 0;
   for (const Component& c : mesh.components) {
+    if (c.wall) {
+      ++walls;
+      continue;
+    }
     closed += c.closed;
     sheets += !c.solid;
     if (c.solid && !c.closed) {
@@ -301,11 +355,12 @@ std::string summarise(const Topology& mesh, Fill fill) {
       cap_area += c.cap_area;
     }
   }
-  const std::size_t total = mesh.components.size();
+  const std::size_t total = mesh.components.size() - walls;
   if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total, total == 1 ? "" : "s");
   std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
   if (capped > 0) text += fmt::format(", {} with holes capped ({:.2g} % of {} surface)", capped, area > 0 ? 100.0 * cap_area / area : 0.0, capped == 1 ? "its" : "their");
   if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface", sheets, sheets == 1 ? "" : "s");
+  if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
   return text;
 }
 
@@ -315,15 +370,16 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   Topology mesh;
   weld(soup, frame, mesh);
   removeDuplicates(mesh);
-  const std::vector<Edge> edges = sortedEdges(mesh);
+  findWalls(mesh);
+  const std::vector<Edge> edges = sortedEdges(mesh, true);
   windConsistently(mesh, edges);
   findComponents(mesh, edges);
   const std::vector<SolidTriangle> caps = makeCaps(mesh, edges);
   measure(mesh, caps);
   mesh.closed = true;
   for (Component& c : mesh.components) {
-    mesh.closed = mesh.closed && c.closed;
-    c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
+    mesh.closed = mesh.closed && (c.closed || c.wall);
+    c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && !c.wall && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
     // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
   }

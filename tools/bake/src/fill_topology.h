@@ -22,6 +22,7 @@ struct SolidTriangle {
   std::uint32_t source = 0;     // index into the soup; of caps: kCap
   std::uint32_t component = 0;
   bool swapped = false;         // corners 1 and 2 against the soup's; in a sheet: it was wound against the larger part around it
+  bool wall = false;            // modelled from both sides, and what it is attached to is nearer to closed without it
 
   void turn() {
     std::swap(vertex[1], vertex[2]);
@@ -34,6 +35,7 @@ struct Component {
   bool solid = false;      // has an inside
   bool thin = false;       // thinner than a voxel in the mean (solid or not)
   bool closed = false;     // no boundary before its holes were capped
+  bool wall = false;       // the walls where bodies touch, or leaves on a body: never solid, unless as asked
   double area = 0;         // voxels^2, without caps
   double cap_area = 0;
   double volume = 0;       // voxels^3, with caps
@@ -53,7 +55,7 @@ struct Topology {
 // Holes of a component may have this share of its surface before it counts as an open sheet.
 inline constexpr double kMaxHoleShare = 0.12;
 
-// What is solid and what is a sheet. A component is the triangles that hang together by shared edges. Its boundary, as a chain of oriented
+// What is solid and what is a sheet. A component is the triangles that hang together by shared edges; walls hang together among themselves. Its boundary, as a chain of oriented
 // edges, is a cycle; the cone from a point over it closes the component exactly, whatever the holes look like, so that signed crossings
 // along any line sum to zero. kAuto: solid if the cones are small beside the surface; kSolid and kSurface: as asked.
 Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill);

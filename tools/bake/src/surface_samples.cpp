@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kGrain = 2048;
 // Nearer than this the direction to the nearest point is rounding; the triangle's own normal is not.
 constexpr double kTooNear = 0.02;
+// The empty voxels around lie within 60 degrees of what is seen of a body there; at an edge and at a corner, 45 and 55 degrees off its faces.
+constexpr double kAside = 0.5;
 // A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that lies on a body has 9 more on the
 // open side. Beyond this mean difference it is known which side is seen.
 constexpr double kHiddenSide = 2.0;
@@ -42,6 +44,10 @@ class Sampler {
       const Nearest shown = look_.nearestShown(bvh_, centre);
       if (shown.triangle != kCap) nearest = shown;
     }
+    if (voxels_[index] == kInside && mesh_.triangles[nearest.triangle].wall) {
+      // Within a body a wall is not seen, however near.
+      nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(), [&](std::uint32_t i) { return !mesh_.triangles[i].wall; });
+    }
     glm::dvec3 normal = outward(nearest, centre, index, open);
     if (!isSolid(nearest.triangle) && voxels_[index] != kInside) {
       // A sheet has no inside, and in the open its voxels' steps say nothing about its sides: its winding decides, for all of it alike.
@@ -49,14 +55,19 @@ class Sampler {
       vote.turned = mesh_.triangles[nearest.triangle].swapped;
       vote.open = static_cast<float>(glm::dot(normal, open));
       vote.visible = static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
-    } else if (glm::dot(normal, open) < -0.1 * glm::length(open)) {
-      // The nearest triangle is hidden inside another body: look for one that faces the open.
-      const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return isSolid(i) && glm::dot(faceNormal(i), open) > 0; });
-      if (facing.triangle != kCap) {
-        nearest = facing;
-        normal = faceNormal(facing.triangle);
-      } else {
-        normal = glm::normalize(open);
+    } else {
+      // The nearest triangle may be hidden inside another body: look for one that faces the open.
+      const double along = glm::dot(normal, open), length = glm::length(open);
+      const bool backward = along < -0.1 * length;
+      if (backward || (along < kAside * length && leadsInside(nearest))) {
+        const double least = backward ? 0.0 : kAside * length;
+        const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return isSolid(i) && glm::dot(faceNormal(i), open) > least; });
+        if (facing.triangle != kCap) {
+          nearest = facing;
+          normal = faceNormal(facing.triangle);
+        } else if (backward) {
+          normal = glm::normalize(open);
+        }
       }
     }
     if (mesh_.triangles[nearest.triangle].source == kCap) {
@@ -99,6 +110,13 @@ class Sampler {
       const std::size_t row = static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z);
       if (voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * row] != kEmpty) return false;
     }
+  }
+
+  // Whether a voxel beyond a body's skin is inside of another body.
+  bool leadsInside(const Nearest& nearest) const {
+    const glm::ivec3 v(glm::floor(nearest.point + faceNormal(nearest.triangle)));
+    if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return false;
+    return voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z))] == kInside;
   }
 
   glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index, const glm::dvec3& open) const {
