@@ -29,7 +29,7 @@ Finding findingOf(const Issue& issue) {
   return finding;
 }
 
-// "error 401: byte 4096, part 0 'reed', level 1, page 3: checksum mismatch (...). A page of bricks can not be read. ..."
+// "reed.kelp: error 401: byte 4096, part 0 'reed', level 1, page 3: checksum mismatch (...). A page of bricks can not be read. ..."
 std::string findingText(const Finding& f, const VerifyReport& report) {
   std::string place;
   const auto add = [&place](const std::string& text) { place += (place.empty() ? "" : ", ") + text; };
@@ -45,7 +45,7 @@ std::string findingText(const Finding& f, const VerifyReport& report) {
   std::string what = f.code ? toString(*f.code) : "";
   if (!f.detail.empty()) what += what.empty() ? f.detail : " (" + f.detail + ")";
   if (f.count > 1) what += fmt::format("{}first of {} such places", what.empty() ? "" : "; ", countText(f.count));
-  std::string text = fmt::format("{} {}", f.severity == Severity::kError ? "error" : "warning", f.id);
+  std::string text = fmt::format("{}: {} {}", report.path, f.severity == Severity::kError ? "error" : "warning", f.id);
   for (const std::string& piece : {place, what}) {
     if (!piece.empty()) text += ": " + piece;
   }
