@@ -71,18 +71,18 @@ std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, 
   return *std::move(renderer);
 }
 
-gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float near, float far) {
+gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near, float far) {
   gl::View view;
   view.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
-  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(canvas.size().x) / static_cast<float>(canvas.size().y), near, far);
-  view.viewport = canvas.size();
+  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(viewport.x) / static_cast<float>(viewport.y), near, far);
+  view.viewport = viewport;
   view.pixels_per_voxel = 0;
   return view;
 }
 
-gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float half_height, float near, float far) {
-  gl::View view = lookAt(canvas, eye, target);
-  const float half_width = half_height * static_cast<float>(canvas.size().x) / static_cast<float>(canvas.size().y);
+gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float half_height, float near, float far) {
+  gl::View view = lookAt(viewport, eye, target);
+  const float half_width = half_height * static_cast<float>(viewport.x) / static_cast<float>(viewport.y);
   view.eye_to_clip = glm::ortho(-half_width, half_width, -half_height, half_height, near, far);
   return view;
 }

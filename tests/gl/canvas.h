@@ -67,8 +67,14 @@ class GlTest : public testing::TestWithParam<GlApi> {
                            [](const auto& test) { return kelp::test::toString(test.param); })
 
 // A perspective view from `eye` to `target`, all levels drawn as they are.
-gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f);
-gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f);
+gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f);
+gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f);
+inline gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f) {
+  return lookAt(canvas.size(), eye, target, near, far);
+}
+inline gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f) {
+  return orthographic(canvas.size(), eye, target, half_height, near, far);
+}
 
 // The ray through the centre of a pixel, from the near to the far plane: t = 0 .. 1.
 runtime::Ray pixelRay(const gl::View& view, int x, int y);
