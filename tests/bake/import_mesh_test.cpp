@@ -138,12 +138,25 @@ TEST(ImportMesh, CornersThatAreNotFiniteAreDroppedAndCounted) {
   EXPECT_TRUE(anyContains(model.notices, "2 triangles"));
 }
 
+TEST(ImportMesh, NumbersBeyondAFloatAreInfiniteOrNothing) {
+  const Scratch scratch;
+  for (const char* huge : {"1e999", "-1e+999", "1e39", "0.5E400"}) {
+    const SourceModel model = importFile(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 " + std::string(huge) + "\nf 1 2 3\nf 1 2 4\n"), {});
+    EXPECT_EQ(model.parts[0].soup.triangles.size(), 1u) << huge;
+  }
+  for (const std::string& tiny : {std::string("1e-999"), std::string("-7E-400"), "0." + std::string(400, '0') + "1"}) {
+    const SourceModel model = importFile(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 " + tiny + "\nf 1 2 3\n"), {});
+    EXPECT_EQ(model.parts[0].soup.positions[2].z, 0.0f) << tiny;
+  }
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 1e999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kInvalid), "not finite"));
+}
+
 TEST(ImportMesh, BadFilesAreRefusedInOneLineThatNamesThePlace) {
   const Scratch scratch;
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 9\n"), Exit::kInvalid), "line 5"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nf 0 1 1\n"), Exit::kInvalid), "line 2"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 zero 0\n"), Exit::kInvalid), "zero"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\n"), Exit::kInvalid), "no faces"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\n"), Exit::kInvalid), "no faces; export"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", ""), Exit::kInvalid), "empty"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "\x89PNG\r\n\x1a\n"), Exit::kInvalid), "PNG"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "v 0 0 0\n"), Exit::kInvalid), "does not look like PLY"));

@@ -524,6 +524,7 @@ TEST(MakeFrame, RefusesWhatHasNoBox) {
   test::addBox(soup, {0, 0, 0}, {1, 1, 1});
   EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 0.0, "box"), bake::BakeError);
   EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1e-5, "box"), bake::BakeError);
+  EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1e13, "box"), bake::BakeError);
   soup.triangles[0].vertex[0] = 1000;
   EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1.0, "box"), bake::BakeError);
 }

@@ -142,6 +142,8 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--resolution", "-5", says=["-5"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "0", says=["--voxel-size"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "nan", says=["--voxel-size"])
+        self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e99", says=["--voxel-size"])
+        self.fails(3, self.write("vast.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "-o", self.out, says=["vast.obj", "scale"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e-7", says=["8192"])
         self.fails(1, self.cube, "-o", self.out, "--levels", "0", says=["--levels"])
         self.fails(1, self.cube, "-o", self.out, "--threads", "0", says=["--threads"])

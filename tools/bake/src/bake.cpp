@@ -41,8 +41,8 @@ class StageClock {
 };
 
 void checkSettings(const Settings& settings) {
-  if (settings.voxel_size ? !(*settings.voxel_size > 0) || !std::isfinite(*settings.voxel_size) : false) {
-    throw BakeError(Exit::kUsage, fmt::format("--voxel-size {}: not a length above 0; give the edge of a voxel in metres, such as 0.01", *settings.voxel_size));
+  if (settings.voxel_size && !(*settings.voxel_size >= kSmallestVoxel && *settings.voxel_size <= kLargestVoxel)) {
+    throw BakeError(Exit::kUsage, fmt::format("--voxel-size {}: not a length above 0 that a pack can hold; give the edge of a voxel in metres, such as 0.01", *settings.voxel_size));
   }
   if (!settings.voxel_size && (settings.resolution < 1 || settings.resolution > kMaxResolution)) {
     throw BakeError(Exit::kUsage, fmt::format("--resolution {}: not between 1 and {}; 128 is the default, 256 shows fine detail", settings.resolution, kMaxResolution));

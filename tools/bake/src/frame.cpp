@@ -54,6 +54,9 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
   if (!(voxel_size > 0) || !std::isfinite(voxel_size)) {
     throw BakeError(Exit::kUsage, fmt::format("{}: a voxel size of {} is not a positive length; give --voxel-size a length above 0", what, voxel_size));
   }
+  if (voxel_size < kSmallestVoxel || voxel_size > kLargestVoxel) {
+    throw BakeError(Exit::kInvalid, fmt::format("{}: voxels of {:.4g} units are beyond what 32-bit floats can draw ({:g} to {:g}); scale the model", what, voxel_size, kSmallestVoxel, kLargestVoxel));
+  }
   const glm::dmat3 to_rig(axisRotation(axis));
   const Bounds bounds = rigBounds(soup, to_rig, what);
   const glm::dvec3 extent = bounds.high - bounds.low;

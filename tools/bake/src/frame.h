@@ -8,6 +8,8 @@ namespace kelp::bake {
 
 // Level-0 voxels a side may have: what the reader's default limits accept.
 inline constexpr int kMaxResolution = 8192;
+// Edges of a voxel, in units: squares and volumes of lengths stay within a float's range.
+inline constexpr double kSmallestVoxel = 1e-12, kLargestVoxel = 1e12;
 
 // Extents of the soup in the rig's axes (x, y, z with y along the spline); node units. BakeError kInvalid if the soup is empty or not finite.
 glm::dvec3 rigExtent(const TriangleSoup& soup, Axis axis, const std::string& what);

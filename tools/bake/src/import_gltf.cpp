@@ -90,7 +90,7 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
-    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles; there is nothing to bake" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")"));
+    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")") + "; export a scene with at least one mesh");
     uniqueNames();
     noteUnusedAnimations();
     return std::move(out_);

@@ -65,7 +65,9 @@ SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   else if (extension == ".stl") readStl(files, bytes, out, soup);
   else readOff(files, bytes, out, soup);
   noteDropped(soup, out);
-  if (soup.triangles() == 0) refuse(Exit::kInvalid, files.input(), "", "holds no faces with an area; there is nothing to bake");
+  if (soup.triangles() == 0) {
+    refuse(Exit::kInvalid, files.input(), "", "holds no faces with an area" + (out.notices.empty() ? "" : " (" + out.notices.back() + ")") + "; export a model with faces");
+  }
   SourcePart part;
   part.name = stemOf(files);
   part.soup = soup.take();

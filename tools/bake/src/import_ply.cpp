@@ -72,7 +72,7 @@ class PlyReader {
       else skip(element);
       if (vertices && faces) return;  // what follows (edges, cameras) is not geometry
     }
-    refuse(Exit::kInvalid, files_.input(), "", vertices ? "holds points but no faces; there is nothing to bake" : "holds no vertices; there is nothing to bake");
+    refuse(Exit::kInvalid, files_.input(), "", vertices ? "holds points but no faces; make a mesh of them first" : "holds no vertices; export a model with faces");
   }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -32,7 +33,14 @@ inline std::optional<float> parseFloat(std::string_view word) {
   double value = 0;  // by way of double: a denormal or 1e-50 is no error
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size() || word.empty()) return std::nullopt;
-  if (error == std::errc::result_out_of_range) return 0.0f;
+  if (error == std::errc::result_out_of_range) {
+    // Too small is 0; too large is infinite, which callers refuse or drop. Only the text tells which.
+    const std::size_t exponent = word.find_first_of("eE");
+    const std::string_view whole = word.substr(0, word.find_first_of(".eE"));
+    const bool small = exponent != word.npos ? word.substr(exponent + 1).front() == '-' : whole.find_first_of("123456789") == whole.npos;
+    if (small) return 0.0f;
+    return word.front() == '-' ? -std::numeric_limits<float>::infinity() : std::numeric_limits<float>::infinity();
+  }
   if (error != std::errc()) return std::nullopt;
   return static_cast<float>(value);
 }

@@ -46,7 +46,7 @@ openvdb::GridBase::Ptr openLevelSet(const InputFiles& files) {
     list += (list.empty() ? "" : ", ") + describe(*grid);
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET && isScalar(*grid)) level_sets.push_back(grid);
   }
-  if (all->empty()) refuse(Exit::kInvalid, files.input(), "", "holds no grid; there is nothing to bake");
+  if (all->empty()) refuse(Exit::kInvalid, files.input(), "", "holds no grid; export a level set");
   if (level_sets.empty()) {
     const bool fog = std::any_of(all->begin(), all->end(), [](const openvdb::GridBase::Ptr& grid) { return grid->getGridClass() == openvdb::GRID_FOG_VOLUME; });
     refuse(Exit::kUnsupported, files.input(), "", std::string("holds no level set but ") + list + "; " +
@@ -60,7 +60,7 @@ openvdb::GridBase::Ptr openLevelSet(const InputFiles& files) {
   const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in, false).getGrids();
   for (const openvdb::GridBase::Ptr& grid : *grids)
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET && isScalar(*grid) && !grid->empty()) return grid;
-  refuse(Exit::kInvalid, files.input(), "grid " + describe(*level_sets[0]), "has no values; there is nothing to bake");
+  refuse(Exit::kInvalid, files.input(), "grid " + describe(*level_sets[0]), "has no values; export a level set that is not empty");
 }
 
 // Row vectors in OpenVDB, column vectors here.
