@@ -22,6 +22,7 @@ class MisuseTest : public GlTest {
     ASSERT_FALSE(drawn);
     EXPECT_EQ(drawn.error().code, ErrorCode::kMisuse);
     EXPECT_NE(drawn.error().detail[0], '\0');
+    EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
     for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{}) << "the good instance was drawn";
   }
 };
@@ -50,6 +51,80 @@ TEST_P(MisuseTest, OfInstances) {
   expectMisuse(*renderer, canvas, view, bad);
 }
 
+// A pose that turns back is refused until it is clamped by an explicit call; then it is drawn, and as the CPU sees it.
+TEST_P(MisuseTest, ANonMonotonePoseIsDrawnOnlyOnceItIsClamped) {
+  const Canvas canvas({80, 60});
+  const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
+  const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
+  pose.knots(0)[0].tangent = {40, -300, 10};
+  pose.knots(0)[1].tangent = {20, 500, 0};
+  const Instance turning{loaded_.asset.get(), &pose};
+  ASSERT_FALSE(pose.check());
+  EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
+  expectMisuse(*renderer, canvas, view, turning);
+
+  pose.clampMonotone();
+  ASSERT_TRUE(pose.check());
+  const auto drawn = renderer->draw(view, {&turning, 1});
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->draws, 1u);
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+  const std::vector<Pixel> pixels = canvas.pixels();
+  int hits = 0, different = 0;
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const bool hit = raycast(turning, pixelRay(view, x, y)).has_value();
+      hits += hit;
+      different += hit != (pixels[static_cast<std::size_t>(80 * y + x)][3] != 0);
+    }
+  }
+  EXPECT_GT(hits, 150);
+  EXPECT_LE(different, 1 + hits / 500);
+}
+
+TEST_P(MisuseTest, OfNumbersThatAreNone) {
+  const Canvas canvas({40, 30});
+  const auto renderer = makeRenderer(*loaded_.asset);
+  const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
+  const Instance posed{loaded_.asset.get(), &pose};
+  for (const float bad : {kNan, kInfinity, -kInfinity}) {
+    for (std::size_t knot = 0; knot < 2; ++knot) {
+      for (int axis = 0; axis < 3; ++axis) {
+        SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis);
+        pose.reset();
+        pose.knots(0)[knot].tangent[axis] = bad;
+        expectMisuse(*renderer, canvas, view, posed);
+        pose.reset();
+        pose.knots(0)[knot].position[axis] = bad;
+        expectMisuse(*renderer, canvas, view, posed);
+      }
+    }
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 4; ++row) {
+        SCOPED_TRACE(testing::Message() << bad << " in column " << column << ", row " << row);
+        Instance moved = instance_;
+        moved.to_world[column][row] = bad;
+        expectMisuse(*renderer, canvas, view, moved);
+      }
+    }
+  }
+  // Numbers, but such that nothing can be computed with them: whatever is answered, OpenGL is not troubled, and the next frame is drawn.
+  for (const float huge : {1e15f, 1e30f, 3e38f}) {
+    pose.reset();
+    pose.knots(0)[0].tangent.x = huge;
+    pose.knots(0)[1].tangent.z = -huge;
+    (void)renderer->draw(view, {&posed, 1});
+    EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR}) << huge;
+  }
+  canvas.clear();
+  const auto drawn = renderer->draw(view, {&instance_, 1});
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->draws, 1u);
+}
+
 TEST_P(MisuseTest, OfViews) {
   const Canvas canvas({40, 30});
   const auto renderer = makeRenderer(*loaded_.asset);
@@ -58,6 +133,7 @@ TEST_P(MisuseTest, OfViews) {
     const auto drawn = renderer->draw(view, {&instance_, 1});
     ASSERT_FALSE(drawn);
     EXPECT_EQ(drawn.error().code, ErrorCode::kMisuse);
+    EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
   };
   gl::View view = good;
   view.viewport.x = -1;
@@ -76,10 +152,14 @@ TEST_P(MisuseTest, OfViews) {
   expectMisuseOf(view);
 
   view = good;
-  view.viewport = {0, 30};  // a minimised window is no mistake
-  const auto drawn = renderer->draw(view, {&instance_, 1});
-  ASSERT_TRUE(drawn);
-  EXPECT_EQ(drawn->draws, 0u);
+  for (const glm::ivec2 none : {glm::ivec2(0, 30), glm::ivec2(40, 0), glm::ivec2(0, 0)}) {  // a minimised window is no mistake
+    view.viewport = none;
+    const auto drawn = renderer->draw(view, {&instance_, 1});
+    ASSERT_TRUE(drawn);
+    EXPECT_EQ(drawn->draws, 0u);
+    EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+  }
+  for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});
   EXPECT_EQ(renderer->draw(good, {})->draws, 0u);
 }
 

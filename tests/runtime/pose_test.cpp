@@ -148,6 +148,48 @@ TEST(Pose, ClampMendsManyKnots) {
   }
 }
 
+// Numbers that are none are an error wherever they are, not something to clamp; what asks about such a pose answers that there is nothing.
+TEST(Pose, NumbersThatAreNoneAreRefused) {
+  Loaded loaded(animated());
+  Pose pose = *Pose::create(*loaded.asset);
+  const Instance instance{loaded.asset.get(), &pose};
+  const Ray down{{0, 10, 0}, {0, -1, 0}};
+  ASSERT_TRUE(raycast(instance, down));
+  for (const float bad : {std::nanf(""), HUGE_VALF, -HUGE_VALF}) {
+    for (std::size_t knot = 0; knot < 2; ++knot) {
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const bool tangent : {true, false}) {
+          SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis << (tangent ? ", tangent" : ", position"));
+          pose.reset();
+          (tangent ? pose.knots(0)[knot].tangent : pose.knots(0)[knot].position)[axis] = bad;
+          ASSERT_FALSE(pose.check());
+          EXPECT_EQ(pose.check().error().code, ErrorCode::kMisuse);
+          EXPECT_FALSE(raycast(instance, down));
+          EXPECT_FALSE(toRest(instance, 0, {0, 0.5f, 0}));
+          pose.clampMonotone();  // ends, whatever it was given
+        }
+      }
+    }
+  }
+  pose.reset();
+  EXPECT_TRUE(raycast(instance, down));
+}
+
+// What a host drags out of a slider: refused with the part, until the host asks for the clamp.
+TEST(Pose, ATurningPoseNamesItsPart) {
+  RawPack pack = test::packOf(test::ballClump({24, 40, 24}, 8, 1));
+  pack.parts.push_back(pack.parts[0]);
+  pack.parts[1].name = "second";
+  Loaded loaded(pack);
+  Pose pose = *Pose::create(*loaded.asset);
+  pose.knots(1)[0].tangent.y = -60;
+  ASSERT_FALSE(pose.check());
+  EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
+  EXPECT_EQ(pose.check().error().offset, 1u);
+  pose.clampMonotone();
+  EXPECT_TRUE(pose.check());
+}
+
 TEST(Instance, RestPointsGoToTheWorldAndBack) {
   Loaded loaded(animated());
   Pose pose = *Pose::create(*loaded.asset);
