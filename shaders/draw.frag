@@ -14,62 +14,42 @@ vec2 kelpClip(vec2 s, float value, float slope) {
   return value < 0.0 ? vec2(1.0, 0.0) : s;
 }
 
-uint kelpAttribute(uint slot, int slice, uint code) {
-  ivec3 brick = kelpBrick(slot);
-  uint first = texelFetch(kelp_slice_base, ivec3(brick.x, brick.y, 8 * brick.z + slice), 0).r;
-  int index = int(first + (code - 64u));
-  return texelFetch(kelp_attributes, ivec2(index & ((1 << KELP_ATTRIBUTE_BITS) - 1), index >> KELP_ATTRIBUTE_BITS), 0).r;
-}
-
-// An inner voxel, seen where the near plane or the eye cuts into a solid, has no attribute: the material of the nearest surface voxel among
-// its 26 neighbours, or the palette's first.
-uint kelpInnerMaterial(ivec3 voxel) {
-  uint material = 0u;
-  int nearest = 4;
-  for (int i = 0; i < 27; ++i) {
-    ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
-    ivec3 v = voxel + offset;
-    int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
-    if (distance >= nearest || any(lessThan(v, ivec3(0))) || any(greaterThanEqual(v, kelp_level_size))) continue;
-    uint cell = KELP_FETCH_CELL(v >> 3);
-    if (cell < 0x80000000u) continue;
-    uint slot = cell & 0x00ffffffu;
-    uint code = KELP_FETCH_CODE(slot, v);
-    if (code >= 64u && code < 128u) {
-      nearest = distance;
-      material = kelpAttribute(slot, v.z & 7, code) & 255u;
-    }
-  }
-  return material;
-}
-
 vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
-  uint material;
+  uint entry;
+  KelpMaterial material;
   vec3 normal = -ray;
-  if (hit.code < 128u) {
+  if (kelpIsSurface(hit.code)) {
     uint bits = kelpAttribute(hit.slot, hit.voxel.z & 7, hit.code);
-    material = bits & 255u;
+    entry = bits & 255u;
     KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
     KelpSegment bottom = KELP_SEGMENT(0);
+    KelpSegment g = KELP_SEGMENT(hit.segment);
     float stretch = kelp_size.y / (kelpSplineAt(top, 1.0).y - bottom.d.y);
-    vec3 bent = kelpDeformNormal(KELP_SEGMENT(hit.segment), hit.t, stretch, kelpDecodeNormal(bits >> 8u));
+    vec3 rest_normal;
+    if (kelp_shading == KELP_SHADING_SMOOTH) {
+      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);
+    } else {
+      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
+                                                       : kelpDecodeNormal(bits >> 8u);
+      material = kelpMaterial(int(entry));
+    }
+    vec3 bent = kelpDeformNormal(g, hit.t, stretch, rest_normal);
     normal = dot(bent, bent) > 0.0 ? bent : normal;
   } else {
-    material = kelpInnerMaterial(hit.voxel);
+    entry = kelpInnerMaterial(hit.voxel);
+    material = kelpMaterial(int(entry));
   }
 
   KelpSurface s;
   mat4 to_world = kelpPartToWorld();
-  int entry = int(material);
-  vec4 glow = texelFetch(kelp_palette, ivec2(entry, 1), 0);
   s.position = (to_world * vec4(position, 1.0)).xyz;
   s.normal = normalize(kelpNormalToWorld(normal));
   s.view = normalize(mat3(to_world) * -ray);
-  s.color = texelFetch(kelp_palette, ivec2(entry, 0), 0) * kelpRecord(kelp_record + 11);
-  s.emissive = glow.rgb;
-  s.metallic = glow.a;
-  s.roughness = texelFetch(kelp_palette, ivec2(entry, 2), 0).r;
-  s.material = entry;
+  s.color = material.color * kelpRecord(kelp_record + 11);
+  s.emissive = material.glow.rgb;
+  s.metallic = material.glow.a;
+  s.roughness = material.roughness;
+  s.material = int(entry);
   s.level = kelp_level;
   s.steps = hit.steps;
   s.voxel = hit.voxel;

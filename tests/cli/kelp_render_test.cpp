@@ -149,6 +149,31 @@ TEST_F(KelpRender, ViewsShowWhatTheySay) {
   EXPECT_NE(picture({"--view", "level", "--level", "0"}).at(60, 60), picture({"--view", "level", "--level", "2"}).at(60, 60));
 }
 
+TEST_F(KelpRender, ShadingIsWhatWasAsked) {
+  // The border between red and blue, at x = 16 of 24: from pixel to pixel, or over some voxels.
+  const auto reds = [&](const std::vector<std::string>& shading) {
+    std::vector<std::string> arguments = {"--samples", "1", "--level", "0"};
+    arguments.insert(arguments.end(), shading.begin(), shading.end());
+    const Picture p = picture(arguments);
+    int between = 0;
+    for (int x = 45; x < 85; ++x) between += p.at(x, 30).r > 60 && p.at(x, 30).b > 60;
+    return between;
+  };
+  EXPECT_EQ(reds({}), 0);
+  EXPECT_EQ(reds({"--shading", "gradient"}), 0);
+  EXPECT_EQ(reds({"--shading", "faces"}), 0);
+  EXPECT_GE(reds({"--shading", "smooth"}), 2);
+  // From above: the stored normals of the front row look to the front, its faces up.
+  const auto frontRow = [&](const std::string& shading) {
+    const Picture p = picture({"--view", "normals", "--pitch", "90", "--samples", "1", "--shading", shading});
+    int y = 119;
+    while (y > 0 && !p.covered(60, y)) --y;
+    return p.at(60, y - 1);
+  };
+  EXPECT_EQ(frontRow("gradient").b, 255);
+  EXPECT_EQ(frontRow("faces").g, 255);
+}
+
 TEST_F(KelpRender, BackgroundsAreWhatWasAsked) {
   EXPECT_EQ(picture().at(0, 0), glm::ivec4(0));
   EXPECT_EQ(picture({"--background", "10,200,30"}).at(0, 0), glm::ivec4(10, 200, 30, 255));
@@ -223,6 +248,7 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--samples", "3"}, 1, "samples"},
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
       {{pack_, "-o", out_, "--view", "inside"}, 1, "--view inside: expected shaded, normals, depth, steps or level"},
+      {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},
       {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
       {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},
       {{pack_, "-o", out_, "--tangent", "0=1,2"}, 1, "--tangent 0=1,2"},

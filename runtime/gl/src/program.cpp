@@ -20,7 +20,7 @@ constexpr char kEsPrelude[] =
 
 // Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
-               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n";
+               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "#line 1 6\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -77,8 +77,10 @@ Result<Program> buildProgram(const Api& api, const char* surface, const LogSink&
                 surface ? "#define KELP_HOST_SURFACE\n" : "");
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,       defines,           kInstanceLine, shaders::kInstance,     kTraceLine, shaders::kTrace,
-                                       kSurfaceLine,  shaders::kSurface, kHostLine,     surface ? surface : "", kMainLine,  shaders::kFragment};
+  const char* const fragment_text[] = {
+      prelude,      defines,           kInstanceLine, shaders::kInstance,     kTraceLine,   shaders::kTrace,
+      kSurfaceLine, shaders::kSurface, kHostLine,     surface ? surface : "", kShadingLine, shaders::kShading,
+      kMainLine,    shaders::kFragment};
 
   const Name vertex = compile(api, kVertexShader, vertex_text, log);
   const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
@@ -104,6 +106,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, const LogSink&
   program.level = locate("kelp_level");
   program.level_size = locate("kelp_level_size");
   program.depth_only = locate("kelp_depth_only");
+  program.shading = locate("kelp_shading");
   program.sun_direction = locate("kelp_sun_direction");
   program.sun_color = locate("kelp_sun_color");
   program.sky_color = locate("kelp_sky_color");

@@ -18,7 +18,7 @@ enum Unit : std::int32_t { kRecords, kCells, kCodes, kSliceBase, kAttributes, kP
 struct Program {
   Name name = 0;
   // Locations; -1 where a host's surface function leaves a uniform unused.
-  std::int32_t first_texel = -1, record_texels = -1, level = -1, level_size = -1, depth_only = -1;
+  std::int32_t first_texel = -1, record_texels = -1, level = -1, level_size = -1, depth_only = -1, shading = -1;
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 

@@ -49,7 +49,8 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 
 bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
-  return view.viewport.x >= 0 && view.viewport.y >= 0 && std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0;
+  return view.viewport.x >= 0 && view.viewport.y >= 0 && std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
+         view.shading <= Shading::kSmooth;
 }
 
 }  // namespace
@@ -92,6 +93,7 @@ void Renderer::Impl::setState(const View& view, Pass pass) const {
   set(program.sky_color, view.sky_color);
   set(program.ground_color, view.ground_color);
   api.Uniform1i(program.depth_only, pass == Pass::kDepth);
+  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.shading));
 }
 
 // One draw for each run of items of the same part and level. Answers the number of draws.
@@ -181,7 +183,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative viewport or level, or no direction of the sun"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative viewport or level, no direction of the sun, or a shading that is none"};
   Stats stats;
   stats.gpu_bytes = self.store.bytes();
   stats.pending = self.store.pending();

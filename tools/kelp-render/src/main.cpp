@@ -102,6 +102,7 @@ void run(const Options& options) {
 
   gl::View view;
   view.viewport = options.samples * options.size;
+  view.shading = options.shading;
   if (options.level) {
     view.finest_level = *options.level;
     view.pixels_per_voxel = 0;

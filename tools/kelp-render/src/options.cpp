@@ -51,6 +51,13 @@ ViewKind parseView(const std::string& text) {
   return found->second;
 }
 
+gl::Shading parseShading(const std::string& text) {
+  if (text == "gradient") return gl::Shading::kGradient;
+  if (text == "faces") return gl::Shading::kFaces;
+  if (text == "smooth") return gl::Shading::kSmooth;
+  refuse("--shading", text, "gradient, faces or smooth");
+}
+
 glm::ivec2 parseSize(const std::string& text) {
   const std::size_t cross = text.find('x');
   glm::ivec2 size;
@@ -113,12 +120,14 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   app.footer(kFooter);
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
   Options options;
-  std::string view, size, background;
+  std::string view, shading, size, background;
   std::vector<std::string> tangents, offsets;
   int level = 0;
   app.add_option("PACK", options.pack, "the .kelp file")->required();
   app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
   app.add_option("--view", view, "what to show")->option_text("shaded|normals|depth|steps|level [shaded]");
+  app.add_option("--shading", shading, "how voxels larger than pixels look: one normal each, as blocks, or blended")
+      ->option_text("gradient|faces|smooth [gradient]");
   app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
   app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
   app.add_option("--clip", options.clip, "the animation to play")->option_text("NAME");
@@ -153,6 +162,7 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   if (!std::isfinite(options.time) || !std::isfinite(options.yaw)) throw RenderError(kUsage, "--time and --yaw take finite numbers; see kelp-render --help");
   if (*time_option && options.clip.empty()) throw RenderError(kUsage, "--time: there is no clip to play; name one with --clip, kelp-dump info lists them");
   if (!view.empty()) options.view = parseView(view);
+  if (!shading.empty()) options.shading = parseShading(shading);
   if (!size.empty()) options.size = parseSize(size);
   if (!background.empty()) options.background = parseBackground(background);
   if (*level_option) options.level = level;

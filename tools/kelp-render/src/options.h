@@ -9,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "kelp/gl/renderer.h"
+
 namespace kelp::render {
 
 enum class ViewKind { kShaded, kNormals, kDepth, kSteps, kLevel };
@@ -31,6 +33,7 @@ struct Options {
   std::string pack;
   std::string output;
   ViewKind view = ViewKind::kShaded;
+  gl::Shading shading = gl::Shading::kGradient;
   glm::ivec2 size{800, 600};
   int samples = 2;  // along each side of a pixel
   std::string clip;

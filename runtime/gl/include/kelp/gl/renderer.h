@@ -34,6 +34,15 @@ struct Config {
   Allocator allocator;
 };
 
+// Where the normal and the material of a hit come from. It shows where voxels are larger than pixels; the shape, the depth and
+// runtime::raycast are the same in all three.
+enum class Shading : std::uint8_t {
+  kGradient,  // the paper's: the normal stored with the voxel, from the gradient of the field it was baked from; one for the whole voxel
+  kFaces,     // the face of the voxel's cube that is seen: crisp blocks
+  kSmooth,    // normals and materials blended between the surface voxels around the hit: no voxel is told from the next. The dearest: up to
+              // 27 voxels are read at a hit, none on the way to it
+};
+
 // The camera and the light. GL conventions: eye space looks down -z, clip space -w..w.
 struct View {
   glm::mat4 world_to_eye{1};
@@ -44,6 +53,7 @@ struct View {
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
   glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
+  Shading shading = Shading::kGradient;
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   float pixels_per_voxel = 1.0f;  // a coarser level is drawn where finer voxels would be smaller than this many pixels; 0: always the finest
 };

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// What the voxels at a hit say of it: their material and their normal, in one of the three ways of kelp::gl::Shading.
+// Nothing here runs before a ray has hit, and only kSmooth reads more than a few texels.
+
+uniform int kelp_shading;  // kelp::gl::Shading
+#define KELP_SHADING_FACES 1
+#define KELP_SHADING_SMOOTH 2
+
+// Palette entries as numbers, so that they can be averaged.
+struct KelpMaterial {
+  vec4 color;
+  vec4 glow;  // emissive, metallic
+  float roughness;
+};
+
+// Codes of voxels (formats/SPEC.md): solid ones with an attribute, and solid ones at all.
+bool kelpIsSurface(uint code) { return code >= 64u && code <= 127u; }
+bool kelpIsSolid(uint code) { return code >= 64u && code <= 128u; }
+
+// The code of any voxel of the level, and its brick's slot. 0, which is an empty voxel's, beyond the level and in empty bricks.
+uint kelpCodeAt(ivec3 voxel, out uint slot) {
+  slot = 0u;
+  if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, kelp_level_size))) return 0u;
+  uint cell = KELP_FETCH_CELL(voxel >> 3);
+  if (cell < 0x80000000u) return 0u;
+  slot = cell & 0x00ffffffu;
+  return KELP_FETCH_CODE(slot, voxel);
+}
+
+// Of a surface voxel: palette entry and normal.
+uint kelpAttribute(uint slot, int slice, uint code) {
+  ivec3 brick = kelpBrick(slot);
+  uint first = texelFetch(kelp_slice_base, ivec3(brick.x, brick.y, 8 * brick.z + slice), 0).r;
+  int index = int(first + (code - 64u));
+  return texelFetch(kelp_attributes, ivec2(index & ((1 << KELP_ATTRIBUTE_BITS) - 1), index >> KELP_ATTRIBUTE_BITS), 0).r;
+}
+
+KelpMaterial kelpMaterial(int entry) {
+  KelpMaterial m;
+  m.color = texelFetch(kelp_palette, ivec2(entry, 0), 0);
+  m.glow = texelFetch(kelp_palette, ivec2(entry, 1), 0);
+  m.roughness = texelFetch(kelp_palette, ivec2(entry, 2), 0).r;
+  return m;
+}
+
+// An inner voxel, seen where the near plane or the eye cuts into a solid, has no attribute: the material of the nearest surface voxel among
+// its 26 neighbours, or the palette's first.
+uint kelpInnerMaterial(ivec3 voxel) {
+  uint material = 0u;
+  int nearest = 4;
+  for (int i = 0; i < 27; ++i) {
+    ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
+    int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
+    if (distance >= nearest) continue;
+    uint slot;
+    uint code = kelpCodeAt(voxel + offset, slot);
+    if (kelpIsSurface(code)) {
+      nearest = distance;
+      material = kelpAttribute(slot, (voxel.z + offset.z) & 7, code) & 255u;
+    }
+  }
+  return material;
+}
+
+// Where the ray's image in the undeformed volume is heading at the hit, up to length: the inverse of the map's derivative, times S.y' >= 0.
+vec3 kelpRestDirection(KelpSegment g, float t, float stretch, vec3 ray) {
+  vec3 slope = kelpSplineSlope(g, clamp(t, 1e-4, 1.0 - 1e-4));
+  return normalize(vec3(ray.x * slope.y - ray.y * slope.x, stretch * ray.y * slope.y, ray.z * slope.y - ray.y * slope.z));
+}
+
+// Outward normal of the face of the voxel's cube that the ray came in through, undeformed: back along `ahead` to the nearest of the three
+// faces that look against it, of those that no solid voxel covers. Zero where the near plane or the eye cuts in.
+vec3 kelpEntryFace(KelpHit hit, vec3 ahead) {
+  const float kDeep = 4.0 * KELP_ERODE;        // a trace ends less far below the surface
+  const float kRounding = 0.25 * KELP_ERODE;   // of q; decides at the spline's steep ends, where `ahead` may lie in the face that is met
+  vec3 q = kelp_level_scale * hit.rest;
+  vec3 low = vec3(hit.voxel);
+  vec3 high = min(low + 1.0, kelp_level_scale * kelp_size);  // a coarse voxel may stand out of the volume
+  vec3 face = vec3(0.0);
+  vec3 seam = vec3(0.0);  // two solid voxels that share an edge only are eroded, so a ray may pass between them and meet a covered face
+  float face_back = KELP_NEVER;
+  float face_depth = KELP_NEVER;
+  float seam_back = KELP_NEVER;
+  for (int axis = 0; axis < 3; ++axis) {
+    bool rising = ahead[axis] > 0.0;
+    float depth = max((rising ? q[axis] - low[axis] : high[axis] - q[axis]) - kRounding, 0.0);
+    float back = depth / max(abs(ahead[axis]), 1e-20);
+    vec3 outward = vec3(0.0);
+    outward[axis] = rising ? -1.0 : 1.0;
+    uint slot;
+    bool covered = kelpIsSolid(kelpCodeAt(hit.voxel + ivec3(outward), slot));
+    if (!covered && back < face_back) {
+      face = outward;
+      face_back = back;
+      face_depth = depth;
+    } else if (covered && depth < kDeep && back < seam_back) {
+      seam = outward;
+      seam_back = back;
+    }
+  }
+  return face_depth < kDeep || seam_back == KELP_NEVER ? face : seam;
+}
+
+// Normal and material averaged over the surface voxels within 1.5 voxels, weighted by a quadratic B-spline around the hit: the weights
+// of the 27 voxels and their slopes change without a jump from one voxel to the next. (A trilinear filter reads 8, but its slopes jump, and the eye sees that.)
+// Voxels that face away from the ray hardly count, or the far side of a leaf would turn the near side's normals over.
+vec3 kelpSmoothNormal(KelpHit hit, vec3 ahead, out KelpMaterial mean) {
+  vec3 f = clamp(kelp_level_scale * hit.rest - vec3(hit.voxel) - 0.5, -0.5, 0.5);
+  vec3 normal = vec3(0.0);
+  float total = 0.0;
+  mean = KelpMaterial(vec4(0.0), vec4(0.0), 0.0);
+  for (int i = 0; i < 27; ++i) {
+    ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
+    uint slot;
+    uint code = kelpCodeAt(hit.voxel + offset, slot);
+    if (!kelpIsSurface(code)) continue;
+    uint bits = kelpAttribute(slot, (hit.voxel.z + offset.z) & 7, code);
+    vec3 n = kelpDecodeNormal(bits >> 8u);
+    vec3 side = 0.5 + vec3(offset) * f;
+    vec3 w = mix(0.5 * side * side, 0.75 - f * f, equal(offset, ivec3(0)));
+    float weight = w.x * w.y * w.z * mix(0.015625, 1.0, smoothstep(-0.6, -0.1, -dot(n, ahead)));
+    KelpMaterial m = kelpMaterial(int(bits & 255u));
+    normal += weight * n;
+    mean.color += weight * m.color;
+    mean.glow += weight * m.glow;
+    mean.roughness += weight * m.roughness;
+    total += weight;
+  }
+  // The voxel that was hit weighs at least 1/8 of 1/64.
+  mean.color /= total;
+  mean.glow /= total;
+  mean.roughness /= total;
+  return normal;
+}
