@@ -116,6 +116,30 @@ TEST(ImportMesh, PlyEncodingsAgree) {
   }
 }
 
+TEST(ImportMesh, PlyStripsAreTheirTriangles) {
+  const Scratch scratch;
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string points = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+  const SourceModel strips = importFile(scratch.write("a.ply", head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + points + "10 0 1 2 3 -1 2 3 3 4 -1\n"), {});
+  const SourceModel faces = importFile(scratch.write("b.ply", head + "element face 2\nproperty list int int vertex_indices\nend_header\n" + points + "3 0 1 2\n3 2 1 3\n"), {});
+  ASSERT_EQ(strips.parts[0].soup.triangles.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(strips.parts[0].soup.triangles[i].vertex, faces.parts[0].soup.triangles[i].vertex) << i;
+  EXPECT_TRUE(contains(refusal(scratch.write("c.ply", head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + points + "3 0 1 7\n"), Exit::kInvalid), "7"));
+}
+
+TEST(ImportMesh, MarksAndKeywordsThatOtherToolsWrite) {
+  const Scratch scratch;
+  const std::string mark = "\xef\xbb\xbf";
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (const std::string& off : {mark + "OFF\n3 1 0\n" + body, "OFF3 1 0\n" + body, "OFF 3 1 0\n" + body}) {
+    EXPECT_EQ(importFile(scratch.write("a.off", off), {}).parts[0].soup.triangles.size(), 1u) << off;
+  }
+  EXPECT_TRUE(contains(refusal(scratch.write("b.off", "4OFF\n3 1 0\n" + body), Exit::kUnsupported), "dimensions"));
+  const std::string facet = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+  EXPECT_EQ(importFile(scratch.write("a.stl", mark + facet), {}).parts[0].soup.triangles.size(), 1u);
+  EXPECT_TRUE(contains(refusal(scratch.write("b.stl", "solid a\nendsolid a\n"), Exit::kInvalid), "no facets"));
+}
+
 TEST(ImportMesh, StlTextAndBinaryAgree) {
   const Scratch scratch;
   const SourceModel text = importFile(scratch.write("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"), {});

@@ -35,6 +35,9 @@ std::string_view otherFormat(std::span<const std::uint8_t> bytes) {
   return {};
 }
 
+// Without the mark that some editors put before UTF-8 text.
+std::span<const std::uint8_t> withoutMark(std::span<const std::uint8_t> bytes) { return startsWith(bytes, "\xef\xbb\xbf") ? bytes.subspan(3) : bytes; }
+
 void checkContent(const InputFiles& files, std::span<const std::uint8_t> bytes, const std::string& extension) {
   if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
   const std::string_view other = otherFormat(bytes);
@@ -57,7 +60,8 @@ SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   const std::string extension = lowerExtension(files.input());
   SourceModel out;
   const std::optional<OuterRig> outer = findOuterRig(files, settings);
-  const std::vector<std::uint8_t> bytes = files.readInput();
+  const std::vector<std::uint8_t> content = files.readInput();
+  const std::span<const std::uint8_t> bytes = withoutMark(content);
   checkContent(files, bytes, extension);
   SoupBuilder soup;
   if (extension == ".obj") readObj(files, bytes, out, soup);

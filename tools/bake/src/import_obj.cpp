@@ -224,9 +224,7 @@ class ObjReader {
 
 void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup) {
   out.format = "OBJ";
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
-  ObjReader(files, out, soup).read(text);
+  ObjReader(files, out, soup).read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace kelp::bake

@@ -15,7 +15,13 @@ class OffReader {
 
   void read() {
     std::string_view first = nextLine();
-    const std::string_view keyword = nextWord(first);
+    const std::string_view whole = first;
+    std::string_view keyword = nextWord(first);
+    // ModelNet's files have the first count on the keyword's heels: OFF490 518 0.
+    if (const std::size_t digit = keyword.find_first_of("0123456789", 1); digit != std::string_view::npos) {
+      keyword = keyword.substr(0, digit);
+      first = whole.substr(digit);
+    }
     if (keyword.size() < 3 || keyword.substr(keyword.size() - 3) != "OFF")
       refuse(Exit::kInvalid, files_.input(), "", "does not look like OFF: it does not begin with the word OFF; check the file's type");
     const std::string_view prefix = keyword.substr(0, keyword.size() - 3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // PLY 1.0 (Turk, "The PLY Polygon File Format"). kelp reads it itself: tools/bake/README.md says what the library loses.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -69,6 +70,7 @@ class PlyReader {
     for (const Element& element : elements_) {
       if (element.name == "vertex") readVertices(element), vertices = true;
       else if (element.name == "face") readFaces(element), faces = element.count > 0;
+      else if (element.name == "tristrips") readStrips(element), faces = element.count > 0;
       else skip(element);
       if (vertices && faces) return;  // what follows (edges, cameras) is not geometry
     }
@@ -229,6 +231,26 @@ class PlyReader {
       else addPolygon(files_, mesh_, list_, place(element, i), columns.any() ? &color : nullptr, soup_);
     }
     if (skipped > 0) out_.notices.push_back(std::to_string(skipped) + " faces of fewer than three corners are skipped");
+  }
+
+  // Strips of triangles, parted by -1; every other triangle is wound the other way.
+  void readStrips(const Element& element) {
+    const int corners = element.find("vertex_indices", "vertex_index");
+    if (element.count > 0 && (corners < 0 || element.properties[static_cast<std::size_t>(corners)].count == Type::kNone))
+      refuse(Exit::kInvalid, files_.input(), "header", "the strips have no list vertex_indices");
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      readRow(element, i, corners);
+      std::size_t start = 0;
+      for (std::size_t k = 0; k < list_.size(); ++k) {
+        if (list_[k] < 0) start = k + 1;
+        if (k < start + 2) continue;
+        std::array<std::int64_t, 3> triangle = {list_[k - 2], list_[k - 1], list_[k]};
+        if ((k - start) % 2 == 1) std::swap(triangle[0], triangle[1]);
+        // Strips turn corners through triangles without an area.
+        if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+        addPolygon(files_, mesh_, triangle, place(element, i), nullptr, soup_);
+      }
+    }
   }
 
   void skip(const Element& element) {

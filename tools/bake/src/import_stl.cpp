@@ -68,6 +68,7 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
     return readText(files, text, soup);
   }
   out.format = "STL (binary)";
+  if (!exact && says_solid && text.find("endsolid") != std::string_view::npos) refuse(Exit::kInvalid, files.input(), "", "holds no facets; export a model with faces");
   if (bytes.size() < kHeaderBytes) refuse(Exit::kInvalid, files.input(), "", "does not look like STL: it is neither text nor as long as a binary header; check the file's type");
   if (declared > fits)
     refuse(Exit::kInvalid, files.input(), "header", "declares " + std::to_string(declared) + " facets but the file holds " + std::to_string(fits) + "; it is truncated or not an STL");
