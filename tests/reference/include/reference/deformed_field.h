@@ -28,6 +28,12 @@ class SplineMap {
   double low() const { return low_; }
   double high() const { return high_; }
   double stretch() const { return stretch_; }  // the volume's height over the spline's
+  // How far a height is from the nearest knot's.
+  double toKnot(double y) const {
+    double nearest = 1e30;
+    for (const Knot& knot : knots_) nearest = std::min(nearest, std::abs(y - double{knot.position.y}));
+    return nearest;
+  }
 
   // Where on the spline a height is.
   struct Place {
@@ -83,10 +89,10 @@ class SplineMap {
 using Field = std::function<double(const glm::dvec3&)>;  // negative inside
 
 // The outward unit normal of the deformed field at p, part space: central differences of two widths, extrapolated. The width follows the
-// distance to the ends of the map, where the spline may have a vertical tangent.
+// distance to the nearest knot, where the map may have a corner of infinite slope; nearer than kRoom there is none to speak of.
+inline constexpr double kRoom = 1e-3;  // voxels
 inline glm::dvec3 differenceNormal(const Field& field, const SplineMap& map, const glm::dvec3& p) {
-  const double to_end = std::min(p.y - map.low(), map.high() - p.y);
-  const double width = 1e-3 * std::min(1.0, to_end);
+  const double width = 1e-3 * std::min(1.0, map.toKnot(p.y));
   glm::dvec3 gradient(0);
   for (int axis = 0; axis < 3; ++axis) {
     const auto difference = [&](double h) {
