@@ -177,6 +177,17 @@ TEST(ImportGltf, MaterialsAreLinearFactorsAndMissingImagesANotice) {
   EXPECT_TRUE(anyContains(model.notices, "absent.png"));
 }
 
+TEST(ImportGltf, UnlitMaterialsAreNoMetal) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  // A file without factors means white metal, of which an unlit material shows nothing.
+  const SourceModel model = importText(scratch, maker.text(
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],
+      "materials":[{"extensions":{"KHR_materials_unlit":{}}}])"));
+  EXPECT_EQ(model.materials[0].metallic, 0.0f);
+}
+
 TEST(ImportGltf, PercentEncodedNamesAreFound) {
   const Scratch scratch;
   scratch.write("sub folder/ein \xc3\xa4pfel.bin", bytesOf(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}));

@@ -49,6 +49,11 @@ class MaterialReader {
       material.roughness *= value.y;
       material.metallic *= value.z;
     }
+    if (member(source.extensions, "KHR_materials_unlit")) {
+      // Its colour is what is seen: the metal that a file without factors implies would darken it.
+      material.metallic = 0;
+      material.roughness = 1;
+    }
     use.keep_alpha = alpha == Alpha::kKeep;
     const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, material.base_color.a);
     if (!use.keep_alpha) material.base_color.a = 1;

@@ -36,7 +36,9 @@ std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes
   if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
     return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);
-  if (!pixels) return std::string("can not be decoded (") + (stbi_failure_reason() ? stbi_failure_reason() : "unknown reason") + ")";
+  const char* failure = stbi_failure_reason();
+  const std::string reason = failure && *failure ? failure : "its data are damaged or cut off";
+  if (!pixels) return std::string("can not be decoded (") + reason + ")";
   Image image;
   image.name = name;
   image.width = width;
