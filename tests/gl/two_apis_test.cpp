@@ -53,7 +53,12 @@ class Scenes {
       many.push_back(instance);
     }
     scenes_.push_back({"nine instances", many, lookAt(kPixels, {0.4f, 0.8f, 1.6f}, {0.1f, 0.3f, -0.6f}), voxel()});
-    scenes_.push_back({"close up", {rest}, lookAt(kPixels, {0.25f, 0.55f, 0.75f}, {0, 0.5f, 0}), voxel()});
+    gl::View close = lookAt(kPixels, {0.25f, 0.55f, 0.75f}, {0, 0.5f, 0});
+    scenes_.push_back({"close up", {rest}, close, voxel()});
+    close.shading = gl::Shading::kFaces;
+    scenes_.push_back({"close up, faces", {rest}, close, voxel()});
+    close.shading = gl::Shading::kSmooth;
+    scenes_.push_back({"close up, smooth", {rest}, close, voxel()});
     const Instance bent{asset(), &poses_[1]};
     scenes_.push_back({"eye inside", {bent}, lookAt(kPixels, toWorld(bent, 0, {30, 62, 25}), toWorld(bent, 0, {60, 40, 30}), 0.02f), voxel()});
     scenes_.push_back({"orthographic", {Instance{asset(), &poses_[2]}}, orthographic(kPixels, {3, 2, 4}, {0, 0.5f, 0}, 0.7f), voxel()});
