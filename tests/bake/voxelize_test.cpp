@@ -32,14 +32,14 @@ double meanNormalError(const bake::VoxelGrid& grid, const std::function<glm::dve
   return sum / static_cast<double>(grid.surface.size());
 }
 
-TEST(Voxelize, SphereHasItsVolumeAndItsNormals) {
+TEST(Voxelize, SphereOf256HasItsVolumeAndItsNormals) {
   bake::TriangleSoup soup;
-  test::addSphere(soup, {3, -7, 11}, 64.0f, 200);
+  test::addSphere(soup, {3, -7, 11}, 128.0f, 300);
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
-  EXPECT_EQ(baked.grid().size, glm::ivec3(128));
+  EXPECT_EQ(baked.grid().size, glm::ivec3(256));
   EXPECT_TRUE(baked.result.closed);
   EXPECT_EQ(baked.result.fill, "solid: 1 of 1 component closed");
-  const double volume = 4.0 / 3.0 * kPi * 64.0 * 64.0 * 64.0;
+  const double volume = 4.0 / 3.0 * kPi * 128.0 * 128.0 * 128.0;
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
   EXPECT_LT(meanNormalError(baked.grid(), [](const glm::dvec3& p) { return glm::normalize(p - glm::dvec3(3, -7, 11)); }), 1.0);
 }
