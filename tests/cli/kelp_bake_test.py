@@ -3,6 +3,7 @@
 """kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
+import resource
 import signal
 import struct
 import subprocess
@@ -249,11 +250,32 @@ class KelpBake(unittest.TestCase):
         self.assertIn("voxelize", {step["stage"] for step in steps})
         self.assertTrue(all(0 <= step["done"] <= 1 for step in steps))
 
+    def test_a_limit_on_the_size_of_files_leaves_nothing_behind(self):
+        lump = self.write("lump.obj", wavy_obj(20))
+        self.write("out.kelp", b"the pack that was there")
+        before = sorted(os.listdir(self.folder.name))
+        limited = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
+        result = subprocess.run([KELP_BAKE, lump, "-o", self.out, "--resolution", "60"], capture_output=True, timeout=120, preexec_fn=limited)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(b"out.kelp: can not be written: File too large", result.stderr)
+        self.assertEqual(self.read(self.out), b"the pack that was there")
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+
+    def test_hangups_that_are_ignored_stay_ignored(self):
+        lump = self.write("lump.obj", wavy_obj(60))
+        ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        process = subprocess.Popen([KELP_BAKE, lump, "-o", self.out, "--resolution", "200", "--progress", "json"], stderr=subprocess.PIPE, preexec_fn=ignore)
+        process.stderr.readline()
+        process.send_signal(signal.SIGHUP)
+        _, rest = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, rest)
+
     def test_interrupt(self):
         lump = self.write("lump.obj", wavy_obj(60))
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
-        process = subprocess.Popen([KELP_BAKE, lump, "-o", self.out, "--resolution", "400", "--progress", "json"], stderr=subprocess.PIPE)
+        heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # whoever runs the tests may have it ignored
+        process = subprocess.Popen([KELP_BAKE, lump, "-o", self.out, "--resolution", "400", "--progress", "json"], stderr=subprocess.PIPE, preexec_fn=heard)
         for line in process.stderr:
             if b"voxelize" in line:
                 process.send_signal(signal.SIGINT)

@@ -15,8 +15,13 @@ void catchInterrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_interrupted = 1; };
   action.sa_flags = SA_RESETHAND;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);  // nohup, and shells for jobs in the background, ask for that
+  }
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our messages that goes away is no reason to stop
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of writing, not the end with half a file left behind
 }
 
 bool interrupted() { return g_interrupted != 0; }

@@ -3,7 +3,8 @@
 
 namespace kelp::bake_cli {
 
-// From now on Ctrl-C, SIGTERM and SIGHUP ask for an orderly end; a second one ends the program at once.
+// From now on Ctrl-C, SIGTERM and SIGHUP ask for an orderly end, unless whoever started the program had them ignored; a second
+// one ends the program at once. Writing to what no longer takes it is an error, not a signal.
 void catchInterrupts();
 bool interrupted();
 
