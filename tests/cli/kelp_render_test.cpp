@@ -174,8 +174,50 @@ TEST_F(KelpRender, ShadingIsWhatWasAsked) {
   EXPECT_EQ(frontRow("faces").g, 255);
 }
 
+// The box is 0.5 m wide and 1 m high.
+TEST_F(KelpRender, SeveralPacksStandWhereTheyWereToldTo) {
+  const std::vector<std::string> wide = {"--size", "240x120"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), wide.begin(), wide.end());
+    return picture(more);
+  };
+  // One half a metre to the left, one half a metre to the right of the middle, a gap of half a metre between them.
+  const Picture two = with({"--at", "-0.5,0,0", "--and", pack_, "--at=0.5,0,0"});
+  EXPECT_FALSE(two.covered(120, 60));
+  const auto edges = [](const Picture& p, int y) {
+    std::vector<int> at;
+    for (int x = 1; x < p.width; ++x) {
+      if (p.covered(x, y) != p.covered(x - 1, y)) at.push_back(x);
+    }
+    return at;
+  };
+  const std::vector<int> both = edges(two, 60);
+  ASSERT_EQ(both.size(), 4u);
+  EXPECT_NEAR(both[1] - both[0], both[3] - both[2], 2);
+  EXPECT_NEAR(both[2] - both[1], both[1] - both[0], 0.3 * (both[1] - both[0]));  // the near faces look larger
+  // Each has its own pose, clip and time; what is nearer hides what is behind.
+  const Picture posed = with({"--at", "-0.8,0,0", "--and", pack_, "--at=0.8,0,0", "--clip", "lean", "--time", "0.5"});
+  ASSERT_EQ(edges(posed, 100).size(), 4u);
+  EXPECT_EQ(edges(posed, 30).size(), 4u);
+  EXPECT_NEAR(edges(posed, 30)[0], edges(posed, 100)[0], 3);
+  EXPECT_GT(edges(posed, 30)[2], edges(posed, 100)[2] + 5);
+  const glm::ivec4 front = picture({"--turn", "90", "--at", "0,0,1", "--and", pack_, "--at", "0,0,-1", "--scale", "0.5"}).at(60, 60);
+  const glm::ivec4 alone = picture({"--yaw", "-90"}).at(60, 60);
+  EXPECT_EQ(front.g > 2 * front.b, alone.g > 2 * alone.b);  // turned to the left, its left side, which is not blue, is in front
+  // Half as large in every direction.
+  const Picture scaled = with({"--at", "-0.5,0,0", "--and", pack_, "--at=0.5,0,0", "--scale", "0.5"});
+  int left = 0, right = 0;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 240; ++x) (x < 120 ? left : right) += scaled.covered(x, y);
+  }
+  EXPECT_NEAR(static_cast<double>(left) / right, 4, 0.6);
+}
+
 TEST_F(KelpRender, BackgroundsAreWhatWasAsked) {
   EXPECT_EQ(picture().at(0, 0), glm::ivec4(0));
+  const Picture gradient = picture({"--background", "200,0,0:0,0,200"});
+  EXPECT_GT(gradient.at(0, 0).r, 190);
+  EXPECT_GT(gradient.at(0, 119).b, 190);
   EXPECT_EQ(picture({"--background", "10,200,30"}).at(0, 0), glm::ivec4(10, 200, 30, 255));
 }
 
@@ -259,6 +301,15 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--tangent", "7=1,2,3"}, 1, "knots 0 to 1; name one"},
       {{pack_, "-o", out_, "--tangent", "tail:0=1,2,3"}, 1, "no part \"tail\". Parts: part"},
       {{pack_, "-o", out_, "--clip", "swim"}, 1, "Clips: lean"},
+      {{pack_, "-o", out_, "--background", "1,2,3:4,5"}, 1, "TOP:BOTTOM"},
+      {{pack_, "-o", out_, "--at", "1,2"}, 1, "--at 1,2: expected x,y,z"},
+      {{pack_, "-o", out_, "--turn", "inf"}, 1, "--turn takes a finite number"},
+      {{pack_, "-o", out_, "--scale", "0"}, 1, "--scale takes a number from"},
+      {{pack_, "-o", out_, "--and"}, 1, "PACK is required"},
+      {{pack_, "-o", out_, "--and", pack_, "--size", "9x9"}, 1, "--size"},
+      {{pack_, "-o", out_, "--and", pack_, "--clip", "swim"}, 1, "Clips: lean"},
+      {{pack_, "-o", out_, "--and", folder_ / "none.kelp"}, 2, "none.kelp: can not be opened"},
+      {{pack_, "-o", out_, "--and", cut}, 3, "cut.kelp"},
       {{folder_ / "none.kelp", "-o", out_}, 2, "No such file"},
       {{folder_ / ".", "-o", out_}, 2, "can not be opened"},
       {{pack_, "-o", folder_ / "no/such/folder/out.png"}, 2, "folder"},

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-// kelp-render: a pack, a pose, a picture. The one place where errors become exit codes.
+// kelp-render: packs, poses, a picture. The one place where errors become exit codes.
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <new>
 
@@ -15,8 +13,8 @@
 #include "options.h"
 #include "picture.h"
 #include "png_file.h"
-#include "posing.h"
 #include "render_error.h"
+#include "scene.h"
 #include "views.h"
 
 namespace kelp::render {
@@ -43,48 +41,26 @@ const char* remedyOf(ErrorCode code) {
   }
 }
 
-FileSource openFile(const std::string& path) {
-  errno = 0;
-  auto opened = FileSource::open(path.c_str());
-  if (opened) return *std::move(opened);
-  throw RenderError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, errno ? std::strerror(errno) : "it is not a file"));
-}
-
-template <class T>
-T check(const std::string& path, Result<T> result) {
-  if (!result) failPack(path, result.error());
-  if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
-
 // OUT.png, or OUT_0001.png and so on.
 std::string frameName(const Options& options, int frame) {
   if (options.frames == 1) return options.output;
   return fmt::format("{}_{:04}.png", options.output.substr(0, options.output.size() - 4), frame + 1);
 }
 
-// Parts may have different numbers of levels; a level that none of them has would be the coarsest of each in disguise.
-void checkLevel(const Options& options, const Pack& pack) {
-  int levels = 0;
-  for (const Part& part : pack.parts()) levels = std::max(levels, static_cast<int>(part.levels));
-  if (options.level.value_or(0) >= levels) throw RenderError(kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them", *options.level, options.pack, levels - 1));
-}
-
 void run(const Options& options) {
-  FileSource file = openFile(options.pack);
-  const auto asset = check(options.pack, runtime::Asset::open(file.source()));
-  checkLevel(options, asset->pack());
-  runtime::Pose pose = check(options.pack, runtime::Pose::create(*asset));
-  const runtime::Instance instance{asset.get(), &pose};
-  const Posing posing(*asset, options);
-  check(options.pack, asset->loadAll());
+  Scene scene(options);
+  const bool turntable = scene.duration() == 0;
+  const auto pose = [&](int frame) { scene.pose(scene.duration() * frame / options.frames); };
 
-  // The camera sees the model at rest and in every frame.
+  // The camera sees every frame; with a clip the models at rest too, so that pictures of single moments have one framing.
   std::vector<glm::dvec3> points;
-  addOutline(instance, points);
-  const bool turntable = options.clip.empty();
+  const auto addOutlines = [&] {
+    for (const runtime::Instance& instance : scene.instances()) addOutline(instance, points);
+  };
+  if (!turntable) addOutlines();
   for (int frame = 0; frame < (turntable ? 1 : options.frames); ++frame) {
-    posing.apply(frame, pose);
-    addOutline(instance, points);
+    pose(frame);
+    addOutlines();
   }
   const double aspect = static_cast<double>(options.size.x) / options.size.y;
   const Camera camera(std::move(points), options.yaw, options.pitch, turntable ? options.frames : 1, aspect);
@@ -96,9 +72,9 @@ void run(const Options& options) {
   config.getProcAddress = HeadlessContext::getProcAddress;
   config.surface_glsl = style.surface.c_str();
   config.log = [](void*, const char* text) { std::fputs(text, stderr); };
-  const auto renderer = check("OpenGL", gl::Renderer::create(config));
-  check(options.pack, renderer->add(*asset));
-  check(options.pack, renderer->upload(~std::uint64_t{0}));
+  const auto renderer = checkPack("OpenGL", gl::Renderer::create(config));
+  for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer->add(*pack.asset));
+  checkPack("OpenGL", renderer->upload(~std::uint64_t{0}));
 
   gl::View view;
   view.viewport = options.samples * options.size;
@@ -108,10 +84,10 @@ void run(const Options& options) {
     view.pixels_per_voxel = 0;
   }
   for (int frame = 0; frame < options.frames; ++frame) {
-    posing.apply(frame, pose);
+    pose(frame);
     camera.apply(turntable ? frame : 0, view);
     canvas.clear();
-    check(options.pack, renderer->draw(view, {&instance, 1}));
+    checkPack("OpenGL", renderer->draw(view, scene.instances()));
     writePng(frameName(options, frame),
              resolve(canvas.read(), options.size, options.samples, style.colors, options.background.value_or(style.background)));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -92,13 +93,69 @@ Background parseBackground(const std::string& text) {
     background.transparent = true;
     return background;
   }
-  if (!parseVector(text, background.top) || glm::any(glm::lessThan(background.top, glm::vec3(0))) ||
-      glm::any(glm::greaterThan(background.top, glm::vec3(255)))) {
-    refuse("--background", text, "R,G,B, each from 0 to 255, or none");
+  const auto parseColor = [](std::string_view color, glm::vec3& out) {
+    return parseVector(color, out) && glm::all(glm::greaterThanEqual(out, glm::vec3(0))) && glm::all(glm::lessThanEqual(out, glm::vec3(255)));
+  };
+  const std::size_t colon = text.find(':');
+  const std::string_view top = std::string_view(text).substr(0, colon);
+  const std::string_view bottom = colon == std::string::npos ? top : std::string_view(text).substr(colon + 1);
+  if (!parseColor(top, background.top) || !parseColor(bottom, background.bottom)) {
+    refuse("--background", text, "R,G,B or TOP:BOTTOM of two such colours, each number from 0 to 255, or none");
   }
   background.top /= 255.0f;
-  background.bottom = background.top;
+  background.bottom /= 255.0f;
   return background;
+}
+
+// What is said of each pack, before and after --and alike.
+struct ItemText {
+  Item item;
+  std::vector<std::string> tangents, offsets;
+  std::string at;
+  CLI::Option* time = nullptr;
+};
+
+void addItemOptions(CLI::App& app, ItemText& text) {
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
+  app.add_option("PACK", text.item.pack, "the .kelp file")->required();
+  app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");
+  text.time = app.add_option("--time", text.item.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
+  app.add_option("--tangent", text.tangents, "replaces the tangent dS/d(at) of a knot; may be repeated")
+      ->option_text("[PART:]KNOT=x,y,z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+  app.add_option("--offset", text.offsets, "moves a knot; may be repeated")
+      ->option_text("[PART:]KNOT=x,y,z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+  app.add_option("--at", text.at, "where the model stands, in metres")->option_text("x,y,z [0,0,0]");
+  app.add_option("--turn", text.item.turn, "turns the model about the vertical, counter-clockwise from above")->option_text("DEGREES [0]");
+  app.add_option("--scale", text.item.scale, "makes the model larger or smaller")->option_text("FACTOR [1]");
+}
+
+Item finishItem(const ItemText& text) {
+  Item item = text.item;
+  if (!std::isfinite(item.time)) throw RenderError(kUsage, "--time takes a finite number; see kelp-render --help");
+  if (*text.time && item.clip.empty()) throw RenderError(kUsage, "--time: there is no clip to play; name one with --clip, kelp-dump info lists them");
+  if (!text.at.empty() && !parseVector(text.at, item.at)) refuse("--at", text.at, "x,y,z");
+  if (!std::isfinite(item.turn)) throw RenderError(kUsage, "--turn takes a finite number; see kelp-render --help");
+  if (!(item.scale >= 1e-6 && item.scale <= 1e6)) throw RenderError(kUsage, "--scale takes a number from 0.000001 to 1000000; see kelp-render --help");
+  for (const std::string& change : text.tangents) item.changes.push_back(parseChange("--tangent", change, true));
+  for (const std::string& change : text.offsets) item.changes.push_back(parseChange("--offset", change, false));
+  return item;
+}
+
+// False: --help or --version was answered.
+bool parse(CLI::App& app, std::vector<std::string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) throw RenderError(kUsage, fmt::format("{}; see kelp-render --help", error.what()));
+    app.exit(error);
+    return false;
+  }
+  return true;
 }
 
 constexpr char kFooter[] =
@@ -108,40 +165,30 @@ constexpr char kFooter[] =
     "  kelp-render reed.kelp -o sway.png --clip sway --frames 24             sway_0001.png ... sway_0024.png\n"
     "  kelp-render reed.kelp -o turn.png --frames 36                         a turntable\n"
     "  kelp-render reed.kelp -o cost.png --view steps                        how many steps each ray took: blue 0, red 64 and more\n"
+    "  kelp-render reed.kelp -o pond.png --and fish.kelp --clip swim --at 0.3,0.4,0.1 --turn 20\n"
     "\n"
+    "--and PACK adds a pack to the picture; --clip, --time, --tangent, --offset, --at, --turn and --scale speak of the pack before them.\n"
     "Vectors are in the part's axes, y along the spline; 1 is the length of the axis.\n"
     "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or pose, 4 failure at run time, 5 unsupported feature.";
 
 }  // namespace
 
 std::optional<Options> parseOptions(int argc, char** argv) {
-  CLI::App app("Renders a .kelp pack to PNG, without a window.", "kelp-render");
+  CLI::App app("Renders .kelp packs to PNG, without a window.", "kelp-render");
   app.set_version_flag("--version", "kelp-render " KELP_VERSION);
   app.footer(kFooter);
-  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
   Options options;
+  ItemText first;
   std::string view, shading, size, background;
-  std::vector<std::string> tangents, offsets;
   int level = 0;
-  app.add_option("PACK", options.pack, "the .kelp file")->required();
+  addItemOptions(app, first);
   app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
   app.add_option("--view", view, "what to show")->option_text("shaded|normals|depth|steps|level [shaded]");
   app.add_option("--shading", shading, "how voxels larger than pixels look: one normal each, as blocks, or blended")
       ->option_text("gradient|faces|smooth [gradient]");
   app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
   app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
-  app.add_option("--clip", options.clip, "the animation to play")->option_text("NAME");
-  CLI::Option* const time_option =
-      app.add_option("--time", options.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
-  app.add_option("--tangent", tangents, "replaces the tangent dS/d(at) of a knot; may be repeated")
-      ->option_text("[PART:]KNOT=x,y,z")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false);
-  app.add_option("--offset", offsets, "moves a knot; may be repeated")
-      ->option_text("[PART:]KNOT=x,y,z")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false);
-  app.add_option("--frames", options.frames, "pictures over the clip's duration; without a clip, over a full turn")
+  app.add_option("--frames", options.frames, "pictures over the first clip's duration; without a clip, over a full turn")
       ->check(CLI::Range(1, kMaxFrames))
       ->option_text("N [1]");
   app.add_option("--yaw", options.yaw, "degrees to the right of the model's front")->option_text("DEGREES [30]");
@@ -150,24 +197,32 @@ std::optional<Options> parseOptions(int argc, char** argv) {
       app.add_option("--level", level, "the level to draw, 0 = finest; by default chosen by the size of its voxels in the picture")
           ->check(CLI::Range(0, 15))
           ->option_text("N");
-  app.add_option("--background", background, "one colour, or none for a transparent picture; by default a gradient")->option_text("R,G,B|none");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw RenderError(kUsage, fmt::format("{}; see kelp-render --help", error.what()));
-    app.exit(error);
-    return std::nullopt;
+  app.add_option("--background", background, "one colour or two, or none for a transparent picture; by default a gradient")->option_text("R,G,B|TOP:BOTTOM|none");
+
+  std::vector<std::vector<std::string>> groups(1);
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--and") {
+      groups.emplace_back();
+    } else {
+      groups.back().emplace_back(argv[i]);
+    }
+  }
+  if (!parse(app, groups[0])) return std::nullopt;
+  options.items.push_back(finishItem(first));
+  for (std::size_t i = 1; i < groups.size(); ++i) {
+    CLI::App more("A pack that joins the picture; kelp-render --help says all.", "kelp-render --and");
+    ItemText text;
+    addItemOptions(more, text);
+    if (!parse(more, groups[i])) return std::nullopt;
+    options.items.push_back(finishItem(text));
   }
   if (!options.output.ends_with(".png")) refuse("-o", options.output, "a name that ends in .png");
-  if (!std::isfinite(options.time) || !std::isfinite(options.yaw)) throw RenderError(kUsage, "--time and --yaw take finite numbers; see kelp-render --help");
-  if (*time_option && options.clip.empty()) throw RenderError(kUsage, "--time: there is no clip to play; name one with --clip, kelp-dump info lists them");
+  if (!std::isfinite(options.yaw)) throw RenderError(kUsage, "--yaw takes a finite number; see kelp-render --help");
   if (!view.empty()) options.view = parseView(view);
   if (!shading.empty()) options.shading = parseShading(shading);
   if (!size.empty()) options.size = parseSize(size);
   if (!background.empty()) options.background = parseBackground(background);
   if (*level_option) options.level = level;
-  for (const std::string& text : tangents) options.changes.push_back(parseChange("--tangent", text, true));
-  for (const std::string& text : offsets) options.changes.push_back(parseChange("--offset", text, false));
   return options;
 }
 

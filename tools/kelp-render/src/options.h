@@ -24,21 +24,29 @@ struct KnotChange {
   std::string text;      // as written, for messages
 };
 
+// A pack to draw: its pose, and where it stands.
+struct Item {
+  std::string pack;
+  std::string clip;
+  double time = 0;
+  std::vector<KnotChange> changes;
+  glm::vec3 at{0};   // metres
+  double turn = 0;   // degrees about +y, counter-clockwise from above
+  double scale = 1;
+};
+
 struct Background {
   bool transparent = false;
   glm::vec3 bottom{0}, top{0};  // sRGB, 0 .. 1
 };
 
 struct Options {
-  std::string pack;
+  std::vector<Item> items;  // at least one
   std::string output;
   ViewKind view = ViewKind::kShaded;
   gl::Shading shading = gl::Shading::kGradient;
   glm::ivec2 size{800, 600};
   int samples = 2;  // along each side of a pixel
-  std::string clip;
-  double time = 0;
-  std::vector<KnotChange> changes;
   int frames = 1;
   double yaw = 30;    // degrees; 0 looks at the front (+z)
   double pitch = 15;  // degrees, downwards

@@ -52,9 +52,9 @@ std::string describe(const Pack& pack, const runtime::Pose& pose) {
 
 }  // namespace
 
-Posing::Posing(const runtime::Asset& asset, const Options& options) : asset_(asset), options_(options) {
+Posing::Posing(const runtime::Asset& asset, const Item& item) : asset_(asset), item_(item) {
   const Pack& pack = asset.pack();
-  for (const KnotChange& change : options.changes) {
+  for (const KnotChange& change : item.changes) {
     const int part = findPart(pack, change);
     const std::size_t knots = pack.parts()[static_cast<std::size_t>(part)].knots.size();
     if (static_cast<std::size_t>(change.knot) >= knots) {
@@ -62,12 +62,14 @@ Posing::Posing(const runtime::Asset& asset, const Options& options) : asset_(ass
     }
     changes_.push_back({part, &change});
   }
-  if (options.clip.empty()) return;
-  clip_ = runtime::findClip(asset, options.clip);
-  if (clip_ < 0) throw RenderError(kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", options.clip, options.pack, listNames(pack.clips())));
+  if (item.clip.empty()) return;
+  clip_ = runtime::findClip(asset, item.clip);
+  if (clip_ < 0) throw RenderError(kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", item.clip, item.pack, listNames(pack.clips())));
 }
 
-void Posing::apply(int frame, runtime::Pose& pose) const {
+double Posing::duration() const { return clip_ < 0 ? 0 : double{asset_.pack().clips()[static_cast<std::size_t>(clip_)].duration}; }
+
+void Posing::apply(double seconds, runtime::Pose& pose) const {
   pose.reset();
   for (const Resolved& resolved : changes_) {
     const auto part = static_cast<std::size_t>(resolved.part);
@@ -80,13 +82,11 @@ void Posing::apply(int frame, runtime::Pose& pose) const {
     }
   }
   if (clip_ >= 0) {
-    const double duration = double{asset_.pack().clips()[static_cast<std::size_t>(clip_)].duration};
-    const double seconds = options_.time + duration * frame / options_.frames;
-    if (const auto added = runtime::addClip(asset_, clip_, seconds, 1, pose); !added) failPack(options_.pack, added.error());
+    if (const auto added = runtime::addClip(asset_, clip_, item_.time + seconds, 1, pose); !added) failPack(item_.pack, added.error());
   }
   if (!pose.check()) {
     throw RenderError(kInvalid, fmt::format("{}: {}; keep the knots' y ascending and the y of every tangent between 0 and 3 times the rise to the "
-                                            "next knot per share of the axis", options_.pack, describe(asset_.pack(), pose)));
+                                            "next knot per share of the axis", item_.pack, describe(asset_.pack(), pose)));
   }
 }
 

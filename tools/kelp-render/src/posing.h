@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pose of each frame: rest, then what --tangent and --offset change, then the clip.
+// The pose of a pack at a time: rest, then what --tangent and --offset change, then the clip.
 #pragma once
 
 #include "kelp/runtime/pose.h"
@@ -10,10 +10,12 @@ namespace kelp::render {
 class Posing {
  public:
   // RenderError: kUsage for a clip, part or knot that is not there.
-  Posing(const runtime::Asset& asset, const Options& options);
+  Posing(const runtime::Asset& asset, const Item& item);
 
-  // Sets `pose` for the frame. RenderError (kInvalid) with the knot's name if it is not monotone.
-  void apply(int frame, runtime::Pose& pose) const;
+  // How long the clip is, in seconds; 0: there is none.
+  double duration() const;
+  // Sets `pose`, `seconds` after --time. RenderError (kInvalid) with the knot's name if it is not monotone.
+  void apply(double seconds, runtime::Pose& pose) const;
 
  private:
   struct Resolved {
@@ -21,7 +23,7 @@ class Posing {
     const KnotChange* change = nullptr;
   };
   const runtime::Asset& asset_;
-  const Options& options_;
+  const Item& item_;
   std::vector<Resolved> changes_;
   int clip_ = -1;
 };

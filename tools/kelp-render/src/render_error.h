@@ -19,4 +19,10 @@ struct RenderError : std::runtime_error {
 // For an error of formats or runtime that concerns the pack `path`.
 [[noreturn]] void failPack(const std::string& path, const Error& error);
 
+template <class T>
+T checkPack(const std::string& path, Result<T> result) {
+  if (!result) failPack(path, result.error());
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
 }  // namespace kelp::render

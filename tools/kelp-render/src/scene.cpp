@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "scene.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render_error.h"
+
+namespace kelp::render {
+namespace {
+
+FileSource openFile(const std::string& path) {
+  errno = 0;
+  auto opened = FileSource::open(path.c_str());
+  if (opened) return *std::move(opened);
+  throw RenderError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, errno ? std::strerror(errno) : "it is not a file"));
+}
+
+// Parts may have different numbers of levels; a level that none of them has would be the coarsest of each in disguise.
+void checkLevel(const Options& options, const std::string& path, const Pack& pack) {
+  int levels = 0;
+  for (const Part& part : pack.parts()) levels = std::max(levels, static_cast<int>(part.levels));
+  if (options.level.value_or(0) >= levels) throw RenderError(kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them", *options.level, path, levels - 1));
+}
+
+glm::mat4 placeOf(const Item& item) {
+  const glm::mat4 at = glm::translate(glm::mat4(1), item.at);
+  return glm::scale(glm::rotate(at, static_cast<float>(glm::radians(item.turn)), glm::vec3(0, 1, 0)), glm::vec3(static_cast<float>(item.scale)));
+}
+
+}  // namespace
+
+Scene::Scene(const Options& options) : options_(options) {
+  // The command line is checked against all packs before the first voxel is read.
+  for (const Item& item : options.items) {
+    Pack& pack = packs_[item.pack];
+    if (!pack.asset) {
+      pack.file = openFile(item.pack);
+      pack.asset = checkPack(item.pack, runtime::Asset::open(pack.file.source()));
+      checkLevel(options, item.pack, pack.asset->pack());
+    }
+    poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack.asset)));
+    posings_.emplace_back(*pack.asset, item);
+    if (duration_ == 0) duration_ = posings_.back().duration();
+  }
+  for (const auto& [path, pack] : packs_) checkPack(path, pack.asset->loadAll());
+  for (std::size_t i = 0; i < options.items.size(); ++i) {
+    runtime::Instance instance{packs_[options.items[i].pack].asset.get(), &poses_[i]};
+    instance.to_world = placeOf(options.items[i]);
+    instances_.push_back(instance);
+  }
+}
+
+void Scene::pose(double seconds) {
+  for (std::size_t i = 0; i < poses_.size(); ++i) posings_[i].apply(seconds, poses_[i]);
+}
+
+}  // namespace kelp::render
