@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes kelp's sample models: kelp_plant.glb, orange.glb and fish.glb, with their rigs. Needs nothing but Python 3."""
+"""Makes kelp's sample models: kelp_plant.glb, orange.glb, fish.glb and seabed.glb, with their rigs. Needs nothing but Python 3."""
 
 import os
 import sys
@@ -11,8 +11,9 @@ import fish  # noqa: E402
 import glb  # noqa: E402
 import kelp_plant  # noqa: E402
 import orange  # noqa: E402
+import seabed  # noqa: E402
 
-MODELS = {"kelp_plant": kelp_plant, "orange": orange, "fish": fish}
+MODELS = {"kelp_plant": kelp_plant, "orange": orange, "fish": fish, "seabed": seabed}
 
 
 def main(arguments):

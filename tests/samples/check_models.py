@@ -19,6 +19,7 @@ EXPECTED = {
     "kelp_plant": ("+y", 1.2, {"sway": (0.15, 0.35), "current": (0.25, 0.40)}),
     "orange": ("+y", 0.11, {"wobble": (0.10, 0.25)}),
     "fish": ("-x", 0.3, {"swim": (0.10, 0.20)}),
+    "seabed": ("+y", 0.085, {}),
 }
 COMPONENTS = {5126: ("f", 4), 5123: ("H", 2), 5125: ("I", 4)}
 WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them: installs what is missing (as root, or with sudo), builds kelp, makes
+# the sample models, and leaves two sheets in samples/out/figures. Spot and the Stanford bunny come from KELP_ASSETS, or from shared/assets
+# beside the checkout; where they are not, kelp's own models stand in.
+#   samples/pictures/figures.sh [OPTION OF figures.py]...    for instance --tile 600
+#   samples/pictures/figures.sh --help                       this text
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+case "${1:-}" in
+  -h|--help) sed -n '3,7s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
+esac
+
+out=samples/out/figures
+bin=build/release/bin
+log=$out/figures.log
+mkdir -p "$out"
+
+step() {
+  printf '  %s\n' "$1" >&2
+  shift
+  "$@" >"$log" 2>&1 || { tail -n 40 "$log" >&2; echo "figures.sh: '$*' failed; all it said is in $log" >&2; exit 4; }
+}
+
+step "packages (minutes, the first time)" tools/setup.sh
+step "configure" cmake --preset release
+step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-render
+step "make the models" python3 -B samples/models/make_models.py "$out/models"
+printf '  bake, render and lay out\n' >&2
+python3 -B samples/pictures/figures.py --bin "$bin" --models "$out/models" --out "$out" "$@"
