@@ -14,6 +14,12 @@ namespace {
 using runtime::Instance;
 
 constexpr char kNormals[] = "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }\n";
+constexpr char kPartNormals[] = R"(
+vec4 kelpSurface(KelpSurface s) {
+  mat3 to_world = mat3(kelpPartToWorld());
+  return vec4(0.5 + 0.5 * transpose(to_world) * s.normal / length(to_world[0]), 1.0);
+}
+)";
 constexpr char kColors[] = "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n";
 
 glm::vec3 normalOf(const Pixel& pixel) { return glm::vec3(pixel[0], pixel[1], pixel[2]) / 127.5f - 1.0f; }
@@ -119,7 +125,8 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
     gradient_jump = std::max(gradient_jump, degreesBetween(normalOf(gradient[i]), normalOf(gradient[i - 1])) - turn);
   }
   ASSERT_GT(count, 70000);
-  std::printf("gradient: mean %.2f, jump %.2f; smooth: mean %.2f, worst %.2f, jump %.2f degrees\n", gradient_sum / count, gradient_jump, smooth_sum / count, smooth_worst, smooth_jump);
+  std::printf("gradient: mean %.2f, jump %.2f; smooth: mean %.2f, worst %.2f, jump %.2f degrees\n", gradient_sum / count,
+              gradient_jump, smooth_sum / count, smooth_worst, smooth_jump);
   EXPECT_LT(smooth_sum / count, 0.5 * gradient_sum / count);
   EXPECT_LT(smooth_worst, 6);
   EXPECT_GT(gradient_jump, 5);
@@ -198,7 +205,7 @@ TEST_P(ShadingTest, FacesAreTheCubesOwn) {
   const fields::Occupancy clump = ballClump({24, 32, 20}, 14, 7);
   const LoadedAsset loaded(packOf(clump));
   const Canvas canvas({160, 120});
-  const auto renderer = makeRenderer(*loaded.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * transpose(mat3(kelpPartToWorld())) * s.normal / length(kelpPartToWorld()[0]), 1.0); }\n");
+  const auto renderer = makeRenderer(*loaded.asset, kPartNormals);
   Instance instance{loaded.asset.get(), nullptr};
   instance.to_world = glm::rotate(glm::mat4(1), 0.7f, glm::vec3(0.3f, 1, 0.2f));
   const Part& part = loaded.asset->pack().parts()[0];

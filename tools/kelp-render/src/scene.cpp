@@ -34,7 +34,7 @@ glm::mat4 placeOf(const Item& item) {
 
 }  // namespace
 
-Scene::Scene(const Options& options) : options_(options) {
+Scene::Scene(const Options& options) {
   // The command line is checked against all packs before the first voxel is read.
   for (const Item& item : options.items) {
     Pack& pack = packs_[item.pack];

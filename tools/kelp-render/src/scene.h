@@ -19,6 +19,8 @@ class Scene {
  public:
   // Reads every pack once, however often it is drawn. RenderError: what is wrong with which pack. `options` must outlive the scene.
   explicit Scene(const Options& options);
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
 
   // How long the first clip is, in seconds; 0: nothing has a clip.
   double duration() const { return duration_; }
@@ -33,7 +35,6 @@ class Scene {
   const std::map<std::string, Pack>& packs() const { return packs_; }  // by path
 
  private:
-  const Options& options_;
   std::map<std::string, Pack> packs_;
   std::vector<runtime::Pose> poses_;
   std::vector<Posing> posings_;
