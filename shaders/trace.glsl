@@ -158,29 +158,26 @@ KELP_FN float kelpOutsideStep(KelpCurve c, float b, vec3 q, vec3 gap) {
   return x;
 }
 
-// Inside an empty cell, the cube of side 2 half_side with its lowest corner at `corner`: the distance in b that is safe to go.
-// The clearance's ball is around the cell, not around q: first leave the cell (enlarged by KELP_ERODE), then add the clearance.
-// With h(x) = |q'| x + |q''|/2 x^2 + |c3| x^3 >= the arc length over x, the step x solves h(x) = clearance + h(exit), from below.
-KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 corner, float half_side, float clearance) {
+// In an empty box, which is around q but for rounding, with nothing solid nearer to q's brick than `clearance`: the distance in b that is
+// safe to go. Either to where the curve can first leave the box (enlarged by KELP_ERODE), or over an arc as long as the clearance.
+KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size, float clearance) {
   vec3 half_bend = c.c2 + (3.0f * b) * c.c3;
   vec3 slope = c.c1 + b * (c.c2 + half_bend);
   float speed2 = max(dot(slope, slope), 1e-30f);
   float per_speed = inversesqrt(speed2);
-  float speed = speed2 * per_speed;
-  float bend = length(half_bend);
-  float twist = length(c.c3);
   vec3 twists = abs(c.c3);
   float range = c.end - b;
 
-  // Exit from the cell, per axis: through the face ahead, or, where the curve may turn around, through the one behind. Over [0, limit] the
+  // Exit from the box, per axis: through the face ahead, or, where the curve may turn around, through the one behind. Over [0, limit] the
   // cubic term is bounded by its value at `limit`, which leaves quadratics.
-  float limit = min(3.6f * half_side * per_speed, range);
+  float limit = min(2.08f * length(half_size) * per_speed, range);
   vec3 ahead_sign = vec3(slope.x < 0.0f ? -1.0f : 1.0f, slope.y < 0.0f ? -1.0f : 1.0f, slope.z < 0.0f ? -1.0f : 1.0f);
-  vec3 from_centre = ahead_sign * (q - corner - vec3(half_side));
+  vec3 from_centre = ahead_sign * (q - centre);
   vec3 along = abs(slope);
   vec3 bends = ahead_sign * half_bend;
-  vec3 ahead = max(vec3(half_side + KELP_ERODE) - from_centre, vec3(0.25f * KELP_ERODE));
-  vec3 behind = max(vec3(half_side + KELP_ERODE) + from_centre, vec3(0.25f * KELP_ERODE));
+  vec3 room = half_size + vec3(KELP_ERODE);
+  vec3 ahead = max(room - from_centre, vec3(0.25f * KELP_ERODE));
+  vec3 behind = max(room + from_centre, vec3(0.25f * KELP_ERODE));
   vec3 high = bends + limit * twists;
   vec3 low = bends - limit * twists;
   vec3 k = along * along + 4.0f * high * ahead;
@@ -196,9 +193,10 @@ KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 corner, float half_sid
   leave = min(leave, low.y < -1e-20f ? x_behind.y : KELP_NEVER);
   leave = min(leave, low.z < -1e-20f ? x_behind.z : KELP_NEVER);
 
-  float reach = clearance + ((twist * leave + bend) * leave + speed) * leave;
-  float curvature = bend + twist * min(reach * per_speed, range);
-  return max(leave, 2.0f * reach / (speed + sqrt(speed2 + 4.0f * curvature * reach)));
+  // The arc over x is no longer than |q'| x + |q''|/2 x^2 + |c3| x^3.
+  float speed = speed2 * per_speed;
+  float curvature = length(half_bend) + length(c.c3) * min(clearance * per_speed, range);
+  return max(leave, 2.0f * clearance / (speed + sqrt(speed2 + 4.0f * curvature * clearance)));
 }
 
 // Follows one curve to its first solid voxel or its end. Fields of `hit` that count go on from their values.
@@ -231,9 +229,9 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
       ivec3 brick = ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
       uint cell = KELP_FETCH_CELL(brick);
       ++hit.fetches;
-      vec3 corner = vec3(8.0f * float(brick.x), 8.0f * float(brick.y), 8.0f * float(brick.z));
-      float half_side = 4.0f;
-      float clearance = 0.00390625f * float(cell);
+      vec3 centre = vec3(8.0f * float(brick.x) + 4.0f, 8.0f * float(brick.y) + 4.0f, 8.0f * float(brick.z) + 4.0f);
+      vec3 half_size = vec3(4.0f);
+      float clearance = 0.0f;
       if (cell >= 0x80000000u) {
         uint slot = cell & 0x00ffffffu;
         uint code = KELP_FETCH_CODE(slot, voxel);
@@ -249,11 +247,16 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
           going = false;
           break;
         }
-        corner = vec3(float(voxel.x), float(voxel.y), float(voxel.z));
-        half_side = 0.5f;
-        clearance = 0.25f * float(code);
+        centre = vec3(float(voxel.x) + 0.5f, float(voxel.y) + 0.5f, float(voxel.z) + 0.5f);
+        half_size = vec3(float(1u << (code & 3u)) - 0.5f, float(1u << ((code >> 2u) & 3u)) - 0.5f, float(1u << (code >> 4u)) - 0.5f);
+      } else {
+        vec3 down = vec3(float(cell & 15u), float((cell >> 8u) & 15u), float((cell >> 16u) & 15u));
+        vec3 up = vec3(float((cell >> 4u) & 15u), float((cell >> 12u) & 15u), float((cell >> 20u) & 15u));
+        centre = centre + 4.0f * (up - down);
+        half_size = half_size + 4.0f * (up + down);
+        clearance = float(cell >> 24u);
       }
-      b = kelpAdvance(b, kelpStep(c, b, q, corner, half_side, clearance));
+      b = kelpAdvance(b, kelpStep(c, b, q, centre, half_size, clearance));
       going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
       inside = going;
     }

@@ -115,8 +115,10 @@ TrialVolume wholeVolume(std::string name, fields::Occupancy volume) {
 }
 
 TrialVolume tiledVolume(std::string name, const fields::Occupancy& tile, const glm::ivec3& size) {
-  // Clearances of a tile in the middle of others like it: nothing is further than half a tile's diagonal.
-  fields::Occupancy block{3 * tile.size, std::vector<std::uint8_t>(27 * tile.solid.size())};
+  // The tile in the middle of others like it, so many that no box of its bricks reaches their end.
+  const int around = (kCellMaxReach * kBrickSide + std::min({tile.size.x, tile.size.y, tile.size.z}) - 1) / std::min({tile.size.x, tile.size.y, tile.size.z});
+  const int side = 2 * around + 1;
+  fields::Occupancy block{side * tile.size, std::vector<std::uint8_t>(static_cast<std::size_t>(side * side * side) * tile.solid.size())};
   for (int z = 0; z < block.size.z; ++z)
     for (int y = 0; y < block.size.y; ++y)
       for (int x = 0; x < block.size.x; ++x) block.solid[block.index({x, y, z})] = tile.solid[tile.index(glm::ivec3(x, y, z) % tile.size)];
@@ -125,7 +127,8 @@ TrialVolume tiledVolume(std::string name, const fields::Occupancy& tile, const g
   out.size = size;
   out.level = fields::buildLevel(block, test::plainSurface(block), 1);
   out.grid = brickGrid(block.size);
-  out.tile_bricks = out.first_brick = brickGrid(tile.size);
+  out.tile_bricks = brickGrid(tile.size);
+  out.first_brick = around * out.tile_bricks;
   out.pattern = tile;
   out.tiled = true;
   return out;

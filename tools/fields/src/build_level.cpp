@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
 // From occupancy and surface to cells, codes and attributes.
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
 #include <utility>
 
 #include "check.h"
+#include "empty_boxes.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 #include "parallel.h"
 
 namespace kelp::fields {
 namespace {
-
-// An empty voxel of a brick that holds a solid one is at most 6 voxels away from it on every axis.
-constexpr std::uint32_t kMaxSquaredInBrick = 3 * 6 * 6;
 
 glm::ivec3 wholeBricks(const glm::ivec3& size) { return brickGrid(size) * kBrickSide; }
 
@@ -57,21 +54,24 @@ PaddedVolume paddedClearance(const Occupancy& occupancy, int threads) {
 class LevelBuilder {
  public:
   LevelBuilder(const Occupancy& occupancy, int threads)
-      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads) {}
+      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads), bits_(occupancy, threads) {}
 
-  // Empty bricks get their clearance; the others a slot, in Morton order.
+  // Empty bricks get their box and their clearance; the others a slot, in Morton order.
   void makeCells(const PaddedVolume& padded) {
     level_.cells.resize(checkedVolume(grid_));
-    parallelFor(grid_.z, grainOf(std::int64_t{grid_.x} * grid_.y * kBrickVoxels), threads_,
-                [&](std::int64_t begin, std::int64_t end) {
-                  glm::ivec3 brick{0};
-                  for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
-                    for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
-                      for (brick.x = 0; brick.x < grid_.x; ++brick.x)
-                        level_.cells[cellIndex(brick)] = clearanceOrSolid(padded, brick);
-                    }
-                  }
-                });
+    const BrickSums sums(bits_, grid_);
+    parallelFor(
+        grid_.z, grainOf(std::int64_t{grid_.x} * grid_.y * kBrickVoxels), threads_, [&](std::int64_t begin, std::int64_t end) {
+          glm::ivec3 brick{0};
+          for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
+            for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
+              for (brick.x = 0; brick.x < grid_.x; ++brick.x) {
+                level_.cells[cellIndex(brick)] =
+                    bits_.holdsSolid(brick) ? kCellSolid : sums.grownBox(brick) | clearance(padded, brick) << kCellClearanceShift;
+              }
+            }
+          }
+        });
     std::vector<std::pair<std::uint64_t, glm::ivec3>> ordered;
     glm::ivec3 brick{0};
     for (brick.z = 0; brick.z < grid_.z; ++brick.z) {
@@ -92,28 +92,13 @@ class LevelBuilder {
     }
   }
 
-  // Clearance of the empty voxels of stored bricks; all solid ones inner for now.
-  void makeCodes(const PaddedVolume& padded) {
-    std::array<std::uint8_t, kMaxSquaredInBrick + 1> quarter{};
-    for (std::uint32_t s = 0; s <= kMaxSquaredInBrick; ++s) quarter[s] = static_cast<std::uint8_t>(quantizedClearance(s, 4));
-    level_.codes.resize(stored_.size() * kBrickVoxels);
+  // The boxes of the empty voxels of stored bricks; all solid ones inner for now.
+  void makeCodes() {
+    level_.codes.assign(stored_.size() * kBrickVoxels, kInnerCode);
     parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,
                 [&](std::int64_t begin, std::int64_t end) {
-                  for (std::int64_t slot = begin; slot < end; ++slot) {
-                    const glm::ivec3 corner = stored_[static_cast<std::size_t>(slot)] * kBrickSide;
-                    std::uint8_t* code = level_.codes.data() + static_cast<std::size_t>(slot) * kBrickVoxels;
-                    for (int z = corner.z; z < corner.z + kBrickSide; ++z) {
-                      for (int y = corner.y; y < corner.y + kBrickSide; ++y, code += kBrickSide) {
-                        const std::uint32_t* const squared = padded.squared.get() + padded.index(corner.x, y, z);
-                        for (int x = 0; x < kBrickSide; ++x) code[x] = quarter[squared[x]];
-                        if (y >= occupancy_.size.y || z >= occupancy_.size.z) continue;
-                        const std::uint8_t* const solid = occupancy_.solid.data() + occupancy_.index({corner.x, y, z});
-                        for (int x = 0; x < std::min(kBrickSide, occupancy_.size.x - corner.x); ++x) {
-                          if (solid[x]) code[x] = kInnerCode;
-                        }
-                      }
-                    }
-                  }
+                  for (auto slot = static_cast<std::size_t>(begin); slot < static_cast<std::size_t>(end); ++slot)
+                    chooseCodes(bits_, stored_[slot], level_.codes.data() + slot * kBrickVoxels);
                 });
   }
 
@@ -167,7 +152,8 @@ class LevelBuilder {
     return slot * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel));
   }
 
-  std::uint32_t clearanceOrSolid(const PaddedVolume& padded, const glm::ivec3& brick) const {
+  // Of an empty brick.
+  static std::uint32_t clearance(const PaddedVolume& padded, const glm::ivec3& brick) {
     const glm::ivec3 corner = brick * kBrickSide;
     std::uint32_t nearest = kNoFeature;
     for (int z = corner.z; z < corner.z + kBrickSide; ++z) {
@@ -176,26 +162,13 @@ class LevelBuilder {
         for (int x = 0; x < kBrickSide; ++x) nearest = std::min(nearest, squared[x]);
       }
     }
-    // A clearance of 0 may still be an empty brick that touches its neighbour's solid.
-    if (nearest == 0 && holdsSolid(corner)) return kCellSolid;
-    return quantizedClearance(nearest, 256);
-  }
-
-  bool holdsSolid(const glm::ivec3& corner) const {
-    const glm::ivec3 end(std::min(corner.x + kBrickSide, occupancy_.size.x), std::min(corner.y + kBrickSide, occupancy_.size.y),
-                         std::min(corner.z + kBrickSide, occupancy_.size.z));
-    for (int z = corner.z; z < end.z; ++z) {
-      for (int y = corner.y; y < end.y; ++y) {
-        const std::uint8_t* const row = occupancy_.solid.data() + occupancy_.index({0, y, z});
-        if (std::any_of(row + corner.x, row + end.x, [](std::uint8_t solid) { return solid != 0; })) return true;
-      }
-    }
-    return false;
+    return std::min(quantizedClearance(nearest, 1), kCellMaxClearance);
   }
 
   const Occupancy& occupancy_;
   glm::ivec3 grid_;
   int threads_;
+  SolidBits bits_;
   std::vector<glm::ivec3> stored_;  // bricks by slot
   RawLevel level_;
 };
@@ -208,11 +181,8 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
     throw std::invalid_argument("a level needs at least one solid voxel");
   }
   LevelBuilder builder(occupancy, threads);
-  {
-    const PaddedVolume padded = paddedClearance(occupancy, threads);
-    builder.makeCells(padded);
-    builder.makeCodes(padded);
-  }
+  builder.makeCells(paddedClearance(occupancy, threads));
+  builder.makeCodes();
   builder.makeAttributes(surface);
   return builder.take();
 }
@@ -222,10 +192,10 @@ std::uint64_t peakBytes(const glm::ivec3& size) {
   const glm::ivec3 grid = brickGrid(size);
   const std::uint64_t bricks = checkedVolume(grid);
   const std::uint64_t voxels = bricks * kBrickVoxels;
-  // A padded voxel: 4 bytes of squared clearance, and with it first a byte of dilated occupancy, then a code; or a code and an
-  // attribute. A brick: its cell, its place in the order of slots (with growth), its position, the first attribute of each slice.
+  // A padded voxel: 4 bytes of squared clearance and a byte of dilated occupancy; or a code and an attribute. A brick: its cell,
+  // its place in the order of slots (with growth), its position, the first attribute of each slice.
   const std::uint64_t per_brick = 4 + 3 * 24 + 12 + 8 * 4;
-  return 5 * voxels + per_brick * bricks;
+  return 5 * voxels + SolidBits::bytes(grid) + BrickSums::bytes(grid) + per_brick * bricks;
 }
 
 }  // namespace kelp::fields

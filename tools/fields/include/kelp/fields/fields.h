@@ -43,8 +43,8 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 // cube, in voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid. Equals squaredDistance of dilate26.
 std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int threads);
 
-// floor(scale * sqrt(squared)), exact. scale = 4 for codes, 256 for cells (brick.h). Throws std::invalid_argument above
-// kMaxClearanceScale, where the result may no longer fit.
+// floor(scale * sqrt(squared)), exact: clearance in 1/scale voxel; cells hold it with scale = 1 (brick.h). Throws
+// std::invalid_argument above kMaxClearanceScale, where the result may no longer fit.
 inline constexpr std::uint32_t kMaxClearanceScale = 65535;
 std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale);
 
@@ -60,7 +60,7 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
 Occupancy coarser(const Occupancy& occupancy);
 
-// Bricks and clearance of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute, all
+// Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute, all
 // solid. Throws std::invalid_argument if nothing is solid or `surface` does not fit.
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
