@@ -69,6 +69,7 @@ std::string Stage::paint(Surface surface) {
 }
 
 std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
+  if (viewport.x == 0 || viewport.y == 0) return {};  // minimised
   glViewport(0, 0, viewport.x, viewport.y);
   glClearColor(0.15f, 0.18f, 0.21f, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

@@ -49,7 +49,7 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 
 bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
-  return view.viewport.x >= 0 && view.viewport.y >= 0 && std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
+  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
          view.shading <= Shading::kSmooth;
 }
 
@@ -183,11 +183,11 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative viewport or level, no direction of the sun, or a shading that is none"};
+  if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, or a shading that is none"};
   Stats stats;
   stats.gpu_bytes = self.store.bytes();
   stats.pending = self.store.pending();
-  if (view.viewport.x == 0 || view.viewport.y == 0) return stats;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
   if (auto good = self.list.build(self.store, *camera, view, instances); !good) return good.error();

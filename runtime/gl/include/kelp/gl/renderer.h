@@ -47,7 +47,7 @@ enum class Shading : std::uint8_t {
 struct View {
   glm::mat4 world_to_eye{1};
   glm::mat4 eye_to_clip{1};      // perspective or orthographic
-  glm::ivec2 viewport{0};        // pixels: size of the current viewport; nothing is drawn when a side is 0
+  glm::ivec2 viewport{0};        // pixels: size of the current viewport, at least 1 x 1
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
   // Linear. The defaults sum to white for a white surface in full light, so that a host without tone mapping sees no clipping.
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
@@ -92,8 +92,8 @@ class Renderer {
 
   // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL, so that Pass::kColour after Pass::kDepth
   // gives the same picture. Clear values, scissor, stencil and the colour mask (but in Pass::kDepth) are the host's own. Instances whose
-  // asset has nothing uploaded yet are left out; poses that are not monotone, unknown assets and singular transforms are kMisuse and nothing
-  // is drawn.
+  // asset has nothing uploaded yet are left out; poses that are not monotone or not finite, unknown assets, singular transforms and a
+  // viewport without pixels (leave out the frames of a minimised window) are kMisuse and nothing is drawn.
   // Colour is linear: enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl.
   Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances, Pass pass = Pass::kColour);
 
