@@ -70,5 +70,17 @@ TEST(TraceTruth, ThinPostsAt256) { expectExact(reference::wholeVolume("posts", t
 TEST(TraceTruth, ShellsAt256) { expectExact(reference::wholeVolume("shells", shells({256, 256, 256}))); }
 TEST(TraceTruth, EndLayersAt256) { expectExact(reference::wholeVolume("end layers", endLayers({256, 256, 256}))); }
 
+TEST(TraceTruth, NoiseAt512) { expectExact(reference::wholeVolume("noise", test::dust({512, 361, 512}, 3000, 4))); }
+TEST(TraceTruth, VirtualAt4096) { expectExact(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 20000, 5), {4096, 4096, 2048})); }
+
+TEST(TraceTruth, StepsAreFewInEveryPose) {
+  const TrialVolume volume = reference::wholeVolume("clump", test::ballClump({256, 249, 195}, 30, 1));
+  for (const auto& rig : reference::namedRigs(volume.size)) {
+    const TrialTally tally = reference::runTrial(volume, rig, 4000, 1);
+    EXPECT_LT(static_cast<double>(tally.steps), 10.5 * static_cast<double>(tally.rays)) << rig.name;
+    EXPECT_LT(tally.steps_max, 150) << rig.name;
+  }
+}
+
 }  // namespace
 }  // namespace kelp
