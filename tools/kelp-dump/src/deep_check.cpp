@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "emptiness.h"
 #include "kelp/fields/fields.h"
 #include "text.h"
 
@@ -127,7 +128,7 @@ class DeepCheck {
       std::vector<std::uint8_t> flags = attributeFlags(level, occupancy);
       if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer));
       checkAttributes(place, occupancy, flags, l == 0 ? nullptr : &finer, finer_flags);
-      checkClearance(place, level, occupancy, flags);
+      checkEmptiness(place, level, occupancy, flags);
       finer = std::move(occupancy);
       finer_flags = std::move(flags);
     }
@@ -190,18 +191,13 @@ class DeepCheck {
     extra.report(report_);
   }
 
-  void checkClearance(const Place& place, const StoredLevel& level, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags) {
+  void checkEmptiness(const Place& place, const StoredLevel& level, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags) {
     std::vector<fields::SurfaceVoxel> surface;
     for (std::size_t i = 0; i < flags.size(); ++i) {
       if (flags[i]) surface.push_back({i, 0});
     }
     const RawLevel exact = fields::buildLevel(occupancy, surface, threads_);
-    Tally large(DeepIssue::kClearanceTooLarge, place), small(DeepIssue::kClearanceTooSmall, place);
-    const auto compare = [&](std::uint32_t stored, std::uint32_t right, double unit, const glm::ivec3& brick, std::optional<glm::ivec3> voxel) {
-      if (stored == right) return;
-      (stored > right ? large : small)
-          .add(brick, voxel, fmt::format("{} voxels stored, {} are right", unit * static_cast<double>(stored), unit * static_cast<double>(right)));
-    };
+    Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
     for (std::size_t c = 0; c < exact.cells.size(); ++c) {
       const std::uint32_t stored = level.raw.cells[c], right = exact.cells[c];
       const glm::ivec3 brick = positionOf(c, level.grid);
@@ -209,20 +205,22 @@ class DeepCheck {
       // voxel, and slots ascend in Morton order; formats' verify has looked.
       if (right & kCellSolid) {
         const std::size_t codes = std::size_t{right & kCellSlotMask} * kBrickVoxels;
-        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, brick, compare);
-      } else {
-        compare(stored, right, 1.0 / 256, brick, std::nullopt);
+        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, brick, occupancy, untrue, lesser);
+      } else if (stored != right) {
+        const bool broken = breaksPromise(stored, brick, exact.cells, level.grid, cellClearance(right));
+        (broken ? untrue : lesser).add(brick, std::nullopt, fmt::format("box of {} stored, {} are right", cellText(stored), cellText(right)));
       }
     }
-    large.report(report_);
-    small.report(report_);
+    untrue.report(report_);
+    lesser.report(report_);
   }
 
-  template <class Compare>
-  static void compareCodes(const std::uint8_t* stored, const std::uint8_t* right, const glm::ivec3& brick, const Compare& compare) {
+  static void compareCodes(const std::uint8_t* stored, const std::uint8_t* right, const glm::ivec3& brick, const Occupancy& occupancy, Tally& untrue, Tally& lesser) {
     for (int i = 0; i < kBrickVoxels; ++i) {
-      if (isSolidCode(stored[i])) continue;
-      compare(stored[i], right[i], 0.25, brick, brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6));
+      if (isSolidCode(stored[i]) || stored[i] == right[i]) continue;
+      const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
+      (breaksPromise(stored[i], voxel, occupancy) ? untrue : lesser)
+          .add(brick, voxel, fmt::format("box of {} stored, {} is right", codeText(stored[i]), codeText(right[i])));
     }
   }
 
@@ -236,10 +234,10 @@ class DeepCheck {
 
 const char* toString(DeepIssue issue) {
   switch (issue) {
-    case DeepIssue::kClearanceTooLarge:
-      return "A clearance is larger than the distance to the nearest solid, so that rays skip voxels. The program that wrote the pack is wrong: bake it again.";
-    case DeepIssue::kClearanceTooSmall:
-      return "A clearance is smaller than the distance to the nearest solid, so that rays take needless steps. Bake the pack again.";
+    case DeepIssue::kFalseEmptiness:
+      return "A cell or code promises emptiness where something is solid, so that rays skip voxels. The program that wrote the pack is wrong: bake it again.";
+    case DeepIssue::kNotBestEmptiness:
+      return "A cell or code promises another emptiness than the best, so that rays take needless steps. Bake the pack again.";
     case DeepIssue::kLacksVoxel:
       return "A level is empty where the next finer one is solid, so that it shows holes from afar. Bake the pack again.";
     case DeepIssue::kExtraVoxel:

@@ -15,8 +15,8 @@ namespace kelp::dump {
 
 // Stable numbers, as kelp::IssueId.
 enum class DeepIssue : int {
-  kClearanceTooLarge = 500,
-  kClearanceTooSmall = 501,
+  kFalseEmptiness = 500,
+  kNotBestEmptiness = 501,
   kLacksVoxel = 502,
   kExtraVoxel = 503,
   kSurfaceLacksAttribute = 504,

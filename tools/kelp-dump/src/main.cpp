@@ -21,7 +21,7 @@ int run(int argc, char** argv) {
       "Examples:\n"
       "  kelp-dump info reed.kelp                     what it is, its parts, clips and colours, where the bytes go\n"
       "  kelp-dump info reed.kelp --format json       the same for programs (kelp-dump.schema.json)\n"
-      "  kelp-dump verify reed.kelp --deep            recompute clearance and levels and compare\n"
+      "  kelp-dump verify reed.kelp --deep            recompute empty boxes and levels and compare\n"
       "  kelp-dump rig reed.kelp > reed.rig.json      the rig as kelp-bake --rig reads it\n"
       "\n"
       "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack, 4 failure at run time, 5 unsupported feature.");
@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
   addFormat(info_command);
   CLI::App* const verify_command = app.add_subcommand("verify", "Check structure and checksums; list everything that is wrong");
   addPack(verify_command);
-  verify_command->add_flag("--deep", deep, "also recompute clearance, levels and surface from the voxels, and compare");
+  verify_command->add_flag("--deep", deep, "also recompute empty boxes, levels and surface from the voxels, and compare");
   addFormat(verify_command);
   CLI::App* const rig_command = app.add_subcommand("rig", "Print the rig and clips of a part as rig JSON");
   addPack(rig_command);

@@ -56,7 +56,7 @@ std::string verifyText(const VerifyReport& report) {
   std::string text;
   for (const Finding& finding : report.findings) text += findingText(finding, report);
   const std::string checked = fmt::format("{}, {}{}", plural(report.part_names.size(), "part"), plural(report.levels, "level"),
-                                          report.deep ? ", clearance and levels recomputed" : "; --deep recomputes clearance and levels as well");
+                                          report.deep ? ", empty boxes and levels recomputed" : "; --deep recomputes empty boxes and levels as well");
   if (report.errors() == 0) text += fmt::format("{}: sound ({})", report.path, checked);
   else text += fmt::format("{}: {}", report.path, plural(report.errors(), "error"));
   if (report.warnings() > 0) text += ", " + plural(report.warnings(), "warning");
