@@ -114,6 +114,27 @@ TEST(Attribute, HoldsPaletteIndexAndNormal) {
   EXPECT_EQ(attributeNormal(attribute), normal);
 }
 
+TEST(EmptyBox, CodesHoldAReachForEachAxis) {
+  EXPECT_EQ(codeReach(0), glm::ivec3(0));
+  EXPECT_EQ(codeReach(63), glm::ivec3(7));
+  EXPECT_EQ(codeReach(0b110110), glm::ivec3(3, 1, 7));
+  const int reach[] = {0, 1, 3, 7};
+  for (int code = 0; code < kSurfaceCode; ++code) {
+    ASSERT_EQ(codeReach(static_cast<std::uint8_t>(code)), glm::ivec3(reach[code % 4], reach[code / 4 % 4], reach[code / 16]))
+        << code;
+  }
+}
+
+TEST(EmptyBox, CellsHoldAReachForEachSideAndTheClearance) {
+  const std::uint32_t cell = 0x5b9c30f7;  // nibbles from the lowest: 7, 15, 0, 3, 12, 9
+  const int reach[] = {7, 15, 0, 3, 12, 9};
+  for (int side = 0; side < 6; ++side) EXPECT_EQ(cellReach(cell, side), reach[side]) << side;
+  EXPECT_EQ(cellClearance(cell), 0x5b);
+  for (int side = 0; side < 6; ++side) EXPECT_EQ(cellReach(0x7fffffff, side), kCellMaxReach);
+  EXPECT_EQ(cellClearance(0x7fffffff), static_cast<int>(kCellMaxClearance));
+  EXPECT_EQ(cellClearance(0x00ffffff), 0);
+}
+
 TEST(Level, SizesHalveUpward) {
   EXPECT_EQ(levelSize({100, 7, 1}, 0), glm::ivec3(100, 7, 1));
   EXPECT_EQ(levelSize({100, 7, 1}, 1), glm::ivec3(50, 4, 1));

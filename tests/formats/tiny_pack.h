@@ -10,7 +10,7 @@ namespace kelp::test {
 inline void addTinyBrick(RawLevel& level, int voxel, std::uint8_t palette_index, const glm::vec3& normal) {
   const std::size_t first = level.codes.size();
   level.codes.resize(first + kBrickVoxels);
-  for (std::size_t i = 0; i < kBrickVoxels; ++i) level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % 41);
+  for (std::size_t i = 0; i < kBrickVoxels; ++i) level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % kSurfaceCode);
   level.codes[first + static_cast<std::size_t>(voxel)] = kSurfaceCode;
   level.codes[first + static_cast<std::size_t>(voxel) + 1] = kInnerCode;
   level.attributes.push_back(makeAttribute(palette_index, encodeNormal(normal)));
@@ -29,10 +29,10 @@ inline RawPack makeTinyPack() {
   stem.to_object[3] = {-4, 0, -4};
   stem.knots = {{0, {0, 0, 0}, {3, 0, 1}}, {0.5f, {0.5f, 12, 0}, {0, 24, 0}}, {1, {0, 24, 0}, {3, 0, 2}}};
   stem.levels.resize(2);
-  stem.levels[0].cells = {kCellSolid | 0, 7 * 256 + 3, kCellSolid | 1};
+  stem.levels[0].cells = {kCellSolid | 0, 7u << kCellClearanceShift | 0xff00ff, kCellSolid | 1};
   addTinyBrick(stem.levels[0], 0, 0, {0, -1, 0});
   addTinyBrick(stem.levels[0], 511 - 7, 1, {0.6f, 0.8f, 0});
-  stem.levels[1].cells = {kCellSolid | 0, 2 * 256};  // 4 x 12 x 4 voxels
+  stem.levels[1].cells = {kCellSolid | 0, 7u << kCellClearanceShift | 0xfff0ff};  // 4 x 12 x 4 voxels
   addTinyBrick(stem.levels[1], 0, 0, {0, -1, 0});
 
   RawPart leaf;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a shape (clearances are
-// random), they are only well formed.
+// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a shape (the
+// emptiness that cells and codes promise is random), they are only well formed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ class RandomPack {
       for (int y = 0; y < grid.y; ++y) {
         for (int x = 0; x < grid.x; ++x) {
           const std::size_t cell = level.cells.size();
-          level.cells.push_back(static_cast<std::uint32_t>(between(256, 64 * 256)));
+          level.cells.push_back(static_cast<std::uint32_t>(random_()) & ~kCellSolid);
           if (unit() < filled) order.emplace_back(mortonCode({x, y, z}), cell);
         }
       }
@@ -97,7 +97,7 @@ class RandomPack {
       const bool inside = voxel.x < size.x && voxel.y < size.y && voxel.z < size.z;
       // Voxel 0 of a brick is always inside: make it solid, so that none is empty.
       if (!inside || (i > 0 && unit() >= solid)) {
-        level.codes.push_back(static_cast<std::uint8_t>(between(0, 41)));
+        level.codes.push_back(static_cast<std::uint8_t>(between(0, kSurfaceCode - 1)));
       } else if (unit() < 0.2f) {
         level.codes.push_back(kInnerCode);
       } else {
