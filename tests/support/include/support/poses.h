@@ -2,6 +2,7 @@
 // The poses of the paper's Figure 6, and shapes to pose.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <random>
 #include <vector>
