@@ -24,7 +24,7 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
     KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
     KelpSegment bottom = KELP_SEGMENT(0);
     KelpSegment g = KELP_SEGMENT(hit.segment);
-    float stretch = kelp_size.y / (kelpSplineAt(top, 1.0).y - bottom.d.y);
+    float stretch = kelp_size.y / (top.p1.y - bottom.p0.y);
     vec3 rest_normal;
     if (kelp_shading == KELP_SHADING_SMOOTH) {
       rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);

@@ -11,7 +11,7 @@
 //   12     lowest corner of the deformed bounds, w = number of segments
 //   13     highest corner of the deformed bounds
 //   14     size of the undeformed volume, level-0 voxels
-//   15..   per segment a, b, c, d (trace.glsl, KelpSegment)
+//   15..   per segment p0, m0, p1, m1 (trace.glsl, KelpSegment)
 #define KELP_RECORD 15
 uniform sampler2D kelp_records;
 uniform int kelp_first_texel;   // of this draw's first record
@@ -62,7 +62,7 @@ vec3 kelpViewRay(vec3 p) {
 // The place of a voxel of brick `slot` in kelp_codes.
 ivec3 kelpBrick(uint slot) { return ivec3(int(slot & 255u), int((slot >> 8u) & 255u), int((slot >> 16u) & 255u)); }
 
-// Term k of segment i: 0 is a, 3 is d.
+// Term k of segment i: p0, m0, p1, m1.
 vec3 kelpSegmentTerm(int i, int k) { return kelpRecord(kelp_record + KELP_RECORD + 4 * i + k).xyz; }
 
 #define KELP_FN

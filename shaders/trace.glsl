@@ -24,12 +24,12 @@
 //   KELP_FETCH_CELL(v)     uint: grid cell of brick v (formats/SPEC.md, "Voxels")
 //   KELP_FETCH_CODE(k, v)  uint: code of voxel v (modulo 8 on each axis) in the brick with slot k
 
-// S(t) = d + t (c + t (b + t a)), t in [0, 1]; S.y does not decrease.
+// A cubic from p0 to p1 for t in [0, 1], with the slopes dS/dt = m0 and m1 there (Hermite); S.y does not decrease.
 struct KelpSegment {
-  vec3 a;
-  vec3 b;
-  vec3 c;
-  vec3 d;
+  vec3 p0;
+  vec3 m0;
+  vec3 p1;
+  vec3 m1;
 };
 
 // The image of the ray in level space while it is inside one segment's range of heights: q(b) = q0 + b (c1 + b (c2 + b c3)), b in [0, end].
@@ -65,24 +65,41 @@ struct KelpHit {
 #define KELP_NEVER 1e18f
 #define KELP_MAX_STEPS 16384  // far more than any ray was seen to take (1500 at 4096 voxels); a guard against the unforeseen
 
-KELP_FN vec3 kelpSplineAt(KelpSegment g, float t) { return g.d + t * (g.c + t * (g.b + t * g.a)); }
-KELP_FN vec3 kelpSplineSlope(KelpSegment g, float t) { return g.c + t * (2.0f * g.b + (3.0f * t) * g.a); }
+// S, its slope and half its bend (S''/2), measured from the nearer end: both ends and their slopes come out exactly, however steep the spline
+// is beside them.
+KELP_FN vec3 kelpSplineAt(KelpSegment g, float t) {
+  vec3 rise = g.p1 - g.p0;
+  vec3 a = g.m0 + g.m1 - 2.0f * rise;
+  float u = 1.0f - t;
+  if (t > 0.5f) return g.p1 - u * (g.m1 + u * (3.0f * rise - 2.0f * g.m1 - g.m0 + u * a));
+  return g.p0 + t * (g.m0 + t * (3.0f * rise - 2.0f * g.m0 - g.m1 + t * a));
+}
+KELP_FN vec3 kelpSplineSlope(KelpSegment g, float t) {
+  vec3 rise = g.p1 - g.p0;
+  vec3 a = g.m0 + g.m1 - 2.0f * rise;
+  float u = 1.0f - t;
+  if (t > 0.5f) return g.m1 + u * (2.0f * (3.0f * rise - 2.0f * g.m1 - g.m0) + (3.0f * u) * a);
+  return g.m0 + t * (2.0f * (3.0f * rise - 2.0f * g.m0 - g.m1) + (3.0f * t) * a);
+}
+KELP_FN vec3 kelpSplineBend(KelpSegment g, float t) {
+  vec3 rise = g.p1 - g.p0;
+  vec3 a = g.m0 + g.m1 - 2.0f * rise;
+  float u = 1.0f - t;
+  if (t > 0.5f) return -(3.0f * rise - 2.0f * g.m1 - g.m0 + (3.0f * u) * a);
+  return 3.0f * rise - 2.0f * g.m0 - g.m1 + (3.0f * t) * a;
+}
 
-// t in [0, 1] with S.y(t) = y. Measured from the nearer end of the segment, where nothing cancels; a quadratic start, then Newton's method
-// kept inside a shrinking bracket.
-KELP_FN float kelpSplineParameter(KelpSegment g, float y) {
-  float rise = g.c.y + g.b.y + g.a.y;
-  float target = y - g.d.y;
-  float a = g.a.y;
-  float b = g.b.y;
-  float c = g.c.y;
-  bool from_top = target > 0.5f * rise;
-  if (from_top) {  // u = 1 - t, heights measured downwards
-    b = -(g.b.y + 3.0f * g.a.y);
-    c = g.c.y + 2.0f * g.b.y + 3.0f * g.a.y;
-    target = rise - target;
-  }
-  target = max(target, 0.0f);
+// t in [0, 1] at a height `above` p0 and `below` p1. Measured from the nearer end of the segment, where nothing cancels; a quadratic start,
+// then Newton's method kept inside a shrinking bracket.
+KELP_FN float kelpSplineParameter(KelpSegment g, float above, float below) {
+  if (above <= 0.0f) return 0.0f;
+  if (below <= 0.0f) return 1.0f;
+  float rise = g.p1.y - g.p0.y;
+  bool from_top = below < above;  // u = 1 - t, heights measured downwards
+  float target = from_top ? below : above;
+  float c = from_top ? g.m1.y : g.m0.y;
+  float b = 3.0f * rise - 2.0f * c - (from_top ? g.m0.y : g.m1.y);
+  float a = g.m0.y + g.m1.y - 2.0f * rise;
   float u = min(2.0f * target / max(c + sqrt(max(c * c + 4.0f * b * target, 0.0f)), 1e-20f), 1.0f);
   float low = 0.0f;
   float high = 1.0f;
@@ -108,7 +125,8 @@ KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t
     t = clamp(t0, 1e-6f, 1.0f - 1e-6f);
   }
   vec3 slope = kelpSplineSlope(g, t);
-  vec3 bend = g.b + (3.0f * t) * g.a;
+  vec3 bend = kelpSplineBend(g, t);
+  vec3 twist = g.m0 + g.m1 - 2.0f * (g.p1 - g.p0);
   vec3 at = kelpSplineAt(g, t);
   vec3 p = o + s0 * r;
   vec3 unit = vec3(scale, scale * stretch, scale);
@@ -116,8 +134,8 @@ KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t
   c.q0 = unit * vec3(p.x - at.x, y - base, p.z - at.z);
   c.c1 = unit * (r * slope.y - ry * vec3(slope.x, 0.0f, slope.z));
   c.c2 = unit * (ry * (r * bend.y - ry * vec3(bend.x, 0.0f, bend.z)));
-  c.c3 = unit * ((ry * ry) * (r * g.a.y - ry * vec3(g.a.x, 0.0f, g.a.z)));
-  c.s = vec4(s0, slope.y, ry * bend.y, ry * ry * g.a.y);
+  c.c3 = unit * ((ry * ry) * (r * twist.y - ry * vec3(twist.x, 0.0f, twist.z)));
+  c.s = vec4(s0, slope.y, ry * bend.y, ry * ry * twist.y);
   c.t0 = t;
   c.rate = ry;
   c.end = ry > 0.0f ? (1.0f - t) / ry : (ry < 0.0f ? -t / ry : KELP_NEVER);
@@ -200,7 +218,8 @@ KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size
 }
 
 // Follows one curve to its first solid voxel or its end. Fields of `hit` that count go on from their values.
-// Two loops that take turns, because SIMD runs the branches of one loop one after the other: beside the volume, and in it.
+// Two loops that take turns, because SIMD runs the branches of one loop one after the other: beside the volume, and in it. In it is left a
+// little further out than it is entered, so that rounding can not pass the turn to and fro.
 KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before) {
   KelpHit hit = before;
   vec3 extent = KELP_LEVEL_SCALE * KELP_SIZE;
@@ -223,7 +242,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
     while (inside) {
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
-      if (!(max(gap.x, gap.z) <= 0.5f * KELP_ERODE)) break;
+      if (!(max(gap.x, gap.z) <= 0.75f * KELP_ERODE)) break;
       ++hit.steps;
       ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
       ivec3 brick = ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
@@ -282,8 +301,8 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   int count = KELP_SEGMENTS;
   KelpSegment top = KELP_SEGMENT(count - 1);
   KelpSegment g = KELP_SEGMENT(0);
-  float y_low = g.d.y;
-  float y_high = top.d.y + (top.c.y + (top.b.y + top.a.y));
+  float y_low = g.p0.y;
+  float y_high = top.p1.y;
   float stretch = KELP_SIZE.y / (y_high - y_low);
 
   // The part of the ray inside the bounds, x and z first: the planes of y are exact, and a ray that enters through one starts at t = 0 or 1.
@@ -307,7 +326,9 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   } else if (o.z < low.z || o.z > high.z) {
     return hit;
   }
-  float y = o.y + s0 * r.y;
+  float climb = s0 * r.y;  // beside the ends of a segment heights are differences of their own: o.y + climb would round them away
+  float y = o.y + climb;
+  bool through_plane = false;
   if (abs(r.y) >= 1e-12f) {
     float entry_plane = r.y > 0.0f ? y_low : y_high;
     float exit_plane = r.y > 0.0f ? y_high : y_low;
@@ -315,6 +336,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     if (entry >= s0) {
       s0 = entry;
       y = entry_plane;
+      through_plane = true;
     }
     s1 = min(s1, (exit_plane - o.y) / r.y);
   } else if (y < y_low || y > y_high) {
@@ -324,13 +346,14 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
 
   // The segment that holds that height; one root solve; then from knot to knot without another.
   int i = 0;
-  float knot = g.d.y + (g.c.y + (g.b.y + g.a.y));
-  while (i + 1 < count && (y > knot || (y == knot && r.y > 0.0f))) {
+  float below = through_plane ? g.p1.y - y : (g.p1.y - o.y) - climb;
+  while (i + 1 < count && (below < 0.0f || (below == 0.0f && r.y > 0.0f))) {
     ++i;
     g = KELP_SEGMENT(i);
-    knot = g.d.y + (g.c.y + (g.b.y + g.a.y));
+    below = through_plane ? g.p1.y - y : (g.p1.y - o.y) - climb;
   }
-  float t0 = y <= g.d.y ? 0.0f : (y >= knot ? 1.0f : kelpSplineParameter(g, y));
+  float above = through_plane ? y - g.p0.y : (o.y - g.p0.y) + climb;
+  float t0 = kelpSplineParameter(g, above, below);
   float s = s0;
   for (int n = 0; n < count; ++n) {
     KelpCurve c = kelpMakeCurve(g, o, r, s, t0, y, y_low, stretch, KELP_LEVEL_SCALE);
@@ -341,7 +364,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     if (i < 0 || i >= count) break;
     s = kelpCurveRay(c, c.end);
     if (s > s1) break;
-    y = r.y > 0.0f ? g.d.y + (g.c.y + (g.b.y + g.a.y)) : g.d.y;
+    y = r.y > 0.0f ? g.p1.y : g.p0.y;
     t0 = r.y > 0.0f ? 0.0f : 1.0f;
     g = KELP_SEGMENT(i);
   }

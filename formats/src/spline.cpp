@@ -15,7 +15,22 @@ struct Cubic {
   double operator()(double t) const { return d + t * (c + t * (b + t * a)); }
 };
 
-Cubic axisOf(const Segment& s, int axis) { return {s.a[axis], s.b[axis], s.c[axis], s.d[axis]}; }
+Cubic axisOf(const Segment& s, int axis) {
+  const double m0 = s.m0[axis], m1 = s.m1[axis], rise = double{s.p1[axis]} - double{s.p0[axis]};
+  return {m0 + m1 - 2 * rise, 3 * rise - 2 * m0 - m1, m0, s.p0[axis]};
+}
+
+// The same in float, for every coordinate: S(t) = d + t (c + t (b + t a)).
+struct Power {
+  glm::vec3 a, b, c, d;
+};
+Power powerOf(const glm::vec3& p0, const glm::vec3& m0, const glm::vec3& p1, const glm::vec3& m1) {
+  const glm::vec3 rise = p1 - p0;
+  return {m0 + m1 - 2.0f * rise, 3.0f * rise - 2.0f * m0 - m1, m0, p0};
+}
+// From the end that is nearer to t, so that both are met exactly.
+bool fromEnd(float t) { return t > 0.5f; }
+Power powerFrom(const Segment& s, bool end) { return end ? powerOf(s.p1, -s.m1, s.p0, -s.m0) : powerOf(s.p0, s.m0, s.p1, s.m1); }
 
 // Parameters where the cubic may turn, ascending: 0, the roots of its derivative inside (0, 1), 1. Answers how many, 2 to 4.
 int turningPoints(const Cubic& f, double (&t)[4]) {
@@ -37,32 +52,40 @@ int turningPoints(const Cubic& f, double (&t)[4]) {
 }
 
 bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool isFinite(const Segment& s) { return isFinite(s.a) && isFinite(s.b) && isFinite(s.c) && isFinite(s.d); }
+// Also of what is computed from them in float.
+bool isFinite(const Segment& s) {
+  for (const bool end : {false, true}) {
+    const Power f = powerFrom(s, end);
+    if (!isFinite(f.a) || !isFinite(f.b) || !isFinite(f.c) || !isFinite(f.d)) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
 Segment makeSegment(const Knot& k0, const Knot& k1) {
   const float share = k1.at - k0.at;
-  const glm::vec3 rise = k1.position - k0.position;
-  const glm::vec3 m0 = k0.tangent * share;
-  const glm::vec3 m1 = k1.tangent * share;
-  Segment segment;
-  segment.a = m0 + m1 - 2.0f * rise;
-  segment.b = 3.0f * rise - 2.0f * m0 - m1;
-  segment.c = m0;
-  segment.d = k0.position;
-  return segment;
+  return {k0.position, k0.tangent * share, k1.position, k1.tangent * share};
 }
 
-glm::vec3 evaluate(const Segment& s, float t) { return s.d + t * (s.c + t * (s.b + t * s.a)); }
+glm::vec3 evaluate(const Segment& s, float t) {
+  const Power f = powerFrom(s, fromEnd(t));
+  const float u = fromEnd(t) ? 1.0f - t : t;
+  return f.d + u * (f.c + u * (f.b + u * f.a));
+}
 
-glm::vec3 derivative(const Segment& s, float t) { return s.c + t * (2.0f * s.b + t * (3.0f * s.a)); }
+glm::vec3 derivative(const Segment& s, float t) {
+  const Power f = powerFrom(s, fromEnd(t));
+  const float u = fromEnd(t) ? 1.0f - t : t;
+  const glm::vec3 slope = f.c + u * (2.0f * f.b + u * (3.0f * f.a));
+  return fromEnd(t) ? -slope : slope;
+}
 
 bool isMonotone(const Segment& segment) {
   const Cubic y = axisOf(segment, 1);
-  const double rise = y.a + y.b + y.c;
-  if (!(rise > 0.0) || !std::isfinite(rise)) return false;
-  // The largest fall below any earlier height; the tolerance absorbs the rounding of the coefficients to float.
+  const double rise = double{segment.p1.y} - double{segment.p0.y};
+  if (!(rise > 0.0) || !std::isfinite(y.a) || !std::isfinite(y.b)) return false;
+  // The largest fall below any earlier height; the tolerance absorbs the rounding of positions and tangents to float.
   double t[4];
   const int count = turningPoints(y, t);
   double highest = y(0.0), fall = 0.0;

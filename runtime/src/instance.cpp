@@ -33,7 +33,7 @@ SplinePoint splineAtHeight(std::span<const Knot> knots, float y) {
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     if (y <= knots[i + 1].position.y || i + 2 == knots.size()) {
       const Segment segment = makeSegment(knots[i], knots[i + 1]);
-      const float t = y <= knots[i].position.y ? 0.0f : (y >= knots[i + 1].position.y ? 1.0f : trace::kelpSplineParameter(asTrace(segment), y));
+      const float t = trace::kelpSplineParameter(asTrace(segment), y - segment.p0.y, segment.p1.y - y);
       return {segment, t};
     }
   }

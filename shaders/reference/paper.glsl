@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The method of Groen, Rensen, Eisemann and Molenaar, "Spline Based Shell Mapping for Smooth Voxel Deformation", as published: what kelp is
-// measured against. Tests and benchmarks only; in the same subset of GLSL and C++ as trace.glsl, whose KelpSegment and spline functions it uses.
+// measured against. Tests and benchmarks only; in the same subset of GLSL and C++ as trace.glsl, whose KelpSegment it takes.
 // One spline segment, as in the paper; lengths in voxels, so the paper's step of 0.001 is PAPER_STEP = 0.001 of the volume's longest side.
 // Where the paper leaves a choice, README.md in this folder says which one was made, and why it is the kindest to the paper.
 //
@@ -57,8 +57,27 @@ KELP_FN PaperRoots paperCubic(float a, float b, float c, float d) {
   return roots;
 }
 
+// S(t) = d + t (c + t (b + t a)).
+struct PaperSpline {
+  vec3 a;
+  vec3 b;
+  vec3 c;
+  vec3 d;
+};
+
+KELP_FN PaperSpline paperSpline(KelpSegment g) {
+  PaperSpline s;
+  s.a = g.m0 + g.m1 - 2.0f * (g.p1 - g.p0);
+  s.b = 3.0f * (g.p1 - g.p0) - 2.0f * g.m0 - g.m1;
+  s.c = g.m0;
+  s.d = g.p0;
+  return s;
+}
+KELP_FN vec3 paperSplineAt(PaperSpline g, float t) { return g.d + t * (g.c + t * (g.b + t * g.a)); }
+KELP_FN vec3 paperSplineSlope(PaperSpline g, float t) { return g.c + t * (2.0f * g.b + (3.0f * t) * g.a); }
+
 // Section 3.2: where the spline meets the plane at height y; -1 if it does not.
-KELP_FN float paperSplinePlane(KelpSegment g, float y) {
+KELP_FN float paperSplinePlane(PaperSpline g, float y) {
 #ifdef PAPER_ARCSINE
   float rise = g.c.y + g.b.y + g.a.y;
   float h = (y - g.d.y) / rise;
@@ -81,10 +100,10 @@ struct PaperMap {
 };
 
 // Section 3.3: a point of spline space to texture space.
-KELP_FN PaperMap paperMap(KELP_CONTEXT_ KelpSegment g, vec3 p) {
+KELP_FN PaperMap paperMap(KELP_CONTEXT_ PaperSpline g, vec3 p) {
   PaperMap m;
   m.t = paperSplinePlane(g, p.y);
-  vec3 s = kelpSplineAt(g, m.t);
+  vec3 s = paperSplineAt(g, m.t);
   float rise = g.c.y + g.b.y + g.a.y;
   m.q = vec3(p.x - s.x, (p.y - g.d.y) * (KELP_SIZE.y / rise), p.z - s.z);
   m.inside = m.t >= 0.0f && m.q.x >= 0.0f && m.q.z >= 0.0f && m.q.x < KELP_SIZE.x && m.q.z < KELP_SIZE.z;
@@ -108,7 +127,7 @@ KELP_FN PaperSpan paperAdd(PaperSpan span, float s, float across, float extent) 
 
 // Section 4.1: the tight entry and exit. Each side face is met where the plane through the ray and one spanning vector cuts the spline of
 // a corner; then the two bases. entry > leave: the ray misses.
-KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ KelpSegment g, vec3 o, vec3 r) {
+KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ PaperSpline g, vec3 o, vec3 r) {
   PaperSpan span;
   span.entry = 1e30f;
   span.leave = -1e30f;
@@ -124,7 +143,7 @@ KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ KelpSegment g, vec3 o, vec3 r) {
     for (int i = 0; i < roots.count; ++i) {
       float t = i == 0 ? roots.t.x : (i == 1 ? roots.t.y : roots.t.z);
       if (t < 0.0f || t > 1.0f) continue;
-      vec3 at = kelpSplineAt(g, t);
+      vec3 at = paperSplineAt(g, t);
       float s = abs(r.y) > abs(rr) ? (at.y - o.y) / r.y : ((along_x ? at.z : at.x) + corner - ro) / rr;
       float across = along_x ? o.x + s * r.x - at.x : o.z + s * r.z - at.z;
       span = paperAdd(span, s, across, along_x ? KELP_SIZE.x : KELP_SIZE.z);
@@ -132,7 +151,7 @@ KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ KelpSegment g, vec3 o, vec3 r) {
   }
   for (int end = 0; end < 2; ++end) {
     if (r.y == 0.0f) break;
-    vec3 at = kelpSplineAt(g, float(end));
+    vec3 at = paperSplineAt(g, float(end));
     float s = (at.y - o.y) / r.y;
     float x = o.x + s * r.x - at.x;
     if (x >= 0.0f && x <= KELP_SIZE.x) span = paperAdd(span, s, o.z + s * r.z - at.z, KELP_SIZE.z);
@@ -165,7 +184,7 @@ KELP_FN ivec3 paperVoxel(KELP_CONTEXT_ vec3 q) { return clamp(ivec3(floor(q)), i
 // Section 4.1: constant steps from entry to exit, each mapped by one spline-plane intersection.
 KELP_FN PaperHit paperStandard(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   PaperHit hit = paperNoHit();
-  KelpSegment g = KELP_SEGMENT(0);
+  PaperSpline g = paperSpline(KELP_SEGMENT(0));
   PaperSpan span = paperEntryExit(KELP_CONTEXT g, o, r);
   float leave = min(span.leave, s_max);
   for (float s = max(span.entry, s_min); s <= leave; s += PAPER_STEP) {
@@ -195,7 +214,7 @@ KELP_FN float paperAxis(float step, float change) {
 // mapped_direction: r in equation 3 is the ray's direction in texture space at the sample (the paper's words); else the world ray's.
 KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max, bool mapped_direction) {
   PaperHit hit = paperNoHit();
-  KelpSegment g = KELP_SEGMENT(0);
+  PaperSpline g = paperSpline(KELP_SEGMENT(0));
   float rise = g.c.y + g.b.y + g.a.y;
   PaperSpan span = paperEntryExit(KELP_CONTEXT g, o, r);
   float leave = min(span.leave, s_max);
@@ -218,13 +237,13 @@ KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, f
       }
       vec3 direction = r;
       if (mapped_direction) {
-        vec3 slope = kelpSplineSlope(g, m.t);
+        vec3 slope = paperSplineSlope(g, m.t);
         vec3 mapped = vec3(r.x * slope.y - r.y * slope.x, r.y * slope.y, r.z * slope.y - r.y * slope.z);  // times S.y' >= 0
         float size = dot(mapped, mapped);
         direction = size > 0.0f ? mapped * inversesqrt(size) : r;
       }
       float y = clamp(p.y + d * direction.y, g.d.y, g.d.y + rise);
-      vec3 change = kelpSplineAt(g, paperSplinePlane(g, y)) - kelpSplineAt(g, m.t);
+      vec3 change = paperSplineAt(g, paperSplinePlane(g, y)) - paperSplineAt(g, m.t);
       float along_y = d * direction.y;
       step = sqrt(max(paperAxis(d * direction.x, change.x) + along_y * along_y + paperAxis(d * direction.z, change.z), 0.0f));
     }
@@ -235,8 +254,8 @@ KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, f
 
 // Equations 4 and 5: the normal turned by the angles of the slope at the voxel's height. The angles' signs are those that make a bend along x
 // right for normals in the plane of the bend; nothing else comes out right.
-KELP_FN vec3 paperNormal(KelpSegment g, float t, vec3 n) {
-  vec3 slope = kelpSplineSlope(g, t);
+KELP_FN vec3 paperNormal(PaperSpline g, float t, vec3 n) {
+  vec3 slope = paperSplineSlope(g, t);
   float x = atan(slope.x / max(slope.y, 1e-20f));
   float z = atan(slope.z / max(slope.y, 1e-20f));
   return vec3(n.x * cos(x), n.y * cos(x) - n.x * sin(x) - n.z * sin(z), n.z * cos(z));

@@ -79,7 +79,7 @@ void printTable(const std::string& name, const std::vector<Sample>& samples, con
     const std::vector<Knot> knots = test::figureKnots(figure, size);
     const reference::SplineMap map(knots, size);
     const Segment s = makeSegment(knots[0], knots[1]);
-    const trace::KelpSegment g{s.a, s.b, s.c, s.d};
+    const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
     const auto stretch = static_cast<float>(map.stretch());
     std::vector<double> errors[std::size(kBits)], exact, paper, shear;
     for (const Sample& sample : samples) {
@@ -88,11 +88,11 @@ void printTable(const std::string& name, const std::vector<Sample>& samples, con
       const dvec3 truth = reference::differenceNormal([&](const dvec3& q) { return glm::dot(q - sample.at, sample.normal); }, map, p);
       const dvec3 slope = map.placeOf(p.y).slope;
       shear.push_back(std::hypot(slope.x, slope.z) / slope.y);
-      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y));
+      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y - double{g.p0.y}), static_cast<float>(double{g.p1.y} - p.y));
       const auto errorOf = [&](const dvec3& n) { return reference::degreesBetween(dvec3(trace::kelpDeformNormal(g, t, stretch, glm::vec3(n))), truth); };
       for (std::size_t i = 0; i < std::size(kBits); ++i) errors[i].push_back(errorOf(rounded(sample.normal, kBits[i])));
       exact.push_back(errorOf(sample.normal));
-      paper.push_back(reference::degreesBetween(dvec3(paper::paperNormal(g, t, glm::vec3(sample.normal))), truth));
+      paper.push_back(reference::degreesBetween(dvec3(paper::paperNormal(paper::paperSpline(g), t, glm::vec3(sample.normal))), truth));
     }
     std::printf("| %s |", figure.name);
     for (const auto& e : errors) std::printf(" %s |", cell(e).c_str());

@@ -21,7 +21,7 @@ void parallelFor(std::size_t count, int threads, const std::function<void(std::s
 
 std::vector<RayCheck> checkRays(const PosedItem& item, const Rays& rays, int nth, int threads) {
   const fields::Occupancy& volume = item.item->volume;
-  const trace::KelpSegment segment{item.segment.a, item.segment.b, item.segment.c, item.segment.d};
+  const trace::KelpSegment segment{item.segment.p0, item.segment.m0, item.segment.p1, item.segment.m1};
   trace::Context context;
   context.segments = &segment;
   context.segment_count = 1;

@@ -210,7 +210,7 @@ struct Gpu::Impl {
     const PosedItem& item = (*posed)[i];
     const glm::ivec3 voxels = item.item->volume.size;
     const Segment& g = item.segment;
-    const glm::vec3 terms[] = {g.a, g.b, g.c, g.d};
+    const glm::vec3 terms[] = {g.p0, g.m0, g.p1, g.m1};
     glUniform1f(at("bench_per_far"), static_cast<float>(1 / far));
     glUniform1i(at("bench_segments"), 1);
     glUniform3fv(at("bench_segment"), 4, &terms[0].x);

@@ -18,7 +18,10 @@ using glm::dvec3;
 // A point of the undeformed volume to where it is drawn.
 dvec3 toWorld(const PosedItem& posed, const dvec3& rest) {
   const Segment& g = posed.segment;
-  const auto at = [&](double t) { return dvec3(g.d) + t * (dvec3(g.c) + t * (dvec3(g.b) + t * dvec3(g.a))); };
+  const auto at = [&](double t) {
+    const double u = 1 - t;
+    return u * u * (1 + 2 * t) * dvec3(g.p0) + t * u * u * dvec3(g.m0) + t * t * (3 - 2 * t) * dvec3(g.p1) - t * t * u * dvec3(g.m1);
+  };
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) (at(0.5 * (low + high)).y < rest.y ? low : high) = 0.5 * (low + high);
   const dvec3 s = at(low);

@@ -39,7 +39,7 @@ void main() {
   PaperHit standard = paperStandard(o, vec3(0.0, 0.0, 1.0), 0.0, 100.0);
   PaperHit world = paperDistanceField(o, vec3(0.0, 0.0, 1.0), 0.0, 100.0, false);
   PaperHit mapped = paperDistanceField(o, vec3(0.0, 0.0, 1.0), 0.0, 100.0, true);
-  vec3 normal = paperNormal(KELP_SEGMENT(0), standard.t, vec3(world.voxel));
+  vec3 normal = paperNormal(paperSpline(KELP_SEGMENT(0)), standard.t, vec3(world.voxel));
   color = vec4(normal, standard.s + world.s + mapped.s + float(mapped.fetches));
 }
 )";

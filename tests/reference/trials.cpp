@@ -47,7 +47,7 @@ struct Ray {
 class RayMaker {
  public:
   RayMaker(const TrialVolume& volume, std::span<const Knot> knots, const Box& bounds, unsigned seed)
-      : volume_(volume), map_(knots, volume.size), bounds_(bounds), random_(seed) {}
+      : volume_(volume), knots_(knots), map_(knots, volume.size), bounds_(bounds), random_(seed) {}
 
   // Not inlined: GCC 12 takes the rounding to float32 and back out where it sees both ends, and the truth would be asked about another ray
   // than the trace (one false hit in 10 million, at 4096).
@@ -56,10 +56,12 @@ class RayMaker {
     dvec3 rest = size * dvec3(unit(), unit(), unit());
     if (kind == 6) rest.y = unit() < 0.5 ? 2 * unit() : size.y - 2 * unit();
     if (kind == 7) rest = besideSolid(rest);
+    if (kind == 8) rest.y = besideKnot();
     const dvec3 target = map_(rest);
     dvec3 d = dvec3(unit(), unit(), unit()) - 0.5 + dvec3(1e-4, 0, 0);
     if (kind == 1) d = map_(size * dvec3(unit(), unit(), unit())) - target + dvec3(1e-3, 1e-3, 0);
     if (kind == 2) d.y = 0;
+    if (kind == 8) d.y = unit() < 0.5 ? 0 : 1e-6 * (unit() - 0.5);
     if (kind == 3) d.y *= std::pow(10.0, -1 - 6 * unit());
     if (kind == 4) {
       d = dvec3(0);
@@ -90,7 +92,16 @@ class RayMaker {
     return otherwise;
   }
 
+  // Within a voxel of a knot, mostly much nearer: where the spline may be steep without end.
+  double besideKnot() {
+    const double first = knots_.front().position.y, last = knots_.back().position.y;
+    const double knot = knots_[random_() % knots_.size()].position.y;
+    const double y = knot + (unit() < 0.5 ? -1 : 1) * std::pow(10.0, -4 * unit());
+    return volume_.size.y * std::clamp((y - first) / (last - first), 0.0, 1.0);
+  }
+
   const TrialVolume& volume_;
+  std::span<const Knot> knots_;
   ForwardMap map_;
   Box bounds_;
   std::mt19937 random_;
@@ -145,6 +156,9 @@ std::vector<TrialRig> namedRigs(const glm::ivec3& size) {
                    {0.2f, s * glm::vec3(0.25f, 0.2f, -0.1f), s * glm::vec3(-1.3f, 0.6f, 0.8f)},
                    {0.65f, s * glm::vec3(-0.3f, 0.7f, 0.2f), s * glm::vec3(0.5f, 0, -1.2f)},
                    {1, s * glm::vec3(0.1f, 1, 0), s * glm::vec3(0, 1, 0)}}});
+  // Nothing round: no coefficient is exact in float32.
+  const float height = 1.567578f * s.y;
+  rigs.push_back({"lifted", {{0, {3.7f, 17.3f, -2.9f}, height * glm::vec3(0, 0, -3.1f)}, {1, {-1.3f, 17.3f + height, 8.1f}, height * glm::vec3(-33.3f, 0, -10.7f)}}});
   return rigs;
 }
 
@@ -184,7 +198,7 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
   std::vector<tiled::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < rig.knots.size(); ++i) {
     const Segment g = makeSegment(rig.knots[i], rig.knots[i + 1]);
-    segments.push_back({g.a, g.b, g.c, g.d});
+    segments.push_back({g.p0, g.m0, g.p1, g.m1});
   }
   const Box bounds = deformedBounds(rig.knots, volume.size);
   const tiled::Context context{volume, segments.data(), static_cast<int>(segments.size()), bounds.min, bounds.max};

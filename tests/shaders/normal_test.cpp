@@ -27,7 +27,7 @@ Errors errorsOf(const std::vector<Knot>& knots, const glm::ivec3& size, int poin
   std::vector<trace::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment s = makeSegment(knots[i], knots[i + 1]);
-    segments.push_back({s.a, s.b, s.c, s.d});
+    segments.push_back({s.p0, s.m0, s.p1, s.m1});
   }
   Errors errors;
   std::mt19937 random(seed);
@@ -38,10 +38,10 @@ Errors errorsOf(const std::vector<Knot>& knots, const glm::ivec3& size, int poin
       if (map.toKnot(p.y) < reference::kRoom) continue;
       const dvec3 truth = reference::differenceNormal(shape.field, map, p);
       const trace::KelpSegment& g = segments[static_cast<std::size_t>(map.placeOf(p.y).segment)];
-      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y));
+      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y - double{g.p0.y}), static_cast<float>(double{g.p1.y} - p.y));
       const glm::vec3 n(shape.normal(q));
       errors.ours.push_back(reference::degreesBetween(dvec3(trace::kelpDeformNormal(g, t, static_cast<float>(map.stretch()), n)), truth));
-      errors.paper.push_back(reference::degreesBetween(dvec3(paper::paperNormal(g, t, n)), truth));
+      errors.paper.push_back(reference::degreesBetween(dvec3(paper::paperNormal(paper::paperSpline(g), t, n)), truth));
     }
   }
   return errors;
@@ -61,7 +61,7 @@ Spread errorsAtHits(const reference::TrialVolume& volume, const std::vector<Knot
   std::vector<trace::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment s = makeSegment(knots[i], knots[i + 1]);
-    segments.push_back({s.a, s.b, s.c, s.d});
+    segments.push_back({s.p0, s.m0, s.p1, s.m1});
   }
   const Box bounds = deformedBounds(knots, volume.size);
   trace::Context context;

@@ -40,7 +40,7 @@ struct Scene {
     distance.assign(squared.begin(), squared.end());
     for (float& d : distance) d = std::sqrt(d);
     const Segment s = makeSegment(knots[0], knots[1]);
-    context.segment = {s.a, s.b, s.c, s.d};
+    context.segment = {s.p0, s.m0, s.p1, s.m1};
     context.size = volume.size;
     context.distance = distance.data();
     context.step = 0.001f * static_cast<float>(std::max({volume.size.x, volume.size.y, volume.size.z}));
@@ -140,8 +140,8 @@ TEST(Paper, MapIsTheInverseOfTheDeformation) {
       const double t = spline.parameter(rest.y);
       const dvec3 s = spline.at(t);
       const glm::vec3 p(glm::dvec3(rest.x + s.x, rest.y, rest.z + s.z));
-      const auto back = paper::paperMap(scene.context, scene.context.segment, p);
-      const auto shortcut = paper_arcsine::paperMap(scene.context, scene.context.segment, p);
+      const auto back = paper::paperMap(scene.context, paper::paperSpline(scene.context.segment), p);
+      const auto shortcut = paper_arcsine::paperMap(scene.context, paper_arcsine::paperSpline(scene.context.segment), p);
       ASSERT_GE(back.t, 0.0f) << pose.name << " at t " << t;
       ASSERT_NEAR(back.t, t, 1e-4) << pose.name;
       ASSERT_NEAR(shortcut.t, t, 1e-4) << pose.name;
@@ -165,7 +165,7 @@ TEST(Paper, EntryAndExitAreThoseOfTheDeformedBox) {
       const auto entry = reference::firstTouch(box, scene.knots, dvec3(ray.o), dvec3(ray.r), 0, far, 0.0);
       if (!entry) continue;
       ++compared;
-      const auto span = paper::paperEntryExit(scene.context, scene.context.segment, ray.o, ray.r);
+      const auto span = paper::paperEntryExit(scene.context, paper::paperSpline(scene.context.segment), ray.o, ray.r);
       if (span.entry > span.leave) {
         ++lost;
         continue;
@@ -247,7 +247,7 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
 // Degrees between equation 5 and the exact transform, over random normals and heights.
 double normalError(const glm::vec3& first, const glm::vec3& second, bool in_plane) {
   const Segment s = makeSegment({0, {0, 0, 0}, first}, {1, {0, 80, 0}, second});
-  const trace::KelpSegment g{s.a, s.b, s.c, s.d};
+  const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
   double worst = 0;
@@ -255,7 +255,7 @@ double normalError(const glm::vec3& first, const glm::vec3& second, bool in_plan
     const float t = 0.02f + 0.96f * static_cast<float>(i) / 1000;
     const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), in_plane ? 0.0f : normal(random)));
     const glm::vec3 exact = glm::normalize(trace::kelpDeformNormal(g, t, 1.0f, n));
-    const glm::vec3 got = glm::normalize(paper::paperNormal(g, t, n));
+    const glm::vec3 got = glm::normalize(paper::paperNormal(paper::paperSpline(g), t, n));
     worst = std::max(worst, static_cast<double>(glm::degrees(std::atan2(glm::length(glm::cross(got, exact)), glm::dot(got, exact)))));
   }
   return worst;

@@ -33,7 +33,7 @@ struct Posed {
   Posed(const Scene& scene, std::vector<Knot> knots_) : knots(std::move(knots_)) {
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
       const Segment s = makeSegment(knots[i], knots[i + 1]);
-      segments.push_back({s.a, s.b, s.c, s.d});
+      segments.push_back({s.p0, s.m0, s.p1, s.m1});
     }
     const Box box = deformedBounds(knots, scene.size0);
     context.segments = segments.data();
@@ -65,9 +65,9 @@ struct RayMaker {
     const Knot& high = posed.knots.back();
     const float y = low.position.y + unit() * (high.position.y - low.position.y);
     for (const auto& g : posed.segments) {
-      const float end = g.d.y + (g.c.y + (g.b.y + g.a.y));
+      const float end = g.p1.y;
       if (y <= end || &g == &posed.segments.back()) {
-        const glm::vec3 s = trace::kelpSplineAt(g, trace::kelpSplineParameter(g, y));
+        const glm::vec3 s = trace::kelpSplineAt(g, trace::kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
         return {s.x + unit() * posed.context.size.x, y, s.z + unit() * posed.context.size.z};
       }
     }
@@ -214,9 +214,9 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
     const float m0 = i % 5 == 0 ? 0.0f : rise * size * std::cos(angle);
     const float m1 = i % 5 == 0 ? 0.0f : rise * size * std::sin(angle);
     const Segment s = makeSegment({0, {0, 3, 0}, {0, m0, 0}}, {1, {0, 3 + rise, 0}, {0, m1, 0}});
-    const trace::KelpSegment g{s.a, s.b, s.c, s.d};
+    const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
     const float y = 3.0f + rise * unit(random);
-    const double t = static_cast<double>(trace::kelpSplineParameter(g, y));
+    const double t = static_cast<double>(trace::kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
     const double back = 3.0 + t * (double{m0} + t * (3.0 * double{rise} - 2.0 * double{m0} - double{m1} + t * (double{m0} + double{m1} - 2.0 * double{rise})));
     ASSERT_NEAR(back, double{y}, 4e-6 * (3.0 + double{rise}) + 1e-5) << "m0 " << m0 << " m1 " << m1 << " rise " << rise;
   }
@@ -224,7 +224,7 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
 
 TEST(Trace, DeformedNormalIsTheInverseTransposeOfTheMap) {
   const Segment s = makeSegment({0, {0, 0, 0}, {30, 60, -20}}, {1, {5, 80, 9}, {-40, 90, 70}});
-  const trace::KelpSegment g{s.a, s.b, s.c, s.d};
+  const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
   std::mt19937 random(5);
   std::normal_distribution<float> normal;
   for (int i = 0; i < 1000; ++i) {
@@ -235,7 +235,10 @@ TEST(Trace, DeformedNormalIsTheInverseTransposeOfTheMap) {
     const auto forward = [&](const glm::dvec3& rest) {
       const double y = rest.y / double{stretch};
       double lo = 0, hi = 1;
-      const auto at = [&](double u) { return glm::dvec3(s.d) + u * (glm::dvec3(s.c) + u * (glm::dvec3(s.b) + u * glm::dvec3(s.a))); };
+      const auto at = [&](double u) {
+        const double v = 1 - u;
+        return v * v * (1 + 2 * u) * glm::dvec3(s.p0) + u * v * v * glm::dvec3(s.m0) + u * u * (3 - 2 * u) * glm::dvec3(s.p1) - u * u * v * glm::dvec3(s.m1);
+      };
       for (int k = 0; k < 100; ++k) (at(0.5 * (lo + hi)).y < y ? lo : hi) = 0.5 * (lo + hi);
       const glm::dvec3 p = at(lo);
       return glm::dvec3(rest.x + p.x, y, rest.z + p.z);

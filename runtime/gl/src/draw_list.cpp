@@ -115,10 +115,10 @@ void writeRecord(const DrawItem& item, const Camera& camera, const glm::ivec3& s
   for (std::size_t i = 0; i + 1 < item.knots.size(); ++i) {
     const Segment segment = makeSegment(item.knots[i], item.knots[i + 1]);
     glm::vec4* texel = out + 15 + 4 * i;
-    texel[0] = glm::vec4(segment.a, 0);
-    texel[1] = glm::vec4(segment.b, 0);
-    texel[2] = glm::vec4(segment.c, 0);
-    texel[3] = glm::vec4(segment.d, 0);
+    texel[0] = glm::vec4(segment.p0, 0);
+    texel[1] = glm::vec4(segment.m0, 0);
+    texel[2] = glm::vec4(segment.p1, 0);
+    texel[3] = glm::vec4(segment.m1, 0);
   }
 }
 

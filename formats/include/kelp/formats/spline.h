@@ -20,9 +20,9 @@ struct Knot {
   glm::vec3 tangent{0};   // dS/d(at), voxels; the straight rig has (0, size.y, 0)
 };
 
-// S(t) = d + t (c + t (b + t a)), t in [0, 1]; voxels.
+// A cubic S(t), t in [0, 1], from p0 to p1 with the slopes dS/dt = m0 and m1 there; voxels.
 struct Segment {
-  glm::vec3 a{0}, b{0}, c{0}, d{0};
+  glm::vec3 p0{0}, m0{0}, p1{0}, m1{0};
 };
 
 // The segment from knot k0 to knot k1: the tangents are scaled by the segment's share of the axis, k1.at - k0.at.

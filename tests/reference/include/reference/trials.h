@@ -46,8 +46,9 @@ struct TrialTally {
   void add(const TrialTally& more);
 };
 
-// Rays of every kind: any direction, along the spline, exactly and nearly horizontal, along an axis, from inside, at the ends, close past solid voxels.
-inline constexpr int kRayKinds = 8;
+// Rays of every kind: any direction, along the spline, exactly and nearly horizontal, along an axis, from inside, at the ends, close past solid voxels, (nearly)
+// horizontal close to a knot.
+inline constexpr int kRayKinds = 9;
 TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, unsigned seed);
 
 }  // namespace kelp::reference
