@@ -119,15 +119,14 @@ KELP_FN float kelpSplineParameter(KelpSegment g, float above, float below) {
 // Along the ray s = (S.y(t) - o.y) / r.y, so every coordinate is a cubic in t; b = (t - t0) / r.y divides by nothing that may vanish.
 KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t0, float y, float base, float stretch, float scale) {
   float ry = r.y;
-  float t = t0;
-  if (abs(ry) < 1e-12f) {  // horizontal: the curve is a straight line; keep it moving where the spline has no slope
+  vec3 slope = kelpSplineSlope(g, t0);
+  if (abs(ry) < 1e-12f) {  // horizontal: a straight line, however the spline runs at that height; let b be the distance along it
     ry = 0.0f;
-    t = clamp(t0, 1e-6f, 1.0f - 1e-6f);
+    slope.y = 1.0f;
   }
-  vec3 slope = kelpSplineSlope(g, t);
-  vec3 bend = kelpSplineBend(g, t);
+  vec3 bend = kelpSplineBend(g, t0);
   vec3 twist = g.m0 + g.m1 - 2.0f * (g.p1 - g.p0);
-  vec3 at = kelpSplineAt(g, t);
+  vec3 at = kelpSplineAt(g, t0);
   vec3 p = o + s0 * r;
   vec3 unit = vec3(scale, scale * stretch, scale);
   KelpCurve c;
@@ -136,9 +135,9 @@ KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t
   c.c2 = unit * (ry * (r * bend.y - ry * vec3(bend.x, 0.0f, bend.z)));
   c.c3 = unit * ((ry * ry) * (r * twist.y - ry * vec3(twist.x, 0.0f, twist.z)));
   c.s = vec4(s0, slope.y, ry * bend.y, ry * ry * twist.y);
-  c.t0 = t;
+  c.t0 = t0;
   c.rate = ry;
-  c.end = ry > 0.0f ? (1.0f - t) / ry : (ry < 0.0f ? -t / ry : KELP_NEVER);
+  c.end = ry > 0.0f ? (1.0f - t0) / ry : (ry < 0.0f ? -t0 / ry : KELP_NEVER);
   return c;
 }
 
