@@ -32,7 +32,8 @@ struct KelpSegment {
   vec3 m1;
 };
 
-// The image of the ray in level space while it is inside one segment's range of heights: q(b) = q0 + b (c1 + b (c2 + b c3)), b in [0, end].
+// The image of the ray in level space while it is inside one half of a segment (t below or above 1/2), where its terms are small enough for
+// float32 at 4096 voxels: q(b) = q0 + b (c1 + b (c2 + b c3)), b in [0, end].
 // The spline parameter is t = t0 + b * rate, the ray parameter s(b) = s.x + b (s.y + b (s.z + b s.w)).
 struct KelpCurve {
   vec3 q0;
@@ -137,7 +138,8 @@ KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t
   c.s = vec4(s0, slope.y, ry * bend.y, ry * ry * twist.y);
   c.t0 = t0;
   c.rate = ry;
-  c.end = ry > 0.0f ? (1.0f - t0) / ry : (ry < 0.0f ? -t0 / ry : KELP_NEVER);
+  float t_end = ry > 0.0f ? (t0 < 0.5f ? 0.5f : 1.0f) : (t0 > 0.5f ? 0.5f : 0.0f);
+  c.end = ry != 0.0f ? (t_end - t0) / ry : KELP_NEVER;
   return c;
 }
 
@@ -343,7 +345,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   }
   if (!(s0 <= s1)) return hit;
 
-  // The segment that holds that height; one root solve; then from knot to knot without another.
+  // The segment that holds that height; one root solve; then from half to half and knot to knot without another.
   int i = 0;
   float below = through_plane ? g.p1.y - y : (g.p1.y - o.y) - climb;
   while (i + 1 < count && (below < 0.0f || (below == 0.0f && r.y > 0.0f))) {
@@ -354,15 +356,20 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   float above = through_plane ? y - g.p0.y : (o.y - g.p0.y) + climb;
   float t0 = kelpSplineParameter(g, above, below);
   float s = s0;
-  for (int n = 0; n < count; ++n) {
+  for (int n = 0; n < 2 * count; ++n) {
     KelpCurve c = kelpMakeCurve(g, o, r, s, t0, y, y_low, stretch, KELP_LEVEL_SCALE);
     hit.segment = i;
     hit = kelpMarch(KELP_CONTEXT c, s1, hit);
     if (hit.found || abs(r.y) < 1e-12f) break;
-    i += r.y > 0.0f ? 1 : -1;
-    if (i < 0 || i >= count) break;
     s = kelpCurveRay(c, c.end);
     if (s > s1) break;
+    if (r.y > 0.0f ? t0 < 0.5f : t0 > 0.5f) {
+      t0 = 0.5f;
+      y = kelpSplineAt(g, t0).y;
+      continue;
+    }
+    i += r.y > 0.0f ? 1 : -1;
+    if (i < 0 || i >= count) break;
     y = r.y > 0.0f ? g.p1.y : g.p0.y;
     t0 = r.y > 0.0f ? 0.0f : 1.0f;
     g = KELP_SEGMENT(i);
