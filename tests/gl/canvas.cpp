@@ -25,16 +25,20 @@ Canvas::~Canvas() {
   glDeleteRenderbuffers(2, names_);
 }
 
-void Canvas::clear() const {
+void clearBound() {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);  // the depth cleared to is 1 unless set otherwise
 }
 
-std::vector<Pixel> Canvas::pixels() const {
-  std::vector<Pixel> out(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));
-  glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, out.data());
+std::vector<Pixel> readBound(const glm::ivec2& size) {
+  std::vector<Pixel> out(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
+  glReadPixels(0, 0, size.x, size.y, GL_RGBA, GL_UNSIGNED_BYTE, out.data());
   return out;
 }
+
+void Canvas::clear() const { clearBound(); }
+
+std::vector<Pixel> Canvas::pixels() const { return readBound(size_); }
 
 std::vector<float> Canvas::depths() const {
   std::vector<float> out(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));

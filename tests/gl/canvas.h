@@ -20,6 +20,10 @@ namespace kelp::test {
 
 using Pixel = std::array<std::uint8_t, 4>;
 
+// Of the framebuffer that is bound: clears colour to zero and depth to 1; reads the colours, rows from bottom to top.
+void clearBound();
+std::vector<Pixel> readBound(const glm::ivec2& size);
+
 // A framebuffer of RGBA8 and 32-bit float depth, bound while it lives. Rows from bottom to top.
 class Canvas {
  public:

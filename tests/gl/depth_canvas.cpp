@@ -91,16 +91,9 @@ DepthCanvas::~DepthCanvas() {
   glDeleteProgram(program_);
 }
 
-void DepthCanvas::clear() const {
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);  // the depth cleared to is 1 unless set otherwise
-}
+void DepthCanvas::clear() const { clearBound(); }
 
-std::vector<Pixel> DepthCanvas::pixels() const {
-  std::vector<Pixel> out(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));
-  glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, out.data());
-  return out;
-}
+std::vector<Pixel> DepthCanvas::pixels() const { return readBound(size_); }
 
 std::vector<float> DepthCanvas::depths() const {
   glBindFramebuffer(GL_FRAMEBUFFER, bits_framebuffer_);
