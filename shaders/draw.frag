@@ -6,6 +6,12 @@ flat in int kelp_texel;
 layout(location = 0) out vec4 kelp_color;
 
 uniform bool kelp_depth_only;  // one program for both passes: the depths are the same to the bit
+uniform float kelp_clip_low;   // z / w of the lower clip plane: -1, or 0 with clip control GL_ZERO_TO_ONE
+uniform int kelp_scene;        // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
+uniform highp sampler2D kelp_scene_depth;  // a texel a pixel: nothing beyond it need be drawn
+
+// A depth buffer of 16 bits rounds: what lies this little beyond it is left to the depth test.
+#define KELP_SCENE_MARGIN 3.0e-5
 
 // Narrows s so that value + s * slope >= 0: a clip plane, exact because clip coordinates are linear along the ray.
 vec2 kelpClip(vec2 s, float value, float slope) {
@@ -14,12 +20,26 @@ vec2 kelpClip(vec2 s, float value, float slope) {
   return value < 0.0 ? vec2(1.0, 0.0) : s;
 }
 
-vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
+// Where a point of the undeformed part was in clip space in the frame before.
+vec4 kelpPreviousClip(vec3 rest) {
+  int rows = kelp_record + KELP_RECORD + 3 * kelp_segment_count;
+  int spline = rows + 4;
+  float low = kelpStart(spline, 0).y;
+  float y = low + rest.y / kelp_size.y * (kelpEnd(spline, kelp_segment_count - 1).y - low);
+  int i = 0;
+  while (i + 1 < kelp_segment_count && y > kelpEnd(spline, i).y) ++i;
+  KelpSegment g = KELP_SEGMENT_AT(spline, i);
+  vec3 shift = kelpSplineAt(g, kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
+  return kelpRows(rows, kelpRecord(rows + 3)) * vec4(rest.x + shift.x, y, rest.z + shift.z, 1.0);
+}
+
+vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray, vec4 clip) {
+  kelpLoadLevel(kelp_level + hit.coarser);
   uint entry;
   KelpMaterial material;
   vec3 normal = -ray;
   if (kelpIsSurface(hit.code)) {
-    uint bits = kelpAttribute(hit.slot, hit.voxel.z & 7, hit.code);
+    uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
     entry = bits & 255u;
     KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
     KelpSegment bottom = KELP_SEGMENT(0);
@@ -45,7 +65,7 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
   s.position = (to_world * vec4(position, 1.0)).xyz;
   s.normal = normalize(kelpNormalToWorld(normal));
   s.view = normalize(mat3(to_world) * -ray);
-  s.color = material.color * kelpRecord(kelp_record + 11);
+  s.color = material.color * kelpRecord(kelp_record + 8);
   s.emissive = material.glow.rgb;
   s.metallic = material.glow.a;
   s.roughness = material.roughness;
@@ -55,6 +75,11 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray) {
   s.voxel = hit.voxel;
   s.rest = hit.rest;
   s.size = kelp_size;
+  uvec4 tags = kelpRecordBits(kelp_record + 12);
+  s.instance = int(tags.y);
+  s.part = int(tags.z);
+  s.clip = clip;
+  s.previous_clip = kelp_motion ? kelpPreviousClip(hit.rest) : clip;
   return kelpSurface(s);
 }
 
@@ -64,20 +89,29 @@ void main() {
   float reach = dot(ray, ray);
   if (!(reach > 0.0)) discard;
   ray *= inversesqrt(reach);
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
 
   // s = 0 at the exit, so that numbers are small where the voxels are, however far the eye is.
   mat4 to_clip = kelpPartToClip();
   vec4 clip_at = to_clip * vec4(kelp_exit, 1.0);
   vec4 clip_slope = to_clip * vec4(ray, 0.0);
   vec2 range = vec2(-length(kelp_bounds_max - kelp_bounds_min), 0.0);
-  range = kelpClip(range, clip_at.z + clip_at.w, clip_slope.z + clip_slope.w);
+  range = kelpClip(range, clip_at.z - kelp_clip_low * clip_at.w, clip_slope.z - kelp_clip_low * clip_slope.w);
   range = kelpClip(range, clip_at.w - clip_at.z, clip_slope.w - clip_slope.z);
+  if (kelp_scene != 0) {
+    // The scene's depth is one more plane across this ray.
+    float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - gl_DepthRange.near) / gl_DepthRange.diff;
+    float side = kelp_scene == 1 ? 1.0 : -1.0;
+    float plane = mix(kelp_clip_low, 1.0, depth) + side * KELP_SCENE_MARGIN;
+    range = kelpClip(range, side * (plane * clip_at.w - clip_at.z), side * (plane * clip_slope.w - clip_slope.z));
+  }
   if (!(range.x <= range.y)) discard;
 
+  kelpLoadLevel(kelpPixelLevel(pixel));
   KelpHit hit = kelpTrace(kelp_exit, ray, range.x, range.y);
   if (!hit.found) discard;
 
   vec4 clip = clip_at + hit.s * clip_slope;
-  gl_FragDepth = 0.5 * (gl_DepthRange.diff * (clip.z / clip.w) + gl_DepthRange.near + gl_DepthRange.far);
-  kelp_color = kelp_depth_only ? vec4(0.0) : kelpShade(hit, kelp_exit + hit.s * ray, ray);
+  gl_FragDepth = gl_DepthRange.near + gl_DepthRange.diff * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low));
+  kelp_color = kelp_depth_only ? vec4(0.0) : kelpShade(hit, kelp_exit + hit.s * ray, ray, clip);
 }

@@ -1,48 +1,52 @@
 // SPDX-License-Identifier: MIT
-// Where the tracing core and the proxy find a posed part on the GPU: the frame's data texture and the textures of one level.
-// The renderer puts the version, the precisions and KELP_ATTRIBUTE_BITS (log2 of the width of the attributes' texture) before this text.
+// Where the tracing core and the proxy find a posed part on the GPU: the frame's records and the pool of voxels.
+// The renderer puts the version and the precisions before this text.
 
-// One record per drawn part, KELP_RECORD texels and 4 more per spline segment, written by runtime/gl/src/draw_list.cpp:
+// The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. What lies in it, written by runtime/gl/src:
+//   of an asset   9 words for each palette entry (base colour, emissive, metallic, roughness), then 3 for each level of each part, finest first:
+//                 where its cells are, where its page table is, and its grid: bricks along x - 1 | along y - 1 << 10 | complete << 31
+//   of a level    cells and pages as kelp/runtime/page.h; the page table has a word for each page: where it is, 0 if it is not resident
+uniform usampler2DArray kelp_pool;
+
+// The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the texel of its record.
 //   0..3   rows: part space -> clip space
 //   4..6   rows: part space -> world
-//   7..9   rows: normal in part space -> normal in the world, up to length (3 x 3; w = 0)
-//   10     the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
-//   11     tint
-//   12     lowest corner of the deformed bounds, w = number of segments
-//   13     highest corner of the deformed bounds
-//   14     size of the undeformed volume, level-0 voxels
-//   15..   per segment p0, m0, p1, m1 (trace.glsl, KelpSegment)
-#define KELP_RECORD 15
-uniform sampler2D kelp_records;
-uniform int kelp_first_texel;   // of this draw's first record
-uniform int kelp_record_texels;  // from record to record
+//   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
+//   8      tint
+//   9      lowest corner of the deformed bounds | number of spline segments
+//   10     highest corner of the deformed bounds | where the part's levels are in the pool
+//   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw the next coarser one (8..15),
+//          levels of the part (16..23)
+//   12     where the palette is in the pool | index of the instance | part | unused
+//   13..   per segment 3 texels: p0, m0, p1, m1 in a row (trace.glsl, KelpSegment)
+//   then, while kelp_motion: 4 texels as 0..3 and the segments, of the frame before
+#define KELP_RECORD 13
+uniform usampler2D kelp_records;
+uniform int kelp_first_instance;
+uniform bool kelp_motion;
 
-uniform usampler3D kelp_cells;       // one texel a brick: formats/SPEC.md's cells, slots replaced by the brick's place in kelp_codes (8 bits an axis)
-uniform usampler3D kelp_codes;       // bricks of 8 x 8 x 8 codes
-uniform usampler3D kelp_slice_base;  // a brick at (x, y, z) has its eight at (x, y, 8 z + slice)
-uniform usampler2D kelp_attributes;
-uniform sampler2D kelp_palette;      // per entry: base colour | emissive, metallic | roughness
-uniform int kelp_level;
-uniform ivec3 kelp_level_size;
-
-vec4 kelpRecord(int texel) { return texelFetch(kelp_records, ivec2(texel & 1023, texel >> 10), 0); }
+uint kelpWord(uint at) { return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r; }
+uvec4 kelpRecordBits(int texel) { return texelFetch(kelp_records, ivec2(texel & 1023, texel >> 10), 0); }
+vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 
 // The record this invocation works on; kelpLoadRecord fills these.
 int kelp_record;
 int kelp_segment_count;
 vec3 kelp_bounds_min;
 vec3 kelp_bounds_max;
-vec3 kelp_size;
-float kelp_level_scale;
+
+// The texel of the record of the i-th part of this draw.
+int kelpRecordOf(int i) {
+  int n = kelp_first_instance + i;
+  return int(kelpRecordBits(n >> 2)[n & 3]);
+}
 
 void kelpLoadRecord(int texel) {
   kelp_record = texel;
-  vec4 low = kelpRecord(texel + 12);
-  kelp_bounds_min = low.xyz;
-  kelp_segment_count = int(low.w + 0.5);
-  kelp_bounds_max = kelpRecord(texel + 13).xyz;
-  kelp_size = kelpRecord(texel + 14).xyz;
-  kelp_level_scale = 1.0 / float(1 << kelp_level);
+  uvec4 low = kelpRecordBits(texel + 9);
+  kelp_bounds_min = uintBitsToFloat(low.xyz);
+  kelp_segment_count = int(low.w);
+  kelp_bounds_max = kelpRecord(texel + 10).xyz;
 }
 
 mat4 kelpRows(int texel, vec4 last) {
@@ -51,29 +55,95 @@ mat4 kelpRows(int texel, vec4 last) {
 
 mat4 kelpPartToClip() { return kelpRows(kelp_record, kelpRecord(kelp_record + 3)); }
 mat4 kelpPartToWorld() { return kelpRows(kelp_record + 4, vec4(0.0, 0.0, 0.0, 1.0)); }
-vec3 kelpNormalToWorld(vec3 n) { return (kelpRows(kelp_record + 7, vec4(0.0)) * vec4(n, 0.0)).xyz; }
+// Up to length. The cofactors are the inverse transpose times the determinant, whose sign a mirrored part turns.
+vec3 kelpNormalToWorld(vec3 n) {
+  mat3 m = mat3(kelpPartToWorld());
+  vec3 a = cross(m[1], m[2]);
+  vec3 turned = a * n.x + cross(m[2], m[0]) * n.y + cross(m[0], m[1]) * n.z;
+  return dot(m[0], a) < 0.0 ? -turned : turned;
+}
 
 // The ray through a point of part space, away from the eye. Not normalised; zero at the eye itself.
 vec3 kelpViewRay(vec3 p) {
-  vec4 eye = kelpRecord(kelp_record + 10);
+  vec4 eye = kelpRecord(kelp_record + 7);
   return eye.w > 0.0 ? p - eye.xyz : eye.xyz;
 }
 
-// The place of a voxel of brick `slot` in kelp_codes.
-ivec3 kelpBrick(uint slot) { return ivec3(int(slot & 255u), int((slot >> 8u) & 255u), int((slot >> 16u) & 255u)); }
+// The level that is traced; kelpLoadLevel fills these.
+int kelp_level;
+int kelp_coarser;          // levels above it
+bool kelp_complete;
+vec3 kelp_size;            // of the part, level-0 voxels
+ivec3 kelp_level_size;
+float kelp_level_scale;
+uint kelp_levels_at;
+uint kelp_cells_at;
+uint kelp_pages_at;
+ivec2 kelp_grid;           // bricks along x and y
 
-// Term k of segment i: p0, m0, p1, m1.
-vec3 kelpSegmentTerm(int i, int k) { return kelpRecord(kelp_record + KELP_RECORD + 4 * i + k).xyz; }
+void kelpLoadLevel(int level) {
+  uvec4 volume = kelpRecordBits(kelp_record + 11);
+  kelp_levels_at = kelpRecordBits(kelp_record + 10).w;
+  kelp_level = level;
+  kelp_coarser = int((volume.w >> 16u) & 255u) - 1 - level;
+  kelp_size = uintBitsToFloat(volume.xyz);
+  kelp_level_size = (ivec3(kelp_size) + ((1 << level) - 1)) >> level;
+  kelp_level_scale = 1.0 / float(1 << level);
+  uint at = kelp_levels_at + 3u * uint(level);
+  uint grid = kelpWord(at + 2u);
+  kelp_cells_at = kelpWord(at);
+  kelp_pages_at = kelpWord(at + 1u);
+  kelp_grid = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
+  kelp_complete = grid >= 0x80000000u;
+}
+
+// The level that a pixel draws: neighbours take turns between two levels, by an ordered 8 x 8 pattern, so that a part that comes nearer changes
+// from one to the other without a switch. runtime/gl/src/detail.cpp has the same pattern.
+int kelpPixelLevel(ivec2 pixel) {
+  uint bits = kelpRecordBits(kelp_record + 11).w;
+  int x = pixel.x ^ pixel.y;
+  int order = ((x & 1) << 5) | ((pixel.y & 1) << 4) | ((x & 2) << 2) | ((pixel.y & 2) << 1) | ((x & 4) >> 1) | ((pixel.y & 4) >> 2);
+  return int(bits & 255u) + (order < int((bits >> 8u) & 255u) ? 1 : 0);
+}
+
+uint kelpCell(ivec3 brick) { return kelpWord(kelp_cells_at + uint(brick.x + kelp_grid.x * (brick.y + kelp_grid.y * brick.z))); }
+// A brick is named by where its first word is.
+uint kelpBrickIn(uint pages_at, uint cell) {
+  uint page = kelpWord(pages_at + ((cell >> 7u) & 0x1ffffu));
+  return page == 0u ? 0u : page + 132u * (cell & 127u);
+}
+uint kelpBrickAbove(int above, ivec3 brick) {
+  uint at = kelp_levels_at + 3u * uint(kelp_level + above);
+  uint grid = kelpWord(at + 2u);
+  ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
+  uint cell = kelpWord(kelpWord(at) + uint(brick.x + bricks.x * (brick.y + bricks.y * brick.z)));
+  return cell < 0x80000000u ? 0u : kelpBrickIn(kelpWord(at + 1u), cell);
+}
+uint kelpCode(uint brick, ivec3 voxel) {
+  int i = (voxel.x & 7) | ((voxel.y & 7) << 3) | ((voxel.z & 7) << 6);
+  return (kelpWord(brick + 4u + uint(i >> 2)) >> uint(8 * (i & 3))) & 255u;
+}
+
+// Of segment i of the spline whose first texel is `at`.
+vec3 kelpStart(int at, int i) { return kelpRecord(at + 3 * i).xyz; }
+vec3 kelpStartSlope(int at, int i) { return vec3(kelpRecord(at + 3 * i).w, kelpRecord(at + 3 * i + 1).xy); }
+vec3 kelpEnd(int at, int i) { return vec3(kelpRecord(at + 3 * i + 1).zw, kelpRecord(at + 3 * i + 2).x); }
+vec3 kelpEndSlope(int at, int i) { return kelpRecord(at + 3 * i + 2).yzw; }
+#define KELP_SEGMENT_AT(at, i) KelpSegment(kelpStart(at, i), kelpStartSlope(at, i), kelpEnd(at, i), kelpEndSlope(at, i))
 
 #define KELP_FN
 #define KELP_CONTEXT_
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
-#define KELP_SEGMENT(i) KelpSegment(kelpSegmentTerm(i, 0), kelpSegmentTerm(i, 1), kelpSegmentTerm(i, 2), kelpSegmentTerm(i, 3))
+#define KELP_SEGMENT(i) KELP_SEGMENT_AT(kelp_record + KELP_RECORD, i)
 #define KELP_BOUNDS_MIN kelp_bounds_min
 #define KELP_BOUNDS_MAX kelp_bounds_max
 #define KELP_SIZE kelp_size
 #define KELP_LEVEL_SIZE kelp_level_size
 #define KELP_LEVEL_SCALE kelp_level_scale
-#define KELP_FETCH_CELL(v) texelFetch(kelp_cells, v, 0).r
-#define KELP_FETCH_CODE(slot, v) texelFetch(kelp_codes, 8 * kelpBrick(slot) + ((v) & 7), 0).r
+#define KELP_COMPLETE kelp_complete
+#define KELP_COARSER kelp_coarser
+#define KELP_CELL(v) kelpCell(v)
+#define KELP_BRICK(k, cell) kelpBrickIn(kelp_pages_at, cell)
+#define KELP_BRICK_ABOVE(k, v) kelpBrickAbove(k, v)
+#define KELP_CODE(k, brick, v) kelpCode(brick, v)

@@ -17,29 +17,29 @@ struct KelpMaterial {
 bool kelpIsSurface(uint code) { return code >= 64u && code <= 127u; }
 bool kelpIsSolid(uint code) { return code >= 64u && code <= 128u; }
 
-// The code of any voxel of the level, and its brick's slot. 0, which is an empty voxel's, beyond the level and in empty bricks.
-uint kelpCodeAt(ivec3 voxel, out uint slot) {
-  slot = 0u;
+// The code of any voxel of the level, and its brick. 0, which is an empty voxel's, beyond the level, in empty bricks and in absent ones.
+uint kelpCodeAt(ivec3 voxel, out uint brick) {
+  brick = 0u;
   if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, kelp_level_size))) return 0u;
-  uint cell = KELP_FETCH_CELL(voxel >> 3);
+  uint cell = kelpCell(voxel >> 3);
   if (cell < 0x80000000u) return 0u;
-  slot = cell & 0x00ffffffu;
-  return KELP_FETCH_CODE(slot, voxel);
+  brick = kelpBrickIn(kelp_pages_at, cell);
+  return brick == 0u ? 0u : kelpCode(brick, voxel);
 }
 
 // Of a surface voxel: palette entry and normal.
-uint kelpAttribute(uint slot, int slice, uint code) {
-  ivec3 brick = kelpBrick(slot);
-  uint first = texelFetch(kelp_slice_base, ivec3(brick.x, brick.y, 8 * brick.z + slice), 0).r;
-  int index = int(first + (code - 64u));
-  return texelFetch(kelp_attributes, ivec2(index & ((1 << KELP_ATTRIBUTE_BITS) - 1), index >> KELP_ATTRIBUTE_BITS), 0).r;
+uint kelpAttribute(uint brick, int slice, uint code) {
+  uint first = (kelpWord(brick + uint(slice >> 1)) >> uint(16 * (slice & 1))) & 0xffffu;
+  return kelpWord(brick + first + (code - 64u));
 }
 
+float kelpPaletteFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
 KelpMaterial kelpMaterial(int entry) {
+  uint at = kelpRecordBits(kelp_record + 12).x + 9u * uint(entry);
   KelpMaterial m;
-  m.color = texelFetch(kelp_palette, ivec2(entry, 0), 0);
-  m.glow = texelFetch(kelp_palette, ivec2(entry, 1), 0);
-  m.roughness = texelFetch(kelp_palette, ivec2(entry, 2), 0).r;
+  m.color = vec4(kelpPaletteFloat(at), kelpPaletteFloat(at + 1u), kelpPaletteFloat(at + 2u), kelpPaletteFloat(at + 3u));
+  m.glow = vec4(kelpPaletteFloat(at + 4u), kelpPaletteFloat(at + 5u), kelpPaletteFloat(at + 6u), kelpPaletteFloat(at + 7u));
+  m.roughness = kelpPaletteFloat(at + 8u);
   return m;
 }
 
@@ -52,11 +52,11 @@ uint kelpInnerMaterial(ivec3 voxel) {
     ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
     int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
     if (distance >= nearest) continue;
-    uint slot;
-    uint code = kelpCodeAt(voxel + offset, slot);
+    uint brick;
+    uint code = kelpCodeAt(voxel + offset, brick);
     if (kelpIsSurface(code)) {
       nearest = distance;
-      material = kelpAttribute(slot, (voxel.z + offset.z) & 7, code) & 255u;
+      material = kelpAttribute(brick, (voxel.z + offset.z) & 7, code) & 255u;
     }
   }
   return material;
@@ -87,8 +87,8 @@ vec3 kelpEntryFace(KelpHit hit, vec3 ahead) {
     float back = depth / max(abs(ahead[axis]), 1e-20);
     vec3 outward = vec3(0.0);
     outward[axis] = rising ? -1.0 : 1.0;
-    uint slot;
-    bool covered = kelpIsSolid(kelpCodeAt(hit.voxel + ivec3(outward), slot));
+    uint brick;
+    bool covered = kelpIsSolid(kelpCodeAt(hit.voxel + ivec3(outward), brick));
     if (!covered && back < face_back) {
       face = outward;
       face_back = back;
@@ -111,10 +111,10 @@ vec3 kelpSmoothNormal(KelpHit hit, vec3 ahead, out KelpMaterial mean) {
   mean = KelpMaterial(vec4(0.0), vec4(0.0), 0.0);
   for (int i = 0; i < 27; ++i) {
     ivec3 offset = ivec3(i % 3, (i / 3) % 3, i / 9) - 1;
-    uint slot;
-    uint code = kelpCodeAt(hit.voxel + offset, slot);
+    uint brick;
+    uint code = kelpCodeAt(hit.voxel + offset, brick);
     if (!kelpIsSurface(code)) continue;
-    uint bits = kelpAttribute(slot, (hit.voxel.z + offset.z) & 7, code);
+    uint bits = kelpAttribute(brick, (hit.voxel.z + offset.z) & 7, code);
     vec3 n = kelpDecodeNormal(bits >> 8u);
     vec3 side = 0.5 + vec3(offset) * f;
     vec3 w = mix(0.5 * side * side, 0.75 - f * f, equal(offset, ivec3(0)));

@@ -16,6 +16,10 @@ struct KelpSurface {
   ivec3 voxel;      // of that level
   vec3 rest;        // the point in the undeformed part, level-0 voxels
   vec3 size;        // of the undeformed part, level-0 voxels
+  int instance;     // index in the span that was drawn
+  int part;
+  vec4 clip;        // where the point is in clip space, and
+  vec4 previous_clip;  // where it was in the frame before (the same, unless kelp::gl::View::previous_world_to_clip is given)
 };
 
 // From kelp::gl::View. Light that falls on a white, diffuse surface facing the sun leaves it as kelp_sun_color / pi.

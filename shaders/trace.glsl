@@ -21,8 +21,16 @@
 //   KELP_SIZE              vec3: size of the volume, level-0 voxels
 //   KELP_LEVEL_SIZE        ivec3: size of the level, in its voxels
 //   KELP_LEVEL_SCALE       float: 2^-level
-//   KELP_FETCH_CELL(v)     uint: grid cell of brick v (formats/SPEC.md, "Voxels")
-//   KELP_FETCH_CODE(k, v)  uint: code of voxel v (modulo 8 on each axis) in the brick with slot k
+//   KELP_COMPLETE          bool: every brick of the level is resident
+//   KELP_COARSER           int: how many coarser levels lie over it
+//   KELP_CELL(v)           uint: grid cell of brick v: empty as in formats/SPEC.md, "Voxels", or 0x80000000 and where the brick is
+//   KELP_BRICK(k, cell)    uint: the brick that a stored cell of the level k levels above names; 0: not resident
+//   KELP_BRICK_ABOVE(k, v) uint: brick v of the level k levels above the traced one; 0: not resident or empty
+//   KELP_CODE(k, brick, v) uint: code of voxel v (modulo 8 on each axis) in that brick, which belongs to the level k levels above
+//
+// Bricks that are not resident are drawn as the finest coarser level that is: what is drawn at a point is what the finest resident brick
+// there says, whichever way a ray comes. Coarse voxels are solid where any fine one is, so a coarse empty box is empty at all finer levels, but
+// not the other way round: while the level is not complete, a step does not leave the brick that allowed it.
 
 // A cubic from p0 to p1 for t in [0, 1], with the slopes dS/dt = m0 and m1 there (Hermite); S.y does not decrease.
 struct KelpSegment {
@@ -51,8 +59,9 @@ struct KelpHit {
   float s;        // along the ray
   float t;        // spline parameter within the segment
   int segment;
-  ivec3 voxel;    // level space
-  uint slot;      // of the voxel's brick
+  int coarser;    // levels between the traced one and the voxel's
+  ivec3 voxel;    // of the level that many above
+  uint brick;     // that holds the voxel
   uint code;      // of the voxel
   vec3 rest;      // where the hit is in the undeformed volume, level-0 voxels
   int steps;      // fetching steps taken
@@ -218,13 +227,46 @@ KELP_FN float kelpStep(KelpCurve c, float b, vec3 q, vec3 centre, vec3 half_size
   return max(leave, 2.0f * clearance / (speed + sqrt(speed2 + 4.0f * curvature * clearance)));
 }
 
+// The empty box that a code promises around its voxel, in voxels. `within_brick`: cut off at the brick's faces.
+struct KelpBox {
+  vec3 centre;
+  vec3 half_size;
+};
+KELP_FN KelpBox kelpCodeBox(uint code, ivec3 voxel, bool within_brick) {
+  KelpBox box;
+  box.centre = vec3(float(voxel.x) + 0.5f, float(voxel.y) + 0.5f, float(voxel.z) + 0.5f);
+  box.half_size = vec3(float(1u << (code & 3u)) - 0.5f, float(1u << ((code >> 2u) & 3u)) - 0.5f, float(1u << (code >> 4u)) - 0.5f);
+  if (within_brick) {
+    vec3 corner = vec3(float(voxel.x - (voxel.x & 7)), float(voxel.y - (voxel.y & 7)), float(voxel.z - (voxel.z & 7)));
+    vec3 low = max(box.centre - box.half_size, corner);
+    vec3 high = min(box.centre + box.half_size, corner + vec3(8.0f));
+    box.centre = 0.5f * (low + high);
+    box.half_size = 0.5f * (high - low);
+  }
+  return box;
+}
+
+// `hit`, found at q = q(b) in a voxel of the level `coarser` levels above the traced one.
+KELP_FN KelpHit kelpFound(KelpHit before, KelpCurve c, float b, int coarser, ivec3 voxel, uint brick, uint code) {
+  KelpHit hit = before;
+  hit.found = true;
+  hit.s = kelpCurveRay(c, b);
+  hit.t = clamp(c.t0 + b * c.rate, 0.0f, 1.0f);
+  hit.coarser = coarser;
+  hit.voxel = voxel;
+  hit.brick = brick;
+  hit.code = code;
+  return hit;
+}
+
 // Follows one curve to its first solid voxel or its end. Fields of `hit` that count go on from their values.
-// Two loops that take turns, because SIMD runs the branches of one loop one after the other: beside the volume, and in it. In it is left a
-// little further out than it is entered, so that rounding can not pass the turn to and fro.
+// Loops that take turns, because SIMD runs the branches of one loop one after the other: beside the volume, in it, and where bricks are not
+// resident. The volume is left a little further out than it is entered, so that rounding can not pass the turn to and fro.
 KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before) {
   KelpHit hit = before;
   vec3 extent = KELP_LEVEL_SCALE * KELP_SIZE;
   ivec3 last = KELP_LEVEL_SIZE - ivec3(1);
+  bool complete = KELP_COMPLETE;
   float b = 0.0f;
   bool going = b < c.end;
   while (going) {
@@ -240,47 +282,71 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
       beside = going;
     }
     bool inside = going;
+    bool missing = false;
     while (inside) {
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
       if (!(max(gap.x, gap.z) <= 0.75f * KELP_ERODE)) break;
-      ++hit.steps;
       ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
-      ivec3 brick = ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
-      uint cell = KELP_FETCH_CELL(brick);
+      ivec3 at = ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
+      uint cell = KELP_CELL(at);
+      ++hit.steps;
       ++hit.fetches;
-      vec3 centre = vec3(8.0f * float(brick.x) + 4.0f, 8.0f * float(brick.y) + 4.0f, 8.0f * float(brick.z) + 4.0f);
-      vec3 half_size = vec3(4.0f);
+      KelpBox box;
       float clearance = 0.0f;
       if (cell >= 0x80000000u) {
-        uint slot = cell & 0x00ffffffu;
-        uint code = KELP_FETCH_CODE(slot, voxel);
-        ++hit.fetches;
+        uint brick = KELP_BRICK(0, cell);
+        missing = brick == 0u;
+        if (missing) break;
+        uint code = KELP_CODE(0, brick, voxel);
+        hit.fetches += 2;
         if (code >= 64u) {
-          hit.found = true;
-          hit.s = kelpCurveRay(c, b);
-          hit.t = clamp(c.t0 + b * c.rate, 0.0f, 1.0f);
-          hit.voxel = voxel;
-          hit.slot = slot;
-          hit.code = code;
-          hit.rest = q / KELP_LEVEL_SCALE;
+          hit = kelpFound(hit, c, b, 0, voxel, brick, code);
           going = false;
           break;
         }
-        centre = vec3(float(voxel.x) + 0.5f, float(voxel.y) + 0.5f, float(voxel.z) + 0.5f);
-        half_size = vec3(float(1u << (code & 3u)) - 0.5f, float(1u << ((code >> 2u) & 3u)) - 0.5f, float(1u << (code >> 4u)) - 0.5f);
+        box = kelpCodeBox(code, voxel, !complete);
       } else {
         vec3 down = vec3(float(cell & 15u), float((cell >> 8u) & 15u), float((cell >> 16u) & 15u));
         vec3 up = vec3(float((cell >> 4u) & 15u), float((cell >> 12u) & 15u), float((cell >> 20u) & 15u));
-        centre = centre + 4.0f * (up - down);
-        half_size = half_size + 4.0f * (up + down);
-        clearance = float(cell >> 24u);
+        box.centre = vec3(8.0f * float(at.x) + 4.0f, 8.0f * float(at.y) + 4.0f, 8.0f * float(at.z) + 4.0f) + 4.0f * (up - down);
+        box.half_size = vec3(4.0f) + 4.0f * (up + down);
+        clearance = complete ? float(cell >> 24u) : 0.0f;
       }
-      b = kelpAdvance(b, kelpStep(c, b, q, centre, half_size, clearance));
+      b = kelpAdvance(b, kelpStep(c, b, q, box.centre, box.half_size, clearance));
       going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
       inside = going;
     }
+    while (missing) {
+      vec3 q = kelpCurveAt(c, b);
+      ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
+      uint cell = KELP_CELL(ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3));
+      if (cell < 0x80000000u || KELP_BRICK(0, cell) != 0u) break;
+      uint brick = 0u;
+      int coarser = 0;
+      float side = 1.0f;  // of a coarse voxel
+      while (brick == 0u && coarser < KELP_COARSER) {
+        ++coarser;
+        side = side + side;
+        voxel = ivec3(voxel.x >> 1, voxel.y >> 1, voxel.z >> 1);
+        brick = KELP_BRICK_ABOVE(coarser, ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3));
+      }
+      uint code = 0u;
+      if (brick != 0u) code = KELP_CODE(coarser, brick, voxel);  // in a pack whose levels contradict each other there may be none
+      ++hit.steps;
+      hit.fetches += 2 + 2 * coarser;
+      if (code >= 64u) {
+        hit = kelpFound(hit, c, b, coarser, voxel, brick, code);
+        going = false;
+        break;
+      }
+      KelpBox box = kelpCodeBox(code, voxel, true);
+      b = kelpAdvance(b, kelpStep(c, b, q, side * box.centre, side * box.half_size, 0.0f));
+      going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
+      missing = going;
+    }
   }
+  if (hit.found) hit.rest = kelpCurveAt(c, b) / KELP_LEVEL_SCALE;
   return hit;
 }
 
@@ -291,8 +357,9 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   hit.s = s_max;
   hit.t = 0.0f;
   hit.segment = 0;
+  hit.coarser = 0;
   hit.voxel = ivec3(0);
-  hit.slot = 0u;
+  hit.brick = 0u;
   hit.code = 0u;
   hit.rest = vec3(0.0f);
   hit.steps = 0;

@@ -23,15 +23,31 @@ struct Context;
 #define KELP_SIZE kelp_context.size
 #define KELP_LEVEL_SIZE kelp_context.level_size
 #define KELP_LEVEL_SCALE kelp_context.level_scale
-#define KELP_FETCH_CELL(v) kelp::trace::fetchCell(kelp_context, v)
-#define KELP_FETCH_CODE(k, v) kelp::trace::fetchCode(kelp_context, k, v)
+#define KELP_COMPLETE kelp_context.complete
+#define KELP_COARSER kelp_context.coarser
+#define KELP_CELL(v) kelp::trace::cellAt(kelp_context.levels[0], v)
+#define KELP_BRICK(k, cell) kelp::trace::brickOf(kelp_context, k, cell)
+#define KELP_BRICK_ABOVE(k, v) kelp::trace::brickAbove(kelp_context, k, v)
+#define KELP_CODE(k, brick, v) kelp::trace::codeAt(kelp_context, k, brick, v)
 
 struct KelpSegment;
+struct Level;
 KelpSegment segmentOf(const Context& context, int i);
-uint fetchCell(const Context& context, ivec3 brick);
-uint fetchCode(const Context& context, uint slot, ivec3 voxel);
+uint cellAt(const Level& level, ivec3 brick);
+uint brickOf(const Context& context, int above, uint cell);
+uint brickAbove(const Context& context, int above, ivec3 brick);
+uint codeAt(const Context& context, int above, uint brick, ivec3 voxel);
 
-// One level of one posed part: what the macros of trace.glsl read.
+// The bricks of one level.
+struct Level {
+  const std::uint32_t* cells = nullptr;  // x fastest, then y, then z
+  ivec3 grid{0};
+  // The 512 codes of the brick that a stored cell names; null if it is not resident.
+  const std::uint8_t* (*brick)(const void* user, std::uint32_t cell) = nullptr;
+  const void* user = nullptr;
+};
+
+// A posed part, traced at levels[0], which `coarser` levels lie over: what the macros of trace.glsl read.
 struct Context {
   const KelpSegment* segments = nullptr;
   int segment_count = 0;
@@ -40,19 +56,29 @@ struct Context {
   vec3 size{0.0f};
   ivec3 level_size{0};
   float level_scale = 1.0f;
-  const std::uint32_t* cells = nullptr;
-  ivec3 grid{0};
-  const std::uint8_t* codes = nullptr;
+  const Level* levels = nullptr;
+  int coarser = 0;
+  bool complete = true;
 };
 
 #include "trace.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
-inline uint fetchCell(const Context& context, ivec3 v) {
-  return context.cells[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(context.grid.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(context.grid.y) * static_cast<std::size_t>(v.z))];
+inline uint cellAt(const Level& level, ivec3 v) {
+  return level.cells[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(level.grid.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(v.z))];
 }
-inline uint fetchCode(const Context& context, uint slot, ivec3 v) {
-  return context.codes[std::size_t{slot} * 512u + static_cast<std::size_t>((v.x & 7) | ((v.y & 7) << 3) | ((v.z & 7) << 6))];
+// A brick's handle is its cell's lower 31 bits plus one.
+inline const std::uint8_t* codesOf(const Level& level, uint brick) { return level.brick(level.user, (brick - 1u) | 0x80000000u); }
+inline uint brickOf(const Context& context, int above, uint cell) {
+  const uint brick = (cell & 0x7fffffffu) + 1u;
+  return codesOf(context.levels[above], brick) ? brick : 0u;
+}
+inline uint brickAbove(const Context& context, int above, ivec3 v) {
+  const uint cell = cellAt(context.levels[above], v);
+  return cell >= 0x80000000u ? brickOf(context, above, cell) : 0u;
+}
+inline uint codeAt(const Context& context, int above, uint brick, ivec3 v) {
+  return codesOf(context.levels[above], brick)[(v.x & 7) | ((v.y & 7) << 3) | ((v.z & 7) << 6)];
 }
 
 #undef KELP_FN
@@ -65,7 +91,11 @@ inline uint fetchCode(const Context& context, uint slot, ivec3 v) {
 #undef KELP_SIZE
 #undef KELP_LEVEL_SIZE
 #undef KELP_LEVEL_SCALE
-#undef KELP_FETCH_CELL
-#undef KELP_FETCH_CODE
+#undef KELP_COMPLETE
+#undef KELP_COARSER
+#undef KELP_CELL
+#undef KELP_BRICK
+#undef KELP_BRICK_ABOVE
+#undef KELP_CODE
 
 }  // namespace kelp::trace

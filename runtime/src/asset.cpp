@@ -1,79 +1,27 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/runtime/asset.h"
-
-#include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <new>
+
+#include "asset_impl.h"
 
 namespace kelp::runtime {
 namespace {
 
-// One level of one part on its way into memory. Everything but `ready` and `data` is guarded by the asset's mutex, except that the one
-// thread that took the grid, or a page, writes its own share of the buffers.
-struct LevelState {
-  enum class Stage : std::uint8_t { kGridWanted, kGridInHand, kPages, kComplete, kFailed };
-
-  int part = 0;
-  int level = 0;
-  Stage stage = Stage::kGridWanted;
-  std::uint32_t next_page = 0;
-  std::uint32_t pages_done = 0;
-  LevelGrid grid;
-  Buffer<std::uint32_t> first_attribute;  // of each page
-  Buffer<std::uint8_t> codes;
-  Buffer<std::uint32_t> slice_base;
-  Buffer<std::uint32_t> attributes;
-  LevelData data;
-  std::atomic<bool> ready{false};
-};
-
-// Memory a thread decodes pages into; kept for the next one.
-struct Scratch {
-  PageData page;
-  Scratch* next = nullptr;
-};
+// A request, or a look at a page, counts for this many rounds.
+constexpr std::uint32_t kPatience = 8;
 
 }  // namespace
 
-struct Asset::Impl {
-  Impl(Pack&& opened, const Options& options_) : pack(std::move(opened)), options(options_) {}
-  ~Impl() {
-    while (scratch) {
-      Scratch* gone = scratch;
-      scratch = gone->next;
-      delete gone;
-    }
+Asset::Impl::~Impl() {
+  for (std::size_t i = 0; i < state_count; ++i) states[i].release(options.allocator);
+  while (scratch) {
+    Scratch* gone = scratch;
+    scratch = gone->next;
+    delete gone;
   }
-
-  Result<void> prepareLevels();
-  Result<void> loadGrid(LevelState& state);
-  Result<void> loadPage(LevelState& state, std::uint32_t page, PageData& decoded);
-  void fail(LevelState& state);
-  LevelState* find(int part, int level) const {
-    if (part < 0 || static_cast<std::size_t>(part) >= pack.parts().size()) return nullptr;
-    if (level < 0 || level >= pack.parts()[static_cast<std::size_t>(part)].levels) return nullptr;
-    return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
-  }
-
-  Pack pack;
-  Options options;
-  std::mutex mutex;
-  std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
-  std::size_t state_count = 0;
-  Buffer<std::uint32_t> first_level;  // of each part, into `place`
-  Buffer<std::uint32_t> place;        // part-major -> index into `states`
-  Scratch* scratch = nullptr;
-  std::uint32_t in_hand = 0;           // grids and pages that threads work on now
-  std::condition_variable idle;        // in_hand became 0
-  Error first_error;
-  bool any_error = false;
-};
+}
 
 Result<void> Asset::Impl::prepareLevels() {
   const std::span<const Part> parts = pack.parts();
-  first_level = Buffer<std::uint32_t>(options.allocator);
-  place = Buffer<std::uint32_t>(options.allocator);
   std::uint32_t total = 0;
   int deepest = 0;
   if (!first_level.reset(parts.size())) return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
@@ -91,59 +39,222 @@ Result<void> Asset::Impl::prepareLevels() {
       if (level >= parts[part].levels) continue;
       states[n].part = static_cast<int>(part);
       states[n].level = level;
+      states[n].coarsest = level + 1 == parts[part].levels;
       place[first_level[part] + static_cast<std::uint32_t>(level)] = n++;
     }
   }
-  return {};
-}
-
-Result<void> Asset::Impl::loadGrid(LevelState& state) {
-  Result<LevelGrid> grid = pack.readGrid(state.part, state.level);
-  if (!grid) return grid.error();
-  state.grid = *std::move(grid);
-  std::uint64_t attributes = 0;
-  state.first_attribute = Buffer<std::uint32_t>(options.allocator);
-  if (!state.first_attribute.reset(state.grid.pages.size())) return Error{ErrorCode::kOutOfMemory, "no memory for the page table"};
-  for (std::size_t i = 0; i < state.grid.pages.size(); ++i) {
-    const PageInfo& page = state.grid.pages[i];
-    state.first_attribute[i] = static_cast<std::uint32_t>(attributes);
-    attributes += (page.raw - std::uint64_t{page.count} * kBrickVoxels) / sizeof(std::uint32_t);
-  }
-  const std::uint64_t bytes = std::uint64_t{state.grid.bricks} * (kBrickVoxels + 8 * sizeof(std::uint32_t)) + attributes * sizeof(std::uint32_t);
-  if (bytes > options.limits.max_decoded_bytes || attributes > 0xffffffffu) {
-    return Error{ErrorCode::kLimit, "a level decodes to more than Limits::max_decoded_bytes"};
-  }
-  state.codes = Buffer<std::uint8_t>(options.allocator);
-  state.slice_base = Buffer<std::uint32_t>(options.allocator);
-  state.attributes = Buffer<std::uint32_t>(options.allocator);
-  if (!state.codes.reset(std::size_t{state.grid.bricks} * kBrickVoxels) || !state.slice_base.reset(std::size_t{state.grid.bricks} * 8) ||
-      !state.attributes.reset(static_cast<std::size_t>(attributes))) {
-    return Error{ErrorCode::kOutOfMemory, "no memory for the voxels of a level"};
+  constexpr std::uint32_t kGridChunk = 'G' | 'R' << 8 | 'I' << 16 | 'D' << 24;
+  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
+    if (chunk.fourcc != kGridChunk) continue;
+    if (LevelState* state = find(static_cast<int>(chunk.part), static_cast<int>(chunk.level))) state->grid_raw = chunk.raw;
   }
   return {};
 }
 
-Result<void> Asset::Impl::loadPage(LevelState& state, std::uint32_t page, PageData& decoded) {
-  const PageInfo& info = state.grid.pages[page];
-  if (Result<void> read = pack.readPage(info, decoded); !read) return read;
-  const std::uint32_t first = state.first_attribute[page];
-  std::memcpy(&state.codes[std::size_t{info.first_slot} * kBrickVoxels], decoded.codes.data(), std::size_t{info.count} * kBrickVoxels);
-  const std::span<std::uint32_t> bases = state.slice_base.span().subspan(std::size_t{info.first_slot} * 8, std::size_t{info.count} * 8);
-  const std::span<const std::uint8_t> codes = decoded.codes.span().first(std::size_t{info.count} * kBrickVoxels);
-  const std::int64_t count = computeSliceBase(codes, first, bases);
-  const std::size_t expected = (info.raw - std::size_t{info.count} * kBrickVoxels) / sizeof(std::uint32_t);
-  if (count < 0 || static_cast<std::size_t>(count) != expected) return Error{ErrorCode::kCorrupt, "codes and attributes disagree", info.offset};
-  if (expected > 0) std::memcpy(&state.attributes[first], decoded.attributes.data(), expected * sizeof(std::uint32_t));
+LevelState* Asset::Impl::find(int part, int level) const {
+  if (part < 0 || static_cast<std::size_t>(part) >= pack.parts().size()) return nullptr;
+  if (level < 0 || level >= pack.parts()[static_cast<std::size_t>(part)].levels) return nullptr;
+  return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
+}
+
+// 0: not wanted.
+float Asset::Impl::urgencyOf(const LevelState& level, const Request& request, Wanted wanted) const {
+  if (level.coarsest) return 1e30f;
+  const std::uint32_t now = round.load(std::memory_order_relaxed);
+  const bool asked = request.round.load(std::memory_order_relaxed) + kPatience > now;
+  if (now > 0 && asked) return request.urgency.load(std::memory_order_relaxed);
+  return now == 0 || wanted == Wanted::kAll ? 1e-30f * static_cast<float>(level.level + 1) : 0.0f;
+}
+
+Asset::Impl::Task Asset::Impl::choose(Wanted wanted) {
+  Task best;
+  float most = 0;
+  const bool in_order = round.load(std::memory_order_relaxed) == 0;
+  for (std::size_t i = 0; i < state_count && !(in_order && most > 0); ++i) {
+    LevelState& level = states[i];
+    if (level.stage == Stage::kAbsent) {
+      const LevelState* below = find(level.part, level.level + 1);  // its grid comes first: missing bricks are looked up there
+      const float urgency = !below || below->stage == Stage::kResident ? urgencyOf(level, level.request, wanted) : 0.0f;
+      if (urgency > most) {
+        most = urgency;
+        best = {&level, Task::kGrid};
+      }
+    }
+    if (level.stage != Stage::kResident || level.absent == 0) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      if (level.pages[page].stage != Stage::kAbsent) continue;
+      const float urgency = urgencyOf(level, level.pages[page].request, wanted);
+      if (urgency > most) {
+        most = urgency;
+        best = {&level, page};
+      }
+    }
+  }
+  return best;
+}
+
+void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
+  PageSlot& slot = level.pages[page];
+  std::uint32_t* words = nullptr;
+  {
+    std::lock_guard alone(readers);
+    if (slot.pins.load(std::memory_order_acquire) == 0) words = slot.words.exchange(nullptr, std::memory_order_relaxed);
+  }
+  if (!words) return;
+  const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
+  options.allocator.deallocate(options.allocator.user, words, static_cast<std::size_t>(bytes));
+  used_bytes.fetch_sub(bytes, std::memory_order_relaxed);
+  slot.stage = Stage::kAbsent;
+  ++level.absent;
+  level.resident.fetch_sub(1, std::memory_order_relaxed);
+}
+
+// Takes `bytes` of the budget, dropping what was not used for longest. False: there is not enough that may be dropped.
+bool Asset::Impl::makeRoom(std::uint64_t bytes) {
+  const std::uint32_t now = round.load(std::memory_order_relaxed);
+  while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
+    Task oldest;
+    std::uint32_t age = kPatience;
+    for (std::size_t i = 0; i < state_count; ++i) {
+      LevelState& level = states[i];
+      if (level.coarsest || level.stage != Stage::kResident) continue;
+      for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+        const PageSlot& slot = level.pages[page];
+        if (slot.stage != Stage::kResident || slot.pins.load(std::memory_order_relaxed) > 0) continue;
+        const std::uint32_t unused = now - slot.used.load(std::memory_order_relaxed);
+        if (unused >= age) {  // the finest of equals: it is last
+          age = unused;
+          oldest = {&level, page};
+        }
+      }
+    }
+    if (!oldest.level) return false;
+    evict(*oldest.level, oldest.page);
+  }
+  used_bytes.fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+// What the task will add to used_bytes.
+std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
+  const LevelState& level = *task.level;
+  if (task.page != Task::kGrid) return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
+  return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)].size);
+}
+
+Result<void> Asset::Impl::loadPage(const Task& task, Scratch& decoded) {
+  const PageInfo& info = task.level->grid.pages[task.page];
+  if (Result<void> read = pack.readPage(info, decoded.page); !read) return read;
+  const std::uint32_t count = pageWords(info);
+  auto* words = static_cast<std::uint32_t*>(options.allocator.allocate(options.allocator.user, count * sizeof(std::uint32_t)));
+  if (!words) return Error{ErrorCode::kOutOfMemory, "no memory for a page", info.offset};
+  if (!arrangePage(decoded.page, {words, count})) {
+    options.allocator.deallocate(options.allocator.user, words, count * sizeof(std::uint32_t));
+    return Error{ErrorCode::kCorrupt, "codes and attributes disagree", info.offset};
+  }
+  PageSlot& slot = task.level->pages[task.page];
+  slot.used.store(round.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  slot.words.store(words, std::memory_order_release);
   return {};
 }
 
-// The level and the finer ones of its part stay absent: a fine level may rest on the coarse one.
-void Asset::Impl::fail(LevelState& state) {
-  for (int level = state.level; level >= 0; --level) find(state.part, level)->stage = LevelState::Stage::kFailed;
+void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
+  LevelState& level = *task.level;
+  const Stage stage = done ? Stage::kResident : Stage::kFailed;
+  if (!done) used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
+  if (task.page != Task::kGrid) {
+    level.pages[task.page].stage = stage;
+    level.pages[task.page].request.failed.store(!done, std::memory_order_relaxed);
+    if (done) level.resident.fetch_add(1, std::memory_order_release);
+    return;
+  }
+  level.stage = stage;
+  if (done) {
+    level.ready.store(true, std::memory_order_release);
+  } else {  // the finer levels rest on it
+    for (int finer = level.level; finer >= 0; --finer) {
+      LevelState& lost = *find(level.part, finer);
+      lost.stage = Stage::kFailed;
+      lost.request.failed.store(true, std::memory_order_relaxed);
+    }
+  }
 }
 
-Asset::Asset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Asset::~Asset() = default;
+Result<bool> Asset::Impl::pump(Wanted wanted) {
+  Task task;
+  Scratch* memory = nullptr;
+  std::uint64_t reserved = 0;
+  {
+    std::lock_guard lock(mutex);
+    task = choose(wanted);
+    if (!task.level) return false;
+    reserved = bytesOf(task);
+    const bool room = makeRoom(reserved);
+    if (!room && !task.level->coarsest && reserved <= options.memory_budget) return false;
+    const bool grid = task.page == Task::kGrid;
+    (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
+    if (!grid) --task.level->absent;
+    if (!room) {
+      finish(task, 0, false);
+      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid" : "memory_budget is too small for a coarsest level"});
+    }
+    if (!grid && scratch) {
+      memory = scratch;
+      scratch = memory->next;
+    }
+    ++in_hand;
+  }
+
+  Result<void> done;
+  if (task.page == Task::kGrid) {
+    done = task.level->load(pack, options.allocator);
+  } else {
+    if (!memory) {
+      memory = new (std::nothrow) Scratch;
+      if (memory) memory->page = PageData(options.allocator);
+    }
+    done = memory ? loadPage(task, *memory) : Result<void>(Error{ErrorCode::kOutOfMemory, "no memory to decode a page"});
+  }
+
+  std::lock_guard lock(mutex);
+  finish(task, reserved, static_cast<bool>(done));
+  if (memory) {
+    memory->next = scratch;
+    scratch = memory;
+  }
+  if (--in_hand == 0) idle.notify_all();
+  if (done) return true;
+  return fail(done.error());
+}
+
+// Keeps the first error for loadAll().
+Error Asset::Impl::fail(const Error& error) {
+  if (!any_error) first_error = error;
+  any_error = true;
+  return error;
+}
+
+struct AssetWatch::Life {
+  std::atomic<std::uint32_t> references{1};
+  std::atomic<bool> alive{true};
+};
+
+AssetWatch::AssetWatch(Life* life) : life_(life) {}
+AssetWatch::AssetWatch(const AssetWatch& other) : life_(other.life_) {
+  if (life_) life_->references.fetch_add(1, std::memory_order_relaxed);
+}
+AssetWatch& AssetWatch::operator=(const AssetWatch& other) {
+  AssetWatch copy(other);
+  std::swap(life_, copy.life_);
+  return *this;
+}
+AssetWatch::~AssetWatch() {
+  if (life_ && life_->references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete life_;
+}
+bool AssetWatch::alive() const { return life_ && life_->alive.load(std::memory_order_acquire); }
+
+Asset::Asset(std::unique_ptr<Impl> impl, AssetWatch watch) : impl_(std::move(impl)), watch_(std::move(watch)) {}
+Asset::~Asset() { watch_.life_->alive.store(false, std::memory_order_release); }
 
 Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& options) {
   Result<Pack> pack = Pack::open(source, options.limits, options.allocator);
@@ -151,117 +262,130 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(*std::move(pack), options));
   if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
-  std::unique_ptr<Asset> asset(new (std::nothrow) Asset(std::move(impl)));
+  auto* const life = new (std::nothrow) AssetWatch::Life;
+  if (!life) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  std::unique_ptr<Asset> asset(new (std::nothrow) Asset(std::move(impl), AssetWatch(life)));
   if (!asset) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
   return asset;
 }
 
 const Pack& Asset::pack() const { return impl_->pack; }
 
-Result<bool> Asset::pump() {
-  Impl& a = *impl_;
-  LevelState* state = nullptr;
-  bool grid = false;
-  std::uint32_t page = 0;
-  Scratch* scratch = nullptr;
-  {
-    std::lock_guard lock(a.mutex);
-    for (std::size_t i = 0; i < a.state_count && !state; ++i) {
-      LevelState& candidate = a.states[i];
-      if (candidate.stage == LevelState::Stage::kGridWanted) {
-        candidate.stage = LevelState::Stage::kGridInHand;
-        state = &candidate;
-        grid = true;
-      } else if (candidate.stage == LevelState::Stage::kPages && candidate.next_page < candidate.grid.pages.size()) {
-        page = candidate.next_page++;
-        state = &candidate;
-      }
-    }
-    if (!state) return false;
-    ++a.in_hand;
-    if (!grid && a.scratch) {
-      scratch = a.scratch;
-      a.scratch = scratch->next;
-    }
-  }
-
-  Result<void> done;
-  if (grid) {
-    done = a.loadGrid(*state);
-  } else {
-    if (!scratch) scratch = new (std::nothrow) Scratch;
-    if (scratch) {
-      done = a.loadPage(*state, page, scratch->page);
-    } else {
-      done = Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
-    }
-  }
-
-  std::lock_guard lock(a.mutex);
-  if (--a.in_hand == 0) a.idle.notify_all();
-  if (scratch) {
-    scratch->next = a.scratch;
-    a.scratch = scratch;
-  }
-  if (!done) {
-    const bool answered = state->stage == LevelState::Stage::kFailed;
-    a.fail(*state);
-    if (!a.any_error) a.first_error = done.error();
-    a.any_error = true;
-    if (answered) return true;
-    return done.error();
-  }
-  if (state->stage == LevelState::Stage::kFailed) return true;  // another page of the level failed meanwhile
-  if (grid) {
-    state->stage = LevelState::Stage::kPages;
-  } else {
-    ++state->pages_done;
-  }
-  if (state->pages_done == state->grid.pages.size()) {
-    state->stage = LevelState::Stage::kComplete;
-    state->data = {state->grid.size, state->grid.grid, state->grid.cells.span(), state->codes.span(), state->slice_base.span(), state->attributes.span()};
-    state->ready.store(true, std::memory_order_release);
-  }
-  return true;
-}
+Result<bool> Asset::pump() { return impl_->pump(Impl::Wanted::kAsked); }
 
 Result<void> Asset::loadAll() {
   Impl& a = *impl_;
   while (true) {
     while (true) {
-      const Result<bool> more = pump();
+      const Result<bool> more = a.pump(Impl::Wanted::kAll);
       if (more && !*more) break;
     }
     // Nothing is left to take; a grid in another thread's hands may bring new pages.
     std::unique_lock lock(a.mutex);
+    const bool waited = a.in_hand > 0;
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
-    bool wanted = false;
-    for (std::size_t i = 0; i < a.state_count; ++i) {
-      const LevelState& state = a.states[i];
-      wanted = wanted || state.stage == LevelState::Stage::kGridWanted || (state.stage == LevelState::Stage::kPages && state.next_page < state.grid.pages.size());
+    if (a.choose(Impl::Wanted::kAll).level) {
+      if (waited) continue;
+      return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }
-    if (wanted) continue;
     if (a.any_error) return a.first_error;
     return {};
   }
 }
 
-const LevelData* Asset::level(int part, int level) const {
+void Asset::retry() {
+  Impl& a = *impl_;
+  std::lock_guard lock(a.mutex);
+  a.any_error = false;
+  for (std::size_t i = 0; i < a.state_count; ++i) {
+    LevelState& level = a.states[i];
+    level.request.failed.store(false, std::memory_order_relaxed);
+    if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
+    if (level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      if (level.pages[page].stage != Stage::kFailed) continue;
+      level.pages[page].stage = Stage::kAbsent;
+      level.pages[page].request.failed.store(false, std::memory_order_relaxed);
+      ++level.absent;
+    }
+  }
+}
+
+const VoxelLevel* Asset::level(int part, int level) const {
   const LevelState* state = impl_->find(part, level);
   return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
 }
 
 int Asset::residentLevel(int part, int wanted) const {
   if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return -1;
+  const auto whole = [&](int level) {
+    const LevelState* state = impl_->find(part, level);
+    return state->ready.load(std::memory_order_acquire) && state->resident.load(std::memory_order_acquire) == state->data.pages.size();
+  };
   const int levels = impl_->pack.parts()[static_cast<std::size_t>(part)].levels;
   const int from = wanted < 0 ? 0 : (wanted < levels ? wanted : levels - 1);
   for (int l = from; l < levels; ++l) {
-    if (level(part, l)) return l;
+    if (whole(l)) return l;
   }
   for (int l = from - 1; l >= 0; --l) {
-    if (level(part, l)) return l;
+    if (whole(l)) return l;
   }
   return -1;
+}
+
+std::uint64_t Asset::memory() const { return impl_->used_bytes.load(std::memory_order_relaxed); }
+
+AssetWatch Asset::watch() const { return watch_; }
+
+void Asset::beginRequests() const { impl_->round.fetch_add(1, std::memory_order_relaxed); }
+
+void Asset::request(int part, int level, float urgency) const {
+  if (LevelState* state = impl_->find(part, level)) state->request.ask(urgency, impl_->round.load(std::memory_order_relaxed));
+}
+
+PinnedPage Asset::pin(int part, int level, std::uint32_t page, float urgency) const {
+  PinnedPage pinned;
+  LevelState* state = impl_->find(part, level);
+  if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size()) return pinned;
+  PageSlot& slot = state->pages[page];
+  const std::uint32_t now = impl_->round.load(std::memory_order_relaxed);
+  const std::shared_lock lock(impl_->readers);
+  const std::uint32_t* words = slot.words.load(std::memory_order_acquire);
+  if (!words) {
+    slot.request.ask(urgency, now);
+    return pinned;
+  }
+  slot.used.store(now, std::memory_order_relaxed);
+  slot.pins.fetch_add(1, std::memory_order_relaxed);
+  pinned.words_ = {words, pageWords(state->data.pages[page])};
+  pinned.pins_ = &slot.pins;
+  return pinned;
+}
+
+bool Asset::hasFailed(int part, int level) const {
+  const LevelState* state = impl_->find(part, level);
+  return state && state->request.failed.load(std::memory_order_relaxed);
+}
+
+bool Asset::hasFailed(int part, int level, std::uint32_t page) const {
+  const LevelState* state = impl_->find(part, level);
+  return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
+         state->pages[page].request.failed.load(std::memory_order_relaxed);
+}
+
+PinnedPage::PinnedPage(PinnedPage&& other) noexcept : words_(std::exchange(other.words_, {})), pins_(std::exchange(other.pins_, nullptr)) {}
+
+PinnedPage& PinnedPage::operator=(PinnedPage&& other) noexcept {
+  if (this != &other) {
+    PinnedPage gone(std::move(*this));
+    words_ = std::exchange(other.words_, {});
+    pins_ = std::exchange(other.pins_, nullptr);
+  }
+  return *this;
+}
+
+PinnedPage::~PinnedPage() {
+  if (pins_) static_cast<std::atomic<std::uint32_t>*>(pins_)->fetch_sub(1, std::memory_order_release);
 }
 
 }  // namespace kelp::runtime

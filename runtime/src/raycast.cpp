@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include <glm/glm.hpp>
 
+#include "asset_impl.h"
 #include "kelp/runtime/instance.h"
 #include "posed_part.h"
 
@@ -26,25 +28,59 @@ bool clip(const glm::dvec3& o, const glm::dvec3& r, const Box& box, double& s0, 
   return s0 <= s1;
 }
 
-// A surface voxel's attribute; an inner voxel, met only by rays that start inside a solid, borrows that of a neighbour.
-std::optional<std::uint32_t> attributeAt(const LevelData& level, const glm::ivec3& voxel) {
-  const glm::ivec3 brick = voxel >> 3;
-  const auto cell = static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(level.grid.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(brick.z));
-  if (!(level.cells[cell] & kCellSolid)) return std::nullopt;
-  const std::uint32_t slot = level.cells[cell] & kCellSlotMask;
-  const std::uint8_t code = level.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel))];
-  if (!isSurfaceCode(code)) return std::nullopt;
-  return level.attributes[level.slice_base[std::size_t{slot} * 8 + static_cast<std::size_t>(voxel.z & 7)] + code - kSurfaceCode];
+// The bricks of a level as trace.glsl asks for them.
+struct LevelBricks {
+  const PageReader* reader = nullptr;
+  const LevelState* level = nullptr;
+
+  const std::uint32_t* find(std::uint32_t cell) const {
+    const std::uint32_t* page = reader->words(*level, cellPage(cell));
+    return page ? page + kBrickWords * cellBrick(cell) : nullptr;
+  }
+  // The attribute of a surface voxel.
+  std::optional<std::uint32_t> attributeAt(const glm::ivec3& voxel) const {
+    const glm::ivec3 brick = voxel >> 3;
+    const glm::ivec3& grid = level->data.grid;
+    const std::uint32_t cell = level->data.cells[static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(grid.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(brick.z))];
+    const std::uint32_t* words = cell & kCellSolid ? find(cell) : nullptr;
+    if (!words) return std::nullopt;
+    const std::uint8_t code = codeOf(words, voxel);
+    if (!isSurfaceCode(code)) return std::nullopt;
+    return attributeOf(words, voxel, code);
+  }
+};
+
+const std::uint8_t* traceBrick(const void* user, std::uint32_t cell) {
+  const std::uint32_t* words = static_cast<const LevelBricks*>(user)->find(cell);
+  return words ? reinterpret_cast<const std::uint8_t*>(words + kSliceWords) : nullptr;
 }
 
-std::optional<std::uint32_t> nearbyAttribute(const LevelData& level, const glm::ivec3& voxel) {
-  if (const auto own = attributeAt(level, voxel)) return own;
+// An inner voxel, met only by rays that start inside a solid, borrows the attribute of a neighbour.
+std::optional<std::uint32_t> nearbyAttribute(const LevelBricks& bricks, const glm::ivec3& voxel) {
+  if (const auto own = bricks.attributeAt(voxel)) return own;
   for (int i = 0; i < 27; ++i) {
     const glm::ivec3 v = voxel + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (glm::any(glm::lessThan(v, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(v, level.size))) continue;
-    if (const auto beside = attributeAt(level, v)) return beside;
+    if (glm::any(glm::lessThan(v, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(v, bricks.level->data.size))) continue;
+    if (const auto beside = bricks.attributeAt(v)) return beside;
   }
   return std::nullopt;
+}
+
+// The levels that a trace may look at: the finest one not finer than `wanted` whose grid is there, and those above. Answers how many; 0: the
+// coarsest is not whole yet, so there would be holes.
+int listLevels(const Asset& asset, const PageReader& reader, int part, int wanted, LevelBricks (&bricks)[kMaxLevels], trace::Level (&levels)[kMaxLevels]) {
+  const int last = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1;
+  const LevelState* coarsest = reader.level(part, last);
+  if (!coarsest || coarsest->resident.load(std::memory_order_acquire) != coarsest->data.pages.size()) return 0;
+  int count = 0;
+  for (int level = std::clamp(wanted, 0, last); level <= last; ++level) {
+    const LevelState* state = reader.level(part, level);
+    if (!state) continue;
+    bricks[count] = {&reader, state};
+    levels[count] = {state->data.cells.data(), state->data.grid, &traceBrick, &bricks[count]};
+    ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -53,14 +89,17 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
   if (!instance.asset || (instance.pose && instance.pose->parts() != static_cast<int>(instance.asset->pack().parts().size()))) return std::nullopt;
   if (!finite(ray.origin) || !finite(ray.direction) || ray.direction == glm::vec3(0) || !(ray.t_max >= 0)) return std::nullopt;
   const std::span<const Part> parts = instance.asset->pack().parts();
+  const PageReader reader(*instance.asset);
   std::optional<Hit> nearest;
   float t_max = ray.t_max;
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
     const Part& part = parts[static_cast<std::size_t>(i)];
     const std::span<const Knot> knots = knotsOf(instance, i);
-    const int level_index = instance.asset->residentLevel(i, wanted_level);
-    if (level_index < 0 || !checkKnots(knots)) continue;
-    const LevelData& level = *instance.asset->level(i, level_index);
+    LevelBricks bricks[kMaxLevels];
+    trace::Level levels[kMaxLevels];
+    const int level_count = listLevels(*instance.asset, reader, i, wanted_level, bricks, levels);
+    if (level_count == 0 || !checkKnots(knots)) continue;
+    const LevelState& level = *bricks[0].level;
 
     // The ray in part space, in double precision, and its origin moved to where it enters the bounds: float32 is exact near the volume.
     const glm::dmat4 to_world(partToWorld(instance, i));
@@ -83,11 +122,11 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
     context.bounds_min = box.min;
     context.bounds_max = box.max;
     context.size = glm::vec3(part.size);
-    context.level_size = level.size;
-    context.level_scale = std::ldexp(1.0f, -level_index);
-    context.cells = level.cells.data();
-    context.grid = level.grid;
-    context.codes = level.codes.data();
+    context.level_size = level.data.size;
+    context.level_scale = std::ldexp(1.0f, -level.level);
+    context.levels = levels;
+    context.coarser = level_count - 1;
+    context.complete = level.resident.load(std::memory_order_acquire) == level.data.pages.size();
     const trace::KelpHit found = trace::kelpTrace(context, glm::vec3(o + s0 * r), glm::vec3(r), 0.0f, static_cast<float>(s1 - s0));
     if (!found.found) continue;
 
@@ -96,12 +135,12 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
     if (hit.t > t_max) continue;
     hit.position = ray.origin + hit.t * ray.direction;
     hit.part = i;
-    hit.level = level_index;
+    hit.level = level.level + found.coarser;
     hit.voxel = found.voxel;
     hit.rest = found.rest;
     const glm::mat3 normal_to_world = glm::transpose(glm::mat3(to_part));
     glm::vec3 normal = -glm::vec3(ray.direction);
-    if (const auto attribute = nearbyAttribute(level, found.voxel)) {
+    if (const auto attribute = nearbyAttribute(bricks[found.coarser], found.voxel)) {
       const float stretch = static_cast<float>(part.size.y) / (knots.back().position.y - knots.front().position.y);
       normal = normal_to_world * trace::kelpDeformNormal(segments[found.segment], found.t, stretch, decodeNormal(attributeNormal(*attribute)));
       hit.material = attributePalette(*attribute);

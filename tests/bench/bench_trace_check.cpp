@@ -4,6 +4,7 @@
 #include <atomic>
 #include <thread>
 
+#include "support/traced_level.h"
 #include "trace_cpp.h"
 
 namespace kelp::bench {
@@ -29,9 +30,8 @@ std::vector<RayCheck> checkRays(const PosedItem& item, const Rays& rays, int nth
   context.bounds_max = item.bounds.max;
   context.size = glm::vec3(volume.size);
   context.level_size = volume.size;
-  context.cells = item.item->level.cells.data();
-  context.grid = brickGrid(volume.size);
-  context.codes = item.item->level.codes.data();
+  const trace::Level level = test::tracedLevel(item.item->level, volume.size);
+  context.levels = &level;
 
   // The box itself, as a solid of few, large voxels.
   const glm::ivec3 few = (volume.size + 63) / 64;

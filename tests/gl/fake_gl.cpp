@@ -24,7 +24,7 @@ const std::uint8_t* KELP_GL_CALL getString(Enum) { return reinterpret_cast<const
 Enum KELP_GL_CALL getError() { return FakeGl::current()->out_of_memory ? constant::kOutOfMemory : constant::kNoError; }
 void KELP_GL_CALL getIntegerv(Enum what, std::int32_t* out) {
   *out = what == constant::kMaxTextureSize ? FakeGl::current()->max_texture_size
-         : what == constant::kMax3dTextureSize ? FakeGl::current()->max_3d_texture_size : 0;
+         : what == constant::kMaxArrayTextureLayers ? FakeGl::current()->max_array_layers : 0;
 }
 void KELP_GL_CALL succeed(Name, Enum, std::int32_t* out) { *out = 1; }
 void KELP_GL_CALL genNames(std::int32_t count, Name* out) {
@@ -47,7 +47,7 @@ void* FakeGl::getProcAddress(void*, const char* name) {
   if (is("glGetError")) return reinterpret_cast<void*>(&getError);
   if (is("glGetIntegerv")) return reinterpret_cast<void*>(&getIntegerv);
   if (is("glGetShaderiv") || is("glGetProgramiv")) return reinterpret_cast<void*>(&succeed);
-  if (is("glGenTextures") || is("glGenVertexArrays")) return reinterpret_cast<void*>(&genNames);
+  if (is("glGenTextures") || is("glGenVertexArrays") || is("glGenSamplers")) return reinterpret_cast<void*>(&genNames);
   if (is("glCreateShader")) return reinterpret_cast<void*>(&create);
   if (is("glCreateProgram")) return reinterpret_cast<void*>(&createProgram);
 #define KELP_FAKE(result, function, parameters) \

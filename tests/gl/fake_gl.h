@@ -7,7 +7,7 @@ namespace kelp::test {
 struct FakeGl {
   const char* version = "OpenGL ES 3.0 fake";
   int max_texture_size = 2048;  // what OpenGL ES 3.0 guarantees
-  int max_3d_texture_size = 256;
+  int max_array_layers = 256;
   bool out_of_memory = false;   // glGetError says so
 
   // For kelp::gl::Config; `user` is not used. One fake at a time: the one that current() points to.

@@ -110,28 +110,40 @@ TEST_F(MemoryTest, EveryAllocationMayFail) {
 }
 
 TEST_F(MemoryTest, TheGpusMemoryMayBeShort) {
-  const auto created = gl::Renderer::create(config());
-  ASSERT_TRUE(created);
-  gl::Renderer& renderer = **created;
-  ASSERT_TRUE(renderer.add(*loaded_.asset));
   fake_.out_of_memory = true;
-  const auto refused = renderer.upload(~std::uint64_t{0});
+  const auto refused = gl::Renderer::create(config());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
-  const auto again = renderer.upload(~std::uint64_t{0});  // answered once
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->bytes_uploaded, 0u);
-  EXPECT_EQ(again->pending, 0u);
 }
 
-TEST_F(MemoryTest, SmallContextsHoldSmallLevels) {
-  fake_.max_3d_texture_size = 4;  // bricks along an axis, and no brick at all in an atlas
-  const auto created = gl::Renderer::create(config());
-  ASSERT_TRUE(created);
-  ASSERT_TRUE((*created)->add(*loaded_.asset));
-  const auto refused = (*created)->upload(~std::uint64_t{0});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+TEST_F(MemoryTest, BudgetsAreBounded) {
+  gl::Config small = config();
+  for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{1}, (std::uint64_t{256} << 10) - 1}) {
+    small.gpu_budget = bytes;
+    const auto refused = gl::Renderer::create(small);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kMisuse);
+  }
+  small.gpu_budget = ~std::uint64_t{0};  // as much as one texture array holds
+  const auto large = gl::Renderer::create(small);
+  ASSERT_TRUE(large);
+  ASSERT_TRUE((*large)->add(*loaded_.asset));
+  EXPECT_EQ((*large)->upload(~std::uint64_t{0})->pending, 0u);
+  // The coarsest levels of more and more assets: at some point there is no room for another.
+  small.gpu_budget = std::uint64_t{256} << 10;
+  const auto tiny = gl::Renderer::create(small);
+  ASSERT_TRUE(tiny);
+  std::vector<std::unique_ptr<LoadedAsset>> assets;
+  bool full = false;
+  for (int i = 0; i < 40 && !full; ++i) {
+    assets.push_back(std::make_unique<LoadedAsset>(packOf(ballClump({20, 20, 20}, 3, 2))));
+    const auto added = (*tiny)->add(*assets.back()->asset);
+    const auto sent = (*tiny)->upload(~std::uint64_t{0});
+    full = !added || !sent;
+    EXPECT_TRUE(added || added.error().code == ErrorCode::kLimit);
+    EXPECT_TRUE(sent || sent.error().code == ErrorCode::kLimit);
+  }
+  EXPECT_TRUE(full);
 }
 
 TEST_F(MemoryTest, OldContextsAreRefused) {

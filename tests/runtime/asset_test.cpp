@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstring>
 #include <thread>
 
 #include "support/test_pack.h"
@@ -14,13 +15,26 @@ namespace {
 std::vector<std::byte> clumpBytes() { return test::bytesOf(test::packOf(test::ballClump({70, 90, 60}, 30, 1))); }
 
 void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
-  const LevelData* level = asset.level(0, 0);
+  const VoxelLevel* level = asset.level(0, 0);
   ASSERT_NE(level, nullptr);
   ASSERT_EQ(level->size, volume.size);
-  RawLevel raw;
-  raw.cells.assign(level->cells.begin(), level->cells.end());
-  raw.codes.assign(level->codes.begin(), level->codes.end());
-  EXPECT_EQ(fields::occupancyOf(raw, level->size).solid, volume.solid);
+  EXPECT_EQ(asset.residentLevel(0), 0);
+  std::vector<PinnedPage> pages;
+  for (std::uint32_t page = 0; page < level->pages.size(); ++page) {
+    pages.push_back(asset.pin(0, 0, page, 1.0f));
+    ASSERT_TRUE(pages.back());
+  }
+  std::vector<std::uint8_t> solid;
+  for (glm::ivec3 v(0); v.z < volume.size.z; ++v.z) {
+    for (v.y = 0; v.y < volume.size.y; ++v.y) {
+      for (v.x = 0; v.x < volume.size.x; ++v.x) {
+        const glm::ivec3 b = v / 8;
+        const std::uint32_t cell = level->cells[static_cast<std::size_t>(b.x + level->grid.x * (b.y + level->grid.y * b.z))];
+        solid.push_back(cell & kCellSolid ? isSolidCode(codeOf(pages[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell), v)) : 0);
+      }
+    }
+  }
+  EXPECT_EQ(solid, volume.solid);
 }
 
 TEST(Asset, LoadsWhatWasWritten) {
@@ -120,7 +134,7 @@ TEST(Asset, ADamagedFineLevelLeavesTheCoarseOnes) {
   const Result<void> loaded = (*asset)->loadAll();
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error().code, ErrorCode::kChecksum);
-  EXPECT_EQ((*asset)->level(0, 0), nullptr);
+  EXPECT_NE((*asset)->level(0, 0), nullptr) << "the other pages are there";
   EXPECT_EQ((*asset)->residentLevel(0), 1);
   const Result<bool> again = (*asset)->pump();
   ASSERT_TRUE(again);
@@ -161,17 +175,100 @@ TEST(Asset, AllocationFailureIsAnErrorEachTime) {
   EXPECT_LT(failures, 400) << "never loaded";
 }
 
-TEST(Asset, ALevelLargerThanTheLimitIsRefused) {
+TEST(Asset, KeepsToItsMemoryBudget) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  MemorySource source(bytes);
+  const std::uint64_t all = [&] {
+    auto asset = Asset::open(source.source());
+    EXPECT_TRUE((*asset)->loadAll());
+    return (*asset)->memory();
+  }();
+  for (const std::uint64_t budget : {all - 1, all / 2, all / 4}) {
+    Options options;
+    options.memory_budget = budget;
+    auto asset = Asset::open(source.source(), options);
+    ASSERT_TRUE(asset);
+    const Result<void> loaded = (*asset)->loadAll();
+    ASSERT_FALSE(loaded);
+    EXPECT_EQ(loaded.error().code, ErrorCode::kLimit);
+    EXPECT_LE((*asset)->memory(), budget);
+    EXPECT_GT((*asset)->residentLevel(0), 0) << "the coarse levels fit";
+    EXPECT_FALSE(*(*asset)->pump());
+  }
+  Options none;
+  none.memory_budget = 100;
+  auto asset = Asset::open(source.source(), none);
+  ASSERT_TRUE(asset);
+  EXPECT_EQ((*asset)->loadAll().error().code, ErrorCode::kLimit);
+  EXPECT_EQ((*asset)->memory(), 0u);
+  EXPECT_EQ((*asset)->residentLevel(0), -1);
+}
+
+TEST(Asset, DropsWhatNobodyAskedForLately) {
   const std::vector<std::byte> bytes = clumpBytes();
   MemorySource source(bytes);
   Options options;
-  options.limits.max_decoded_bytes = 20000;
-  auto asset = Asset::open(source.source(), options);
+  options.memory_budget = 300'000;
+  auto opened = Asset::open(source.source(), options);
+  ASSERT_TRUE(opened);
+  Asset& asset = **opened;
+  (void)asset.loadAll();
+  const auto pages = static_cast<std::uint32_t>(asset.level(0, 0)->pages.size());
+  ASSERT_GT(pages, 5u);
+  // Page after page is asked for, for as many rounds as it takes.
+  for (std::uint32_t page = 0; page < pages; ++page) {
+    bool there = false;
+    for (int round = 0; round < 20 && !there; ++round) {
+      asset.beginRequests();
+      there = static_cast<bool>(asset.pin(0, 0, page, 1.0f));
+      while (*asset.pump()) {
+      }
+      EXPECT_LE(asset.memory(), options.memory_budget);
+    }
+    EXPECT_TRUE(there) << page;
+  }
+  EXPECT_GE(asset.residentLevel(0, 9), 0) << "the coarsest level stays";
+}
+
+TEST(Asset, ASourceThatFailsForAWhileIsAskedAgain) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  // A download: the first `there` bytes have come.
+  struct Download {
+    const std::vector<std::byte>& all;
+    std::atomic<std::uint64_t> there;
+  } download{bytes, bytes.size() / 3};
+  const Source source{[](void* user, std::uint64_t offset, std::span<std::byte> out) {
+                        const Download& d = *static_cast<const Download*>(user);
+                        if (offset + out.size() > d.there) return false;
+                        std::memcpy(out.data(), d.all.data() + offset, out.size());
+                        return true;
+                      },
+                      &download, bytes.size()};
+  auto asset = Asset::open(source);
   ASSERT_TRUE(asset);
   const Result<void> loaded = (*asset)->loadAll();
   ASSERT_FALSE(loaded);
-  EXPECT_EQ(loaded.error().code, ErrorCode::kLimit);
-  EXPECT_GT((*asset)->residentLevel(0), 0) << "the coarse levels fit";
+  EXPECT_EQ(loaded.error().code, ErrorCode::kIo);
+  EXPECT_GE((*asset)->residentLevel(0), 0) << "what came can be used";
+  EXPECT_FALSE(*(*asset)->pump());
+  download.there = bytes.size();
+  (*asset)->retry();
+  ASSERT_TRUE((*asset)->loadAll());
+  expectHolds(**asset, test::ballClump({70, 90, 60}, 30, 1));
+}
+
+TEST(Asset, AWatchOutlivesIt) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  MemorySource source(bytes);
+  AssetWatch watch;
+  EXPECT_FALSE(watch.alive());
+  {
+    auto asset = Asset::open(source.source());
+    watch = (*asset)->watch();
+    const AssetWatch copy = watch;
+    EXPECT_TRUE(copy.alive());
+  }
+  EXPECT_FALSE(watch.alive());
 }
 
 }  // namespace

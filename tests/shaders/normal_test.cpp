@@ -71,9 +71,8 @@ Spread errorsAtHits(const reference::TrialVolume& volume, const std::vector<Knot
   context.bounds_max = bounds.max;
   context.size = glm::vec3(volume.size);
   context.level_size = volume.size;
-  context.cells = volume.level.cells.data();
-  context.grid = volume.grid;
-  context.codes = volume.level.codes.data();
+  const trace::Level level = test::tracedLevel(volume.level, volume.size);
+  context.levels = &level;
 
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

@@ -7,6 +7,7 @@
 
 #include "reference/ground_truth.h"
 #include "support/poses.h"
+#include "support/traced_level.h"
 #include "trace_cpp.h"
 
 namespace kelp {
@@ -43,12 +44,12 @@ struct Posed {
     context.size = glm::vec3(scene.size0);
     context.level_size = scene.volume.size;
     context.level_scale = std::ldexp(1.0f, -scene.level_index);
-    context.cells = scene.level.cells.data();
-    context.grid = brickGrid(scene.volume.size);
-    context.codes = scene.level.codes.data();
+    level = test::tracedLevel(scene.level, scene.volume.size);
+    context.levels = &level;
   }
   std::vector<Knot> knots;
   std::vector<trace::KelpSegment> segments;
+  trace::Level level;
   trace::Context context;
 };
 

@@ -1,62 +1,46 @@
 // SPDX-License-Identifier: MIT
-// What a frame draws: instances taken apart, culled, given a level, sorted into draws, and written out as the records of instance.glsl.
+// What a frame draws: instances taken apart, culled, given a level, written out as the records of instance.glsl, and ordered near to far.
 #pragma once
 
-#include "asset_store.h"
-#include "kelp/gl/renderer.h"
+#include "detail.h"
+#include "residency.h"
 
 namespace kelp::gl {
-
-// A View, checked and prepared.
-struct Camera {
-  glm::dmat4 world_to_clip{1};
-  glm::dvec4 eye{0};      // world; w = 1, or the direction of view and w = 0
-  double pixel_scale = 0;  // pixels per unit of length at clip w = 1
-};
-
-// kMisuse for a matrix that is not finite or not invertible.
-Result<Camera> makeCamera(const View& view);
-
-// One part of one instance.
-struct DrawItem {
-  std::int32_t asset = 0;  // index in the store
-  std::int32_t part = 0;
-  std::int32_t level = 0;
-  float depth = 0;         // clip w of the nearest point; orders near to far
-  const runtime::Instance* instance = nullptr;
-  std::span<const Knot> knots;
-  Box bounds;              // part space
-  glm::mat4 to_world{1};
-
-  bool sameDraw(const DrawItem& other) const { return asset == other.asset && part == other.part && level == other.level; }
-};
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
  public:
-  explicit DrawList(const Allocator& allocator) : allocator_(allocator), items_(allocator), records_(allocator) {}
+  static constexpr std::size_t kRecordWidth = 1024;  // texels
+  static constexpr std::size_t kRecordTexels = 13;   // of a record, without its segments
 
-  // kMisuse for an instance that must not be drawn; nothing is listed then.
-  Result<void> build(const AssetStore& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances);
+  explicit DrawList(const Allocator& allocator) : order_(allocator), records_(allocator) {}
 
-  // Near to far within a draw; the items of a draw in a row, their records too.
-  std::span<const DrawItem> items() const { return items_.span().first(count_); }
-  // Padded to whole rows of kRecordWidth texels.
-  std::span<const glm::vec4> records() const { return records_.span().first(texels_); }
+  // Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
+  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances);
+
+  // Parts to draw, near to far.
+  std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
+  // Rows of kRecordWidth texels.
+  std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
+  // Where the numbers of the parts' records begin: four to a texel.
+  std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
   std::uint32_t culled() const { return culled_; }
 
-  static constexpr std::size_t kRecordWidth = 1024;
-  static std::size_t recordTexels(const DrawItem& item) { return 15 + 4 * (item.knots.size() - 1); }
-
  private:
-  Result<void> addInstance(const AssetStore& store, const Camera& camera, const View& view, const runtime::Instance& instance);
-  Result<void> writeRecords(const Camera& camera, const AssetStore& store);
+  struct Ordered {
+    float depth = 0;           // clip w of the nearest point
+    std::uint32_t texel = 0;   // of the record
+  };
 
-  Allocator allocator_;
-  Buffer<DrawItem> items_;
-  Buffer<glm::vec4> records_;
+  Result<void> addInstance(Residency& store, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, int asset);
+  glm::uvec4* addRecord(std::size_t texels);
+  Result<void> writeOrder();
+
+  Buffer<Ordered> order_;        // the first count_
+  Buffer<glm::uvec4> records_;   // the first texels_
   std::size_t count_ = 0;
   std::size_t texels_ = 0;
+  std::size_t rows_ = 0;
   std::uint32_t culled_ = 0;
 };
 

@@ -20,6 +20,24 @@ bool parseVersion(const char* text, bool& es, int& version) {
   return true;
 }
 
+// getProcAddress may answer functions that the context does not have, so the context is asked. In OpenGL ES they have a suffix.
+void loadDebug(void* (*getProcAddress)(void* user, const char* name), void* user, int version, Api& api) {
+  bool there = version >= (api.es ? 32 : 43);
+  const bool suffix = api.es && !there;
+  std::int32_t count = 0;
+  api.GetIntegerv(constant::kNumExtensions, &count);
+  for (std::int32_t i = 0; i < count && !there; ++i) {
+    const std::uint8_t* name = api.GetStringi(constant::kExtensions, static_cast<Name>(i));
+    there = name && std::strcmp(reinterpret_cast<const char*>(name), "GL_KHR_debug") == 0;
+  }
+  if (!there) return;
+#define KELP_GL_LOAD(result, name, parameters) \
+  api.name = reinterpret_cast<result(KELP_GL_CALL*) parameters>(getProcAddress(user, suffix ? "gl" #name "KHR" : "gl" #name));
+  KELP_GL_DEBUG_FUNCTIONS(KELP_GL_LOAD)
+#undef KELP_GL_LOAD
+  if (!api.ObjectLabel || !api.PushDebugGroup || !api.PopDebugGroup) api.ObjectLabel = nullptr, api.PushDebugGroup = nullptr, api.PopDebugGroup = nullptr;
+}
+
 }  // namespace
 
 Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api) {
@@ -44,9 +62,32 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
   if (!complete) return Error{ErrorCode::kGraphics, "getProcAddress does not know a function of OpenGL 3.3 / OpenGL ES 3.0"};
 
   api.GetIntegerv(constant::kMaxTextureSize, &api.max_texture_size);
-  api.GetIntegerv(constant::kMax3dTextureSize, &api.max_3d_texture_size);
+  api.GetIntegerv(constant::kMaxArrayTextureLayers, &api.max_array_layers);
   if (!api.es) api.GetIntegerv(constant::kMaxDrawBuffers, &api.draw_buffers);
+  loadDebug(getProcAddress, user, version, api);
   return {};
+}
+
+void label(const Api& api, Enum kind, Name name, const char* text) {
+  if (api.ObjectLabel) api.ObjectLabel(kind, name, -1, text);
+}
+
+Name makeTexture(const Api& api, Enum target, const char* text) {
+  Name name = 0;
+  api.GenTextures(1, &name);
+  api.BindTexture(target, name);
+  api.TexParameteri(target, constant::kTextureMinFilter, static_cast<std::int32_t>(constant::kNearest));
+  api.TexParameteri(target, constant::kTextureMagFilter, static_cast<std::int32_t>(constant::kNearest));
+  api.TexParameteri(target, constant::kTextureMaxLevel, 0);
+  label(api, constant::kLabelTexture, name, text);
+  return name;
+}
+
+DebugGroup::DebugGroup(const Api& api, const char* text) : api_(api) {
+  if (api.PushDebugGroup) api.PushDebugGroup(constant::kDebugSourceThirdParty, 0, -1, text);
+}
+DebugGroup::~DebugGroup() {
+  if (api_.PopDebugGroup) api_.PopDebugGroup();
 }
 
 void drainErrors(const Api& api) {

@@ -22,6 +22,7 @@ using Name = std::uint32_t;  // of a texture, program, ...
 // Each: result, name without "gl", parameters.
 #define KELP_GL_FUNCTIONS(X)                                                                                              \
   X(const std::uint8_t*, GetString, (Enum))                                                                               \
+  X(const std::uint8_t*, GetStringi, (Enum, Name))                                                                        \
   X(Enum, GetError, ())                                                                                                   \
   X(void, GetIntegerv, (Enum, std::int32_t*))                                                                             \
   X(void, GetBooleanv, (Enum, std::uint8_t*))                                                                             \
@@ -40,6 +41,9 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, DeleteTextures, (std::int32_t, const Name*))                                                                    \
   X(void, ActiveTexture, (Enum))                                                                                          \
   X(void, BindTexture, (Enum, Name))                                                                                      \
+  X(void, GenSamplers, (std::int32_t, Name*))                                                                             \
+  X(void, DeleteSamplers, (std::int32_t, const Name*))                                                                    \
+  X(void, SamplerParameteri, (Name, Enum, std::int32_t))                                                                  \
   X(void, BindSampler, (Name, Name))                                                                                      \
   X(void, TexParameteri, (Enum, Enum, std::int32_t))                                                                      \
   X(void, TexImage2D, (Enum, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, Enum, Enum, const void*))  \
@@ -63,7 +67,7 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, UseProgram, (Name))                                                                                             \
   X(std::int32_t, GetUniformLocation, (Name, const char*))                                                                \
   X(void, Uniform1i, (std::int32_t, std::int32_t))                                                                        \
-  X(void, Uniform3i, (std::int32_t, std::int32_t, std::int32_t, std::int32_t))                                            \
+  X(void, Uniform1f, (std::int32_t, float))                                                                               \
   X(void, Uniform3f, (std::int32_t, float, float, float))                                                                 \
   X(void, DrawArraysInstanced, (Enum, std::int32_t, std::int32_t, std::int32_t))
 
@@ -75,16 +79,23 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, GetBooleani_v, (Enum, Name, std::uint8_t*))                                                                     \
   X(void, ColorMaski, (Name, std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))
 
+// Only where KHR_debug is (OpenGL 4.3, OpenGL ES 3.2, or the extension): null elsewhere.
+#define KELP_GL_DEBUG_FUNCTIONS(X)                                                                                        \
+  X(void, ObjectLabel, (Enum, Name, std::int32_t, const char*))                                                           \
+  X(void, PushDebugGroup, (Enum, Name, std::int32_t, const char*))                                                        \
+  X(void, PopDebugGroup, ())
+
 // A context's functions and what it can do.
 struct Api {
 #define KELP_GL_DECLARE(result, name, parameters) result(KELP_GL_CALL* name) parameters = nullptr;
   KELP_GL_FUNCTIONS(KELP_GL_DECLARE)
   KELP_GL_DESKTOP_FUNCTIONS(KELP_GL_DECLARE)
+  KELP_GL_DEBUG_FUNCTIONS(KELP_GL_DECLARE)
 #undef KELP_GL_DECLARE
 
   bool es = false;
   int max_texture_size = 0;
-  int max_3d_texture_size = 0;
+  int max_array_layers = 0;
   int draw_buffers = 1;
 };
 
@@ -94,23 +105,44 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
 // Values of the Khronos registry (gl.xml), named as there without GL_.
 namespace constant {
 inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505;
-inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMax3dTextureSize = 0x8073, kMaxDrawBuffers = 0x8824;
+inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayTextureLayers = 0x88FF, kMaxDrawBuffers = 0x8824,
+                      kExtensions = 0x1F03, kNumExtensions = 0x821D;
 inline constexpr Enum kTriangles = 0x0004;
 inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;
-inline constexpr Enum kDepthFunc = 0x0B74, kDepthWritemask = 0x0B72, kColorWritemask = 0x0C23, kLess = 0x0201, kLequal = 0x0203;
+inline constexpr Enum kDepthFunc = 0x0B74, kDepthWritemask = 0x0B72, kColorWritemask = 0x0C23, kLess = 0x0201, kLequal = 0x0203, kGequal = 0x0206;
 inline constexpr Enum kPolygonMode = 0x0B40, kFrontAndBack = 0x0408, kFill = 0x1B02;
 inline constexpr Enum kCurrentProgram = 0x8B8D, kVertexArrayBinding = 0x85B5;
 inline constexpr Enum kPixelUnpackBuffer = 0x88EC, kPixelUnpackBufferBinding = 0x88EF;
 inline constexpr Enum kUnpackSwapBytes = 0x0CF0, kUnpackLsbFirst = 0x0CF1, kUnpackRowLength = 0x0CF2, kUnpackSkipRows = 0x0CF3,
                       kUnpackSkipPixels = 0x0CF4, kUnpackAlignment = 0x0CF5, kUnpackSkipImages = 0x806D, kUnpackImageHeight = 0x806E;
-inline constexpr Enum kTexture0 = 0x84C0, kActiveTexture = 0x84E0, kTexture2d = 0x0DE1, kTexture3d = 0x806F,
-                      kTextureBinding2d = 0x8069, kTextureBinding3d = 0x806A, kSamplerBinding = 0x8919;
-inline constexpr Enum kTextureMinFilter = 0x2801, kTextureMagFilter = 0x2800, kTextureMaxLevel = 0x813D, kNearest = 0x2600;
-inline constexpr Enum kRedInteger = 0x8D94, kRgba = 0x1908, kR8ui = 0x8232, kR32ui = 0x8236, kRgba32f = 0x8814;
-inline constexpr Enum kUnsignedByte = 0x1401, kUnsignedInt = 0x1405, kFloat = 0x1406;
+inline constexpr Enum kTexture0 = 0x84C0, kActiveTexture = 0x84E0, kTexture2d = 0x0DE1, kTexture2dArray = 0x8C1A,
+                      kTextureBinding2d = 0x8069, kTextureBinding2dArray = 0x8C1D, kSamplerBinding = 0x8919;
+inline constexpr Enum kTextureMinFilter = 0x2801, kTextureMagFilter = 0x2800, kTextureMaxLevel = 0x813D, kNearest = 0x2600,
+                      kTextureCompareMode = 0x884C, kNone = 0;
+inline constexpr Enum kRedInteger = 0x8D94, kRgbaInteger = 0x8D99, kR32ui = 0x8236, kRgba32ui = 0x8D70;
+inline constexpr Enum kUnsignedInt = 0x1405;
 inline constexpr Enum kFragmentShader = 0x8B30, kVertexShader = 0x8B31, kCompileStatus = 0x8B81, kLinkStatus = 0x8B82,
                       kInfoLogLength = 0x8B84;
+inline constexpr Enum kDebugSourceThirdParty = 0x8249, kLabelTexture = 0x1702, kLabelProgram = 0x82E2, kLabelVertexArray = 0x8074,
+                      kLabelSampler = 0x82E6;
 }  // namespace constant
+
+// Makes a texture of `target` that is read with texelFetch alone, binds it to the active unit, and labels it for debuggers.
+Name makeTexture(const Api& api, Enum target, const char* label);
+// Names an object for debuggers. kelp's labels begin with "kelp".
+void label(const Api& api, Enum kind, Name name, const char* text);
+
+// What is done while this lives is one group in a debugger's list of calls.
+class DebugGroup {
+ public:
+  DebugGroup(const Api& api, const char* text);
+  ~DebugGroup();
+  DebugGroup(const DebugGroup&) = delete;
+  DebugGroup& operator=(const DebugGroup&) = delete;
+
+ private:
+  const Api& api_;
+};
 
 // Forgets errors that were there before kelp's own calls; they are the host's.
 void drainErrors(const Api& api);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
-#include <cstdio>
 #include <memory>
 #include <new>
 
@@ -16,7 +15,7 @@ constexpr char kDesktopPrelude[] = "#version 330 core\n";
 constexpr char kEsPrelude[] =
     "#version 300 es\n"
     "precision highp float;\nprecision highp int;\n"
-    "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler3D;\n";
+    "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n";
 
 // Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
@@ -65,16 +64,8 @@ Name link(const Api& api, Name vertex, Name fragment, const LogSink& log) {
 
 }  // namespace
 
-int attributeBits(const Api& api) {
-  int bits = 10;  // OpenGL 3.3 guarantees 1024
-  while (bits < 12 && (2 << bits) <= api.max_texture_size) ++bits;
-  return bits;
-}
-
 Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log) {
-  char defines[96];
-  std::snprintf(defines, sizeof defines, "#define KELP_ATTRIBUTE_BITS %d\n%s", attributeBits(api),
-                surface ? "#define KELP_HOST_SURFACE\n" : "");
+  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
   const char* const fragment_text[] = {
@@ -92,20 +83,18 @@ Result<Program> buildProgram(const Api& api, const char* surface, const LogSink&
 
   const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
   api.UseProgram(name);
+  api.Uniform1i(locate("kelp_pool"), kPool);
   api.Uniform1i(locate("kelp_records"), kRecords);
-  api.Uniform1i(locate("kelp_cells"), kCells);
-  api.Uniform1i(locate("kelp_codes"), kCodes);
-  api.Uniform1i(locate("kelp_slice_base"), kSliceBase);
-  api.Uniform1i(locate("kelp_attributes"), kAttributes);
-  api.Uniform1i(locate("kelp_palette"), kPalette);
+  api.Uniform1i(locate("kelp_scene_depth"), kScene);
+  label(api, kLabelProgram, name, "kelp program");
 
   Program program;
   program.name = name;
-  program.first_texel = locate("kelp_first_texel");
-  program.record_texels = locate("kelp_record_texels");
-  program.level = locate("kelp_level");
-  program.level_size = locate("kelp_level_size");
+  program.first_instance = locate("kelp_first_instance");
+  program.motion = locate("kelp_motion");
   program.depth_only = locate("kelp_depth_only");
+  program.clip_low = locate("kelp_clip_low");
+  program.scene = locate("kelp_scene");
   program.shading = locate("kelp_shading");
   program.sun_direction = locate("kelp_sun_direction");
   program.sun_color = locate("kelp_sun_color");

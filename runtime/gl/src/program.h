@@ -13,17 +13,14 @@ struct LogSink {
 };
 
 // Texture units of the samplers.
-enum Unit : std::int32_t { kRecords, kCells, kCodes, kSliceBase, kAttributes, kPalette };
+enum Unit : std::int32_t { kPool, kRecords, kScene };
 
 struct Program {
   Name name = 0;
   // Locations; -1 where a host's surface function leaves a uniform unused.
-  std::int32_t first_texel = -1, record_texels = -1, level = -1, level_size = -1, depth_only = -1, shading = -1;
+  std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
-
-// log2 of the width of the attributes' texture in this context.
-int attributeBits(const Api& api);
 
 // Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null.
 Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log);

@@ -7,9 +7,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "asset_store.h"
+#include "detail.h"
 #include "draw_list.h"
 #include "program.h"
+#include "residency.h"
 #include "state_guard.h"
 
 namespace kelp::gl {
@@ -17,15 +18,22 @@ namespace {
 
 using namespace constant;
 
-// The frame's records on the GPU.
-struct RecordTexture {
-  Name name = 0;
-  std::size_t rows = 0;
+// The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
+struct RecordTextures {
+  static constexpr int kCount = 3;
+  struct One {
+    Name name = 0;
+    std::size_t rows = 0;
+  };
+  One all[kCount];
+  int now = 0;
 };
 
 // Within an UploadGuard.
-Result<void> uploadRecords(const Api& api, RecordTexture& texture, std::span<const glm::vec4> records) {
+Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
   constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
+  textures.now = (textures.now + 1) % RecordTextures::kCount;
+  RecordTextures::One& texture = textures.all[textures.now];
   const std::size_t rows = records.size() / DrawList::kRecordWidth;
   const auto most = static_cast<std::size_t>(api.max_texture_size);
   if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
@@ -34,11 +42,11 @@ Result<void> uploadRecords(const Api& api, RecordTexture& texture, std::span<con
     const std::size_t fresh = std::min(std::max(rows, 2 * texture.rows), most);
     texture.rows = 0;
     drainErrors(api);
-    api.TexImage2D(kTexture2d, 0, kRgba32f, kWidth, static_cast<std::int32_t>(fresh), 0, kRgba, kFloat, nullptr);
+    api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger, kUnsignedInt, nullptr);
     if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good) return good;
     texture.rows = fresh;
   }
-  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgba, kFloat, records.data());
+  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt, records.data());
   return {};
 }
 
@@ -49,37 +57,39 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 
 bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
-  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
-         view.shading <= Shading::kSmooth;
+  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
+         view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne;
 }
 
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const Config& config, const Api& loaded)
-      : api(loaded), restore(config.state == State::kRestore), store(config.allocator, config.gpu_budget), list(config.allocator) {}
+  Impl(const Config& config, const Api& loaded) : api(loaded), restore(config.state == State::kRestore), store(config.allocator), list(config.allocator) {}
 
   Api api;
   bool restore;
   bool abandoned = false;
   Program program;
   Name vertex_array = 0;
-  RecordTexture records;
-  AssetStore store;
+  Name sampler = 0;
+  RecordTextures records;
+  Residency store;
+  std::uint32_t pending = 0;
   DrawList list;
 
   void setState(const View& view, Pass pass) const;
-  std::uint32_t drawItems() const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
 void Renderer::Impl::setState(const View& view, Pass pass) const {
   api.UseProgram(program.name);
   api.BindVertexArray(vertex_array);
-  for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), 0);
-  bindUnit(api, kRecords, records.name);
+  for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
+  bindUnit(api, kPool, store.pool().texture());
+  bindUnit(api, kRecords, records.all[records.now].name);
+  bindUnit(api, kScene, view.scene_depth);
   api.Enable(kDepthTest);
-  api.DepthFunc(kLequal);
+  api.DepthFunc(view.reversed_depth ? kGequal : kLequal);
   api.DepthMask(1);
   api.Disable(kCullFace);
   api.Disable(kBlend);
@@ -92,37 +102,12 @@ void Renderer::Impl::setState(const View& view, Pass pass) const {
   set(program.sun_color, view.sun_color);
   set(program.sky_color, view.sky_color);
   set(program.ground_color, view.ground_color);
+  api.Uniform1i(program.motion, view.previous_world_to_clip != nullptr);
   api.Uniform1i(program.depth_only, pass == Pass::kDepth);
+  api.Uniform1f(program.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
+  api.Uniform1i(program.scene, view.scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
   api.Uniform1i(program.shading, static_cast<std::int32_t>(view.shading));
-}
-
-// One draw for each run of items of the same part and level. Answers the number of draws.
-std::uint32_t Renderer::Impl::drawItems() const {
-  const std::span<const DrawItem> items = list.items();
-  std::uint32_t draws = 0;
-  std::size_t texel = 0;
-  for (std::size_t first = 0; first < items.size();) {
-    const DrawItem& item = items[first];
-    std::size_t end = first + 1;
-    while (end < items.size() && items[end].sameDraw(item)) ++end;
-    const GpuAsset& asset = store.at(item.asset);
-    const LevelTextures& level = asset.level(item.part, item.level);
-    bindUnit(api, kCells, level.cells);
-    bindUnit(api, kCodes, level.codes);
-    bindUnit(api, kSliceBase, level.slice_base);
-    bindUnit(api, kAttributes, level.attributes);
-    bindUnit(api, kPalette, asset.palette);
-    const std::size_t stride = DrawList::recordTexels(item);
-    api.Uniform1i(program.first_texel, static_cast<std::int32_t>(texel));
-    api.Uniform1i(program.record_texels, static_cast<std::int32_t>(stride));
-    api.Uniform1i(program.level, item.level);
-    api.Uniform3i(program.level_size, level.size.x, level.size.y, level.size.z);
-    api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(end - first));
-    texel += stride * (end - first);
-    first = end;
-    ++draws;
-  }
-  return draws;
+  api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber()));
 }
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -137,13 +122,22 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   if (!renderer) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
 
   Impl& self = *renderer->impl_;
+  const DebugGroup group(self.api, "kelp create");
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
+  if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
   auto program = buildProgram(self.api, config.surface_glsl, {config.log, config.user});
   if (!program) return program.error();
   self.program = *program;
   self.api.GenVertexArrays(1, &self.vertex_array);
-  self.records.name = makeTexture(self.api, kTexture2d);
+  self.api.BindVertexArray(self.vertex_array);  // a name is an object, which can be labelled, from then on
+  label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
+  self.api.GenSamplers(1, &self.sampler);
+  self.api.BindSampler(0, self.sampler);
+  for (const Enum filter : {kTextureMinFilter, kTextureMagFilter}) self.api.SamplerParameteri(self.sampler, filter, kNearest);
+  self.api.SamplerParameteri(self.sampler, kTextureCompareMode, kNone);
+  label(self.api, kLabelSampler, self.sampler, "kelp nearest");
+  for (auto& texture : self.records.all) texture.name = makeTexture(self.api, kTexture2d, "kelp records");
   return renderer;
 }
 
@@ -151,7 +145,8 @@ Renderer::~Renderer() {
   Impl& self = *impl_;
   self.store.clear(self.abandoned ? nullptr : &self.api);
   if (self.abandoned) return;
-  self.api.DeleteTextures(1, &self.records.name);
+  for (const auto& texture : self.records.all) self.api.DeleteTextures(1, &texture.name);
+  self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
 }
@@ -159,24 +154,27 @@ Renderer::~Renderer() {
 Result<void> Renderer::add(const runtime::Asset& asset) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
   return self.store.add(self.api, asset);
 }
 
 void Renderer::remove(const runtime::Asset& asset) {
-  if (!impl_->abandoned) impl_->store.remove(impl_->api, asset);
+  if (!impl_->abandoned) impl_->store.remove(asset);
 }
 
 Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  const DebugGroup group(self.api, "kelp upload");
   const UploadGuard guard(self.api, self.restore);
-  const auto uploaded = self.store.upload(self.api, max_bytes);
-  if (!uploaded) return uploaded.error();
+  const auto progress = self.store.upload(self.api, max_bytes);
+  if (!progress) return progress.error();
+  self.pending = progress->pending;
   Stats stats;
-  stats.bytes_uploaded = *uploaded;
-  stats.gpu_bytes = self.store.bytes();
-  stats.pending = self.store.pending();
+  stats.bytes_uploaded = progress->bytes;
+  stats.gpu_bytes = self.store.pool().usedBytes();
+  stats.pending = progress->pending;
   return stats;
 }
 
@@ -186,27 +184,41 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
   if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, or a shading that is none"};
   Stats stats;
-  stats.gpu_bytes = self.store.bytes();
-  stats.pending = self.store.pending();
+  stats.gpu_bytes = self.store.pool().usedBytes();
+  stats.pending = self.pending;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
   if (auto good = self.list.build(self.store, *camera, view, instances); !good) return good.error();
   stats.culled = self.list.culled();
-  stats.instances = static_cast<std::uint32_t>(self.list.items().size());
+  stats.instances = self.list.parts();
   if (stats.instances == 0) return stats;
+  const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : "kelp draw");
   {
     const UploadGuard guard(self.api, self.restore);
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
   self.setState(view, pass);
-  stats.draws = self.drawItems();
+  self.api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(self.list.parts()));
+  stats.draws = 1;
   return stats;
 }
 
 void Renderer::abandon() {
   impl_->abandoned = true;
   impl_->store.clear(nullptr);
+}
+
+int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
+  const auto camera = makeCamera(view);
+  if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
+  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+  const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
+  if (knots.size() != of.knots.size() || !checkKnots(knots)) return -1;
+  const PlacedPart placed = placePart(*camera, instance, part, knots, of.size);
+  if (!placed.good) return -1;
+  const Detail detail = chooseDetail(placed.pixels, view.pixels_per_voxel, view.finest_level, of.levels);
+  return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 
 }  // namespace kelp::gl

@@ -28,7 +28,7 @@ UploadGuard::UploadGuard(const Api& api, bool restore) : api_(api), restore_(res
   if (restore) {
     api.GetIntegerv(kPixelUnpackBufferBinding, &buffer_);
     api.GetIntegerv(kTextureBinding2d, &texture_2d_);
-    api.GetIntegerv(kTextureBinding3d, &texture_3d_);
+    api.GetIntegerv(kTextureBinding2dArray, &texture_2d_array_);
   }
   api.BindBuffer(kPixelUnpackBuffer, 0);
   for (int i = 0; i < kStores; ++i) {
@@ -45,7 +45,7 @@ UploadGuard::~UploadGuard() {
   }
   api_.BindBuffer(kPixelUnpackBuffer, static_cast<Name>(buffer_));
   api_.BindTexture(kTexture2d, static_cast<Name>(texture_2d_));
-  api_.BindTexture(kTexture3d, static_cast<Name>(texture_3d_));
+  api_.BindTexture(kTexture2dArray, static_cast<Name>(texture_2d_array_));
 }
 
 DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore) {
@@ -55,7 +55,7 @@ DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore
   api.GetIntegerv(kActiveTexture, &active_);
   for (int i = 0; i < kTextureUnits; ++i) {
     api.ActiveTexture(kTexture0 + static_cast<Enum>(i));
-    api.GetIntegerv(kUnitTargets[i] == kTexture3d ? kTextureBinding3d : kTextureBinding2d, &texture_[i]);
+    api.GetIntegerv(kUnitTargets[i] == kTexture2dArray ? kTextureBinding2dArray : kTextureBinding2d, &texture_[i]);
     api.GetIntegerv(kSamplerBinding, &sampler_[i]);
   }
   api.ActiveTexture(static_cast<Enum>(active_));

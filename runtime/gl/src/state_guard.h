@@ -6,12 +6,11 @@
 
 namespace kelp::gl {
 
-inline constexpr int kTextureUnits = 6;
-// The target that kelp binds on each unit it draws with; the order of the samplers in program.cpp.
-inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2d, constant::kTexture3d, constant::kTexture3d,
-                                                     constant::kTexture3d, constant::kTexture2d, constant::kTexture2d};
+inline constexpr int kTextureUnits = 3;
+// The target that kelp binds on each unit it draws with; the order of Unit in program.h.
+inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2dArray, constant::kTexture2d, constant::kTexture2d};
 
-// What filling textures touches: pixel store, the pixel unpack buffer, and a 2D and a 3D texture on the active unit. Sets the pixel store
+// What filling textures touches: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array on the active unit. Sets the pixel store
 // to tightly packed rows from client memory.
 class UploadGuard {
  public:
@@ -27,7 +26,7 @@ class UploadGuard {
   std::int32_t store_[kStores] = {};
   std::int32_t buffer_ = 0;
   std::int32_t texture_2d_ = 0;
-  std::int32_t texture_3d_ = 0;
+  std::int32_t texture_2d_array_ = 0;
 };
 
 // What compiling and drawing touch: program, vertex array, texture units, depth, culling, blending, polygon mode, colour mask.

@@ -65,7 +65,7 @@ void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& poin
     const Part& part = parts[static_cast<std::size_t>(p)];
     int index = 0;
     while (index + 1 < part.levels && std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index) ++index;
-    const runtime::LevelData& level = *instance.asset->level(p, index);
+    const runtime::VoxelLevel& level = *instance.asset->level(p, index);
     const float brick = static_cast<float>(kBrickSide << index);
     const glm::mat4 to_world = partToWorld(instance, p);
 

@@ -62,6 +62,7 @@ class Buffer {
     return true;
   }
 
+  const Allocator& allocator() const { return allocator_; }
   T* data() { return data_; }
   const T* data() const { return data_; }
   std::size_t size() const { return size_; }

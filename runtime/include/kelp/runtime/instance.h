@@ -16,6 +16,9 @@ struct Instance {
   const Pose* pose = nullptr;    // null: at rest
   glm::mat4 to_world{1};         // object -> world; affine, invertible; mirrored is fine
   glm::vec4 tint{1};             // multiplies the base colour, linear
+  // For motion vectors: how the instance was in the frame before; null: as it is now.
+  const Pose* previous_pose = nullptr;
+  const glm::mat4* previous_to_world = nullptr;
 };
 
 // Level-0 voxels of a part -> world, with the part's motion and its ancestors'.
@@ -40,8 +43,9 @@ struct Hit {
   std::uint8_t material = 0;  // palette index
 };
 
-// The nearest hit of the ray with the instance's voxels, at the finest resident level not finer than `level`. nullopt: no hit, nothing
-// resident, a zero or non-finite ray, or a pose that is not monotone.
+// The nearest hit of the ray with the instance's voxels, at `level` or, where its bricks are not in memory (they are asked for then, and the next
+// pump() may bring them), at the finest coarser one whose are. nullopt: no hit, nothing resident, a zero or non-finite ray, or a pose that
+// is not monotone.
 std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
 
 // Rest point (level-0 voxels of the part) -> world.

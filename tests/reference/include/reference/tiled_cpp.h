@@ -28,8 +28,8 @@ inline uint fetchCell(const Context& context, ivec3 brick) {
   const ivec3 at = v.first_brick + brick % v.tile_bricks;
   return v.level.cells[static_cast<std::size_t>(at.x) + static_cast<std::size_t>(v.grid.x) * (static_cast<std::size_t>(at.y) + static_cast<std::size_t>(v.grid.y) * static_cast<std::size_t>(at.z))];
 }
-inline uint fetchCode(const Context& context, uint slot, ivec3 voxel) {
-  return context.volume.level.codes[std::size_t{slot} * 512u + static_cast<std::size_t>(codeIndex(voxel))];
+inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
+  return context.volume.level.codes[std::size_t{brick - 1u} * 512u + static_cast<std::size_t>(codeIndex(voxel))];
 }
 
 #define KELP_FN inline
@@ -42,8 +42,12 @@ inline uint fetchCode(const Context& context, uint slot, ivec3 voxel) {
 #define KELP_SIZE vec3(kelp_context.volume.size)
 #define KELP_LEVEL_SIZE kelp_context.volume.size
 #define KELP_LEVEL_SCALE 1.0f
-#define KELP_FETCH_CELL(v) fetchCell(kelp_context, v)
-#define KELP_FETCH_CODE(k, v) fetchCode(kelp_context, k, v)
+#define KELP_COMPLETE true
+#define KELP_COARSER 0
+#define KELP_CELL(v) fetchCell(kelp_context, v)
+#define KELP_BRICK(k, cell) ((cell & 0x00ffffffu) + 1u)
+#define KELP_BRICK_ABOVE(k, v) 0u
+#define KELP_CODE(k, brick, v) fetchCode(kelp_context, brick, v)
 
 #include "trace.glsl"
 
@@ -57,8 +61,12 @@ inline uint fetchCode(const Context& context, uint slot, ivec3 voxel) {
 #undef KELP_SIZE
 #undef KELP_LEVEL_SIZE
 #undef KELP_LEVEL_SCALE
-#undef KELP_FETCH_CELL
-#undef KELP_FETCH_CODE
+#undef KELP_COMPLETE
+#undef KELP_COARSER
+#undef KELP_CELL
+#undef KELP_BRICK
+#undef KELP_BRICK_ABOVE
+#undef KELP_CODE
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
 

@@ -23,7 +23,9 @@ struct Config {
   // Address of a GL function, as glfwGetProcAddress or eglGetProcAddress answer it. Called during create() only.
   void* (*getProcAddress)(void* user, const char* name) = nullptr;
   void* user = nullptr;
-  std::uint64_t gpu_budget = std::uint64_t{1} << 30;  // bytes of textures; upload() answers kLimit rather than exceed it
+  // Bytes of GPU memory for voxels: taken at once, in create(), and never more; at least 256 KiB. Where less is needed for a whole scene, what is
+  // worth the fewest pixels is drawn coarser. At most what one texture array of the context holds, which is 1 GiB or more.
+  std::uint64_t gpu_budget = std::uint64_t{256} << 20;
   State state = State::kRestore;
   // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit; null: sun and sky (shaders/surface.glsl, which also
   // documents KelpSurface). Compiled once, in create(); kGraphics, and the compiler's words to `log`, if it does not compile.
@@ -43,11 +45,25 @@ enum class Shading : std::uint8_t {
               // 27 voxels are read at a hit, none on the way to it
 };
 
-// The camera and the light. GL conventions: eye space looks down -z, clip space -w..w.
+// The range of z / w in clip space, between the near and the far plane or, with a reversed depth, the far and the near one.
+enum class ClipRange : std::uint8_t {
+  kMinusOneToOne,  // OpenGL's own
+  kZeroToOne,      // glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE), which the host has set
+};
+
+// The camera and the light. Eye space looks down -z.
 struct View {
   glm::mat4 world_to_eye{1};
-  glm::mat4 eye_to_clip{1};      // perspective or orthographic
+  glm::mat4 eye_to_clip{1};      // perspective or orthographic; its far plane may be at infinity
   glm::ivec2 viewport{0};        // pixels: size of the current viewport, at least 1 x 1
+  ClipRange clip_range = ClipRange::kMinusOneToOne;
+  bool reversed_depth = false;   // the near plane is at the range's upper end: kelp tests with GL_GEQUAL instead of GL_LEQUAL
+  // A texture (GL_TEXTURE_2D, a depth format or GL_R32F; not attached to the framebuffer drawn to) with the depth of the scene so far, texel
+  // (x, y) for the framebuffer's pixel (x, y): rays end there, which spares what would be hidden. Saves time, or does for a depth test where
+  // no depth buffer is bound. 0: none.
+  std::uint32_t scene_depth = 0;
+  // World to clip in the frame before, for KelpSurface::previous_clip (motion vectors); null: there are none. Good during the call.
+  const glm::mat4* previous_world_to_clip = nullptr;
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
   // Linear. The defaults sum to white for a white surface in full light, so that a host without tone mapping sees no clipping.
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
@@ -55,7 +71,10 @@ struct View {
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
   Shading shading = Shading::kGradient;
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
-  float pixels_per_voxel = 1.0f;  // a coarser level is drawn where finer voxels would be smaller than this many pixels; 0: always the finest
+  // Levels are chosen so that a voxel covers about this many pixels where a part is nearest; 0: always the finest. Between two levels some of
+  // the pixels draw the one and some the other, so that none is seen to switch.
+  float pixels_per_voxel = 1.0f;
+  float smallest_pixels = 0.5f;  // parts whose largest side covers less are left out
 };
 
 enum class Pass : std::uint8_t {
@@ -69,7 +88,8 @@ struct Stats {
   std::uint32_t draws = 0;
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
-  std::uint32_t pending = 0;         // levels that are resident in memory and not yet on the GPU
+  // Grids and pages that are wanted, would fit, and are not yet on the GPU: 0 when the last draws' pictures are as fine as they get.
+  std::uint32_t pending = 0;
 };
 
 // Owns GL objects of the context that was current in create(). Destroy it while that context is current, or call abandon() first.
@@ -81,18 +101,20 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // Makes an asset known; it must outlive the renderer or be removed first. Adding twice is kMisuse.
+  // Makes an asset known, which should outlive the renderer or be removed first. Adding twice is kMisuse. kLimit: the coarsest levels of what
+  // was added before leave no room in gpu_budget.
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
 
-  // Uploads resident levels of known assets, coarse to fine, at least one and no more than about `max_bytes`. A level that can not go to the
-  // GPU is left out, and its part drawn coarser; the rest goes on. kLimit: over gpu_budget (answered every time, until there is room), or too
-  // large for this context's textures (answered once). kOutOfMemory, kGraphics: OpenGL refused (answered once).
+  // Once a frame: uploads at most `max_bytes` (4 KiB or more, or nothing is) of what the draws since the last upload() lacked, the voxels that cover
+  // the most pixels first, and asks the assets for what is not in memory, so that their pump() reads it. What was not drawn for longest, or
+  // is worth fewer pixels, makes room. Large grids and pages take several frames. kLimit: the coarsest levels of all assets do not fit into
+  // gpu_budget; what does is drawn. Before the first draw everything is wanted: a loading screen calls until `pending` is 0.
   Result<Stats> upload(std::uint64_t max_bytes);
 
-  // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL, so that Pass::kColour after Pass::kDepth
+  // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL (GL_GEQUAL), so that Pass::kColour after Pass::kDepth
   // gives the same picture. Clear values, scissor, stencil and the colour mask (but in Pass::kDepth) are the host's own. Instances whose
-  // asset has nothing uploaded yet are left out; poses that are not monotone or not finite, unknown assets, singular transforms and a
+  // asset's coarsest level is not uploaded yet are left out; poses that are not monotone or not finite, unknown or destroyed assets, singular transforms and a
   // viewport without pixels (leave out the frames of a minimised window) are kMisuse and nothing is drawn.
   // Colour is linear: enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl.
   Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances, Pass pass = Pass::kColour);
@@ -105,5 +127,13 @@ class Renderer {
   explicit Renderer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+// Bytes of gpu_budget that all of the asset takes whose grids have been loaded (Asset::pump); all of it after Asset::loadAll. On top a renderer
+// needs 4 KiB, and 4 MiB to the next multiple of 4 MiB from there on.
+std::uint64_t poolBytes(const runtime::Asset& asset);
+
+// The level of a part of the instance that draw() wants at a pixel of the framebuffer (it draws a coarser one while that is not uploaded): for
+// runtime::raycast of what is seen. -1 for a view, an instance or a part that can not be drawn.
+int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel);
 
 }  // namespace kelp::gl

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "pool.h"
+
+#include <algorithm>
+
+#include "residency.h"
+
+namespace kelp::gl {
+
+using namespace constant;
+
+namespace {
+constexpr std::uint64_t kMostLayers = 4096;  // an address has 32 bits
+}
+
+Result<void> Pool::create(const Api& api, std::uint64_t budget) {
+  if (budget < kLeast) return Error{ErrorCode::kMisuse, "gpu_budget is less than 256 KiB"};
+  const std::uint64_t most = std::min<std::uint64_t>(static_cast<std::uint64_t>(api.max_array_layers), kMostLayers) * kLayerRows;
+  std::uint64_t rows = std::min(budget / kRowBytes, most);
+  if (rows > kLayerRows) rows -= rows % kLayerRows;
+  const auto height = static_cast<std::int32_t>(std::min<std::uint64_t>(rows, kLayerRows));
+  const auto layers = static_cast<std::int32_t>((rows + kLayerRows - 1) / kLayerRows);
+  if (!zeros_.reset(kRowWords)) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+  texture_ = makeTexture(api, kTexture2dArray, "kelp voxels");
+  drainErrors(api);
+  api.TexImage3D(kTexture2dArray, 0, kR32ui, kRowWords, height, layers, 0, kRedInteger, kUnsignedInt, nullptr);
+  if (auto good = checkErrors(api, "OpenGL refused a texture of gpu_budget bytes"); !good) return good;
+  rows_ = static_cast<std::uint32_t>(rows);
+  used_ = 0;
+  return take({0, 1, nullptr, Block::kGrid}) ? Result<void>() : Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};  // address 0 is nobody's
+}
+
+void Pool::destroy(const Api& api) {
+  if (texture_) api.DeleteTextures(1, &texture_);
+  texture_ = 0;
+}
+
+std::uint32_t Pool::findFree(std::uint32_t rows) const {
+  std::uint32_t end = 0;  // of the block before
+  for (std::size_t i = 0; i <= count_; ++i) {
+    const std::uint32_t next = i < count_ ? blocks_[i].row : rows_;
+    if (next - end >= rows) return end;
+    if (i < count_) end = blocks_[i].row + blocks_[i].rows;
+  }
+  return 0;
+}
+
+std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priority) const {
+  std::size_t first = 0;
+  std::span<const Block> best;
+  float best_price = priority;
+  for (std::size_t i = 0; i < count_; ++i) {
+    // The shortest run that ends with block i, and room up to the block after it. Runs begin after the last block that may not go.
+    if (!(blocks_[i].level && priorityOf(blocks_[i]) < priority)) {
+      first = i + 1;
+      continue;
+    }
+    const std::uint32_t end = i + 1 < count_ ? blocks_[i + 1].row : rows_;
+    const auto begin = [&](std::size_t n) { return n > 0 ? blocks_[n - 1].row + blocks_[n - 1].rows : 0u; };
+    while (first < i && end - begin(first + 1) >= rows) ++first;
+    if (end - begin(first) < rows) continue;
+    float price = -1e30f;
+    for (std::size_t n = first; n <= i; ++n) price = std::max(price, priorityOf(blocks_[n]));
+    if (price < best_price) {
+      best_price = price;
+      best = {&blocks_[first], i + 1 - first};
+    }
+  }
+  return best;
+}
+
+bool Pool::take(const Block& block) {
+  if (count_ == blocks_.size()) {
+    Buffer<Block> more(blocks_.allocator());
+    if (!more.reset(std::max<std::size_t>(64, 2 * count_))) return false;
+    std::copy(blocks_.begin(), blocks_.end(), more.begin());
+    blocks_ = std::move(more);
+  }
+  const auto before = [](const Block& a, const Block& b) { return a.row < b.row; };
+  Block* const place = std::lower_bound(blocks_.begin(), blocks_.begin() + count_, block, before);
+  std::copy_backward(place, blocks_.begin() + count_, blocks_.begin() + count_ + 1);
+  *place = block;
+  ++count_;
+  used_ += block.rows;
+  return true;
+}
+
+Pool::Block* Pool::blockAt(std::uint32_t row) const {
+  const auto before = [](const Block& a, std::uint32_t b) { return a.row < b; };
+  return const_cast<Block*>(std::lower_bound(blocks_.begin(), blocks_.begin() + count_, row, before));
+}
+
+void Pool::assign(std::uint32_t row, ResidentLevel* level, std::uint32_t page) {
+  Block* const place = blockAt(row);
+  place->level = level;
+  place->page = page;
+}
+
+void Pool::giveBack(std::uint32_t row) {
+  Block* const place = blockAt(row);
+  used_ -= place->rows;
+  std::copy(place + 1, blocks_.begin() + count_, place);
+  --count_;
+}
+
+void Pool::write(const Api& api, std::uint64_t address, std::span<const std::uint32_t> words) {
+  api.BindTexture(kTexture2dArray, texture_);
+  while (!words.empty()) {
+    const auto column = static_cast<std::uint32_t>(address % kRowWords);
+    const auto row = static_cast<std::uint32_t>(address / kRowWords);
+    // Part of a row, or as many whole rows of one layer as there are.
+    std::uint32_t width = static_cast<std::uint32_t>(std::min<std::size_t>(words.size(), kRowWords - column));
+    std::uint32_t height = 1;
+    if (width == kRowWords) height = static_cast<std::uint32_t>(std::min<std::size_t>(words.size() / kRowWords, kLayerRows - row % kLayerRows));
+    api.TexSubImage3D(kTexture2dArray, 0, static_cast<std::int32_t>(column), static_cast<std::int32_t>(row % kLayerRows),
+                      static_cast<std::int32_t>(row / kLayerRows), static_cast<std::int32_t>(width), static_cast<std::int32_t>(height), 1,
+                      kRedInteger, kUnsignedInt, words.data());
+    const std::size_t done = std::size_t{width} * height;
+    words = words.subspan(done);
+    address += done;
+    written_ += done * sizeof(std::uint32_t);
+  }
+}
+
+void Pool::writeZeros(const Api& api, std::uint64_t address, std::uint64_t words) {
+  while (words > 0) {
+    const std::uint64_t some = std::min<std::uint64_t>(words, kRowWords);
+    write(api, address, zeros_.span().first(static_cast<std::size_t>(some)));
+    address += some;
+    words -= some;
+  }
+}
+
+}  // namespace kelp::gl

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// What an asset holds. pump() decides under `mutex` what is loaded next, and reads and decodes without it.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <shared_mutex>
+
+#include "level_store.h"
+
+namespace kelp::runtime {
+
+// Memory a thread decodes pages into; kept for the next one.
+struct Scratch {
+  PageData page;
+  Scratch* next = nullptr;
+};
+
+struct Asset::Impl {
+  Impl(Pack&& opened, const Options& given) : pack(std::move(opened)), options(given), first_level(given.allocator), place(given.allocator) {}
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // Something to load: a page, or (kGrid) the level's grid.
+  struct Task {
+    static constexpr std::uint32_t kGrid = ~0u;
+    LevelState* level = nullptr;
+    std::uint32_t page = kGrid;
+  };
+  enum class Wanted : std::uint8_t { kAsked, kAll };
+
+  Result<void> prepareLevels();
+  LevelState* find(int part, int level) const;
+  Result<bool> pump(Wanted wanted);
+
+  // With the mutex held.
+  Task choose(Wanted wanted);
+  float urgencyOf(const LevelState& level, const Request& request, Wanted wanted) const;
+  bool makeRoom(std::uint64_t bytes);
+  void evict(LevelState& level, std::uint32_t page);
+  std::uint64_t bytesOf(const Task& task) const;
+  void finish(const Task& task, std::uint64_t reserved, bool done);
+  Error fail(const Error& error);
+
+  // Without.
+  Result<void> loadPage(const Task& task, Scratch& scratch);
+
+  Pack pack;
+  Options options;
+  std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
+  std::size_t state_count = 0;
+  Buffer<std::uint32_t> first_level;  // of each part, into `place`
+  Buffer<std::uint32_t> place;        // part-major -> index into `states`
+
+  std::mutex mutex;
+  std::condition_variable idle;       // in_hand became 0
+  std::uint32_t in_hand = 0;          // grids and pages that threads work on now
+  Scratch* scratch = nullptr;
+  Error first_error;
+  bool any_error = false;
+  std::atomic<std::uint64_t> used_bytes{0};
+
+  std::atomic<std::uint32_t> round{0};     // of requests; 0: nobody asked yet
+  std::shared_mutex readers;          // shared by those who look at pages; owned while pages are dropped
+};
+
+// Looks at pages: those that it finds stay in memory while it lives. Any number at a time, on any threads.
+class PageReader {
+ public:
+  explicit PageReader(const Asset& asset) : impl_(*asset.impl_), lock_(asset.impl_->readers), now_(impl_.round.load(std::memory_order_relaxed)) {}
+
+  const LevelState* level(int part, int level) const {
+    const LevelState* state = impl_.find(part, level);
+    return state && state->ready.load(std::memory_order_acquire) ? state : nullptr;
+  }
+  // The page's words; null, and it is asked for, if it is not resident.
+  const std::uint32_t* words(const LevelState& level, std::uint32_t page) const {
+    PageSlot& slot = level.pages[page];
+    const std::uint32_t* found = slot.words.load(std::memory_order_acquire);
+    if (found) {
+      slot.used.store(now_, std::memory_order_relaxed);
+    } else {
+      slot.request.ask(1.0f, now_);
+    }
+    return found;
+  }
+
+ private:
+  Asset::Impl& impl_;
+  std::shared_lock<std::shared_mutex> lock_;
+  std::uint32_t now_;
+};
+
+}  // namespace kelp::runtime

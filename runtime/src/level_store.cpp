@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "level_store.h"
+
+#include <algorithm>
+#include <new>
+
+namespace kelp::runtime {
+
+Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
+  Result<LevelGrid> read = pack.readGrid(part, level);
+  if (!read) return read.error();
+  const std::size_t count = read->pages.size();
+  if (count > kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131072 pages"};
+  // Where each slot is: the pages are in the order of slots.
+  Buffer<std::uint32_t> places(allocator);
+  void* const memory = allocator.allocate(allocator.user, count * sizeof(PageSlot));
+  if (!memory || !places.reset(read->bricks)) {
+    if (memory) allocator.deallocate(allocator.user, memory, count * sizeof(PageSlot));
+    return Error{ErrorCode::kOutOfMemory, "no memory for the pages of a level"};
+  }
+  for (std::size_t page = 0; page < count; ++page) {
+    const PageInfo& info = read->pages[page];
+    for (std::uint32_t brick = 0; brick < info.count; ++brick) places[info.first_slot + brick] = makeStoredCell(static_cast<std::uint32_t>(page), brick);
+  }
+  for (std::uint32_t& cell : read->cells) {
+    if (cell & kCellSolid) cell = places[cell & kCellSlotMask];
+  }
+  grid = *std::move(read);
+  pages = static_cast<PageSlot*>(memory);
+  for (std::size_t page = 0; page < count; ++page) new (&pages[page]) PageSlot;
+  absent = static_cast<std::uint32_t>(count);
+  data = {grid.size, grid.grid, grid.cells.span(), grid.pages.span()};
+  return {};
+}
+
+void LevelState::release(const Allocator& allocator) {
+  if (!pages) return;
+  for (std::size_t page = 0; page < grid.pages.size(); ++page) {
+    if (std::uint32_t* words = pages[page].words.load(std::memory_order_relaxed)) {
+      allocator.deallocate(allocator.user, words, pageWords(grid.pages[page]) * sizeof(std::uint32_t));
+    }
+    pages[page].~PageSlot();
+  }
+  allocator.deallocate(allocator.user, pages, grid.pages.size() * sizeof(PageSlot));
+  pages = nullptr;
+}
+
+std::uint64_t LevelState::bytes(const glm::ivec3& part_size) const {
+  const glm::ivec3 bricks = brickGrid(levelSize(part_size, level));
+  const std::uint64_t cells = static_cast<std::uint64_t>(bricks.x) * static_cast<std::uint64_t>(bricks.y) * static_cast<std::uint64_t>(bricks.z);
+  const std::uint64_t table = grid_raw - std::min(grid_raw, cells * sizeof(std::uint32_t));
+  return cells * sizeof(std::uint32_t) + table / 32 * (sizeof(PageInfo) + sizeof(PageSlot));  // 32 bytes a page in the file
+}
+
+}  // namespace kelp::runtime
