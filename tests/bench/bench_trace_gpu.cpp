@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <glm/gtc/packing.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include "kelp/formats/brick.h"
+#include "kelp/runtime/page.h"
 #include "kelp/shaders/shaders.h"
 #include "support/egl_context.h"
 
@@ -34,8 +36,9 @@ uniform vec3 bench_low;
 uniform vec3 bench_high;
 uniform ivec3 bench_size;
 uniform float bench_step;
-uniform usampler3D bench_cells;
-uniform usampler3D bench_codes;
+uniform usampler2DArray bench_pool;
+uniform int bench_pages_at;
+uniform ivec2 bench_grid;
 uniform usampler3D bench_empty;
 uniform sampler3D bench_distance;
 out vec4 bench_count;
@@ -50,8 +53,24 @@ out vec4 bench_count;
 #define KELP_SIZE vec3(bench_size)
 #define KELP_LEVEL_SIZE bench_size
 #define KELP_LEVEL_SCALE 1.0
-#define KELP_FETCH_CELL(v) texelFetch(bench_cells, v, 0).r
-#define KELP_FETCH_CODE(k, v) texelFetch(bench_codes, 8 * ivec3(int((k) & 255u), int(((k) >> 8u) & 255u), int(((k) >> 16u) & 255u)) + ((v) & 7), 0).r
+#define KELP_COMPLETE true
+#define KELP_COARSER 0
+#define KELP_CELL(v) benchCell(v)
+#define KELP_BRICK(k, cell) benchBrick(cell)
+#define KELP_BRICK_ABOVE(k, v) 0u
+#define KELP_CODE(k, brick, v) benchCode(brick, v)
+
+// As shaders/instance.glsl has it.
+uint benchWord(uint at) { return texelFetch(bench_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r; }
+uint benchCell(ivec3 brick) { return benchWord(uint(1024 + brick.x + bench_grid.x * (brick.y + bench_grid.y * brick.z))); }
+uint benchBrick(uint cell) {
+  uint page = benchWord(uint(bench_pages_at) + ((cell >> 7u) & 0x1ffffu));
+  return page == 0u ? 0u : page + 132u * (cell & 127u);
+}
+uint benchCode(uint brick, ivec3 voxel) {
+  int i = (voxel.x & 7) | ((voxel.y & 7) << 3) | ((voxel.z & 7) << 6);
+  return (benchWord(brick + 4u + uint(i >> 2)) >> uint(8 * (i & 3))) & 255u;
+}
 #define PAPER_STEP bench_step
 )";
 
@@ -138,26 +157,34 @@ GLuint makeVolume(const glm::ivec3& size, GLint internal, GLenum format, GLenum 
 }
 
 struct ItemTextures {
-  GLuint cells = 0, codes = 0, empty = 0, distance = 0;
+  GLuint pool = 0, empty = 0, distance = 0;
+  int pages_at = 0;
 };
 
-// Cells and codes as runtime/gl uploads them: an atlas of bricks, slots replaced by places in it.
+// Cells, page table and pages as runtime/gl uploads them, without attributes.
 void uploadBricks(const Item& item, ItemTextures& textures) {
-  constexpr int kRow = 32;
-  const int slots = static_cast<int>(item.level.codes.size() / kBrickVoxels);
-  const glm::ivec3 atlas(std::min(slots, kRow), std::min((slots + kRow - 1) / kRow, kRow), (slots + kRow * kRow - 1) / (kRow * kRow));
-  std::vector<std::uint32_t> cells = item.level.cells;
-  for (auto& cell : cells) {
-    if (!(cell & kCellSolid)) continue;
-    const std::uint32_t slot = cell & kCellSlotMask;
-    cell = kCellSolid | (slot % kRow) | (slot / kRow % kRow) << 8 | (slot / (kRow * kRow)) << 16;
+  constexpr std::uint32_t kPageBricks = 60, kRow = 1024, kLayer = kRow * 1024;  // a page of the packs has about as many
+  const auto bricks = static_cast<std::uint32_t>(item.level.codes.size() / kBrickVoxels);
+  const std::uint32_t pages = (bricks + kPageBricks - 1) / kPageBricks;
+  const auto cells = static_cast<std::uint32_t>(item.level.cells.size());
+  std::vector<std::uint32_t> words(kRow + cells + pages);
+  for (std::uint32_t i = 0; i < cells; ++i) {
+    const std::uint32_t cell = item.level.cells[i], slot = cell & kCellSlotMask;
+    words[kRow + i] = cell & kCellSolid ? runtime::makeStoredCell(slot / kPageBricks, slot % kPageBricks) : cell;
   }
-  textures.cells = makeVolume(brickGrid(item.volume.size), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, cells.data());
-  textures.codes = makeVolume(8 * atlas, GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, nullptr);
-  for (int slot = 0; slot < slots; ++slot) {
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 8 * (slot % kRow), 8 * (slot / kRow % kRow), 8 * (slot / (kRow * kRow)), 8, 8, 8, GL_RED_INTEGER, GL_UNSIGNED_BYTE,
-                    item.level.codes.data() + static_cast<std::size_t>(kBrickVoxels) * static_cast<std::size_t>(slot));
+  textures.pages_at = static_cast<int>(kRow + cells);
+  for (std::uint32_t page = 0; page < pages; ++page) {
+    words.resize((words.size() + kRow - 1) / kRow * kRow);
+    words[kRow + cells + page] = static_cast<std::uint32_t>(words.size());
+    for (std::uint32_t slot = page * kPageBricks; slot < std::min((page + 1) * kPageBricks, bricks); ++slot) {
+      words.resize(words.size() + runtime::kBrickWords);
+      std::memcpy(&words[words.size() - kBrickVoxels / 4], &item.level.codes[std::size_t{slot} * kBrickVoxels], kBrickVoxels);
+    }
   }
+  const std::size_t layers = (words.size() + kLayer - 1) / kLayer;
+  words.resize(layers * kLayer);
+  textures.pool = makeTexture(GL_TEXTURE_2D_ARRAY);
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32UI, kRow, 1024, static_cast<GLsizei>(layers), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, words.data());
 }
 
 // The paper's dense textures: 0 in a solid voxel; the distance as half floats, rounded down.
@@ -195,8 +222,8 @@ struct Gpu::Impl {
 
   void deleteItems() {
     for (const ItemTextures& item : items) {
-      const GLuint names[] = {item.cells, item.codes, item.empty, item.distance};
-      glDeleteTextures(4, names);
+      const GLuint names[] = {item.pool, item.empty, item.distance};
+      glDeleteTextures(3, names);
     }
     items.clear();
     for (const auto& pair : rays) glDeleteTextures(2, pair.data());
@@ -226,8 +253,10 @@ struct Gpu::Impl {
     };
     bind("bench_origin", GL_TEXTURE_2D, rays[i][0]);
     bind("bench_direction", GL_TEXTURE_2D, rays[i][1]);
-    bind("bench_cells", GL_TEXTURE_3D, items[i].cells);
-    bind("bench_codes", GL_TEXTURE_3D, items[i].codes);
+    const glm::ivec3 bricks = brickGrid(voxels);
+    glUniform1i(at("bench_pages_at"), items[i].pages_at);
+    glUniform2i(at("bench_grid"), bricks.x, bricks.y);
+    bind("bench_pool", GL_TEXTURE_2D_ARRAY, items[i].pool);
     bind("bench_empty", GL_TEXTURE_3D, items[i].empty);
     bind("bench_distance", GL_TEXTURE_3D, items[i].distance);
     glDrawArrays(GL_TRIANGLES, 0, 3);

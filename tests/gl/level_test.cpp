@@ -38,13 +38,24 @@ TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
       gl::View view = orthographic(canvas, {0, 0.5f, 5}, {0, 0.5f, 0}, half_height);
       view.pixels_per_voxel = pixels_per_voxel;
       const double between = pixels_per_voxel == 0 ? 0.0 : std::clamp(std::log2(pixels_per_voxel * 2 * half_height * 80.0 / 200.0), 0.0, part_.levels - 1.0);
+      const int level = static_cast<int>(between);
+      const double part = between - level;
+      // Coarse voxels are fatter: each level by itself has its own number of pixels. A small picture has not all 64 places of the pattern
+      // equally often.
+      const auto alone = [&](int which) {
+        gl::View only = view;
+        only.pixels_per_voxel = 0;
+        only.finest_level = std::min(which, part_.levels - 1);
+        const auto counts = drawnLevels(*renderer, canvas, only);
+        return counts[static_cast<std::size_t>(only.finest_level)];
+      };
+      const int fine = alone(level), coarse = alone(level + 1);
       const auto counts = drawnLevels(*renderer, canvas, view);
-      const auto level = static_cast<std::size_t>(between);
       const int all = std::accumulate(counts.begin(), counts.end(), 0);
-      const int coarser = level + 1 < counts.size() ? counts[level + 1] : 0;
-      EXPECT_EQ(counts[level] + coarser, all) << half_height << " " << pixels_per_voxel;
-      // A small picture has not all of the pattern's 64 pixels equally often.
-      EXPECT_NEAR(coarser, all * (between - static_cast<double>(level)), 2 + 0.03 * all) << half_height << " " << pixels_per_voxel;
+      const int coarser = counts[static_cast<std::size_t>(level) + 1];
+      EXPECT_EQ(counts[static_cast<std::size_t>(level)] + coarser, all) << half_height << " " << pixels_per_voxel;
+      EXPECT_NEAR(coarser, part * coarse, 2 + 0.03 * all) << half_height << " " << pixels_per_voxel;
+      EXPECT_NEAR(all - coarser, (1 - part) * fine, 2 + 0.03 * all) << half_height << " " << pixels_per_voxel;
     }
   }
   // With the eye in the volume something is arbitrarily near.

@@ -200,21 +200,21 @@ TEST(Asset, KeepsToItsMemoryBudget) {
   auto asset = Asset::open(source.source(), none);
   ASSERT_TRUE(asset);
   EXPECT_EQ((*asset)->loadAll().error().code, ErrorCode::kLimit);
-  EXPECT_EQ((*asset)->memory(), 0u);
+  EXPECT_LE((*asset)->memory(), none.memory_budget);
   EXPECT_EQ((*asset)->residentLevel(0), -1);
 }
 
 TEST(Asset, DropsWhatNobodyAskedForLately) {
-  const std::vector<std::byte> bytes = clumpBytes();
+  const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::dust({96, 96, 96}, 9, 4)));
   MemorySource source(bytes);
   Options options;
-  options.memory_budget = 300'000;
+  options.memory_budget = 800'000;
   auto opened = Asset::open(source.source(), options);
   ASSERT_TRUE(opened);
   Asset& asset = **opened;
   (void)asset.loadAll();
   const auto pages = static_cast<std::uint32_t>(asset.level(0, 0)->pages.size());
-  ASSERT_GT(pages, 5u);
+  ASSERT_GT(pages, 15u);
   // Page after page is asked for, for as many rounds as it takes.
   for (std::uint32_t page = 0; page < pages; ++page) {
     bool there = false;
