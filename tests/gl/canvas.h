@@ -61,13 +61,18 @@ class GlTest : public testing::TestWithParam<GlApi> {
   void SetUp() override;
   // A renderer with the asset on the GPU. Fails the test if that can not be had.
   std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr, gl::Config config = {});
-  bool desktop() const { return GetParam() == GlApi::kDesktop33; }
+  bool desktop() const { return !isEs(GetParam()); }
 
   std::optional<EglContext> context_;
 };
 
 #define KELP_GL_TESTS(fixture)                                                                                              \
   INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::Values(kelp::test::GlApi::kDesktop33, kelp::test::GlApi::kEs30),           \
+                           [](const auto& test) { return kelp::test::toString(test.param); })
+
+// With every version there is, for what may depend on it.
+#define KELP_EVERY_GL_TESTS(fixture)                                                                                        \
+  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::ValuesIn(kelp::test::kEveryApi),                                           \
                            [](const auto& test) { return kelp::test::toString(test.param); })
 
 // A perspective view from `eye` to `target`, all levels drawn as they are.
