@@ -57,13 +57,18 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
   KELP_GL_FUNCTIONS(KELP_GL_LOAD)
   if (!api.es) {
     KELP_GL_DESKTOP_FUNCTIONS(KELP_GL_LOAD)
+  } else if (version >= 32) {  // where draw buffers have states of their own in ES too
+    KELP_GL_LOAD(std::uint8_t, IsEnabledi, (Enum, Name))
+    KELP_GL_LOAD(void, Enablei, (Enum, Name))
+    KELP_GL_LOAD(void, GetBooleani_v, (Enum, Name, std::uint8_t*))
+    KELP_GL_LOAD(void, ColorMaski, (Name, std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))
   }
 #undef KELP_GL_LOAD
   if (!complete) return Error{ErrorCode::kGraphics, "getProcAddress does not know a function of OpenGL 3.3 / OpenGL ES 3.0"};
 
   api.GetIntegerv(constant::kMaxTextureSize, &api.max_texture_size);
   api.GetIntegerv(constant::kMaxArrayTextureLayers, &api.max_array_layers);
-  if (!api.es) api.GetIntegerv(constant::kMaxDrawBuffers, &api.draw_buffers);
+  if (api.Enablei) api.GetIntegerv(constant::kMaxDrawBuffers, &api.draw_buffers);
   loadDebug(getProcAddress, user, version, api);
   return {};
 }

@@ -71,7 +71,7 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, Uniform3f, (std::int32_t, float, float, float))                                                                 \
   X(void, DrawArraysInstanced, (Enum, std::int32_t, std::int32_t, std::int32_t))
 
-// Only in OpenGL, not in ES 3.0: state there that ES has once for all draw buffers, or not at all.
+// Not in ES 3.0, which has that state once for all draw buffers, or not at all. ES 3.2 has all but PolygonMode.
 #define KELP_GL_DESKTOP_FUNCTIONS(X)                                                                                      \
   X(void, PolygonMode, (Enum, Enum))                                                                                      \
   X(std::uint8_t, IsEnabledi, (Enum, Name))                                                                               \

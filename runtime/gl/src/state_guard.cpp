@@ -63,12 +63,12 @@ DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore
   api.GetIntegerv(kDepthFunc, &depth_func_);
   api.GetBooleanv(kDepthWritemask, &depth_mask_);
   cull_face_ = api.IsEnabled(kCullFace);
-  if (api.es) {
+  if (!api.es) api.GetIntegerv(kPolygonMode, polygon_mode_);
+  if (!api.Enablei) {
     blend_ = api.IsEnabled(kBlend);
     api.GetBooleanv(kColorWritemask, color_mask_[0]);
     return;
   }
-  api.GetIntegerv(kPolygonMode, polygon_mode_);
   for (int i = 0; i < drawBuffers(api, kMaxDrawBuffers); ++i) {
     const Name buffer = static_cast<Name>(i);
     if (api.IsEnabledi(kBlend, buffer)) blend_ |= 1u << i;
@@ -90,12 +90,12 @@ DrawGuard::~DrawGuard() {
   api_.DepthFunc(static_cast<Enum>(depth_func_));
   api_.DepthMask(depth_mask_);
   setEnabled(api_, kCullFace, cull_face_);
-  if (api_.es) {
+  if (!api_.es) api_.PolygonMode(kFrontAndBack, static_cast<Enum>(polygon_mode_[0]));
+  if (!api_.Enablei) {
     setEnabled(api_, kBlend, blend_ != 0);
     api_.ColorMask(color_mask_[0][0], color_mask_[0][1], color_mask_[0][2], color_mask_[0][3]);
     return;
   }
-  api_.PolygonMode(kFrontAndBack, static_cast<Enum>(polygon_mode_[0]));
   for (int i = 0; i < drawBuffers(api_, kMaxDrawBuffers); ++i) {
     const Name buffer = static_cast<Name>(i);
     if (blend_ >> i & 1u) api_.Enablei(kBlend, buffer);  // drawing disabled it for all
