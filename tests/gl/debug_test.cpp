@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// In a debug context the driver has nothing to say against what kelp does.
+#include "gl_state.h"
+
+namespace kelp::test {
+namespace {
+
+using runtime::Instance;
+
+struct Message {
+  GLenum type = 0, severity = 0;
+  std::string text;
+  // What a driver may say: notes, and what the application itself pushes. The rest is a complaint.
+  bool isComplaint() const {
+    return severity != GL_DEBUG_SEVERITY_NOTIFICATION &&
+           (type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR || type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR ||
+            type == GL_DEBUG_TYPE_PORTABILITY || type == GL_DEBUG_TYPE_PERFORMANCE);
+  }
+};
+
+class DebugTest : public testing::TestWithParam<GlApi> {
+ protected:
+  void SetUp() override {
+    context_.emplace(GetParam(), true);
+    if (!*context_) GTEST_SKIP() << "no EGL device gives such a context: install libegl1 libgl1-mesa-dri";
+    GLint flags = 0;
+    if (GlLimits::read().has(43, 32)) glGetIntegerv(GL_CONTEXT_FLAGS, &flags);
+    if (!(flags & GL_CONTEXT_FLAG_DEBUG_BIT)) GTEST_SKIP() << "this context has no debug output";
+    glEnable(GL_DEBUG_OUTPUT);
+    glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
+    glDebugMessageCallback(
+        [](GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text, const void* user) {
+          static_cast<std::vector<Message>*>(const_cast<void*>(user))->push_back({type, severity, std::string(text, static_cast<std::size_t>(length))});
+        },
+        &messages_);
+  }
+
+  std::vector<std::string> complaints() const {
+    std::vector<std::string> out;
+    for (const Message& message : messages_) {
+      if (message.isComplaint()) out.push_back(message.text);
+    }
+    return out;
+  }
+
+  // A renderer's life: two assets, every level in a step of its own while frames are drawn, all passes and looks, instances near and far.
+  void live(const char* surface, gl::State state) {
+    const Canvas canvas({80, 60});
+    gl::Config config;
+    config.getProcAddress = EglContext::getProcAddress;
+    config.surface_glsl = surface;
+    config.state = state;
+    const auto created = gl::Renderer::create(config);
+    ASSERT_TRUE(created);
+    gl::Renderer& renderer = **created;
+    std::vector<Instance> instances;
+    for (int i = 0; i < 24; ++i) {
+      Instance instance{i % 2 ? ball_.asset.get() : clump_.asset.get(), nullptr};
+      instance.to_world[3] = {0.4f * static_cast<float>(i % 5) - 0.8f, 0, -0.5f * static_cast<float>(i), 1};
+      instances.push_back(instance);
+    }
+    ASSERT_TRUE(renderer.add(*ball_.asset));
+    ASSERT_TRUE(renderer.add(*clump_.asset));
+    gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+    view.pixels_per_voxel = 1;
+    const auto frame = [&](std::size_t count) {
+      for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColour}) {
+        for (const gl::Shading shading : {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
+          view.shading = shading;
+          ASSERT_TRUE(renderer.draw(view, std::span(instances).first(count), pass));
+        }
+      }
+    };
+    for (std::uint32_t pending = 1; pending > 0;) {
+      frame(4);
+      const auto uploaded = renderer.upload(1);
+      ASSERT_TRUE(uploaded);
+      pending = uploaded->pending;
+    }
+    for (std::size_t count = 0; count <= instances.size(); count += 6) frame(count);
+    renderer.remove(*ball_.asset);
+    EXPECT_FALSE(renderer.draw(view, instances));
+    ASSERT_TRUE(renderer.add(*ball_.asset));
+    ASSERT_TRUE(renderer.upload(~std::uint64_t{0}));
+    frame(instances.size());
+  }
+
+  std::vector<Message> messages_;  // outlives the context, which tells it
+  std::optional<EglContext> context_;
+  const LoadedAsset ball_{packOf(ballClump({24, 32, 20}, 12, 3))};
+  const LoadedAsset clump_{packOf(ballClump({60, 80, 50}, 20, 2))};
+};
+
+TEST_P(DebugTest, AMistakeIsComplainedOf) {
+  glEnable(0xdead);
+  EXPECT_EQ(complaints().size(), 1u);
+  EXPECT_EQ(glGetError(), GLenum{GL_INVALID_ENUM});
+}
+
+TEST_P(DebugTest, NothingIsComplainedOf) {
+  for (const gl::State state : {gl::State::kRestore, gl::State::kLeave}) {
+    for (const char* surface : {static_cast<const char*>(nullptr), kVoxelSurface}) live(surface, state);
+  }
+  for (const std::string& text : complaints()) ADD_FAILURE() << text;
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
+KELP_EVERY_GL_TESTS(DebugTest);
+
+}  // namespace
+}  // namespace kelp::test
