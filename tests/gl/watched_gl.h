@@ -9,7 +9,9 @@ struct WatchedGl {
   static void* getProcAddress(void* user, const char* name);
   // Calls of any thread since the program began.
   static long calls();
-  // Those of threads that had no context current.
+  // This thread is one with a context.
+  static void enterGlThread();
+  // Calls of threads that are none.
   static long strayCalls();
 };
 
