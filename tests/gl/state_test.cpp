@@ -145,6 +145,26 @@ TEST_P(StateTest, KLeaveDrawsTheSamePicture) {
   EXPECT_EQ(canvas.pixels(), expected);
 }
 
+// There is nothing to invalidate: the host may change all of the state between two draws of a renderer, and its own names too.
+TEST_P(StateTest, NothingIsRememberedFromDrawToDraw) {
+  for (const gl::State state : {gl::State::kRestore, gl::State::kLeave}) {
+    context_.reset();
+    context_.emplace(GetParam());
+    const Canvas canvas({80, 60});
+    const gl::View view = viewOf(canvas);
+    gl::Config config;
+    config.state = state;
+    const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface, config);
+    ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
+    const std::vector<Pixel> expected = canvas.pixels();
+    canvas.clear();
+    setAwkwardState(Awkward::kDrawable);
+    ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
+    setReadable();
+    EXPECT_EQ(canvas.pixels(), expected);
+  }
+}
+
 // The table "What is touched" of runtime/gl/README.md. A name that ends in a star stands for all that begin so; "unit A" is the active one.
 struct Touched {
   unsigned calls;
