@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// In a debug context the driver has nothing to say against what kelp does.
+// In a debug context the driver has nothing to say against what kelp does, and kelp says who it is.
+#include <algorithm>
+
 #include "gl_state.h"
 
 namespace kelp::test {
@@ -104,6 +106,63 @@ TEST_P(DebugTest, NothingIsComplainedOf) {
   }
   for (const std::string& text : complaints()) ADD_FAILURE() << text;
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
+// What a frame's capture shows of kelp: every object by its name, every call within a group.
+TEST_P(DebugTest, ObjectsHaveLabels) {
+  gl::Config config;
+  config.getProcAddress = EglContext::getProcAddress;
+  const Canvas canvas({80, 60});
+  // Objects of each kind that are there now, without their labels.
+  const std::pair<GLenum, GLboolean (*)(GLuint)> kinds[] = {{GL_TEXTURE, glIsTexture}, {GL_PROGRAM, glIsProgram}, {GL_VERTEX_ARRAY, glIsVertexArray}, {GL_BUFFER, glIsBuffer},
+                                                            {GL_FRAMEBUFFER, glIsFramebuffer}};
+  const auto objects = [&] {
+    std::vector<std::pair<GLenum, GLuint>> out;
+    for (const auto& [kind, is] : kinds) {
+      for (GLuint name = 1; name < 1024; ++name) {
+        if (is(name)) out.push_back({kind, name});
+      }
+    }
+    return out;
+  };
+  const auto of_the_host = objects();
+  const auto created = gl::Renderer::create(config);
+  ASSERT_TRUE(created);
+  ASSERT_TRUE((*created)->add(*clump_.asset));
+  ASSERT_TRUE((*created)->upload(~std::uint64_t{0}));
+  const Instance instance{clump_.asset.get(), nullptr};
+  ASSERT_TRUE((*created)->draw(lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0}), {&instance, 1}));
+  int textures = 0, programs = 0;
+  for (const auto& object : objects()) {
+    if (std::find(of_the_host.begin(), of_the_host.end(), object) != of_the_host.end()) continue;
+    const auto& [kind, name] = object;
+    GLchar label[64] = "";
+    glGetObjectLabel(kind, name, sizeof label, nullptr, label);
+    EXPECT_TRUE(std::string(label).starts_with("kelp")) << "object " << name << " of kind " << kind << " is labelled \"" << label << '"';
+    textures += kind == GL_TEXTURE;
+    programs += kind == GL_PROGRAM;
+  }
+  EXPECT_GT(textures, 0);
+  EXPECT_GT(programs, 0);
+}
+
+TEST_P(DebugTest, GroupsAreBalanced) {
+  const auto depth = [] {
+    GLint out = 0;
+    glGetIntegerv(GL_DEBUG_GROUP_STACK_DEPTH, &out);
+    return out;
+  };
+  const GLint before = depth();
+  live(nullptr, gl::State::kRestore);
+  EXPECT_EQ(depth(), before);
+  long pushed = 0, popped = 0;
+  for (const Message& message : messages_) {
+    if (!message.text.starts_with("kelp")) continue;
+    pushed += message.type == GL_DEBUG_TYPE_PUSH_GROUP;
+    popped += message.type == GL_DEBUG_TYPE_POP_GROUP;
+  }
+  EXPECT_GT(pushed, 0);
+  EXPECT_EQ(pushed, popped);
 }
 
 KELP_EVERY_GL_TESTS(DebugTest);
