@@ -16,8 +16,9 @@
 namespace kelp {
 
 struct Metadata {
-  explicit Metadata(const Allocator& allocator)
-      : info(allocator),
+  explicit Metadata(const Allocator& memory)
+      : allocator(memory),
+        info(allocator),
         part_names(allocator),
         parts(allocator),
         palette(allocator),
@@ -25,9 +26,13 @@ struct Metadata {
         clip_names(allocator),
         clips(allocator),
         waves(allocator),
+        wave_blocks(allocator),
+        wave_sums(allocator),
+        wave_terms(allocator),
         tracks(allocator),
         keys(allocator) {}
 
+  Allocator allocator;
   Buffer<char> info;
   Buffer<char> part_names;
   Buffer<Part> parts;  // names point into part_names, knots into knots
@@ -36,6 +41,9 @@ struct Metadata {
   Buffer<char> clip_names;
   Buffer<Clip> clips;  // names point into clip_names, waves and tracks into the tables below
   Buffer<Wave> waves;
+  Buffer<WaveBlock> wave_blocks;  // sums point into wave_sums, their terms into wave_terms
+  Buffer<WaveSum> wave_sums;
+  Buffer<WaveTerm> wave_terms;
   Buffer<Track> tracks;  // keys point into keys
   Buffer<Key> keys;
 };
@@ -45,6 +53,8 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
 Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
+// Adds up the waves of every clip (kelp/formats/model.h). kOutOfMemory.
+Result<void> sumWaves(Metadata& out);
 
 // Whether the text is UTF-8 without overlong forms, surrogates and null. Names must have no control characters either.
 bool isUtf8(std::string_view text);

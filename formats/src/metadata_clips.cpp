@@ -138,7 +138,7 @@ Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out) {
       if (i > 0 && !(first[i].time > first[i - 1].time)) return corrupt("the times of a track's keys do not ascend", at);
     }
   }
-  return {};
+  return sumWaves(out);
 }
 
 }  // namespace kelp

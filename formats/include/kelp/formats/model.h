@@ -71,12 +71,33 @@ struct Track {
   std::span<const Key> keys;
 };
 
+// The waves of a clip once more, added up so that they are cheap to evaluate: sin(a + b) = sin a cos b + cos a sin b, so all waves of one period share a
+// sine and a cosine, and all waves that move one vector are one sum. The reader makes this of `waves`.
+struct WaveTerm {
+  float sine[4] = {};        // x, y, z, 0: times sin(2 pi t / period)
+  float cosine[4] = {};      // times cos(2 pi t / period)
+  std::uint32_t period = 0;  // index into the block's frequencies
+};
+struct WaveSum {
+  std::uint32_t knot = 0;  // counted through the knots of all parts
+  Target target = Target::kKnotOffset;
+  std::span<const WaveTerm> terms;
+};
+struct WaveBlock {
+  double frequencies[4] = {};  // 1 / period, falling; 0: not used
+  std::span<const WaveSum> sums;
+};
+// Adds `weight` times what the waves do at `seconds` to the knots, which are those of all parts, one part after the other. Sines are within 1e-6 of
+// the truth, whatever the time, as long as a double can tell its phase; beyond, all phases are 0. Finite numbers only.
+void addWaves(const WaveBlock& block, double seconds, float weight, std::span<Knot> knots);
+
 // An animation. Tracks repeat after `duration` seconds; waves never end. A clip of waves alone has the duration of its longest period.
 struct Clip {
   std::string_view name;
   float duration = 0;  // seconds, > 0
   std::span<const Wave> waves;
   std::span<const Track> tracks;
+  std::span<const WaveBlock> wave_blocks;
 };
 
 }  // namespace kelp
