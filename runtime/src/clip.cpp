@@ -60,21 +60,11 @@ void apply(Target target, const glm::vec4& value, float weight, Knot& knot, Moti
 Result<void> addClip(const Asset& asset, int clip_index, double seconds, float weight, Pose& pose) {
   const std::span<const Clip> clips = asset.pack().clips();
   if (clip_index < 0 || static_cast<std::size_t>(clip_index) >= clips.size()) return Error{ErrorCode::kMisuse, "no clip of that index"};
-  if (pose.parts() != static_cast<int>(asset.pack().parts().size())) return Error{ErrorCode::kMisuse, "the pose is not one of this asset"};
-  for (int part = 0; part < pose.parts(); ++part) {
-    if (pose.knots(part).size() != asset.pack().parts()[static_cast<std::size_t>(part)].knots.size()) {
-      return Error{ErrorCode::kMisuse, "the pose is not one of this asset"};
-    }
-  }
+  if (!pose.fits(asset)) return Error{ErrorCode::kMisuse, "the pose is not one of this asset"};
   if (!std::isfinite(seconds) || !std::isfinite(weight)) return Error{ErrorCode::kMisuse, "time or weight is not a number"};
 
   const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
-  for (const Wave& wave : clip.waves) {
-    const double turns = seconds / double{wave.period} + double{wave.phase};
-    const float swing = static_cast<float>(std::sin(6.283185307179586 * (turns - std::floor(turns))));
-    const int part = static_cast<int>(wave.part);
-    apply(wave.target, glm::vec4(wave.amplitude * swing, 0.0f), weight, pose.knots(part)[wave.knot], *pose.motion(part));
-  }
+  for (const WaveBlock& block : clip.wave_blocks) addWaves(block, seconds, weight, pose.allKnots());
   const double turns = seconds / double{clip.duration};
   const float time = static_cast<float>((turns - std::floor(turns)) * double{clip.duration});
   for (const Track& track : clip.tracks) {

@@ -3,50 +3,88 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kelp::runtime {
+
+static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4, "a pose lays its arrays side by side");
 
 Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   const std::span<const Part> parts = asset.pack().parts();
   std::size_t total = 0;
   for (const Part& part : parts) total += part.knots.size();
   Pose pose;
-  pose.knots_ = Buffer<Knot>(allocator);
-  pose.rest_ = Buffer<Knot>(allocator);
-  pose.first_knot_ = Buffer<std::uint32_t>(allocator);
-  pose.motions_ = Buffer<Motion>(allocator);
-  if (!pose.knots_.reset(total) || !pose.rest_.reset(total) || !pose.first_knot_.reset(parts.size() + 1) || !pose.motions_.reset(parts.size())) {
+  pose.memory_ = Buffer<std::byte>(allocator);
+  if (!pose.memory_.reset(parts.size() * sizeof(Motion) + 2 * total * sizeof(Knot) + (parts.size() + 1) * sizeof(std::uint32_t))) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a pose"};
   }
-  std::size_t n = 0;
+  pose.parts_ = static_cast<std::uint32_t>(parts.size());
+  pose.knots_ = static_cast<std::uint32_t>(total);
+  std::uint32_t n = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    pose.first_knot_[i] = static_cast<std::uint32_t>(n);
-    for (const Knot& knot : parts[i].knots) pose.rest_[n++] = knot;
+    pose.firstKnots()[i] = n;
+    for (const Knot& knot : parts[i].knots) pose.restData()[n++] = knot;
   }
-  pose.first_knot_[parts.size()] = static_cast<std::uint32_t>(n);
+  pose.firstKnots()[parts.size()] = n;
   pose.reset();
   return pose;
 }
 
-std::span<Knot> Pose::knots(int part) {
-  if (part < 0 || part >= parts()) return {};
-  const auto i = static_cast<std::size_t>(part);
-  return knots_.span().subspan(first_knot_[i], first_knot_[i + 1] - first_knot_[i]);
+Pose& Pose::operator=(Pose&& other) noexcept {
+  memory_ = std::move(other.memory_);
+  parts_ = std::exchange(other.parts_, 0u);
+  knots_ = std::exchange(other.knots_, 0u);
+  return *this;
 }
 
-std::span<const Knot> Pose::knots(int part) const { return const_cast<Pose*>(this)->knots(part); }
+bool Pose::fits(const Asset& asset) const {
+  const std::span<const Part> parts = asset.pack().parts();
+  if (parts.size() != parts_) return false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (firstKnots()[i + 1] - firstKnots()[i] != parts[i].knots.size()) return false;
+  }
+  return true;
+}
+
+bool Pose::sameShape(const Pose& other) const {
+  return other.parts_ == parts_ && other.knots_ == knots_ && std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
+}
 
 void Pose::reset() {
-  std::copy(rest_.begin(), rest_.end(), knots_.begin());
-  std::fill(motions_.begin(), motions_.end(), Motion{});
+  if (memory_.empty()) return;
+  std::copy(restData(), restData() + knots_, knotData());
+  std::fill(motionData(), motionData() + parts_, Motion{});
 }
 
 bool Pose::assign(const Pose& other) {
-  if (other.knots_.size() != knots_.size() || other.first_knot_.size() != first_knot_.size()) return false;
-  if (!std::equal(first_knot_.begin(), first_knot_.end(), other.first_knot_.begin())) return false;
-  std::copy(other.knots_.begin(), other.knots_.end(), knots_.begin());
-  std::copy(other.motions_.begin(), other.motions_.end(), motions_.begin());
+  if (!sameShape(other)) return false;
+  // Motions and knots lie side by side.
+  std::copy(other.memory_.begin(), other.memory_.begin() + (parts_ * sizeof(Motion) + knots_ * sizeof(Knot)), memory_.begin());
   return true;
+}
+
+Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> part_weights) {
+  const auto isWeight = [](float w) { return w >= 0.0f && w <= 1.0f; };
+  if (!sameShape(to)) return Error{ErrorCode::kMisuse, "the poses belong to different assets"};
+  if (!part_weights.empty() && part_weights.size() != parts_) return Error{ErrorCode::kMisuse, "a mask needs one weight per part"};
+  if (!isWeight(weight) || !std::all_of(part_weights.begin(), part_weights.end(), isWeight)) {
+    return Error{ErrorCode::kMisuse, "a weight is not within 0 and 1"};
+  }
+  for (int part = 0; part < parts(); ++part) {
+    const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
+    const std::span<Knot> mine = knots(part);
+    const std::span<const Knot> theirs = to.knots(part);
+    for (std::size_t i = 0; i < mine.size(); ++i) {
+      mine[i].position = glm::mix(mine[i].position, theirs[i].position, w);
+      mine[i].tangent = glm::mix(mine[i].tangent, theirs[i].tangent, w);
+    }
+    Motion& motion = *this->motion(part);
+    const Motion& other = *to.motion(part);
+    motion.translation = glm::mix(motion.translation, other.translation, w);
+    motion.scale = glm::mix(motion.scale, other.scale, w);
+    motion.rotation = glm::normalize(glm::slerp(motion.rotation, other.rotation, w));
+  }
+  return {};
 }
 
 Result<void> Pose::check() const {
@@ -62,8 +100,8 @@ void Pose::clampMonotone() {
     const std::span<Knot> k = knots(part);
     if (k.empty() || checkKnots(k)) continue;
     // Knots must rise: at least a thousandth of their share of the height at rest.
-    const std::span<const Knot> rest(&rest_[first_knot_[static_cast<std::size_t>(part)]], k.size());
-    const float height = rest.back().position.y - rest.front().position.y;
+    const Knot* const rest = restData() + (k.data() - knotData());
+    const float height = rest[k.size() - 1].position.y - rest[0].position.y;
     for (std::size_t i = 1; i < k.size(); ++i) {
       const float least = k[i - 1].position.y + 1e-3f * height * (k[i].at - k[i - 1].at);
       k[i].position.y = std::max(k[i].position.y, least);

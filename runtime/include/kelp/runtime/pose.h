@@ -2,7 +2,11 @@
 // A pose: where the knots of every part are right now. The host moves the knots itself, or adds clips.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <string_view>
+#include <utility>
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -17,25 +21,38 @@ struct Motion {
   glm::vec3 scale{1};
 };
 
-// Independent of the asset once created (the asset must only be alive during calls that take both). Not thread-safe; cheap to copy into
-// with assign(). Moving knots never allocates.
+// Independent of the asset once created (the asset must only be alive during calls that take both). Cheap to copy into with assign(). Only
+// create() allocates. Not thread-safe; different poses may be used on different threads at the same time.
 class Pose {
  public:
   // At rest. kOutOfMemory.
   static Result<Pose> create(const Asset& asset, const Allocator& allocator = {});
-  Pose(Pose&&) noexcept = default;
-  Pose& operator=(Pose&&) noexcept = default;
+  Pose(Pose&& other) noexcept { *this = std::move(other); }
+  Pose& operator=(Pose&& other) noexcept;
 
-  int parts() const { return static_cast<int>(motions_.size()); }
-  // The knots of a part, to read and to move: voxels. An empty span for a part that is not there. `at` must not be changed.
-  std::span<Knot> knots(int part);
-  std::span<const Knot> knots(int part) const;
+  int parts() const { return static_cast<int>(parts_); }
+  // Whether the pose has the parts and knots of this asset: what every function that takes both asks first.
+  bool fits(const Asset& asset) const;
+  // The knots of a part, to read and to move: voxels. An empty span for a part that is not there. `at` must not be changed. Moving an end knot
+  // along y stretches or squashes the part's volume between the ends (section 3.1 of the paper); kelp/formats/spline.h has the rules.
+  std::span<Knot> knots(int part) {
+    if (part < 0 || part >= parts()) return {};
+    const std::uint32_t first = firstKnots()[part];
+    return {knotData() + first, firstKnots()[part + 1] - first};
+  }
+  std::span<const Knot> knots(int part) const { return const_cast<Pose*>(this)->knots(part); }
+  // The knots of all parts, one part after the other.
+  std::span<Knot> allKnots() { return {knotData(), knots_}; }
   // The motion of a part, to read and to move; null for a part that is not there.
-  Motion* motion(int part) { return part >= 0 && part < parts() ? &motions_[static_cast<std::size_t>(part)] : nullptr; }
+  Motion* motion(int part) { return part >= 0 && part < parts() ? motionData() + part : nullptr; }
   const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
 
   void reset();                                   // back to rest
   [[nodiscard]] bool assign(const Pose& other);   // false if `other` belongs to another kind of asset
+  // Moves towards `to`: 0 leaves the pose as it is, 1 makes it `to`. Knots, translations and scales go straight, rotations by the shorter way
+  // around at an even pace. What lies between two monotone poses is monotone. `part_weights`, one per part, multiplies the weight of each part: a
+  // mask; empty: all ones. kMisuse, with nothing changed, if `to` belongs to another kind of asset or a weight is not within [0, 1].
+  Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
   // kNotMonotone, with the index of the part in `offset`, if a spline turns back along its axis: such a pose is not drawn.
   Result<void> check() const;
   // Moves tangents and knots in y only, as little as needed, until every spline is monotone.
@@ -43,14 +60,28 @@ class Pose {
 
  private:
   Pose() = default;
-  Buffer<Knot> knots_;
-  Buffer<Knot> rest_;
-  Buffer<std::uint32_t> first_knot_;  // parts + 1
-  Buffer<Motion> motions_;
+  bool sameShape(const Pose& other) const;
+  // One block, because thousands of poses are walked each frame: motions, knots now, knots at rest, and the first knot of each part and of none.
+  Motion* motionData() { return reinterpret_cast<Motion*>(memory_.data()); }
+  Knot* knotData() { return reinterpret_cast<Knot*>(motionData() + parts_); }
+  Knot* restData() { return knotData() + knots_; }
+  std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(restData() + knots_); }
+  const std::uint32_t* firstKnots() const { return const_cast<Pose*>(this)->firstKnots(); }
+
+  Buffer<std::byte> memory_;
+  std::uint32_t parts_ = 0;
+  std::uint32_t knots_ = 0;
 };
 
-// Adds `weight` times what the clip does at `seconds` to the pose. Negative times and times past the end wrap around.
-// kMisuse if the clip is not there or the pose is not one of this asset.
+// Adds `weight` times what the clip does at `seconds` to the pose. kMisuse, with nothing changed, if the clip is not there, the pose is not one
+// of this asset, or a number is none.
+//
+// Time: tracks repeat after the clip's duration, also backwards; each wave repeats after its own period and never ends. An instance gets a phase of
+// its own by an offset of its own to `seconds`. Phases are reduced in double precision: after a hundred hours they are still exact to a
+// millionth of a turn. A clip that plays once: clamp `seconds` to [0, std::nextafter(duration, 0.0)].
+//
+// Layers: add further clips. Crossfade: add one clip with weight 1 - w and the other with w; the knots are then exactly between the two
+// poses, and there is no dip towards rest. Where motions turn far, or a mask is wanted, make two poses and blend() them.
 Result<void> addClip(const Asset& asset, int clip, double seconds, float weight, Pose& pose);
 // Index of the clip of that name; -1: none.
 int findClip(const Asset& asset, std::string_view name);
