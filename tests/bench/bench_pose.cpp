@@ -12,6 +12,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/spring.h"
 #include "support/test_pack.h"
 
 namespace kelp::bench {
@@ -53,6 +54,8 @@ struct Crowd {
   Crowd(const Asset& owner, int clip_index) : asset(&owner), clip(clip_index) {
     for (int i = 0; i < kInstances; ++i) {
       poses.push_back(*Pose::create(owner));
+      springs.push_back(*runtime::Spring::create(owner));
+      for (int part = 0; part < springs.back().parts(); ++part) (void)springs.back().push(part, {5, 0, 3});
     }
     for (int i = 0; i < kInstances; ++i) {
       runtime::Instance instance{asset, &poses[static_cast<std::size_t>(i)]};
@@ -80,11 +83,18 @@ struct Crowd {
   void worldBounds() const {
     for (const runtime::Instance& instance : instances) sink = sink + runtime::bounds(instance).max.x;
   }
+  void swing() {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      (void)springs[i].step(1.0f / 60);
+      (void)springs[i].addTo(poses[i]);
+    }
+  }
 
   const Asset* asset;
   int clip;
   double seconds = 0;
   std::vector<Pose> poses;
+  std::vector<runtime::Spring> springs;
   std::vector<runtime::Instance> instances;
 };
 
@@ -103,6 +113,7 @@ void report(const std::string& name, const Asset& asset, int clip) {
   rows.push_back({"Pose::check", [&] { crowd.check(); }});
   rows.push_back({"deformedBounds", [&] { crowd.partBounds(); }});
   rows.push_back({"bounds(instance)", [&] { crowd.worldBounds(); }});
+  rows.push_back({"Spring::step + addTo", [&] { crowd.swing(); }});
   measure(rows);
   const double product = median(rows[0].ns);
   std::size_t knots = 0;

@@ -8,22 +8,10 @@
 #include <random>
 
 #include "kelp/runtime/instance.h"
-#include "support/test_pack.h"
+#include "loaded.h"
 
 namespace kelp::runtime {
 namespace {
-
-struct Loaded {
-  explicit Loaded(const RawPack& pack) : bytes(test::bytesOf(pack)), source(bytes) {
-    auto opened = Asset::open(source.source());
-    EXPECT_TRUE(opened);
-    asset = *std::move(opened);
-    EXPECT_TRUE(asset->loadAll());
-  }
-  std::vector<std::byte> bytes;
-  MemorySource source;
-  std::unique_ptr<Asset> asset;
-};
 
 RawPack animated() {
   RawPack pack = test::packOf(test::ballClump({24, 40, 24}, 8, 1));

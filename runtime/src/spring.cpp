@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/runtime/spring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace kelp::runtime {
+namespace {
+
+constexpr float kHighestFrequency = 10000;
+// A load nearer to the root than this bends the beam as one at this height: a beam pushed at its very root would fly off.
+constexpr float kLowestLoad = 0.25f;
+
+bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+float squared(const glm::vec3& v) { return glm::dot(v, v); }
+
+// How far a beam that is clamped at 0 bends at `at`, as a share of what its free end at 1 does, under an even load (Euler and Bernoulli).
+float evenLoad(float at) { return at * at * (at * (at - 4) + 6) / 3; }
+// How far it bends under a load at `load`, as a share of what it bends there.
+float pointLoad(float at, float load) {
+  const float a = std::max(load, kLowestLoad);
+  return at < a ? at * at * (3 * a - at) / (2 * a * a * a) : (3 * at - a) / (2 * a);
+}
+
+// A damped harmonic oscillator after some time: offset = a offset + b velocity, velocity = c offset + d velocity.
+struct Advance {
+  float a, b, c, d;
+};
+
+Advance advanceBy(double seconds, double omega, double damping) {
+  const double decay = damping * omega;
+  const double k2 = omega * omega * (1 - damping * damping);  // squared angular frequency of the damped swing; negative: it creeps
+  double sine, cosine;                                        // e^(-decay t) times sin(k t) / k and cos(k t)
+  if (const double x = k2 * seconds * seconds; std::abs(x) < 1e-4) {
+    // Around critical damping: the series, to the last digit.
+    const double e = std::exp(-decay * seconds);
+    sine = e * seconds * (1 - x / 6 * (1 - x / 20 * (1 - x / 42)));
+    cosine = e * (1 - x / 2 * (1 - x / 12 * (1 - x / 30)));
+  } else if (k2 > 0) {
+    const double k = std::sqrt(k2), e = std::exp(-decay * seconds);
+    sine = e * std::sin(k * seconds) / k;
+    cosine = e * std::cos(k * seconds);
+  } else {
+    // Both exponents in a form that neither overflows nor cancels: their product is omega^2.
+    const double k = std::sqrt(-k2), fast = decay + k, slow = omega * omega / fast;
+    const double e_slow = std::exp(-slow * seconds), e_fast = std::exp(-fast * seconds);
+    sine = (e_slow - e_fast) / (2 * k);
+    cosine = (e_slow + e_fast) / 2;
+  }
+  return {static_cast<float>(cosine + decay * sine), static_cast<float>(sine), static_cast<float>(-omega * omega * sine),
+          static_cast<float>(cosine - decay * sine)};
+}
+
+// Where the curve, moved by `middle`, comes nearest to a point in the world. Straight pieces stand for the curve.
+struct Nearest {
+  float distance = HUGE_VALF;
+  glm::vec3 from{0};  // from the point to the curve; world
+  float at = 0;       // along the axis
+};
+
+Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm::vec3& middle, const glm::mat4& to_world) {
+  constexpr int kPieces = 8;
+  Nearest nearest;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Segment segment = makeSegment(knots[i], knots[i + 1]);
+    glm::vec3 begin(0);
+    for (int piece = 0; piece <= kPieces; ++piece) {
+      const float t = static_cast<float>(piece) / kPieces;
+      const glm::vec3 end = glm::vec3(to_world * glm::vec4(evaluate(segment, t) + middle, 1)) - point;
+      if (piece > 0) {
+        const glm::vec3 chord = end - begin;
+        const float length = squared(chord);
+        const float along = length > 0 ? std::clamp(-glm::dot(begin, chord) / length, 0.0f, 1.0f) : 0.0f;
+        const glm::vec3 from = begin + along * chord;
+        if (const float distance = glm::length(from); distance < nearest.distance) {
+          const float parameter = t + (along - 1) / kPieces;
+          nearest = {distance, from, knots[i].at + parameter * (knots[i + 1].at - knots[i].at)};
+        }
+      }
+      begin = end;
+    }
+  }
+  return nearest;
+}
+
+Error foreign() { return {ErrorCode::kMisuse, "the spring is not one of this asset"}; }
+
+}  // namespace
+
+Result<Spring> Spring::create(const Asset& asset, const SpringSettings& settings, const Allocator& allocator) {
+  if (!(settings.frequency > 0 && settings.frequency <= kHighestFrequency)) return Error{ErrorCode::kMisuse, "a spring's frequency is out of range"};
+  if (!(settings.damping >= 0) || !std::isfinite(settings.damping)) return Error{ErrorCode::kMisuse, "a spring's damping is out of range"};
+  if (!(settings.reach > 0 && settings.reach <= 1000)) return Error{ErrorCode::kMisuse, "a spring's reach is out of range"};
+  const std::span<const Part> parts = asset.pack().parts();
+  std::size_t total = 0;
+  for (const Part& part : parts) total += part.knots.size();
+  Spring spring;
+  spring.settings_ = settings;
+  spring.omega_ = static_cast<float>(2 * std::numbers::pi * double{settings.frequency});
+  spring.bodies_ = Buffer<Body>(allocator);
+  spring.swings_ = Buffer<Swing>(allocator);
+  spring.at_ = Buffer<float>(allocator);
+  if (!spring.bodies_.reset(parts.size()) || !spring.swings_.reset(total) || !spring.at_.reset(total)) {
+    return Error{ErrorCode::kOutOfMemory, "no memory for a spring"};
+  }
+  std::uint32_t n = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const glm::vec3 size(parts[i].size);
+    spring.bodies_[i] = {n, static_cast<std::uint32_t>(parts[i].knots.size()), size.y, {0.5f * size.x, 0, 0.5f * size.z}, glm::vec3(0)};
+    for (const Knot& knot : parts[i].knots) spring.at_[n++] = knot.at;
+  }
+  return spring;
+}
+
+std::span<const Swing> Spring::knots(int part) const {
+  if (part < 0 || part >= parts()) return {};
+  const Body& body = bodies_[static_cast<std::size_t>(part)];
+  return swings_.span().subspan(body.first, body.knots);
+}
+
+void Spring::reset() {
+  std::fill(swings_.begin(), swings_.end(), Swing{});
+  for (Body& body : bodies_) body.lean = glm::vec3(0);
+}
+
+bool Spring::fits(const Asset& asset) const {
+  const std::span<const Part> parts = asset.pack().parts();
+  return std::equal(parts.begin(), parts.end(), bodies_.begin(), bodies_.end(), [](const Part& part, const Body& body) { return part.knots.size() == body.knots; });
+}
+
+bool Spring::fits(const Pose& pose) const {
+  if (pose.parts() != parts()) return false;
+  for (int part = 0; part < parts(); ++part) {
+    if (pose.knots(part).size() != bodies_[static_cast<std::size_t>(part)].knots) return false;
+  }
+  return true;
+}
+
+// What a knot gets of a push to the free end.
+float Spring::share(const Body& body, std::uint32_t knot) const { return settings_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f; }
+
+// Square of the farthest that the knot would swing from where the wind holds it, if nothing damped it.
+float Spring::energyOf(const Body& body, std::uint32_t knot) const {
+  const Swing& swing = swings_[body.first + knot];
+  return squared(swing.offset - share(body, knot) * body.lean) + squared(swing.velocity / omega_);
+}
+
+// Takes off what a push gave the knot beyond its reach, or beyond what it had before.
+void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
+  Swing& swing = swings_[body.first + knot];
+  const glm::vec3 held = share(body, knot) * body.lean;
+  const float reach = settings_.reach * body.height * share(body, knot);
+  const float most = std::max(reach * reach, energy_before);
+  glm::vec3 away = swing.offset - held;
+  if (const float far = glm::length(away); far * far > most) {
+    away *= std::sqrt(most) / far;
+    swing.offset = held + away;
+  }
+  const float fastest = omega_ * std::sqrt(std::max(most - squared(away), 0.0f));
+  if (const float fast = glm::length(swing.velocity); fast > fastest) swing.velocity *= fastest / fast;
+}
+
+Result<void> Spring::push(int part, const glm::vec3& velocity) {
+  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "no part of that index"};
+  if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not a number"};
+  const Body& body = bodies_[static_cast<std::size_t>(part)];
+  // Squares of what is pushed must not overflow; more than this is taken off anyway.
+  const float most = 4 * omega_ * settings_.reach * body.height;
+  const glm::vec3 change = glm::clamp(velocity, glm::vec3(-most), glm::vec3(most));
+  for (std::uint32_t i = 0; i < body.knots; ++i) {
+    const float before = energyOf(body, i);
+    swings_[body.first + i].velocity += share(body, i) * change;
+    limit(body, i, before);
+  }
+  return {};
+}
+
+Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
+  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "no part of that index"};
+  if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not a number"};
+  Body& body = bodies_[static_cast<std::size_t>(part)];
+  const double reach = double{settings_.reach} * double{body.height};
+  const glm::dvec3 lean = glm::dvec3(acceleration) / (double{omega_} * double{omega_});
+  const double length = glm::length(lean);
+  body.lean = glm::vec3(length > reach ? lean * (reach / length) : lean);
+  return {};
+}
+
+Result<void> Spring::step(float seconds) {
+  if (!(seconds >= 0) || !std::isfinite(seconds)) return Error{ErrorCode::kMisuse, "a time step is negative or not a number"};
+  const Advance by = advanceBy(double{seconds}, double{omega_}, double{settings_.damping});
+  for (const Body& body : bodies_) {
+    for (std::uint32_t i = 0; i < body.knots; ++i) {
+      Swing& swing = swings_[body.first + i];
+      const glm::vec3 held = share(body, i) * body.lean, away = swing.offset - held, velocity = swing.velocity;
+      swing.offset = held + (by.a * away + by.b * velocity);
+      swing.velocity = by.c * away + by.d * velocity;
+    }
+  }
+  return {};
+}
+
+void Spring::addTo(const Body& body, std::span<Knot> knots) const {
+  const std::size_t n = knots.size();
+  if (n < 2) return;
+  const std::span<const Swing> swings = swings_.span().subspan(body.first, n);
+  const auto secant = [&](std::size_t i) { return (swings[i + 1].offset - swings[i].offset) / (knots[i + 1].at - knots[i].at); };
+  // Between two neighbours the slope of the parabola through the three.
+  const auto inner = [&](std::size_t i) {
+    const float below = knots[i].at - knots[i - 1].at, above = knots[i + 1].at - knots[i].at;
+    return (above * secant(i - 1) + below * secant(i)) / (below + above);
+  };
+  // At a free end the slope that leaves no curvature there, given the slope at the segment's other end.
+  const auto free_end = [](const glm::vec3& slope, const glm::vec3& other) { return 0.5f * (3.0f * slope - other); };
+  glm::vec3 first(0);
+  if (!settings_.rooted) first = n == 2 ? secant(0) : free_end(secant(0), inner(1));
+  const glm::vec3 last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
+  for (std::size_t i = 0; i < n; ++i) {
+    knots[i].position += swings[i].offset;
+    knots[i].tangent += i == 0 ? first : i + 1 == n ? last : inner(i);
+  }
+}
+
+Result<void> Spring::addTo(Pose& pose) const {
+  if (!fits(pose)) return foreign();
+  for (int part = 0; part < parts(); ++part) addTo(bodies_[static_cast<std::size_t>(part)], pose.knots(part));
+  pose.clampMonotone();
+  return {};
+}
+
+Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center, float radius) {
+  if (!instance.asset || !fits(*instance.asset) || (instance.pose && !fits(*instance.pose))) return foreign();
+  if (!isFinite(center) || !std::isfinite(radius)) return Error{ErrorCode::kMisuse, "a sphere is not a number"};
+  if (!(radius > 0)) return {};
+  const std::span<const Part> parts = instance.asset->pack().parts();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::span<const Knot> pose = instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
+    if (pose.size() < 2) continue;
+    pushAway(bodies_[i], parts[i], pose, partToWorld(instance, static_cast<int>(i)), center, radius);
+  }
+  return {};
+}
+
+void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world, const glm::vec3& center, float radius) {
+  const glm::mat3 turn(to_world);
+  const glm::mat3 to_part = glm::inverse(turn);
+  if (!isFinite(to_part[0]) || !isFinite(to_part[1]) || !isFinite(to_part[2])) return;  // a part without extent
+  const float scale = std::sqrt(squared(turn[0]) + squared(turn[1]) + squared(turn[2]));  // no vector grows by more
+  // A bent beam moves less where it is touched than its knots say: a few rounds until it is out.
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds; ++round) {
+    Knot bent[kMaxKnots];
+    std::copy(pose.begin(), pose.end(), bent);
+    const std::span<Knot> knots(bent, pose.size());
+    addTo(body, knots);
+    if (round == 0) {
+      // Most parts are far away: compare spheres.
+      const Box box = deformedBounds(knots, part.size);
+      const glm::vec3 middle(to_world * glm::vec4(0.5f * (box.min + box.max), 1));
+      if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max))) return;
+    }
+    const Nearest nearest = nearestTo(center, knots, body.middle, to_world);
+    if (!(nearest.distance < 0.999f * radius)) return;
+    const glm::vec3 direction = nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
+    // Of a deeper sphere all but this would be taken off anyway.
+    const float most = 4 * scale * settings_.reach * body.height;
+    const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction);
+    if (!isFinite(out)) return;
+    const glm::vec3 normal = glm::normalize(glm::transpose(turn) * direction);
+    for (std::uint32_t i = 0; i < body.knots; ++i) {
+      const float weight = settings_.rooted ? pointLoad(at_[body.first + i], nearest.at) : 1.0f;
+      if (weight == 0) continue;
+      Swing& swing = swings_[body.first + i];
+      const float before = energyOf(body, i);
+      swing.offset += weight * out;
+      swing.velocity -= std::min(glm::dot(swing.velocity, normal), 0.0f) * normal;
+      limit(body, i, before);
+    }
+  }
+}
+
+}  // namespace kelp::runtime
