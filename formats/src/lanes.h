@@ -19,8 +19,11 @@ struct Lanes {
   __m128 v;
   Lanes(__m128 lanes) : v(lanes) {}
   Lanes(float all) : v(_mm_set1_ps(all)) {}
+  static Lanes of(float a, float b, float c, float d) { return _mm_setr_ps(a, b, c, d); }
   static Lanes load(const float* four) { return _mm_loadu_ps(four); }
   void store(float* four) const { _mm_storeu_ps(four, v); }
+  template <int kLane>
+  Lanes all() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(kLane, kLane, kLane, kLane)); }
   Lanes rotated() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 3, 2, 1)); }  // lane i is lane i + 1 of this
 };
 inline Lanes operator+(Lanes a, Lanes b) { return _mm_add_ps(a.v, b.v); }
@@ -44,8 +47,14 @@ struct Lanes {
   float v[4];
   Lanes() = default;
   Lanes(float all) : v{all, all, all, all} {}
+  static Lanes of(float a, float b, float c, float d) {
+    const float four[4] = {a, b, c, d};
+    return load(four);
+  }
   static Lanes load(const float* four) { return each([four](int i) { return four[i]; }); }
   void store(float* four) const { std::memcpy(four, v, sizeof v); }
+  template <int kLane>
+  Lanes all() const { return v[kLane]; }
   Lanes rotated() const { return each([this](int i) { return v[(i + 1) % 4]; }); }
   template <class Function>
   static Lanes each(Function f) {

@@ -28,7 +28,6 @@ struct Metadata {
         waves(allocator),
         wave_blocks(allocator),
         wave_sums(allocator),
-        wave_terms(allocator),
         tracks(allocator),
         keys(allocator) {}
 
@@ -41,9 +40,8 @@ struct Metadata {
   Buffer<char> clip_names;
   Buffer<Clip> clips;  // names point into clip_names, waves and tracks into the tables below
   Buffer<Wave> waves;
-  Buffer<WaveBlock> wave_blocks;  // sums point into wave_sums, their terms into wave_terms
-  Buffer<WaveSum> wave_sums;
-  Buffer<WaveTerm> wave_terms;
+  Buffer<WaveBlock> wave_blocks;  // sums point into wave_sums
+  Buffer<WaveSums> wave_sums;
   Buffer<Track> tracks;  // keys point into keys
   Buffer<Key> keys;
 };

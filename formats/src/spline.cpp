@@ -51,20 +51,18 @@ struct KnotLanes {
   Lanes position, tangent;
 };
 
-// Adds what a segment reaches: the ends, and the places where the cubic may turn, moved into [0, 1] where they are outside. Every place is on the
-// curve, so none makes the box too large.
+// Adds what a segment between knots reaches. The knots themselves are in `all` already.
+// Most segments of most rigs have their Bezier hull in the box of the knots, and add nothing. Others add the places where the cubic may turn, moved into
+// [0, 1] where they are outside: every place is on the curve, so none makes the box too large.
 // The roots are those of a quadratic whose coefficients differ by at most 8 roundings from the derivative's; the cubic that belongs to it
 // is at most 2^-21 (3|a| + 2|b| + |c|) away from the given one, which counts twice. Evaluation here costs 8 roundings of the largest partial
 // sum, and whoever evaluates the segment in float may be off by another 8. All of it is below 2^-18 (|a| + |b| + |c| + |d|).
-void addRange(const KnotLanes& k0, const KnotLanes& k1, float share, Range& all) {
+void addTurns(const KnotLanes& k0, const KnotLanes& k1, float share, Range& all) {
   const Lanes d = k0.position, p1 = k1.position, c = k0.tangent * share, m1 = k1.tangent * share;
-  const Lanes rise = p1 - d, rise3 = 3.0f * rise;
-  all.low = min(all.low, min(d, p1));
-  all.high = max(all.high, max(d, p1));
-  all.sizes = max(all.sizes, max(abs(d), abs(p1)) + abs(c) + abs(m1));
-  // Slopes with the sign of the rise that add up to no more than 3 times as much: no turn between the ends (Fritsch and Carlson 1980).
-  if (notLess3(min(min(c * rise, m1 * rise), abs(rise3) - abs(c + m1)), 0.0f)) return;
-  const Lanes a = c + m1 - (rise + rise), b = rise3 - (c + c) - m1;
+  const Lanes inner0 = d + (1.0f / 3.0f) * c, inner1 = p1 - (1.0f / 3.0f) * m1;
+  all.sizes = max(all.sizes, max(abs(d), abs(p1)) + (abs(c) + abs(m1)));
+  if (notLess3(min(min(inner0, inner1) - all.low, all.high - max(inner0, inner1)), 0.0f)) return;
+  const Lanes rise = p1 - d, a = c + m1 - (rise + rise), b = 3.0f * rise - (c + c) - m1;
   // 3a t^2 + 2b t + c = 0 by the form that does not cancel. A division by zero ends at an end of the segment.
   const Lanes qa = 3.0f * a;
   const Lanes q = 0.0f - (b + copysign(sqrt(max(b * b - qa * c, 0.0f)), b));
@@ -214,12 +212,12 @@ Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
   Box box;
   if (knots.size() < 2) return box;
   Range all;
-  KnotLanes k0(knots[0]);
-  for (std::size_t i = 1; i < knots.size(); ++i) {
-    const KnotLanes k1(knots[i]);
-    addRange(k0, k1, knots[i].at - knots[i - 1].at, all);
-    k0 = k1;
+  for (const Knot& knot : knots) {
+    const Lanes position = KnotLanes(knot).position;
+    all.low = min(all.low, position);
+    all.high = max(all.high, position);
   }
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) addTurns(KnotLanes(knots[i]), KnotLanes(knots[i + 1]), knots[i + 1].at - knots[i].at, all);
   float low[4], high[4], sizes[4];
   const Lanes slack = 0x1p-18f * all.sizes + 1e-15f;  // the constant is for squares too small for float
   (all.low - slack).store(low);

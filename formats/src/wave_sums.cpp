@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <numbers>
 #include <tuple>
@@ -12,57 +13,51 @@ namespace kelp {
 namespace {
 
 constexpr std::size_t kPeriods = std::size(WaveBlock{}.frequencies);
+constexpr std::size_t kLanes = std::size(WaveSums{}.number);
 
-auto movedBy(const Wave& wave) { return std::tie(wave.part, wave.knot, wave.target); }
-
-// Adds what the wave does to the term: amplitude sin(x + 2 pi phase).
-void addWave(const Wave& wave, WaveTerm& term) {
-  const double turns = double{wave.phase} - std::floor(double{wave.phase});
-  const double angle = 2 * std::numbers::pi * turns;
-  for (int axis = 0; axis < 3; ++axis) {
-    term.sine[axis] += static_cast<float>(std::cos(angle) * double{wave.amplitude[axis]});
-    term.cosine[axis] += static_cast<float>(std::sin(angle) * double{wave.amplitude[axis]});
-  }
-}
-
-// The tables while they fill up. There are at most as many entries of each kind as there are waves.
+// The tables while they fill up.
 struct Filling {
   Metadata& out;
   std::span<const std::uint32_t> first_knot;  // of each part
-  std::size_t blocks = 0, sums = 0, terms = 0;
+  std::size_t blocks = 0, sums = 0;
 
-  // One block of waves, ordered by target and then by period.
-  void addBlock(std::span<const Wave* const> waves) {
+  // One block of waves, ordered by what they move, of at most kPeriods rising periods.
+  void addBlock(std::span<const Wave* const> waves, std::span<const float> period_of) {
     WaveBlock block;
-    std::size_t periods = 0;
-    float period_of[kPeriods] = {};
-    // Falling frequencies are rising periods.
-    while (true) {
-      float next = 0;
-      for (const Wave* wave : waves) {
-        if ((periods == 0 || wave->period > period_of[periods - 1]) && (next == 0 || wave->period < next)) next = wave->period;
-      }
-      if (next == 0) break;
-      period_of[periods] = next;
-      block.frequencies[periods++] = 1.0 / double{next};
-    }
+    for (std::size_t i = 0; i < period_of.size(); ++i) block.frequencies[i] = 1.0 / double{period_of[i]};
+
     const std::size_t first_sum = sums;
-    for (std::size_t i = 0; i < waves.size();) {
-      WaveSum sum{first_knot[waves[i]->part] + waves[i]->knot, waves[i]->target, {}};
-      const std::size_t first_term = terms;
-      const Wave& moved = *waves[i];
-      while (i < waves.size() && movedBy(*waves[i]) == movedBy(moved)) {
-        const float period = waves[i]->period;
-        WaveTerm term;
-        term.period = static_cast<std::uint32_t>(std::find(period_of, period_of + periods, period) - period_of);
-        for (; i < waves.size() && waves[i]->period == period && movedBy(*waves[i]) == movedBy(moved); ++i) addWave(*waves[i], term);
-        out.wave_terms[terms++] = term;
+    std::size_t lane = kLanes;  // the next free one of the last sums
+    const auto isSame = [](const Wave& a, const Wave& b) { return a.part == b.part && a.knot == b.knot && a.target == b.target; };
+    for (std::size_t from = 0, to = 0; from < waves.size(); from = to) {
+      while (to < waves.size() && isSame(*waves[from], *waves[to])) ++to;
+      const std::uint32_t knot = first_knot[waves[from]->part] + waves[from]->knot;
+      const std::uint32_t vector = 7 * knot + (waves[from]->target == Target::kKnotTangent ? 4u : 1u);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto moving = waves.subspan(from, to - from);
+        if (std::all_of(moving.begin(), moving.end(), [axis](const Wave* wave) { return wave->amplitude[axis] == 0; })) continue;
+        if (lane == kLanes) {
+          // Lanes that stay free add nothing to what the first one moves.
+          out.wave_sums[sums++] = {};
+          std::fill_n(out.wave_sums[sums - 1].number, kLanes, vector + static_cast<std::uint32_t>(axis));
+          lane = 0;
+        }
+        addSum(moving, axis, period_of, lane, out.wave_sums[sums - 1]);
+        out.wave_sums[sums - 1].number[lane++] = vector + static_cast<std::uint32_t>(axis);
       }
-      sum.terms = out.wave_terms.span().subspan(first_term, terms - first_term);
-      out.wave_sums[sums++] = sum;
     }
     block.sums = out.wave_sums.span().subspan(first_sum, sums - first_sum);
     out.wave_blocks[blocks++] = block;
+  }
+
+  // Waves that move the same vector: one of its numbers. amplitude sin(x + 2 pi phase) as shares of sin(x) and cos(x).
+  static void addSum(std::span<const Wave* const> waves, int axis, std::span<const float> period_of, std::size_t lane, WaveSums& to) {
+    for (const Wave* wave : waves) {
+      const auto period = static_cast<std::size_t>(std::find(period_of.begin(), period_of.end(), wave->period) - period_of.begin());
+      const double phase = 2 * std::numbers::pi * (double{wave->phase} - std::floor(double{wave->phase}));
+      to.sine[period][lane] += static_cast<float>(std::cos(phase) * double{wave->amplitude[axis]});
+      to.cosine[period][lane] += static_cast<float>(std::sin(phase) * double{wave->amplitude[axis]});
+    }
   }
 };
 
@@ -77,36 +72,40 @@ Lanes quarterSine(const Lanes& x) {
 void addWaves(const WaveBlock& block, double seconds, float weight, std::span<Knot> knots) {
   // What is left of whole turns: adding and subtracting 1.5 * 2^52 rounds to a whole number. From 2^51 on a double has no phase.
   constexpr double kRound = 0x1.8p52;
-  float turns[kPeriods] = {};
+  Lanes turns = 0.0f;
   if (std::abs(seconds * block.frequencies[0]) < 0x1p51) {
-    for (std::size_t i = 0; i < kPeriods; ++i) {
-      const double all = seconds * block.frequencies[i];
-      turns[i] = static_cast<float>(all - ((all + kRound) - kRound));
-    }
+    const auto rest = [&](std::size_t period) {
+      const double all = seconds * block.frequencies[period];
+      return static_cast<float>(all - ((all + kRound) - kRound));
+    };
+    turns = Lanes::of(rest(0), rest(1), rest(2), rest(3));
   }
   // Within half a turn to both sides: sin(x) = sin(1/2 - x), cos(x) = sin(1/4 - |x|).
-  const Lanes x = Lanes::load(turns), size = abs(x);
-  float sine[4], cosine[4];
-  (weight * quarterSine(copysign(min(size, 0.5f - size), x))).store(sine);
-  (weight * quarterSine(0.25f - size)).store(cosine);
-  for (const WaveSum& sum : block.sums) {
-    Lanes moved = 0.0f;
-    for (const WaveTerm& term : sum.terms) {
-      moved = moved + (sine[term.period] * Lanes::load(term.sine) + cosine[term.period] * Lanes::load(term.cosine));
-    }
-    float by[4];
-    moved.store(by);
-    Knot& knot = knots[sum.knot];
-    (sum.target == Target::kKnotOffset ? knot.position : knot.tangent) += glm::vec3(by[0], by[1], by[2]);
+  const Lanes size = abs(turns);
+  const Lanes sine = weight * quarterSine(copysign(min(size, 0.5f - size), turns));
+  const Lanes cosine = weight * quarterSine(0.25f - size);
+  const Lanes s0 = sine.all<0>(), s1 = sine.all<1>(), s2 = sine.all<2>(), s3 = sine.all<3>();
+  const Lanes c0 = cosine.all<0>(), c1 = cosine.all<1>(), c2 = cosine.all<2>(), c3 = cosine.all<3>();
+  static_assert(sizeof(Knot) == 7 * sizeof(float) && offsetof(Knot, position) == sizeof(float) && offsetof(Knot, tangent) == 4 * sizeof(float));
+  float* const numbers = reinterpret_cast<float*>(knots.data());
+  for (const WaveSums& sums : block.sums) {
+    const Lanes from_sines =
+        (s0 * Lanes::load(sums.sine[0]) + s1 * Lanes::load(sums.sine[1])) + (s2 * Lanes::load(sums.sine[2]) + s3 * Lanes::load(sums.sine[3]));
+    const Lanes from_cosines =
+        (c0 * Lanes::load(sums.cosine[0]) + c1 * Lanes::load(sums.cosine[1])) + (c2 * Lanes::load(sums.cosine[2]) + c3 * Lanes::load(sums.cosine[3]));
+    float by[kLanes];
+    (from_sines + from_cosines).store(by);
+    for (std::size_t i = 0; i < kLanes; ++i) numbers[sums.number[i]] += by[i];
   }
 }
 
 Result<void> sumWaves(Metadata& out) {
   const std::size_t count = out.waves.size();
+  // A wave moves at most three numbers, and what is left of four lanes is wasted once a block: never more than one and a half sums a wave.
+  const std::size_t most_sums = count + (count + 1) / 2;
   Buffer<const Wave*> order(out.allocator);
   Buffer<std::uint32_t> first_knot(out.allocator);
-  if (!out.wave_blocks.reset(count) || !out.wave_sums.reset(count) || !out.wave_terms.reset(count) || !order.reset(count) ||
-      !first_knot.reset(out.parts.size())) {
+  if (!out.wave_blocks.reset(count) || !out.wave_sums.reset(most_sums) || !order.reset(count) || !first_knot.reset(out.parts.size())) {
     return Error{ErrorCode::kOutOfMemory, "no memory for the clips"};
   }
   for (std::size_t i = 0; i < count; ++i) order[i] = &out.waves[i];
@@ -117,17 +116,19 @@ Result<void> sumWaves(Metadata& out) {
     const auto begin = order.begin() + (clip.waves.data() - out.waves.data()), end = begin + static_cast<std::ptrdiff_t>(clip.waves.size());
     std::sort(begin, end, [](const Wave* a, const Wave* b) { return a->period < b->period; });
     for (auto from = begin; from != end;) {
+      float period_of[kPeriods] = {};
       std::size_t periods = 0;
       auto to = from;
-      for (float last = 0; to != end && (periods < kPeriods || (*to)->period == last); ++to) {
-        if ((*to)->period != last) ++periods;
-        last = (*to)->period;
+      for (; to != end; ++to) {
+        if (periods > 0 && (*to)->period == period_of[periods - 1]) continue;
+        if (periods == kPeriods) break;
+        period_of[periods++] = (*to)->period;
       }
       // By the waves' own order last, so that sums of floats are the same everywhere.
       std::sort(from, to, [](const Wave* a, const Wave* b) {
-        return std::tie(a->part, a->knot, a->target, a->period, a) < std::tie(b->part, b->knot, b->target, b->period, b);
+        return std::tie(a->part, a->knot, a->target, a) < std::tie(b->part, b->knot, b->target, b);
       });
-      filling.addBlock({from, to});
+      filling.addBlock({from, to}, {period_of, periods});
       from = to;
     }
     clip.wave_blocks = out.wave_blocks.span().subspan(first_block, filling.blocks - first_block);

@@ -271,6 +271,18 @@ TEST(Spring, PushesStayWithinReach) {
   }
 }
 
+// Nor does a body, however large.
+TEST(Spring, SpheresPushNoFartherThanReach) {
+  Loaded loaded(reed({0, 0.5f, 1}));
+  for (const float radius : {1.0f, 100.0f, 1e20f}) {
+    Spring spring = *Spring::create(*loaded.asset, {1.0f, 0.2f, 0.5f, true});
+    ASSERT_TRUE(spring.pushAway({loaded.asset.get(), nullptr}, {0.02f, 0.8f, 0}, radius));
+    const float far = glm::length(spring.knots(0)[2].offset);
+    EXPECT_LT(far, 0.5f * 40 * 1.0001f);
+    EXPECT_GT(far, 0.5f * 40 * 0.9f);
+  }
+}
+
 TEST(Spring, MisuseIsAnswered) {
   Loaded loaded(reed({0, 1}));
   Loaded other(reed({0, 0.5f, 1}));

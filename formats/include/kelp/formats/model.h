@@ -72,20 +72,15 @@ struct Track {
 };
 
 // The waves of a clip once more, added up so that they are cheap to evaluate: sin(a + b) = sin a cos b + cos a sin b, so all waves of one period share a
-// sine and a cosine, and all waves that move one vector are one sum. The reader makes this of `waves`.
-struct WaveTerm {
-  float sine[4] = {};        // x, y, z, 0: times sin(2 pi t / period)
-  float cosine[4] = {};      // times cos(2 pi t / period)
-  std::uint32_t period = 0;  // index into the block's frequencies
-};
-struct WaveSum {
-  std::uint32_t knot = 0;  // counted through the knots of all parts
-  Target target = Target::kKnotOffset;
-  std::span<const WaveTerm> terms;
+// sine and a cosine, and all waves that move one number are one sum. The reader makes this of `waves`.
+struct WaveSums {
+  std::uint32_t number[4] = {};  // what four sums move: which float of an array of the knots of all parts
+  float sine[4][4] = {};         // for each of the block's periods, for each sum: times sin(2 pi t / period)
+  float cosine[4][4] = {};       // times cos(2 pi t / period)
 };
 struct WaveBlock {
   double frequencies[4] = {};  // 1 / period, falling; 0: not used
-  std::span<const WaveSum> sums;
+  std::span<const WaveSums> sums;
 };
 // Adds `weight` times what the waves do at `seconds` to the knots, which are those of all parts, one part after the other. Sines are within 1e-6 of
 // the truth, whatever the time, as long as a double can tell its phase; beyond, all phases are 0. Finite numbers only.
