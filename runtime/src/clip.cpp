@@ -65,6 +65,7 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
 
   const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
   for (const WaveBlock& block : clip.wave_blocks) addWaves(block, seconds, weight, pose.allKnots());
+  if (clip.tracks.empty()) return {};
   const double turns = seconds / double{clip.duration};
   const float time = static_cast<float>((turns - std::floor(turns)) * double{clip.duration});
   for (const Track& track : clip.tracks) {

@@ -15,15 +15,16 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   for (const Part& part : parts) total += part.knots.size();
   Pose pose;
   pose.memory_ = Buffer<std::byte>(allocator);
-  if (!pose.memory_.reset(parts.size() * sizeof(Motion) + 2 * total * sizeof(Knot) + (parts.size() + 1) * sizeof(std::uint32_t))) {
+  if (!pose.memory_.reset(2 * (parts.size() * sizeof(Motion) + total * sizeof(Knot)) + (parts.size() + 1) * sizeof(std::uint32_t))) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a pose"};
   }
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
   pose.knots_ = static_cast<std::uint32_t>(total);
+  std::fill_n(pose.restMotions(), parts.size(), Motion{});
   std::uint32_t n = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     pose.firstKnots()[i] = n;
-    for (const Knot& knot : parts[i].knots) pose.restData()[n++] = knot;
+    for (const Knot& knot : parts[i].knots) pose.restKnots()[n++] = knot;
   }
   pose.firstKnots()[parts.size()] = n;
   pose.reset();
@@ -50,16 +51,11 @@ bool Pose::sameShape(const Pose& other) const {
   return other.parts_ == parts_ && other.knots_ == knots_ && std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
 }
 
-void Pose::reset() {
-  if (memory_.empty()) return;
-  std::copy(restData(), restData() + knots_, knotData());
-  std::fill(motionData(), motionData() + parts_, Motion{});
-}
+void Pose::reset() { std::copy_n(memory_.begin() + stateBytes(), stateBytes(), memory_.begin()); }
 
 bool Pose::assign(const Pose& other) {
   if (!sameShape(other)) return false;
-  // Motions and knots lie side by side.
-  std::copy(other.memory_.begin(), other.memory_.begin() + (parts_ * sizeof(Motion) + knots_ * sizeof(Knot)), memory_.begin());
+  std::copy_n(other.memory_.begin(), stateBytes(), memory_.begin());
   return true;
 }
 
@@ -100,7 +96,7 @@ void Pose::clampMonotone() {
     const std::span<Knot> k = knots(part);
     if (k.empty() || checkKnots(k)) continue;
     // Knots must rise: at least a thousandth of their share of the height at rest.
-    const Knot* const rest = restData() + (k.data() - knotData());
+    const Knot* const rest = restKnots() + (k.data() - knotData());
     const float height = rest[k.size() - 1].position.y - rest[0].position.y;
     for (std::size_t i = 1; i < k.size(); ++i) {
       const float least = k[i - 1].position.y + 1e-3f * height * (k[i].at - k[i - 1].at);

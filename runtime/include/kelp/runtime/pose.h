@@ -61,11 +61,14 @@ class Pose {
  private:
   Pose() = default;
   bool sameShape(const Pose& other) const;
-  // One block, because thousands of poses are walked each frame: motions, knots now, knots at rest, and the first knot of each part and of none.
+  // One block, because thousands of poses are walked each frame: motions and knots now, motions and knots at rest, the first knot of each part and
+  // the end of the last one's.
+  std::size_t stateBytes() const { return parts_ * sizeof(Motion) + knots_ * sizeof(Knot); }
   Motion* motionData() { return reinterpret_cast<Motion*>(memory_.data()); }
   Knot* knotData() { return reinterpret_cast<Knot*>(motionData() + parts_); }
-  Knot* restData() { return knotData() + knots_; }
-  std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(restData() + knots_); }
+  Motion* restMotions() { return reinterpret_cast<Motion*>(memory_.data() + stateBytes()); }
+  Knot* restKnots() { return reinterpret_cast<Knot*>(restMotions() + parts_); }
+  std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(restKnots() + knots_); }
   const std::uint32_t* firstKnots() const { return const_cast<Pose*>(this)->firstKnots(); }
 
   Buffer<std::byte> memory_;
