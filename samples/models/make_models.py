@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes kelp's sample models: kelp_plant.glb, orange.glb, fish.glb and seabed.glb, with their rigs. Needs nothing but Python 3."""
+"""Makes kelp's sample models, each as NAME.glb with its rig: see MODELS. Needs nothing but Python 3."""
 
 import os
 import sys
 
 sys.dont_write_bytecode = True  # leave no __pycache__ in the source tree
 
+import dulse  # noqa: E402
 import fish  # noqa: E402
+import fusilier  # noqa: E402
 import glb  # noqa: E402
 import kelp_plant  # noqa: E402
 import orange  # noqa: E402
+import sea_grass  # noqa: E402
 import seabed  # noqa: E402
 
-MODELS = {"kelp_plant": kelp_plant, "orange": orange, "fish": fish, "seabed": seabed}
+MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish, "fusilier": fusilier, "seabed": seabed}
 
 
 def main(arguments):

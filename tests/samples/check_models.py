@@ -17,8 +17,11 @@ import tempfile
 # Axis, size along the axis in metres, clips and how far each moves the far end (in units of that size).
 EXPECTED = {
     "kelp_plant": ("+y", 1.2, {"sway": (0.15, 0.35), "current": (0.25, 0.40)}),
+    "sea_grass": ("+y", 0.8, {"sway": (0.20, 0.40)}),
+    "dulse": ("+y", 0.5, {"sway": (0.10, 0.25)}),
     "orange": ("+y", 0.11, {"wobble": (0.10, 0.25)}),
     "fish": ("-x", 0.3, {"swim": (0.10, 0.20)}),
+    "fusilier": ("-x", 0.24, {"swim": (0.08, 0.20)}),
     "seabed": ("+y", 0.085, {}),
 }
 COMPONENTS = {5126: ("f", 4), 5123: ("H", 2), 5125: ("I", 4)}
