@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: MIT
-# cmake -DOUT=file.cpp -DDIR=folder -P embed.cmake NAME=file ...: text files as C++ string constants.
-set(code "// Made by shaders/embed.cmake. Do not edit.\n#include \"kelp/shaders/shaders.h\"\n\nnamespace kelp::shaders {\n")
+# cmake -DOUT=file.cpp -DDIR=folder [-DHEADER=file.h -DSPACE=namespace] -P embed.cmake NAME=file ...: text files as C++ string constants,
+# which the header declares.
+if(NOT DEFINED HEADER)
+  set(HEADER kelp/shaders/shaders.h)
+  set(SPACE kelp::shaders)
+endif()
+set(code "// Made by shaders/embed.cmake. Do not edit.\n#include \"${HEADER}\"\n\nnamespace ${SPACE} {\n")
 foreach(i RANGE ${CMAKE_ARGC})
   if("${CMAKE_ARGV${i}}" MATCHES "^(k[A-Za-z]+)=(.+)$")
     set(name ${CMAKE_MATCH_1})
@@ -8,4 +13,4 @@ foreach(i RANGE ${CMAKE_ARGC})
     string(APPEND code "const char* const ${name} = R\"GLSL(${text})GLSL\";\n")
   endif()
 endforeach()
-file(WRITE "${OUT}" "${code}}  // namespace kelp::shaders\n")
+file(WRITE "${OUT}" "${code}}  // namespace ${SPACE}\n")
