@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// A reef to look at: the window, its keys, the clock and the loop. Stage draws, Reef lives.
+#include "program.h"  // OpenGL's header, first
+
+#include <cstdio>
+#include <fstream>
+
+#include "arguments.h"
+#include "reef.h"
+#include "stage.h"
+
+namespace underwater {
+namespace {
+
+constexpr double kFrame = 1.0 / 30;    // seconds, with --frames
+constexpr double kLongest = 0.1;       // seconds: after a longer pause the scene goes on where it was
+constexpr float kSwimSpeed = 1.6f;     // metres a second
+constexpr float kPixelTurn = 0.004f;   // radians
+constexpr float kPlayerReach = 1.1f;   // metres
+
+// Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
+int fail(const std::string& what, const kelp::Error& error) {
+  std::fprintf(stderr, "underwater: %s: %s: %s\n", what.c_str(), kelp::toString(error.code), error.detail);
+  if (error.code == kelp::ErrorCode::kIo) return 2;
+  return error.code == kelp::ErrorCode::kGraphics || error.code == kelp::ErrorCode::kOutOfMemory ? 4 : 3;
+}
+
+bool writePicture(const std::string& path, const glm::ivec2& size) {
+  const std::size_t row = 3u * static_cast<unsigned>(size.x);
+  std::vector<char> pixels(row * static_cast<unsigned>(size.y));
+  glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
+  std::ofstream file(path, std::ios::binary);
+  file << "P6\n" << size.x << " " << size.y << "\n255\n";
+  for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
+  return file.flush().good();
+}
+
+// What the user does with mouse and keys since the last frame.
+class Controls {
+ public:
+  explicit Controls(GLFWwindow* window) : window_(window) { glfwGetCursorPos(window, &mouse_.x, &mouse_.y); }
+
+  void use(Camera& camera, float passed) {
+    const glm::dvec2 before = mouse_;
+    glfwGetCursorPos(window_, &mouse_.x, &mouse_.y);
+    if (held(GLFW_KEY_ESCAPE)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    if (held(GLFW_KEY_C)) camera.release();
+    if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) && mouse_ != before) camera.look(kPixelTurn * glm::vec2(mouse_ - before));
+    const glm::vec3 wish(held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q), held(GLFW_KEY_W) - held(GLFW_KEY_S));
+    if (!camera.circling() || wish != glm::vec3(0)) camera.swim(kSwimSpeed * wish, passed);
+  }
+
+ private:
+  int held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+
+  GLFWwindow* window_;
+  glm::dvec2 mouse_{0};
+};
+
+// Once a second, in the title: how long a frame takes, and what is in it.
+class Title {
+ public:
+  explicit Title(GLFWwindow* window) : window_(window) {}
+
+  void tell(double seconds, const kelp::gl::Stats& stats) {
+    ++frames_;
+    if (seconds - told_ < 1) return;
+    char text[160];
+    std::snprintf(text, sizeof text, "kelp: underwater - %.1f ms, %u drawn, %u culled, %u draws, %.1f MiB on the GPU",
+                  1e3 * (seconds - told_) / frames_, stats.instances, stats.culled, stats.draws, static_cast<double>(stats.gpu_bytes) / (1 << 20));
+    glfwSetWindowTitle(window_, text);
+    told_ = seconds;
+    frames_ = 0;
+  }
+
+ private:
+  GLFWwindow* window_;
+  double told_ = glfwGetTime();
+  int frames_ = 0;
+};
+
+int run(GLFWwindow* window, const Arguments& arguments) {
+  std::string wrong;
+  const auto library = Library::open(arguments.packs, wrong);
+  if (!library) return fail(wrong, library.error());
+  const auto reef = Reef::grow(**library, arguments.plants);
+  if (!reef) return fail("scene", reef.error());
+  const auto stage = Stage::build(**library);
+  if (!stage) return fail("scene", stage.error());
+
+  Camera camera;
+  Controls controls(window);
+  Title title(window);
+  double seconds = arguments.start, last = glfwGetTime();
+  for (int frame = 0; !glfwWindowShouldClose(window) && (arguments.frames == 0 || frame < arguments.frames);) {
+    glfwPollEvents();
+    const double now = glfwGetTime(), passed = arguments.frames > 0 ? kFrame : glm::min(now - last, kLongest);
+    last = now;
+    controls.use(camera, static_cast<float>(passed));
+    if (camera.circling()) camera.circle(seconds);
+    (*reef)->update(seconds, static_cast<float>(passed), {camera.at(), camera.velocity(), kPlayerReach});
+
+    glm::ivec2 viewport;
+    glfwGetFramebufferSize(window, &viewport.x, &viewport.y);
+    const bool all_read = (*library)->loaded();
+    if (viewport.x * viewport.y > 0) {  // not minimised
+      const auto drawn = (*stage)->draw(camera, seconds, viewport, (*reef)->instances());
+      if (!drawn) return fail("scene", drawn.error());
+      title.tell(now, *drawn);
+      const bool complete = all_read && drawn->pending == 0;
+      if (complete) ++frame;  // frames count from when all the voxels are there
+      if (arguments.frames == 0 || complete) seconds += passed;
+      if (frame == arguments.frames && !arguments.picture.empty() && !writePicture(arguments.picture, viewport)) {
+        return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture can not be written"});
+      }
+    }
+    glfwSwapBuffers(window);
+  }
+  return (*library)->damaged() ? 3 : 0;
+}
+
+}  // namespace
+}  // namespace underwater
+
+int main(int count, char** words) {
+  const std::optional<underwater::Arguments> arguments = underwater::parse(count, words);
+  if (!arguments) return std::fputs(underwater::kUsage, stderr), 1;
+  if (!glfwInit()) return std::fputs("underwater: no display: set DISPLAY, or use xvfb-run\n", stderr), 4;
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
+  GLFWwindow* const window = glfwCreateWindow(arguments->size.x, arguments->size.y, "kelp: underwater", nullptr, nullptr);
+  if (!window) return std::fputs("underwater: no OpenGL 3.3 core context: update the graphics driver\n", stderr), 4;
+  glfwMakeContextCurrent(window);
+  const int exit_code = underwater::run(window, *arguments);
+  glfwTerminate();
+  return exit_code;
+}
