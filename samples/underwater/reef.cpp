@@ -15,6 +15,7 @@ kelp::Result<std::unique_ptr<Reef>> Reef::grow(const Library& library, int plant
   reef->shoal_ = *std::move(shoal);
   reef->visitors_.resize(reef->shoal_->size() + 1);
   reef->instances_.resize(reef->meadow_->size() + reef->shoal_->size());
+  reef->update(0, 0, {});
   return reef;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "random.h"
+#include "terrain.h"
 
 namespace underwater {
 namespace {
@@ -30,18 +31,22 @@ constexpr float kStroke = 1.25f;  // of the clip's speed, for a fish of scale 1
 }  // namespace
 
 std::vector<ClosedPath> swimPaths() {
-  constexpr glm::vec3 kThroughTheGlade[] = {{2.6f, 0.95f, 0.8f},  {0.6f, 1.15f, -0.4f}, {-1.9f, 1.0f, 0.5f}, {-4.2f, 1.35f, 2.4f},
-                                            {-2.2f, 1.6f, 5.0f},  {1.4f, 1.25f, 4.4f},  {4.4f, 1.1f, 3.2f}};
-  constexpr glm::vec3 kOverTheGroves[] = {{0.0f, 1.9f, -1.6f}, {3.6f, 2.3f, -2.4f}, {6.4f, 2.7f, 0.6f}, {4.2f, 2.4f, 4.8f},
-                                          {-0.6f, 1.8f, 3.0f}, {-4.6f, 2.2f, 4.4f}, {-6.6f, 2.8f, 0.2f}, {-3.6f, 2.4f, -3.0f}};
-  constexpr glm::vec3 kAmongThePlants[] = {{-1.2f, 0.75f, -2.6f}, {-4.4f, 0.9f, -4.6f}, {-2.0f, 1.4f, -7.4f}, {2.4f, 1.2f, -6.4f},
-                                           {3.2f, 0.85f, -3.2f},  {1.4f, 0.7f, -1.2f}};
-  constexpr glm::vec3 kRoundTheGlade[] = {{2.9f, 0.7f, -1.2f}, {2.6f, 0.85f, 2.2f}, {-0.8f, 0.75f, 3.3f}, {-3.2f, 0.95f, 1.2f}, {-2.4f, 0.8f, -2.2f}, {0.4f, 0.65f, -3.1f}};
+  // Heights are above the sand.
+  const std::vector<glm::vec3> kWays[] = {
+      {{2.6f, 0.95f, 0.8f}, {0.6f, 1.15f, -0.4f}, {-1.9f, 1.0f, 0.5f}, {-4.2f, 1.35f, 2.4f}, {-2.2f, 1.6f, 5.0f}, {1.4f, 1.25f, 4.4f},
+       {4.4f, 1.1f, 3.2f}},  // through the glade
+      {{0.0f, 1.9f, -1.6f}, {3.6f, 2.3f, -2.4f}, {6.4f, 2.7f, 0.6f}, {4.2f, 2.4f, 4.8f}, {-0.6f, 1.8f, 3.0f}, {-4.6f, 2.2f, 4.4f},
+       {-6.6f, 2.8f, 0.2f}, {-3.6f, 2.4f, -3.0f}},  // over the groves
+      {{-1.2f, 0.9f, -2.6f}, {-4.4f, 1.0f, -4.6f}, {-2.0f, 1.4f, -7.4f}, {2.4f, 1.2f, -6.4f}, {3.2f, 0.95f, -3.2f},
+       {1.4f, 0.85f, -1.2f}},  // among the plants
+      {{2.9f, 0.85f, -1.2f}, {2.6f, 0.95f, 2.2f}, {-0.8f, 0.85f, 3.3f}, {-3.2f, 1.05f, 1.2f}, {-2.4f, 0.9f, -2.2f},
+       {0.4f, 0.8f, -3.1f}},  // round the glade
+  };
   std::vector<ClosedPath> paths;
-  paths.emplace_back(kThroughTheGlade);
-  paths.emplace_back(kOverTheGroves);
-  paths.emplace_back(kAmongThePlants);
-  paths.emplace_back(kRoundTheGlade);
+  for (std::vector<glm::vec3> way : kWays) {
+    for (glm::vec3& point : way) point.y += sandHeight({point.x, point.z});
+    paths.emplace_back(way);
+  }
   return paths;
 }
 

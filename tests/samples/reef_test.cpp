@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// The whole underwater scene without a window, on small packs of its own: everyone in the water, every spline monotone, nothing allocated.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "../gl/count_new.h"
+#include "reef.h"
+#include "support/test_pack.h"
+#include "terrain.h"
+
+namespace underwater {
+namespace {
+
+void write(const std::filesystem::path& path, const kelp::RawPack& pack) {
+  const std::vector<std::byte> bytes = kelp::test::bytesOf(pack);
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+class ReefTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              (std::string("kelp_reef_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    kelp::RawPack plant = kelp::test::packOf(kelp::test::ballClump({16, 32, 16}, 5, 1), knots());
+    plant.clips.push_back({"sway", 2, {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, 0, 0}, 2, 0.2f}}, {}});
+    for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) write(folder_ / (std::string(name) + ".kelp"), plant);
+    kelp::RawPack fish = kelp::test::packOf(kelp::test::ballClump({12, 32, 8}, 5, 1), knots());
+    fish.parts[0].to_object = glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
+                                          kVoxel * glm::vec3(16, -6, -4));  // swims along +x
+    fish.clips.push_back({"swim", 1, {{0, 3, kelp::Target::kKnotOffset, {0, 0, 4}, 1, 0}}, {}});
+    for (const char* name : {"fish", "fusilier"}) write(folder_ / (std::string(name) + ".kelp"), fish);
+    auto library = Library::open(folder_.string(), wrong_);
+    ASSERT_TRUE(library) << wrong_;
+    library_ = *std::move(library);
+  }
+  void TearDown() override {
+    library_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  static constexpr float kVoxel = 0.3f / 32;  // metres
+  static std::vector<kelp::Knot> knots() {
+    std::vector<kelp::Knot> all;
+    for (const float at : {0.0f, 0.3f, 0.65f, 1.0f}) all.push_back({at, {0, 32 * at, 0}, {0, 32, 0}});
+    return all;
+  }
+  std::unique_ptr<Reef> grow(int plants) {
+    auto reef = Reef::grow(*library_, plants);
+    EXPECT_TRUE(reef);
+    return *std::move(reef);
+  }
+  bool isFish(const kelp::runtime::Instance& instance) const {
+    return instance.asset == &library_->asset(Species::kFish) || instance.asset == &library_->asset(Species::kFusilier);
+  }
+
+  std::filesystem::path folder_;
+  std::string wrong_;
+  std::unique_ptr<Library> library_;
+};
+
+constexpr Visitor kNobody{};
+
+TEST_F(ReefTest, EveryoneStaysInTheWaterWithASoundSpline) {
+  const auto reef = grow(120);
+  for (int step = 0; step < 900; ++step) {
+    reef->update(0.21 * step, 0.21f, {{0, 0.5f, 0}, {0, 0, 0}, 1});
+    for (const kelp::runtime::Instance& instance : reef->instances()) {
+      ASSERT_TRUE(instance.pose->check());
+      const kelp::Box box = bounds(instance);
+      ASSERT_LT(box.max.y, kSurface);
+      const glm::vec3 middle = 0.5f * (box.min + box.max);
+      ASSERT_LT(glm::length(glm::vec2(middle.x, middle.z)), kReefRadius + 2);
+      if (isFish(instance)) {
+        ASSERT_GT(box.min.y, sandHeight({middle.x, middle.z}) + 0.05f) << step;
+      }
+    }
+  }
+}
+
+TEST_F(ReefTest, FishSwimHeadFirstAndBendAsTheirWayDoes) {
+  const auto reef = grow(0);
+  std::vector<glm::vec3> before;
+  int curved = 0, fish = 0;
+  for (int step = 0; step < 200; ++step) {
+    reef->update(0.05 * step, 0.05f, kNobody);
+    std::vector<glm::vec3> now;
+    for (const kelp::runtime::Instance& instance : reef->instances()) {
+      ASSERT_TRUE(isFish(instance));
+      now.push_back(toWorld(instance, 0, {6, 16, 4}));
+      const glm::vec3 nose = toWorld(instance, 0, {6, 0, 4}), tail = toWorld(instance, 0, {6, 32, 4});
+      if (!before.empty()) {
+        const glm::vec3 moved = now.back() - before[now.size() - 1];
+        EXPECT_GT(glm::dot(moved, nose - tail), 0.8f * glm::length(moved) * glm::length(nose - tail));
+        EXPECT_LT(glm::length(moved), 0.05f * 1.4f);  // slower than 1.4 m/s
+      }
+      const glm::vec3 chord = glm::normalize(nose - tail), aside = now.back() - tail;
+      ++fish;
+      curved += glm::length(aside - chord * glm::dot(aside, chord)) > 0.01f * glm::length(nose - tail);
+    }
+    before = now;
+  }
+  EXPECT_GT(curved, fish / 4);
+}
+
+TEST_F(ReefTest, PlantsMakeWayForWhoeverComes) {
+  const auto alone = grow(60), visited = grow(60);
+  const auto tip = [](const kelp::runtime::Instance& instance) { return toWorld(instance, 0, {8, 32, 8}); };
+  const glm::vec3 foot = toWorld(alone->instances()[0], 0, {8, 0, 8});
+  const glm::vec3 beside = foot + glm::vec3(0.3f, 0.5f, 0);
+  for (int i = 0; i < 100; ++i) {
+    alone->update(0.02 * i, 0.02f, kNobody);
+    visited->update(0.02 * i, 0.02f, {beside, {0, 0, 0}, 1.1f});
+  }
+  EXPECT_LT(tip(visited->instances()[0]).x, tip(alone->instances()[0]).x - 0.05f);  // away from the visitor
+  EXPECT_LT(glm::distance(toWorld(visited->instances()[0], 0, {8, 0, 8}), foot), 1e-4f);
+}
+
+TEST_F(ReefTest, IsTheSameEveryTimeAndAllocatesNothing) {
+  const auto first = grow(200), second = grow(200);
+  ASSERT_GT(first->instances().size(), 240u);
+  first->update(0, 0, kNobody);
+  const auto* const place = first->instances().data();
+  while (!library_->loaded()) std::this_thread::yield();  // its thread allocates
+  const long before = kelp::test::newCalls();
+  for (int i = 1; i < 50; ++i) first->update(0.03 * i, 0.03f, kNobody);
+  EXPECT_EQ(kelp::test::newCalls(), before);
+  EXPECT_EQ(first->instances().data(), place);
+  for (int i = 0; i < 50; ++i) second->update(0.03 * i, i > 0 ? 0.03f : 0.0f, kNobody);
+  for (std::size_t i = 0; i < first->instances().size(); ++i) {
+    EXPECT_EQ(first->instances()[i].to_world, second->instances()[i].to_world);
+    const auto a = std::as_const(*first->instances()[i].pose).knots(0), b = std::as_const(*second->instances()[i].pose).knots(0);
+    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position);
+  }
+}
+
+TEST_F(ReefTest, NamesThePackThatIsWrong) {
+  std::filesystem::remove(folder_ / "dulse.kelp");
+  std::string wrong;
+  const auto library = Library::open(folder_.string(), wrong);
+  ASSERT_FALSE(library);
+  EXPECT_EQ(library.error().code, kelp::ErrorCode::kIo);
+  EXPECT_EQ(wrong, (folder_ / "dulse.kelp").string());
+}
+
+}  // namespace
+}  // namespace underwater

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+// What moves in the underwater scene, without a window: paths, bodies on paths, stalks that give way, and where things stand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "arguments.h"
+#include "camera.h"
+#include "floor_mesh.h"
+#include "path.h"
+#include "random.h"
+#include "scatter.h"
+#include "stalk.h"
+#include "swimmer.h"
+#include "terrain.h"
+
+namespace underwater {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+
+std::vector<glm::vec3> circle(float radius, int points) {
+  std::vector<glm::vec3> all;
+  for (int i = 0; i < points; ++i) {  // to the right, seen from above: x east, z south
+    const float angle = 2 * kPi * static_cast<float>(i) / static_cast<float>(points);
+    all.push_back({radius * std::cos(angle), 1, radius * std::sin(angle)});
+  }
+  return all;
+}
+
+std::vector<glm::vec3> knot() {
+  return {{3, 1, 0}, {0.5f, 1.6f, 1}, {-2, 0.8f, 2.5f}, {-3.5f, 1.2f, -1}, {0, 2, -0.5f}, {2, 1.1f, -3}};
+}
+
+// Catmull and Rom's basis as they published it, in double.
+glm::dvec3 catmullRom(const std::vector<glm::vec3>& points, double u) {
+  const auto n = points.size();
+  const auto i = static_cast<std::size_t>(u) % n;
+  const double t = u - std::floor(u);
+  const glm::dvec3 a(points[(i + n - 1) % n]), b(points[i]), c(points[(i + 1) % n]), d(points[(i + 2) % n]);
+  return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) + t * t * t * (3.0 * b - a - 3.0 * c + d));
+}
+
+TEST(Path, IsAsLongAsItsChordsAndWalkedAtOneSpeed) {
+  const std::vector<glm::vec3> points = knot();
+  const ClosedPath path(points);
+  constexpr int kSteps = 120000;
+  double length = 0;
+  float worst = 0;
+  glm::dvec3 before = catmullRom(points, 0);
+  for (int i = 1; i <= kSteps; ++i) {
+    const glm::dvec3 at = catmullRom(points, static_cast<double>(points.size()) * i / kSteps);
+    length += glm::length(at - before);
+    before = at;
+    if (i % 500 == 0) worst = std::max(worst, glm::distance(path.at(static_cast<float>(length)), glm::vec3(at)));
+  }
+  EXPECT_NEAR(path.length(), length, 1e-4 * length);
+  EXPECT_LT(worst, 2e-3f);  // metres: the place after s metres is the place after s metres of chords
+}
+
+TEST(Path, ClosesWithoutACorner) {
+  const ClosedPath path(knot());
+  EXPECT_LT(glm::distance(path.at(0), path.at(path.length())), 1e-4f);
+  EXPECT_LT(glm::distance(path.at(-0.7f), path.at(5 * path.length() - 0.7f)), 1e-3f);
+  glm::vec3 before = path.direction(-0.001f);
+  for (float s = 0; s < path.length(); s += 0.01f) {
+    const glm::vec3 now = path.direction(s);
+    EXPECT_NEAR(glm::length(now), 1, 1e-5f);
+    EXPECT_GT(glm::dot(before, now), 0.98f) << s;
+    before = now;
+  }
+}
+
+TEST(Path, TurnsAsACircleDoes) {
+  for (const float radius : {1.5f, 4.0f}) {
+    const ClosedPath path(circle(radius, 48));
+    EXPECT_NEAR(path.length(), 2 * kPi * radius, 1e-3f * radius);
+    for (float s = 0.3f; s < path.length(); s += 0.37f) {
+      EXPECT_NEAR(path.turn(s), 1 / radius, 0.03f / radius);
+      EXPECT_NEAR(glm::dot(path.direction(s), path.at(s) - glm::vec3(0, 1, 0)), 0, 2e-3f * radius);
+      const Lane lane{&path, 0.4f, -0.3f};  // the right hand is towards the middle
+      EXPECT_NEAR(glm::length(glm::vec2(lane.at(s).x, lane.at(s).z)), radius - 0.4f, 2e-3f * radius);
+      EXPECT_NEAR(lane.at(s).y, 0.7f, 1e-4f);
+      EXPECT_GT(glm::dot(lane.direction(s), path.direction(s)), 0.999f);
+    }
+  }
+}
+
+// A fish of 0.5 m and 100 voxels that swims along +x, as the sample models do.
+kelp::Part fishPart(std::span<const kelp::Knot> knots) {
+  kelp::Part part;
+  part.size = {40, 100, 20};
+  const float s = 0.005f;
+  part.to_object = glm::mat4x3(glm::vec3(0, s, 0), glm::vec3(-s, 0, 0), glm::vec3(0, 0, s), glm::vec3(0.25f, -0.12f, -0.05f));
+  part.knots = knots;
+  return part;
+}
+
+std::vector<kelp::Knot> straight() {
+  std::vector<kelp::Knot> knots;
+  for (const float at : {0.0f, 0.35f, 0.7f, 1.0f}) knots.push_back({at, {0, 100 * at, 0}, {0, 100, 0}});
+  return knots;
+}
+
+TEST(Swimmer, IsStraightOnAStraightLane) {
+  const std::vector<kelp::Knot> rest = straight();
+  const Anatomy anatomy = Anatomy::of(fishPart(rest));
+  EXPECT_NEAR(anatomy.length, 0.5f, 1e-5f);
+  const ClosedPath path(circle(500, 48));
+  const Lane lane{&path, 0, 0};
+  std::vector<kelp::Knot> knots = rest;
+  layOnLane(anatomy, swimFrame(anatomy, lane, 100, 1, 0), lane, 100, 1, knots);
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    EXPECT_LT(glm::distance(knots[i].position, rest[i].position), 0.3f) << i;  // voxels: half a metre of a circle of 500
+    EXPECT_LT(glm::distance(knots[i].tangent, rest[i].tangent), 0.3f) << i;
+  }
+}
+
+TEST(Swimmer, LiesOnItsLaneHeadFirstAndUpright) {
+  const std::vector<kelp::Knot> rest = straight();
+  const Anatomy anatomy = Anatomy::of(fishPart(rest));
+  for (const float radius : {1.0f, 3.0f}) {
+    const ClosedPath path(circle(radius, 64));
+    const Lane lane{&path, 0.1f, 0.2f};
+    for (float head = 0; head < path.length(); head += 0.61f) {
+      const float scale = 1.2f;
+      const glm::mat4 frame = swimFrame(anatomy, lane, head, scale, 0);
+      std::vector<kelp::Knot> knots = rest;
+      layOnLane(anatomy, frame, lane, head, scale, knots);
+      ASSERT_TRUE(kelp::checkKnots(knots));
+      EXPECT_GT(glm::dot(glm::vec3(frame * glm::vec4(1, 0, 0, 0)), path.direction(head - 0.3f)), 0.99f * scale);  // +x of the model leads
+      EXPECT_GT((frame * glm::vec4(0, 1, 0, 0)).y, 0.999f * scale);
+      const glm::mat4 to_world = frame * anatomy.voxel_to_object;
+      for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+        for (const float t : {0.0f, 0.3f, 0.6f, 1.0f}) {
+          const glm::vec3 middle = evaluate(kelp::makeSegment(knots[i], knots[i + 1]), t) + glm::vec3(20, 0, 10);
+          const glm::vec3 at = to_world * glm::vec4(middle, 1);
+          EXPECT_NEAR(glm::length(glm::vec2(at.x, at.z)), radius - 0.1f, 0.004f) << radius << " " << head << " " << i;
+          EXPECT_NEAR(at.y, 1.2f, 0.004f);
+        }
+      }
+      const glm::vec3 nose = to_world * glm::vec4(knots.front().position + glm::vec3(20, 0, 10), 1);
+      EXPECT_LT(glm::distance(nose, lane.at(head)), 1e-3f);
+      const glm::vec3 tail = to_world * glm::vec4(knots.back().position + glm::vec3(20, 0, 10), 1);
+      EXPECT_LT(glm::distance(tail, lane.at(head - scale * 0.5f)), 1e-3f);
+    }
+  }
+}
+
+float lengthOf(std::span<const kelp::Knot> knots) {
+  float length = 0;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const kelp::Segment segment = kelp::makeSegment(knots[i], knots[i + 1]);
+    for (int k = 0; k < 200; ++k) {
+      length += glm::distance(evaluate(segment, static_cast<float>(k) / 200), evaluate(segment, static_cast<float>(k + 1) / 200));
+    }
+  }
+  return length;
+}
+
+TEST(Stalk, LeansWithoutGrowing) {
+  for (const float lean : {0.0f, 1e-4f, 0.1f, 0.3f, kMostLean}) {
+    for (const float angle : {0.0f, 1.0f, 4.0f}) {
+      const glm::vec2 direction(std::cos(angle), std::sin(angle));
+      std::vector<kelp::Knot> knots = straight();
+      leanStalk(lean * direction, 100, knots);
+      EXPECT_TRUE(kelp::checkKnots(knots));
+      EXPECT_NEAR(lengthOf(knots), 100, 0.7f) << lean;
+      EXPECT_LT(glm::length(knots.front().position), 1e-4f);
+      EXPECT_LT(glm::distance(knots.front().tangent, glm::vec3(0, 100, 0)), 1e-3f);  // upright where it grows
+      EXPECT_NEAR(knots.back().position.x, 100 * lean * direction.x, 1e-3f);
+      EXPECT_NEAR(knots.back().position.z, 100 * lean * direction.y, 1e-3f);
+    }
+  }
+  for (const float wanted : {0.01f, 0.5f, 30.0f}) EXPECT_LE(glm::length(limitLean({0, wanted})), std::min(wanted, kMostLean));
+}
+
+TEST(Stalk, IsPushedAwayAndOnlyFromNearby) {
+  Random random(5);
+  for (int i = 0; i < 500; ++i) {
+    const glm::vec2 around = random.inDisc(2);
+    const Visitor visitor{{around.x, random.between(0, 1.5f), around.y}, {0, 0, 0}, 0.8f};
+    const glm::vec2 push = pushOf(visitor, glm::vec3(0), 1);
+    const float distance = glm::length(around);
+    if (distance >= 0.8f) {
+      EXPECT_EQ(push, glm::vec2(0));
+    }
+    if (distance < 0.7f && distance > 0.01f) {
+      EXPECT_LT(glm::dot(push, around), 0);
+    }
+    if (distance > 0.79f) {
+      EXPECT_LT(glm::length(push), 0.01f);  // comes in gently
+    }
+  }
+  EXPECT_EQ(pushOf({{0.1f, 3, 0}, {0, 0, 0}, 0.8f}, glm::vec3(0), 1), glm::vec2(0));  // far above it
+}
+
+TEST(Stalk, SwingsAsADampedSpringInStepsOfAnySize) {
+  // Runge and Kutta's rule in double, in steps of a tenth of a millisecond. 4 rad/s, damping 0.35.
+  const auto pull = [](double x, double v) { return -16.0 * (x - 0.3) - 2 * 0.35 * 4.0 * v; };
+  double x = -0.1, v = 0.5;
+  Sway fine{{-0.1f, -0.1f}, {0.5f, 0.5f}}, coarse = fine;
+  for (int second = 0; second < 3; ++second) {
+    for (int i = 0; i < 10000; ++i) {
+      const double h = 1e-4, x1 = v, v1 = pull(x, v), x2 = v + h / 2 * v1, v2 = pull(x + h / 2 * x1, v + h / 2 * v1);
+      const double x3 = v + h / 2 * v2, v3 = pull(x + h / 2 * x2, v + h / 2 * v2), x4 = v + h * v3, v4 = pull(x + h * x3, v + h * v3);
+      x += h / 6 * (x1 + 2 * x2 + 2 * x3 + x4);
+      v += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+    }
+    for (int i = 0; i < 144; ++i) fine.follow(glm::vec2(0.3f), 1.0f / 144);
+    coarse.follow(glm::vec2(0.3f), 1);
+    EXPECT_NEAR(fine.lean.x, x, 1e-4) << second;
+    EXPECT_NEAR(coarse.lean.y, x, 1e-4) << second;
+    EXPECT_NEAR(coarse.speed.x, v, 1e-3) << second;
+  }
+}
+
+TEST(Scatter, IsTheSameEveryTimeAndOnlyAdds) {
+  const std::vector<Site> few = scatter(150, 3), many = scatter(400, 3);
+  ASSERT_EQ(few.size(), 150u);
+  ASSERT_EQ(many.size(), 400u);
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(few[i].at, many[i].at);
+    EXPECT_EQ(few[i].plant, many[i].plant);
+    EXPECT_EQ(few[i].yaw, many[i].yaw);
+  }
+  EXPECT_NE(scatter(1, 4)[0].at, few[0].at);
+  EXPECT_TRUE(scatter(0, 3).empty());
+}
+
+TEST(Scatter, KeepsApartAndInside) {
+  const std::vector<Site> sites = scatter(400, 7);
+  int of[static_cast<int>(Plant::kCount)] = {};
+  float nearest = 1e9f;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    ++of[static_cast<int>(sites[i].plant)];
+    EXPECT_LE(glm::length(sites[i].at), kReefRadius);
+    if (sites[i].plant == Plant::kKelp) {
+      EXPECT_GT(glm::length(sites[i].at), 0.5f * kGladeRadius);
+    }
+    EXPECT_GT(sites[i].scale, 0.5f);
+    EXPECT_LT(sites[i].scale, 2.5f);
+    for (std::size_t k = 0; k < i; ++k) nearest = std::min(nearest, glm::distance(sites[i].at, sites[k].at));
+  }
+  for (const int count : of) EXPECT_GT(count, 40);
+  EXPECT_GT(nearest, 0.25f);  // metres; thrown at random, 400 in this disc come within some 0.03 m of one another
+}
+
+TEST(Terrain, SlopesAsItsHeightSays) {
+  Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    const glm::vec2 at = random.inDisc(40);
+    const float h = 0.01f, dx = (sandHeight(at + glm::vec2(h, 0)) - sandHeight(at - glm::vec2(h, 0))) / (2 * h);
+    const float dz = (sandHeight(at + glm::vec2(0, h)) - sandHeight(at - glm::vec2(0, h))) / (2 * h);
+    EXPECT_LT(glm::distance(sandNormal(at), glm::normalize(glm::vec3(-dx, 1, -dz))), 2e-3f);
+    EXPECT_LT(std::abs(sandHeight(at)), 0.5f);
+  }
+}
+
+TEST(Terrain, MeshCoversTheDiscOnceFacingUp) {
+  const FloorMesh mesh = makeFloorMesh(20, 12, 32);
+  double area = 0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const glm::vec3 &a = mesh.vertices.at(mesh.indices[i]).position, &b = mesh.vertices.at(mesh.indices[i + 1]).position,
+                    &c = mesh.vertices.at(mesh.indices[i + 2]).position;
+    const float upward = 0.5f * glm::cross(b - a, c - a).y;
+    EXPECT_GT(upward, 0);
+    area += upward;
+  }
+  EXPECT_NEAR(area, 0.5 * 32 * std::sin(2 * kPi / 32) * 20 * 20, 0.1);  // of the regular polygon
+  for (const FloorMesh::Vertex& vertex : mesh.vertices) EXPECT_EQ(vertex.position.y, sandHeight({vertex.position.x, vertex.position.z}));
+}
+
+TEST(CameraOfTheReef, CirclesInTheGladeAndStaysInTheWater) {
+  Camera camera;
+  glm::vec3 before(0);
+  for (double seconds = 0; seconds < 300; seconds += 0.5) {
+    camera.circle(seconds);
+    const glm::vec2 ground(camera.at().x, camera.at().z);
+    EXPECT_GT(camera.at().y, sandHeight(ground) + 0.5f);
+    EXPECT_LT(glm::length(ground), 1.1f * kGladeRadius);
+    EXPECT_GT(glm::dot(-glm::normalize(ground), glm::vec2(camera.forward().x, camera.forward().z)), 0.9f);  // sees the glade
+    if (seconds > 0) {
+      EXPECT_LT(glm::distance(camera.at(), before), 0.15f);
+    }
+    before = camera.at();
+  }
+  const glm::vec4 ahead = camera.worldToEye() * glm::vec4(camera.at() + 2.0f * camera.forward(), 1);
+  EXPECT_LT(glm::distance(glm::vec3(ahead), glm::vec3(0, 0, -2)), 1e-4f);
+  for (const glm::vec3& wish : {glm::vec3(0, -3, 1), glm::vec3(2, 3, 0), glm::vec3(-1, -1, 3)}) {
+    for (int i = 0; i < 600; ++i) {
+      camera.look({0.01f, 0.002f});
+      camera.swim(wish, 0.05f);
+      EXPECT_GE(camera.at().y, sandHeight({camera.at().x, camera.at().z}) + 0.2499f);
+      EXPECT_LT(camera.at().y, kSurface);
+      EXPECT_LE(glm::length(glm::vec2(camera.at().x, camera.at().z)), 1.3001f * kReefRadius);
+    }
+  }
+  EXPECT_FALSE(camera.circling());
+}
+
+TEST(ArgumentsOfTheReef, AreReadOrRefused) {
+  const auto read = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "underwater");
+    return parse(static_cast<int>(words.size()), words.data());
+  };
+  const auto all = read({"--plants", "60", "packs", "--size", "320x240", "--start", "2.5", "--frames", "3", "out.ppm"});
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->packs, "packs");
+  EXPECT_EQ(all->plants, 60);
+  EXPECT_EQ(all->size, glm::ivec2(320, 240));
+  EXPECT_EQ(all->start, 2.5);
+  EXPECT_EQ(all->frames, 3);
+  EXPECT_EQ(all->picture, "out.ppm");
+  EXPECT_TRUE(read({"packs"}));
+  for (const std::vector<const char*>& words : std::vector<std::vector<const char*>>{
+           {}, {"a", "b"}, {"a", "--plants"}, {"a", "--plants", "-1"}, {"a", "--plants", "6x"}, {"a", "--size", "320"}, {"a", "--size", "0x9"},
+           {"a", "--frames", "0"}, {"a", "--frames", "two"}, {"a", "--start", "nan"}, {"a", "--start", "inf"}, {"a", "--fast"}, {"--plants", "6"}}) {
+    EXPECT_FALSE(read(words)) << (words.empty() ? "" : words.back());
+  }
+}
+
+}  // namespace
+}  // namespace underwater
