@@ -18,12 +18,12 @@ constexpr float kFar = 60, kNear = 0.05f;
 void Camera::circle(double seconds) {
   circling_ = true;
   const auto angle = static_cast<float>(std::fmod(seconds, kRound) / kRound * 6.283185307);
-  const float distance = 0.9f * kGladeRadius + 0.4f * glm::sin(3 * angle);
-  at_ = {distance * glm::sin(angle), 1.05f + 0.3f * glm::sin(2 * angle + 0.6f), distance * glm::cos(angle)};
+  const float distance = kCameraRing + 0.4f * glm::sin(3 * angle);
+  at_ = {distance * glm::sin(angle), 1.15f + 0.25f * glm::sin(2 * angle + 0.6f), distance * glm::cos(angle)};
   at_.y += sandHeight({at_.x, at_.z});
   velocity_ = glm::vec3(0);
   yaw_ = angle + 0.22f * glm::sin(2 * angle);
-  pitch_ = 0.06f + 0.06f * glm::sin(3 * angle + 1);
+  pitch_ = 0.07f + 0.06f * glm::sin(3 * angle + 1);
 }
 
 void Camera::look(const glm::vec2& turn) {

@@ -15,11 +15,11 @@ struct Kind {
   float room;           // metres about it, where sites are as dense as 400 of them are
   float small, large;   // scale
 };
-constexpr Kind kKinds[] = {{0.62f, 1.1f, 2.2f}, {0.40f, 0.6f, 1.25f}, {0.50f, 0.7f, 1.3f}};
+constexpr Kind kKinds[] = {{0.62f, 1.5f, 3.4f}, {0.40f, 0.55f, 1.3f}, {0.50f, 0.7f, 1.4f}};
 
 Plant plantAt(const glm::vec2& at, float chance) {
   const float grove = groveDensity(at);
-  if (chance < 0.85f * grove) return Plant::kKelp;
+  if (chance < 0.95f * grove) return Plant::kKelp;
   const float spots = glm::sin(1.7f * at.x + 0.4f) * glm::sin(1.9f * at.y + 2.0f);
   return chance > 0.88f - 0.5f * glm::max(spots, 0.0f) ? Plant::kDulse : Plant::kGrass;
 }
@@ -37,11 +37,11 @@ std::vector<Site> scatter(int count, std::uint32_t seed) {
       Site site;
       site.at = random.inDisc(kReefRadius);
       site.plant = plantAt(site.at, random.next());
-      const float own = kKinds[static_cast<int>(site.plant)].room;
+      const float own = kKinds[static_cast<int>(site.plant)].room * glm::mix(0.6f, 2.3f, bareSand(site.at));
       float room = 1e30f;  // squared distance to the nearest, in units of what the two want
       for (const Site& other : sites) {
         const glm::vec2 apart = other.at - site.at;
-        const float wanted = own + kKinds[static_cast<int>(other.plant)].room;
+        const float wanted = own + kKinds[static_cast<int>(other.plant)].room;  // the newcomer minds bare sand
         room = std::min(room, glm::dot(apart, apart) / (wanted * wanted));
       }
       if (room > best_room) {
@@ -51,7 +51,8 @@ std::vector<Site> scatter(int count, std::uint32_t seed) {
     }
     const Kind& kind = kKinds[static_cast<int>(best.plant)];
     const float grown = random.next();
-    best.scale = kind.small + (kind.large - kind.small) * grown * grown;  // few are tall
+    best.scale = kind.small + (kind.large - kind.small) * grown * glm::sqrt(grown);  // few are tall
+    best.scale *= glm::mix(0.55f, 1.0f, glm::smoothstep(0.5f, 1.3f, glm::abs(glm::length(best.at) - kCameraRing)));  // it looks over these
     best.yaw = random.between(0, 6.2831853f);
     best.phase = random.between(0, 60);
     const float light = random.between(0.78f, 1.12f), warm = random.between(-0.12f, 0.12f);

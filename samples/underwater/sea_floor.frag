@@ -16,8 +16,8 @@ float noise(vec2 p) {
 // The ripples' height in metres: crests that wander and fork, and fade where they would be finer than pixels.
 float ripples(vec2 p) {
   float bend = 2.2 * noise(0.45 * p) + 0.9 * noise(1.3 * p + 7.0);
-  float wave = sin(6.2831853 * (3.6 * p.y + 0.9 * p.x + bend));
-  return 0.011 * (wave - 0.25 * wave * wave) * (0.35 + 0.9 * noise(0.6 * p + 3.0));
+  float wave = sin(6.2831853 * (4.2 * p.y + 1.1 * p.x + bend));
+  return 0.016 * (wave - 0.25 * wave * wave) * (0.35 + 0.9 * noise(0.6 * p + 3.0));
 }
 
 float sunlit(vec3 p) {
@@ -38,7 +38,7 @@ void main() {
 
   float grain = noise(90.0 * at.xz) + noise(210.0 * at.xz + 5.0);
   float patches = noise(0.8 * at.xz + 11.0) + 0.5 * noise(2.7 * at.xz);
-  vec3 sand = mix(vec3(0.50, 0.40, 0.25), vec3(0.80, 0.70, 0.49), clamp(0.5 + 28.0 * h + 0.4 * (patches - 0.8), 0.0, 1.0));
+  vec3 sand = mix(vec3(0.46, 0.34, 0.19), vec3(0.86, 0.71, 0.46), clamp(0.55 + 30.0 * h + 0.5 * (patches - 0.8), 0.0, 1.0));
   sand *= mix(1.0, 0.80 + 0.20 * grain, fade * fade);
 
   float facing = max(dot(normal, water_sun.xyz), 0.0);

@@ -22,9 +22,9 @@ struct School {
 };
 constexpr School kSchools[] = {
     {Species::kFish, 6, 3.6f, 0.55f, 0.40f, 0.42f, 1.25f, 1.75f},
-    {Species::kFusilier, 30, 4.2f, 0.80f, 0.60f, 0.85f, 0.9f, 1.3f},
+    {Species::kFusilier, 30, 4.2f, 0.80f, 0.60f, 0.85f, 1.1f, 1.5f},
     {Species::kFish, 5, 6.0f, 0.60f, 0.35f, 0.36f, 1.1f, 1.5f},
-    {Species::kFusilier, 18, 3.2f, 0.55f, 0.40f, 0.70f, 0.8f, 1.1f},
+    {Species::kFusilier, 18, 3.2f, 0.55f, 0.40f, 0.70f, 0.9f, 1.2f},
 };
 constexpr float kStroke = 1.25f;  // of the clip's speed, for a fish of scale 1
 
@@ -33,7 +33,7 @@ constexpr float kStroke = 1.25f;  // of the clip's speed, for a fish of scale 1
 std::vector<ClosedPath> swimPaths() {
   // Heights are above the sand.
   const std::vector<glm::vec3> kWays[] = {
-      {{2.6f, 0.95f, 0.8f}, {0.6f, 1.15f, -0.4f}, {-1.9f, 1.0f, 0.5f}, {-4.2f, 1.35f, 2.4f}, {-2.2f, 1.6f, 5.0f}, {1.4f, 1.25f, 4.4f},
+      {{2.4f, 0.95f, 1.3f}, {0.4f, 1.15f, 0.7f}, {-1.7f, 1.0f, 1.1f}, {-4.2f, 1.35f, 2.4f}, {-2.2f, 1.6f, 5.0f}, {1.4f, 1.25f, 4.4f},
        {4.4f, 1.1f, 3.2f}},  // through the glade
       {{0.0f, 1.9f, -1.6f}, {3.6f, 2.3f, -2.4f}, {6.4f, 2.7f, 0.6f}, {4.2f, 2.4f, 4.8f}, {-0.6f, 1.8f, 3.0f}, {-4.6f, 2.2f, 4.4f},
        {-6.6f, 2.8f, 0.2f}, {-3.6f, 2.4f, -3.0f}},  // over the groves

@@ -25,8 +25,13 @@ glm::vec3 sandNormal(const glm::vec2& at) {
 
 float groveDensity(const glm::vec2& at) {
   const float patches = glm::sin(0.62f * at.x + 1.1f) * glm::sin(0.55f * at.y - 0.6f) + 0.5f * glm::sin(1.1f * at.x - 0.9f * at.y);
-  const float outside = glm::smoothstep(0.85f * kGladeRadius, 1.5f * kGladeRadius, glm::length(at) + 0.5f * patches);
+  const float outside = glm::smoothstep(1.2f * kGladeRadius, 1.6f * kGladeRadius, glm::length(at));
   return outside * glm::smoothstep(-1.0f, 0.6f, patches);
+}
+
+float bareSand(const glm::vec2& at) {
+  const float patches = glm::sin(0.9f * at.x - 0.3f) + glm::sin(1.1f * at.y + 0.5f * at.x + 0.8f);
+  return glm::smoothstep(-0.4f, 0.9f, patches) * (1 - glm::smoothstep(0.7f * kGladeRadius, 1.2f * kGladeRadius, glm::length(at)));
 }
 
 }  // namespace underwater

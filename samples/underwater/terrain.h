@@ -8,6 +8,7 @@ namespace underwater {
 
 inline constexpr float kReefRadius = 11;   // metres: plants grow within
 inline constexpr float kGladeRadius = 4;   // metres: the middle, where only low plants grow
+inline constexpr float kCameraRing = 3.6f;  // metres from the middle, more or less: where the camera circles
 inline constexpr float kSurface = 7;       // metres: height of the water's surface
 
 // Height of the sand at (x, z), metres: dunes, within half a metre of 0. The ripples are left to the shader.
@@ -17,5 +18,7 @@ glm::vec3 sandNormal(const glm::vec2& at);
 
 // Smooth, in [0, 1]: where the tall plants stand close.
 float groveDensity(const glm::vec2& at);
+// Smooth, in [0, 1]: where hardly anything grows.
+float bareSand(const glm::vec2& at);
 
 }  // namespace underwater

@@ -10,22 +10,22 @@ layout(std140) uniform Water {   // water.h has the same in C++
   vec4 water_sun;                // towards the sun, unit; w: height of the water's surface
 };
 
-const vec3 kWaterLoss = vec3(0.150, 0.070, 0.062);   // of light, per metre: red goes first
-const vec3 kWaterDeep = vec3(0.004, 0.055, 0.115);   // looking down, level, up, into the sun
-const vec3 kWaterLevel = vec3(0.022, 0.235, 0.330);
-const vec3 kWaterAbove = vec3(0.140, 0.560, 0.640);
+const vec3 kWaterLoss = vec3(0.120, 0.046, 0.040);   // of light, per metre: red goes first
+const vec3 kWaterDeep = vec3(0.002, 0.030, 0.075);   // looking down, level, up, into the sun
+const vec3 kWaterLevel = vec3(0.008, 0.125, 0.215);
+const vec3 kWaterAbove = vec3(0.070, 0.430, 0.560);
 const vec3 kWaterSun = vec3(0.95, 1.00, 0.88);
-const vec3 kWaterSunlight = vec3(2.30, 2.25, 1.95);  // under the surface, on a white wall that faces it
+const vec3 kWaterSunlight = vec3(4.6, 3.6, 2.75);  // under the surface, on a white wall that faces it
 
 // How strongly waves on the surface gather the sun's light at a point: 1 in the mean. Where the surface's height is h, light that fell on a
 // small square is spread over the determinant of 1 + d Hess h of its area some way d below, so bright lines stand where that is 0.
 float waterCaustics(vec3 at) {
   vec2 p = at.xz + water_sun.xz / water_sun.y * (water_sun.w - at.y);
   float t = water_eye.w;
-  p += 0.22 * vec2(sin(0.9 * p.y + 0.7 * t), cos(1.1 * p.x - 0.6 * t));
+  p += 0.16 * vec2(sin(1.7 * p.y + 0.7 * t), cos(1.9 * p.x - 0.6 * t));
   float xx = 0.0, xy = 0.0, yy = 0.0;
   float turn = 0.4;
-  float size = 2.1;  // radians a metre
+  float size = 4.6;  // radians a metre
   for (int i = 0; i < 6; ++i) {
     vec2 k = size * vec2(cos(turn), sin(turn));
     float bend = sin(dot(k, p) + (1.1 + 0.55 * float(i)) * t + 1.7 * float(i * i)) / float(i + 3);
@@ -38,18 +38,19 @@ float waterCaustics(vec3 at) {
   }
   const float kDepth = 1.9;
   float area = abs((1.0 + kDepth * xx) * (1.0 + kDepth * yy) - kDepth * kDepth * xy * xy);
-  return 0.42 + 0.62 * min(0.30 / (area + 0.08), 3.0);
+  return 0.30 + 0.70 * min(0.36 / (area + 0.07), 4.0);
 }
 
-// Sunlight that arrives at a point, before anything shades it.
+// Sunlight that arrives at a point, before anything shades it. Far away, where a pixel is wider than a bright line, the mean.
 vec3 waterSunlight(vec3 at) {
   float depth = max(water_sun.w - at.y, 0.0);
-  return kWaterSunlight * exp(-0.45 * kWaterLoss * depth / water_sun.y) * waterCaustics(at);
+  float clear = exp(-0.015 * dot(at - water_eye.xyz, at - water_eye.xyz));
+  return kWaterSunlight * exp(-0.45 * kWaterLoss * depth / water_sun.y) * mix(1.0, waterCaustics(at), clear);
 }
 
 // Light that comes from all around: blue, and less of it where the plants stand close to the sand.
 vec3 waterAmbient(vec3 at, vec3 normal) {
-  vec3 light = mix(vec3(0.055, 0.130, 0.150), vec3(0.300, 0.560, 0.620), 0.5 + 0.5 * normal.y);
+  vec3 light = mix(vec3(0.040, 0.095, 0.120), vec3(0.260, 0.460, 0.540), 0.5 + 0.5 * normal.y);
   return light * mix(0.45, 1.0, smoothstep(-0.3, 1.3, at.y));
 }
 
@@ -70,15 +71,21 @@ vec3 waterColour(vec3 direction) {
   vec3 colour = mix(kWaterDeep, kWaterLevel, smoothstep(-0.55, 0.10, direction.y));
   colour = mix(colour, kWaterAbove, smoothstep(0.02, 0.85, direction.y));
   float towards = max(dot(direction, water_sun.xyz), 0.0);
-  colour += kWaterSun * (0.10 * pow(towards, 3.0) + 0.55 * pow(towards, 24.0));
+  colour += kWaterSun * (0.05 * pow(towards, 3.0) + 0.55 * pow(towards, 24.0));
   return colour + kWaterAbove * 0.30 * waterShafts(direction);
 }
 
-// A colour as it reaches the eye through the water, made fit for the screen: bright lights run into white instead of being cut off.
+// Light made fit for the screen: what is bright runs into white instead of being cut off.
+vec3 waterTone(vec3 colour) {
+  colour = 1.0 - exp(-1.5 * colour);
+  return mix(colour, colour * colour * (3.0 - 2.0 * colour), 0.55);
+}
+
+// A colour as it reaches the eye through the water.
 vec3 waterSeen(vec3 colour, vec3 at) {
   vec3 way = at - water_eye.xyz;
   float distance = length(way);
   vec3 left = exp(-kWaterLoss * distance);
   colour = colour * left + waterColour(way / max(distance, 1e-4)) * (1.0 - left);
-  return 1.0 - exp(-1.25 * colour);
+  return waterTone(colour);
 }
