@@ -57,15 +57,22 @@ picture() {
   "$bin/kelp-render" "$out/$name.kelp" -o "$out/$file" --size 960x960 "$@"
 }
 
+# The scene of the sample underwater, on a display without a screen.
+reef() {
+  xvfb-run -a "$bin/underwater" "$out" --size 960x540 --start 2 --frames 1 "$out/underwater.ppm" &&
+    python3 -B samples/pictures/ppm_to_png.py "$out/underwater.ppm" "$out/underwater.png" && rm "$out/underwater.ppm"
+}
+
 echo "kelp's demo" >&2
 step "packages (minutes, the first time)" tools/setup.sh
 step "configure" cmake --preset release
-step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-dump kelp-render game_loop viewer
-if stale "$out/models/fish.glb" samples/models/*.py; then
+step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-dump kelp-render game_loop viewer underwater
+if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
 fi
-for name in kelp_plant orange fish; do
-  step "bake $name at 256 voxels" bake "$name" 256
+for pack in kelp_plant:256 orange:256 fish:256 sea_grass:160 dulse:128 fusilier:128; do
+  name=${pack%:*}
+  step "bake $name at ${pack#*:} voxels" bake "$name" "${pack#*:}"
   step "verify $name" "$bin/kelp-dump" verify --deep "$out/$name.kelp"
 done
 step "render the plant at rest" picture plant_rest.png kelp_plant
@@ -74,6 +81,7 @@ step "render the plant bent" picture plant_bent.png kelp_plant --offset 2=-0.13,
 step "render the plant in motion" picture plant_sway.png kelp_plant --clip current --time 2
 step "render the orange" picture orange.png orange
 step "render the fish" picture fish.png fish --clip swim --time 0.2
+step "render the reef" reef
 
 echo
 "$bin/kelp-dump" info "$out/kelp_plant.kelp"
@@ -84,8 +92,10 @@ Pictures, in $PWD/$out:
   plant_bent.png   bent by its knots and tangents
   plant_sway.png   2 s into its clip "current"
   orange.png fish.png
+  underwater.png   400 plants and 59 fish
 
 See it move:            $bin/viewer $out/kelp_plant.kelp
                         $bin/game_loop $out/kelp_plant.kelp
+                        $bin/underwater $out
 Bake a model of yours:  $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
 END

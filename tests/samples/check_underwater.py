@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_underwater.py PROGRAM PACKS: runs the underwater sample small and short, looks at the pictures that it saves, and at what it says of bad input."""
+"""check_underwater.py PROGRAM PACKS PICTURES: runs the underwater sample small and short, looks at the pictures that it saves, and at what it says of bad input.
+PICTURES is samples/pictures."""
 
 import os
 import shutil
@@ -45,7 +46,7 @@ def check(pixels):
     assert share(pixels, is_warm) > 0.003, "the fish are missing"
 
 
-def main(program, packs):
+def main(program, packs, pictures):
     with tempfile.TemporaryDirectory() as folder:
         first = picture(program, packs, os.path.join(folder, "first.ppm"), "--start", "2", "--frames", "1")
         check(first)
@@ -56,14 +57,26 @@ def main(program, packs):
         moved = sum(1 for p, q in zip(first, later) if max(abs(a - b) for a, b in zip(p, q)) > 12) / len(first)
         assert 0.02 < moved < 0.6, "a third of a second changes %.3f of the picture" % moved
 
+        converted = os.path.join(folder, "first.png")
+        subprocess.run([sys.executable, "-B", os.path.join(pictures, "ppm_to_png.py"), os.path.join(folder, "first.ppm"), converted], check=True, timeout=60)
+        sys.path.insert(0, pictures)
+        import png
+        assert b"".join(png.read(converted).rows) == bytes(c for pixel in first for c in pixel), "the PNG shows something else"
+
         damaged = os.path.join(folder, "damaged")
         shutil.copytree(packs, damaged)
+        small = ["--plants", "0", "--size", "64x48", "--frames", "1"]
+        with open(os.path.join(damaged, "dulse.kelp"), "r+b") as pack:  # in the last page, which is read last
+            pack.seek(-200, os.SEEK_END)
+            byte = pack.read(1)[0]
+            pack.seek(-200, os.SEEK_END)
+            pack.write(bytes((byte ^ 1,)))
+        expect([program, damaged, *small], 3, "dulse.kelp")
         os.truncate(os.path.join(damaged, "dulse.kelp"), os.path.getsize(os.path.join(damaged, "dulse.kelp")) - 100)
         expect([program, damaged, "--frames", "1"], 3, "dulse.kelp")
         os.remove(os.path.join(damaged, "dulse.kelp"))
         expect([program, damaged, "--frames", "1"], 2, "dulse.kelp")
-        small = [program, packs, "--plants", "0", "--size", "64x48", "--frames", "1"]
-        expect([*small, os.path.join(folder, "absent", "picture.ppm")], 2, "picture.ppm")
+        expect([program, packs, *small, os.path.join(folder, "absent", "picture.ppm")], 2, "picture.ppm")
         expect([program, packs, "--plants", "many"], 1, "usage")
         expect([program], 1, "usage")
 
