@@ -26,7 +26,8 @@ class ReefTest : public ::testing::Test {
               (std::string("kelp_reef_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
     kelp::RawPack plant = kelp::test::packOf(kelp::test::ballClump({16, 32, 16}, 5, 1), knots());
-    plant.clips.push_back({"sway", 2, {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, 0, 0}, 2, 0.2f}}, {}});
+    // A clip that would turn the spline back.
+    plant.clips.push_back({"sway", 2, {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}}, {}});
     for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) write(folder_ / (std::string(name) + ".kelp"), plant);
     kelp::RawPack fish = kelp::test::packOf(kelp::test::ballClump({12, 32, 8}, 5, 1), knots());
     fish.parts[0].to_object = glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),

@@ -166,6 +166,7 @@ TEST(Stalk, LeansWithoutGrowing) {
       leanStalk(lean * direction, 100, knots);
       EXPECT_TRUE(kelp::checkKnots(knots));
       EXPECT_NEAR(lengthOf(knots), 100, 0.7f) << lean;
+      for (const kelp::Knot& knot : knots) EXPECT_NEAR(glm::length(knot.tangent), 100, 1e-3f) << lean;  // nowhere stretched
       EXPECT_LT(glm::length(knots.front().position), 1e-4f);
       EXPECT_LT(glm::distance(knots.front().tangent, glm::vec3(0, 100, 0)), 1e-3f);  // upright where it grows
       EXPECT_NEAR(knots.back().position.x, 100 * lean * direction.x, 1e-3f);
