@@ -34,7 +34,8 @@ std::optional<Arguments> parse(int count, const char* const* words) {
       good = read(value, 0, 20000, a.plants);
     } else if (word == "--size") {
       const std::size_t by = value.find('x');
-      good = by != value.npos && read(value.substr(0, by), 16, 16384, a.size.x) && read(value.substr(by + 1), 16, 16384, a.size.y);
+      good =
+          by != value.npos && read(value.substr(0, by), 16, 16384, a.size.x) && read(value.substr(by + 1), 16, 16384, a.size.y);
     } else if (word == "--start") {
       good = read(value, 0.0, 1e6, a.start);
     } else if (word == "--frames") {

@@ -10,9 +10,9 @@
 namespace underwater {
 
 struct Arguments {
-  std::string packs;           // folder
-  std::string picture;         // of the last frame; empty: none
-  int frames = 0;              // 0: until the window is closed
+  std::string packs;    // folder
+  std::string picture;  // of the last frame; empty: none
+  int frames = 0;       // 0: until the window is closed
   int plants = 400;
   double start = 0;            // seconds into the scene
   glm::ivec2 size{1280, 720};  // pixels

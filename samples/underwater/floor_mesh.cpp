@@ -16,10 +16,13 @@ FloorMesh makeFloorMesh(float radius, int rings, int spokes) {
       add(distance * glm::vec2(glm::cos(angle), glm::sin(angle)));
     }
   }
-  const auto index = [spokes](int ring, int spoke) { return ring == 0 ? 0u : static_cast<std::uint32_t>(1 + (ring - 1) * spokes + spoke % spokes); };
+  const auto index = [spokes](int ring, int spoke) {
+    return ring == 0 ? 0u : static_cast<std::uint32_t>(1 + (ring - 1) * spokes + spoke % spokes);
+  };
   for (int ring = 0; ring < rings; ++ring) {
     for (int spoke = 0; spoke < spokes; ++spoke) {
-      const std::uint32_t a = index(ring, spoke), b = index(ring, spoke + 1), c = index(ring + 1, spoke), d = index(ring + 1, spoke + 1);
+      const std::uint32_t a = index(ring, spoke), b = index(ring, spoke + 1), c = index(ring + 1, spoke),
+                          d = index(ring + 1, spoke + 1);
       mesh.indices.insert(mesh.indices.end(), {a, d, c});
       if (ring > 0) mesh.indices.insert(mesh.indices.end(), {a, b, d});
     }

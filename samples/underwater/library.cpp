@@ -22,24 +22,62 @@ kelp::Result<std::unique_ptr<Library>> Library::open(const std::string& folder, 
 }
 
 Library::~Library() {
-  quit_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+  }
+  asked_.notify_one();
   if (loader_.joinable()) loader_.join();
 }
 
-// A page of each in turn, so that all of them become finer together.
+void Library::ask() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++rounds_asked_;
+  }
+  asked_.notify_one();
+}
+
+bool Library::idle() const {
+  const std::lock_guard lock(mutex_);
+  return rounds_read_ == rounds_asked_;
+}
+
+bool Library::damaged() const {
+  const std::lock_guard lock(mutex_);
+  return damaged_;
+}
+
+bool Library::quitting() const {
+  const std::lock_guard lock(mutex_);
+  return quit_;
+}
+
 void Library::load() {
-  for (bool more = true; more && !quit_;) {
+  for (std::unique_lock lock(mutex_); !quit_;) {
+    const std::uint64_t round = rounds_asked_;
+    lock.unlock();
+    readAll();
+    lock.lock();
+    rounds_read_ = round;
+    asked_.wait(lock, [this] { return quit_ || rounds_asked_ != rounds_read_; });
+  }
+}
+
+// A page of each in turn, so that all of them become finer together.
+void Library::readAll() {
+  for (bool more = true; more && !quitting();) {
     more = false;
     for (std::size_t i = 0; i < kSpecies; ++i) {
       const kelp::Result<bool> pumped = assets_[i]->pump();
-      if (!pumped) {
-        std::fprintf(stderr, "underwater: %s: %s: %s\n", paths_[i].c_str(), kelp::toString(pumped.error().code), pumped.error().detail);
-        damaged_ = true;
-      }
       more = more || !pumped || *pumped;
+      if (pumped) continue;
+      std::fprintf(stderr, "underwater: %s: %s: %s\n", paths_[i].c_str(), kelp::toString(pumped.error().code),
+                   pumped.error().detail);
+      const std::lock_guard lock(mutex_);
+      damaged_ = true;
     }
   }
-  loaded_ = true;
 }
 
 }  // namespace underwater

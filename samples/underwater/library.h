@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The packs of the scene, opened in an instant and filled by a thread of its own.
+// The packs of the scene, opened in an instant and filled by a thread of their own.
 #pragma once
 
 #include <array>
-#include <atomic>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -25,17 +26,27 @@ class Library {
 
   const kelp::runtime::Asset& asset(Species species) const { return *assets_[static_cast<std::size_t>(species)]; }
 
-  bool loaded() const { return loaded_; }  // nothing more will come
-  bool damaged() const { return damaged_; }  // a pack turned out to be bad while it was read: it has said so, and stays coarse
+  // Once a frame, after it was drawn: what it lacked is read by the thread, which sleeps when there is nothing to read.
+  void ask();
+  // Whether all that was asked for has been read.
+  bool idle() const;
+  // Whether a pack turned out to be bad while it was read: the thread has said so on stderr, and what is sound is drawn.
+  bool damaged() const;
 
  private:
   Library() = default;
   void load();
+  void readAll();
+  bool quitting() const;
 
   std::array<std::string, kSpecies> paths_;
   std::array<kelp::FileSource, kSpecies> files_;
   std::array<std::unique_ptr<kelp::runtime::Asset>, kSpecies> assets_;
-  std::atomic<bool> quit_{false}, loaded_{false}, damaged_{false};
+
+  mutable std::mutex mutex_;  // of what follows
+  std::condition_variable asked_;
+  std::uint64_t rounds_asked_ = 1, rounds_read_ = 0;
+  bool quit_ = false, damaged_ = false;
   std::thread loader_;
 };
 

@@ -12,11 +12,11 @@
 namespace underwater {
 namespace {
 
-constexpr double kFrame = 1.0 / 30;    // seconds, with --frames
-constexpr double kLongest = 0.1;       // seconds: after a longer pause the scene goes on where it was
-constexpr float kSwimSpeed = 1.6f;     // metres a second
-constexpr float kPixelTurn = 0.004f;   // radians
-constexpr float kPlayerReach = 1.1f;   // metres
+constexpr double kFrame = 1.0 / 30;   // seconds, with --frames
+constexpr double kLongest = 0.1;      // seconds: after a longer pause the scene goes on where it was
+constexpr float kSwimSpeed = 1.6f;    // metres a second
+constexpr float kPixelTurn = 0.004f;  // radians
+constexpr float kPlayerReach = 1.1f;  // metres
 
 // Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
 int fail(const std::string& what, const kelp::Error& error) {
@@ -45,8 +45,10 @@ class Controls {
     glfwGetCursorPos(window_, &mouse_.x, &mouse_.y);
     if (held(GLFW_KEY_ESCAPE)) glfwSetWindowShouldClose(window_, GLFW_TRUE);
     if (held(GLFW_KEY_C)) camera.release();
-    if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) && mouse_ != before) camera.look(kPixelTurn * glm::vec2(mouse_ - before));
-    const glm::vec3 wish(held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q), held(GLFW_KEY_W) - held(GLFW_KEY_S));
+    if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) && mouse_ != before)
+      camera.look(kPixelTurn * glm::vec2(mouse_ - before));
+    const glm::vec3 wish(held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q),
+                         held(GLFW_KEY_W) - held(GLFW_KEY_S));
     if (!camera.circling() || wish != glm::vec3(0)) camera.swim(kSwimSpeed * wish, passed);
   }
 
@@ -67,7 +69,8 @@ class Title {
     if (seconds - told_ < 1) return;
     char text[160];
     std::snprintf(text, sizeof text, "kelp: underwater - %.1f ms, %u drawn, %u culled, %u draws, %.1f MiB on the GPU",
-                  1e3 * (seconds - told_) / frames_, stats.instances, stats.culled, stats.draws, static_cast<double>(stats.gpu_bytes) / (1 << 20));
+                  1e3 * (seconds - told_) / frames_, stats.instances, stats.culled, stats.draws,
+                  static_cast<double>(stats.gpu_bytes) / (1 << 20));
     glfwSetWindowTitle(window_, text);
     told_ = seconds;
     frames_ = 0;
@@ -102,13 +105,14 @@ int run(GLFWwindow* window, const Arguments& arguments) {
 
     glm::ivec2 viewport;
     glfwGetFramebufferSize(window, &viewport.x, &viewport.y);
-    const bool all_read = (*library)->loaded();
+    const bool all_read = (*library)->idle();
     if (viewport.x * viewport.y > 0) {  // not minimised
       const auto drawn = (*stage)->draw(camera, seconds, viewport, (*reef)->instances());
       if (!drawn) return fail("scene", drawn.error());
+      (*library)->ask();
       title.tell(now, *drawn);
       const bool complete = all_read && drawn->pending == 0;
-      if (complete) ++frame;  // frames count from when all the voxels are there
+      if (complete) ++frame;  // frames count while all the voxels are there
       if (arguments.frames == 0 || complete) seconds += passed;
       if (frame == arguments.frames && !arguments.picture.empty() && !writePicture(arguments.picture, viewport)) {
         return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture can not be written"});

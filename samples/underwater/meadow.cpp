@@ -40,7 +40,8 @@ void Meadow::update(double seconds, float passed, std::span<const Visitor> visit
     leanStalk({in_part.x, in_part.z}, static_cast<float>(plant.asset->pack().parts()[0].size.y), plant.pose.knots(0));
     // What is small sways faster; what leans far is drawn taut.
     const float slack = 0.55f * (1 - 0.8f * glm::length(lean) / kMostLean);
-    if (plant.clip >= 0) (void)addClip(*plant.asset, plant.clip, seconds / glm::sqrt(plant.site.scale) + plant.site.phase, slack, plant.pose);
+    if (plant.clip >= 0)
+      (void)addClip(*plant.asset, plant.clip, seconds / glm::sqrt(plant.site.scale) + plant.site.phase, slack, plant.pose);
     plant.pose.clampMonotone();
   }
 }

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "library.h"
 #include "kelp/runtime/instance.h"
+#include "library.h"
 #include "scatter.h"
 #include "stalk.h"
 
@@ -29,10 +29,10 @@ class Meadow {
     kelp::runtime::Pose pose;
     Site site;
     Sway sway{};
-    glm::vec3 foot{0};      // world
+    glm::vec3 foot{0};  // world
     glm::mat4 to_world{1};
-    glm::mat3 to_part{1};   // world, without scale -> the part's axes
-    float height = 0;       // metres, from the foot to the spline's end
+    glm::mat3 to_part{1};  // world, without scale -> the part's axes
+    float height = 0;      // metres, from the foot to the spline's end
     int clip = -1;
   };
 

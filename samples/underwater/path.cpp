@@ -31,7 +31,8 @@ ClosedPath::ClosedPath(std::span<const glm::vec3> points) {
   std::vector<float> along = {0};  // length up to each piece's end
   for (const kelp::Segment& segment : segments_) {
     for (int i = 0; i < kPieces; ++i) {
-      along.push_back(along.back() + lengthBetween(segment, static_cast<float>(i) / kPieces, static_cast<float>(i + 1) / kPieces));
+      along.push_back(along.back() +
+                      lengthBetween(segment, static_cast<float>(i) / kPieces, static_cast<float>(i + 1) / kPieces));
     }
   }
   length_ = along.back();

@@ -15,10 +15,10 @@ class ClosedPath {
   // At least 3 points, metres, none equal to the next.
   explicit ClosedPath(std::span<const glm::vec3> points);
 
-  float length() const { return length_; }      // metres
-  glm::vec3 at(float s) const;                  // s metres along it; any s, it goes round and round
-  glm::vec3 direction(float s) const;           // unit
-  float turn(float s) const;                    // to the right, radians a metre: the curvature seen from above
+  float length() const { return length_; }  // metres
+  glm::vec3 at(float s) const;              // s metres along it; any s, it goes round and round
+  glm::vec3 direction(float s) const;       // unit
+  float turn(float s) const;                // to the right, radians a metre: the curvature seen from above
 
  private:
   struct Place {

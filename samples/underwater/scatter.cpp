@@ -12,8 +12,8 @@ namespace {
 constexpr int kCandidates = 10;  // for each site
 
 struct Kind {
-  float room;           // metres about it, where sites are as dense as 400 of them are
-  float small, large;   // scale
+  float room;          // metres about it, where sites are as dense as 400 of them are
+  float small, large;  // scale
 };
 constexpr Kind kKinds[] = {{0.62f, 1.5f, 3.4f}, {0.40f, 0.55f, 1.3f}, {0.50f, 0.7f, 1.4f}};
 
@@ -52,7 +52,8 @@ std::vector<Site> scatter(int count, std::uint32_t seed) {
     const Kind& kind = kKinds[static_cast<int>(best.plant)];
     const float grown = random.next();
     best.scale = kind.small + (kind.large - kind.small) * grown * glm::sqrt(grown);  // few are tall
-    best.scale *= glm::mix(0.55f, 1.0f, glm::smoothstep(0.5f, 1.3f, glm::abs(glm::length(best.at) - kCameraRing)));  // it looks over these
+    best.scale *=
+        glm::mix(0.55f, 1.0f, glm::smoothstep(0.5f, 1.3f, glm::abs(glm::length(best.at) - kCameraRing)));  // it looks over these
     best.yaw = random.between(0, 6.2831853f);
     best.phase = random.between(0, 60);
     const float light = random.between(0.78f, 1.12f), warm = random.between(-0.12f, 0.12f);

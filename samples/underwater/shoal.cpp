@@ -33,13 +33,32 @@ constexpr float kStroke = 1.25f;  // of the clip's speed, for a fish of scale 1
 std::vector<ClosedPath> swimPaths() {
   // Heights are above the sand.
   const std::vector<glm::vec3> kWays[] = {
-      {{2.4f, 0.95f, 1.3f}, {0.4f, 1.15f, 0.7f}, {-1.7f, 1.0f, 1.1f}, {-4.2f, 1.35f, 2.4f}, {-2.2f, 1.6f, 5.0f}, {1.4f, 1.25f, 4.4f},
+      {{2.4f, 0.95f, 1.3f},
+       {0.4f, 1.15f, 0.7f},
+       {-1.7f, 1.0f, 1.1f},
+       {-4.2f, 1.35f, 2.4f},
+       {-2.2f, 1.6f, 5.0f},
+       {1.4f, 1.25f, 4.4f},
        {4.4f, 1.1f, 3.2f}},  // through the glade
-      {{0.0f, 1.9f, -1.6f}, {3.6f, 2.3f, -2.4f}, {6.4f, 2.7f, 0.6f}, {4.2f, 2.4f, 4.8f}, {-0.6f, 1.8f, 3.0f}, {-4.6f, 2.2f, 4.4f},
-       {-6.6f, 2.8f, 0.2f}, {-3.6f, 2.4f, -3.0f}},  // over the groves
-      {{-1.2f, 0.9f, -2.6f}, {-4.4f, 1.0f, -4.6f}, {-2.0f, 1.4f, -7.4f}, {2.4f, 1.2f, -6.4f}, {3.2f, 0.95f, -3.2f},
+      {{0.0f, 1.9f, -1.6f},
+       {3.6f, 2.3f, -2.4f},
+       {6.4f, 2.7f, 0.6f},
+       {4.2f, 2.4f, 4.8f},
+       {-0.6f, 1.8f, 3.0f},
+       {-4.6f, 2.2f, 4.4f},
+       {-6.6f, 2.8f, 0.2f},
+       {-3.6f, 2.4f, -3.0f}},  // over the groves
+      {{-1.2f, 0.9f, -2.6f},
+       {-4.4f, 1.0f, -4.6f},
+       {-2.0f, 1.4f, -7.4f},
+       {2.4f, 1.2f, -6.4f},
+       {3.2f, 0.95f, -3.2f},
        {1.4f, 0.85f, -1.2f}},  // among the plants
-      {{2.9f, 0.85f, -1.2f}, {2.6f, 0.95f, 2.2f}, {-0.8f, 0.85f, 3.3f}, {-3.2f, 1.05f, 1.2f}, {-2.4f, 0.9f, -2.2f},
+      {{2.9f, 0.85f, -1.2f},
+       {2.6f, 0.95f, 2.2f},
+       {-0.8f, 0.85f, 3.3f},
+       {-3.2f, 1.05f, 1.2f},
+       {-2.4f, 0.9f, -2.2f},
        {0.4f, 0.8f, -3.1f}},  // round the glade
   };
   std::vector<ClosedPath> paths;
@@ -62,7 +81,8 @@ kelp::Result<std::unique_ptr<Shoal>> Shoal::gather(const Library& library) {
       const Asset& asset = library.asset(school.species);
       auto pose = Pose::create(asset);
       if (!pose) return pose.error();
-      Fish& fish = shoal->fish_.emplace_back(Fish{&asset, *std::move(pose), &shoal->anatomies_[school.species == Species::kFusilier ? 1 : 0], {}});
+      Fish& fish = shoal->fish_.emplace_back(
+          Fish{&asset, *std::move(pose), &shoal->anatomies_[school.species == Species::kFusilier ? 1 : 0], {}});
       const glm::vec2 beside = random.inDisc(1);
       fish.lane = {&shoal->paths_[i], school.across * beside.x, school.high * beside.y};
       fish.start = school.along * (static_cast<float>(k) + random.between(-0.35f, 0.35f)) / static_cast<float>(school.count);
@@ -86,7 +106,8 @@ void Shoal::update(double seconds) {
     Lane lane = fish.lane;
     lane.right += 0.10f * static_cast<float>(std::sin(1.3 * slow));
     lane.up += 0.07f * static_cast<float>(std::sin(1.7 * slow + 1));
-    const double travelled = std::fmod(seconds * fish.speed, static_cast<double>(lane.path->length()));  // in double: the scene runs for days
+    const double travelled =
+        std::fmod(seconds * fish.speed, static_cast<double>(lane.path->length()));  // in double: the scene runs for days
     const float head = fish.start + static_cast<float>(travelled) + 0.3f * static_cast<float>(std::sin(slow));
     const float length = fish.scale * fish.anatomy->length, middle = head - 0.5f * length;
     const float bank = glm::clamp(0.35f * lane.path->turn(middle), -0.3f, 0.3f);

@@ -36,7 +36,7 @@ class Shoal {
     int clip = -1;
     float start = 0, speed = 0;  // metres along the path, metres a second
     float scale = 1;
-    float phase = 0;             // radians
+    float phase = 0;  // radians
     glm::vec3 tint{1};
     glm::mat4 to_world{1};
   };

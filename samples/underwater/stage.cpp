@@ -27,7 +27,8 @@ Stage::Stage() : floor_(kFloorRadius), sun_map_(kSunMapSize) {
 
 kelp::Result<std::unique_ptr<Stage>> Stage::build(const Library& library) {
   std::unique_ptr<Stage> stage(new Stage);
-  if (!stage->water_.good() || !stage->floor_.good()) return kelp::Error{kelp::ErrorCode::kGraphics, "the scene's shaders do not compile"};
+  if (!stage->water_.good() || !stage->floor_.good())
+    return kelp::Error{kelp::ErrorCode::kGraphics, "the scene's shaders do not compile"};
   const std::string surface = std::string(glsl::kWater) + glsl::kVoxels;
   kelp::gl::Config config;
   config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
@@ -65,7 +66,8 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   WaterBlock water;
   water.world_to_clip = view.eye_to_clip * view.world_to_eye;
   water.clip_to_world = glm::inverse(water.world_to_clip);
-  const glm::mat4 to_texture(glm::vec4(0.5f, 0, 0, 0), glm::vec4(0, 0.5f, 0, 0), glm::vec4(0, 0, 0.5f, 0), glm::vec4(0.5f, 0.5f, 0.5f, 1));
+  const glm::mat4 to_texture(glm::vec4(0.5f, 0, 0, 0), glm::vec4(0, 0.5f, 0, 0), glm::vec4(0, 0, 0.5f, 0),
+                             glm::vec4(0.5f, 0.5f, 0.5f, 1));
   water.world_to_sun = to_texture * sun.eye_to_clip * sun.world_to_eye;
   water.eye = glm::vec4(camera.at(), std::fmod(seconds, 3600.0));
   water.sun = glm::vec4(kSun, kSurface);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plant that gives way: bent sideways without growing longer, pushed by the current and by whoever comes near, and swinging back.
+// A plant that gives way: bent sideways without growing longer, pushed by the current and by whoever comes near, and swinging
+// back.
 #pragma once
 
 #include <span>
@@ -12,8 +13,8 @@ namespace underwater {
 
 inline constexpr float kMostLean = 0.45f;  // heights: as far as a stalk leans, with what bends it harder pulling in vain
 
-// Leans a straight stalk: its top moves by `lean` heights in x and z, its foot stays upright, and its length stays what it was, so the top
-// comes down. Knots as at rest; lean is at most kMostLean long.
+// Leans a straight stalk: its top moves by `lean` heights in x and z, its foot stays upright, and its length stays what it was,
+// so the top comes down. Knots as at rest; lean is at most kMostLean long.
 void leanStalk(const glm::vec2& lean, float height, std::span<kelp::Knot> knots);
 
 // Something that pushes plants aside.
@@ -23,7 +24,8 @@ struct Visitor {
   float reach = 0;        // metres from `at` where it is felt
 };
 
-// How far a visitor wants to lean a plant that stands at `foot` and is `height` metres tall: away from it and a little along with it; heights.
+// How far a visitor wants to lean a plant that stands at `foot` and is `height` metres tall: away from it and a little along with
+// it; heights.
 glm::vec2 pushOf(const Visitor& visitor, const glm::vec3& foot, float height);
 
 // The water's drift at a place and a time, in heights: a swell that rolls over the reef.

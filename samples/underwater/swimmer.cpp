@@ -24,10 +24,12 @@ glm::mat4 swimFrame(const Anatomy& anatomy, const Lane& lane, float head, float 
   return to_world;
 }
 
-void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& lane, float head, float scale, std::span<kelp::Knot> knots) {
+void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& lane, float head, float scale,
+               std::span<kelp::Knot> knots) {
   const glm::mat4 to_part = glm::inverse(to_world * anatomy.voxel_to_object);
   const float length = scale * anatomy.length;
-  const glm::vec3 corner(0.5f * anatomy.size.x, 0, 0.5f * anatomy.size.z);  // the spline runs along the box's edge, the lane through its middle
+  const glm::vec3 corner(0.5f * anatomy.size.x, 0,
+                         0.5f * anatomy.size.z);  // the spline runs along the box's edge, the lane through its middle
   for (kelp::Knot& knot : knots) {
     const float s = head - knot.at * length;
     knot.position = glm::vec3(to_part * glm::vec4(lane.at(s), 1)) - corner;

@@ -16,12 +16,13 @@ struct Anatomy {
   static Anatomy of(const kelp::Part& part);
 };
 
-// Where a fish of that anatomy is when its head is `head` metres along the lane: its middle on the lane, its axis along the lane's direction
-// there, leaning into the turn by `bank` radians.
+// Where a fish of that anatomy is when its head is `head` metres along the lane: its middle on the lane, its axis along the
+// lane's direction there, leaning into the turn by `bank` radians.
 glm::mat4 swimFrame(const Anatomy& anatomy, const Lane& lane, float head, float scale, float bank);
 
-// Puts the knots onto the lane: each as far behind the head as it belongs to, with the lane's direction for a tangent. `to_world` is
-// swimFrame's. Splines bend this way up to where the body turns by a right angle; Pose::clampMonotone sees to the rest.
-void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& lane, float head, float scale, std::span<kelp::Knot> knots);
+// Puts the knots onto the lane: each as far behind the head as it belongs to, with the lane's direction for a tangent. `to_world`
+// is swimFrame's. Splines bend this way up to where the body turns by a right angle; Pose::clampMonotone sees to the rest.
+void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& lane, float head, float scale,
+               std::span<kelp::Knot> knots);
 
 }  // namespace underwater

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The whole underwater scene without a window, on small packs of its own: everyone in the water, every spline monotone, nothing allocated.
+// The whole underwater scene without a window, on small packs of its own: everyone in the water, every spline monotone, nothing
+// allocated.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +17,8 @@ namespace {
 
 void write(const std::filesystem::path& path, const kelp::RawPack& pack) {
   const std::vector<std::byte> bytes = kelp::test::bytesOf(pack);
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 class ReefTest : public ::testing::Test {
@@ -27,7 +29,11 @@ class ReefTest : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     kelp::RawPack plant = kelp::test::packOf(kelp::test::ballClump({16, 32, 16}, 5, 1), knots());
     // A clip that would turn the spline back.
-    plant.clips.push_back({"sway", 2, {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}}, {}});
+    plant.clips.push_back(
+        {"sway",
+         2,
+         {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}},
+         {}});
     for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) write(folder_ / (std::string(name) + ".kelp"), plant);
     kelp::RawPack fish = kelp::test::packOf(kelp::test::ballClump({12, 32, 8}, 5, 1), knots());
     fish.parts[0].to_object = glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
@@ -125,7 +131,7 @@ TEST_F(ReefTest, IsTheSameEveryTimeAndAllocatesNothing) {
   ASSERT_GT(first->instances().size(), 240u);
   first->update(0, 0, kNobody);
   const auto* const place = first->instances().data();
-  while (!library_->loaded()) std::this_thread::yield();  // its thread allocates
+  while (!library_->idle()) std::this_thread::yield();  // its thread allocates
   const long before = kelp::test::newCalls();
   for (int i = 1; i < 50; ++i) first->update(0.03 * i, 0.03f, kNobody);
   EXPECT_EQ(kelp::test::newCalls(), before);
@@ -136,6 +142,16 @@ TEST_F(ReefTest, IsTheSameEveryTimeAndAllocatesNothing) {
     const auto a = std::as_const(*first->instances()[i].pose).knots(0), b = std::as_const(*second->instances()[i].pose).knots(0);
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position);
   }
+}
+
+TEST_F(ReefTest, ReadsOnWheneverItIsAsked) {
+  for (int i = 0; i < 3; ++i) {
+    while (!library_->idle()) std::this_thread::yield();
+    library_->ask();
+  }
+  while (!library_->idle()) std::this_thread::yield();
+  EXPECT_EQ(library_->asset(Species::kFish).residentLevel(0), 0);
+  EXPECT_FALSE(library_->damaged());
 }
 
 TEST_F(ReefTest, NamesThePackThatIsWrong) {

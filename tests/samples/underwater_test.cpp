@@ -128,7 +128,8 @@ TEST(Swimmer, LiesOnItsLaneHeadFirstAndUpright) {
       std::vector<kelp::Knot> knots = rest;
       layOnLane(anatomy, frame, lane, head, scale, knots);
       ASSERT_TRUE(kelp::checkKnots(knots));
-      EXPECT_GT(glm::dot(glm::vec3(frame * glm::vec4(1, 0, 0, 0)), path.direction(head - 0.3f)), 0.99f * scale);  // +x of the model leads
+      EXPECT_GT(glm::dot(glm::vec3(frame * glm::vec4(1, 0, 0, 0)), path.direction(head - 0.3f)),
+                0.99f * scale);  // +x of the model leads
       EXPECT_GT((frame * glm::vec4(0, 1, 0, 0)).y, 0.999f * scale);
       const glm::mat4 to_world = frame * anatomy.voxel_to_object;
       for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
@@ -204,7 +205,8 @@ TEST(Stalk, SwingsAsADampedSpringInStepsOfAnySize) {
   for (int second = 0; second < 3; ++second) {
     for (int i = 0; i < 10000; ++i) {
       const double h = 1e-4, x1 = v, v1 = pull(x, v), x2 = v + h / 2 * v1, v2 = pull(x + h / 2 * x1, v + h / 2 * v1);
-      const double x3 = v + h / 2 * v2, v3 = pull(x + h / 2 * x2, v + h / 2 * v2), x4 = v + h * v3, v4 = pull(x + h * x3, v + h * v3);
+      const double x3 = v + h / 2 * v2, v3 = pull(x + h / 2 * x2, v + h / 2 * v2), x4 = v + h * v3,
+                   v4 = pull(x + h * x3, v + h * v3);
       x += h / 6 * (x1 + 2 * x2 + 2 * x3 + x4);
       v += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
     }
@@ -269,7 +271,8 @@ TEST(Terrain, MeshCoversTheDiscOnceFacingUp) {
     area += upward;
   }
   EXPECT_NEAR(area, 0.5 * 32 * std::sin(2 * kPi / 32) * 20 * 20, 0.1);  // of the regular polygon
-  for (const FloorMesh::Vertex& vertex : mesh.vertices) EXPECT_EQ(vertex.position.y, sandHeight({vertex.position.x, vertex.position.z}));
+  for (const FloorMesh::Vertex& vertex : mesh.vertices)
+    EXPECT_EQ(vertex.position.y, sandHeight({vertex.position.x, vertex.position.z}));
 }
 
 TEST(CameraOfTheReef, CirclesInTheGladeAndStaysInTheWater) {
@@ -314,9 +317,19 @@ TEST(ArgumentsOfTheReef, AreReadOrRefused) {
   EXPECT_EQ(all->frames, 3);
   EXPECT_EQ(all->picture, "out.ppm");
   EXPECT_TRUE(read({"packs"}));
-  for (const std::vector<const char*>& words : std::vector<std::vector<const char*>>{
-           {}, {"a", "b"}, {"a", "--plants"}, {"a", "--plants", "-1"}, {"a", "--plants", "6x"}, {"a", "--size", "320"}, {"a", "--size", "0x9"},
-           {"a", "--frames", "0"}, {"a", "--frames", "two"}, {"a", "--start", "nan"}, {"a", "--start", "inf"}, {"a", "--fast"}, {"--plants", "6"}}) {
+  for (const std::vector<const char*>& words : std::vector<std::vector<const char*>>{{},
+                                                                                     {"a", "b"},
+                                                                                     {"a", "--plants"},
+                                                                                     {"a", "--plants", "-1"},
+                                                                                     {"a", "--plants", "6x"},
+                                                                                     {"a", "--size", "320"},
+                                                                                     {"a", "--size", "0x9"},
+                                                                                     {"a", "--frames", "0"},
+                                                                                     {"a", "--frames", "two"},
+                                                                                     {"a", "--start", "nan"},
+                                                                                     {"a", "--start", "inf"},
+                                                                                     {"a", "--fast"},
+                                                                                     {"--plants", "6"}}) {
     EXPECT_FALSE(read(words)) << (words.empty() ? "" : words.back());
   }
 }
