@@ -21,15 +21,14 @@ class Camera {
   void swim(const glm::vec3& wish, float seconds);
 
   const glm::vec3& at() const { return at_; }
-  const glm::vec3& velocity() const { return velocity_; }  // metres a second
-  glm::vec3 forward() const;                               // unit
+  glm::vec3 forward() const;  // unit
   glm::mat4 worldToEye() const;
   static glm::mat4 eyeToClip(const glm::ivec2& viewport);
 
  private:
   bool circling_ = true;
-  glm::vec3 at_{0, 1, 4}, velocity_{0};
-  float yaw_ = 0, pitch_ = 0;  // radians: about +y from -z to -x, up
+  glm::vec3 at_{0, 1, 4}, velocity_{0};  // metres, metres a second
+  float yaw_ = 0, pitch_ = 0;            // radians: about +y from -z to -x, up
 };
 
 }  // namespace underwater

@@ -12,11 +12,11 @@
 namespace underwater {
 namespace {
 
-constexpr double kFrame = 1.0 / 30;   // seconds, with --frames
-constexpr double kLongest = 0.1;      // seconds: after a longer pause the scene goes on where it was
-constexpr float kSwimSpeed = 1.6f;    // metres a second
-constexpr float kPixelTurn = 0.004f;  // radians
-constexpr float kPlayerReach = 1.1f;  // metres
+constexpr double kFrame = 1.0 / 30;    // seconds, with --frames
+constexpr double kLongest = 0.1;       // seconds: after a longer pause the scene goes on where it was
+constexpr float kSwimSpeed = 1.6f;     // metres a second
+constexpr float kPixelTurn = 0.004f;   // radians
+constexpr float kPlayerRadius = 0.6f;  // metres
 
 // Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
 int fail(const std::string& what, const kelp::Error& error) {
@@ -101,7 +101,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
     last = now;
     controls.use(camera, static_cast<float>(passed));
     if (camera.circling()) camera.circle(seconds);
-    (*reef)->update(seconds, static_cast<float>(passed), {camera.at(), camera.velocity(), kPlayerReach});
+    (*reef)->update(seconds, static_cast<float>(passed), {camera.at(), kPlayerRadius});
 
     glm::ivec2 viewport;
     glfwGetFramebufferSize(window, &viewport.x, &viewport.y);

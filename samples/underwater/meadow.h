@@ -6,12 +6,17 @@
 #include <span>
 #include <vector>
 
-#include "kelp/runtime/instance.h"
+#include "kelp/runtime/spring.h"
 #include "library.h"
 #include "scatter.h"
-#include "stalk.h"
 
 namespace underwater {
+
+// A body that plants make way for.
+struct Visitor {
+  glm::vec3 at{0};
+  float radius = 0;  // metres; 0: nobody
+};
 
 class Meadow {
  public:
@@ -27,12 +32,13 @@ class Meadow {
   struct Rooted {
     const kelp::runtime::Asset* asset;
     kelp::runtime::Pose pose;
+    kelp::runtime::Spring spring;
     Site site;
-    Sway sway{};
     glm::vec3 foot{0};  // world
     glm::mat4 to_world{1};
-    glm::mat3 to_part{1};  // world, without scale -> the part's axes
+    glm::mat3 to_part{1};  // directions and lengths, world -> voxels
     float height = 0;      // metres, from the foot to the spline's end
+    float stiffness = 0;   // of the spring: 1 / seconds^2
     int clip = -1;
   };
 

@@ -118,7 +118,7 @@ void Shoal::update(double seconds) {
     const double strokes = kStroke / fish.scale * seconds + fish.phase;
     if (fish.clip >= 0) (void)addClip(*fish.asset, fish.clip, strokes, 0.8f, fish.pose);
     fish.pose.clampMonotone();
-    visitors_[i] = {lane.at(middle), fish.speed * lane.direction(middle), 0.25f + 0.9f * length};
+    visitors_[i] = {lane.at(middle), 0.08f + 0.45f * length};
   }
 }
 

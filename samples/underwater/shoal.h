@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "library.h"
-#include "stalk.h"
+#include "meadow.h"
 #include "swimmer.h"
 
 namespace underwater {

@@ -74,7 +74,7 @@ constexpr Visitor kNobody{};
 TEST_F(ReefTest, EveryoneStaysInTheWaterWithASoundSpline) {
   const auto reef = grow(120);
   for (int step = 0; step < 900; ++step) {
-    reef->update(0.21 * step, 0.21f, {{0, 0.5f, 0}, {0, 0, 0}, 1});
+    reef->update(0.21 * step, 0.21f, {{0, 0.5f, 0}, 0.8f});
     for (const kelp::runtime::Instance& instance : reef->instances()) {
       ASSERT_TRUE(instance.pose->check());
       const kelp::Box box = bounds(instance);
@@ -113,17 +113,38 @@ TEST_F(ReefTest, FishSwimHeadFirstAndBendAsTheirWayDoes) {
   EXPECT_GT(curved, fish / 4);
 }
 
-TEST_F(ReefTest, PlantsMakeWayForWhoeverComes) {
+TEST_F(ReefTest, PlantsMakeWayForWhoeverComesAndSwingBack) {
   const auto alone = grow(60), visited = grow(60);
   const auto tip = [](const kelp::runtime::Instance& instance) { return toWorld(instance, 0, {8, 32, 8}); };
+  const auto go = [&](int from, int to, const Visitor& visitor) {
+    for (int i = from; i < to; ++i) {
+      alone->update(0.02 * i, 0.02f, kNobody);
+      visited->update(0.02 * i, 0.02f, visitor);
+    }
+  };
   const glm::vec3 foot = toWorld(alone->instances()[0], 0, {8, 0, 8});
-  const glm::vec3 beside = foot + glm::vec3(0.3f, 0.5f, 0);
-  for (int i = 0; i < 100; ++i) {
-    alone->update(0.02 * i, 0.02f, kNobody);
-    visited->update(0.02 * i, 0.02f, {beside, {0, 0, 0}, 1.1f});
-  }
+  go(0, 100, {foot + glm::vec3(0.3f, 0.8f, 0), 0.5f});
   EXPECT_LT(tip(visited->instances()[0]).x, tip(alone->instances()[0]).x - 0.05f);  // away from the visitor
   EXPECT_LT(glm::distance(toWorld(visited->instances()[0], 0, {8, 0, 8}), foot), 1e-4f);
+  go(100, 700, kNobody);
+  EXPECT_LT(glm::distance(tip(visited->instances()[0]), tip(alone->instances()[0])), 1e-3f);
+}
+
+TEST_F(ReefTest, PlantsLeanAsTheCurrentDoes) {
+  const auto reef = grow(150);
+  // The mean over a long time and all plants: the current's own mean, 0.07 heights in x. Clips and swings cancel out.
+  double lean = 0;
+  int count = 0;
+  for (int i = 0; i < 2000; ++i) {
+    reef->update(0.11 * i, 0.11f, kNobody);
+    for (std::size_t k = 0; k < 150; ++k) {
+      const kelp::runtime::Instance& plant = reef->instances()[k];
+      const glm::vec3 foot = toWorld(plant, 0, {8, 0, 8}), top = toWorld(plant, 0, {8, 32, 8});
+      lean += (top.x - foot.x) / (plant.to_world[1].y);  // these packs are a metre high
+      ++count;
+    }
+  }
+  EXPECT_NEAR(lean / count, 0.07, 0.02);
 }
 
 TEST_F(ReefTest, IsTheSameEveryTimeAndAllocatesNothing) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// What moves in the underwater scene, without a window: paths, bodies on paths, stalks that give way, and where things stand.
+// What moves in the underwater scene, without a window: paths, bodies on paths, the current, and where things stand.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "arguments.h"
 #include "camera.h"
+#include "current.h"
 #include "floor_mesh.h"
 #include "path.h"
 #include "random.h"
 #include "scatter.h"
-#include "stalk.h"
 #include "swimmer.h"
 #include "terrain.h"
 
@@ -148,74 +148,16 @@ TEST(Swimmer, LiesOnItsLaneHeadFirstAndUpright) {
   }
 }
 
-float lengthOf(std::span<const kelp::Knot> knots) {
-  float length = 0;
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const kelp::Segment segment = kelp::makeSegment(knots[i], knots[i + 1]);
-    for (int k = 0; k < 200; ++k) {
-      length += glm::distance(evaluate(segment, static_cast<float>(k) / 200), evaluate(segment, static_cast<float>(k + 1) / 200));
-    }
-  }
-  return length;
-}
-
-TEST(Stalk, LeansWithoutGrowing) {
-  for (const float lean : {0.0f, 1e-4f, 0.1f, 0.3f, kMostLean}) {
-    for (const float angle : {0.0f, 1.0f, 4.0f}) {
-      const glm::vec2 direction(std::cos(angle), std::sin(angle));
-      std::vector<kelp::Knot> knots = straight();
-      leanStalk(lean * direction, 100, knots);
-      EXPECT_TRUE(kelp::checkKnots(knots));
-      EXPECT_NEAR(lengthOf(knots), 100, 0.7f) << lean;
-      for (const kelp::Knot& knot : knots) EXPECT_NEAR(glm::length(knot.tangent), 100, 1e-3f) << lean;  // nowhere stretched
-      EXPECT_LT(glm::length(knots.front().position), 1e-4f);
-      EXPECT_LT(glm::distance(knots.front().tangent, glm::vec3(0, 100, 0)), 1e-3f);  // upright where it grows
-      EXPECT_NEAR(knots.back().position.x, 100 * lean * direction.x, 1e-3f);
-      EXPECT_NEAR(knots.back().position.z, 100 * lean * direction.y, 1e-3f);
-    }
-  }
-  for (const float wanted : {0.01f, 0.5f, 30.0f}) EXPECT_LE(glm::length(limitLean({0, wanted})), std::min(wanted, kMostLean));
-}
-
-TEST(Stalk, IsPushedAwayAndOnlyFromNearby) {
+TEST(Current, LeansAsItSaysAndRollsOn) {
   Random random(5);
-  for (int i = 0; i < 500; ++i) {
-    const glm::vec2 around = random.inDisc(2);
-    const Visitor visitor{{around.x, random.between(0, 1.5f), around.y}, {0, 0, 0}, 0.8f};
-    const glm::vec2 push = pushOf(visitor, glm::vec3(0), 1);
-    const float distance = glm::length(around);
-    if (distance >= 0.8f) {
-      EXPECT_EQ(push, glm::vec2(0));
-    }
-    if (distance < 0.7f && distance > 0.01f) {
-      EXPECT_LT(glm::dot(push, around), 0);
-    }
-    if (distance > 0.79f) {
-      EXPECT_LT(glm::length(push), 0.01f);  // comes in gently
-    }
+  for (int i = 0; i < 300; ++i) {
+    const glm::vec2 at = random.inDisc(kReefRadius);
+    const double seconds = random.between(0, 4000);
+    EXPECT_LE(glm::length(currentAt(at, seconds)), 0.26f);
+    EXPECT_LT(glm::distance(currentAt(at, seconds), currentAt(at, seconds + 0.02)), 0.005f);
+    EXPECT_LT(glm::distance(currentAt(at, seconds), currentAt(at + glm::vec2(0.1f), seconds)), 0.02f);
   }
-  EXPECT_EQ(pushOf({{0.1f, 3, 0}, {0, 0, 0}, 0.8f}, glm::vec3(0), 1), glm::vec2(0));  // far above it
-}
-
-TEST(Stalk, SwingsAsADampedSpringInStepsOfAnySize) {
-  // Runge and Kutta's rule in double, in steps of a tenth of a millisecond. 4 rad/s, damping 0.35.
-  const auto pull = [](double x, double v) { return -16.0 * (x - 0.3) - 2 * 0.35 * 4.0 * v; };
-  double x = -0.1, v = 0.5;
-  Sway fine{{-0.1f, -0.1f}, {0.5f, 0.5f}}, coarse = fine;
-  for (int second = 0; second < 3; ++second) {
-    for (int i = 0; i < 10000; ++i) {
-      const double h = 1e-4, x1 = v, v1 = pull(x, v), x2 = v + h / 2 * v1, v2 = pull(x + h / 2 * x1, v + h / 2 * v1);
-      const double x3 = v + h / 2 * v2, v3 = pull(x + h / 2 * x2, v + h / 2 * v2), x4 = v + h * v3,
-                   v4 = pull(x + h * x3, v + h * v3);
-      x += h / 6 * (x1 + 2 * x2 + 2 * x3 + x4);
-      v += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
-    }
-    for (int i = 0; i < 144; ++i) fine.follow(glm::vec2(0.3f), 1.0f / 144);
-    coarse.follow(glm::vec2(0.3f), 1);
-    EXPECT_NEAR(fine.lean.x, x, 1e-4) << second;
-    EXPECT_NEAR(coarse.lean.y, x, 1e-4) << second;
-    EXPECT_NEAR(coarse.speed.x, v, 1e-3) << second;
-  }
+  EXPECT_GT(glm::distance(currentAt({0, 0}, 0), currentAt({0, 0}, 2)), 0.02f);
 }
 
 TEST(Scatter, IsTheSameEveryTimeAndOnlyAdds) {
