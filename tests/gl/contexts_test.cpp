@@ -112,7 +112,7 @@ TEST_F(ContextsTest, TwoInOneThreadTakeTurns) {
       pending = 0;
       for (Host* host : {&first, &second}) {
         host->makeCurrent();
-        const auto uploaded = host->renderer().upload(1);
+        const auto uploaded = host->renderer().upload(8192);
         ASSERT_TRUE(uploaded);
         pending += uploaded->pending;
         host->frame(0, {&instance_, 1});

@@ -76,7 +76,7 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     };
     for (std::uint32_t pending = 1; pending > 0;) {
       frame(4);
-      const auto uploaded = renderer.upload(1);
+      const auto uploaded = renderer.upload(8192);
       ASSERT_TRUE(uploaded);
       pending = uploaded->pending;
     }

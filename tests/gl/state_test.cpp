@@ -38,7 +38,7 @@ class StateTest : public GlTest {
       EXPECT_FALSE(renderer.add(*loaded_.asset));
       after(kAdd, "add, refused");
       for (std::uint32_t pending = 1; pending > 0;) {
-        const auto uploaded = renderer.upload(1);
+        const auto uploaded = renderer.upload(8192);
         ASSERT_TRUE(uploaded);
         pending = uploaded->pending;
         after(kUpload, "upload");

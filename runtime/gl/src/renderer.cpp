@@ -18,34 +18,35 @@ namespace {
 
 using namespace constant;
 
+constexpr std::uint64_t kLeastUpload = 4096;
+
 // The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
 struct RecordTextures {
   static constexpr int kCount = 3;
-  struct One {
-    Name name = 0;
-    std::size_t rows = 0;
-  };
-  One all[kCount];
+  Name names[kCount] = {};
+  std::size_t rows = 0;  // of each
   int now = 0;
 };
 
 // Within an UploadGuard.
 Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
   constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
-  textures.now = (textures.now + 1) % RecordTextures::kCount;
-  RecordTextures::One& texture = textures.all[textures.now];
   const std::size_t rows = records.size() / DrawList::kRecordWidth;
   const auto most = static_cast<std::size_t>(api.max_texture_size);
   if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
-  api.BindTexture(kTexture2d, texture.name);
-  if (rows > texture.rows) {
-    const std::size_t fresh = std::min(std::max(rows, 2 * texture.rows), most);
-    texture.rows = 0;
+  if (rows > textures.rows) {
+    const std::size_t fresh = std::min(std::max(rows, 2 * textures.rows), most);
+    textures.rows = 0;
     drainErrors(api);
-    api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger, kUnsignedInt, nullptr);
+    for (const Name name : textures.names) {
+      api.BindTexture(kTexture2d, name);
+      api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger, kUnsignedInt, nullptr);
+    }
     if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good) return good;
-    texture.rows = fresh;
+    textures.rows = fresh;
   }
+  textures.now = (textures.now + 1) % RecordTextures::kCount;
+  api.BindTexture(kTexture2d, textures.names[textures.now]);
   api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt, records.data());
   return {};
 }
@@ -86,7 +87,7 @@ void Renderer::Impl::setState(const View& view, Pass pass) const {
   api.BindVertexArray(vertex_array);
   for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
   bindUnit(api, kPool, store.pool().texture());
-  bindUnit(api, kRecords, records.all[records.now].name);
+  bindUnit(api, kRecords, records.names[records.now]);
   bindUnit(api, kScene, view.scene_depth);
   api.Enable(kDepthTest);
   api.DepthFunc(view.reversed_depth ? kGequal : kLequal);
@@ -137,7 +138,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   for (const Enum filter : {kTextureMinFilter, kTextureMagFilter}) self.api.SamplerParameteri(self.sampler, filter, kNearest);
   self.api.SamplerParameteri(self.sampler, kTextureCompareMode, kNone);
   label(self.api, kLabelSampler, self.sampler, "kelp nearest");
-  for (auto& texture : self.records.all) texture.name = makeTexture(self.api, kTexture2d, "kelp records");
+  for (Name& name : self.records.names) name = makeTexture(self.api, kTexture2d, "kelp records");
   return renderer;
 }
 
@@ -145,7 +146,7 @@ Renderer::~Renderer() {
   Impl& self = *impl_;
   self.store.clear(self.abandoned ? nullptr : &self.api);
   if (self.abandoned) return;
-  for (const auto& texture : self.records.all) self.api.DeleteTextures(1, &texture.name);
+  self.api.DeleteTextures(RecordTextures::kCount, self.records.names);
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
@@ -166,6 +167,7 @@ void Renderer::remove(const runtime::Asset& asset) {
 Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (max_bytes > 0 && max_bytes < kLeastUpload) return Error{ErrorCode::kMisuse, "an upload of less than 4096 bytes would never end; 0 uploads nothing"};
   const DebugGroup group(self.api, "kelp upload");
   const UploadGuard guard(self.api, self.restore);
   const auto progress = self.store.upload(self.api, max_bytes);

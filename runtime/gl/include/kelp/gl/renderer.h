@@ -106,7 +106,7 @@ class Renderer {
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
 
-  // Once a frame: uploads at most `max_bytes` (4 KiB or more, or nothing is) of what the draws since the last upload() lacked, the voxels that cover
+  // Once a frame: uploads at most `max_bytes` (0, or 4096 and more) of what the draws since the last upload() lacked, the voxels that cover
   // the most pixels first, and asks the assets for what is not in memory, so that their pump() reads it. What was not drawn for longest, or
   // is worth fewer pixels, makes room. Large grids and pages take several frames. kLimit: the coarsest levels of all assets do not fit into
   // gpu_budget; what does is drawn. Before the first draw everything is wanted: a loading screen calls until `pending` is 0.
