@@ -6,6 +6,7 @@
 #include <GLFW/glfw3.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -91,21 +92,20 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   const kelp::Box box = bounds(instance);  // at rest
   const glm::vec3 extent = box.max - box.min, centre = 0.5f * (box.min + box.max);
   const GLuint triangles = prepareTriangles();
-  std::atomic<bool> quit = false, loaded = false;
+  std::atomic<bool> quit = false;
   std::atomic<int> exit_code = 0;
-  std::thread loader([&] {  // reads the voxels, coarse to fine; a game would call pump() from its jobs
-    for (kelp::Result<bool> more = true; more && *more && !quit;) {
-      more = (*asset)->pump();
+  std::thread loader([&] {  // reads the voxels that the renderer asks for; a game would call pump() from its jobs
+    while (exit_code == 0 && !quit) {
+      const kelp::Result<bool> more = (*asset)->pump();
       if (!more) exit_code = fail(path, more.error());
+      if (more && !*more) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    loaded = true;
   });
 
   for (int frame = 0; exit_code == 0 && !glfwWindowShouldClose(window) && (frames == 0 || frame < frames);) {
     const double seconds = glfwGetTime();
     pose->reset();
     if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
-    const bool all_read = loaded;
     const auto sent = (*renderer)->upload(4 << 20);  // bytes that this frame may spend
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
@@ -121,7 +121,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)}) glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
     const auto drawn = (*renderer)->draw(view, {&instance, 1});
     if (!sent || (!drawn && view.viewport.x * view.viewport.y > 0)) exit_code = fail(path, sent ? drawn.error() : sent.error());
-    if (all_read && sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there
+    if (sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there that are to be seen
     if (frame == frames && picture) exit_code = writePicture(picture, view.viewport);
     glfwSwapBuffers(window);
     glfwPollEvents();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "model.h"
 
+#include <chrono>
+
 namespace viewer {
 
 std::string describe(const kelp::Error& error) {
@@ -38,17 +40,16 @@ Model::~Model() {
 }
 
 void Model::load() {
-  bool more = true;
-  while (more && !quit_) {
+  while (!quit_) {
     const kelp::Result<bool> pumped = asset_->pump();
-    if (pumped) {
-      more = *pumped;
-    } else {  // what is sound is shown all the same
+    if (!pumped) {  // what is sound is shown all the same
       const std::lock_guard lock(mutex_);
       load_error_ = path_ + ": " + describe(pumped.error());
+    } else if (!*pumped) {  // until the renderer asks for more
+      loaded_ = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
-  loaded_ = true;
 }
 
 std::string Model::loadError() const {

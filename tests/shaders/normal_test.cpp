@@ -9,6 +9,7 @@
 #include "reference/deformed_field.h"
 #include "reference/paper_cpp.h"
 #include "reference/trials.h"
+#include "support/traced_level.h"
 #include "support/poses.h"
 
 namespace kelp {

@@ -64,6 +64,7 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, LinkProgram, (Name))                                                                                            \
   X(void, GetProgramiv, (Name, Enum, std::int32_t*))                                                                      \
   X(void, GetProgramInfoLog, (Name, std::int32_t, std::int32_t*, char*))                                                  \
+  X(std::uint8_t, IsProgram, (Name))                                                                                      \
   X(void, UseProgram, (Name))                                                                                             \
   X(std::int32_t, GetUniformLocation, (Name, const char*))                                                                \
   X(void, Uniform1i, (std::int32_t, std::int32_t))                                                                        \

@@ -78,7 +78,8 @@ DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore
 
 DrawGuard::~DrawGuard() {
   if (!restore_) return;
-  api_.UseProgram(static_cast<Name>(program_));
+  // One that the host had deleted while it was current went when kelp's took its place.
+  api_.UseProgram(api_.IsProgram(static_cast<Name>(program_)) ? static_cast<Name>(program_) : 0);
   api_.BindVertexArray(static_cast<Name>(vertex_array_));
   for (int i = 0; i < kTextureUnits; ++i) {
     api_.ActiveTexture(kTexture0 + static_cast<Enum>(i));

@@ -72,6 +72,9 @@ void run(const Options& options) {
   config.getProcAddress = HeadlessContext::getProcAddress;
   config.surface_glsl = style.surface.c_str();
   config.log = [](void*, const char* text) { std::fputs(text, stderr); };
+  // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
+  config.gpu_budget = std::uint64_t{8} << 20;
+  for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack.asset);
   const auto renderer = checkPack("OpenGL", gl::Renderer::create(config));
   for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer->add(*pack.asset));
   checkPack("OpenGL", renderer->upload(~std::uint64_t{0}));

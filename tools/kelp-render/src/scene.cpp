@@ -40,7 +40,9 @@ Scene::Scene(const Options& options) {
     Pack& pack = packs_[item.pack];
     if (!pack.asset) {
       pack.file = openFile(item.pack);
-      pack.asset = checkPack(item.pack, runtime::Asset::open(pack.file.source()));
+      runtime::Options whole;
+      whole.memory_budget = ~std::uint64_t{0};
+      pack.asset = checkPack(item.pack, runtime::Asset::open(pack.file.source(), whole));
       checkLevel(options, item.pack, pack.asset->pack());
     }
     poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack.asset)));
