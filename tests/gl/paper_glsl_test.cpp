@@ -25,8 +25,12 @@ uniform usampler3D cells;
 #define KELP_SIZE vec3(size)
 #define KELP_LEVEL_SIZE size
 #define KELP_LEVEL_SCALE 1.0
-#define KELP_FETCH_CELL(v) texelFetch(cells, v, 0).r
-#define KELP_FETCH_CODE(k, v) (texelFetch(cells, v, 0).g + (k))
+#define KELP_COMPLETE true
+#define KELP_COARSER 0
+#define KELP_CELL(v) texelFetch(cells, v, 0).r
+#define KELP_BRICK(k, cell) (cell)
+#define KELP_BRICK_ABOVE(k, v) 0u
+#define KELP_CODE(k, brick, v) (texelFetch(cells, v, 0).g + (brick))
 #define PAPER_FETCH(v) texelFetch(distances, v, 0).r
 #define PAPER_STEP 0.25
 )";
