@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// The pool's rows against a plain list of them: places are free, victims are the cheapest that make a place, words go where they should.
+#include "pool.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "fake_gl.h"
+#include "residency.h"
+
+namespace kelp::test {
+namespace {
+
+using gl::Pool;
+using gl::ResidentLevel;
+
+// Row by row: who holds it; null: nobody.
+struct Model {
+  explicit Model(std::uint32_t count) : rows(count) {}
+  std::vector<const void*> rows;
+
+  bool isFree(std::uint32_t row, std::uint32_t count) const {
+    return row + count <= rows.size() && std::all_of(&rows[row], &rows[row] + count, [](const void* owner) { return !owner; });
+  }
+};
+
+class PoolTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    FakeGl::current() = &fake_;
+    ASSERT_TRUE(gl::loadApi(FakeGl::getProcAddress, nullptr, api_));
+    ASSERT_TRUE(pool_.create(api_, kRows * Pool::kRowBytes));
+    ASSERT_EQ(pool_.rows(), kRows);
+    model_.rows[0] = this;  // address 0 is nobody's
+  }
+
+  static constexpr std::uint32_t kRows = 200;
+  FakeGl fake_;
+  gl::Api api_;
+  Pool pool_{Allocator{}};
+  Model model_{kRows};
+};
+
+TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
+  std::mt19937 random(11);
+  struct Held {
+    std::unique_ptr<ResidentLevel> level;
+    std::uint32_t rows = 0;
+  };
+  std::map<std::uint32_t, Held> held;  // by row
+  int places = 0, evictions = 0, refusals = 0;
+  for (int turn = 0; turn < 4000; ++turn) {
+    if (random() % 3 == 0 && !held.empty()) {
+      auto gone = std::next(held.begin(), static_cast<std::ptrdiff_t>(random() % held.size()));
+      pool_.giveBack(gone->first);
+      std::fill_n(model_.rows.begin() + gone->first, gone->second.rows, nullptr);
+      held.erase(gone);
+    }
+    const std::uint32_t rows = random() % 8 == 0 ? 1 + random() % 60 : 1 + random() % 17;
+    const float priority = random() % 10 == 0 ? 1e30f : static_cast<float>(static_cast<int>(random() % 40) - 8);
+    std::uint32_t row = pool_.findFree(rows);
+    bool any = false;
+    for (std::uint32_t r = 0; r < kRows && !any; ++r) any = model_.isFree(r, rows);
+    ASSERT_EQ(row != 0, any);
+    if (row == 0) {
+      // Brute force: of all places, the price is that of the dearest whom they belong to.
+      float best = 1e38f;
+      for (std::uint32_t r = 1; r + rows <= kRows; ++r) {
+        float price = -1e38f;
+        for (std::uint32_t i = r; i < r + rows; ++i) {
+          const auto* owner = static_cast<const ResidentLevel*>(model_.rows[i]);
+          if (owner) price = std::max(price, owner->priority);
+        }
+        best = std::min(best, price);
+      }
+      std::vector<Pool::Block> victims;
+      for (const Pool::Block& block : pool_.findVictims(rows, priority)) victims.push_back(block);
+      ASSERT_EQ(victims.empty(), !(best < priority)) << best << " " << priority;
+      if (victims.empty()) {
+        ++refusals;
+        continue;
+      }
+      ++evictions;
+      float dearest = -1e38f;
+      for (const Pool::Block& victim : victims) {
+        dearest = std::max(dearest, victim.level->priority);
+        pool_.giveBack(victim.row);
+        std::fill_n(model_.rows.begin() + victim.row, victim.rows, nullptr);
+        ASSERT_EQ(held.erase(victim.row), 1u);
+      }
+      EXPECT_EQ(dearest, best) << "a cheaper place was there";
+      row = pool_.findFree(rows);
+      ASSERT_NE(row, 0u) << "what went was not enough";
+    }
+    ++places;
+    ASSERT_TRUE(model_.isFree(row, rows));
+    Held mine{std::make_unique<ResidentLevel>(), rows};
+    mine.level->priority = priority;
+    ASSERT_TRUE(pool_.take({row, rows, nullptr, 0}));
+    pool_.assign(row, mine.level.get(), 0);
+    std::fill_n(model_.rows.begin() + row, rows, mine.level.get());
+    held.emplace(row, std::move(mine));
+    const auto used = static_cast<std::uint64_t>(std::count_if(model_.rows.begin(), model_.rows.end(), [](const void* owner) { return owner; }));
+    ASSERT_EQ(pool_.usedBytes(), used * Pool::kRowBytes);
+  }
+  EXPECT_GT(places, 1000);
+  EXPECT_GT(evictions, 300);
+  EXPECT_GT(refusals, 100);
+}
+
+TEST_F(PoolTest, AGridIsDearerThanItsPagesAndCheaperThanTheNextLevel) {
+  ResidentLevel level;
+  for (const float priority : {8.0f, 0.001f, 1e20f, -1.0f, -300.0f}) {
+    level.priority = priority;
+    const float page = gl::priorityOf({1, 1, &level, 0}), grid = gl::priorityOf({1, 1, &level, Pool::Block::kGrid});
+    EXPECT_GT(grid, page);
+    if (priority > 0) {
+      EXPECT_LT(grid, 2 * priority);
+    } else {
+      EXPECT_LT(grid, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp::test
