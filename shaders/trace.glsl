@@ -319,6 +319,8 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
     }
     while (missing) {
       vec3 q = kelpCurveAt(c, b);
+      vec3 gap = kelpBeside(q, extent);
+      if (!(max(gap.x, gap.z) <= 0.75f * KELP_ERODE)) break;
       ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
       uint cell = KELP_CELL(ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3));
       if (cell < 0x80000000u || KELP_BRICK(0, cell) != 0u) break;
