@@ -213,7 +213,7 @@ void Residency::writeTable(const Api& api, const ResidentLevel& level) {
   ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.part)];
   part.finest = part.levels;
   if (!level.asset->level(part, part.levels - 1).complete()) return;
-  while (part.finest > 0 && level.asset->level(part, part.finest - 1).resident > 0) --part.finest;
+  while (part.finest > 0 && level.asset->level(part, part.finest - 1).grid_row != 0) --part.finest;
 }
 
 void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t page) {
@@ -222,7 +222,7 @@ void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t pag
   pool_.giveBack(level.page_rows[page]);
   level.page_rows[page] = 0;
   --level.resident;
-  if (was_complete || level.resident == 0) writeTable(api, level);
+  if (was_complete) writeTable(api, level);
 }
 
 // With it go its pages and all finer levels of the part, which rest on it.
@@ -329,7 +329,7 @@ void Residency::finish(const Api& api) {
   }
   pool_.assign(done.row, &level, done.page);
   transfer_ = {};
-  if (done.page == Pool::Block::kGrid || level.resident == 1 || level.complete()) writeTable(api, level);
+  if (done.page == Pool::Block::kGrid || level.complete()) writeTable(api, level);
 }
 
 // Brings what the level lacks, or asks for it. False: from here on nothing fits into the pool.
