@@ -76,7 +76,7 @@ fields::Occupancy reed(int height, unsigned seed) {
   };
   const glm::vec3 foot(0.5f * static_cast<float>(size.x), 0, 0.5f * static_cast<float>(size.z));
   strand(foot, foot + glm::vec3(0, h - 1, 0), {}, 0.02f * h);
-  for (int leaf = 0; leaf < 14; ++leaf) {
+  for (int leaf = 0; leaf < 40; ++leaf) {
     const glm::vec3 root = foot + glm::vec3(0, h * 0.8f * unit(random), 0);
     const glm::vec3 tip(static_cast<float>(size.x) * unit(random), std::min(root.y + 0.2f * h, h - 1), static_cast<float>(size.z) * unit(random));
     strand(root, tip, glm::vec3(0, 0.06f * h, 0), 0.012f * h);
