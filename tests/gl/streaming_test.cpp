@@ -241,13 +241,13 @@ TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
       for (std::size_t c = 0; c < 3; ++c) change += std::abs(int{away[f].pixels[i][c]} - int{away[f - 1].pixels[i][c]});
       covered += away[f].covers(i);
     }
-    changes.push_back(change / (3.0 * 255.0 * covered));
+    if (covered >= 500) changes.push_back(change / (3.0 * 255.0 * covered));  // of fewer, a single pixel's change weighs too much
   }
-  std::vector<double> sorted = changes;
-  std::sort(sorted.begin(), sorted.end());
-  const double median = sorted[sorted.size() / 2];
-  EXPECT_LT(sorted.back(), 3 * median);
-  RecordProperty("largest_change_of_median", std::to_string(sorted.back() / median));
+  ASSERT_GT(changes.size(), 200u);
+  std::sort(changes.begin(), changes.end());
+  const double median = changes[changes.size() / 2];
+  EXPECT_LT(changes.back(), 3 * median);
+  RecordProperty("largest_change_of_median", std::to_string(changes.back() / median));
   for (int frame = kFrames - 1; frame >= 0; frame -= 7) {
     ASSERT_TRUE(renderer->upload(1 << 20));
     const Picture back = take(*renderer, canvas, viewAt(frame), {&instance, 1});
