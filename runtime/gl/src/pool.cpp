@@ -51,7 +51,7 @@ std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priorit
   float best_price = priority;
   for (std::size_t i = 0; i < count_; ++i) {
     // The shortest run that ends with block i, and room up to the block after it. Runs begin after the last block that may not go.
-    if (!(blocks_[i].level && priorityOf(blocks_[i]) < priority)) {
+    if (!(blocks_[i].level && worthOf(blocks_[i]) < priority)) {
       first = i + 1;
       continue;
     }
@@ -60,7 +60,7 @@ std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priorit
     while (first < i && end - begin(first + 1) >= rows) ++first;
     if (end - begin(first) < rows) continue;
     float price = -1e30f;
-    for (std::size_t n = first; n <= i; ++n) price = std::max(price, priorityOf(blocks_[n]));
+    for (std::size_t n = first; n <= i; ++n) price = std::max(price, worthOf(blocks_[n]));
     if (price < best_price) {
       best_price = price;
       best = {&blocks_[first], i + 1 - first};

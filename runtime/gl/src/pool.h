@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The GPU memory of all voxels: one texture array of 32-bit words, made once and never again. Blocks of whole rows are given out; whoever
-// holds one of a lower priority has to give it back when there is no other room.
+// holds one and is worth less has to give it back when there is no other room.
 #pragma once
 
 #include <span>
@@ -41,7 +41,7 @@ class Pool {
 
   // The first row of a free place; 0, which is no place, if there is none.
   std::uint32_t findFree(std::uint32_t rows) const;
-  // The blocks of a run that would be place enough if they were given back, all of a priority below `priority`; of all such runs one whose
+  // The blocks of a run that would be place enough if they were given back, all worth less than `priority`; of all such runs one whose
   // dearest block is cheapest. Empty: there is none. Good until the next take() or giveBack().
   std::span<const Block> findVictims(std::uint32_t rows, float priority) const;
   // False: no memory to keep account of it.

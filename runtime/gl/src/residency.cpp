@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <new>
+#include <utility>
 
 #include "kelp/gl/renderer.h"
 
@@ -14,8 +15,11 @@ namespace {
 
 constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to keep account of an asset"};
 constexpr float kPinned = 1e30f;
-// What is wanted gives way only to what is worth this much more: models that sway would take each other's place for ever otherwise.
+// Models that sway must not take each other's place for ever. What is there gives way only to what is worth this much more; and what
+// gave way and came back is from then on worth what it was at most in the last one or two ages. Where priorities repeat within an age, that
+// comes to rest: whoever then gives way never comes back. (To count past worth always would keep what is behind a camera that turns.)
 constexpr float kWorthMoving = 1.25f;
+constexpr std::uint32_t kAge = 256;  // rounds
 // Bytes kept back for the tables that a transfer changes at its end.
 constexpr std::uint64_t kReserve = 256;
 constexpr std::uint64_t kTableWrite = 16;
@@ -31,13 +35,15 @@ std::uint64_t cellCount(const glm::ivec3& grid) {
 // The word of the page's entry in the level's page table.
 std::uint64_t pageEntry(const ResidentLevel& level, std::uint32_t page) { return level.cellsAt() + cellCount(level.grid) + page; }
 
+// A grid comes above its pages, and below the next coarser level's.
+float ofPageOrGrid(float priority, std::uint32_t page) {
+  if (page != Pool::Block::kGrid) return priority;
+  return priority > 0 ? 1.5f * priority : priority + 0.5f;
+}
+
 }  // namespace
 
-float priorityOf(const Pool::Block& block) {
-  const float priority = block.level->priority;
-  if (block.page != Pool::Block::kGrid) return priority;
-  return priority > 0 ? 1.5f * priority : priority + 0.5f;  // above its pages, below the next coarser level's
-}
+float worthOf(const Pool::Block& block) { return ofPageOrGrid(block.level->worth, block.page); }
 
 ResidentAsset::~ResidentAsset() {
   for (const ResidentLevel* level : levels) delete level;
@@ -175,6 +181,7 @@ Result<void> Residency::prioritise() {
   for (const ResidentAsset* asset : std::span(assets_.data(), count_)) levels += asset->levels.size();
   if (!queue_.reuse(levels)) return kNoMemory;
   queued_ = 0;
+  const bool new_age = ++round_ % kAge == 0;
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     if (asset->tables_row == 0) continue;
     for (const ResidentPart& part : asset->parts) {
@@ -189,6 +196,11 @@ Result<void> Residency::prioritise() {
         } else {
           level.priority = level.priority < 0 ? level.priority - 1.0f : -1.0f;
         }
+        if (new_age) level.peaks[1] = std::exchange(level.peaks[0], 0.0f);
+        if (drawn_) level.peaks[0] = std::max(level.peaks[0], level.priority);
+        const float peak = std::max(level.peaks[0], level.peaks[1]);
+        level.restless = level.restless && peak > 0;
+        level.worth = level.restless ? peak : level.priority;
         if (level.priority > 0) queue_[queued_++] = &level;
       }
     }
@@ -217,6 +229,7 @@ void Residency::writeTable(const Api& api, const ResidentLevel& level) {
 }
 
 void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t page) {
+  level.dropped = round_;
   const bool was_complete = level.complete();
   pool_.write(api, pageEntry(level, page), kAbsentPage);
   pool_.giveBack(level.page_rows[page]);
@@ -238,6 +251,7 @@ void Residency::dropGrid(const Api& api, ResidentLevel& coarsest) {
     pool_.giveBack(level.grid_row);
     level.grid_row = 0;
     level.resident = 0;
+    level.dropped = round_;
     writeTable(api, level);
   }
 }
@@ -263,12 +277,13 @@ std::uint32_t Residency::makeRoom(const Api& api, std::uint32_t rows, float prio
 // Finds a place for a page or a grid; it is uploaded by proceed(). False: there is none.
 bool Residency::begin(const Api& api, ResidentLevel& level, std::uint32_t page, std::uint32_t rows) {
   if (rows >= too_many_) return false;
-  const std::uint32_t row = makeRoom(api, rows, priorityOf({0, 0, &level, page}));
+  const std::uint32_t row = makeRoom(api, rows, ofPageOrGrid(level.priority, page));
   if (row == 0 || !pool_.take({row, rows, nullptr, page})) {
     too_many_ = rows;
     return false;
   }
   transfer_ = {&level, page, row, 0};
+  level.restless = level.restless || (level.dropped != 0 && round_ - level.dropped < 2 * kAge);
   return true;
 }
 

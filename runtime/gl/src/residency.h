@@ -19,6 +19,10 @@ struct ResidentLevel {
   glm::ivec3 grid{0};              // bricks
   std::uint32_t table = 0;         // its three words in the asset's tables: shaders/instance.glsl
   float priority = 0;              // > 0: wanted; the pixels that a voxel of the next coarser level covers. < 0: rounds since it was wanted
+  float peaks[2] = {};             // the highest priority in this age and in the one before: Residency::prioritise
+  std::uint32_t dropped = 0;       // round in which it last gave way
+  bool restless = false;           // it came back soon after
+  float worth = 0;                 // it gives way to what is worth more: its priority, or, restless, its highest one lately
   std::uint32_t grid_row = 0;      // 0: not in the pool
   std::uint32_t resident = 0;      // pages
   std::uint32_t all_rows = 0;      // of all its pages
@@ -58,8 +62,8 @@ struct ResidentAsset {
   ResidentLevel& level(const ResidentPart& part, int level) const { return *levels[part.first_level + static_cast<std::size_t>(level)]; }
 };
 
-// Of whoever holds the block; blocks of tables and of what is being uploaded have none.
-float priorityOf(const Pool::Block& block);
+// What whoever holds the block is worth; blocks of tables and of what is being uploaded have no holder.
+float worthOf(const Pool::Block& block);
 
 class Residency {
  public:
@@ -120,6 +124,7 @@ class Residency {
   Buffer<ResidentAsset*> assets_;  // the first count_, ascending by address; owned
   Buffer<Pool::Block> victims_;
   Transfer transfer_;
+  std::uint32_t round_ = 0;  // of upload()
   bool drawn_ = false;       // until the first draw everything is wanted
   bool wants_read_ = true;
 
