@@ -6,7 +6,6 @@
 #include <cstring>
 #include <functional>
 #include <new>
-#include <utility>
 
 #include "kelp/gl/renderer.h"
 
@@ -16,10 +15,12 @@ namespace {
 constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to keep account of an asset"};
 constexpr float kPinned = 1e30f;
 // Models that sway must not take each other's place for ever. What is there gives way only to what is worth this much more; and what
-// gave way and came back is from then on worth what it was at most in the last one or two ages. Where priorities repeat within an age, that
-// comes to rest: whoever then gives way never comes back. (To count past worth always would keep what is behind a camera that turns.)
+// gave way and came back is from then on worth what it was at most, until it was worth much less for some ages. Peaks only grow while the
+// camera rests, and whoever gives way gives way to a higher one: that comes to an end. (To count peaks always would keep what a camera has left behind.)
 constexpr float kWorthMoving = 1.25f;
+constexpr float kMuchLess = 0.25f;
 constexpr std::uint32_t kAge = 256;  // rounds
+constexpr int kMostPatience = 16;
 // Bytes kept back for the tables that a transfer changes at its end.
 constexpr std::uint64_t kReserve = 256;
 constexpr std::uint64_t kTableWrite = 16;
@@ -196,11 +197,18 @@ Result<void> Residency::prioritise() {
         } else {
           level.priority = level.priority < 0 ? level.priority - 1.0f : -1.0f;
         }
-        if (new_age) level.peaks[1] = std::exchange(level.peaks[0], 0.0f);
-        if (drawn_) level.peaks[0] = std::max(level.peaks[0], level.priority);
-        const float peak = std::max(level.peaks[0], level.peaks[1]);
-        level.restless = level.restless && peak > 0;
-        level.worth = level.restless ? peak : level.priority;
+        if (new_age) {
+          level.quiet = level.recent < kMuchLess * level.peak ? static_cast<std::uint8_t>(level.quiet + 1) : std::uint8_t{0};
+          if (level.quiet > level.patience) {
+            level.peak = level.recent;
+            level.quiet = 0;
+          }
+          level.recent = 0;
+        }
+        if (drawn_) level.recent = std::max(level.recent, level.priority);
+        level.peak = std::max(level.peak, level.recent);
+        level.restless = level.restless && level.peak > 0;
+        level.worth = level.restless ? level.peak : level.priority;
         if (level.priority > 0) queue_[queued_++] = &level;
       }
     }
@@ -283,7 +291,10 @@ bool Residency::begin(const Api& api, ResidentLevel& level, std::uint32_t page, 
     return false;
   }
   transfer_ = {&level, page, row, 0};
-  level.restless = level.restless || (level.dropped != 0 && round_ - level.dropped < 2 * kAge);
+  if (!level.restless && level.dropped != 0 && round_ - level.dropped < 2 * kAge) {
+    level.restless = true;
+    level.patience = static_cast<std::uint8_t>(std::clamp(2 * level.patience, 1, kMostPatience));
+  }
   return true;
 }
 

@@ -19,10 +19,13 @@ struct ResidentLevel {
   glm::ivec3 grid{0};              // bricks
   std::uint32_t table = 0;         // its three words in the asset's tables: shaders/instance.glsl
   float priority = 0;              // > 0: wanted; the pixels that a voxel of the next coarser level covers. < 0: rounds since it was wanted
-  float peaks[2] = {};             // the highest priority in this age and in the one before: Residency::prioritise
+  float recent = 0;                // its highest priority in this age: Residency::prioritise
+  float peak = 0;                  // in all ages since it was last worth much less
   std::uint32_t dropped = 0;       // round in which it last gave way
-  bool restless = false;           // it came back soon after
-  float worth = 0;                 // it gives way to what is worth more: its priority, or, restless, its highest one lately
+  std::uint8_t quiet = 0;          // ages in which it was worth much less than its peak
+  std::uint8_t patience = 0;       // so many ages may be quiet; twice as many each time that it came back soon
+  bool restless = false;           // it came back soon
+  float worth = 0;                 // it gives way to what is worth more: its priority, or, restless, its peak
   std::uint32_t grid_row = 0;      // 0: not in the pool
   std::uint32_t resident = 0;      // pages
   std::uint32_t all_rows = 0;      // of all its pages
