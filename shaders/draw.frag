@@ -10,8 +10,8 @@ uniform float kelp_clip_low;   // z / w of the lower clip plane: -1, or 0 with c
 uniform int kelp_scene;        // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
 uniform highp sampler2D kelp_scene_depth;  // a texel a pixel: nothing beyond it need be drawn
 
-// A depth buffer of 16 bits rounds: what lies this little beyond it is left to the depth test.
-#define KELP_SCENE_MARGIN 3.0e-5
+// Depth buffers round, those of 16 bits by 1/131070: what lies this little beyond theirs is left to the depth test. Of the buffer's own 0..1.
+#define KELP_SCENE_MARGIN 1.5e-5
 
 // Narrows s so that value + s * slope >= 0: a clip plane, exact because clip coordinates are linear along the ray.
 vec2 kelpClip(vec2 s, float value, float slope) {
@@ -33,51 +33,10 @@ vec4 kelpPreviousClip(vec3 rest) {
   return kelpRows(rows, kelpRecord(rows + 3)) * vec4(rest.x + shift.x, y, rest.z + shift.z, 1.0);
 }
 
+// The colour of a hit; clip: where it is in clip space.
 vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray, vec4 clip) {
   kelpLoadLevel(kelp_level + hit.coarser);
-  uint entry;
-  KelpMaterial material;
-  vec3 normal = -ray;
-  if (kelpIsSurface(hit.code)) {
-    uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
-    entry = bits & 255u;
-    KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
-    KelpSegment bottom = KELP_SEGMENT(0);
-    KelpSegment g = KELP_SEGMENT(hit.segment);
-    float stretch = kelp_size.y / (top.p1.y - bottom.p0.y);
-    vec3 rest_normal;
-    if (kelp_shading == KELP_SHADING_SMOOTH) {
-      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);
-    } else {
-      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
-                                                       : kelpDecodeNormal(bits >> 8u);
-      material = kelpMaterial(int(entry));
-    }
-    vec3 bent = kelpDeformNormal(g, hit.t, stretch, rest_normal);
-    normal = dot(bent, bent) > 0.0 ? bent : normal;
-  } else {
-    entry = kelpInnerMaterial(hit.voxel);
-    material = kelpMaterial(int(entry));
-  }
-
-  KelpSurface s;
-  mat4 to_world = kelpPartToWorld();
-  s.position = (to_world * vec4(position, 1.0)).xyz;
-  s.normal = normalize(kelpNormalToWorld(normal));
-  s.view = normalize(mat3(to_world) * -ray);
-  s.color = material.color * kelpRecord(kelp_record + 8);
-  s.emissive = material.glow.rgb;
-  s.metallic = material.glow.a;
-  s.roughness = material.roughness;
-  s.material = int(entry);
-  s.level = kelp_level;
-  s.steps = hit.steps;
-  s.voxel = hit.voxel;
-  s.rest = hit.rest;
-  s.size = kelp_size;
-  uvec4 tags = kelpRecordBits(kelp_record + 12);
-  s.instance = int(tags.y);
-  s.part = int(tags.z);
+  KelpSurface s = kelpSurfaceAt(hit, position, ray);
   s.clip = clip;
   s.previous_clip = kelp_motion ? kelpPreviousClip(hit.rest) : clip;
   return kelpSurface(s);
@@ -100,13 +59,14 @@ void main() {
   range = kelpClip(range, clip_at.w - clip_at.z, clip_slope.w - clip_slope.z);
   if (kelp_scene != 0) {
     // The scene's depth is one more plane across this ray.
-    float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - gl_DepthRange.near) / gl_DepthRange.diff;
     float side = kelp_scene == 1 ? 1.0 : -1.0;
-    float plane = mix(kelp_clip_low, 1.0, depth) + side * KELP_SCENE_MARGIN;
+    float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - gl_DepthRange.near) / gl_DepthRange.diff;
+    float plane = mix(kelp_clip_low, 1.0, depth + side * KELP_SCENE_MARGIN / abs(gl_DepthRange.diff));
     range = kelpClip(range, side * (plane * clip_at.w - clip_at.z), side * (plane * clip_slope.w - clip_slope.z));
   }
   if (!(range.x <= range.y)) discard;
 
+  kelp_jitter = kelpJitter(vec2(pixel));
   kelpLoadLevel(kelpPixelLevel(pixel));
   KelpHit hit = kelpTrace(kelp_exit, ray, range.x, range.y);
   if (!hit.found) discard;

@@ -9,7 +9,7 @@
 uniform usampler2DArray kelp_pool;
 
 // The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the texel of its record.
-//   0..3   rows: part space -> clip space
+//   0..3   rows: part space -> clip space; in what a host's own shader traces (scene.glsl) 0..2, world -> part space
 //   4..6   rows: part space -> world
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
 //   8      tint

@@ -2,10 +2,6 @@
 // What the voxels at a hit say of it: their material and their normal, in one of the three ways of kelp::gl::Shading.
 // Nothing here runs before a ray has hit, and only kSmooth reads more than a few texels.
 
-uniform int kelp_shading;  // kelp::gl::Shading
-#define KELP_SHADING_FACES 1
-#define KELP_SHADING_SMOOTH 2
-
 // Palette entries as numbers, so that they can be averaged.
 struct KelpMaterial {
   vec4 color;
@@ -131,4 +127,55 @@ vec3 kelpSmoothNormal(KelpHit hit, vec3 ahead, out KelpMaterial mean) {
   mean.glow /= total;
   mean.roughness /= total;
   return normal;
+}
+
+// All there is to say of a hit with the part and the level that are loaded, whose voxel is of that level. Position and ray (unit, into the
+// surface) in part space. Only draw.frag knows of clip space.
+KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
+  uint entry;
+  KelpMaterial material;
+  vec3 normal = -ray;
+  if (kelpIsSurface(hit.code)) {
+    uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
+    entry = bits & 255u;
+    KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
+    KelpSegment bottom = KELP_SEGMENT(0);
+    KelpSegment g = KELP_SEGMENT(hit.segment);
+    float stretch = kelp_size.y / (top.p1.y - bottom.p0.y);
+    vec3 rest_normal;
+    if (kelp_shading == KELP_SHADING_SMOOTH) {
+      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);
+    } else {
+      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
+                                                       : kelpDecodeNormal(bits >> 8u);
+      material = kelpMaterial(int(entry));
+    }
+    vec3 bent = kelpDeformNormal(g, hit.t, stretch, rest_normal);
+    normal = dot(bent, bent) > 0.0 ? bent : normal;
+  } else {
+    entry = kelpInnerMaterial(hit.voxel);
+    material = kelpMaterial(int(entry));
+  }
+
+  KelpSurface s;
+  mat4 to_world = kelpPartToWorld();
+  s.position = (to_world * vec4(position, 1.0)).xyz;
+  s.normal = normalize(kelpNormalToWorld(normal));
+  s.view = normalize(mat3(to_world) * -ray);
+  s.color = material.color * kelpRecord(kelp_record + 8);
+  s.emissive = material.glow.rgb;
+  s.metallic = material.glow.a;
+  s.roughness = material.roughness;
+  s.material = int(entry);
+  s.level = kelp_level;
+  s.steps = hit.steps;
+  s.voxel = hit.voxel;
+  s.rest = hit.rest;
+  s.size = kelp_size;
+  uvec4 tags = kelpRecordBits(kelp_record + 12);
+  s.instance = int(tags.y);
+  s.part = int(tags.z);
+  s.clip = vec4(0.0);
+  s.previous_clip = vec4(0.0);
+  return s;
 }

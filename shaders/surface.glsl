@@ -1,6 +1,20 @@
 // SPDX-License-Identifier: MIT
 // What a hit looks like. The host may replace kelpSurface (kelp::gl::Config::surface_glsl): its text is compiled in the place of the
 // default below, with everything here and in instance.glsl and trace.glsl in scope. It may declare functions and constants of its own.
+//
+// A G-buffer: the text declares outputs of its own, at locations from 1 on (0 is what kelpSurface returns), and fills them:
+//
+//     layout(location = 1) out vec4 gbuffer_normal;
+//     layout(location = 2) out vec4 gbuffer_motion;
+//     layout(location = 3) out uvec2 gbuffer_tags;
+//     vec4 kelpSurface(KelpSurface s) {
+//       gbuffer_normal = vec4(0.5 + 0.5 * s.normal, s.roughness);
+//       gbuffer_motion = vec4(s.clip.xy / s.clip.w - s.previous_clip.xy / s.previous_clip.w, 0.0, s.metallic);
+//       gbuffer_tags = uvec2(s.instance, s.material);
+//       return s.color;
+//     }
+//
+// Its own uniforms and textures are set in kelp::gl::View::bind.
 
 struct KelpSurface {
   vec3 position;    // world
@@ -19,7 +33,8 @@ struct KelpSurface {
   int instance;     // index in the span that was drawn
   int part;
   vec4 clip;        // where the point is in clip space, and
-  vec4 previous_clip;  // where it was in the frame before (the same, unless kelp::gl::View::previous_world_to_clip is given)
+  vec4 previous_clip;  // where it was in the frame before (the same, unless kelp::gl::View::previous_world_to_clip is given). Both 0 in what
+                       // a host's own shader traces (scene.glsl)
 };
 
 // From kelp::gl::View. Light that falls on a white, diffuse surface facing the sun leaves it as kelp_sun_color / pi.
@@ -27,6 +42,22 @@ uniform vec3 kelp_sun_direction;  // world, unit, towards the sun
 uniform vec3 kelp_sun_color;
 uniform vec3 kelp_sky_color;
 uniform vec3 kelp_ground_color;
+uniform bool kelp_self_shadow;
+uniform int kelp_occlusion_rays;      // 0 .. 16; 0: none
+uniform float kelp_occlusion_reach;   // of the part's longest side
+uniform int kelp_shading;             // kelp::gl::Shading
+#define KELP_SHADING_FACES 1
+#define KELP_SHADING_SMOOTH 2
+
+// Two numbers in [0, 1) that turn a pixel's rays of occlusion: its neighbours' are others, its own stay.
+vec2 kelp_jitter = vec2(0.5);
+// Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare").
+vec2 kelpJitter(vec2 place) {
+  vec4 both = vec4(place, place + vec2(95.00005, 53.0));
+  return fract(52.9829189 * fract(vec2(dot(both.xy, vec2(0.06711056, 0.00583715)), dot(both.zw, vec2(0.00583715, 0.06711056)))));
+}
+
+#define KELP_WRAP 0.15  // how far behind its terminator a surface still gets light from the sun
 
 // Whether the voxels of the same part of the same instance stand between a point and the light: `distance` is in world units. Start a
 // little off the surface, or the surface's own voxel is met.
@@ -39,12 +70,50 @@ bool kelpOccluded(vec3 world_position, vec3 world_direction, float distance) {
   return reach > 0.0 && kelpTrace(origin, direction / reach, 0.0, reach).found;
 }
 
+// The light that voxels of the same part of the same instance leave to a surface: x of the sun's, 0 or 1 (1 unless `sun`), y of the sky's, the
+// mean over `rays` cosine-weighted rays (1 without any). A ray that hits at the distance d counts as stopped by 1 - (d / reach)^2; `reach` is a
+// fraction of the longest side of the undeformed part.
+// Rays start off the surface, by less than two voxels: a surface of cubes has steps that its normal knows nothing of. Faces of cubes have none.
+vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
+  const float kTurn = 2.39996323;  // the golden angle
+  vec2 visible = vec2(1.0);
+  float facing = dot(s.normal, kelp_sun_direction);
+  int first = sun && facing > -KELP_WRAP ? -1 : 0;
+  if (first == rays) return visible;
+  mat4 to_world = kelpPartToWorld();
+  mat3 to_part = inverse(mat3(to_world));
+  float voxel = length(to_world[0]) * float(1 << s.level);
+  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  vec3 start = to_part * (s.position + (lift * voxel) * s.normal - to_world[3].xyz);
+  float far = reach * max(max(s.size.x, s.size.y), s.size.z);
+  vec3 across = normalize(abs(s.normal.y) < 0.9 ? vec3(s.normal.z, 0.0, -s.normal.x) : vec3(0.0, -s.normal.z, s.normal.y));
+  vec3 beside = cross(s.normal, across);
+  float stopped = 0.0;
+  for (int i = first; i < rays; ++i) {
+    // Just behind the terminator, where kelpSunLight is still soft, the sun's ray runs along the surface.
+    vec3 towards = kelp_sun_direction + max(-facing, 0.0) * s.normal;
+    if (i >= 0) {
+      float inner = (float(i) + kelp_jitter.y) / float(rays);
+      float angle = kTurn * float(i) + 6.28318531 * kelp_jitter.x;
+      towards = sqrt(inner) * (cos(angle) * across + sin(angle) * beside) + sqrt(1.0 - inner) * s.normal;
+    }
+    float limit = i < 0 ? length(kelp_bounds_max - kelp_bounds_min) + 4.0 : far;
+    KelpHit hit = kelpTrace(start, normalize(to_part * towards), 0.0, limit);
+    if (!hit.found) continue;
+    if (i < 0) visible.x = 0.0;
+    else stopped += 1.0 - hit.s * hit.s / (limit * limit);
+  }
+  if (rays > 0) visible.y -= stopped / float(rays);
+  return visible;
+}
+// As kelp::gl::View::self_shadow, occlusion_rays and occlusion_reach say.
+vec2 kelpVisible(KelpSurface s) { return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach); }
+
 // The sun's light that a surface sends to the eye: Lambert, softened where it would end abruptly, and a GGX highlight (Trowbridge-Reitz
 // distribution; Smith visibility after Hammon's approximation; Schlick's Fresnel).
 vec3 kelpSunLight(KelpSurface s, vec3 diffuse, vec3 specular) {
-  const float kWrap = 0.15;
   float facing = dot(s.normal, kelp_sun_direction);
-  float soft = max((facing + kWrap) / ((1.0 + kWrap) * (1.0 + kWrap)), 0.0);
+  float soft = max((facing + KELP_WRAP) / ((1.0 + KELP_WRAP) * (1.0 + KELP_WRAP)), 0.0);
   float to_light = max(facing, 0.0);
   float to_eye = max(abs(dot(s.normal, s.view)), 1e-3);
   vec3 middle = s.view + kelp_sun_direction;
@@ -70,6 +139,7 @@ vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);
-  return vec4(kelpSunLight(s, diffuse, specular) + kelpSkyLight(s, diffuse, specular) + s.emissive, 1.0);
+  vec2 visible = kelpVisible(s);
+  return vec4(visible.x * kelpSunLight(s, diffuse, specular) + visible.y * kelpSkyLight(s, diffuse, specular) + s.emissive, 1.0);
 }
 #endif

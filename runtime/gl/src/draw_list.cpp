@@ -76,7 +76,7 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
 
 }  // namespace
 
-Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances) {
+Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays) {
   count_ = 0;
   texels_ = 0;
   rows_ = 0;
@@ -96,7 +96,7 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
         good = Error{ErrorCode::kMisuse, "an instance's asset was destroyed"};
       }
     }
-    if (good) good = addInstance(store, camera, view, instance, static_cast<std::uint32_t>(i), asset);
+    if (good) good = addInstance(store, camera, view, instance, static_cast<std::uint32_t>(i), asset, rays);
     if (!good) {
       count_ = 0;
       return good;
@@ -106,7 +106,7 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
 }
 
 Result<void> DrawList::addInstance(Residency& store, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index,
-                                   int asset_index) {
+                                   int asset_index, Rays rays) {
   if (auto good = checkInstance(instance); !good) return good;
   const ResidentAsset& asset = store.at(asset_index);
   const std::span<const Part> parts = instance.asset->pack().parts();
@@ -122,14 +122,14 @@ Result<void> DrawList::addInstance(Residency& store, const Camera& camera, const
     }
     const Box& bounds = placed.bounds;
     const glm::vec3 extent = bounds.max - bounds.min;
-    const double largest = placed.pixels * static_cast<double>(glm::max(extent.x, glm::max(extent.y, extent.z)));
-    const bool seen = !placed.outside && largest >= static_cast<double>(view.smallest_pixels);
-    double pixels = placed.pixels;
-    if (!seen) {
-      const glm::dvec3 eye(placed.eye);
-      const double distance = placed.eye.w == 0 ? 0.0 : glm::length(eye - glm::clamp(eye, glm::dvec3(bounds.min), glm::dvec3(bounds.max)));
-      pixels = kHiddenWorth * std::min(pixels, distance > 0 ? camera.pixel_scale / distance : pixels);
-    }
+    const glm::dvec3 eye(placed.eye);
+    const double distance = placed.eye.w == 0 ? 0.0 : glm::length(eye - glm::clamp(eye, glm::dvec3(bounds.min), glm::dvec3(bounds.max)));
+    // A part behind the eye counts as if it were as far before it.
+    const double turned_to = std::min(placed.pixels, distance > 0 ? camera.pixel_scale / distance : placed.pixels);
+    const double seen_pixels = rays == Rays::kAny ? turned_to : placed.pixels;
+    const double largest = seen_pixels * static_cast<double>(glm::max(extent.x, glm::max(extent.y, extent.z)));
+    const bool seen = (rays == Rays::kAny || !placed.outside) && largest >= static_cast<double>(view.smallest_pixels);
+    const double pixels = seen ? seen_pixels : kHiddenWorth * turned_to;
     const Detail wanted = chooseDetail(pixels, view.pixels_per_voxel, view.finest_level, resident.levels);
     store.want(asset_index, part, wanted.level, static_cast<float>(std::min(pixels, 1e4)));
     if (!seen) {
@@ -140,19 +140,19 @@ Result<void> DrawList::addInstance(Residency& store, const Camera& camera, const
     const Detail detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
 
     const std::size_t segments = 3 * (knots.size() - 1);
-    const bool motion = view.previous_world_to_clip != nullptr;
+    const bool motion = rays == Rays::kView && view.previous_world_to_clip != nullptr;
     const std::size_t texel = texels_;
     if (!grow(order_, count_ + 1)) return kNoMemory;
     glm::uvec4* out = addRecord(kRecordTexels + segments + (motion ? 4 + segments : 0));
     if (!out) return kNoMemory;
     order_[count_++] = {static_cast<float>(placed.nearest), static_cast<std::uint32_t>(texel)};
-    out = writeRows(out, placed.to_clip, 4);
+    out = writeRows(out, rays == Rays::kAny ? glm::inverse(glm::dmat4(placed.to_world)) : placed.to_clip, 4);
     out = writeRows(out, placed.to_world, 3);
     *out++ = bitsOf(glm::vec4(placed.eye));
     *out++ = bitsOf(instance.tint);
     *out++ = bitsOf(bounds.min, static_cast<std::uint32_t>(knots.size() - 1));
     *out++ = bitsOf(bounds.max, asset.palette() + asset.levels[resident.first_level]->table);
-    *out++ = bitsOf(glm::vec3(parts[p].size), static_cast<std::uint32_t>(detail.level | detail.coarser << 8 | resident.levels << 16));
+    *out++ = bitsOf(glm::vec3(parts[p].size), static_cast<std::uint32_t>(detail.level | (rays == Rays::kAny ? 0 : detail.coarser) << 8 | resident.levels << 16));
     *out++ = glm::uvec4(asset.palette(), index, static_cast<std::uint32_t>(part), 0u);
     out = writeSegments(out, knots);
     if (motion) {

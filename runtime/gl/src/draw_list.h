@@ -13,10 +13,14 @@ class DrawList {
   static constexpr std::size_t kRecordWidth = 1024;  // texels
   static constexpr std::size_t kRecordTexels = 13;   // of a record, without its segments
 
+  // What the records are for: the view's own rays, or those of a host's shader, which come from anywhere. Then nothing is culled for not being
+  // before the eye, and the records have world -> part space in place of part -> clip space.
+  enum class Rays : std::uint8_t { kView, kAny };
+
   explicit DrawList(const Allocator& allocator) : order_(allocator), records_(allocator) {}
 
   // Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
-  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances);
+  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays = Rays::kView);
 
   // Parts to draw, near to far.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
@@ -32,7 +36,8 @@ class DrawList {
     std::uint32_t texel = 0;   // of the record
   };
 
-  Result<void> addInstance(Residency& store, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, int asset);
+  Result<void> addInstance(Residency& store, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, int asset,
+                           Rays rays);
   glm::uvec4* addRecord(std::size_t texels);
   Result<void> writeOrder();
 

@@ -68,6 +68,7 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
 
   api.GetIntegerv(constant::kMaxTextureSize, &api.max_texture_size);
   api.GetIntegerv(constant::kMaxArrayTextureLayers, &api.max_array_layers);
+  api.GetIntegerv(constant::kMaxTextureUnits, &api.max_texture_units);
   if (api.Enablei) api.GetIntegerv(constant::kMaxDrawBuffers, &api.draw_buffers);
   loadDebug(getProcAddress, user, version, api);
   return {};

@@ -97,6 +97,7 @@ struct Api {
   bool es = false;
   int max_texture_size = 0;
   int max_array_layers = 0;
+  int max_texture_units = 0;
   int draw_buffers = 1;
 };
 
@@ -106,7 +107,7 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
 // Values of the Khronos registry (gl.xml), named as there without GL_.
 namespace constant {
 inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505;
-inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayTextureLayers = 0x88FF, kMaxDrawBuffers = 0x8824,
+inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayTextureLayers = 0x88FF, kMaxTextureUnits = 0x8B4D, kMaxDrawBuffers = 0x8824,
                       kExtensions = 0x1F03, kNumExtensions = 0x821D;
 inline constexpr Enum kTriangles = 0x0004;
 inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;

@@ -12,10 +12,10 @@ namespace {
 using namespace constant;
 
 constexpr char kDesktopPrelude[] = "#version 330 core\n";
-constexpr char kEsPrelude[] =
-    "#version 300 es\n"
-    "precision highp float;\nprecision highp int;\n"
-    "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n";
+#define KELP_ES_PRECISIONS                         \
+  "precision highp float;\nprecision highp int;\n" \
+  "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n"
+constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
 
 // Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
@@ -62,7 +62,32 @@ Name link(const Api& api, Name vertex, Name fragment, const LogSink& log) {
   return 0;
 }
 
+Program locateLook(const Api& api, Name name) {
+  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
+  Program program;
+  program.name = name;
+  program.shading = locate("kelp_shading");
+  program.self_shadow = locate("kelp_self_shadow");
+  program.occlusion_rays = locate("kelp_occlusion_rays");
+  program.occlusion_reach = locate("kelp_occlusion_reach");
+  program.sun_direction = locate("kelp_sun_direction");
+  program.sun_color = locate("kelp_sun_color");
+  program.sky_color = locate("kelp_sky_color");
+  program.ground_color = locate("kelp_ground_color");
+  return program;
+}
+
 }  // namespace
+
+// In a shader of the host's the strings' numbers are its own affair.
+TraceStrings traceStrings(const Api& api) {
+  return {api.es ? KELP_ES_PRECISIONS : "", shaders::kInstance, shaders::kTrace, shaders::kSurface, shaders::kShading, shaders::kScene};
+}
+
+TraceProgram locateTrace(const Api& api, Name name) {
+  const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
+  return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"), locate("kelp_part_count"), locateLook(api, name)};
+}
 
 Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log) {
   const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : "";
@@ -88,18 +113,12 @@ Result<Program> buildProgram(const Api& api, const char* surface, const LogSink&
   api.Uniform1i(locate("kelp_scene_depth"), kScene);
   label(api, kLabelProgram, name, "kelp program");
 
-  Program program;
-  program.name = name;
+  Program program = locateLook(api, name);
   program.first_instance = locate("kelp_first_instance");
   program.motion = locate("kelp_motion");
   program.depth_only = locate("kelp_depth_only");
   program.clip_low = locate("kelp_clip_low");
   program.scene = locate("kelp_scene");
-  program.shading = locate("kelp_shading");
-  program.sun_direction = locate("kelp_sun_direction");
-  program.sun_color = locate("kelp_sun_color");
-  program.sky_color = locate("kelp_sky_color");
-  program.ground_color = locate("kelp_ground_color");
   return program;
 }
 

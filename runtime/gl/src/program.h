@@ -2,6 +2,8 @@
 // The one program that kelp draws with: shaders/ put together for the context's dialect of GLSL.
 #pragma once
 
+#include <array>
+
 #include "gl_api.h"
 
 namespace kelp::gl {
@@ -19,10 +21,22 @@ struct Program {
   Name name = 0;
   // Locations; -1 where a host's surface function leaves a uniform unused.
   std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
+  std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1;
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
 // Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null.
 Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log);
+
+// The text of kelp::gl::Renderer::traceGlsl().
+using TraceStrings = std::array<const char*, 6>;
+TraceStrings traceStrings(const Api& api);
+
+// Where a program of the host's that has that text keeps its uniforms; -1 for those that it does not use.
+struct TraceProgram {
+  std::int32_t pool = -1, records = -1, first_instance = -1, part_count = -1;
+  Program look;  // what a program of kelp's has as well
+};
+TraceProgram locateTrace(const Api& api, Name program);
 
 }  // namespace kelp::gl

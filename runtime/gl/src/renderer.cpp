@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -19,6 +20,7 @@ namespace {
 using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
+static_assert(kFirstHostUnit >= kTextureUnits);
 
 // The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
 struct RecordTextures {
@@ -59,13 +61,34 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
 bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
   return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
-         view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne;
+         view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
+         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0;
+}
+
+// What draw() and bindTrace() can not do anything with.
+Result<void> checkView(const View& view) {
+  if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, or more than 16 rays of occlusion"};
+  return {};
+}
+
+// The uniforms of the look, in the program in use.
+void setLook(const Api& api, const Program& program, const View& view) {
+  const auto set = [&api](std::int32_t location, const glm::vec3& v) { api.Uniform3f(location, v.x, v.y, v.z); };
+  set(program.sun_direction, glm::normalize(view.sun_direction));
+  set(program.sun_color, view.sun_color);
+  set(program.sky_color, view.sky_color);
+  set(program.ground_color, view.ground_color);
+  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.shading));
+  api.Uniform1i(program.self_shadow, view.self_shadow);
+  api.Uniform1i(program.occlusion_rays, view.occlusion_rays);
+  api.Uniform1f(program.occlusion_reach, view.occlusion_reach);
 }
 
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const Config& config, const Api& loaded) : api(loaded), restore(config.state == State::kRestore), store(config.allocator), list(config.allocator) {}
+  Impl(const Config& config, const Api& loaded) : api(loaded), restore(config.state == State::kRestore), store(config.allocator), list(config.allocator), traced(config.allocator) {}
 
   Api api;
   bool restore;
@@ -77,6 +100,9 @@ struct Renderer::Impl {
   Residency store;
   std::uint32_t pending = 0;
   DrawList list;
+  RecordTextures traced_records;
+  DrawList traced;  // of the last bindTrace()
+  TraceStrings trace_strings{};
 
   void setState(const View& view, Pass pass) const;
 };
@@ -97,17 +123,11 @@ void Renderer::Impl::setState(const View& view, Pass pass) const {
   if (!api.es) api.PolygonMode(kFrontAndBack, kFill);
   if (pass == Pass::kDepth) api.ColorMask(0, 0, 0, 0);
 
-  const glm::vec3 sun = glm::normalize(view.sun_direction);
-  const auto set = [this](std::int32_t location, const glm::vec3& v) { api.Uniform3f(location, v.x, v.y, v.z); };
-  set(program.sun_direction, sun);
-  set(program.sun_color, view.sun_color);
-  set(program.sky_color, view.sky_color);
-  set(program.ground_color, view.ground_color);
+  setLook(api, program, view);
   api.Uniform1i(program.motion, view.previous_world_to_clip != nullptr);
   api.Uniform1i(program.depth_only, pass == Pass::kDepth);
   api.Uniform1f(program.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
   api.Uniform1i(program.scene, view.scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
-  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.shading));
   api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber()));
 }
 
@@ -130,6 +150,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   auto program = buildProgram(self.api, config.surface_glsl, {config.log, config.user});
   if (!program) return program.error();
   self.program = *program;
+  self.trace_strings = traceStrings(self.api);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // a name is an object, which can be labelled, from then on
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -139,6 +160,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   self.api.SamplerParameteri(self.sampler, kTextureCompareMode, kNone);
   label(self.api, kLabelSampler, self.sampler, "kelp nearest");
   for (Name& name : self.records.names) name = makeTexture(self.api, kTexture2d, "kelp records");
+  for (Name& name : self.traced_records.names) name = makeTexture(self.api, kTexture2d, "kelp traced records");
   return renderer;
 }
 
@@ -147,6 +169,7 @@ Renderer::~Renderer() {
   self.store.clear(self.abandoned ? nullptr : &self.api);
   if (self.abandoned) return;
   self.api.DeleteTextures(RecordTextures::kCount, self.records.names);
+  self.api.DeleteTextures(RecordTextures::kCount, self.traced_records.names);
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
@@ -183,8 +206,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, or a shading that is none"};
+  if (auto good = checkView(view); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
@@ -201,8 +223,57 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   }
   const DrawGuard guard(self.api, self.restore);
   self.setState(view, pass);
+  if (view.bind) view.bind(view.bind_user, self.program.name);
   self.api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(self.list.parts()));
   stats.draws = 1;
+  return stats;
+}
+
+std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
+
+Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::span<const runtime::Instance> instances, int first_unit) {
+  Impl& self = *impl_;
+  const Api& api = self.api;
+  if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
+  if (program == 0) return Error{ErrorCode::kMisuse, "no program to bind to"};
+  if (first_unit < 0 || first_unit + 2 > api.max_texture_units) return Error{ErrorCode::kMisuse, "first_unit and the next are no texture units of the context"};
+  if (auto good = checkView(view); !good) return good.error();
+  Stats stats;
+  stats.gpu_bytes = self.store.pool().usedBytes();
+  stats.pending = self.pending;
+  const auto camera = makeCamera(view);
+  if (!camera) return camera.error();
+  if (auto good = self.traced.build(self.store, *camera, view, instances, DrawList::Rays::kAny); !good) return good.error();
+  stats.culled = self.traced.culled();
+  stats.instances = self.traced.parts();
+  const DebugGroup group(api, "kelp trace");
+  if (stats.instances > 0) {
+    const UploadGuard guard(api, self.restore);
+    if (auto good = uploadRecords(api, self.traced_records, self.traced.records()); !good) return good.error();
+  }
+  std::int32_t before = 0, unit_before = 0;
+  if (self.restore) {
+    api.GetIntegerv(kCurrentProgram, &before);
+    api.GetIntegerv(kActiveTexture, &unit_before);
+  }
+  const std::pair<Enum, Name> textures[] = {{kTexture2dArray, self.store.pool().texture()},
+                                            {kTexture2d, self.traced_records.names[self.traced_records.now]}};
+  for (int i = 0; i < 2; ++i) {
+    api.ActiveTexture(kTexture0 + static_cast<Enum>(first_unit + i));
+    api.BindTexture(textures[i].first, textures[i].second);
+    api.BindSampler(static_cast<Name>(first_unit + i), self.sampler);
+  }
+  api.UseProgram(program);
+  const TraceProgram locations = locateTrace(api, program);
+  api.Uniform1i(locations.pool, first_unit);
+  api.Uniform1i(locations.records, first_unit + 1);
+  api.Uniform1i(locations.first_instance, static_cast<std::int32_t>(self.traced.firstNumber()));
+  api.Uniform1i(locations.part_count, static_cast<std::int32_t>(self.traced.parts()));
+  setLook(api, locations.look, view);
+  if (self.restore) {
+    api.UseProgram(static_cast<Name>(before));
+    api.ActiveTexture(static_cast<Enum>(unit_before));
+  }
   return stats;
 }
 

@@ -8,6 +8,7 @@ extern const char* const kTrace;     // trace.glsl: the tracing core
 extern const char* const kInstance;  // instance.glsl: where instances, segments and bricks come from on the GPU
 extern const char* const kShading;  // shading.glsl: the material and the normal of a hit
 extern const char* const kSurface;   // surface.glsl: the default look, and KelpSurface
+extern const char* const kScene;     // scene.glsl: rays for a host's own shaders
 extern const char* const kVertex;    // draw.vert: rasterises the proxy box of an instance
 extern const char* const kFragment;  // draw.frag: traces, shades, writes depth
 

@@ -51,6 +51,9 @@ enum class ClipRange : std::uint8_t {
   kZeroToOne,      // glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE), which the host has set
 };
 
+// Texture units below are kelp's while it draws.
+inline constexpr int kFirstHostUnit = 4;
+
 // The camera and the light. Eye space looks down -z.
 struct View {
   glm::mat4 world_to_eye{1};
@@ -69,11 +72,21 @@ struct View {
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
   glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
+  // Of kelp's own look, by rays through the same part of the same instance, in world units off the surface by less than two voxels; surface_glsl
+  // may call kelpVisible. Whether the sun's light is kept off:
+  bool self_shadow = false;
+  int occlusion_rays = 0;        // 0 .. 16 cosine-weighted rays a pixel, for how much of the sky it sees; 0: all of it
+  float occlusion_reach = 0.25f;  // of those, in lengths of the part's longest side, > 0. What they hit counts the less the farther it is
   Shading shading = Shading::kGradient;
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   // Levels are chosen so that a voxel covers about this many pixels where a part is nearest; 0: always the finest. Between two levels some of
   // the pixels draw the one and some the other, so that none is seen to switch.
   float pixels_per_voxel = 1.0f;
+  // Called by draw() just before it draws, with its program in use, for what surface_glsl has of its own: glUniform*, textures and samplers on
+  // the units from kFirstHostUnit on, uniform buffers. Changing any other state there is not allowed, but for the active unit; what is bound
+  // there stays bound. In every pass: samplers of two kinds must not be left on one unit. Null: nobody is.
+  void (*bind)(void* user, std::uint32_t program) = nullptr;
+  void* bind_user = nullptr;
   float smallest_pixels = 0.5f;  // parts whose largest side covers less are left out
 };
 
@@ -118,6 +131,18 @@ class Renderer {
   // viewport without pixels (leave out the frames of a minimised window) are kMisuse and nothing is drawn.
   // Colour is linear: enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl.
   Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances, Pass pass = Pass::kColour);
+
+  // GLSL for a host's own vertex or fragment shader, in the context's dialect: kelpTrace(origin, direction, t_max), a ray through posed instances
+  // in world space, and what goes with it (shaders/scene.glsl). Strings for glShaderSource, after the host's #version and #extension lines and
+  // before the rest of its text. Good while the renderer lives. A text that has `#define KELP_HOST_SURFACE` before it defines kelpSurface itself, if it wants one.
+  std::span<const char* const> traceGlsl() const;
+
+  // Binds what that text needs to a linked program of the host's: its uniforms, texture units first_unit and the next, and the samplers there. The
+  // units stay bound: that is what they are for; the rest of the state is as in draw(). Good until the next bindTrace(), upload(), or end of the
+  // frame. The instances are those that rays may meet, wherever they are; `view` chooses levels (as if each were seen, without the pattern of
+  // pixels), shading and light, and its matrices nothing else. kMisuse as draw(), and for units that the context has not. A shader's rays cost
+  // in proportion to Stats::instances, the parts they may meet.
+  Result<Stats> bindTrace(std::uint32_t program, const View& view, std::span<const runtime::Instance> instances, int first_unit = kFirstHostUnit);
 
   // Forgets all GL objects without touching them: after the context was lost. From then on everything but the destructor is kMisuse.
   void abandon();
