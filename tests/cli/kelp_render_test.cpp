@@ -174,6 +174,26 @@ TEST_F(KelpRender, ShadingIsWhatWasAsked) {
   EXPECT_EQ(frontRow("faces").g, 255);
 }
 
+TEST_F(KelpRender, ShadowsAndOcclusionAreSwitches) {
+  const auto sum = [&](const std::vector<std::string>& arguments) {
+    const Picture p = picture(arguments);
+    long all = 0;
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 120; ++x) all += p.at(x, y).r + p.at(x, y).g + p.at(x, y).b;
+    }
+    return all;
+  };
+  const std::vector<std::string> bent = {"--tangent", "0=2,1,0", "--tangent", "1=-2,1,0"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), bent.begin(), bent.end());
+    return sum(more);
+  };
+  const long plain = with({"--shadows", "off"});
+  EXPECT_LT(with({}), plain);
+  EXPECT_EQ(with({"--shadows", "on"}), with({}));
+  EXPECT_LT(with({"--occlusion", "8"}), with({}));
+}
+
 // The box is 0.5 m wide and 1 m high.
 TEST_F(KelpRender, SeveralPacksStandWhereTheyWereToldTo) {
   const std::vector<std::string> wide = {"--size", "240x120"};
@@ -288,6 +308,8 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--size", "100000x10"}, 1, "8192"},
       {{pack_, "-o", out_, "--size", "ten"}, 1, "WIDTHxHEIGHT"},
       {{pack_, "-o", out_, "--samples", "3"}, 1, "samples"},
+      {{pack_, "-o", out_, "--shadows", "maybe"}, 1, "shadows"},
+      {{pack_, "-o", out_, "--occlusion", "17"}, 1, "occlusion"},
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
       {{pack_, "-o", out_, "--view", "inside"}, 1, "--view inside: expected shaded, normals, depth, steps or level"},
       {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},

@@ -70,7 +70,7 @@ void run(const Options& options) {
   Canvas canvas(options.samples * options.size, style.colors, context.es());
   gl::Config config;
   config.getProcAddress = HeadlessContext::getProcAddress;
-  config.surface_glsl = style.surface.c_str();
+  config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
   config.log = [](void*, const char* text) { std::fputs(text, stderr); };
   // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
   config.gpu_budget = std::uint64_t{8} << 20;
@@ -82,6 +82,8 @@ void run(const Options& options) {
   gl::View view;
   view.viewport = options.samples * options.size;
   view.shading = options.shading;
+  view.self_shadow = options.shadows;
+  view.occlusion_rays = options.occlusion;
   if (options.level) {
     view.finest_level = *options.level;
     view.pixels_per_voxel = 0;

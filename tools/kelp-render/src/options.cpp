@@ -179,13 +179,15 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   app.footer(kFooter);
   Options options;
   ItemText first;
-  std::string view, shading, size, background;
+  std::string view, shading, shadows, size, background;
   int level = 0;
   addItemOptions(app, first);
   app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
   app.add_option("--view", view, "what to show")->option_text("shaded|normals|depth|steps|level [shaded]");
   app.add_option("--shading", shading, "how voxels larger than pixels look: one normal each, as blocks, or blended")
       ->option_text("gradient|faces|smooth [gradient]");
+  app.add_option("--shadows", shadows, "whether parts shade themselves")->check(CLI::IsMember({"on", "off"}))->option_text("on|off [on]");
+  app.add_option("--occlusion", options.occlusion, "rays a sample that look how much of the sky is seen")->check(CLI::Range(0, 16))->option_text("N [0]");
   app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
   app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
   app.add_option("--frames", options.frames, "pictures over the first clip's duration; without a clip, over a full turn")
@@ -220,6 +222,7 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   if (!std::isfinite(options.yaw)) throw RenderError(kUsage, "--yaw takes a finite number; see kelp-render --help");
   if (!view.empty()) options.view = parseView(view);
   if (!shading.empty()) options.shading = parseShading(shading);
+  options.shadows = shadows != "off";
   if (!size.empty()) options.size = parseSize(size);
   if (!background.empty()) options.background = parseBackground(background);
   if (*level_option) options.level = level;

@@ -45,6 +45,8 @@ struct Options {
   std::string output;
   ViewKind view = ViewKind::kShaded;
   gl::Shading shading = gl::Shading::kGradient;
+  bool shadows = true;
+  int occlusion = 0;  // rays a sample
   glm::ivec2 size{800, 600};
   int samples = 2;  // along each side of a pixel
   int frames = 1;

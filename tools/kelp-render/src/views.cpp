@@ -6,21 +6,6 @@
 namespace kelp::render {
 namespace {
 
-// kelp's own light, and the model's shadow on itself. The shadow fades in where the light grazes: there voxels shade their neighbours.
-constexpr char kShaded[] = R"(
-vec4 kelpSurface(KelpSurface s) {
-  vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
-  vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);
-  mat3 to_world = mat3(kelpPartToWorld());
-  float voxel = float(1 << s.level) * max(length(to_world[0]), max(length(to_world[1]), length(to_world[2])));
-  float facing = dot(s.normal, kelp_sun_direction);
-  bool hidden = facing > 0.0 && kelpOccluded(s.position + 2.5 * voxel * s.normal, kelp_sun_direction, 1e4 * voxel);
-  float shadow = hidden ? smoothstep(0.0, 0.3, facing) : 0.0;
-  vec3 light = kelpSkyLight(s, diffuse, specular) + (1.0 - shadow) * kelpSunLight(s, diffuse, specular);
-  return vec4(light + s.emissive, 1.0);
-}
-)";
-
 constexpr char kNormals[] = "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }\n";
 
 // White at the near end of the model, black at the far end, linear in the distance from the camera's plane.
@@ -59,7 +44,6 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
   ViewStyle style;
   switch (kind) {
     case ViewKind::kShaded:
-      style.surface = kShaded;
       style.colors = true;
       style.background = {false, {0.93f, 0.93f, 0.92f}, {0.72f, 0.77f, 0.82f}};
       break;
