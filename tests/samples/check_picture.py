@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""check_picture.py game_loop|viewer PROGRAM PACK: runs a sample on a pack of the kelp plant and looks at the picture it saves, and at what it
+"""check_picture.py game_loop|mirror|viewer PROGRAM PACK: runs a sample on a pack of the kelp plant and looks at the picture it saves, and at what it
 says of bad input."""
 
 import os
@@ -42,6 +42,16 @@ def check_game_loop(width, height, pixels):
     assert share(middle, is_olive) > 0.01 and share(middle, lambda *p: is_red(*p) or is_white(*p)) > 0.002, "plant and hoop do not meet"
 
 
+def check_mirror(width, height, pixels):
+    # The plant itself left of the middle, one image of it behind to the left, another to the right of the mirrors' common edge.
+    def olive(left, right, top, bottom):
+        box = [pixels[width * y + x] for y in range(int(top * height), int(bottom * height)) for x in range(int(left * width), int(right * width))]
+        return share(box, is_olive)
+    assert olive(0.40, 0.56, 0.35, 0.75) > 0.1, "the plant is missing"
+    assert olive(0.28, 0.37, 0.30, 0.60) > 0.05, "the mirror behind shows no plant"
+    assert olive(0.62, 0.74, 0.22, 0.55) > 0.05, "the mirror to the right shows no plant"
+
+
 def check_viewer(width, height, pixels):
     assert share(pixels, is_olive) > 0.02, "the plant is missing"
     assert share(pixels, lambda r, g, b: (r, g, b) == (255, 200, 60)) > 0.0001, "the knots are missing"
@@ -59,7 +69,7 @@ def main(sample, program, pack):
     with tempfile.TemporaryDirectory() as folder:
         picture = os.path.join(folder, "picture.ppm")
         subprocess.run([program, pack, "--frames", "3", picture], check=True, timeout=240)
-        {"game_loop": check_game_loop, "viewer": check_viewer}[sample](*read_ppm(picture))
+        {"game_loop": check_game_loop, "mirror": check_mirror, "viewer": check_viewer}[sample](*read_ppm(picture))
 
         truncated = os.path.join(folder, "truncated.kelp")
         with open(pack, "rb") as whole, open(truncated, "wb") as part:
