@@ -66,7 +66,7 @@ reef() {
 echo "kelp's demo" >&2
 step "packages (minutes, the first time)" tools/setup.sh
 step "configure" cmake --preset release
-step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-dump kelp-render game_loop viewer underwater
+step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-dump kelp-render game_loop mirror viewer underwater
 if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
 fi

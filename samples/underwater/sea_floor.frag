@@ -3,7 +3,6 @@
 in vec3 at;
 in vec3 upward;
 out vec4 result;
-uniform sampler2DShadow sun_map;
 
 float hash(vec2 cell) { return fract(sin(dot(cell, vec2(127.1, 311.7))) * 43758.5453); }
 
@@ -20,14 +19,6 @@ float ripples(vec2 p) {
   return 0.016 * (wave - 0.25 * wave * wave) * (0.35 + 0.9 * noise(0.6 * p + 3.0));
 }
 
-float sunlit(vec3 p) {
-  vec3 place = (water_world_to_sun * vec4(p, 1.0)).xyz;
-  vec2 texel = 1.0 / vec2(textureSize(sun_map, 0));
-  float light = 0.0;
-  for (int i = 0; i < 9; ++i) light += texture(sun_map, vec3(place.xy + 1.2 * texel * vec2(i % 3 - 1, i / 3 - 1), place.z - 0.0015));
-  return light / 9.0;
-}
-
 void main() {
   float distance = length(at - water_eye.xyz);
   const float kStep = 0.012;
@@ -42,7 +33,7 @@ void main() {
   sand *= mix(1.0, 0.80 + 0.20 * grain, fade * fade);
 
   float facing = max(dot(normal, water_sun.xyz), 0.0);
-  float light = sunlit(at);
+  float light = waterSunlit(at);
   vec3 colour = sand / 3.14159265 * waterSunlight(at) * facing * light;
   colour += sand * waterAmbient(at, normal) * mix(0.62, 1.0, light) * 0.8;
   result = vec4(waterSeen(colour, at), 1.0);

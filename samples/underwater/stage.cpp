@@ -15,6 +15,13 @@ constexpr int kSunMapSize = 1024;                   // pixels: 25 mm of sand eac
 constexpr float kFloorRadius = 45;                  // metres: where the sand's edge is lost in the water
 const glm::vec3 kSun = glm::normalize(glm::vec3(0.28f, 1.0f, -0.42f));
 
+// kelp's View::bind: the sun's map for the surface function. In the map's own pass there is none yet: `map` is null.
+void bindSunMap(void* map, std::uint32_t program) {
+  glUniform1i(glGetUniformLocation(program, "water_sun_map"), kelp::gl::kFirstHostUnit);
+  glActiveTexture(GL_TEXTURE0 + kelp::gl::kFirstHostUnit);
+  glBindTexture(GL_TEXTURE_2D, map ? static_cast<const SunMap*>(map)->texture() : 0);
+}
+
 }  // namespace
 
 Stage::Stage() : floor_(kFloorRadius), sun_map_(kSunMapSize) {
@@ -52,6 +59,7 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   sun.world_to_eye = SunMap::worldToSun(kSun);
   sun.eye_to_clip = SunMap::sunToClip(1.15f * kReefRadius, kSurface);
   sun.viewport = glm::ivec2(sun_map_.size());
+  sun.bind = bindSunMap;
   sun_map_.begin();
   const auto shadows = renderer_->draw(sun, instances, kelp::gl::Pass::kDepth);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -63,6 +71,8 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   view.viewport = viewport;
   view.sun_direction = kSun;
   view.shading = kelp::gl::Shading::kSmooth;
+  view.bind = bindSunMap;
+  view.bind_user = &sun_map_;
   WaterBlock water;
   water.world_to_clip = view.eye_to_clip * view.world_to_eye;
   water.clip_to_world = glm::inverse(water.world_to_clip);

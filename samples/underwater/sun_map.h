@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The sun's shadow map, for what falls on the sand.
+// The sun's shadow map: what falls on the sand, and on one plant from another.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -3,7 +3,9 @@
 
 vec4 kelpSurface(KelpSurface s) {
   vec3 sunlight = waterSunlight(s.position);
-  float shadow = kelpOccluded(s.position + 0.015 * s.normal, water_sun.xyz, 0.35) ? 0.25 : 1.0;
+  // Of the leaf's own neighbours by rays, which are sharp; of all else, by the map.
+  bool near = kelpOccluded(s.position + 0.015 * s.normal, water_sun.xyz, 0.35);
+  float shadow = near ? 0.25 : mix(0.25, 1.0, waterSunlit(s.position + 0.35 * water_sun.xyz));
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.03), s.color.rgb, s.metallic);
   // kelp's own light for a sun of this colour; leaves let some of it through to the side that is turned away.

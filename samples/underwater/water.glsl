@@ -10,6 +10,8 @@ layout(std140) uniform Water {   // water.h has the same in C++
   vec4 water_sun;                // towards the sun, unit; w: height of the water's surface
 };
 
+uniform sampler2DShadow water_sun_map;
+
 const vec3 kWaterLoss = vec3(0.120, 0.046, 0.040);   // of light, per metre: red goes first
 const vec3 kWaterDeep = vec3(0.002, 0.030, 0.075);   // looking down, level, up, into the sun
 const vec3 kWaterLevel = vec3(0.008, 0.125, 0.215);
@@ -46,6 +48,15 @@ vec3 waterSunlight(vec3 at) {
   float depth = max(water_sun.w - at.y, 0.0);
   float clear = exp(-0.015 * dot(at - water_eye.xyz, at - water_eye.xyz));
   return kWaterSunlight * exp(-0.45 * kWaterLoss * depth / water_sun.y) * mix(1.0, waterCaustics(at), clear);
+}
+
+// How much of the sun no plant and no fish keeps off a point.
+float waterSunlit(vec3 at) {
+  vec3 place = (water_world_to_sun * vec4(at, 1.0)).xyz;
+  vec2 texel = 1.0 / vec2(textureSize(water_sun_map, 0));
+  float light = 0.0;
+  for (int i = 0; i < 9; ++i) light += texture(water_sun_map, vec3(place.xy + 1.2 * texel * vec2(i % 3 - 1, i / 3 - 1), place.z - 0.0015));
+  return light / 9.0;
 }
 
 // Light that comes from all around: blue, and less of it where the plants stand close to the sand.
