@@ -74,7 +74,7 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
         float price = -1e38f;
         for (std::uint32_t i = r; i < r + rows; ++i) {
           const auto* owner = static_cast<const ResidentLevel*>(model_.rows[i]);
-          if (owner) price = std::max(price, owner->priority);
+          if (owner) price = std::max(price, owner->worth);
         }
         best = std::min(best, price);
       }
@@ -88,7 +88,7 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
       ++evictions;
       float dearest = -1e38f;
       for (const Pool::Block& victim : victims) {
-        dearest = std::max(dearest, victim.level->priority);
+        dearest = std::max(dearest, victim.level->worth);
         pool_.giveBack(victim.row);
         std::fill_n(model_.rows.begin() + victim.row, victim.rows, nullptr);
         ASSERT_EQ(held.erase(victim.row), 1u);
@@ -100,7 +100,7 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
     ++places;
     ASSERT_TRUE(model_.isFree(row, rows));
     Held mine{std::make_unique<ResidentLevel>(), rows};
-    mine.level->priority = priority;
+    mine.level->worth = priority;
     ASSERT_TRUE(pool_.take({row, rows, nullptr, 0}));
     pool_.assign(row, mine.level.get(), 0);
     std::fill_n(model_.rows.begin() + row, rows, mine.level.get());
@@ -116,8 +116,8 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
 TEST_F(PoolTest, AGridIsDearerThanItsPagesAndCheaperThanTheNextLevel) {
   ResidentLevel level;
   for (const float priority : {8.0f, 0.001f, 1e20f, -1.0f, -300.0f}) {
-    level.priority = priority;
-    const float page = gl::priorityOf({1, 1, &level, 0}), grid = gl::priorityOf({1, 1, &level, Pool::Block::kGrid});
+    level.worth = priority;
+    const float page = gl::worthOf({1, 1, &level, 0}), grid = gl::worthOf({1, 1, &level, Pool::Block::kGrid});
     EXPECT_GT(grid, page);
     if (priority > 0) {
       EXPECT_LT(grid, 2 * priority);
