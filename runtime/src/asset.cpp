@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <new>
 
 #include "asset_impl.h"
@@ -66,16 +67,17 @@ float Asset::Impl::urgencyOf(const LevelState& level, const Request& request, Wa
   return now == 0 || wanted == Wanted::kAll ? 1e-30f * static_cast<float>(level.level + 1) : 0.0f;
 }
 
-Asset::Impl::Task Asset::Impl::choose(Wanted wanted) {
+// The most urgent of all that takes less than `below` bytes.
+Asset::Impl::Task Asset::Impl::choose(Wanted wanted, std::uint64_t below) {
   Task best;
   float most = 0;
   const bool in_order = round.load(std::memory_order_relaxed) == 0;
   for (std::size_t i = 0; i < state_count && !(in_order && most > 0); ++i) {
     LevelState& level = states[i];
     if (level.stage == Stage::kAbsent) {
-      const LevelState* below = find(level.part, level.level + 1);  // its grid comes first: missing bricks are looked up there
-      const float urgency = !below || below->stage == Stage::kResident ? urgencyOf(level, level.request, wanted) : 0.0f;
-      if (urgency > most) {
+      const LevelState* coarser = find(level.part, level.level + 1);  // its grid comes first: missing bricks are looked up there
+      const float urgency = !coarser || coarser->stage == Stage::kResident ? urgencyOf(level, level.request, wanted) : 0.0f;
+      if (urgency > most && bytesOf({&level, Task::kGrid}) < below) {
         most = urgency;
         best = {&level, Task::kGrid};
       }
@@ -84,7 +86,7 @@ Asset::Impl::Task Asset::Impl::choose(Wanted wanted) {
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
       if (level.pages[page].stage != Stage::kAbsent) continue;
       const float urgency = urgencyOf(level, level.pages[page].request, wanted);
-      if (urgency > most) {
+      if (urgency > most && bytesOf({&level, page}) < below) {
         most = urgency;
         best = {&level, page};
       }
@@ -109,19 +111,37 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   level.resident.fetch_sub(1, std::memory_order_relaxed);
 }
 
+// Whether a resident page may be dropped: nobody looks at it, nor did lately.
+bool Asset::Impl::mayGo(const PageSlot& slot) const {
+  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&
+         round.load(std::memory_order_relaxed) - slot.used.load(std::memory_order_relaxed) >= kPatience;
+}
+
+// Bytes of the budget that are free or can be made free.
+std::uint64_t Asset::Impl::roomLeft() const {
+  std::uint64_t room = options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
+  for (std::size_t i = 0; i < state_count; ++i) {
+    LevelState& level = states[i];
+    if (level.coarsest || level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      if (mayGo(level.pages[page])) room += bytesOf({&level, page});
+    }
+  }
+  return room;
+}
+
 // Takes `bytes` of the budget, dropping what was not used for longest. False: there is not enough that may be dropped.
 bool Asset::Impl::makeRoom(std::uint64_t bytes) {
   const std::uint32_t now = round.load(std::memory_order_relaxed);
   while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
     Task oldest;
-    std::uint32_t age = kPatience;
+    std::uint32_t age = 0;
     for (std::size_t i = 0; i < state_count; ++i) {
       LevelState& level = states[i];
       if (level.coarsest || level.stage != Stage::kResident) continue;
       for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-        const PageSlot& slot = level.pages[page];
-        if (slot.stage != Stage::kResident || slot.pins.load(std::memory_order_relaxed) > 0) continue;
-        const std::uint32_t unused = now - slot.used.load(std::memory_order_relaxed);
+        if (!mayGo(level.pages[page])) continue;
+        const std::uint32_t unused = now - level.pages[page].used.load(std::memory_order_relaxed);
         if (unused >= age) {  // the finest of equals: it is last
           age = unused;
           oldest = {&level, page};
@@ -186,11 +206,20 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
   std::uint64_t reserved = 0;
   {
     std::lock_guard lock(mutex);
-    task = choose(wanted);
+    task = choose(wanted, ~std::uint64_t{0});
     if (!task.level) return false;
     reserved = bytesOf(task);
+    const bool may_wait = !task.level->coarsest && reserved <= options.memory_budget;
+    if (may_wait && used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
+      // What there is no room for now must not keep smaller things from coming.
+      if (const std::uint64_t left = roomLeft(); reserved > left) {
+        task = choose(wanted, left + 1);
+        if (!task.level) return false;
+        reserved = bytesOf(task);
+      }
+    }
     const bool room = makeRoom(reserved);
-    if (!room && !task.level->coarsest && reserved <= options.memory_budget) return false;
+    if (!room && may_wait) return false;
     const bool grid = task.page == Task::kGrid;
     (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
     if (!grid) --task.level->absent;
@@ -284,7 +313,7 @@ Result<void> Asset::loadAll() {
     std::unique_lock lock(a.mutex);
     const bool waited = a.in_hand > 0;
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
-    if (a.choose(Impl::Wanted::kAll).level) {
+    if (a.choose(Impl::Wanted::kAll, ~std::uint64_t{0}).level) {
       if (waited) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }

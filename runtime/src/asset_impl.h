@@ -35,8 +35,10 @@ struct Asset::Impl {
   Result<bool> pump(Wanted wanted);
 
   // With the mutex held.
-  Task choose(Wanted wanted);
+  Task choose(Wanted wanted, std::uint64_t below);
   float urgencyOf(const LevelState& level, const Request& request, Wanted wanted) const;
+  bool mayGo(const PageSlot& slot) const;
+  std::uint64_t roomLeft() const;
   bool makeRoom(std::uint64_t bytes);
   void evict(LevelState& level, std::uint32_t page);
   std::uint64_t bytesOf(const Task& task) const;

@@ -17,7 +17,9 @@ struct Request {
   std::atomic<std::uint32_t> round{0};
   std::atomic<bool> failed{false};
 
+  // The most urgent of a round counts. (Two threads at a time may leave the lesser; the next round asks again.)
   void ask(float how_urgently, std::uint32_t now) {
+    if (round.load(std::memory_order_relaxed) == now && urgency.load(std::memory_order_relaxed) >= how_urgently) return;
     urgency.store(how_urgently, std::memory_order_relaxed);
     round.store(now, std::memory_order_relaxed);
   }

@@ -95,8 +95,9 @@ class Asset {
   std::uint64_t memory() const;
   AssetWatch watch() const;
 
-  // For renderers. Requests age: what was not asked for again in the last eight rounds is no longer wanted. `urgency` > 0, the greater the
-  // sooner; pixels that change when it is there, say. Wrong indices ask for nothing.
+  // For renderers, and for a host that only asks rays (raycast() asks for what it lacks) in less memory than the pack takes: it calls
+  // beginRequests() once a tick. Requests age: what was not asked for again in the last eight rounds is no longer wanted, and what was not
+  // looked at in them may make room. `urgency` > 0, the greater the sooner; pixels that change when it is there, say. Wrong indices ask for nothing.
   void beginRequests() const;  // a new round
   void request(int part, int level, float urgency) const;  // the level's grid
   // The page if it is resident; else null, and it is asked for.
