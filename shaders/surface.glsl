@@ -148,7 +148,11 @@ vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);
+#ifdef KELP_SECONDARY_RAYS
   vec2 visible = kelpVisible(s);
+#else
+  const vec2 visible = vec2(1.0);
+#endif
   return vec4(visible.x * kelpSunLight(s, diffuse, specular) + visible.y * kelpSkyLight(s, diffuse, specular) + s.emissive, 1.0);
 }
 #endif

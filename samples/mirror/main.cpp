@@ -139,6 +139,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 
   kelp::gl::Config config;
   config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
+  config.secondary_rays = true;  // for View::self_shadow
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
   if (const auto added = (*renderer)->add(**asset); !added) return fail(path, added.error());

@@ -30,7 +30,7 @@ GLuint compile(GLenum kind, const std::string& text) {
 }  // namespace
 
 GLuint makeProgram(GlApi api, const std::string& vertex, const std::string& fragment) {
-  const std::string prelude = api == GlApi::kEs30 ? "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
+  const std::string prelude = isEs(api) ? "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
                                                     "precision highp sampler3D;\nprecision highp usampler2D;\nprecision highp usampler3D;\n"
                                                   : "#version 330 core\n";
   const GLuint shaders[2] = {compile(GL_VERTEX_SHADER, prelude + vertex), compile(GL_FRAGMENT_SHADER, prelude + fragment)};

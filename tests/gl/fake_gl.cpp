@@ -24,7 +24,8 @@ const std::uint8_t* KELP_GL_CALL getString(Enum) { return reinterpret_cast<const
 Enum KELP_GL_CALL getError() { return FakeGl::current()->out_of_memory ? constant::kOutOfMemory : constant::kNoError; }
 void KELP_GL_CALL getIntegerv(Enum what, std::int32_t* out) {
   *out = what == constant::kMaxTextureSize ? FakeGl::current()->max_texture_size
-         : what == constant::kMaxArrayTextureLayers ? FakeGl::current()->max_array_layers : 0;
+         : what == constant::kMaxArrayTextureLayers ? FakeGl::current()->max_array_layers
+         : what == constant::kMaxTextureUnits ? 32 : 0;
 }
 void KELP_GL_CALL succeed(Name, Enum, std::int32_t* out) { *out = 1; }
 void KELP_GL_CALL genNames(std::int32_t count, Name* out) {

@@ -23,7 +23,7 @@ constexpr char kGbuffer[] =
     "  gbuffer_motion = floatBitsToUint(vec4(s.clip.xy / s.clip.w, s.previous_clip.xy / s.previous_clip.w));\n"
     "  gbuffer_tags = uvec4(s.instance, s.part, s.material, (s.voxel.x << 20) | (s.voxel.y << 10) | s.voxel.z);\n"
     "  return vec4(s.color.rgb, 1.0);\n"
-    "}\n";
+    "}";  // a host's text need not end with its line
 
 // RGBA8 and three of RGBA32UI, with depth; bound while it lives.
 class Gbuffer {

@@ -64,7 +64,9 @@ class HostTraceTest : public GlTest {
 // Primary rays traced by the host look as draw() draws: the same look, shadows and occlusion too.
 TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
   const Canvas canvas({160, 120});
-  const auto renderer = makeRenderer(*loaded_.asset);
+  gl::Config config;
+  config.secondary_rays = true;
+  const auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
   const GLuint program = makeTracer(GetParam(), *renderer, kScreen,
                                     "uniform mat4 to_world; uniform vec2 size;\n"
                                     "layout(location = 0) out vec4 color;\n"
@@ -246,6 +248,8 @@ TEST_P(HostTraceTest, RefusesMisuseAndKeepsTheState) {
   wrong.occlusion_rays = 17;
   EXPECT_TRUE(refused(program, wrong, 4));
   wrong.occlusion_rays = 4;
+  EXPECT_TRUE(refused(program, wrong, 4));  // without Config::secondary_rays
+  wrong.occlusion_rays = 0;
   wrong.occlusion_reach = 0;
   EXPECT_TRUE(refused(program, wrong, 4));
 

@@ -67,6 +67,7 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   std::vector<Instance> instances(50, Instance{loaded_.asset.get(), &pose});
   for (std::size_t i = 0; i < instances.size(); ++i) instances[i].to_world[3].x = 0.02f * static_cast<float>(i);
   ASSERT_TRUE(renderer.draw(view(), instances));
+  ASSERT_TRUE(renderer.bindTrace(1, view(), instances));
 
   const long own = counter_.calls;
   const long all = newCalls();
@@ -77,7 +78,7 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
     moved.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
     const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));
     const auto drawn = renderer.draw(moved, some);
-    draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.upload(1'000'000) ? drawn->draws : 0;
+    draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.bindTrace(1, moved, some) && renderer.upload(1'000'000) ? drawn->draws : 0;
   }
   EXPECT_EQ(newCalls(), all);
   EXPECT_EQ(counter_.calls, own);
@@ -103,6 +104,7 @@ TEST_F(MemoryTest, EveryAllocationMayFail) {
     if (!check(renderer) || !check((*renderer)->add(*loaded_.asset))) continue;
     check((*renderer)->upload(~std::uint64_t{0}));
     check((*renderer)->draw(view(), {&instance, 1}));
+    check((*renderer)->bindTrace(1, view(), {&instance, 1}));
   }
   EXPECT_GT(failures, 4);
   EXPECT_EQ(counter_.held, 0);

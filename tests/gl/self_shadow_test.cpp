@@ -178,7 +178,10 @@ TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
 // Off, which is the default, nothing changes; on, kelp's own look has shadows in it.
 TEST_P(SelfShadowTest, TheDefaultLookHasThemWhenAskedFor) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 40, 2)));
-  const auto renderer = makeRenderer(*loaded.asset);
+  gl::Config config;
+  config.secondary_rays = true;
+  const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
+  const auto without = makeRenderer(*loaded.asset);
   const Canvas canvas({80, 60});
   gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.6f}, {0, 0.5f, 0});
   const Instance instance{loaded.asset.get(), nullptr};
@@ -192,7 +195,11 @@ TEST_P(SelfShadowTest, TheDefaultLookHasThemWhenAskedFor) {
     EXPECT_EQ(brighter, 0);
     return darker;
   };
+  EXPECT_EQ(draw(*without, canvas, view, instance), plain);
   view.self_shadow = true;
+  const auto refused = without->draw(view, {&instance, 1});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kMisuse);
   const int shadowed = compare(draw(*renderer, canvas, view, instance));
   EXPECT_GT(shadowed, 30);
   view.occlusion_rays = 16;

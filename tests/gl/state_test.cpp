@@ -6,6 +6,7 @@
 #include <set>
 
 #include "awkward_state.h"
+#include "depth_canvas.h"
 
 namespace kelp::test {
 namespace {
@@ -273,6 +274,31 @@ TEST_P(StateTest, KLeaveTouchesWhatIsDocumentedAndNothingElse) {
     if (!limits.has(33, touched.since_es)) continue;
     EXPECT_TRUE(seen.contains(&touched)) << touched.entry << " is documented, and never touched";
   }
+}
+
+// bindTrace() leaves bound what the host's program reads, and nothing else changes.
+TEST_P(StateTest, BindTraceTouchesItsUnitsAlone) {
+  const Canvas canvas({80, 60});
+  const gl::View view = viewOf(canvas);
+  const auto renderer = makeRenderer(*loaded_.asset);
+  std::string text;
+  for (const char* string : renderer->traceGlsl()) text += string;
+  const GLuint program = makeProgram(GetParam(), "void main() { gl_Position = vec4(0.0); }\n",
+                                     text + "layout(location = 0) out vec4 color;\nvoid main() { color = vec4(kelpTrace(vec3(0.0), vec3(1.0), 1.0).t); }\n");
+  ASSERT_NE(program, 0u);
+  setAwkwardState(Awkward::kEverything);
+  const GlState before = readGlState();
+  ASSERT_TRUE(renderer->bindTrace(program, view, {&instance_, 1}, 5));
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+  int changed = 0;
+  const GlState after = readGlState();
+  EXPECT_EQ(before.size(), after.size());
+  for (const auto& [name, values] : after) {
+    if (valueOf(before, name) == values) continue;
+    ++changed;
+    EXPECT_TRUE(name.ends_with(" of unit 5") || name.ends_with(" of unit 6")) << name;
+  }
+  EXPECT_GE(changed, 4);
 }
 
 TEST_P(StateTest, TheHostsOwnErrorIsNotTakenForKelps) {

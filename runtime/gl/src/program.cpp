@@ -17,9 +17,11 @@ constexpr char kDesktopPrelude[] = "#version 330 core\n";
   "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n"
 constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
 
+constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n";
+
 // Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
-               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "#line 1 6\n";
+               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -80,8 +82,8 @@ Program locateLook(const Api& api, Name name) {
 }  // namespace
 
 // In a shader of the host's the strings' numbers are its own affair.
-TraceStrings traceStrings(const Api& api) {
-  return {api.es ? KELP_ES_PRECISIONS : "", shaders::kInstance, shaders::kTrace, shaders::kSurface, shaders::kShading, shaders::kScene};
+TraceStrings traceStrings(const Api& api, bool rays) {
+  return {api.es ? KELP_ES_PRECISIONS : "", rays ? kRaysDefine : "", shaders::kInstance, shaders::kTrace, shaders::kSurface, shaders::kShading, shaders::kScene};
 }
 
 TraceProgram locateTrace(const Api& api, Name name) {
@@ -89,8 +91,8 @@ TraceProgram locateTrace(const Api& api, Name name) {
   return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"), locate("kelp_part_count"), locateLook(api, name)};
 }
 
-Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log) {
-  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : "";
+Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log) {
+  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : rays ? kRaysDefine : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
   const char* const fragment_text[] = {

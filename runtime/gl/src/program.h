@@ -25,12 +25,13 @@ struct Program {
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
-// Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null.
-Result<Program> buildProgram(const Api& api, const char* surface, const LogSink& log);
+// Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null: then
+// `rays` says whether kelp's own may cast any.
+Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 6>;
-TraceStrings traceStrings(const Api& api);
+using TraceStrings = std::array<const char*, 7>;
+TraceStrings traceStrings(const Api& api, bool rays);
 
 // Where a program of the host's that has that text keeps its uniforms; -1 for those that it does not use.
 struct TraceProgram {

@@ -66,9 +66,10 @@ bool isGood(const View& view) {
 }
 
 // What draw() and bindTrace() can not do anything with.
-Result<void> checkView(const View& view) {
+Result<void> checkView(const View& view, bool look_is_plain) {
   if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
   if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, or more than 16 rays of occlusion"};
+  if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0)) return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays want Config::secondary_rays"};
   return {};
 }
 
@@ -88,10 +89,13 @@ void setLook(const Api& api, const Program& program, const View& view) {
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const Config& config, const Api& loaded) : api(loaded), restore(config.state == State::kRestore), store(config.allocator), list(config.allocator), traced(config.allocator) {}
+  Impl(const Config& config, const Api& loaded)
+      : api(loaded), restore(config.state == State::kRestore), look_is_plain(!config.surface_glsl && !config.secondary_rays),
+        store(config.allocator), list(config.allocator), traced(config.allocator) {}
 
   Api api;
   bool restore;
+  bool look_is_plain;  // casts no rays
   bool abandoned = false;
   Program program;
   Name vertex_array = 0;
@@ -147,10 +151,10 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
   if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
-  auto program = buildProgram(self.api, config.surface_glsl, {config.log, config.user});
+  auto program = buildProgram(self.api, config.surface_glsl, config.secondary_rays, {config.log, config.user});
   if (!program) return program.error();
   self.program = *program;
-  self.trace_strings = traceStrings(self.api);
+  self.trace_strings = traceStrings(self.api, config.secondary_rays);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // a name is an object, which can be labelled, from then on
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -206,7 +210,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (auto good = checkView(view); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
@@ -237,7 +241,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   if (program == 0) return Error{ErrorCode::kMisuse, "no program to bind to"};
   if (first_unit < 0 || first_unit + 2 > api.max_texture_units) return Error{ErrorCode::kMisuse, "first_unit and the next are no texture units of the context"};
-  if (auto good = checkView(view); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;

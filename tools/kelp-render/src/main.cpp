@@ -71,6 +71,7 @@ void run(const Options& options) {
   gl::Config config;
   config.getProcAddress = HeadlessContext::getProcAddress;
   config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
+  config.secondary_rays = options.shadows || options.occlusion > 0;
   config.log = [](void*, const char* text) { std::fputs(text, stderr); };
   // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
   config.gpu_budget = std::uint64_t{8} << 20;

@@ -30,6 +30,9 @@ struct Config {
   // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit; null: sun and sky (shaders/surface.glsl, which also
   // documents KelpSurface). Compiled once, in create(); kGraphics, and the compiler's words to `log`, if it does not compile.
   const char* surface_glsl = nullptr;
+  // Whether kelp's own look may cast rays, for View::self_shadow and View::occlusion_rays. A larger program, also while a view asks for neither:
+  // Mesa's llvmpipe, which runs the branches that it does not take, then takes 1.2 times as long for a frame.
+  bool secondary_rays = false;
   // Told what the GLSL compiler or the linker said, when create() fails because of it; null: nobody is. STRING:LINE in it are explained in
   // runtime/gl/README.md. The text is good during the call only.
   void (*log)(void* user, const char* text) = nullptr;
@@ -72,8 +75,8 @@ struct View {
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
   glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
-  // Of kelp's own look, by rays through the same part of the same instance, in world units off the surface by less than two voxels; surface_glsl
-  // may call kelpVisible. Whether the sun's light is kept off:
+  // Rays through the same part of the same instance, which start less than two voxels off the surface. kMisuse without Config::secondary_rays, but
+  // for a surface_glsl, which may call kelpVisible. Whether the sun's light is kept off:
   bool self_shadow = false;
   int occlusion_rays = 0;        // 0 .. 16 cosine-weighted rays a pixel, for how much of the sky it sees; 0: all of it
   float occlusion_reach = 0.25f;  // of those, in lengths of the part's longest side, > 0. What they hit counts the less the farther it is
