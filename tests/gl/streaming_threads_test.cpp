@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Everything at once: threads that pump, threads that ask rays, one that tries again, and the one that draws. For the thread sanitizer.
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "streamed.h"
@@ -20,6 +21,14 @@ class StreamingThreadsTest : public GlTest {
     const std::uint64_t memory_budget = whole->memory() / static_cast<std::uint64_t>(part);
     runtime::Options options;
     options.memory_budget = memory_budget;
+    // Large blocks that were let go while the asset lived: pages that made room, and a few buffers that grew.
+    std::atomic<long> dropped{0};
+    options.allocator = {[](void*, std::size_t size) { return std::malloc(size); },
+                         [](void* user, void* memory, std::size_t size) {
+                           if (memory && size > 20'000) ++*static_cast<std::atomic<long>*>(user);
+                           std::free(memory);
+                         },
+                         &dropped};
     const auto asset = openAsset(source, options);
     // Now and then a read fails.
     std::atomic<int> reads{0};
@@ -35,14 +44,13 @@ class StreamingThreadsTest : public GlTest {
         }
       });
     }
-    std::atomic<long> hits{0}, dropped{0};
+    std::atomic<long> hits{0};
     for (int i = 0; i < 2; ++i) {
       threads.emplace_back([&, i] {
         runtime::Pose pose = *runtime::Pose::create(*asset);
         const Instance instance{asset.get(), &pose};
         std::mt19937 random(static_cast<unsigned>(i));
         std::uniform_real_distribution<float> unit(0, 1);
-        std::vector<bool> seen;  // pages of level 0
         for (long n = 0; !stop; ++n) {
           if (n % 64 == 0) sway(pose, 0, 0.01f * static_cast<float>(n), 0.1f);
           // All look at one place for a while, then at another: what was there before may go.
@@ -52,12 +60,8 @@ class StreamingThreadsTest : public GlTest {
           const glm::vec3 eye = target + glm::vec3(unit(random), 0.02f * unit(random), 2);
           hits += raycast(instance, {eye, target - eye}, static_cast<int>(n % 3)).has_value();
           if (const auto* data = asset->level(0, 0)) {
-            seen.resize(data->pages.size());
-            const std::uint32_t number = place % static_cast<std::uint32_t>(seen.size());
-            const auto page = asset->pin(0, 0, number, unit(random));
+            const auto page = asset->pin(0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
             if (page) hits += page.words().back() == 1;  // reads it
-            dropped += seen[number] && !page;
-            seen[number] = static_cast<bool>(page);
           }
           (void)asset->residentLevel(0);
           (void)asset->memory();
@@ -103,14 +107,15 @@ class StreamingThreadsTest : public GlTest {
     EXPECT_TRUE(seen);
     EXPECT_EQ(pending, 0u);
     EXPECT_GT(hits, 0);
+    RecordProperty("dropped", static_cast<int>(dropped));
     if (part > 1) {
-      EXPECT_GT(dropped, 0) << "no page had to go";
+      EXPECT_GT(dropped, 25) << "hardly a page had to go";
     }
   }
 };
 
 TEST_P(StreamingThreadsTest, InMemoryEnough) { run(1, 16 << 20); }
-TEST_P(StreamingThreadsTest, WhilePagesComeAndGo) { run(3, 1 << 20); }
+TEST_P(StreamingThreadsTest, WhilePagesComeAndGo) { run(3, 16 << 20); }
 
 KELP_GL_TESTS(StreamingThreadsTest);
 
