@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "streamed.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 #include "gl_api.h"
@@ -27,7 +27,7 @@ bool HostSource::read(void* user, std::uint64_t offset, std::span<std::byte> out
   if (self.allows && !self.allows(offset, out.size())) return false;
   if (offset > self.bytes_.size() || out.size() > self.bytes_.size() - offset) return false;
   self.bytes_read += out.size();
-  std::memcpy(out.data(), self.bytes_.data() + offset, out.size());
+  std::copy_n(self.bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
   return true;
 }
 
