@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run, on a GL that does nothing, and
+// the whole frame on the GL that is there. README.md here.
+//   bench_frame [--json FILE] [--rounds N] [--cpu | --gl]
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <string>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "bench_frame_gl.h"
+#include "bench_frame_scene.h"
+#include "fake_gl.h"
+
+namespace kelp::bench {
+namespace {
+
+constexpr std::size_t kInstances = 2000;
+
+// What every loop below writes its results to, so that none is thought useless.
+volatile float sink = 0;
+
+struct Row {
+  const char* name;
+  std::function<void()> once;
+  std::vector<double> ns{};  // an instance, of each round
+};
+
+void measure(std::vector<Row>& rows, int rounds) {
+  for (int round = -3; round < rounds; ++round) {  // the first three warm up
+    for (Row& row : rows) {
+      const auto start = std::chrono::steady_clock::now();
+      row.once();
+      const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / static_cast<double>(kInstances);
+      if (round >= 0) row.ns.push_back(ns);
+    }
+  }
+}
+
+// A field of plants, 50 in a row, each turned and scaled; the camera at one side sees all of it, or from its middle about half.
+void placeAll(Crowd& crowd) {
+  for (std::size_t i = 0; i < crowd.instances.size(); ++i) {
+    glm::mat4 m = glm::translate(glm::mat4(1), glm::vec3(static_cast<float>(i % 50) - 25.0f, 0, static_cast<float>(i / 50) - 20.0f));
+    m = glm::rotate(m, 0.1f * static_cast<float>(i), glm::vec3(0, 1, 0));
+    crowd.instances[i].to_world = glm::scale(m, glm::vec3(0.9f + 0.01f * static_cast<float>(i % 20)));
+  }
+}
+gl::View fieldView(const glm::vec3& eye, const glm::vec3& target) {
+  gl::View view;
+  view.viewport = {1920, 1080};
+  view.eye_to_clip = glm::perspective(1.0f, 16.0f / 9, 0.1f, 500.0f);
+  view.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+  return view;
+}
+
+void reportCpu(Report& out, int parts, int rounds) {
+  const Library library(parts);
+  Crowd crowd(library, kInstances);
+  placeAll(crowd);
+  test::FakeGl fake;
+  test::FakeGl::current() = &fake;
+  gl::Config config;
+  config.getProcAddress = test::FakeGl::getProcAddress;
+  config.state = gl::State::kRestore;
+  const auto renderer = gl::Renderer::create(config);
+  if (!renderer) return;
+  for (std::size_t i = 0; i < library.size(); ++i) (void)(*renderer)->add(library[i]);
+  (void)(*renderer)->upload(~std::uint64_t{0});
+  const gl::View all = fieldView({0, 25, 62}, {0, 0, 0}), half = fieldView({0, 1, 0}, {20, 0.5f, 0});
+
+  // Rotations, as the world matrices of a crowd are; independent of each other, and each the next one's factor.
+  std::vector<glm::mat4> a(kInstances), b(kInstances), products(kInstances);
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    a[i] = glm::rotate(glm::mat4(1), 0.01f * static_cast<float>(i), glm::vec3(0.6f, 0, 0.8f));
+    b[i] = glm::rotate(glm::mat4(1), 0.02f * static_cast<float>(i), glm::vec3(0, 1, 0));
+  }
+  gl::Stats seen_all, seen_half;
+  std::vector<Row> rows;
+  rows.push_back({"mat4 product, independent", [&] {
+                    for (std::size_t i = 0; i < kInstances; ++i) products[i] = a[i] * b[i];
+                    sink = sink + products[17][1][1];
+                  }});
+  rows.push_back({"mat4 product, chained", [&] {
+                    glm::mat4 m = a[3];
+                    for (std::size_t i = 0; i < kInstances; ++i) m = m * b[i];
+                    sink = sink + m[1][1];
+                  }});
+  rows.push_back({"update: reset + addClip", [&] { crowd.update(); }});
+  rows.push_back({"draw(), all visible", [&] { seen_all = *(*renderer)->draw(all, crowd.instances); }});
+  // Once more, of poses that changed since.
+  rows.push_back({"", [&] { crowd.update(); }});
+  rows.push_back({"draw(), part culled", [&] { seen_half = *(*renderer)->draw(half, crowd.instances); }});
+  rows.push_back({"draw() again, nothing moved", [&] { (void)*(*renderer)->draw(half, crowd.instances, gl::Pass::kDepth); }});
+  measure(rows, rounds);
+
+  const double product = median(rows[0].ns);
+  std::printf("\n%zu instances of %zu assets, %d part(s) each: %.1f knots and %.1f waves an instance; all visible: %u drawn, %u culled; part culled: %u drawn, %u culled\n\n"
+              "| | ns an instance | mat4 products |\n|---|---|---|\n",
+              kInstances, library.size(), parts, static_cast<double>(library.knots()) / static_cast<double>(library.size()),
+              static_cast<double>(library.waves()) / static_cast<double>(library.size()), seen_all.instances, seen_all.culled, seen_half.instances, seen_half.culled);
+  const std::string prefix = "cpu, " + std::to_string(parts) + " part(s), ";
+  const auto print = [&](const char* name, double ns) {
+    std::printf("| %s | %.1f | %.2f |\n", name, ns, ns / product);
+    out.add(prefix + name, ns / product);
+  };
+  for (const Row& row : rows) {
+    if (*row.name) print(row.name, median(row.ns));
+  }
+  print("update + draw(), all visible", median(rows[2].ns) + median(rows[3].ns));
+  print("update + draw(), part culled", median(rows[2].ns) + median(rows[5].ns));
+}
+
+int usage() {
+  std::fprintf(stderr, "usage: bench_frame [--json FILE] [--rounds N] [--cpu | --gl]\n");
+  return 1;
+}
+
+int run(int count, char** words) {
+  const char* json = nullptr;
+  int rounds = 101;
+  bool cpu = true, gl = true;
+  for (int i = 1; i < count; ++i) {
+    const bool more = i + 1 < count;
+    if (std::strcmp(words[i], "--json") == 0 && more) {
+      json = words[++i];
+    } else if (std::strcmp(words[i], "--rounds") == 0 && more) {
+      rounds = std::atoi(words[++i]);
+    } else if (std::strcmp(words[i], "--cpu") == 0) {
+      gl = false;
+    } else if (std::strcmp(words[i], "--gl") == 0) {
+      cpu = false;
+    } else {
+      return usage();
+    }
+  }
+  if (rounds < 1 || (!cpu && !gl)) return usage();
+  Report report;
+  if (cpu) {
+    reportCpu(report, 1, rounds);
+    reportCpu(report, 3, rounds);
+  }
+  if (gl) reportGl(report, rounds);
+  return json && !report.write(json) ? 2 : 0;
+}
+
+}  // namespace
+}  // namespace kelp::bench
+
+int main(int argc, char** argv) { return kelp::bench::run(argc, argv); }

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What bench_frame measures with: eight assets made in memory, and crowds of them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kelp/gl/renderer.h"
+
+namespace kelp::bench {
+
+// Eight assets, no two alike: rigs of two to four knots with a clip of 2 to 18 waves, as the models of samples/models have them. All in memory.
+class Library {
+ public:
+  explicit Library(int parts);
+  const runtime::Asset& operator[](std::size_t i) const { return *assets_[i].asset; }
+  std::size_t size() const { return assets_.size(); }
+  std::size_t knots() const;  // of all assets
+  std::size_t waves() const;
+
+ private:
+  struct Loaded {
+    std::vector<std::byte> bytes;
+    std::unique_ptr<MemorySource> source;
+    std::unique_ptr<runtime::Asset> asset;
+  };
+  std::vector<Loaded> assets_;
+};
+
+// Instances of the assets by turns, one pose each.
+struct Crowd {
+  Crowd(const Library& assets, std::size_t count);
+  // What a host does with each instance, each frame: back to rest, and the clip at a moment of its own.
+  void update();
+
+  const Library& library;
+  std::vector<runtime::Pose> poses;
+  std::vector<runtime::Instance> instances;
+  double seconds = 0;
+};
+
+double median(std::vector<double> values);
+
+}  // namespace kelp::bench
