@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/formats/geometry.h"
 
-#include "lanes.h"
+#include "kelp/formats/lanes.h"
 
 namespace kelp {
 

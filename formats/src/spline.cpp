@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lanes.h"
+#include "kelp/formats/lanes.h"
 
 namespace kelp {
 namespace {
@@ -232,6 +232,54 @@ Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
   // Every copy of the base spans [0, X] x [0, Z] from the spline.
   box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
   return box;
+}
+
+// A cubic is two cubics of half the length (de Casteljau), each within the hull of its own control points: the ends, a third of the slope from
+// them, the middle, and a third of the halves' slope, h, to both sides of it.
+// A position or tangent is the sum or difference of two such points, at most 12 times as large as the largest number of the box; so the coefficients
+// of a segment add up to at most 84 times that, and 16 roundings of them to less than 2^-13 of it.
+bool boundSoundKnots(std::span<const Knot> knots, const glm::ivec3& size, float margin, Box& box) {
+  static_assert(offsetof(Knot, at) == 0 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
+  if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots) || knots.front().at != 0.0f || knots.back().at != 1.0f) return false;
+  // Lanes: `at`, x, y, z. With a tangent goes the number before it, the position's z.
+  const auto loadPosition = [](const Knot& knot) { return Lanes::load(&knot.at); };
+  const auto loadTangent = [](const Knot& knot) { return Lanes::load(&knot.position.z); };
+  Lanes p0 = loadPosition(knots[0]), m0 = loadTangent(knots[0]);
+  Lanes low = p0, high = p0, sum = 0.0f;
+  Lanes least_rise = kSafe, least_room = kSafe;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const Lanes p1 = loadPosition(knots[i]), m1 = loadTangent(knots[i]);
+    const Lanes rise = p1 - p0, sixth = (1.0f / 6.0f) * rise.all<0>();
+    const Lanes a = sixth * m0, b = sixth * m1, both = a + b;
+    const Lanes inner0 = p0 + a, inner1 = p1 - b;
+    const Lanes middle = 0.5f * (p0 + p1) + 0.75f * (a - b), h = abs(0.25f * (rise - both));
+    low = min(min(min(inner0, inner1), min(middle - h, p1)), low);
+    high = max(max(max(inner0, inner1), max(middle + h, p1)), high);
+    sum = sum + middle;
+    // Slopes that are not negative and add up to at most 3 times the rise: monotone (Fritsch and Carlson 1980).
+    least_rise = min(rise, least_rise);
+    least_room = min(min(min(a, b), rise - (both + both)), least_room);
+    p0 = p1;
+    m0 = m1;
+  }
+  const Lanes largest = max(abs(low), abs(high));
+  float rise[4], room[4], most[4], all[4];
+  least_rise.store(rise);
+  least_room.store(room);
+  largest.store(most);
+  abs(sum).store(all);
+  // Comparisons pass over what is not a number, but the sum does not.
+  if (!(rise[0] > 0.0f && rise[2] > 0.0f && room[2] >= 0.0f && most[1] < kMostSquared && most[2] < kMostSquared && most[3] < kMostSquared &&
+        all[1] < kSafe && all[2] < kSafe && all[3] < kSafe)) {
+    return false;
+  }
+  const Lanes slack = 0x1p-13f * largest + margin;
+  float least[4];
+  (low - slack).rotated().store(least);
+  (high + slack).rotated().store(most);
+  box.min = glm::vec3(least[0], least[1], least[2]);
+  box.max = glm::vec3(most[0] + static_cast<float>(size.x), most[1], most[2] + static_cast<float>(size.z));
+  return true;
 }
 
 }  // namespace kelp

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "lanes.h"
+#include "kelp/formats/lanes.h"
 #include "metadata.h"
 
 namespace kelp {

@@ -19,10 +19,6 @@ glm::mat4 motionMatrix(const Part& part, const Motion& motion) {
   return pivot * trs * glm::inverse(pivot);
 }
 
-bool atRest(const Motion& m) {
-  return m.translation == glm::vec3(0) && m.scale == glm::vec3(1) && m.rotation == glm::quat(1, 0, 0, 0);
-}
-
 // Segment and parameter at a height in rest space: where the map's y = size.y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)).
 struct SplinePoint {
   Segment segment;
@@ -55,7 +51,7 @@ glm::mat4 partToWorld(const Instance& instance, int part) {
   const std::span<const Part> parts = instance.asset->pack().parts();
   glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    if (!instance.pose || i >= instance.pose->parts() || atRest(*instance.pose->motion(i))) continue;
+    if (!instance.pose || i >= instance.pose->parts() || isRest(*instance.pose->motion(i))) continue;
     matrix = motionMatrix(parts[static_cast<std::size_t>(i)], *instance.pose->motion(i)) * matrix;
   }
   return instance.to_world * matrix;

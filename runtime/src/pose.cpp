@@ -20,6 +20,8 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   }
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
   pose.knots_ = static_cast<std::uint32_t>(total);
+  pose.knot_data_ = reinterpret_cast<Knot*>(pose.motionData() + parts.size());
+  pose.first_knots_ = reinterpret_cast<std::uint32_t*>(pose.restKnots() + total);
   std::fill_n(pose.restMotions(), parts.size(), Motion{});
   std::uint32_t n = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -33,6 +35,8 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
 
 Pose& Pose::operator=(Pose&& other) noexcept {
   memory_ = std::move(other.memory_);
+  knot_data_ = std::exchange(other.knot_data_, nullptr);
+  first_knots_ = std::exchange(other.first_knots_, nullptr);
   parts_ = std::exchange(other.parts_, 0u);
   knots_ = std::exchange(other.knots_, 0u);
   return *this;

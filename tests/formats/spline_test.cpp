@@ -308,6 +308,56 @@ TEST(Spline, BoundsAreTheExactRangeUpToRounding) {
   EXPECT_LT(worst, 1e-4);
 }
 
+// What a renderer asks each frame: true only for knots that are sound, and then a box with the exact range and the margin in it, which reaches beyond a
+// segment by at most half of what the segments span.
+TEST(Spline, SoundKnotsAreBoundInOnePass) {
+  std::mt19937 random(24);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const glm::ivec3 size(3, 5, 7);
+  const float margin = 0.25f;
+  int bound = 0, monotone = 0;
+  for (int n = 0; n < 100000; ++n) {
+    const float scale = std::pow(10.0f, 3 * unit(random)), slope = scale * std::pow(10.0f, 2 * unit(random));
+    std::vector<Knot> knots{randomKnot(random, 0, scale), randomKnot(random, 0.3f, scale), randomKnot(random, 1, scale)};
+    for (Knot& knot : knots) {
+      knot.position.y = scale * (knot.at + 0.2f * knot.at * unit(random));
+      knot.tangent = glm::vec3(knot.tangent.x * slope / scale, scale * (1.5f + 1.7f * unit(random)), knot.tangent.z * slope / scale);
+    }
+    if (n % 50 == 0) knots[static_cast<std::size_t>(n / 50 % 3)].position[n / 150 % 3] = n % 100 ? NAN : INFINITY;
+    if (n % 50 == 1) knots[static_cast<std::size_t>(n / 50 % 3)].tangent[n / 150 % 3] = n % 100 == 1 ? NAN : -INFINITY;
+    if (n % 50 == 2) knots[static_cast<std::size_t>(n / 50 % 3)].at = n % 100 == 2 ? NAN : 1;
+    monotone += static_cast<bool>(checkKnots(knots));
+    Box box;
+    if (!boundSoundKnots(knots, size, margin, box)) {
+      EXPECT_TRUE(box.empty());
+      continue;
+    }
+    ++bound;
+    ASSERT_TRUE(checkKnots(knots)) << n;
+    for (int i = 0; i < 3; ++i) {
+      long double low = 1e30L, high = -1e30L, excess = 0, largest = 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const auto [least, most] = exactRange(Reference(knots[k], knots[k + 1]), i);
+        low = std::min(low, least);
+        high = std::max(high, most);
+        excess = std::max(excess, (most - least) / 2);
+      }
+      largest = std::max(std::abs(low), std::abs(high)) + excess;
+      const long double base = i == 0 ? size.x : i == 2 ? size.z : 0;
+      ASSERT_LE(box.min[i], low - margin) << n;
+      ASSERT_GE(box.max[i], high + base + margin - 1e-6L) << n;
+      ASSERT_GE(box.min[i], low - margin - excess - 2e-4L * largest - 1e-5L) << n;
+      ASSERT_LE(box.max[i], high + base + margin + excess + 2e-4L * largest + 1e-5L) << n;
+    }
+  }
+  EXPECT_GT(bound, 20000);
+  EXPECT_GT(bound, 0.6 * monotone);
+  Box box;
+  EXPECT_FALSE(boundSoundKnots({}, size, 0, box));
+  EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(1), size, 0, box));
+  EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(kMaxKnots + 1), size, 0, box));
+}
+
 // Beyond where squares of coefficients end in float.
 TEST(Spline, BoundsHoldForHugeNumbers) {
   std::mt19937 random(22);

@@ -9,6 +9,9 @@ struct FakeGl {
   int max_texture_size = 2048;  // what OpenGL ES 3.0 guarantees
   int max_array_layers = 256;
   bool out_of_memory = false;   // glGetError says so
+  int depth_bits = 0;           // of the framebuffer that is bound; 0: it has no depth
+  long names_made = 0;          // by all glGen*
+  long storage_made = 0;        // calls of glTexImage2D and glTexImage3D
 
   // For kelp::gl::Config; `user` is not used. One fake at a time: the one that current() points to.
   static FakeGl*& current();

@@ -53,6 +53,10 @@ class StateTest : public GlTest {
         EXPECT_TRUE(renderer.draw(shaded, {&instance_, 1}));
         after(kDraw, "draw");
       }
+      gl::View batched = view;
+      batched.depth_batches = 3;
+      EXPECT_TRUE(renderer.draw(batched, std::vector<Instance>(3, instance_)));
+      after(kDraw, "draw, in batches");
       EXPECT_TRUE(renderer.draw(view, {}));
       after(kDraw, "draw, nothing");
       EXPECT_FALSE(renderer.draw({}, {&instance_, 1}));

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include "kelp/formats/lanes.h"
 
 namespace kelp::gl {
 namespace {
@@ -28,6 +33,7 @@ Result<Camera> makeCamera(const View& view) {
   const glm::dmat4 to_clip(view.eye_to_clip);
   Camera camera;
   camera.world_to_clip = to_clip * to_eye;
+  camera.linear = camera.world_to_clip;
   const double determinant = glm::determinant(camera.world_to_clip);
   if (!isFinite(camera.world_to_clip) || !std::isfinite(determinant) || determinant == 0.0) {
     return Error{ErrorCode::kMisuse, "the view's matrices are not finite and invertible"};
@@ -44,64 +50,133 @@ Result<Camera> makeCamera(const View& view) {
   }
   double side = 0;  // of a unit cube in eye space: to_world has what world_to_eye does not scale
   for (int axis = 0; axis < 3; ++axis) side = std::max(side, glm::length(glm::dvec3(to_eye[axis])));
-  camera.pixel_scale = 0.5 * side *
-                       std::max(glm::length(glm::dvec3(to_clip[0][0], to_clip[1][0], to_clip[2][0])) * view.viewport.x,
-                                glm::length(glm::dvec3(to_clip[0][1], to_clip[1][1], to_clip[2][1])) * view.viewport.y);
+  const double pixels = std::max(glm::length(glm::dvec3(to_clip[0][0], to_clip[1][0], to_clip[2][0])) * view.viewport.x,
+                                 glm::length(glm::dvec3(to_clip[0][1], to_clip[1][1], to_clip[2][1])) * view.viewport.y);
+  camera.pixel_scale = static_cast<float>(0.5 * side * pixels);
   return camera;
 }
 
-bool invert(const glm::mat4& m, glm::dmat3& inverse) {
-  const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
-  const glm::dvec3 yz = glm::cross(y, z);
-  const double determinant = glm::dot(x, yz);
-  const double per = 1.0 / determinant;
-  // A number that is not finite makes the determinant, or the sum of the translation, another.
-  if (!(std::abs(determinant) > 0.0) || !std::isfinite(determinant) || !std::isfinite(per) || !std::isfinite(m[3][0] + m[3][1] + m[3][2])) return false;
-  inverse = glm::transpose(glm::dmat3(per * yz, per * glm::cross(z, x), per * glm::cross(x, y)));
+bool boundPart(std::span<const Knot> knots, const glm::ivec3& size, Box& bounds) {
+  if (boundSoundKnots(knots, size, kMargin, bounds)) return true;
+  if (!checkKnots(knots)) return false;
+  bounds = deformedBounds(knots, size);
+  bounds.min -= kMargin;
+  bounds.max += kMargin;
   return true;
 }
 
-PlacedPart placePart(const Camera& camera, const runtime::Instance& instance, int part, std::span<const Knot> knots, const glm::ivec3& size) {
-  PlacedPart placed;
-  placed.bounds = deformedBounds(knots, size);
-  placed.bounds.min -= kMargin;
-  placed.bounds.max += kMargin;
-  placed.to_world = runtime::partToWorld(instance, part);
-  placed.to_clip = camera.world_to_clip * glm::dmat4(placed.to_world);
-  glm::dmat3 to_part;
-  if (!invert(placed.to_world, to_part)) return placed;
-  glm::dvec3 eye = to_part * (glm::dvec3(camera.eye) - camera.eye.w * glm::dvec3(placed.to_world[3]));
-  if (camera.eye.w == 0) eye = glm::normalize(eye);
-  placed.eye = glm::dvec4(eye, camera.eye.w);
+namespace {
 
-  // A linear function over a box is greatest where every term is: its value at the centre, and |term| times half a side for each.
-  const glm::dvec3 centre = 0.5 * (glm::dvec3(placed.bounds.min) + glm::dvec3(placed.bounds.max));
-  const glm::dvec3 half = glm::dvec3(placed.bounds.max) - centre;
-  const glm::dvec4 at = placed.to_clip * glm::dvec4(centre, 1.0);
-  const glm::dvec4 x = placed.to_clip[0] * half.x, y = placed.to_clip[1] * half.y, z = placed.to_clip[2] * half.z;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double side : {1.0, -1.0}) {
-      const double reach = std::abs(x.w + side * x[axis]) + std::abs(y.w + side * y[axis]) + std::abs(z.w + side * z[axis]);
-      placed.outside = placed.outside || at.w + side * at[axis] + reach < 0.0;
-    }
-  }
-  placed.nearest = at.w - (std::abs(x.w) + std::abs(y.w) + std::abs(z.w));
-  placed.good = std::isfinite(placed.nearest);
-
-  float side2 = 0;
-  for (int axis = 0; axis < 3; ++axis) side2 = std::max(side2, glm::dot(glm::vec3(placed.to_world[axis]), glm::vec3(placed.to_world[axis])));
-  placed.pixels = std::sqrt(static_cast<double>(side2)) * camera.pixel_scale / std::max(placed.nearest, 1e-30);
-  return placed;
+// The eye in part space by Cramer's rule: the columns of a matrix's inverse are the cross products of its rows, over the determinant.
+// In double, whatever the size of the numbers. False: the matrix has no inverse.
+bool eyeThoroughly(const glm::dvec3& r0, const glm::dvec3& r1, const glm::dvec3& r2, const glm::dvec3& d, glm::vec4& eye) {
+  const glm::dvec3 r12 = glm::cross(r1, r2);
+  const double determinant = glm::dot(r0, r12), per = 1.0 / determinant;
+  if (!std::isfinite(determinant) || !std::isfinite(per)) return false;
+  eye = glm::vec4(glm::vec3(per * (d.x * r12 + d.y * glm::cross(r2, r0) + d.z * glm::cross(r0, r1))), eye.w);
+  return true;
 }
 
-Detail chooseDetail(double pixels, float wanted, int finest, int levels) {
-  Detail detail{std::min(finest, levels - 1), 0};
-  if (!(wanted > 0)) return detail;
-  const double between = std::log2(static_cast<double>(wanted) / pixels);
-  if (!(between > detail.level)) return detail;
-  const double whole = std::floor(between);
-  if (whole >= levels - 1) return {levels - 1, 0};
-  return {static_cast<int>(whole), static_cast<int>(64.0 * (between - whole))};
+// Rays leave the bounds at a point and go to the eye, so that an error of the eye's by a part of its distance moves a hit by that part of the box: float
+// does, but for determinants near the ends of its range. `d`: from the part's origin to the eye, in the world.
+bool placeEye(const Lanes& r0, const Lanes& r1, const Lanes& r2, const glm::dvec3& d, RecordHead& head) {
+  const Lanes s0 = r0.rotated3(), s1 = r1.rotated3(), s2 = r2.rotated3();
+  const Lanes r12 = r1 * s2 - s1 * r2, r20 = r2 * s0 - s2 * r0, r01 = r0 * s1 - s0 * r1;  // turned by one place
+  const Lanes terms = s0.rotated3() * r12;
+  const float determinant = (terms + (terms.all<1>() + terms.all<2>())).first();
+  if (!(std::abs(determinant) > 1e-24f && std::abs(determinant) < 1e24f)) {
+    return eyeThoroughly(glm::vec3(head.to_world[0]), glm::vec3(head.to_world[1]), glm::vec3(head.to_world[2]), d, head.eye);
+  }
+  const Lanes sum = (static_cast<float>(d.x) * r12 + static_cast<float>(d.y) * r20) + static_cast<float>(d.z) * r01;
+  float eye[4];
+  ((1.0f / determinant) * sum.rotated3()).store(eye);
+  head.eye = glm::vec4(eye[0], eye[1], eye[2], head.eye.w);
+  return true;
+}
+
+// Where a point of the world is in clip space: the sum may be small beside its terms, so it is of doubles.
+Lanes toClip(const glm::dmat4& m, const glm::vec4& p) {
+  const DoubleLanes x(double{p.x}), y(double{p.y}), z(double{p.z});
+  const auto half = [&](int row) {
+    return (DoubleLanes::load(&m[0][row]) * x + DoubleLanes::load(&m[1][row]) * y) + (DoubleLanes::load(&m[2][row]) * z + DoubleLanes::load(&m[3][row]));
+  };
+  return rounded(half(0), half(2));
+}
+
+}  // namespace
+
+bool isInvertible(const glm::mat4& m) {
+  glm::vec4 eye(0);
+  const glm::mat4 rows = glm::transpose(m);
+  return std::isfinite(m[3][0] + m[3][1] + m[3][2]) && eyeThoroughly(glm::vec3(rows[0]), glm::vec3(rows[1]), glm::vec3(rows[2]), glm::dvec3(0), eye);
+}
+
+bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bounds, RecordHead& head, PlacedPart& placed) {
+  Lanes r0 = Lanes::load(&to_world[0][0]), r1 = Lanes::load(&to_world[1][0]), r2 = Lanes::load(&to_world[2][0]), r3 = Lanes::load(&to_world[3][0]);
+  const Lanes w0 = Lanes::load(&camera.linear[0][0]), w1 = Lanes::load(&camera.linear[1][0]), w2 = Lanes::load(&camera.linear[2][0]);
+  const auto turned = [&](const Lanes& v) { return w0 * v.all<0>() + w1 * v.all<1>() + w2 * v.all<2>(); };
+  const Lanes mx = turned(r0), my = turned(r1), mz = turned(r2), mw = toClip(camera.world_to_clip, to_world[3]);
+  const auto store = [](const Lanes& lanes, glm::vec4& to) { lanes.store(&to[0]); };
+  Lanes row0 = mx, row1 = my, row2 = mz, row3 = mw;
+  transpose(row0, row1, row2, row3);
+  store(row0, head.to_clip[0]);
+  store(row1, head.to_clip[1]);
+  store(row2, head.to_clip[2]);
+  store(row3, head.to_clip[3]);
+  transpose(r0, r1, r2, r3);
+  store(r0, head.to_world[0]);
+  store(r1, head.to_world[1]);
+  store(r2, head.to_world[2]);
+
+  // A linear function over a box is greatest where every term is: its value at the centre, and |term| times half a side for each. The planes'
+  // functions are w + x, w - x and so on; with w in x's place, w itself. Roundings must not make a part that is seen lie outside.
+  static_assert(offsetof(Box, max) == 3 * sizeof(float));
+  const Lanes low = Lanes::load(&bounds.min.x), high = Lanes::load(&bounds.min.z).rotated();  // and numbers that do not matter
+  const Lanes centre = 0.5f * (low + high), half = high - centre;
+  const Lanes at = (mx * centre.all<0>() + my * centre.all<1>()) + (mz * centre.all<2>() + mw);
+  const Lanes x = mx * half.all<0>(), y = my * half.all<1>(), z = mz * half.all<2>();
+  const Lanes at_w = at.all<3>(), x_w = x.all<3>(), y_w = y.all<3>(), z_w = z.all<3>();
+  const Lanes above = abs(x_w + x) + abs(y_w + y) + abs(z_w + z), below = abs(x_w - x) + abs(y_w - y) + abs(z_w - z);
+  const Lanes slack = 1e-6f * (above + below + (abs(at_w) + abs(at)));
+  placed.outside = anyLess(min(at_w + at + above, at_w - at + below) + slack, 0.0f);
+  placed.nearest = (at_w - (abs(x_w) + abs(y_w) + abs(z_w))).first();
+  // A number that is not finite anywhere in to_world is in this one.
+  if (!std::isfinite(placed.nearest)) return false;
+
+  head.eye.w = static_cast<float>(camera.eye.w);
+  if (!placeEye(r0, r1, r2, glm::dvec3(camera.eye) - camera.eye.w * glm::dvec3(to_world[3]), head)) return false;
+  if (head.eye.w == 0) head.eye = glm::vec4(glm::vec3(glm::normalize(glm::dvec3(head.eye))), 0);
+
+  const Lanes sides = r0 * r0 + r1 * r1 + r2 * r2;
+  const float side = std::sqrt(max(sides, max(sides.all<1>(), sides.all<2>())).first());
+  placed.pixels = side * camera.pixel_scale / std::max(placed.nearest, 1e-20f);
+  return true;
+}
+
+namespace {
+
+// The base-2 logarithm of a positive number, to 0.00013: the exponent, and a polynomial in the fraction, exact at both ends.
+float logarithm(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  const int exponent = static_cast<int>(bits >> 23) - 127;
+  const std::uint32_t one = (bits & 0x7fffffu) | 0x3f800000u;
+  float fraction;
+  std::memcpy(&fraction, &one, sizeof fraction);
+  fraction -= 1.0f;
+  return static_cast<float>(exponent) + fraction * (1.4383793f + fraction * (-0.6758807f + fraction * (0.3181545f - 0.0806531f * fraction)));
+}
+
+}  // namespace
+
+Detail chooseDetail(float pixels, float wanted, int finest, int levels) {
+  const Detail detail{std::min(finest, levels - 1), 0};
+  // As many levels up as the voxels are too small, by powers of two.
+  if (!(wanted > pixels * static_cast<float>(1u << detail.level))) return detail;
+  const float between = logarithm(wanted / pixels);
+  if (!(between < static_cast<float>(levels - 1))) return {levels - 1, 0};
+  const int whole = std::max(static_cast<int>(between), detail.level);
+  return {whole, std::max(0, static_cast<int>(64.0f * (between - static_cast<float>(whole))))};
 }
 
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel) {

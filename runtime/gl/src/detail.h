@@ -9,35 +9,40 @@ namespace kelp::gl {
 // A View, checked and prepared.
 struct Camera {
   glm::dmat4 world_to_clip{1};
+  glm::mat4 linear{1};    // the same in float, for all but places
   glm::dvec4 eye{0};      // world; w = 1, or the direction of view and w = 0
-  double pixel_scale = 0;  // pixels per unit of length at clip w = 1
+  float pixel_scale = 0;  // pixels per unit of length at clip w = 1
 };
 
 // kMisuse for a matrix that is not finite or not invertible.
 Result<Camera> makeCamera(const View& view);
 
-// A posed part as the camera sees it.
-struct PlacedPart {
-  Box bounds;               // deformed, a little enlarged; part space
-  glm::mat4 to_world{1};
-  glm::dmat4 to_clip{1};
-  glm::dvec4 eye{0};        // part space; w as in Camera
-  double nearest = 0;       // clip w of the nearest point; at most 0 where the box reaches behind the eye
-  double pixels = 0;        // that a level-0 voxel covers there; very many if the eye is inside
-  bool outside = false;     // of the view's frustum
-  bool good = false;        // false: to_world is not finite or not invertible
-};
-PlacedPart placePart(const Camera& camera, const runtime::Instance& instance, int part, std::span<const Knot> knots, const glm::ivec3& size);
+// The deformed bounds of a posed part, a little enlarged. False: the knots are not monotone or not finite.
+bool boundPart(std::span<const Knot> knots, const glm::ivec3& size, Box& bounds);
 
-// Whether an affine matrix is finite and invertible; `inverse` of its linear part.
-bool invert(const glm::mat4& matrix, glm::dmat3& inverse);
+// A posed part as the camera sees it: what a record begins with (shaders/instance.glsl), and the rest.
+struct RecordHead {
+  glm::vec4 to_clip[4];   // rows: part space -> clip space
+  glm::vec4 to_world[3];  // rows: part space -> world
+  glm::vec4 eye;          // part space; w as in Camera
+};
+struct PlacedPart {
+  float nearest;          // clip w of the nearest point; at most 0 where the box reaches behind the eye
+  float pixels;           // that a level-0 voxel covers there; very many if the eye is inside
+  bool outside;           // of the view's frustum
+};
+// False, and nothing of use in `head` and `placed`: to_world is not finite or not invertible.
+bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bounds, RecordHead& head, PlacedPart& placed);
+
+// Whether an affine matrix is finite and invertible.
+bool isInvertible(const glm::mat4& matrix);
 
 struct Detail {
   int level = 0;
   int coarser = 0;  // 64ths of the pixels that draw level + 1
 };
 // The finest level is `finest`, the coarsest `levels` - 1; between them one whose voxels cover about `wanted` pixels.
-Detail chooseDetail(double pixels, float wanted, int finest, int levels);
+Detail chooseDetail(float pixels, float wanted, int finest, int levels);
 
 // Whether that pixel draws the coarser level.
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel);

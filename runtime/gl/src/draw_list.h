@@ -17,7 +17,7 @@ class DrawList {
   // before the eye, and the records have world -> part space in place of part -> clip space.
   enum class Rays : std::uint8_t { kView, kAny };
 
-  explicit DrawList(const Allocator& allocator) : order_(allocator), records_(allocator) {}
+  explicit DrawList(const Allocator& allocator) : order_(allocator), sorted_(allocator), records_(allocator) {}
 
   // Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
   Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays = Rays::kView);
@@ -32,16 +32,16 @@ class DrawList {
 
  private:
   struct Ordered {
-    float depth = 0;           // clip w of the nearest point
+    std::uint32_t key = 0;     // ascends with the depth of the part's nearest point
     std::uint32_t texel = 0;   // of the record
   };
 
-  Result<void> addInstance(Residency& store, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, int asset,
-                           Rays rays);
-  glm::uvec4* addRecord(std::size_t texels);
+  // Null, or what is wrong.
+  const Error* addInstance(ResidentAsset& asset, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, Rays rays);
   Result<void> writeOrder();
 
   Buffer<Ordered> order_;        // the first count_
+  Buffer<Ordered> sorted_;
   Buffer<glm::uvec4> records_;   // the first texels_
   std::size_t count_ = 0;
   std::size_t texels_ = 0;

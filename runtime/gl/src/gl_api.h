@@ -70,6 +70,15 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, Uniform1i, (std::int32_t, std::int32_t))                                                                        \
   X(void, Uniform1f, (std::int32_t, float))                                                                               \
   X(void, Uniform3f, (std::int32_t, float, float, float))                                                                 \
+  X(void, GenFramebuffers, (std::int32_t, Name*))                                                                         \
+  X(void, DeleteFramebuffers, (std::int32_t, const Name*))                                                                \
+  X(void, BindFramebuffer, (Enum, Name))                                                                                  \
+  X(void, FramebufferTexture2D, (Enum, Enum, Enum, Name, std::int32_t))                                                   \
+  X(void, GetFramebufferAttachmentParameteriv, (Enum, Enum, Enum, std::int32_t*))                                         \
+  X(void, DrawBuffers, (std::int32_t, const Enum*))                                                                       \
+  X(void, ReadBuffer, (Enum))                                                                                             \
+  X(void, BlitFramebuffer, (std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t, \
+                            std::int32_t, Enum, Enum))                                                                    \
   X(void, DrawArraysInstanced, (Enum, std::int32_t, std::int32_t, std::int32_t))
 
 // Not in ES 3.0, which has that state once for all draw buffers, or not at all. ES 3.2 has all but PolygonMode.
@@ -123,6 +132,13 @@ inline constexpr Enum kTextureMinFilter = 0x2801, kTextureMagFilter = 0x2800, kT
                       kTextureCompareMode = 0x884C, kNone = 0;
 inline constexpr Enum kRedInteger = 0x8D94, kRgbaInteger = 0x8D99, kR32ui = 0x8236, kRgba32ui = 0x8D70;
 inline constexpr Enum kUnsignedInt = 0x1405;
+inline constexpr Enum kDrawFramebuffer = 0x8CA9, kReadFramebuffer = 0x8CA8, kDrawFramebufferBinding = 0x8CA6, kReadFramebufferBinding = 0x8CAA,
+                      kDepth = 0x1801, kDepthAttachment = 0x8D00, kDepthStencilAttachment = 0x821A, kAttachmentObjectType = 0x8CD0,
+                      kAttachmentObjectName = 0x8CD1, kAttachmentDepthSize = 0x8216, kAttachmentStencilSize = 0x8217,
+                      kAttachmentComponentType = 0x8211, kDepthBufferBit = 0x0100, kViewport = 0x0BA2, kSamples = 0x80A9;
+inline constexpr Enum kDepthComponent = 0x1902, kDepthStencil = 0x84F9, kDepthComponent16 = 0x81A5, kDepthComponent24 = 0x81A6,
+                      kDepthComponent32 = 0x81A7, kDepthComponent32f = 0x8CAC, kDepth24Stencil8 = 0x88F0, kDepth32fStencil8 = 0x8CAD,
+                      kUnsignedShort = 0x1403, kFloat = 0x1406, kUnsignedInt248 = 0x84FA, kFloat32UnsignedInt248Rev = 0x8DAD;
 inline constexpr Enum kFragmentShader = 0x8B30, kVertexShader = 0x8B31, kCompileStatus = 0x8B81, kLinkStatus = 0x8B82,
                       kInfoLogLength = 0x8B84;
 inline constexpr Enum kDebugSourceThirdParty = 0x8249, kLabelTexture = 0x1702, kLabelProgram = 0x82E2, kLabelVertexArray = 0x8074,

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "depth_copy.h"
 #include "detail.h"
 #include "draw_list.h"
 #include "program.h"
@@ -21,6 +22,7 @@ using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
 static_assert(kFirstHostUnit >= kTextureUnits);
+constexpr int kMostBatches = 16;
 
 // The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
 struct RecordTextures {
@@ -62,13 +64,13 @@ bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
   return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
          view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
-         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0;
+         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches;
 }
 
 // What draw() and bindTrace() can not do anything with.
 Result<void> checkView(const View& view, bool look_is_plain) {
   if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, or more than 16 rays of occlusion"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches beyond 1 .. 16"};
   if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0)) return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays want Config::secondary_rays"};
   return {};
 }
@@ -101,6 +103,7 @@ struct Renderer::Impl {
   Name vertex_array = 0;
   Name sampler = 0;
   RecordTextures records;
+  DepthCopy depth;
   Residency store;
   std::uint32_t pending = 0;
   DrawList list;
@@ -108,17 +111,18 @@ struct Renderer::Impl {
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
 
-  void setState(const View& view, Pass pass) const;
+  void setState(const View& view, Pass pass, Name scene_depth) const;
+  std::uint32_t drawBatches(std::uint32_t batches) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
-void Renderer::Impl::setState(const View& view, Pass pass) const {
+void Renderer::Impl::setState(const View& view, Pass pass, Name scene_depth) const {
   api.UseProgram(program.name);
   api.BindVertexArray(vertex_array);
   for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
   bindUnit(api, kPool, store.pool().texture());
   bindUnit(api, kRecords, records.names[records.now]);
-  bindUnit(api, kScene, view.scene_depth);
+  bindUnit(api, kScene, scene_depth);
   api.Enable(kDepthTest);
   api.DepthFunc(view.reversed_depth ? kGequal : kLequal);
   api.DepthMask(1);
@@ -131,8 +135,19 @@ void Renderer::Impl::setState(const View& view, Pass pass) const {
   api.Uniform1i(program.motion, view.previous_world_to_clip != nullptr);
   api.Uniform1i(program.depth_only, pass == Pass::kDepth);
   api.Uniform1f(program.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
-  api.Uniform1i(program.scene, view.scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
-  api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber()));
+  api.Uniform1i(program.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
+}
+
+// Near to far, as many parts each. Where there are several, what is drawn so far is known to the next.
+std::uint32_t Renderer::Impl::drawBatches(std::uint32_t batches) const {
+  const std::uint64_t parts = list.parts();
+  for (std::uint32_t batch = 0; batch < batches; ++batch) {
+    const auto first = static_cast<std::uint32_t>(parts * batch / batches), last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
+    if (batches > 1) depth.copy(api);
+    api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
+    api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(last - first));
+  }
+  return batches;
 }
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -165,6 +180,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   label(self.api, kLabelSampler, self.sampler, "kelp nearest");
   for (Name& name : self.records.names) name = makeTexture(self.api, kTexture2d, "kelp records");
   for (Name& name : self.traced_records.names) name = makeTexture(self.api, kTexture2d, "kelp traced records");
+  self.depth.create(self.api);
   return renderer;
 }
 
@@ -174,6 +190,7 @@ Renderer::~Renderer() {
   if (self.abandoned) return;
   self.api.DeleteTextures(RecordTextures::kCount, self.records.names);
   self.api.DeleteTextures(RecordTextures::kCount, self.traced_records.names);
+  self.depth.destroy(self.api);
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
@@ -221,15 +238,20 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   stats.instances = self.list.parts();
   if (stats.instances == 0) return stats;
   const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : "kelp draw");
+  std::uint32_t batches = 1;
   {
     const UploadGuard guard(self.api, self.restore);
+    if (view.depth_batches > 1 && stats.instances > 1 && view.scene_depth == 0 && self.depth.prepare(self.api)) {
+      batches = std::min(static_cast<std::uint32_t>(view.depth_batches), stats.instances);
+    }
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  self.setState(view, pass);
+  self.setState(view, pass, batches > 1 ? self.depth.texture() : view.scene_depth);
   if (view.bind) view.bind(view.bind_user, self.program.name);
-  self.api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(self.list.parts()));
-  stats.draws = 1;
+  stats.draws = self.drawBatches(batches);
+  // The copy is not left where a host might find it.
+  if (batches > 1) bindUnit(self.api, kScene, 0);
   return stats;
 }
 
@@ -291,9 +313,11 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
   if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  if (knots.size() != of.knots.size() || !checkKnots(knots)) return -1;
-  const PlacedPart placed = placePart(*camera, instance, part, knots, of.size);
-  if (!placed.good) return -1;
+  Box bounds;
+  if (knots.size() != of.knots.size() || !boundPart(knots, of.size, bounds)) return -1;
+  RecordHead head;
+  PlacedPart placed;
+  if (!placePart(*camera, runtime::partToWorld(instance, part), bounds, head, placed)) return -1;
   const Detail detail = chooseDetail(placed.pixels, view.pixels_per_voxel, view.finest_level, of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }

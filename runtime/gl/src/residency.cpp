@@ -81,6 +81,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   if (!fresh) return kNoMemory;
   fresh->asset = &asset;
   fresh->watch = asset.watch();
+  fresh->packed = parts;
   fresh->parts = Buffer<ResidentPart>(assets_.allocator());
   fresh->levels = Buffer<ResidentLevel*>(assets_.allocator());
   const std::span<const Material> palette = asset.pack().palette();
@@ -167,13 +168,6 @@ void Residency::beginWants() {
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     for (ResidentPart& part : asset->parts) part.want = {};
   }
-}
-
-void Residency::want(int asset, int part, int level, float pixels) {
-  Want& want = at(asset).parts[static_cast<std::size_t>(part)].want;
-  want.level = want.asked ? std::min(want.level, level) : level;
-  want.pixels = std::max(want.pixels, pixels);
-  want.asked = true;
 }
 
 // Gives every level its priority, and queues those that are wanted, the most urgent first.

@@ -2,6 +2,7 @@
 // What of the host's assets is in the pool, and what should be: grids and pages come and go by how many pixels they are worth.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "kelp/runtime/asset.h"
@@ -52,6 +53,7 @@ struct ResidentPart {
 struct ResidentAsset {
   const runtime::Asset* asset = nullptr;
   runtime::AssetWatch watch;
+  std::span<const Part> packed;   // the asset's own
   std::uint32_t tables_row = 0;
   Buffer<ResidentPart> parts;
   Buffer<ResidentLevel*> levels;  // part by part, finest first; owned
@@ -86,7 +88,12 @@ class Residency {
 
   // Before the first draw after an upload(): what earlier draws asked for no longer counts.
   void beginWants();
-  void want(int asset, int part, int level, float pixels);
+  static void want(ResidentPart& part, int level, float pixels) {
+    Want& want = part.want;
+    want.level = want.asked ? std::min(want.level, level) : level;
+    want.pixels = std::max(want.pixels, pixels);
+    want.asked = true;
+  }
 
   struct Progress {
     std::uint64_t bytes = 0;     // uploaded

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,12 @@ struct Motion {
   glm::quat rotation{1, 0, 0, 0};
   glm::vec3 scale{1};
 };
+
+// Whether it does nothing; asked of every part of every frame.
+inline bool isRest(const Motion& motion) {
+  static constexpr Motion kRest;
+  return std::memcmp(&motion, &kRest, sizeof motion) == 0;
+}
 
 // Independent of the asset once created (the asset must only be alive during calls that take both). Cheap to copy into with assign(). Only
 // create() allocates. Not thread-safe; different poses may be used on different threads at the same time.
@@ -65,13 +72,15 @@ class Pose {
   // the end of the last one's.
   std::size_t stateBytes() const { return parts_ * sizeof(Motion) + knots_ * sizeof(Knot); }
   Motion* motionData() { return reinterpret_cast<Motion*>(memory_.data()); }
-  Knot* knotData() { return reinterpret_cast<Knot*>(motionData() + parts_); }
+  Knot* knotData() { return knot_data_; }
   Motion* restMotions() { return reinterpret_cast<Motion*>(memory_.data() + stateBytes()); }
   Knot* restKnots() { return reinterpret_cast<Knot*>(restMotions() + parts_); }
-  std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(restKnots() + knots_); }
-  const std::uint32_t* firstKnots() const { return const_cast<Pose*>(this)->firstKnots(); }
+  std::uint32_t* firstKnots() { return first_knots_; }
+  const std::uint32_t* firstKnots() const { return first_knots_; }
 
   Buffer<std::byte> memory_;
+  Knot* knot_data_ = nullptr;             // in memory_
+  std::uint32_t* first_knots_ = nullptr;  // in memory_
   std::uint32_t parts_ = 0;
   std::uint32_t knots_ = 0;
 };

@@ -68,6 +68,11 @@ struct View {
   // (x, y) for the framebuffer's pixel (x, y): rays end there, which spares what would be hidden. Saves time, or does for a depth test where
   // no depth buffer is bound. 0: none.
   std::uint32_t scene_depth = 0;
+  // 1 .. 16: the instances are drawn near to far in so many draws, and before each the depth drawn so far is copied, so that rays end there: it
+  // spares what nearer instances, and the host's triangles, hide. The picture is the same. Worth it where three or more overlap on most pixels (then 8
+  // is a good number), a loss where hardly any do: each copy costs as much as the framebuffer has pixels. 1 copies nothing. Without effect where scene_depth is
+  // given, and where the framebuffer has no depth or is multisampled.
+  int depth_batches = 1;
   // World to clip in the frame before, for KelpSurface::previous_clip (motion vectors); null: there are none. Good during the call.
   const glm::mat4* previous_world_to_clip = nullptr;
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
@@ -101,7 +106,7 @@ enum class Pass : std::uint8_t {
 struct Stats {
   std::uint32_t instances = 0;      // parts of instances drawn
   std::uint32_t culled = 0;
-  std::uint32_t draws = 0;
+  std::uint32_t draws = 0;           // 0, 1 or, with View::depth_batches, that many
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
   // Grids and pages that are wanted, would fit, and are not yet on the GPU: 0 when the last draws' pictures are as fine as they get.

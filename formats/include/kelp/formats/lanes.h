@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Four floats at once, for the little that is computed for thousands of instances a frame: SSE2 where there is, plain C++ elsewhere.
-// Both round alike. Minimum and maximum answer their second argument where one is not a number.
+// Four floats, or two doubles, at once, for the little that is computed for thousands of instances a frame: SSE2 where there is, plain C++
+// elsewhere. Both round alike. Minimum and maximum answer their second argument where one is not a number. For kelp's libraries; hosts need none of it.
 #pragma once
 
 #include <cmath>
@@ -22,9 +22,12 @@ struct Lanes {
   static Lanes of(float a, float b, float c, float d) { return _mm_setr_ps(a, b, c, d); }
   static Lanes load(const float* four) { return _mm_loadu_ps(four); }
   void store(float* four) const { _mm_storeu_ps(four, v); }
+  // The first one.
+  float first() const { return _mm_cvtss_f32(v); }
   template <int kLane>
   Lanes all() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(kLane, kLane, kLane, kLane)); }
-  Lanes rotated() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 3, 2, 1)); }  // lane i is lane i + 1 of this
+  Lanes rotated() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 3, 2, 1)); }   // lane i is lane i + 1 of this
+  Lanes rotated3() const { return _mm_shuffle_ps(v, v, _MM_SHUFFLE(3, 0, 2, 1)); }  // the same among the first three
 };
 inline Lanes operator+(Lanes a, Lanes b) { return _mm_add_ps(a.v, b.v); }
 inline Lanes operator-(Lanes a, Lanes b) { return _mm_sub_ps(a.v, b.v); }
@@ -40,6 +43,20 @@ inline Lanes copysign(Lanes a, Lanes sign) {
 }
 // Whether a >= b in each of the first three lanes.
 inline bool notLess3(Lanes a, Lanes b) { return (_mm_movemask_ps(_mm_cmpge_ps(a.v, b.v)) & 7) == 7; }
+// Whether a < b in any lane.
+inline bool anyLess(Lanes a, Lanes b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)) != 0; }
+// Columns to rows.
+inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
+
+struct DoubleLanes {
+  __m128d v;
+  DoubleLanes(__m128d lanes) : v(lanes) {}
+  DoubleLanes(double all) : v(_mm_set1_pd(all)) {}
+  static DoubleLanes load(const double* two) { return _mm_loadu_pd(two); }
+};
+inline DoubleLanes operator+(DoubleLanes a, DoubleLanes b) { return _mm_add_pd(a.v, b.v); }
+inline DoubleLanes operator*(DoubleLanes a, DoubleLanes b) { return _mm_mul_pd(a.v, b.v); }
+inline Lanes rounded(DoubleLanes low, DoubleLanes high) { return _mm_movelh_ps(_mm_cvtpd_ps(low.v), _mm_cvtpd_ps(high.v)); }
 
 #else
 
@@ -53,9 +70,11 @@ struct Lanes {
   }
   static Lanes load(const float* four) { return each([four](int i) { return four[i]; }); }
   void store(float* four) const { std::memcpy(four, v, sizeof v); }
+  float first() const { return v[0]; }
   template <int kLane>
   Lanes all() const { return v[kLane]; }
   Lanes rotated() const { return each([this](int i) { return v[(i + 1) % 4]; }); }
+  Lanes rotated3() const { return each([this](int i) { return i < 3 ? v[(i + 1) % 3] : v[3]; }); }
   template <class Function>
   static Lanes each(Function f) {
     Lanes lanes;
@@ -73,6 +92,26 @@ inline Lanes sqrt(Lanes a) { return Lanes::each([&](int i) { return std::sqrt(a.
 inline Lanes abs(Lanes a) { return Lanes::each([&](int i) { return std::abs(a.v[i]); }); }
 inline Lanes copysign(Lanes a, Lanes sign) { return Lanes::each([&](int i) { return std::copysign(a.v[i], sign.v[i]); }); }
 inline bool notLess3(Lanes a, Lanes b) { return a.v[0] >= b.v[0] && a.v[1] >= b.v[1] && a.v[2] >= b.v[2]; }
+inline bool anyLess(Lanes a, Lanes b) { return a.v[0] < b.v[0] || a.v[1] < b.v[1] || a.v[2] < b.v[2] || a.v[3] < b.v[3]; }
+inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes columns[4] = {a, b, c, d};
+  Lanes* const rows[4] = {&a, &b, &c, &d};
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) rows[row]->v[column] = columns[column].v[row];
+  }
+}
+
+struct DoubleLanes {
+  double v[2];
+  DoubleLanes(double low, double high) : v{low, high} {}
+  DoubleLanes(double all) : v{all, all} {}
+  static DoubleLanes load(const double* two) { return {two[0], two[1]}; }
+};
+inline DoubleLanes operator+(DoubleLanes a, DoubleLanes b) { return {a.v[0] + b.v[0], a.v[1] + b.v[1]}; }
+inline DoubleLanes operator*(DoubleLanes a, DoubleLanes b) { return {a.v[0] * b.v[0], a.v[1] * b.v[1]}; }
+inline Lanes rounded(DoubleLanes low, DoubleLanes high) {
+  return Lanes::of(static_cast<float>(low.v[0]), static_cast<float>(low.v[1]), static_cast<float>(high.v[0]), static_cast<float>(high.v[1]));
+}
 
 #endif
 
