@@ -351,7 +351,7 @@ TEST(Spline, SoundKnotsAreBoundInOnePass) {
     }
   }
   EXPECT_GT(bound, 20000);
-  EXPECT_GT(bound, 0.6 * monotone);
+  EXPECT_GT(monotone, bound);  // those that are monotone against the criterion are left to checkKnots
   Box box;
   EXPECT_FALSE(boundSoundKnots({}, size, 0, box));
   EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(1), size, 0, box));
