@@ -146,7 +146,7 @@ int run(int count, char** words) {
     reportCpu(report, 1, rounds);
     reportCpu(report, 3, rounds);
   }
-  if (gl) reportGl(report, std::min(rounds, 5));  // each of its frames may take seconds
+  if (gl) reportGl(report, std::min(rounds, 3));  // some of its frames take seconds
   return json && !report.write(json) ? 2 : 0;
 }
 

@@ -4,8 +4,9 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
+#include <algorithm>
 #include <chrono>
-#include <functional>
+#include <cmath>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -121,11 +122,11 @@ void heap(Crowd& crowd, float depth, float scale) {
 }
 
 void print(Report& out, const char* title, const std::vector<Frame>& frames) {
-  std::printf("\n%s\n\n| | draws | parts drawn | culled | pixels covered | ms | ratio |\n|---|---|---|---|---|---|---|\n", title);
+  std::printf("\n%s\n\n| | draws | parts drawn | culled | pixels covered | ms | ratio | ratio for each covered pixel |\n|---|---|---|---|---|---|---|---|\n", title);
   for (const Frame& frame : frames) {
     const double ratio = median(frame.ms) / median(frames[0].ms);
-    std::printf("| %s | %u | %u | %u | %d | %.1f | %.2f |\n", frame.name.c_str(), frame.stats.draws, frame.stats.instances, frame.stats.culled, frame.covered,
-                median(frame.ms), ratio);
+    std::printf("| %s | %u | %u | %u | %d | %.1f | %.2f | %.2f |\n", frame.name.c_str(), frame.stats.draws, frame.stats.instances, frame.stats.culled, frame.covered,
+                median(frame.ms), ratio, ratio * frames[0].covered / std::max(frame.covered, 1));
     out.add(std::string("gl, ") + title + ", " + frame.name, ratio);
   }
 }

@@ -315,7 +315,7 @@ TEST(Spline, SoundKnotsAreBoundInOnePass) {
   std::uniform_real_distribution<float> unit(-1, 1);
   const glm::ivec3 size(3, 5, 7);
   const float margin = 0.25f;
-  int bound = 0, monotone = 0;
+  int bound = 0;
   for (int n = 0; n < 100000; ++n) {
     const float scale = std::pow(10.0f, 3 * unit(random)), slope = scale * std::pow(10.0f, 2 * unit(random));
     std::vector<Knot> knots{randomKnot(random, 0, scale), randomKnot(random, 0.3f, scale), randomKnot(random, 1, scale)};
@@ -326,7 +326,6 @@ TEST(Spline, SoundKnotsAreBoundInOnePass) {
     if (n % 50 == 0) knots[static_cast<std::size_t>(n / 50 % 3)].position[n / 150 % 3] = n % 100 ? NAN : INFINITY;
     if (n % 50 == 1) knots[static_cast<std::size_t>(n / 50 % 3)].tangent[n / 150 % 3] = n % 100 == 1 ? NAN : -INFINITY;
     if (n % 50 == 2) knots[static_cast<std::size_t>(n / 50 % 3)].at = n % 100 == 2 ? NAN : 1;
-    monotone += static_cast<bool>(checkKnots(knots));
     Box box;
     if (!boundSoundKnots(knots, size, margin, box)) {
       EXPECT_TRUE(box.empty());
@@ -351,7 +350,6 @@ TEST(Spline, SoundKnotsAreBoundInOnePass) {
     }
   }
   EXPECT_GT(bound, 20000);
-  EXPECT_GT(monotone, bound);  // those that are monotone against the criterion are left to checkKnots
   Box box;
   EXPECT_FALSE(boundSoundKnots({}, size, 0, box));
   EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(1), size, 0, box));
