@@ -63,7 +63,8 @@ float Asset::Impl::urgencyOf(const LevelState& level, const Request& request, Wa
   if (level.coarsest) return 1e30f;
   const std::uint32_t now = round.load(std::memory_order_relaxed);
   const bool asked = request.round.load(std::memory_order_relaxed) + kPatience > now;
-  if (now > 0 && asked) return request.urgency.load(std::memory_order_relaxed);
+  const float urgency = now > 0 && asked ? request.urgency.load(std::memory_order_relaxed) : 0.0f;
+  if (urgency > 0) return urgency;
   return now == 0 || wanted == Wanted::kAll ? 1e-30f * static_cast<float>(level.level + 1) : 0.0f;
 }
 
@@ -101,6 +102,7 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   {
     std::lock_guard alone(readers);
     if (slot.pins.load(std::memory_order_acquire) == 0) words = slot.words.exchange(nullptr, std::memory_order_relaxed);
+    if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);  // here: no reader may take the level for whole
   }
   if (!words) return;
   const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
@@ -108,7 +110,6 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   used_bytes.fetch_sub(bytes, std::memory_order_relaxed);
   slot.stage = Stage::kAbsent;
   ++level.absent;
-  level.resident.fetch_sub(1, std::memory_order_relaxed);
 }
 
 // Whether a resident page may be dropped: nobody looks at it, nor did lately.
@@ -130,8 +131,22 @@ std::uint64_t Asset::Impl::roomLeft() const {
   return room;
 }
 
-// Takes `bytes` of the budget, dropping what was not used for longest. False: there is not enough that may be dropped.
-bool Asset::Impl::makeRoom(std::uint64_t bytes) {
+// Bytes that are in use and can not be made free, however long one waits.
+std::uint64_t Asset::Impl::keptForEver() const {
+  std::uint64_t kept = used_bytes.load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < state_count; ++i) {
+    LevelState& level = states[i];
+    if (level.coarsest || level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      if (level.pages[page].stage == Stage::kResident) kept -= bytesOf({&level, page});
+    }
+  }
+  return kept;
+}
+
+// Takes `bytes` of the budget, dropping what was not used for longest; for a coarsest level, which nothing stands in for, whatever nobody
+// looks at right now. False: there is not enough that may be dropped.
+bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
   const std::uint32_t now = round.load(std::memory_order_relaxed);
   while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
     Task oldest;
@@ -140,7 +155,9 @@ bool Asset::Impl::makeRoom(std::uint64_t bytes) {
       LevelState& level = states[i];
       if (level.coarsest || level.stage != Stage::kResident) continue;
       for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-        if (!mayGo(level.pages[page])) continue;
+        const PageSlot& slot = level.pages[page];
+        const bool idle_now = slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0;
+        if (!(coarsest ? idle_now : mayGo(slot))) continue;
         const std::uint32_t unused = now - level.pages[page].used.load(std::memory_order_relaxed);
         if (unused >= age) {  // the finest of equals: it is last
           age = unused;
@@ -209,23 +226,23 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     task = choose(wanted, ~std::uint64_t{0});
     if (!task.level) return false;
     reserved = bytesOf(task);
-    const bool may_wait = !task.level->coarsest && reserved <= options.memory_budget;
-    if (may_wait && used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
+    const auto may_wait = [&] { return in_hand > 0 || (reserved <= options.memory_budget && keptForEver() <= options.memory_budget - reserved); };
+    if (!task.level->coarsest && used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
       // What there is no room for now must not keep smaller things from coming.
-      if (const std::uint64_t left = roomLeft(); reserved > left) {
+      if (const std::uint64_t left = roomLeft(); reserved > left && may_wait()) {
         task = choose(wanted, left + 1);
         if (!task.level) return false;
         reserved = bytesOf(task);
       }
     }
-    const bool room = makeRoom(reserved);
-    if (!room && may_wait) return false;
+    const bool room = makeRoom(reserved, task.level->coarsest);
+    if (!room && may_wait()) return false;
     const bool grid = task.page == Task::kGrid;
     (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
     if (!grid) --task.level->absent;
     if (!room) {
       finish(task, 0, false);
-      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid" : "memory_budget is too small for a coarsest level"});
+      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid" : "memory_budget is too small for a page"});
     }
     if (!grid && scratch) {
       memory = scratch;

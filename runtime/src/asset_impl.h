@@ -39,7 +39,8 @@ struct Asset::Impl {
   float urgencyOf(const LevelState& level, const Request& request, Wanted wanted) const;
   bool mayGo(const PageSlot& slot) const;
   std::uint64_t roomLeft() const;
-  bool makeRoom(std::uint64_t bytes);
+  std::uint64_t keptForEver() const;
+  bool makeRoom(std::uint64_t bytes, bool coarsest);
   void evict(LevelState& level, std::uint32_t page);
   std::uint64_t bytesOf(const Task& task) const;
   void finish(const Task& task, std::uint64_t reserved, bool done);

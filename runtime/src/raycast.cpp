@@ -55,15 +55,22 @@ const std::uint8_t* traceBrick(const void* user, std::uint32_t cell) {
   return words ? reinterpret_cast<const std::uint8_t*>(words + kSliceWords) : nullptr;
 }
 
-// An inner voxel, met only by rays that start inside a solid, borrows the attribute of a neighbour.
-std::optional<std::uint32_t> nearbyAttribute(const LevelBricks& bricks, const glm::ivec3& voxel) {
-  if (const auto own = bricks.attributeAt(voxel)) return own;
+// An inner voxel, met only by rays that start inside a solid, has no attribute: the material of the nearest surface voxel among its 26
+// neighbours, or the palette's first, as shaders/shading.glsl has it.
+std::uint8_t innerMaterial(const LevelBricks& bricks, const glm::ivec3& voxel) {
+  std::uint8_t material = 0;
+  int nearest = 4;
   for (int i = 0; i < 27; ++i) {
-    const glm::ivec3 v = voxel + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (glm::any(glm::lessThan(v, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(v, bricks.level->data.size))) continue;
-    if (const auto beside = bricks.attributeAt(v)) return beside;
+    const glm::ivec3 offset = glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1;
+    const int distance = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
+    const glm::ivec3 v = voxel + offset;
+    if (distance >= nearest || glm::any(glm::lessThan(v, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(v, bricks.level->data.size))) continue;
+    if (const auto beside = bricks.attributeAt(v)) {
+      nearest = distance;
+      material = attributePalette(*beside);
+    }
   }
-  return std::nullopt;
+  return material;
 }
 
 // The levels that a trace may look at: the finest one not finer than `wanted` whose grid is there, and those above. Answers how many; 0: the
@@ -138,14 +145,16 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
     hit.level = level.level + found.coarser;
     hit.voxel = found.voxel;
     hit.rest = found.rest;
-    const glm::mat3 normal_to_world = glm::transpose(glm::mat3(to_part));
-    glm::vec3 normal = -glm::vec3(ray.direction);
-    if (const auto attribute = nearbyAttribute(bricks[found.coarser], found.voxel)) {
+    glm::dvec3 normal = -glm::normalize(glm::dvec3(ray.direction));
+    if (const auto attribute = bricks[found.coarser].attributeAt(found.voxel)) {
       const float stretch = static_cast<float>(part.size.y) / (knots.back().position.y - knots.front().position.y);
-      normal = normal_to_world * trace::kelpDeformNormal(segments[found.segment], found.t, stretch, decodeNormal(attributeNormal(*attribute)));
+      const glm::vec3 bent = trace::kelpDeformNormal(segments[found.segment], found.t, stretch, decodeNormal(attributeNormal(*attribute)));
+      if (glm::dot(bent, bent) > 0) normal = glm::normalize(glm::transpose(glm::dmat3(to_part)) * glm::dvec3(bent));
       hit.material = attributePalette(*attribute);
+    } else {
+      hit.material = innerMaterial(bricks[found.coarser], found.voxel);
     }
-    hit.normal = glm::normalize(normal);
+    hit.normal = glm::vec3(normal);
     t_max = hit.t;
     nearest = hit;
   }

@@ -48,6 +48,7 @@ void KELP_GL_CALL attachment(Enum, Enum, Enum what, std::int32_t* out) {
 }
 Name KELP_GL_CALL create(Enum) { return 1; }
 Name KELP_GL_CALL createProgram() { return 1; }
+std::uint8_t KELP_GL_CALL isProgram(Name) { return 1; }
 
 }  // namespace
 
@@ -68,6 +69,7 @@ void* FakeGl::getProcAddress(void*, const char* name) {
   if (is("glTexImage3D")) return reinterpret_cast<void*>(&texImage3d);
   if (is("glGetFramebufferAttachmentParameteriv")) return reinterpret_cast<void*>(&attachment);
   if (is("glCreateShader")) return reinterpret_cast<void*>(&create);
+  if (is("glIsProgram")) return reinterpret_cast<void*>(&isProgram);
   if (is("glCreateProgram")) return reinterpret_cast<void*>(&createProgram);
 #define KELP_FAKE(result, function, parameters) \
   if (wanted == "gl" #function) return reinterpret_cast<void*>(&Nothing<decltype(gl::Api::function)>::call);

@@ -90,6 +90,9 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
   }
   EXPECT_EQ(gl::levelAt(lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0}), instance_, 3, {0, 0}), -1);
   EXPECT_EQ(gl::levelAt(gl::View{}, Instance{}, 0, {0, 0}), -1);
+  gl::View negative = lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0});
+  negative.finest_level = -1;
+  EXPECT_EQ(gl::levelAt(negative, instance_, 0, {0, 0}), -1);
 }
 
 TEST_P(LevelTest, InstancesOutOfSightAreCulled) {

@@ -47,6 +47,10 @@ void* WatchedGl::getProcAddress(void*, const char* name) {
   KELP_GL_DESKTOP_FUNCTIONS(KELP_WATCH)
   KELP_GL_DEBUG_FUNCTIONS(KELP_WATCH)
 #undef KELP_WATCH
+#define KELP_WATCH(result, function, parameters) \
+  if (wanted == "gl" #function "KHR") return Watched<&gl::Api::function>::watch(address);
+  KELP_GL_DEBUG_FUNCTIONS(KELP_WATCH)
+#undef KELP_WATCH
   ADD_FAILURE() << name << " is not in the table, and so not watched";
   return address;
 }

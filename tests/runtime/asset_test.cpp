@@ -257,6 +257,21 @@ TEST(Asset, ASourceThatFailsForAWhileIsAskedAgain) {
   expectHolds(**asset, test::ballClump({70, 90, 60}, 30, 1));
 }
 
+TEST(Asset, LoadAllLoadsWhatNobodyAskedFor) {
+  const std::vector<std::byte> bytes = clumpBytes();
+  for (const int rounds : {1, 3, 7, 8, 9, 100}) {  // of requests, which age
+    MemorySource source(bytes);
+    auto asset = Asset::open(source.source());
+    ASSERT_TRUE(asset);
+    for (int i = 0; i < rounds; ++i) (*asset)->beginRequests();
+    while (*(*asset)->pump()) {
+    }
+    EXPECT_GT((*asset)->residentLevel(0), 0) << "the coarsest level comes by itself";
+    ASSERT_TRUE((*asset)->loadAll());
+    EXPECT_EQ((*asset)->residentLevel(0), 0) << rounds;
+  }
+}
+
 TEST(Asset, AWatchOutlivesIt) {
   const std::vector<std::byte> bytes = clumpBytes();
   MemorySource source(bytes);

@@ -217,6 +217,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   const auto progress = self.store.upload(self.api, max_bytes);
   if (!progress) return progress.error();
   self.pending = progress->pending;
+  if (!progress->coarsest_fit) return Error{ErrorCode::kLimit, "gpu_budget is too small for the coarsest levels of the assets: some can not be drawn"};
   Stats stats;
   stats.bytes_uploaded = progress->bytes;
   stats.gpu_bytes = self.store.pool().usedBytes();
@@ -261,8 +262,10 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   Impl& self = *impl_;
   const Api& api = self.api;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (program == 0) return Error{ErrorCode::kMisuse, "no program to bind to"};
-  if (first_unit < 0 || first_unit + 2 > api.max_texture_units) return Error{ErrorCode::kMisuse, "first_unit and the next are no texture units of the context"};
+  std::int32_t linked = 0;
+  if (program != 0 && api.IsProgram(program)) api.GetProgramiv(program, kLinkStatus, &linked);
+  if (!linked) return Error{ErrorCode::kMisuse, "no program of this context that is linked"};
+  if (first_unit < 0 || first_unit > api.max_texture_units - 2) return Error{ErrorCode::kMisuse, "first_unit and the next are no texture units of the context"};
   if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
@@ -297,7 +300,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   api.Uniform1i(locations.part_count, static_cast<std::int32_t>(self.traced.parts()));
   setLook(api, locations.look, view);
   if (self.restore) {
-    api.UseProgram(static_cast<Name>(before));
+    api.UseProgram(api.IsProgram(static_cast<Name>(before)) ? static_cast<Name>(before) : 0);  // it may have been deleted while it was current
     api.ActiveTexture(static_cast<Enum>(unit_before));
   }
   return stats;
@@ -309,6 +312,7 @@ void Renderer::abandon() {
 }
 
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
+  if (!checkView(view, true)) return -1;
   const auto camera = makeCamera(view);
   if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];

@@ -121,6 +121,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   const std::uint32_t rows = Pool::rowsFor(tables.size());
   pool_.beginCount();
   byte_limit_ = ~std::uint64_t{0};
+  later_ = false;
   const std::uint32_t row = makeRoom(api, rows, kPinned);
   if (row == 0) return Error{ErrorCode::kLimit, "gpu_budget is used up by what can not be left out"};
   if (!pool_.take({row, rows, nullptr, Pool::Block::kGrid})) return kNoMemory;
@@ -265,7 +266,10 @@ std::uint32_t Residency::makeRoom(const Api& api, std::uint32_t rows, float prio
   if (found.empty() || !victims_.reuse(found.size())) return 0;
   std::copy(found.begin(), found.end(), victims_.begin());
   for (const Pool::Block& victim : victims_) {
-    if (pool_.written() + kTableWrite * 16 > byte_limit_) return 0;  // the rest goes next time
+    if (pool_.written() + kTableWrite * 16 > byte_limit_) {  // the rest goes next time
+      later_ = true;
+      return 0;
+    }
     ResidentLevel& level = *victim.level;
     if (victim.page == Pool::Block::kGrid) {
       if (level.grid_row == victim.row) dropGrid(api, level);
@@ -281,7 +285,12 @@ bool Residency::begin(const Api& api, ResidentLevel& level, std::uint32_t page, 
   if (rows >= too_many_) return false;
   const std::uint32_t row = makeRoom(api, rows, ofPageOrGrid(level.priority, page));
   if (row == 0 || !pool_.take({row, rows, nullptr, page})) {
-    too_many_ = rows;
+    if (later_) {
+      ++pending_;
+    } else {
+      too_many_ = rows;
+      coarsest_fit_ = coarsest_fit_ && level.priority < kPinned;
+    }
     return false;
   }
   transfer_ = {&level, page, row, 0};
@@ -358,7 +367,12 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
   const ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.part)];
   const runtime::VoxelLevel* data = asset.level(level.part, level.level);
   const std::uint32_t grid_rows = Pool::rowsFor(cellCount(level.grid) + (data ? data->pages.size() : 0));
-  if (grid_rows > rows_left_) return false;
+  // Of a level that never goes all has to fit, or its grid would only be in the way.
+  std::uint64_t least_rows = grid_rows;
+  if (level.priority == kPinned && data) {
+    for (const PageInfo& page : data->pages) least_rows += Pool::rowsFor(runtime::pageWords(page));
+  }
+  if (least_rows > rows_left_) return false;
   rows_left_ -= grid_rows;
   if (level.grid_row == 0) {
     if (transfer_.level == &level) return ++pending_, true;
@@ -368,7 +382,8 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       return true;
     }
     const bool rests = level.level + 1 == part.levels || level.asset->level(part, level.level + 1).grid_row != 0;
-    if (!rests || transfer_.level || pool_.written() + kReserve >= byte_limit_) return ++pending_, true;
+    if (!rests) return true;  // the coarser grid is what is waited for, if it has a place
+    if (transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_) return ++pending_, true;
     if (!begin(api, level, Pool::Block::kGrid, grid_rows)) return true;
     if (!proceed(api)) return ++pending_, true;
     if (level.grid_row == 0) return true;
@@ -390,7 +405,7 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       if (!asset.hasFailed(level.part, level.level, page)) ++pending_;
       continue;
     }
-    if (transfer_.level || pool_.written() + kReserve >= byte_limit_) {
+    if (transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_) {
       ++pending_;
     } else if (begin(api, level, page, rows) && !proceed(api)) {
       ++pending_;
@@ -418,16 +433,18 @@ Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_
   }
   too_many_ = ~0u;
   pending_ = 0;
+  later_ = false;
+  coarsest_fit_ = true;
   if (transfer_.level && !(transfer_.level->priority > 0)) cancel();  // no longer wanted
   if (transfer_.level) (void)proceed(api);
-  bool coarsest_fit = true;
   for (std::size_t i = 0; i < queued_; ++i) {
+    const std::uint64_t rows_before = rows_left_;
     if (advance(api, *queue_[i])) continue;
-    coarsest_fit = queue_[i]->priority < kPinned;
-    break;
+    if (queue_[i]->priority < kPinned) break;
+    coarsest_fit_ = false;  // this part can not be drawn; the others can
+    rows_left_ = rows_before;
   }
-  if (!coarsest_fit) return Error{ErrorCode::kLimit, "gpu_budget is too small for the coarsest levels of the assets: some can not be drawn"};
-  return Progress{pool_.written(), pending_};
+  return Progress{pool_.written(), pending_, coarsest_fit_};
 }
 
 std::uint64_t poolBytes(const runtime::Asset& asset) {

@@ -98,6 +98,7 @@ class Residency {
   struct Progress {
     std::uint64_t bytes = 0;     // uploaded
     std::uint32_t pending = 0;   // grids and pages that are wanted, would fit, and are not in the pool
+    bool coarsest_fit = true;    // of all assets
   };
   // Uploads at most `max_bytes`, asks the assets for what is not in memory. Within an UploadGuard.
   Result<Progress> upload(const Api& api, std::uint64_t max_bytes);
@@ -145,6 +146,8 @@ class Residency {
   std::uint64_t rows_left_ = 0;    // of the pool, for what is less urgent than all that was looked at
   std::uint32_t too_many_ = ~0u;   // as many rows were not to be had
   std::uint32_t pending_ = 0;
+  bool later_ = false;             // the frame's bytes ended while room was made
+  bool coarsest_fit_ = true;
 };
 
 }  // namespace kelp::gl

@@ -23,7 +23,8 @@ struct Options {
   Limits limits;
   Allocator allocator;  // for all memory whose size depends on the pack
   // Bytes of grids and pages that are kept in memory, at most. When it is used up, the pages that nobody asked for or looked at for longest
-  // make room. The coarsest level of each part is never dropped.
+  // make room. The coarsest level of each part is never dropped. Nor is what rays look at all the time: where they look at more than the budget
+  // leaves, a renderer waits for its pages, and draws coarser ones, until they rest.
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
 };
 
