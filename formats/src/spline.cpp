@@ -37,42 +37,6 @@ Power powerFrom(const Segment& s, bool end) { return end ? powerOf(s.p1, -s.m1, 
 // Above this, squares of coefficients near the end of float.
 constexpr float kMostSquared = 1e15f;
 
-// What segments reach in x, y and z. The fourth lane goes along without a meaning.
-struct Range {
-  Lanes low = 1e30f, high = -1e30f;
-  Lanes sizes = 0.0f;  // the largest sums of the sizes of what was computed with
-};
-
-// A knot's vectors in lanes. The fourth is what lies beside them in the knot.
-static_assert(sizeof(Knot) == 28 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
-struct KnotLanes {
-  explicit KnotLanes(const Knot& knot)
-      : position(Lanes::load(reinterpret_cast<const float*>(&knot) + 1)), tangent(Lanes::load(reinterpret_cast<const float*>(&knot) + 3).rotated()) {}
-  Lanes position, tangent;
-};
-
-// Adds what a segment between knots reaches. The knots themselves are in `all` already.
-// Most segments of most rigs have their Bezier hull in the box of the knots, and add nothing. Others add the places where the cubic may turn, moved into
-// [0, 1] where they are outside: every place is on the curve, so none makes the box too large.
-// The roots are those of a quadratic whose coefficients differ by at most 8 roundings from the derivative's; the cubic that belongs to it
-// is at most 2^-21 (3|a| + 2|b| + |c|) away from the given one, which counts twice. Evaluation here costs 8 roundings of the largest partial
-// sum, and whoever evaluates the segment in float may be off by another 8. All of it is below 2^-18 (|a| + |b| + |c| + |d|).
-void addTurns(const KnotLanes& k0, const KnotLanes& k1, float share, Range& all) {
-  const Lanes d = k0.position, p1 = k1.position, c = k0.tangent * share, m1 = k1.tangent * share;
-  const Lanes inner0 = d + (1.0f / 3.0f) * c, inner1 = p1 - (1.0f / 3.0f) * m1;
-  all.sizes = max(all.sizes, max(abs(d), abs(p1)) + (abs(c) + abs(m1)));
-  if (notLess3(min(min(inner0, inner1) - all.low, all.high - max(inner0, inner1)), 0.0f)) return;
-  const Lanes rise = p1 - d, a = c + m1 - (rise + rise), b = 3.0f * rise - (c + c) - m1;
-  // 3a t^2 + 2b t + c = 0 by the form that does not cancel. A division by zero ends at an end of the segment.
-  const Lanes qa = 3.0f * a;
-  const Lanes q = 0.0f - (b + copysign(sqrt(max(b * b - qa * c, 0.0f)), b));
-  const Lanes u = min(max(q / qa, 0.0f), 1.0f), v = min(max(c / q, 0.0f), 1.0f);
-  const Lanes at_u = d + u * (c + u * (b + u * a)), at_v = d + v * (c + v * (b + v * a));
-  all.low = min(all.low, min(at_u, at_v));
-  all.high = max(all.high, max(at_u, at_v));
-  all.sizes = max(all.sizes, abs(a) + abs(b) + abs(c) + abs(d));
-}
-
 // Parameters where the cubic may turn, ascending: 0, the roots of its derivative inside (0, 1), 1. Answers how many, 2 to 4.
 int turningPoints(const Cubic& f, double (&t)[4]) {
   int count = 0;
@@ -114,14 +78,16 @@ constexpr float kSafe = 1e30f;
 // Rounding here is far less than the tolerance of isMonotone.
 float roomToTurn(float m0, float m1, float rise) { return std::min(std::min(m0, m1), 3.0f * rise - (m0 + m1)); }
 
+// A knot's vectors in lanes 1 to 3. In the first is the number before them: `at`, and the position's z.
+static_assert(sizeof(Knot) == 28 && offsetof(Knot, at) == 0 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
+Lanes positionOf(const Knot& knot) { return Lanes::load(&knot.at); }
+Lanes tangentOf(const Knot& knot) { return Lanes::load(&knot.position.z); }
+
 // What nearly every rig of every frame is, in a few nanoseconds: false only says that it takes a closer look.
 bool areFine(std::span<const Knot> knots) {
   if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots) || knots.front().at != 0.0f || knots.back().at != 1.0f) return false;
   Lanes sizes = 0.0f;
-  for (const Knot& knot : knots) {
-    const KnotLanes lanes(knot);
-    sizes = sizes + (abs(lanes.position) + abs(lanes.tangent));
-  }
+  for (const Knot& knot : knots) sizes = sizes + (abs(positionOf(knot)) + abs(tangentOf(knot)));
   float size[4];
   sizes.store(size);
   bool ascends = true;
@@ -133,7 +99,7 @@ bool areFine(std::span<const Knot> knots) {
     least_room = std::min(least_room, roomToTurn(knots[i].tangent.y * share, knots[i + 1].tangent.y * share, rise));
   }
   // The sum is not below the limit either where a number is none, and the minima are of numbers.
-  return ascends && size[0] + size[1] + size[2] < kSafe && least_rise > 0.0f && least_room >= 0.0f;
+  return ascends && size[1] + size[2] + size[3] < kSafe && least_rise > 0.0f && least_room >= 0.0f;
 }
 
 bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -208,78 +174,56 @@ void straightKnots(const glm::ivec3& size, Knot (&knots)[2]) {
   knots[1] = {1.0f, glm::vec3(0.0f, height, 0.0f), glm::vec3(0.0f, height, 0.0f)};
 }
 
-Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
-  Box box;
-  if (knots.size() < 2) return box;
-  Range all;
-  for (const Knot& knot : knots) {
-    const Lanes position = KnotLanes(knot).position;
-    all.low = min(all.low, position);
-    all.high = max(all.high, position);
-  }
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) addTurns(KnotLanes(knots[i]), KnotLanes(knots[i + 1]), knots[i + 1].at - knots[i].at, all);
-  float low[4], high[4], sizes[4];
-  const Lanes slack = 0x1p-18f * all.sizes + 1e-15f;  // the constant is for squares too small for float
-  (all.low - slack).store(low);
-  (all.high + slack).store(high);
-  all.sizes.store(sizes);
-  box.min = glm::vec3(low[0], low[1], low[2]);
-  box.max = glm::vec3(high[0], high[1], high[2]);
-  if (!(sizes[0] + sizes[1] + sizes[2] < kMostSquared)) {
-    box = Box();
-    for (std::size_t i = 0; i + 1 < knots.size(); ++i) addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
-  }
-  // Every copy of the base spans [0, X] x [0, Z] from the spline.
-  box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
-  return box;
-}
-
-// A cubic is two cubics of half the length (de Casteljau), each within the hull of its own control points: the ends, a third of the slope from
-// them, the middle, and a third of the halves' slope, h, to both sides of it.
-// A position or tangent is the sum or difference of two such points, at most 12 times as large as the largest number of the box; so the coefficients
-// of a segment add up to at most 84 times that, and 16 roundings of them to less than 2^-13 of it.
+// Coordinates turn where the derivative 3a t^2 + 2b t + c vanishes. A place that is no turn, or lies outside and is moved to an end, is on the curve
+// too, so none makes the box too large.
+// The roots are those of a quadratic whose coefficients differ by at most 8 roundings from the derivative's; the cubic that belongs to it
+// is at most 2^-21 (3|a| + 2|b| + |c|) away from the given one, which counts twice. Evaluation here costs 8 roundings of the largest partial
+// sum, and whoever evaluates the segment in float may be off by another 8. All of it is below 2^-18 (|a| + |b| + |c| + |d|).
 bool boundSoundKnots(std::span<const Knot> knots, const glm::ivec3& size, float margin, Box& box) {
-  static_assert(offsetof(Knot, at) == 0 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
   if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots) || knots.front().at != 0.0f || knots.back().at != 1.0f) return false;
-  // Lanes: `at`, x, y, z. With a tangent goes the number before it, the position's z.
-  const auto loadPosition = [](const Knot& knot) { return Lanes::load(&knot.at); };
-  const auto loadTangent = [](const Knot& knot) { return Lanes::load(&knot.position.z); };
-  Lanes p0 = loadPosition(knots[0]), m0 = loadTangent(knots[0]);
-  Lanes low = p0, high = p0, sum = 0.0f;
-  Lanes least_rise = kSafe, least_room = kSafe;
+  // Lanes: `at`, x, y, z. What comes of the first but its rise has no meaning and does no harm.
+  Lanes p0 = positionOf(knots[0]), t0 = tangentOf(knots[0]);
+  Lanes low = p0, high = p0, sizes = 0.0f, least_rise = kSafe, least_room = kSafe;
   for (std::size_t i = 1; i < knots.size(); ++i) {
-    const Lanes p1 = loadPosition(knots[i]), m1 = loadTangent(knots[i]);
-    const Lanes rise = p1 - p0, sixth = (1.0f / 6.0f) * rise.all<0>();
-    const Lanes a = sixth * m0, b = sixth * m1, both = a + b;
-    const Lanes inner0 = p0 + a, inner1 = p1 - b;
-    const Lanes middle = 0.5f * (p0 + p1) + 0.75f * (a - b), h = abs(0.25f * (rise - both));
-    low = min(min(min(inner0, inner1), min(middle - h, p1)), low);
-    high = max(max(max(inner0, inner1), max(middle + h, p1)), high);
-    sum = sum + middle;
+    const Lanes p1 = positionOf(knots[i]), t1 = tangentOf(knots[i]);
+    const Lanes rise = p1 - p0, share = rise.all<0>(), c = share * t0, m1 = share * t1;
+    const Lanes both = c + m1, three = 3.0f * rise, room = three - both;
     // Slopes that are not negative and add up to at most 3 times the rise: monotone (Fritsch and Carlson 1980).
     least_rise = min(rise, least_rise);
-    least_room = min(min(min(a, b), rise - (both + both)), least_room);
+    least_room = min(min(min(c, m1), room), least_room);
+    const Lanes a = both - (rise + rise), b = room - c, qa = 3.0f * a;
+    // The form that does not cancel. A division by zero ends at an end of the segment.
+    const Lanes q = 0.0f - (b + copysign(sqrt(max(b * b - qa * c, 0.0f)), b));
+    const Lanes u = min(max(q / qa, 0.0f), 1.0f), v = min(max(c / q, 0.0f), 1.0f);
+    const Lanes at_u = p0 + u * (c + u * (b + u * a)), at_v = p0 + v * (c + v * (b + v * a));
+    low = min(min(min(at_u, at_v), p1), low);
+    high = max(max(max(at_u, at_v), p1), high);
+    sizes = sizes + ((abs(a) + abs(b)) + (abs(c) + abs(p0)));
     p0 = p1;
-    m0 = m1;
+    t0 = t1;
   }
-  const Lanes largest = max(abs(low), abs(high));
-  float rise[4], room[4], most[4], all[4];
+  // Minima pass over what is not a number; sums do not.
+  float rise[4], room[4];
   least_rise.store(rise);
   least_room.store(room);
-  largest.store(most);
-  abs(sum).store(all);
-  // Comparisons pass over what is not a number, but the sum does not.
-  if (!(rise[0] > 0.0f && rise[2] > 0.0f && room[2] >= 0.0f && most[1] < kMostSquared && most[2] < kMostSquared && most[3] < kMostSquared &&
-        all[1] < kSafe && all[2] < kSafe && all[3] < kSafe)) {
-    return false;
-  }
-  const Lanes slack = 0x1p-13f * largest + margin;
-  float least[4];
-  (low - slack).rotated().store(least);
-  (high + slack).rotated().store(most);
-  box.min = glm::vec3(least[0], least[1], least[2]);
-  box.max = glm::vec3(most[0] + static_cast<float>(size.x), most[1], most[2] + static_cast<float>(size.z));
+  if (!allLess(sizes, kMostSquared) || !(rise[0] > 0.0f && rise[2] > 0.0f && room[2] >= 0.0f)) return false;
+  // The constants: 2^-18 of the margin for its own rounding, and room for squares too small for float.
+  const Lanes slack = 0x1p-18f * sizes + (1.0f + 0x1p-18f) * margin + 1e-15f;
+  float least[4], most[4];
+  (low - slack).store(least);
+  (high + slack).store(most);
+  box.min = glm::vec3(least[1], least[2], least[3]);
+  // Every copy of the base spans [0, X] x [0, Z] from the spline.
+  box.max = glm::vec3(most[1] + static_cast<float>(size.x), most[2], most[3] + static_cast<float>(size.z));
   return true;
+}
+
+Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
+  Box box;
+  if (knots.size() < 2 || boundSoundKnots(knots, size, 0.0f, box)) return box;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
+  box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
+  return box;
 }
 
 }  // namespace kelp

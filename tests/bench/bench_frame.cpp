@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run, on a GL that does nothing, and
 // the whole frame on the GL that is there. README.md here.
-//   bench_frame [--json FILE] [--rounds N] [--cpu | --gl]
+//   bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -118,7 +118,7 @@ void reportCpu(Report& out, int parts, int rounds) {
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: bench_frame [--json FILE] [--rounds N] [--cpu | --gl]\n");
+  std::fprintf(stderr, "usage: bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl]\n");
   return 1;
 }
 
@@ -126,12 +126,15 @@ int run(int count, char** words) {
   const char* json = nullptr;
   int rounds = 101;
   bool cpu = true, gl = true;
+  glm::ivec2 size(320, 240);
   for (int i = 1; i < count; ++i) {
     const bool more = i + 1 < count;
     if (std::strcmp(words[i], "--json") == 0 && more) {
       json = words[++i];
     } else if (std::strcmp(words[i], "--rounds") == 0 && more) {
       rounds = std::atoi(words[++i]);
+    } else if (std::strcmp(words[i], "--size") == 0 && more) {
+      if (std::sscanf(words[++i], "%dx%d", &size.x, &size.y) != 2 || size.x < 1 || size.y < 1) return usage();
     } else if (std::strcmp(words[i], "--cpu") == 0) {
       gl = false;
     } else if (std::strcmp(words[i], "--gl") == 0) {
@@ -146,7 +149,7 @@ int run(int count, char** words) {
     reportCpu(report, 1, rounds);
     reportCpu(report, 3, rounds);
   }
-  if (gl) reportGl(report, std::min(rounds, 3));  // some of its frames take seconds
+  if (gl) reportGl(report, size, std::min(rounds, 3));  // some of its frames take seconds
   return json && !report.write(json) ? 2 : 0;
 }
 

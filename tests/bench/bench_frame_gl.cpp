@@ -16,22 +16,20 @@
 namespace kelp::bench {
 namespace {
 
-constexpr glm::ivec2 kSize(320, 240);
-
 // RGBA8 and 24 bits of depth, bound while it lives.
 class Target {
  public:
-  Target() {
+  explicit Target(const glm::ivec2& size) : size_(size) {
     glGenFramebuffers(1, &framebuffer_);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     glGenRenderbuffers(2, buffers_);
     const GLenum formats[2] = {GL_RGBA8, GL_DEPTH_COMPONENT24}, places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     for (int i = 0; i < 2; ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, buffers_[i]);
-      glRenderbufferStorage(GL_RENDERBUFFER, formats[i], kSize.x, kSize.y);
+      glRenderbufferStorage(GL_RENDERBUFFER, formats[i], size.x, size.y);
       glFramebufferRenderbuffer(GL_FRAMEBUFFER, places[i], GL_RENDERBUFFER, buffers_[i]);
     }
-    glViewport(0, 0, kSize.x, kSize.y);
+    glViewport(0, 0, size.x, size.y);
   }
   ~Target() {
     glDeleteFramebuffers(1, &framebuffer_);
@@ -42,15 +40,16 @@ class Target {
 
   static void clear() { glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT); }
   // Pixels that something was drawn to.
-  static int covered() {
-    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * kSize.x * kSize.y));
-    glReadPixels(0, 0, kSize.x, kSize.y, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  int covered() const {
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * size_.x * size_.y));
+    glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
     int count = 0;
     for (std::size_t i = 3; i < pixels.size(); i += 4) count += pixels[i] != 0;
     return count;
   }
 
  private:
+  glm::ivec2 size_;
   GLuint framebuffer_ = 0, buffers_[2] = {};
 };
 
@@ -63,22 +62,22 @@ struct Frame {
   std::vector<double> ms{};
 };
 
-gl::View viewOf(int batches) {
+gl::View viewOf(const glm::ivec2& size, int batches) {
   gl::View view;
-  view.viewport = kSize;
-  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(kSize.x) / static_cast<float>(kSize.y), 0.1f, 200.0f);
+  view.viewport = size;
+  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
   view.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
   view.depth_batches = batches;
   return view;
 }
 
-void measure(gl::Renderer& renderer, std::vector<Frame>& frames, int rounds) {
+void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& size, std::vector<Frame>& frames, int rounds) {
   for (int round = -1; round < rounds; ++round) {
     for (Frame& frame : frames) {
       Target::clear();
       glFinish();
       const auto start = std::chrono::steady_clock::now();
-      const auto stats = renderer.draw(viewOf(frame.batches), frame.crowd->instances);
+      const auto stats = renderer.draw(viewOf(size, frame.batches), frame.crowd->instances);
       glFinish();
       const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
       (void)renderer.upload(~std::uint64_t{0});
@@ -88,7 +87,7 @@ void measure(gl::Renderer& renderer, std::vector<Frame>& frames, int rounds) {
       }
       if (round < 0) {
         frame.stats = *stats;
-        frame.covered = Target::covered();
+        frame.covered = target.covered();
       } else {
         frame.ms.push_back(ms);
       }
@@ -99,9 +98,9 @@ void measure(gl::Renderer& renderer, std::vector<Frame>& frames, int rounds) {
 // Half of the height of the view at the distance of the plane z.
 float halfHeight(float z) { return (10 - z) * std::tan(0.4f); }
 
-// `columns` by `rows` instances that fill the view at the plane z, cell by cell; each a metre high at scale 1, and standing on the cell's lower side.
+// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high at scale 1, and standing on the cell's lower side.
 void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z) {
-  const float height = 2 * halfHeight(z) / static_cast<float>(rows), width = 2 * halfHeight(z) * 320.0f / 240.0f / static_cast<float>(columns);
+  const float height = 2 * halfHeight(z) / static_cast<float>(rows), width = 2 * halfHeight(z) * 4.0f / 3.0f / static_cast<float>(columns);
   for (std::size_t i = 0; i < count; ++i) {
     const int x = static_cast<int>(i) % columns, y = static_cast<int>(i) / columns % rows;
     const glm::vec3 at((static_cast<float>(x) + 0.5f) * width - 0.5f * width * static_cast<float>(columns), static_cast<float>(y) * height - halfHeight(z), z);
@@ -133,14 +132,14 @@ void print(Report& out, const char* title, const std::vector<Frame>& frames) {
 
 }  // namespace
 
-void reportGl(Report& out, int rounds) {
+void reportGl(Report& out, const glm::ivec2& size, int rounds) {
   const test::EglContext context(test::GlApi::kDesktop33);
   if (!context) {
     std::printf("\nNo OpenGL 3.3 by EGL here: frames are not measured.\n");
     return;
   }
-  std::printf("\n%s, %d x %d\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)), kSize.x, kSize.y);
-  const Target target;
+  std::printf("\n%s, %d x %d\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)), size.x, size.y);
+  const Target target(size);
   const Library library(1);
   gl::Config config;
   config.getProcAddress = test::EglContext::getProcAddress;
@@ -157,7 +156,7 @@ void reportGl(Report& out, int rounds) {
     heap(crowd, count > 100 ? 8.0f : 4.0f, count > 100 ? 0.4f : 3.0f);
     std::vector<Frame> frames;
     for (const int batches : {1, 2, 4, 8, 12, 16}) frames.push_back({std::to_string(batches) + " batches", &crowd, batches});
-    measure(**renderer, frames, rounds);
+    measure(**renderer, target, size, frames, rounds);
     print(out, count > 100 ? "2,000 instances in a heap" : "48 instances in a heap", frames);
   }
 
@@ -177,7 +176,7 @@ void reportGl(Report& out, int rounds) {
   frames.push_back({"20", &twenty, 1});
   frames.push_back({"2,000 small ones side by side", &small, 1});
   for (const int batches : {1, 8, 16}) frames.push_back({"20 and 1,980 behind them, " + std::to_string(batches) + " batches", &behind, batches});
-  measure(**renderer, frames, rounds);
+  measure(**renderer, target, size, frames, rounds);
   print(out, "2,000 instances on the pixels of 20", frames);
 }
 

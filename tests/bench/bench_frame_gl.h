@@ -27,6 +27,6 @@ struct Report {
 
 // Frames on the GL that EGL gives: what overlapping instances cost in 1 to 16 depth batches, and what many small instances cost beside few large
 // ones on the same pixels. Says so where there is none.
-void reportGl(Report& out, int rounds);
+void reportGl(Report& out, const glm::ivec2& size, int rounds);
 
 }  // namespace kelp::bench

@@ -308,8 +308,7 @@ TEST(Spline, BoundsAreTheExactRangeUpToRounding) {
   EXPECT_LT(worst, 1e-4);
 }
 
-// What a renderer asks each frame: true only for knots that are sound, and then a box with the exact range and the margin in it, which reaches beyond a
-// segment by at most half of what the segments span.
+// What a renderer asks each frame: true only for knots that are sound, and then the exact range with the margin.
 TEST(Spline, SoundKnotsAreBoundInOnePass) {
   std::mt19937 random(24);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -334,19 +333,19 @@ TEST(Spline, SoundKnotsAreBoundInOnePass) {
     ++bound;
     ASSERT_TRUE(checkKnots(knots)) << n;
     for (int i = 0; i < 3; ++i) {
-      long double low = 1e30L, high = -1e30L, excess = 0, largest = 0;
+      long double low = 1e30L, high = -1e30L, sizes = 0;
       for (std::size_t k = 0; k < 2; ++k) {
         const auto [least, most] = exactRange(Reference(knots[k], knots[k + 1]), i);
         low = std::min(low, least);
         high = std::max(high, most);
-        excess = std::max(excess, (most - least) / 2);
+        const long double share = knots[k + 1].at - knots[k].at;
+        sizes = std::max({sizes, std::abs(least), std::abs(most), share * std::abs(knots[k].tangent[i]), share * std::abs(knots[k + 1].tangent[i])});
       }
-      largest = std::max(std::abs(low), std::abs(high)) + excess;
       const long double base = i == 0 ? size.x : i == 2 ? size.z : 0;
       ASSERT_LE(box.min[i], low - margin) << n;
       ASSERT_GE(box.max[i], high + base + margin - 1e-6L) << n;
-      ASSERT_GE(box.min[i], low - margin - excess - 2e-4L * largest - 1e-5L) << n;
-      ASSERT_LE(box.max[i], high + base + margin + excess + 2e-4L * largest + 1e-5L) << n;
+      ASSERT_GE(box.min[i], low - margin - 1e-4L * (sizes + margin)) << n;
+      ASSERT_LE(box.max[i], high + base + margin + 1e-4L * (sizes + base + margin)) << n;
     }
   }
   EXPECT_GT(bound, 20000);
