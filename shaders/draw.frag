@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Traces the pixel's ray through a posed part, gives the hit to kelpSurface, writes real depth.
 
-in vec3 kelp_exit;
+in vec3 kelp_near;
 flat in int kelp_texel;
 layout(location = 0) out vec4 kelp_color;
 
@@ -44,17 +44,19 @@ vec4 kelpShade(KelpHit hit, vec3 position, vec3 ray, vec4 clip) {
 
 void main() {
   kelpLoadRecord(kelp_texel);
-  vec3 ray = kelpViewRay(kelp_exit);
+  vec3 ray = kelpViewRay(kelp_near);
   float reach = dot(ray, ray);
   if (!(reach > 0.0)) discard;
   ray *= inversesqrt(reach);
   ivec2 pixel = ivec2(gl_FragCoord.xy);
 
-  // s = 0 at the exit, so that numbers are small where the voxels are, however far the eye is.
+  // s = 0 beside the voxels, so that numbers are small there, however far the eye is.
   mat4 to_clip = kelpPartToClip();
-  vec4 clip_at = to_clip * vec4(kelp_exit, 1.0);
+  vec4 clip_at = to_clip * vec4(kelp_near, 1.0);
   vec4 clip_slope = to_clip * vec4(ray, 0.0);
-  vec2 range = vec2(-length(kelp_bounds_max - kelp_bounds_min), 0.0);
+  vec3 extent = kelp_bounds_max - kelp_bounds_min;
+  float most = length(extent) + length(kelp_near - kelp_bounds_min - 0.5 * extent);
+  vec2 range = vec2(-most, most);
   range = kelpClip(range, clip_at.z - kelp_clip_low * clip_at.w, clip_slope.z - kelp_clip_low * clip_slope.w);
   range = kelpClip(range, clip_at.w - clip_at.z, clip_slope.w - clip_slope.z);
   if (kelp_scene != 0) {
@@ -68,10 +70,10 @@ void main() {
 
   kelp_jitter = kelpJitter(vec2(pixel));
   kelpLoadLevel(kelpPixelLevel(pixel));
-  KelpHit hit = kelpTrace(kelp_exit, ray, range.x, range.y);
+  KelpHit hit = kelpTrace(kelp_near, ray, range.x, range.y);
   if (!hit.found) discard;
 
   vec4 clip = clip_at + hit.s * clip_slope;
   gl_FragDepth = gl_DepthRange.near + gl_DepthRange.diff * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low));
-  kelp_color = kelp_depth_only ? vec4(0.0) : kelpShade(hit, kelp_exit + hit.s * ray, ray, clip);
+  kelp_color = kelp_depth_only ? vec4(0.0) : kelpShade(hit, kelp_near + hit.s * ray, ray, clip);
 }

@@ -1,31 +1,34 @@
 // SPDX-License-Identifier: MIT
-// The proxy of a posed part: the far side of its deformed bounds. One fragment for every ray that leaves the box in front of the eye, also
-// when the eye is inside.
+// The proxy of a posed part: what its deformed bounds cover in the picture, in at most four triangles between the corners of their outline. One
+// fragment for every ray that meets the box in front of the eye. Drawn as a strip of six vertices.
 
-out vec3 kelp_exit;          // where the pixel's ray leaves the bounds, part space
+out vec3 kelp_near;          // a point of the pixel's ray near the voxels, part space
 flat out int kelp_texel;     // of the record
 
 void main() {
   kelpLoadRecord(kelpRecordOf(gl_InstanceID));
   kelp_texel = kelp_record;
-  // Six faces of two triangles each; a corner is one of four, (across, up).
-  const bool kAcross[6] = bool[6](false, true, true, false, true, false);
-  const bool kUp[6] = bool[6](false, false, true, false, true, true);
-  int axis = gl_VertexID / 12;
-  bool upper = gl_VertexID % 12 >= 6;
-  bool across = kAcross[gl_VertexID % 6];
-  bool up = kUp[gl_VertexID % 6];
-  bvec3 high = axis == 0 ? bvec3(upper, across, up) : (axis == 1 ? bvec3(up, upper, across) : bvec3(across, up, upper));
-  kelp_exit = mix(kelp_bounds_min, kelp_bounds_max, vec3(high));
-
-  // The rays leave through this face if they point the way it does. Decided here, not by the rasteriser's winding: mirrored instances,
-  // flipped projections and the host's front face then make no difference.
-  vec4 eye = kelpRecord(kelp_record + 7);
-  float along = eye.w > 0.0 ? kelp_exit[axis] - eye[axis] : eye[axis];
-  bool leaves = upper ? along > 0.0 : along < 0.0;
+  vec4 x = kelpRecord(kelp_record);
+  vec4 y = kelpRecord(kelp_record + 1);
+  vec4 w = kelpRecord(kelp_record + 3);
+  uint outline = kelpRecordBits(kelp_record + 12).w;
+  vec3 clip;
+  if (outline == 0u) {
+    // The eye is in the box, or close to it: the whole picture. The rays at its corners go through where both planes across the picture meet,
+    // as far as the farthest corner of the box is.
+    float reach = 0.5 * (dot(w.xyz, kelp_bounds_min + kelp_bounds_max) + dot(abs(w.xyz), kelp_bounds_max - kelp_bounds_min)) + w.w;
+    clip = vec3(gl_VertexID % 2 == 0 ? -reach : reach, gl_VertexID % 4 < 2 ? -reach : reach, reach);
+    if (gl_VertexID > 3) clip.xy = vec2(reach);
+    vec3 along = reach * cross(x.xyz, y.xyz) + clip.x * cross(y.xyz, w.xyz) + clip.y * cross(w.xyz, x.xyz);
+    kelp_near = kelpRecord(kelp_record + 7).xyz + along / dot(w.xyz, cross(x.xyz, y.xyz));
+  } else {
+    uvec3 corner = (uvec3(outline) >> uvec3(0u, 1u, 2u) + uint(3 * gl_VertexID)) & 1u;
+    kelp_near = mix(kelp_bounds_min, kelp_bounds_max, vec3(corner));
+    vec4 at = vec4(kelp_near, 1.0);
+    clip = vec3(dot(x, at), dot(y, at), dot(w, at));
+  }
 
   // Depth is written per fragment. Here z = w / 2, between the planes in either of the clip controls, keeps what lies before the near or
   // beyond the far plane from being clipped away: the volume between them still has to be traced.
-  vec4 clip = kelpPartToClip() * vec4(kelp_exit, 1.0);
-  gl_Position = leaves ? vec4(clip.xy, 0.5 * clip.w, clip.w) : vec4(2.0, 2.0, 2.0, 1.0);
+  gl_Position = vec4(clip.xy, 0.5 * clip.z, clip.z);
 }

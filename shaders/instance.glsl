@@ -17,7 +17,8 @@ uniform usampler2DArray kelp_pool;
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw the next coarser one (8..15),
 //          levels of the part (16..23)
-//   12     where the palette is in the pool | index of the instance | part | unused
+//   12     where the palette is in the pool | index of the instance | part | outline of the bounds (draw.vert): six corners of three bits, x y z,
+//          set where it is the high one; 0: the eye is in or beside them
 //   13..   per segment 3 texels: p0, m0, p1, m1 in a row (trace.glsl, KelpSegment)
 //   then, while kelp_motion: 4 texels as 0..3 and the segments, of the frame before
 #define KELP_RECORD 13

@@ -206,7 +206,7 @@ bool boundSoundKnots(std::span<const Knot> knots, const glm::ivec3& size, float 
   float rise[4], room[4];
   least_rise.store(rise);
   least_room.store(room);
-  if (!allLess(sizes, kMostSquared) || !(rise[0] > 0.0f && rise[2] > 0.0f && room[2] >= 0.0f)) return false;
+  if (lessBits(sizes, kMostSquared) != 15 || !(rise[0] > 0.0f && rise[2] > 0.0f && room[2] >= 0.0f)) return false;
   // The constants: 2^-18 of the margin for its own rounding, and room for squares too small for float.
   const Lanes slack = 0x1p-18f * sizes + (1.0f + 0x1p-18f) * margin + 1e-15f;
   float least[4], most[4];

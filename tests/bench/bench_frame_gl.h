@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <glm/vec2.hpp>
+
 namespace kelp::bench {
 
 // Figures by name, for --json.

@@ -2,6 +2,7 @@
 #include "detail.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -130,7 +131,6 @@ bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bound
 
   // A linear function over a box is greatest where every term is: its value at the centre, and |term| times half a side for each. The planes'
   // functions are w + x, w - x and so on; with w in x's place, w itself. Roundings must not make a part that is seen lie outside.
-  static_assert(offsetof(Box, max) == 3 * sizeof(float));
   const Lanes low = Lanes::load(&bounds.min.x), high = Lanes::load(&bounds.min.z).rotated();  // and numbers that do not matter
   const Lanes centre = 0.5f * (low + high), half = high - centre;
   const Lanes at = (mx * centre.all<0>() + my * centre.all<1>()) + (mz * centre.all<2>() + mw);
@@ -138,7 +138,7 @@ bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bound
   const Lanes at_w = at.all<3>(), x_w = x.all<3>(), y_w = y.all<3>(), z_w = z.all<3>();
   const Lanes above = abs(x_w + x) + abs(y_w + y) + abs(z_w + z), below = abs(x_w - x) + abs(y_w - y) + abs(z_w - z);
   const Lanes slack = 1e-6f * (above + below + (abs(at_w) + abs(at)));
-  placed.outside = anyLess(min(at_w + at + above, at_w - at + below) + slack, 0.0f);
+  placed.outside = lessBits(min(at_w + at + above, at_w - at + below) + slack, 0.0f) != 0;
   placed.nearest = (at_w - (abs(x_w) + abs(y_w) + abs(z_w))).first();
   // A number that is not finite anywhere in to_world is in this one.
   if (!std::isfinite(placed.nearest)) return false;
@@ -151,6 +151,47 @@ bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bound
   const float side = std::sqrt(max(sides, max(sides.all<1>(), sides.all<2>())).first());
   placed.pixels = side * camera.pixel_scale / std::max(placed.nearest, 1e-20f);
   return true;
+}
+
+namespace {
+
+// For each set of axes along which the eye lies below the bounds (bits 0 to 2) or above them (3 to 5).
+constexpr std::array<std::uint32_t, 64> makeOutlines() {
+  std::array<std::uint32_t, 64> outlines{};
+  for (std::uint32_t sides = 0; sides < 64; ++sides) {
+    const std::uint32_t below = sides & 7, above = sides >> 3, beside = below | above;
+    if (beside == 0 || (below & above) != 0) continue;
+    // The corner at the eye, a at one side of it; b and c are the other axes, c one that the eye lies within if there is one.
+    const std::uint32_t corner = above;
+    std::uint32_t a = 0, b = 0, c = 0;
+    for (std::uint32_t axis = 1; axis < 8; axis *= 2) {
+      if (!(beside & axis)) {
+        (c == 0 ? c : b) = axis;
+      } else {
+        (a == 0 ? a : b == 0 ? b : c) = axis;
+      }
+    }
+    const bool one = beside == a, two = !one && (beside & c) == 0;
+    // Around the outline: of one face, of two, of three.
+    const std::uint32_t loops[3][6] = {{0, b, b | c, c, c, c}, {b, 0, a, a | c, c, b | c}, {a, a | b, b, b | c, c, a | c}};
+    const std::uint32_t(&loop)[6] = loops[one ? 0 : two ? 1 : 2];
+    const int face_order[6] = {0, 1, 3, 2, 2, 2}, order[6] = {0, 1, 5, 2, 4, 3};
+    for (int i = 0; i < 6; ++i) outlines[sides] |= (loop[one ? face_order[i] : order[i]] ^ corner) << (3 * i);
+  }
+  return outlines;
+}
+constexpr std::array<std::uint32_t, 64> kOutlines = makeOutlines();
+
+}  // namespace
+
+std::uint32_t outlineOf(const glm::vec4& eye, const Box& bounds) {
+  static_assert(offsetof(Box, max) == 3 * sizeof(float));
+  const Lanes at = Lanes::load(&eye.x), low = Lanes::load(&bounds.min.x), high = Lanes::load(&bounds.min.z).rotated();
+  if (eye.w == 0) return kOutlines[(lessBits(0.0f, at) & 7) | (lessBits(at, 0.0f) & 7) << 3];
+  const glm::vec3 extent = bounds.max - bounds.min;
+  const float close = (1.0f / 16.0f) * std::max(extent.x, std::max(extent.y, extent.z));
+  if (((lessBits(at, low - close) | lessBits(high + close, at)) & 7) == 0) return 0;
+  return kOutlines[(lessBits(at, low) & 7) | (lessBits(high, at) & 7) << 3];
 }
 
 namespace {

@@ -34,6 +34,10 @@ struct PlacedPart {
 // False, and nothing of use in `head` and `placed`: to_world is not finite or not invertible.
 bool placePart(const Camera& camera, const glm::mat4& to_world, const Box& bounds, RecordHead& head, PlacedPart& placed);
 
+// Which corners of the bounds draw.vert draws, as instance.glsl has them: the outline as the eye sees it, in the order of a triangle strip. 0: the
+// eye is in the bounds, or so close that an outline would be lost in rounding.
+std::uint32_t outlineOf(const glm::vec4& eye, const Box& bounds);
+
 // Whether an affine matrix is finite and invertible.
 bool isInvertible(const glm::mat4& matrix);
 

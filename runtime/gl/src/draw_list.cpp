@@ -171,15 +171,15 @@ const Error* DrawList::addInstance(ResidentAsset& asset, const Camera& camera, c
       ++culled_;
       continue;
     }
+    const glm::vec4 eye = head->eye;
     const glm::vec3 extent = bounds.max - bounds.min;
     const float side = glm::max(extent.x, glm::max(extent.y, extent.z));
     bool seen = !placed.outside && placed.pixels * side >= view.smallest_pixels;
     float pixels = placed.pixels;
     if (!seen || rays == Rays::kAny) {
       // A part behind the eye counts as if it were as far before it.
-      const glm::vec4 head_eye = head->eye;
-      const glm::dvec3 eye(head_eye);
-      const double distance = head_eye.w == 0 ? 0.0 : glm::length(eye - glm::clamp(eye, glm::dvec3(bounds.min), glm::dvec3(bounds.max)));
+      const glm::dvec3 from(eye);
+      const double distance = eye.w == 0 ? 0.0 : glm::length(from - glm::clamp(from, glm::dvec3(bounds.min), glm::dvec3(bounds.max)));
       pixels = std::min(pixels, distance > 0 ? camera.pixel_scale / static_cast<float>(distance) : pixels);
       if (rays == Rays::kAny) seen = pixels * side >= view.smallest_pixels;
       if (!seen) pixels *= kHiddenWorth;
@@ -205,7 +205,7 @@ const Error* DrawList::addInstance(ResidentAsset& asset, const Camera& camera, c
     *out++ = bitsOf(bounds.min, static_cast<std::uint32_t>(knots.size() - 1));
     *out++ = bitsOf(bounds.max, asset.palette() + asset.levels[resident.first_level]->table);
     *out++ = bitsOf(glm::vec3(parts[p].size), static_cast<std::uint32_t>(detail.level | (rays == Rays::kAny ? 0 : detail.coarser) << 8 | resident.levels << 16));
-    *out++ = glm::uvec4(asset.palette(), index, static_cast<std::uint32_t>(part), 0u);
+    *out++ = glm::uvec4(asset.palette(), index, static_cast<std::uint32_t>(part), rays == Rays::kAny ? 0 : outlineOf(eye, bounds));
     out = writeSegments(out, knots);
     if (motion) {
       runtime::Instance before = instance;

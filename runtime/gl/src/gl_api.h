@@ -118,7 +118,7 @@ namespace constant {
 inline constexpr Enum kNoError = 0, kOutOfMemory = 0x0505;
 inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayTextureLayers = 0x88FF, kMaxTextureUnits = 0x8B4D, kMaxDrawBuffers = 0x8824,
                       kExtensions = 0x1F03, kNumExtensions = 0x821D;
-inline constexpr Enum kTriangles = 0x0004;
+inline constexpr Enum kTriangleStrip = 0x0005;
 inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;
 inline constexpr Enum kDepthFunc = 0x0B74, kDepthWritemask = 0x0B72, kColorWritemask = 0x0C23, kLess = 0x0201, kLequal = 0x0203, kGequal = 0x0206;
 inline constexpr Enum kPolygonMode = 0x0B40, kFrontAndBack = 0x0408, kFill = 0x1B02;

@@ -145,7 +145,7 @@ std::uint32_t Renderer::Impl::drawBatches(std::uint32_t batches) const {
     const auto first = static_cast<std::uint32_t>(parts * batch / batches), last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
     if (batches > 1) depth.copy(api);
     api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
-    api.DrawArraysInstanced(kTriangles, 0, 36, static_cast<std::int32_t>(last - first));
+    api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
   }
   return batches;
 }

@@ -41,10 +41,8 @@ inline Lanes copysign(Lanes a, Lanes sign) {
   const __m128 bit = _mm_set1_ps(-0.0f);
   return _mm_or_ps(_mm_andnot_ps(bit, a.v), _mm_and_ps(bit, sign.v));
 }
-// Whether a < b in every lane.
-inline bool allLess(Lanes a, Lanes b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)) == 15; }
-// Whether a < b in any lane.
-inline bool anyLess(Lanes a, Lanes b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)) != 0; }
+// Bit i: a < b in lane i.
+inline unsigned lessBits(Lanes a, Lanes b) { return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
 // Columns to rows.
 inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
 
@@ -91,8 +89,11 @@ inline Lanes max(Lanes a, Lanes b) { return Lanes::each([&](int i) { return a.v[
 inline Lanes sqrt(Lanes a) { return Lanes::each([&](int i) { return std::sqrt(a.v[i]); }); }
 inline Lanes abs(Lanes a) { return Lanes::each([&](int i) { return std::abs(a.v[i]); }); }
 inline Lanes copysign(Lanes a, Lanes sign) { return Lanes::each([&](int i) { return std::copysign(a.v[i], sign.v[i]); }); }
-inline bool allLess(Lanes a, Lanes b) { return a.v[0] < b.v[0] && a.v[1] < b.v[1] && a.v[2] < b.v[2] && a.v[3] < b.v[3]; }
-inline bool anyLess(Lanes a, Lanes b) { return a.v[0] < b.v[0] || a.v[1] < b.v[1] || a.v[2] < b.v[2] || a.v[3] < b.v[3]; }
+inline unsigned lessBits(Lanes a, Lanes b) {
+  unsigned bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= (a.v[i] < b.v[i] ? 1u : 0u) << i;
+  return bits;
+}
 inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes columns[4] = {a, b, c, d};
   Lanes* const rows[4] = {&a, &b, &c, &d};
