@@ -22,7 +22,7 @@ void main() {
     vec3 along = reach * cross(x.xyz, y.xyz) + clip.x * cross(y.xyz, w.xyz) + clip.y * cross(w.xyz, x.xyz);
     kelp_near = kelpRecord(kelp_record + 7).xyz + along / dot(w.xyz, cross(x.xyz, y.xyz));
   } else {
-    uvec3 corner = (uvec3(outline) >> uvec3(0u, 1u, 2u) + uint(3 * gl_VertexID)) & 1u;
+    uvec3 corner = (uvec3(outline) >> (uvec3(0u, 1u, 2u) + uint(3 * gl_VertexID))) & 1u;
     kelp_near = mix(kelp_bounds_min, kelp_bounds_max, vec3(corner));
     vec4 at = vec4(kelp_near, 1.0);
     clip = vec3(dot(x, at), dot(y, at), dot(w, at));

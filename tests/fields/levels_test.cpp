@@ -10,6 +10,7 @@
 
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
+#include "peak_allocated.h"
 #include "reference_fields.h"
 #include "volumes.h"
 
@@ -363,12 +364,18 @@ TEST(Coarser, IsSolidWhereAnyOfTheEightIs) {
   }
 }
 
-TEST(PeakBytes, CoversFiveBytesAndABitAVoxelOfWholeBricks) {
-  EXPECT_GE(fields::peakBytes({8, 8, 8}), 5u * 512u + 27u * 64u) << "the bits have a margin of a brick all around";
-  EXPECT_EQ(fields::peakBytes({9, 1, 17}), fields::peakBytes({16, 8, 24}));
-  EXPECT_GT(fields::peakBytes({512, 512, 512}), 41ull * 512 * 512 * 512 / 8);
-  EXPECT_LT(fields::peakBytes({512, 512, 512}), 6ull * 512 * 512 * 512);
-  EXPECT_GT(fields::peakBytes({4096, 4096, 4096}), 41ull << 33);
+// Against what is allocated, for volumes that are empty, full and in between.
+TEST(PeakBytes, CoversWhatIsAllocatedAndLittleMore) {
+  for (const double density : {1.0, 0.02, 0.00001}) {
+    const fields::Occupancy volume = randomVolume({200, 161, 96}, density, 5);
+    const std::vector<fields::SurfaceVoxel> surface = numberedSurface(volume);
+    const std::size_t before = resetPeakAllocated();
+    const RawLevel level = fields::buildLevel(volume, surface, 2);
+    const std::uint64_t used = peakAllocated() - before - 4 * level.attributes.size();
+    const std::uint64_t promised = fields::peakBytes(volume.size, level.codes.size() / kBrickVoxels);
+    EXPECT_LE(used, promised) << density;
+    EXPECT_LE(promised, used + used / 2 + 200000) << density;
+  }
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     const std::uint64_t surface = std::min(voxels, 3 * 2 * (x * y + y * z + z * x));
     kept += voxels + surface * sizeof(SurfaceSample) + part.triangles * 100;
     const std::uint64_t voxelize = voxels + surface * kTouched + part.triangles * kTriangle;
-    const std::uint64_t levels = voxels + surface * kAttribute + fields::peakBytes(part.size);
+    const std::uint64_t levels = voxels + surface * kAttribute + fields::peakBytes(part.size, voxels);
     peak = std::max({peak, voxelize, levels});
   }
   return kept + peak;

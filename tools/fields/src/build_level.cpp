@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // From occupancy and surface to cells, codes and attributes.
 #include <algorithm>
-#include <cstring>
-#include <memory>
 #include <utility>
 
+#include "brick_clearance.h"
 #include "check.h"
 #include "empty_boxes.h"
 #include "kelp/fields/fields.h"
@@ -14,51 +13,15 @@
 namespace kelp::fields {
 namespace {
 
-glm::ivec3 wholeBricks(const glm::ivec3& size) { return brickGrid(size) * kBrickSide; }
-
-// The occupancy with empty voxels up to whole bricks, and the squared clearance of them all.
-struct PaddedVolume {
-  glm::ivec3 size{0};
-  std::unique_ptr<std::uint32_t[]> squared;
-
-  std::size_t index(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) +
-           static_cast<std::size_t>(size.x) *
-               (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
-  }
-};
-
-PaddedVolume paddedClearance(const Occupancy& occupancy, int threads) {
-  const glm::ivec3 size = occupancy.size;
-  PaddedVolume padded{wholeBricks(size), nullptr};
-  const std::size_t volume = checkedVolume(padded.size);
-  std::vector<std::uint8_t> dilated;
-  if (padded.size == size) {
-    dilated = dilate26(occupancy, threads);
-  } else {
-    Occupancy larger{padded.size, std::vector<std::uint8_t>(volume)};
-    for (int z = 0; z < size.z; ++z) {
-      for (int y = 0; y < size.y; ++y) {
-        const std::uint8_t* const row = occupancy.solid.data() + occupancy.index({0, y, z});
-        std::copy_n(row, size.x, larger.solid.begin() + static_cast<std::ptrdiff_t>(larger.index({0, y, z})));
-      }
-    }
-    dilated = dilate26(larger, threads);
-  }
-  // Not set to zero first: the threads that fill it touch its pages first.
-  padded.squared = std::make_unique_for_overwrite<std::uint32_t[]>(volume);
-  squaredDistance(dilated, padded.size, {padded.squared.get(), volume}, threads);
-  return padded;
-}
-
 class LevelBuilder {
  public:
   LevelBuilder(const Occupancy& occupancy, int threads)
       : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads), bits_(occupancy, threads) {}
 
   // Empty bricks get their box and their clearance; the others a slot, in Morton order.
-  void makeCells(const PaddedVolume& padded) {
+  void makeCells() {
     level_.cells.resize(checkedVolume(grid_));
+    const std::vector<std::uint8_t> clearances = brickClearances(bits_, grid_, threads_);
     const BrickSums sums(bits_, grid_);
     parallelFor(
         grid_.z, grainOf(std::int64_t{grid_.x} * grid_.y * kBrickVoxels), threads_, [&](std::int64_t begin, std::int64_t end) {
@@ -67,7 +30,7 @@ class LevelBuilder {
             for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
               for (brick.x = 0; brick.x < grid_.x; ++brick.x) {
                 level_.cells[cellIndex(brick)] =
-                    bits_.holdsSolid(brick) ? kCellSolid : sums.grownBox(brick) | clearance(padded, brick) << kCellClearanceShift;
+                    bits_.holdsSolid(brick) ? kCellSolid : sums.grownBox(brick) | std::uint32_t{clearances[cellIndex(brick)]} << kCellClearanceShift;
               }
             }
           }
@@ -152,19 +115,6 @@ class LevelBuilder {
     return slot * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel));
   }
 
-  // Of an empty brick.
-  static std::uint32_t clearance(const PaddedVolume& padded, const glm::ivec3& brick) {
-    const glm::ivec3 corner = brick * kBrickSide;
-    std::uint32_t nearest = kNoFeature;
-    for (int z = corner.z; z < corner.z + kBrickSide; ++z) {
-      for (int y = corner.y; y < corner.y + kBrickSide; ++y) {
-        const std::uint32_t* const squared = padded.squared.get() + padded.index(corner.x, y, z);
-        for (int x = 0; x < kBrickSide; ++x) nearest = std::min(nearest, squared[x]);
-      }
-    }
-    return std::min(quantizedClearance(nearest, 1), kCellMaxClearance);
-  }
-
   const Occupancy& occupancy_;
   glm::ivec3 grid_;
   int threads_;
@@ -181,21 +131,19 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
     throw std::invalid_argument("a level needs at least one solid voxel");
   }
   LevelBuilder builder(occupancy, threads);
-  builder.makeCells(paddedClearance(occupancy, threads));
+  builder.makeCells();
   builder.makeCodes();
   builder.makeAttributes(surface);
   return builder.take();
 }
 
-std::uint64_t peakBytes(const glm::ivec3& size) {
+std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks) {
   checkedVolume(size);
   const glm::ivec3 grid = brickGrid(size);
   const std::uint64_t bricks = checkedVolume(grid);
-  const std::uint64_t voxels = bricks * kBrickVoxels;
-  // A padded voxel: 4 bytes of squared clearance and a byte of dilated occupancy; or a code and an attribute. A brick: its cell,
-  // its place in the order of slots (with growth), its position, the first attribute of each slice.
-  const std::uint64_t per_brick = 4 + 3 * 24 + 12 + 8 * 4;
-  return 5 * voxels + SolidBits::bytes(grid) + BrickSums::bytes(grid) + per_brick * bricks;
+  // A brick: its cell. A stored one: its place in the order of slots (with growth), its position, the first attribute of each slice, its codes.
+  const std::uint64_t stored = 3 * 24 + 12 + 8 * 4 + kBrickVoxels;
+  return SolidBits::bytes(grid) + BrickSums::bytes(grid) + brickClearanceBytes(grid) + sizeof(std::uint32_t) * bricks + stored * std::min(stored_bricks, bricks);
 }
 
 }  // namespace kelp::fields

@@ -112,7 +112,7 @@ class DeepCheck {
     const Part& part = pack_.parts()[static_cast<std::size_t>(p)];
     const std::uint64_t voxels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y) * static_cast<std::uint64_t>(part.size.z);
     // Beside what buildLevel takes: occupancy and flags of this level and the finer one, and the stored level twice.
-    const std::uint64_t needed = fields::peakBytes(part.size) + 6 * voxels;
+    const std::uint64_t needed = fields::peakBytes(part.size, voxels) + 6 * voxels;
     if (const std::uint64_t memory = physicalMemory(); needed > memory)
       throw DumpError(kFailure, fmt::format("{}: part {} '{}': checking {} voxels deeply needs {} of memory, this machine has {}; verify without --deep, or on a larger machine",
                                             file_.path(), p, nameText(part.name), sizeText(part.size), bytesText(needed), bytesText(memory)));

@@ -67,7 +67,8 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
 // The occupancy that a level's cells and codes hold (the inverse of buildLevel, for checks). Throws on slots out of range.
 Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size);
 
-// Bytes that buildLevel needs at its peak for a volume of `size` voxels, not counting the occupancy itself.
-std::uint64_t peakBytes(const glm::ivec3& size);
+// Bytes that buildLevel needs at its peak for a volume of `size` voxels of which so many bricks hold something, not counting the occupancy and the
+// surface itself, nor 4 bytes of result for each surface voxel.
+std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks);
 
 }  // namespace kelp::fields

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "peak_allocated.h"
+
+#include <malloc.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<std::size_t> now{0}, peak{0};
+}  // namespace
+
+namespace kelp::test {
+
+std::size_t resetPeakAllocated() {
+  peak = now.load();
+  return peak;
+}
+std::size_t peakAllocated() { return peak; }
+
+}  // namespace kelp::test
+
+void* operator new(std::size_t size) {
+  void* const p = std::malloc(size ? size : 1);
+  if (!p) throw std::bad_alloc();
+  const std::size_t sum = now += malloc_usable_size(p);
+  for (std::size_t seen = peak; sum > seen && !peak.compare_exchange_weak(seen, sum);) {
+  }
+  return p;
+}
+void operator delete(void* p) noexcept {
+  if (p) now -= malloc_usable_size(p);
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept { operator delete(p); }
