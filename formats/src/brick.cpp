@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "eight_codes.h"
+
 namespace kelp {
 namespace {
 
@@ -94,21 +96,20 @@ glm::vec3 decodeNormal(std::uint32_t bits24) {
 }
 
 std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first, std::span<std::uint32_t> slice_base) {
-  constexpr std::size_t kSlice = 64;
-  if (codes.size() % kBrickVoxels != 0 || slice_base.size() < codes.size() / kSlice) return -1;
-  std::int64_t count = 0;
-  for (std::size_t slice = 0; slice < codes.size() / kSlice; ++slice) {
-    slice_base[slice] = first + static_cast<std::uint32_t>(count);
-    std::uint8_t expected = kSurfaceCode;  // the ranks of a slice count up from 0
-    for (const std::uint8_t code : codes.subspan(slice * kSlice, kSlice)) {
-      if (code > kInnerCode) return -1;
-      if (!isSurfaceCode(code)) continue;
-      if (code != expected) return -1;
-      ++expected;
+  if (codes.size() % kBrickVoxels != 0 || slice_base.size() < codes.size() / EightCodes::kSlice) return -1;
+  std::uint64_t wrong = 0;
+  std::uint32_t count = 0;
+  for (std::size_t slice = 0; slice < codes.size() / EightCodes::kSlice; ++slice) {
+    slice_base[slice] = first + count;
+    std::uint64_t rank = 0;  // of the slice's next surface voxel
+    for (std::size_t i = 0; i < EightCodes::kSlice; i += 8) {
+      const EightCodes eight(codes.data() + slice * EightCodes::kSlice + i);
+      wrong |= eight.reservedBits() | ((eight.codes ^ eight.ranked(rank)) & eight.surfaceBytes());
+      rank += eight.surfaceVoxels();
     }
-    count += expected - kSurfaceCode;
+    count += static_cast<std::uint32_t>(rank);
   }
-  return count;
+  return wrong == 0 ? std::int64_t{count} : -1;
 }
 
 }  // namespace kelp

@@ -21,7 +21,9 @@ bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& ra
   const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
   const std::size_t attribute_bytes = std::size_t{page.attributes} * sizeof(std::uint32_t);
   if (!raw.reuse(code_bytes + attribute_bytes) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return false;
-  std::memcpy(raw.data(), page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels, code_bytes);
+  // Ranks are not stored: a reader counts.
+  const std::uint8_t* const codes = page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels;
+  for (std::size_t i = 0; i < code_bytes; ++i) raw[i] = std::byte{isSurfaceCode(codes[i]) ? kSurfaceCode : codes[i]};
   if (attribute_bytes > 0)
     std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute, attribute_bytes);
   const std::size_t size = encoder.encode(raw.span(), frame.span());

@@ -2,12 +2,12 @@
 #include "voxels.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
 #include "checksum.h"
 #include "container.h"
+#include "eight_codes.h"
 #include "layout.h"
 #include "morton_walk.h"
 #include "zstd_decode.h"
@@ -102,6 +102,25 @@ bool isPossiblePage(const PageInfo& page) {
          (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
 }
 
+std::int64_t giveRanks(std::span<std::uint8_t> codes) {
+  std::uint64_t wrong = 0;
+  std::int64_t count = 0;
+  for (std::size_t slice = 0; slice + EightCodes::kSlice <= codes.size(); slice += EightCodes::kSlice) {
+    std::uint64_t rank = 0;
+    for (std::size_t i = 0; i < EightCodes::kSlice; i += 8) {
+      std::uint8_t* const at = codes.data() + slice + i;
+      EightCodes eight(at);
+      const std::uint64_t surface = eight.surfaceBytes(), voxels = eight.surfaceVoxels();
+      wrong |= eight.reservedBits() | ((eight.codes ^ kSurfaceCode * EightCodes::kOnes) & surface);
+      eight.codes = (eight.codes & ~surface) | (eight.ranked(rank) & surface);
+      eight.store(at);
+      rank += voxels;
+    }
+    count += static_cast<std::int64_t>(rank);
+  }
+  return wrong == 0 ? count : -1;
+}
+
 Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out) {
   // One block of memory for what decoding needs: zstd's workspace, the decoded page, the stored page.
   const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
@@ -124,9 +143,8 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
   out.count = page.count;
   std::memcpy(out.codes.data(), raw.data(), code_bytes);
   if (attributes > 0) std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
-  std::array<std::uint32_t, kMaxPageBricks * 8> slice_base;
-  const std::int64_t surface = computeSliceBase(out.codes.span(), 0, slice_base);
-  if (surface < 0) return Error{ErrorCode::kCorrupt, "a page holds a reserved code or a wrong rank", page.offset};
+  const std::int64_t surface = giveRanks(out.codes.span());
+  if (surface < 0) return Error{ErrorCode::kCorrupt, "a page holds a reserved code", page.offset};
   if (static_cast<std::uint64_t>(surface) != attributes) {
     return Error{ErrorCode::kCorrupt, "a page has not one attribute for each surface voxel", page.offset};
   }
@@ -142,9 +160,11 @@ std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
 }
 
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size) {
-  const auto wrong =
-      std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; });
-  return wrong == attributes.end() ? -1 : wrong - attributes.begin();
+  // The greatest first, eight at a time on any machine: there is nothing wrong nearly always.
+  std::uint32_t greatest = 0;
+  for (const std::uint32_t a : attributes) greatest = std::max(greatest, a & 0xffu);
+  if (greatest < palette_size) return -1;
+  return std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; }) - attributes.begin();
 }
 
 bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size) {

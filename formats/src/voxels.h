@@ -28,6 +28,10 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
 // Whether the page's numbers are possible at all; memory for it is then bounded.
 bool isPossiblePage(const PageInfo& page);
 
+// Turns codes as a page holds them, whole bricks with 64 for each surface voxel, into codes with ranks (brick.h). Answers the number of surface voxels,
+// or -1 when a code is reserved.
+std::int64_t giveRanks(std::span<std::uint8_t> codes);
+
 // Reads a page, checks its checksum and decodes it: sizes, codes and ranks are then right. The offset of errors is the page's.
 Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out);
 

@@ -354,7 +354,8 @@ const Lie kGridLies[] = {
 // Byte 0 of the page is a surface voxel, byte 1 an inner one; the attribute follows the 512 codes.
 const Lie kPageLies[] = {
     {"reserved code", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[100] = std::byte{129}; }); }},
-    {"wrong rank", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{65}; }); }},
+    {"a rank", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{65}; }); }},
+    {"reserved code 192", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{192}; }); }},
     {"attribute missing", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(512); }); }},
     {"attribute too many", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(520); }); }},
     {"surface voxel without attribute", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[64] = std::byte{64}; }); }},

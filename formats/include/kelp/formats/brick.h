@@ -7,7 +7,7 @@
 //                        bit 31 = 1: the brick holds at least one solid voxel; bits 0..23 = its slot (bits 24..30 zero)
 //   code (u8)            0 ..  63   empty voxel. A box of empty voxels reaches 2^k - 1 voxels beyond it on both sides, k = bits 0,1 along x,
 //                                    2,3 along y, 4,5 along z
-//                        64 .. 127   surface voxel (solid, has an attribute); code - 64 = its rank among the surface voxels of its z-slice
+//                        64 .. 127   surface voxel (solid, has an attribute); code - 64 = its rank among the surface voxels of its z-slice (files hold 64)
 //                        128         inner voxel (solid, no attribute)
 //   attribute (u32)      bits 0..7 palette index, bits 8..19 and 20..31 octahedral normal (u, v; 12 bits each)
 //
