@@ -179,7 +179,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.name = part.name;
     line.rig_origin = part.rig_origin;
     line.triangles = part.soup.triangles.size();
-    if (part.grid) {
+    if (part.carrier) {
+      line.fill = "no voxels: moves the parts that follow it";
+      line.closed = true;
+    } else if (part.grid) {
       line.fill = "solid: from a volume";
       line.closed = true;
       line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.grid->to_node)))) * objectScale(part);
@@ -195,7 +198,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.size = part.grid->size;
     line.surface_voxels = part.grid->surface.size();
     line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
-    if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
+    if (line.solid_voxels == 0 && !part.carrier) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
     grids.push_back(&*part.grid);
   }
 

@@ -28,6 +28,16 @@ struct BakeError : std::runtime_error {
 
 enum class Fill : std::uint8_t { kAuto, kSolid, kSurface };
 
+// What becomes a part. kOne: nodes with rigs with their subtrees, and one of all the rest. kNodes: every node with a mesh, beside what rigs bend;
+// animations of nodes become clips.
+enum class Parts : std::uint8_t { kOne, kNodes };
+
+// A moment of an animation of the file.
+struct Moment {
+  std::string clip;
+  double seconds = 0;  // at least 0; beyond the last key its values hold
+};
+
 struct Settings {
   int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
   bool resolution_given = false;       // resolution was asked for, not defaulted: volumes, which have voxels of their own, are resampled to it
@@ -36,6 +46,8 @@ struct Settings {
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
   Fill fill = Fill::kAuto;
+  Parts parts = Parts::kOne;
+  std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
   int levels = 0;                      // 0: down to a single brick
   int threads = 0;                     // 0: all
   std::uint64_t max_memory = 0;        // bytes; 0: the machine's physical memory
