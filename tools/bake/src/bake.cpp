@@ -151,6 +151,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   SourceModel model = importFile(input, settings, &report.files_read);
   report.format = model.format;
   report.notices = model.notices;
+  if (model.format.rfind("glTF", 0) != 0 && (settings.at || settings.parts != Parts::kOne))
+    throw BakeError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out", input.filename().string(), model.format, settings.at ? "animations" : "nodes", settings.at ? "--at" : "--parts nodes"));
   if (model.parts.empty()) throw BakeError(Exit::kInvalid, input.string() + ": holds nothing to bake; export a model with at least one mesh");
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkMemory(model, frames, settings, input, report);
@@ -180,7 +182,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.rig_origin = part.rig_origin;
     line.triangles = part.soup.triangles.size();
     if (part.carrier) {
-      line.fill = "no voxels: moves the parts that follow it";
+      line.fill = "moves the parts that follow it, and is one voxel too small to be seen";
       line.closed = true;
     } else if (part.grid) {
       line.fill = "solid: from a volume";
@@ -195,12 +197,17 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       line.closed = result.closed;
       line.voxel_size = frames[i].voxel_size * objectScale(part);
     }
+    line.carrier = part.carrier;
     line.size = part.grid->size;
     line.surface_voxels = part.grid->surface.size();
     line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
-    if (line.solid_voxels == 0 && !part.carrier) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
+    if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
     grids.push_back(&*part.grid);
   }
+
+  // The voxel of a carrier takes a colour that is there anyway; what follows it comes after it.
+  for (std::size_t i = model.parts.size() - 1; i-- > 0;)
+    if (model.parts[i].carrier) model.parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), model.parts[i + 1].grid->surface.front().material});
 
   clock.begin("palette");
   Palette palette = choosePalette(grids, threads);

@@ -51,7 +51,7 @@ class GltfImporter {
       }
     }
     placeCarriers();
-    if (std::all_of(out_.parts.begin(), out_.parts.end(), [](const SourcePart& part) { return part.carrier; })) model_.refuse("scene", "holds no triangles" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")") + "; export a scene with at least one mesh");
+    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")") + "; export a scene with at least one mesh");
     uniqueNames();
     if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
     return std::move(out_);
@@ -123,28 +123,32 @@ class GltfImporter {
     return -1;
   }
 
-  // A carrier's box is next to nothing and lies at a corner of the first part that follows it, so that it enlarges nobody's bounds.
+  // A pack has no part without voxels: a carrier has one, a millionth of what follows it and at its corner, so that nobody sees it and it enlarges
+  // nobody's bounds.
   void placeCarriers() {
     for (std::size_t i = out_.parts.size(); i-- > 0;) {
       SourcePart& carrier = out_.parts[i];
       if (!carrier.carrier) continue;
-      const auto child = std::find_if(out_.parts.begin() + static_cast<std::ptrdiff_t>(i), out_.parts.end(), [&](const SourcePart& part) { return part.parent == static_cast<int>(i); });
-      double edge = 1e-3;
-      glm::vec3 place = carrier.pivot[3];
-      if (child != out_.parts.end() && child->carrier) {
-        edge = static_cast<double>(child->to_object[0].x);
-        place = child->to_object[3];
-      } else if (child != out_.parts.end()) {
+      const auto self = out_.parts.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto child = std::find_if(self, out_.parts.end(), [&](const SourcePart& part) { return part.parent == static_cast<int>(i); });
+      if (child == out_.parts.end()) {  // what it was there for had no triangles
+        const auto after = out_.parts.erase(self);
+        std::for_each(after, out_.parts.end(), [&](SourcePart& part) { part.parent -= part.parent > static_cast<int>(i); });
+        continue;
+      }
+      double edge = static_cast<double>(child->to_object[0].x);
+      glm::vec3 place = child->to_object[3];
+      if (!child->carrier) {
         const glm::vec3 corner = child->soup.positions.front();
         double longest = 0;
         for (const glm::vec3& p : child->soup.positions) longest = std::max(longest, static_cast<double>(glm::length(p - corner)));
-        edge = 1e-3 * longest;
+        edge = 1e-6 * longest;
         place = child->to_object * glm::vec4(corner, 1);
       }
       carrier.to_object = toAffine(glm::dmat4(glm::dvec4(edge, 0, 0, 0), glm::dvec4(0, edge, 0, 0), glm::dvec4(0, 0, edge, 0), glm::dvec4(glm::dvec3(place), 1)));
       carrier.grid.emplace();
       carrier.grid->size = glm::ivec3(1);
-      carrier.grid->solid.assign(1, 0);
+      carrier.grid->solid.assign(1, 1);
     }
   }
 

@@ -21,7 +21,7 @@ std::vector<PartPlan> planByRigs(const GltfModel& model, bool single);
 
 // Parts::kNodes. A rig binds the meshes below its node to one part, but not those that animations move. Every other node with a mesh is a part
 // that follows the nearest part above it. A part has one motion: where several animated nodes lie between a part and the next one above,
-// those that have no mesh become parts without voxels, so that what nodes do one after the other stays exact.
+// those that have no mesh become parts of a single voxel too small to be seen, so that what nodes do one after the other stays exact.
 std::vector<PartPlan> planByNodes(const GltfModel& model, const std::vector<GltfAnimation>& animations);
 
 // A skinned mesh stands where its joints are: the nearest node that all of them belong to. -1: they have none in common.

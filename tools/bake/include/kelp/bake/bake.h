@@ -68,6 +68,7 @@ struct Report {
     double voxel_size = 0;
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
     bool closed = false;
+    bool carrier = false;    // there for its motion alone
   };
   struct Clip {
     std::string name, part;

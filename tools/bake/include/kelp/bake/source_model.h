@@ -76,7 +76,7 @@ struct SourcePart {
   std::string rig_origin;    // where the rig came from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
   TriangleSoup soup;                // empty if grid is set
   std::optional<VoxelGrid> grid;    // from a volume file, already in the rig's frame
-  bool carrier = false;             // has no voxel and is there for its motion, which others follow; `grid` is set
+  bool carrier = false;             // is there for its motion, which others follow; `grid` is a single voxel that nobody sees
 };
 
 struct SourceModel {
