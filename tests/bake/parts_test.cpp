@@ -309,7 +309,7 @@ TEST(Moment, MorphTargetsStandAsTheirWeightsDo) {
     wide.insert(wide.end(), {i & 1 ? 1.0f : -1.0f, 0, 0});
   }
   const int first = maker.floats(up, 3), second = maker.floats(wide, 3), times = maker.floats({0, 1, 3}, 1);
-  const int line = maker.floats({0, 1, 1, 0, 0.5f, 0.25f}, 1), curve = maker.floats({0, 0, 0, 1, 1, 0, 0, 2, 1, 0, 0, -1, 0, 0, 0.5f, 0.25f, 0, 0}, 1);
+  const int line = maker.floats({0, 1, 1, 0, 0.5f, 0.25f}, 1), curve = maker.floats({0, 0, 0, 1, 1, 0, 0, 2, 1, 0, 0, -1, -0.5f, 0.3f, 0.5f, 0.25f, 0, 0}, 1);
   for (const auto& [output, how] : {std::pair(line, "LINEAR"), std::pair(line, "STEP"), std::pair(curve, "CUBICSPLINE")}) {
     const auto path = scratch.write("m.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":)" + std::to_string(first) + R"(},{"POSITION":)" +
         std::to_string(second) + R"(}]}],"weights":[0.5,0]}],"nodes":[{"mesh":0,"translation":[1,0,0]}],"animations":[{"name":"grow","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +

@@ -56,11 +56,30 @@ struct Settings {
 // Called with a stage's name and its progress 0..1; answers false to stop (BakeError kInterrupted). Called from the baking thread only.
 using Progress = std::function<bool(std::string_view stage, double done)>;
 
+// A mesh as the file has it, corners in equal places being one.
+struct MeshCounts {
+  std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t boundary_edges = 0;      // of one triangle alone
+  std::uint64_t boundaries = 0;          // what those hang together to: the rims of holes and of open sheets
+  std::uint64_t non_manifold_edges = 0;  // of three triangles or more
+  std::uint64_t dropped = 0;             // triangles that are not among these: without an area, or not finite
+};
+
+// What the fill made of it, after welding to a fraction of a voxel.
+struct FillCounts {
+  std::uint64_t components = 0, closed = 0, capped = 0, sheets = 0, walls = 0;  // what hangs together by edges; walls: faces modelled from both sides between bodies
+  std::uint64_t doubled = 0;        // triangles left out: modelled twice, or no more than a line
+  std::uint64_t turned = 0;         // triangles wound against their neighbours, or inside out
+  std::uint64_t cap_triangles = 0;  // that close holes
+  std::uint64_t kept_voxels = 0;    // solid though their centres lie in no body: sheets, and what is thinner than a voxel
+};
+
 // Seconds and numbers of a bake, for --report and the closing lines.
 struct Report {
   struct Stage {
     std::string name;
     double seconds = 0;
+    std::uint64_t peak_bytes = 0;  // the most memory that the program has held until this stage ended
   };
   struct Part {
     std::string name, rig_origin, fill;
@@ -69,10 +88,14 @@ struct Report {
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
     bool closed = false;
     bool carrier = false;    // there for its motion alone
+    MeshCounts mesh;         // zeros for volumes
+    FillCounts repairs;
+    std::string parent;      // the part that it follows; empty: none
   };
   struct Clip {
     std::string name, part;
     float duration = 0, leaves_box = 0;
+    bool bends = false, moves = false;  // moves its knots; moves it as a whole
   };
   std::string format;
   std::vector<Stage> stages;
@@ -80,6 +103,8 @@ struct Report {
   std::vector<Clip> clips;
   std::vector<std::string> notices;
   std::vector<std::filesystem::path> files_read;
+  std::uint64_t materials = 0, images = 0;  // that triangles use; pictures that could be had
+  std::uint64_t palette_entries = 0;
   double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
   std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
@@ -108,6 +133,7 @@ struct VoxelizeResult {
   bool closed = false;    // the mesh has no boundary edge after welding equal positions
   std::string fill;       // "solid" or "surface", and why
   std::vector<std::string> notices;
+  FillCounts counts;
 };
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress);
 

@@ -50,6 +50,7 @@ struct TriangleSoup {
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> uvs;      // empty, or one a triangle
   std::vector<std::array<glm::vec4, 3>> colors;   // empty, or one a triangle; linear, multiplies the base colour
+  std::uint64_t dropped = 0;                      // triangles of the file that are not here: corners in one place, or not finite
 };
 
 // A surface voxel before the palette is chosen.
