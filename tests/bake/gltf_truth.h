@@ -64,11 +64,12 @@ class GltfTruth {
       return out;
     }
     const auto& skin = json_["skins"][source["skin"].get<std::size_t>()];
-    const std::vector<double> binds = numbers(skin["inverseBindMatrices"]);
+    std::vector<double> binds;
+    if (skin.contains("inverseBindMatrices")) binds = numbers(skin["inverseBindMatrices"]);
     std::vector<glm::dmat4> joints;
     for (std::size_t j = 0; j < skin["joints"].size(); ++j) {
-      glm::dmat4 bind;
-      for (int c = 0; c < 16; ++c) bind[c / 4][c % 4] = binds[16 * j + static_cast<std::size_t>(c)];
+      glm::dmat4 bind(1);
+      for (int c = 0; c < 16 && !binds.empty(); ++c) bind[c / 4][c % 4] = binds[16 * j + static_cast<std::size_t>(c)];
       joints.push_back(world(skin["joints"][j], animation, time) * bind);
     }
     std::size_t corner = 0;

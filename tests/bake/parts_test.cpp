@@ -194,13 +194,67 @@ TEST(Parts, OneMoverNeedsNoPartOfItsOwn) {
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
   const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"spin","children":[1,2],"translation":[4,0,0]},{"name":"a","mesh":0},
-      {"name":"b","mesh":0,"translation":[1,0,0],"children":[3]},{"name":"c","mesh":0,"translation":[0,2,0]}],"animations":[{"name":"spin","samplers":[{"input":)" + std::to_string(times) +
+      {"name":"b","mesh":0,"translation":[1,0,0],"children":[3]},{"name":"c","mesh":0,"translation":[0,2,0]}],"animations":[{"name":"spinAction","samplers":[{"input":)" + std::to_string(times) +
       R"(,"output":)" + std::to_string(turns) + R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
   const Baked baked(path, settings, 16);
   EXPECT_EQ(baked.pack().parts.size(), 3u);
   expectFollows(baked, GltfTruth(path), {{"a", 1}, {"b", 2}, {"c", 3}}, "spin", 0, {0, 0.3, 0.99}, 1e-5);
+}
+
+// A mesh with two joints whose root turns: the joints do not move against each other, so the mesh moves as a whole, wherever its own node is.
+TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  std::vector<std::uint16_t> joints;
+  std::vector<float> weights;
+  for (int i = 0; i < 8; ++i) {
+    joints.insert(joints.end(), {0, 1, 0, 0});
+    weights.insert(weights.end(), {i & 2 ? 0.25f : 1.0f, i & 2 ? 0.75f : 0.0f, 0, 0});
+  }
+  const int j = maker.joints(joints), w = maker.floats(weights, 4), times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
+  const std::string file = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":)" + std::to_string(j) + R"(,"WEIGHTS_0":)" + std::to_string(w) +
+      R"(},"indices":1}]}],"skins":[{"joints":[2,3]}],"nodes":[{"name":"body","mesh":0,"skin":0,"translation":[50,0,0]},{"name":"root","children":[2,3],"translation":[1,0,0]},
+      {"name":"hip","translation":[0,1,0]},{"name":"head","translation":[0,2,0]}],"animations":[{"name":"turn","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
+      std::to_string(turns) + R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"rotation"}}]}])";
+  const auto path = scratch.write("m.gltf", maker.text(file));
+  Settings settings;
+  settings.parts = Parts::kNodes;
+  const Baked baked(path, settings, 16);
+  ASSERT_EQ(baked.pack().parts.size(), 1u);
+  EXPECT_FALSE(anyContains(baked.report.notices, "'turn'"));
+  const GltfTruth truth(path);
+  const std::vector<glm::dvec3> rest = truth.worldCorners(0, -1, 0);
+  for (const double time : {0.2, 0.9}) {
+    runtime::Pose pose = *runtime::Pose::create(baked.asset());
+    ASSERT_TRUE(runtime::addClip(baked.asset(), 0, time, 1, pose));
+    const std::vector<glm::dvec3> wanted = truth.worldCorners(0, 0, time);
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const glm::vec3 voxel(glm::inverse(asMatrix(baked.pack().parts[0].to_object)) * glm::dvec4(rest[i], 1));
+      EXPECT_LT(glm::length(wanted[i] - glm::dvec3(runtime::toWorld({&baked.asset(), &pose}, 0, voxel))), 1e-5);
+    }
+  }
+}
+
+// The second "take" moves what the first one does: it is a clip of its own for every node that it moves.
+TEST(Parts, AnimationsOfOneNameAreToldApartForAllNodesAlike) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 0, 0, 0, 3, 0}, 3);
+  const std::string sampler = R"("samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + "}]";
+  const std::string a = R"({"sampler":0,"target":{"node":0,"path":"translation"}})", b = R"({"sampler":0,"target":{"node":1,"path":"translation"}})";
+  Settings settings;
+  settings.parts = Parts::kNodes;
+  const Baked baked(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"a","mesh":0},{"name":"b","mesh":0}],"animations":[{"name":"take",)" + sampler +
+                                                       R"(,"channels":[)" + a + R"(]},{"name":"take",)" + sampler + R"(,"channels":[)" + a + "," + b + "]}]")), settings, 8);
+  ASSERT_EQ(baked.pack().clips.size(), 2u);
+  EXPECT_EQ(baked.pack().clips[0].name, "take");
+  EXPECT_EQ(baked.pack().clips[0].tracks.size(), 1u);
+  EXPECT_EQ(baked.pack().clips[1].name, "take.2");
+  EXPECT_EQ(baked.pack().clips[1].tracks.size(), 2u);
 }
 
 // A reed with a rig, a leaf that is still, and a bird on it that moves: the leaf bends with the reed, the bird is a part of its own.

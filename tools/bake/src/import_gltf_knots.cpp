@@ -330,7 +330,8 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
       if (!knots.empty() || !rig.knots.empty()) model.note("animation '" + animation.name + "' holds part '" + part_name + "' still and makes no clip of it");
       continue;
     }
-    const std::string wanted = namedAfterItsNode(model, animation) ? part_name : animation.name;
+    // One node may move several parts: what it is named after is then its own name, which all of them share.
+    const std::string wanted = !namedAfterItsNode(model, animation) ? animation.name : knots.empty() && !nodeAt(model, node).name.empty() ? oneLine(nodeAt(model, node).name, 80) : part_name;
     std::string name = wanted;
     const auto named = [&] { return std::find_if(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& c) { return c.name == name; }); };
     auto clip = named();
