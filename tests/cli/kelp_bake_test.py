@@ -137,6 +137,11 @@ class KelpBake(unittest.TestCase):
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])
         self.fails(1, self.cube, "-o", self.out, "--nonsense", says=["--nonsense"])
+        self.fails(1, self.cube, "-o", self.out, "--parts", "all", says=["--parts all", "nodes"])
+        self.fails(1, self.cube, "-o", self.out, "--parts", "nodes", says=["OBJ", "--parts nodes"])
+        for moment in ("Walk", "Walk:", ":1", "Walk:-1", "Walk:nan", "Walk:1s"):
+            self.fails(1, self.cube, "-o", self.out, "--at", moment, says=["--at " + moment, "Walk:0.3"])
+        self.fails(1, self.cube, "-o", self.out, "--at", "Walk:0.3", says=["OBJ", "--at"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "0", says=["--resolution 0", "8192"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "100000", says=["--resolution 100000", "8192"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "many", says=["many"])
@@ -239,7 +244,7 @@ class KelpBake(unittest.TestCase):
 
     def test_the_summary_names_units(self):
         text = self.bake(self.cube, "-o", self.out, "--voxel-size", "1").stderr.decode()
-        self.assertIn("12 triangles, voxels of 1 unit\n", text)
+        self.assertIn("12 triangles, 1 material, voxels of 1 unit\n", text)
         self.assertIn("1 x 2 x 1 voxels of 1 unit;", text)
         text = self.bake(self.cube, "-o", self.out, "--resolution", "4").stderr.decode()
         self.assertIn("2 x 4 x 2 voxels of 0.5 units;", text)

@@ -22,6 +22,8 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake fish.obj -o fish.kelp --axis -x --rig swim
   kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
   kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
+  kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
+  kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
 
 A rig comes from --rig, from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from empties named
 knot.0, knot.1, ... under a mesh; without any the part is straight. Exit codes: 0 done, 1 usage, 2 files, 3 invalid input,
@@ -48,6 +50,15 @@ int positiveNumber(const std::string& option, const std::string& text) {
   const int value = wholeNumber(option, text);
   if (value < 1) throw BakeError(Exit::kUsage, option + " " + text + ": less than 1; leave the option out for the default");
   return value;
+}
+
+// "Walk:0.3": names may hold colons, numbers do not.
+bake::Moment parseMoment(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::optional<double> seconds = colon == std::string::npos ? std::nullopt : parseNumber<double>(text.substr(colon + 1));
+  if (!seconds || colon == 0 || !std::isfinite(*seconds) || *seconds < 0)
+    throw BakeError(Exit::kUsage, "--at " + text + ": not a moment; give an animation's name and a time in seconds from 0 on, such as Walk:0.3");
+  return {text.substr(0, colon), *seconds};
 }
 
 // The compilers' spelling: a single dash and two letters, which CLI11 would take apart.
@@ -81,7 +92,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", levels, threads, max_memory, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, levels, threads, max_memory, progress = "auto", report, deps;
   bool write_deps = false;
   app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF or VDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
@@ -90,6 +101,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
   app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
+  app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
+  app.add_option("--at", at, "glTF: bake nodes, skins and morph targets as an animation has them at a time, e.g. Walk:0.3")->type_name("CLIP:SECONDS");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
   app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory)")->type_name("SIZE");
@@ -140,6 +153,12 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   } else if (fill != "auto") {
     throw BakeError(Exit::kUsage, "--fill " + fill + ": unknown; use auto, solid or surface");
   }
+  if (parts == "nodes") {
+    options.settings.parts = bake::Parts::kNodes;
+  } else if (parts != "one") {
+    throw BakeError(Exit::kUsage, "--parts " + parts + ": unknown; use one or nodes");
+  }
+  if (!at.empty()) options.settings.at = parseMoment(at);
   if (!levels.empty()) options.settings.levels = positiveNumber("--levels", levels);
   if (!threads.empty()) options.settings.threads = positiveNumber("--threads", threads);
   if (!max_memory.empty()) {

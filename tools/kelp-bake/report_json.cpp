@@ -31,32 +31,68 @@ std::string escapeForMake(const std::filesystem::path& path) {
   return escaped;
 }
 
+Json partJson(const bake::Report::Part& part) {
+  Json json{{"name", part.name},
+            {"parent", part.parent.empty() ? Json() : Json(part.parent)},
+            {"carrier", part.carrier},
+            {"size", {part.size.x, part.size.y, part.size.z}},
+            {"voxel_size", part.voxel_size},
+            {"rig", part.rig_origin},
+            {"fill", part.fill},
+            {"closed", part.closed},
+            {"triangles", part.triangles},
+            {"solid_voxels", part.solid_voxels},
+            {"surface_voxels", part.surface_voxels},
+            {"bricks", part.bricks}};
+  json["mesh"] = {{"vertices", part.mesh.vertices},
+                  {"triangles", part.mesh.triangles},
+                  {"boundary_edges", part.mesh.boundary_edges},
+                  {"boundaries", part.mesh.boundaries},
+                  {"non_manifold_edges", part.mesh.non_manifold_edges},
+                  {"dropped_triangles", part.mesh.dropped}};
+  json["repairs"] = {{"components", part.repairs.components},
+                     {"closed_components", part.repairs.closed},
+                     {"capped_components", part.repairs.capped},
+                     {"sheets", part.repairs.sheets},
+                     {"walls", part.repairs.walls},
+                     {"doubled_triangles", part.repairs.doubled},
+                     {"turned_triangles", part.repairs.turned},
+                     {"cap_triangles", part.repairs.cap_triangles},
+                     {"kept_voxels", part.repairs.kept_voxels}};
+  return json;
+}
+
+Json filesJson(const bake::Report& report) {
+  Json files = Json::array();
+  for (const std::filesystem::path& file : report.files_read) {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+    files.push_back({{"name", file.string()}, {"bytes", error ? Json() : Json(bytes)}});
+  }
+  return files;
+}
+
 }  // namespace
 
 void writeReport(const std::filesystem::path& path, const Options& options, const bake::Report& report, double seconds) {
   Json json;
+  json["schema"] = "kelp-bake-report/1";
   json["kelp-bake"] = KELP_VERSION;
   json["input"] = options.input.string();
   json["output"] = options.output.string();
   json["format"] = report.format;
+  json["files"] = filesJson(report);
+  json["materials"] = report.materials;
+  json["images"] = report.images;
   json["parts"] = Json::array();
-  for (const bake::Report::Part& part : report.parts) {
-    json["parts"].push_back({{"name", part.name},
-                             {"size", {part.size.x, part.size.y, part.size.z}},
-                             {"voxel_size", part.voxel_size},
-                             {"rig", part.rig_origin},
-                             {"fill", part.fill},
-                             {"closed", part.closed},
-                             {"triangles", part.triangles},
-                             {"solid_voxels", part.solid_voxels},
-                             {"surface_voxels", part.surface_voxels},
-                             {"bricks", part.bricks}});
-  }
+  for (const bake::Report::Part& part : report.parts) json["parts"].push_back(partJson(part));
   json["clips"] = Json::array();
-  for (const bake::Report::Clip& clip : report.clips) json["clips"].push_back({{"name", clip.name}, {"part", clip.part}, {"duration", clip.duration}, {"leaves_box", clip.leaves_box}});
+  for (const bake::Report::Clip& clip : report.clips)
+    json["clips"].push_back({{"name", clip.name}, {"part", clip.part}, {"duration", clip.duration}, {"leaves_box", clip.leaves_box}, {"bends", clip.bends}, {"moves", clip.moves}});
   json["stages"] = Json::array();
-  for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
   json["notices"] = report.notices;
+  json["palette_entries"] = report.palette_entries;
   json["palette_error"] = report.palette_error;
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;

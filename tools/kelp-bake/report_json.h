@@ -6,8 +6,7 @@
 
 namespace kelp::bake_cli {
 
-// Writes --report. Keys: "kelp-bake" (version), "input", "output", "format", "parts", "clips", "stages", "notices", "palette_error",
-// "estimated_bytes", "pack_bytes", "seconds". BakeError kIo if it can not be written.
+// Writes --report, as kelp-bake-report.schema.json beside this file describes it. BakeError kIo if it can not be written.
 void writeReport(const std::filesystem::path& path, const Options& options, const bake::Report& report, double seconds);
 // Writes a make rule: the pack depends on all files that were read. BakeError kIo.
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report);

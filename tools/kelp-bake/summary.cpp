@@ -3,8 +3,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace kelp::bake_cli {
 namespace {
@@ -25,31 +30,81 @@ std::string printGrain(const Options& options, const std::string& format) {
   return fmt::format("resolution {}{}", options.settings.resolution, options.settings.resolution_given ? "" : " (default; --resolution N to change)");
 }
 
+std::string counted(std::uint64_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+// What is odd about a mesh and what was done about it; empty for a sound one.
+std::string printRepairs(const bake::Report::Part& part) {
+  std::vector<std::string> words;
+  const bake::MeshCounts& mesh = part.mesh;
+  if (mesh.boundary_edges > 0) words.push_back(counted(mesh.boundary_edges, "boundary edge") + " in " + counted(mesh.boundaries, "loop"));
+  if (mesh.non_manifold_edges > 0) words.push_back(counted(mesh.non_manifold_edges, "edge") + " of more than two triangles");
+  if (part.repairs.turned > 0) words.push_back(counted(part.repairs.turned, "triangle") + " turned");
+  if (mesh.dropped + part.repairs.doubled > 0) words.push_back(counted(mesh.dropped + part.repairs.doubled, "triangle") + " dropped (doubled, or without an area)");
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+// The largest parts one by one, the others together.
+void printParts(const bake::Report& report) {
+  constexpr std::size_t kShown = 12;
+  std::vector<const bake::Report::Part*> parts;
+  for (const bake::Report::Part& part : report.parts)
+    if (!part.carrier) parts.push_back(&part);
+  const std::size_t shown = std::min(parts.size(), kShown);
+  if (shown < parts.size()) std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) { return a->solid_voxels > b->solid_voxels; });
+  for (std::size_t i = 0; i < shown; ++i) {
+    const bake::Report::Part& part = *parts[i];
+    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, report.format), part.rig_origin, part.fill);
+    if (const std::string repairs = printRepairs(part); !repairs.empty()) fmt::print(stderr, "    {}\n", repairs);
+  }
+  if (shown < parts.size()) fmt::print(stderr, "  and {} smaller parts; --report FILE.json tells of each\n", parts.size() - shown);
+}
+
+// A clip that only moves parts as wholes is one line; one that bends is a line for each part that it bends.
+void printClips(const bake::Report& report) {
+  std::map<std::string, std::size_t> moved;
+  for (const bake::Report::Clip& clip : report.clips) moved[clip.name] += clip.moves;
+  std::set<std::string> told;
+  for (const bake::Report::Clip& clip : report.clips) {
+    if (clip.bends) {
+      fmt::print(stderr, "  clip '{}' of '{}': {:.3g} s, ", clip.name, clip.part, clip.duration);
+      if (clip.leaves_box > 0) {
+        fmt::print(stderr, "leaves the box at rest by up to {:.0f} % of the part's length\n", std::max(1.0, 100.0 * static_cast<double>(clip.leaves_box)));
+      } else {
+        std::fputs("stays within the box\n", stderr);
+      }
+    }
+    if (clip.moves && told.insert(clip.name).second) fmt::print(stderr, "  clip '{}': {:.3g} s, moves {}\n", clip.name, clip.duration, counted(moved[clip.name], "part"));
+  }
+}
+
 }  // namespace
 
 void printSummary(const Options& options, const bake::Report& report, double seconds) {
-  std::uint64_t triangles = 0, surface = 0;
+  std::uint64_t triangles = 0, surface = 0, peak = 0;
+  std::size_t parts = 0;
   for (const bake::Report::Part& part : report.parts) {
     triangles += part.triangles;
     surface += part.surface_voxels;
+    parts += !part.carrier;
   }
-  fmt::print(stderr, "kelp-bake: {}: {}, {} part{}", options.input.filename().string(), report.format, report.parts.size(), report.parts.size() == 1 ? "" : "s");
-  if (triangles > 0) fmt::print(stderr, ", {} triangle{}", triangles, triangles == 1 ? "" : "s");
+  fmt::print(stderr, "kelp-bake: {}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
+  if (triangles > 0) fmt::print(stderr, ", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
+  if (report.images > 0) fmt::print(stderr, ", {}", counted(report.images, "picture"));
   fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : "the volume's own voxels (--resolution N to change)");
-  for (const bake::Report::Part& part : report.parts) {
-    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, report.format), part.rig_origin, part.fill);
-  }
-  for (const bake::Report::Clip& clip : report.clips) {
-    fmt::print(stderr, "  clip '{}' of '{}': {:.3g} s, ", clip.name, clip.part, clip.duration);
-    if (clip.leaves_box > 0) {
-      fmt::print(stderr, "leaves the box at rest by up to {:.0f} % of the part's length\n", std::max(1.0, 100.0 * static_cast<double>(clip.leaves_box)));
-    } else {
-      std::fputs("stays within the box\n", stderr);
-    }
-  }
+  printParts(report);
+  printClips(report);
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
   if (report.palette_error > 0) fmt::print(stderr, "  more than 256 materials: the palette is off by {:.4f} in the mean (OKLab)\n", report.palette_error);
-  fmt::print(stderr, "kelp-bake: wrote {}: {}, {} surface voxel{}, in {:.2f} s\n", options.output.string(), printBytes(report.pack_bytes), surface, surface == 1 ? "" : "s", seconds);
+  const bake::Report::Stage* longest = nullptr;
+  for (const bake::Report::Stage& stage : report.stages) {
+    peak = std::max(peak, stage.peak_bytes);
+    if (!longest || stage.seconds > longest->seconds) longest = &stage;
+  }
+  fmt::print(stderr, "kelp-bake: wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), counted(surface, "surface voxel"), seconds);
+  if (longest) fmt::print(stderr, " ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds, printBytes(peak));
+  std::fputs("\n", stderr);
 }
 
 }  // namespace kelp::bake_cli

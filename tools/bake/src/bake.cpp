@@ -12,6 +12,7 @@
 #include "frame.h"
 #include "info_json.h"
 #include "memory_estimate.h"
+#include "mesh_counts.h"
 #include "parallel.h"
 
 namespace kelp::bake {
@@ -28,7 +29,7 @@ class StageClock {
   }
   void end() {
     const auto now = std::chrono::steady_clock::now();
-    if (!name_.empty()) report_.stages.push_back({name_, std::chrono::duration<double>(now - start_).count()});
+    if (!name_.empty()) report_.stages.push_back({name_, std::chrono::duration<double>(now - start_).count(), peakMemory()});
     name_.clear();
     start_ = now;
   }
@@ -108,9 +109,17 @@ glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) {
   return glm::mat4x3(glm::vec3(product[0]), glm::vec3(product[1]), glm::vec3(product[2]), glm::vec3(product[3]));
 }
 
-bool moves(const RawClip& clip, std::uint32_t part) {
+bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
+
+// Whether a clip moves the knots of a part.
+bool bends(const RawClip& clip, std::uint32_t part) {
   return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == part; }) ||
-         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part; });
+         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part && isKnots(track.target); });
+}
+
+// Whether it moves the part as a whole.
+bool moves(const RawClip& clip, std::uint32_t part) {
+  return std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part && !isKnots(track.target); });
 }
 
 // Knots and clips of all parts, proved monotone.
@@ -129,15 +138,45 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   }
   for (const RawClip& clip : pack.clips) {
     for (std::size_t i = 0; i < model.parts.size(); ++i) {
-      if (!moves(clip, static_cast<std::uint32_t>(i))) continue;
+      const bool knots = bends(clip, static_cast<std::uint32_t>(i)), whole = moves(clip, static_cast<std::uint32_t>(i));
+      if (!knots && !whole) continue;
       try {
         const ClipReport proof = proveClip(clip, static_cast<std::uint32_t>(i), pack.parts[i].knots, pack.parts[i].size);
-        report.clips.push_back({clip.name, model.parts[i].name, clip.duration, proof.leaves_box});
+        report.clips.push_back({clip.name, model.parts[i].name, clip.duration, proof.leaves_box, knots, whole});
       } catch (const RigError& error) {
         throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", placeOf(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
       }
     }
   }
+}
+
+// What several parts have to say in the same words is said once.
+class PartNotices {
+ public:
+  void add(const std::string& part, const std::string& text) {
+    const auto said = std::find_if(said_.begin(), said_.end(), [&](const Said& s) { return s.text == text; });
+    if (said == said_.end()) said_.push_back({text, part, 1});
+    else ++said->parts;
+  }
+  void moveTo(std::vector<std::string>& notices) const {
+    for (const Said& s : said_)
+      notices.push_back(s.parts == 1 ? fmt::format("part '{}': {}", s.first, s.text) : fmt::format("part '{}' and {} more: {}", s.first, s.parts - 1, s.text));
+  }
+
+ private:
+  struct Said {
+    std::string text, first;
+    std::size_t parts = 0;
+  };
+  std::vector<Said> said_;
+};
+
+std::uint64_t usedMaterials(const SourceModel& model) {
+  std::vector<bool> used(model.materials.size(), false);
+  for (const SourcePart& part : model.parts)
+    for (const TriangleSoup::Triangle& triangle : part.soup.triangles)
+      if (triangle.material < used.size()) used[triangle.material] = true;
+  return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
 }
 
 }  // namespace
@@ -151,6 +190,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   SourceModel model = importFile(input, settings, &report.files_read);
   report.format = model.format;
   report.notices = model.notices;
+  report.materials = usedMaterials(model);
+  report.images = model.images.size();
+  if (model.format.rfind("glTF", 0) != 0 && (settings.at || settings.parts != Parts::kOne))
+    throw BakeError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out", input.filename().string(), model.format, settings.at ? "animations" : "nodes", settings.at ? "--at" : "--parts nodes"));
   if (model.parts.empty()) throw BakeError(Exit::kInvalid, input.string() + ": holds nothing to bake; export a model with at least one mesh");
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkMemory(model, frames, settings, input, report);
@@ -173,13 +216,19 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     });
   };
   std::vector<const VoxelGrid*> grids;
+  PartNotices notices;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
     Report::Part& line = report.parts.emplace_back();
     line.name = part.name;
     line.rig_origin = part.rig_origin;
     line.triangles = part.soup.triangles.size();
-    if (part.grid) {
+    line.mesh = countMesh(part.soup);
+    if (part.parent >= 0) line.parent = model.parts[static_cast<std::size_t>(part.parent)].name;
+    if (part.carrier) {
+      line.fill = "moves the parts that follow it, and is one voxel too small to be seen";
+      line.closed = true;
+    } else if (part.grid) {
       line.fill = "solid: from a volume";
       line.closed = true;
       line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.grid->to_node)))) * objectScale(part);
@@ -188,10 +237,12 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       part.grid = std::move(result.grid);
       part.soup = TriangleSoup();
       line.fill = std::move(result.fill);
-      for (const std::string& notice : result.notices) report.notices.push_back(fmt::format("part '{}': {}", part.name, notice));
+      for (const std::string& notice : result.notices) notices.add(part.name, notice);
+      line.repairs = result.counts;
       line.closed = result.closed;
       line.voxel_size = frames[i].voxel_size * objectScale(part);
     }
+    line.carrier = part.carrier;
     line.size = part.grid->size;
     line.surface_voxels = part.grid->surface.size();
     line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
@@ -199,9 +250,15 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     grids.push_back(&*part.grid);
   }
 
+  notices.moveTo(report.notices);
+  // The voxel of a carrier takes a colour that is there anyway; what follows it comes after it.
+  for (std::size_t i = model.parts.size() - 1; i-- > 0;)
+    if (model.parts[i].carrier) model.parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), model.parts[i + 1].grid->surface.front().material});
+
   clock.begin("palette");
   Palette palette = choosePalette(grids, threads);
   report.palette_error = palette.mean_error;
+  report.palette_entries = palette.entries.size();
 
   clock.begin("levels");
   for (std::size_t i = 0; i < model.parts.size(); ++i) {

@@ -1,64 +1,19 @@
 // SPDX-License-Identifier: MIT
-// glTF 2.0: which nodes become which parts.
+// glTF 2.0: from nodes to parts.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <new>
 #include <set>
 
-#include "import_gltf_model.h"
+#include "import_gltf_parts.h"
 #include "import_rig.h"
 #include "import_soup.h"
 
 namespace kelp::bake {
 namespace {
 
-struct PartPlan {
-  int node = -1;                 // the node with the rig; -1: all that belongs to no rigged node
-  int parent = -1;               // plan
-  std::optional<GltfRig> rig;
-  std::vector<int> knots;
-  std::vector<int> members;      // nodes
-};
-
-// Knots at the top of the scene are the likeliest slip: nobody parented them to the mesh. With one model in the file it is plain what they mean.
-std::vector<int> findLooseKnots(const GltfModel& model, bool other_rigs) {
-  std::vector<int> knots = findKnots(model, -1);
-  if (knots.empty()) return knots;
-  std::vector<int> root(model.data.nodes.size(), -1);
-  std::set<int> models;  // roots with triangles below
-  for (int node : model.order) {
-    const auto at = static_cast<std::size_t>(node);
-    root[at] = model.parents[at] >= 0 ? root[static_cast<std::size_t>(model.parents[at])] : node;
-    if (model.data.nodes[at].mesh >= 0) models.insert(root[at]);
-  }
-  if (!other_rigs && models.size() == 1) return knots;
-  model.note("the empties knot.0 to knot." + std::to_string(knots.size() - 1) + " stand at the top of the scene: no rig is made of them; parent them to the mesh that they bend");
-  return {};
-}
-
-// Parts in an order in which parents come first. With `single`, the whole file is one part.
-std::vector<PartPlan> planParts(const GltfModel& model, bool single) {
-  std::vector<PartPlan> plans(1);
-  std::vector<int> owner(model.data.nodes.size(), 0);  // plans
-  GltfRigs rigs;
-  if (!single) rigs = findRigs(model);
-  for (int node : model.order) {
-    const auto at = static_cast<std::size_t>(node);
-    const int above = model.parents[at] >= 0 ? owner[static_cast<std::size_t>(model.parents[at])] : 0;
-    owner[at] = above;
-    if (!single) {
-      std::vector<int> knots = findKnots(model, node);
-      if (rigs.nodes[at] || !knots.empty()) {
-        owner[at] = static_cast<int>(plans.size());
-        plans.push_back({node, above > 0 ? above : -1, std::move(rigs.nodes[at]), std::move(knots), {}});
-      }
-    }
-    plans[static_cast<std::size_t>(owner[at])].members.push_back(node);
-  }
-  plans[0].rig = std::move(rigs.file);
-  if (!single) plans[0].knots = findLooseKnots(model, plans.size() > 1);
-  return plans;
-}
+constexpr std::size_t kMaxParts = 4096;  // what formats' Limits accept by default
 
 glm::mat4x3 toAffine(const glm::dmat4& matrix) { return glm::mat4x3(glm::dmat4x3(matrix)); }
 
@@ -77,8 +32,13 @@ class GltfImporter {
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
+    if (settings_.at) poseAt(model_, animations_, *settings_.at);
+    if (outer_ && settings_.parts == Parts::kNodes)
+      throw BakeError(Exit::kUsage, "--parts nodes: the rig (" + outer_->origin + ") is one for the whole file; give nodes rigs of their own (extras.kelp or knots), or leave --parts out");
 
-    const std::vector<PartPlan> plans = planParts(model_, outer_.has_value());
+    const std::vector<PartPlan> plans = settings_.parts == Parts::kNodes ? planByNodes(model_, animations_) : planByRigs(model_, outer_.has_value());
+    if (plans.size() > kMaxParts)
+      refuse(Exit::kUnsupported, files_.input(), "scene", "makes " + std::to_string(plans.size()) + " parts, and packs of more than " + std::to_string(kMaxParts) + " are not read by default; leave --parts out, or join meshes");
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
       if (std::optional<SourcePart> part = makePart(plans[p])) {
@@ -90,24 +50,23 @@ class GltfImporter {
         out_.parts.push_back(*std::move(part));
       }
     }
+    placeCarriers();
     if (out_.parts.empty()) model_.refuse("scene", "holds no triangles" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")") + "; export a scene with at least one mesh");
     uniqueNames();
-    noteUnusedAnimations();
+    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
     return std::move(out_);
   }
 
  private:
   std::optional<SourcePart> makePart(const PartPlan& plan) {
     SourcePart part;
-    const bool main = plan.node < 0;
-    const std::string& node_name = main ? std::string() : model_.data.nodes[static_cast<std::size_t>(plan.node)].name;
-    part.name = main || node_name.empty() ? stemOf(files_) : oneLine(node_name, 80);
-    glm::dmat4 world(1);
-    if (!main) {
-      world = model_.world[static_cast<std::size_t>(plan.node)];
-      if (std::abs(glm::determinant(glm::dmat3(world))) < 1e-30) model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
+    part.name = partName(plan.node);
+    glm::dmat4 space(1);
+    if (plan.node >= 0) {
+      space = plan.rigid ? rigidSpace(plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
+      if (std::abs(glm::determinant(glm::dmat3(space))) < 1e-30) model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
     }
-    const glm::dmat4 from_world = glm::inverse(world);
+    const glm::dmat4 from_world = glm::inverse(space);
     SoupBuilder soup;
     for (int node : plan.members) addMesh(model_, node, from_world, materials_, soup);
     noteDropped(model_, part.name, soup);
@@ -115,14 +74,82 @@ class GltfImporter {
     if (triangles_ > kMaxTriangles) model_.refuse("scene", "has more than 64 million triangles; bake it in pieces");
     if (soup.triangles() == 0) {
       if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
-      return std::nullopt;
+      if (!plan.rigid || plan.mover < 0) return std::nullopt;
+      part.carrier = true;
     }
     part.soup = soup.take();
-    part.to_object = toAffine(world);
-    part.pivot = toAffine(pivotOf(plan.node));
-    if (plan.rig || !plan.knots.empty()) readRig(plan, part);
-    giveRig(part, outer_, settings_);
+    part.to_object = toAffine(space);
+    const int mover = giveMotion(plan, part);
+    if (plan.rig || !plan.knots.empty()) readRig(plan, mover, part);
+    else if (plan.rigid) {
+      part.rig_origin = "straight";
+      if (mover >= 0) addClips(model_, mover, {}, part.soup, part.name, animations_, used_, part.rig);
+    }
+    if (!part.carrier) giveRig(part, outer_, settings_);
     return part;
+  }
+
+  std::string partName(int node) const {
+    if (node < 0) return stemOf(files_);
+    const tinygltf::Node& source = model_.data.nodes[static_cast<std::size_t>(node)];
+    if (!source.name.empty()) return oneLine(source.name, 80);
+    if (source.mesh >= 0 && settings_.parts == Parts::kNodes)
+      if (const std::string& name = model_.data.meshes[static_cast<std::size_t>(source.mesh)].name; !name.empty()) return oneLine(name, 80);
+    return stemOf(files_);
+  }
+
+  // The node's place and turn in the object, without any scale, shear or mirroring on the way: those go into the triangles, so that voxels are cubes.
+  // Skins ignore the place of their node.
+  glm::dmat4 rigidSpace(int node) const {
+    if (model_.data.nodes[static_cast<std::size_t>(node)].skin >= 0) return glm::dmat4(1);
+    glm::dquat turn(1, 0, 0, 0);
+    for (int at = node; at >= 0; at = model_.parents[static_cast<std::size_t>(at)]) turn = restTransform(model_.data.nodes[static_cast<std::size_t>(at)]).rotation * turn;
+    glm::dmat4 space = glm::mat4_cast(glm::normalize(turn));
+    space[3] = model_.world[static_cast<std::size_t>(node)][3];
+    return space;
+  }
+
+  // Sets the pivot. Answers the node whose animations move the part; -1 with a notice where its pivot can not carry them.
+  int giveMotion(const PartPlan& plan, SourcePart& part) const {
+    const int node = plan.mover >= 0 ? plan.mover : plan.node;
+    const glm::dmat4 pivot = pivotOf(node);
+    const double volume = std::abs(glm::determinant(glm::dmat3(pivot)));
+    const double sides = glm::length(glm::dvec3(pivot[0])) * glm::length(glm::dvec3(pivot[1])) * glm::length(glm::dvec3(pivot[2]));
+    if (volume > 1e-7 * sides && volume > 1e-30) {
+      part.pivot = toAffine(pivot);
+      return plan.mover;
+    }
+    if (plan.mover >= 0) model_.note(model_.nodeName(plan.mover) + " is animated below a scale of zero, which no part can follow: part '" + part.name + "' does not move by it; give its parents a size at rest");
+    return -1;
+  }
+
+  // A pack has no part without voxels: a carrier has one, a millionth of what follows it and at its corner, so that nobody sees it and it enlarges
+  // nobody's bounds.
+  void placeCarriers() {
+    for (std::size_t i = out_.parts.size(); i-- > 0;) {
+      SourcePart& carrier = out_.parts[i];
+      if (!carrier.carrier) continue;
+      const auto self = out_.parts.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto child = std::find_if(self, out_.parts.end(), [&](const SourcePart& part) { return part.parent == static_cast<int>(i); });
+      if (child == out_.parts.end()) {  // what it was there for had no triangles
+        const auto after = out_.parts.erase(self);
+        std::for_each(after, out_.parts.end(), [&](SourcePart& part) { part.parent -= part.parent > static_cast<int>(i); });
+        continue;
+      }
+      double edge = static_cast<double>(child->to_object[0].x);
+      glm::vec3 place = child->to_object[3];
+      if (!child->carrier) {
+        const glm::vec3 corner = child->soup.positions.front();
+        double longest = 0;
+        for (const glm::vec3& p : child->soup.positions) longest = std::max(longest, static_cast<double>(glm::length(p - corner)));
+        edge = 1e-6 * longest;
+        place = child->to_object * glm::vec4(corner, 1);
+      }
+      carrier.to_object = toAffine(glm::dmat4(glm::dvec4(edge, 0, 0, 0), glm::dvec4(0, edge, 0, 0), glm::dvec4(0, 0, edge, 0), glm::dvec4(glm::dvec3(place), 1)));
+      carrier.grid.emplace();
+      carrier.grid->size = glm::ivec3(1);
+      carrier.grid->solid.assign(1, 1);
+    }
   }
 
   std::string noTriangles(const PartPlan& plan) const {
@@ -140,7 +167,7 @@ class GltfImporter {
     return (parent >= 0 ? model_.world[static_cast<std::size_t>(parent)] : glm::dmat4(1)) * rest.matrix();
   }
 
-  void readRig(const PartPlan& plan, SourcePart& part) {
+  void readRig(const PartPlan& plan, int mover, SourcePart& part) {
     const std::string place = model_.nodeName(plan.node);
     std::vector<int> knots = plan.knots;
     if (plan.rig) {
@@ -163,26 +190,15 @@ class GltfImporter {
       part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
       knots.clear();
     }
-    addClips(model_, plan.node, knots, part.soup, part.name, animations_, used_, part.rig);
+    addClips(model_, mover, knots, part.soup, part.name, animations_, used_, part.rig);
   }
 
   void uniqueNames() {
-    for (std::size_t i = 0; i < out_.parts.size(); ++i) {
-      const std::string wanted = out_.parts[i].name;
-      const auto taken = [&](const std::string& name) {
-        return std::any_of(out_.parts.begin(), out_.parts.begin() + static_cast<std::ptrdiff_t>(i), [&](const SourcePart& part) { return part.name == name; });
-      };
-      for (int suffix = 2; taken(out_.parts[i].name); ++suffix) out_.parts[i].name = wanted + "." + std::to_string(suffix);
-    }
-  }
-
-  void noteUnusedAnimations() const {
-    for (std::size_t a = 0; a < animations_.size(); ++a) {
-      const auto unused = std::count(used_[a].begin(), used_[a].end(), false);
-      if (unused == 0) continue;
-      const std::string name = "animation '" + animations_[a].name + "'";
-      if (static_cast<std::size_t>(unused) == used_[a].size()) model_.note(name + " moves no rigged node and makes no clip");
-      else model_.note(name + ": " + std::to_string(unused) + " of its " + std::to_string(used_[a].size()) + " channels move no rigged node and are left out");
+    std::set<std::string> taken;
+    std::map<std::string, int> suffix;  // the last one tried
+    for (SourcePart& part : out_.parts) {
+      const std::string wanted = part.name;
+      while (!taken.insert(part.name).second) part.name = wanted + "." + std::to_string(++suffix.try_emplace(wanted, 1).first->second);
     }
   }
 

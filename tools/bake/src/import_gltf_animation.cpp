@@ -2,11 +2,39 @@
 // Animations of a glTF file: channels of node transforms, and their values at a time.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "import_gltf_model.h"
 
 namespace kelp::bake {
 namespace {
+
+// What a channel's sampler says, whatever it moves; values in the order of the file.
+struct Sampled {
+  Interpolation interpolation = Interpolation::kLinear;
+  GltfValues times, values;
+  std::size_t valuesAKey() const { return interpolation == Interpolation::kCubic ? 3 : 1; }
+};
+
+Sampled readSampler(const GltfModel& model, const tinygltf::Animation& animation, int index, const std::string& place) {
+  if (index < 0 || index >= static_cast<int>(animation.samplers.size())) model.refuse(place, "names a sampler that does not exist");
+  const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(index)];
+  Sampled out;
+  if (sampler.interpolation == "STEP") out.interpolation = Interpolation::kStep;
+  else if (sampler.interpolation == "CUBICSPLINE") out.interpolation = Interpolation::kCubic;
+  out.times = readValues(model, sampler.input, place + ".input");
+  out.values = readValues(model, sampler.output, place + ".output");
+  return out;
+}
+
+// Whether a key comes after the one before: exporters double the last key now and then, and then the first of them counts.
+bool ascends(const GltfModel& model, const std::vector<float>& times, float time, const std::string& place) {
+  if (!std::isfinite(time) || time < 0) model.refuse(place, "has a key at a time that is negative or not finite");
+  if (!times.empty() && time < times.back()) model.refuse(place, "has keys whose times do not ascend");
+  return times.empty() || time > times.back();
+}
 
 std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source, const std::string& place) {
   GltfChannel channel;
@@ -16,16 +44,12 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
   if (source.target_path == "translation") channel.path = GltfChannel::Path::kTranslation;
   else if (source.target_path == "rotation") channel.path = GltfChannel::Path::kRotation;
   else if (source.target_path == "scale") channel.path = GltfChannel::Path::kScale;
-  else return std::nullopt;  // morph weights
-  if (source.sampler < 0 || source.sampler >= static_cast<int>(animation.samplers.size())) model.refuse(place, "names a sampler that does not exist");
-  const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(source.sampler)];
-  if (sampler.interpolation == "STEP") channel.interpolation = Interpolation::kStep;
-  else if (sampler.interpolation == "CUBICSPLINE") channel.interpolation = Interpolation::kCubic;
-  const GltfValues times = readValues(model, sampler.input, place + ".input");
-  const GltfValues values = readValues(model, sampler.output, place + ".output");
+  else return std::nullopt;  // morph weights, and what is not known
+  const Sampled sampled = readSampler(model, animation, source.sampler, place);
+  channel.interpolation = sampled.interpolation;
   const int width = channel.path == GltfChannel::Path::kRotation ? 4 : 3;
-  const std::size_t values_a_key = channel.interpolation == Interpolation::kCubic ? 3 : 1;
-  if (times.components != 1 || values.components != width || values.count != times.count * values_a_key || times.count == 0)
+  const GltfValues &times = sampled.times, &values = sampled.values;
+  if (times.components != 1 || values.components != width || values.count != times.count * sampled.valuesAKey() || times.count == 0)
     model.refuse(place, "has times and values that do not match");
   const auto value = [&](std::size_t at) {
     glm::dvec4 out(0);
@@ -33,12 +57,9 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
     return out;
   };
   for (std::size_t key = 0; key < times.count; ++key) {
-    const float time = times.values[key];
-    if (!std::isfinite(time) || time < 0) model.refuse(place, "has a key at a time that is negative or not finite");
-    if (!channel.times.empty() && time == channel.times.back()) continue;  // exporters double the last key now and then
-    if (!channel.times.empty() && time < channel.times.back()) model.refuse(place, "has keys whose times do not ascend");
-    channel.times.push_back(time);
-    if (values_a_key == 3) {
+    if (!ascends(model, channel.times, times.values[key], place)) continue;
+    channel.times.push_back(times.values[key]);
+    if (channel.interpolation == Interpolation::kCubic) {
       channel.in.push_back(value(3 * key));
       channel.values.push_back(value(3 * key + 1));
       channel.out.push_back(value(3 * key + 2));
@@ -52,6 +73,74 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
   return channel;
 }
 
+std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source, const std::string& place) {
+  if (source.target_path != "weights" || source.target_node < 0 || source.target_node >= static_cast<int>(model.data.nodes.size())) return std::nullopt;
+  GltfMorphChannel channel;
+  channel.node = source.target_node;
+  const int mesh = model.data.nodes[static_cast<std::size_t>(channel.node)].mesh;
+  if (mesh < 0) return std::nullopt;
+  for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives) channel.targets = std::max(channel.targets, primitive.targets.size());
+  const Sampled sampled = readSampler(model, animation, source.sampler, place);
+  channel.interpolation = sampled.interpolation;
+  const std::size_t width = channel.targets;
+  if (width == 0 || sampled.times.components != 1 || sampled.values.components != 1 || sampled.times.count == 0 ||
+      sampled.values.count != sampled.times.count * width * sampled.valuesAKey()) {
+    model.note(place + ": has weights that do not match the mesh's morph targets and is left out");
+    return std::nullopt;
+  }
+  const auto add = [&](std::vector<double>& to, std::size_t row) {
+    for (std::size_t i = 0; i < width; ++i) to.push_back(sampled.values.values[row * width + i]);
+  };
+  for (std::size_t key = 0; key < sampled.times.count; ++key) {
+    if (!ascends(model, channel.times, sampled.times.values[key], place)) continue;
+    channel.times.push_back(sampled.times.values[key]);
+    if (channel.interpolation == Interpolation::kCubic) {
+      add(channel.in, 3 * key);
+      add(channel.values, 3 * key + 1);
+      add(channel.out, 3 * key + 2);
+    } else {
+      add(channel.values, key);
+    }
+  }
+  for (const auto* list : {&channel.values, &channel.in, &channel.out})
+    if (!std::all_of(list->begin(), list->end(), [](double v) { return std::isfinite(v); })) model.refuse(place, "has a value that is not finite");
+  return channel;
+}
+
+// Animations of one name are one, as Blender's NLA tracks are; but two that move the same thing are two.
+void tellApart(std::vector<GltfAnimation>& animations) {
+  std::map<std::string, std::set<std::pair<int, int>>> taken;
+  for (GltfAnimation& animation : animations) {
+    const std::string wanted = animation.name;
+    const auto overlaps = [&](const std::set<std::pair<int, int>>& targets) {
+      return std::any_of(animation.channels.begin(), animation.channels.end(), [&](const GltfChannel& c) { return targets.count({c.node, static_cast<int>(c.path)}) > 0; });
+    };
+    for (int suffix = 2; overlaps(taken[animation.name]); ++suffix) animation.name = wanted + "." + std::to_string(suffix);
+    for (const GltfChannel& channel : animation.channels) taken[animation.name].emplace(channel.node, static_cast<int>(channel.path));
+  }
+}
+
+// Where a time lies among keys: the key before it and how far on to the next one, 0 to 1. Beyond the ends: the first or the last key and 0.
+struct Place {
+  std::size_t key = 0;
+  double t = 0, span = 0;
+};
+Place placeAmong(const std::vector<float>& times, double time) {
+  if (time <= static_cast<double>(times.front())) return {};
+  if (time >= static_cast<double>(times.back())) return {times.size() - 1, 0, 0};
+  const auto after = std::upper_bound(times.begin(), times.end(), time, [](double a, float b) { return a < static_cast<double>(b); });
+  const auto key = static_cast<std::size_t>(after - times.begin()) - 1;
+  const double span = static_cast<double>(times[key + 1]) - static_cast<double>(times[key]);
+  return {key, (time - static_cast<double>(times[key])) / span, span};
+}
+
+// Appendix C.4 of the specification.
+template <class Value>
+Value hermite(const Place& at, const Value& value, const Value& out, const Value& next, const Value& in) {
+  const double t = at.t, t2 = t * t, t3 = t2 * t;
+  return (2 * t3 - 3 * t2 + 1) * value + at.span * (t3 - 2 * t2 + t) * out + (3 * t2 - 2 * t3) * next + at.span * (t3 - t2) * in;
+}
+
 }  // namespace
 
 std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
@@ -61,41 +150,60 @@ std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
     GltfAnimation animation;
     animation.name = source.name.empty() ? "animation " + std::to_string(a) : oneLine(source.name, 80);
     for (std::size_t c = 0; c < source.channels.size(); ++c) {
-      std::optional<GltfChannel> channel = readChannel(model, source, source.channels[c], placeOf("animations", a) + "." + placeOf("channels", c));
-      if (!channel) continue;
-      animation.duration = std::max(animation.duration, channel->times.back());
-      animation.channels.push_back(*std::move(channel));
+      const std::string place = placeOf("animations", a) + "." + placeOf("channels", c);
+      if (std::optional<GltfChannel> channel = readChannel(model, source, source.channels[c], place)) {
+        animation.duration = std::max(animation.duration, channel->times.back());
+        animation.channels.push_back(*std::move(channel));
+      } else if (std::optional<GltfMorphChannel> morph = readMorphChannel(model, source, source.channels[c], place)) {
+        animation.duration = std::max(animation.duration, morph->times.back());
+        animation.morphs.push_back(*std::move(morph));
+      }
     }
-    if (!animation.channels.empty()) out.push_back(std::move(animation));
+    if (!animation.channels.empty() || !animation.morphs.empty()) out.push_back(std::move(animation));
   }
+  tellApart(out);
   return out;
 }
 
 glm::dvec4 evaluate(const GltfChannel& channel, double time) {
-  const std::size_t last = channel.times.size() - 1;
-  if (time <= channel.times.front()) return channel.values.front();
-  if (time >= channel.times.back()) return channel.values[last];
-  const auto after = static_cast<std::size_t>(std::upper_bound(channel.times.begin(), channel.times.end(), static_cast<float>(time)) - channel.times.begin());
-  const std::size_t k = after - 1;
-  if (after > last) return channel.values[last];
-  if (channel.interpolation == Interpolation::kStep) return channel.values[k];
-  const double span = static_cast<double>(channel.times[after]) - channel.times[k];
-  const double t = std::clamp((time - channel.times[k]) / span, 0.0, 1.0);
-  glm::dvec4 value;
+  const Place at = placeAmong(channel.times, time);
+  const std::size_t k = at.key;
+  if (at.t == 0 || channel.interpolation == Interpolation::kStep) return channel.values[k];
+  const glm::dvec4 &a = channel.values[k], &b = channel.values[k + 1];
   if (channel.interpolation == Interpolation::kCubic) {
-    const double t2 = t * t, t3 = t2 * t;
-    value = (2 * t3 - 3 * t2 + 1) * channel.values[k] + span * (t3 - 2 * t2 + t) * channel.out[k] + (3 * t2 - 2 * t3) * channel.values[after] +
-            span * (t3 - t2) * channel.in[after];
-  } else if (channel.path == GltfChannel::Path::kRotation) {
-    const glm::dvec4 &a = channel.values[k], &b = channel.values[after];
-    const glm::dquat turned = glm::slerp(glm::normalize(glm::dquat(a.w, a.x, a.y, a.z)), glm::normalize(glm::dquat(b.w, b.x, b.y, b.z)), t);
-    return {turned.x, turned.y, turned.z, turned.w};
-  } else {
-    value = (1 - t) * channel.values[k] + t * channel.values[after];
+    const glm::dvec4 value = hermite(at, a, channel.out[k], b, channel.in[k + 1]);
+    if (channel.path != GltfChannel::Path::kRotation) return value;
+    const double length = glm::length(value);
+    return length > 0 ? value / length : glm::dvec4(0, 0, 0, 1);
   }
-  if (channel.path != GltfChannel::Path::kRotation) return value;
-  const double length = glm::length(value);
-  return length > 0 ? value / length : glm::dvec4(0, 0, 0, 1);
+  if (channel.path != GltfChannel::Path::kRotation) return (1 - at.t) * a + at.t * b;
+  const glm::dquat turned = glm::slerp(glm::normalize(glm::dquat(a.w, a.x, a.y, a.z)), glm::normalize(glm::dquat(b.w, b.x, b.y, b.z)), at.t);
+  return {turned.x, turned.y, turned.z, turned.w};
+}
+
+std::vector<double> evaluate(const GltfMorphChannel& channel, double time) {
+  const Place at = placeAmong(channel.times, time);
+  std::vector<double> out(channel.targets);
+  for (std::size_t i = 0; i < channel.targets; ++i) {
+    const std::size_t k = at.key * channel.targets + i, next = k + channel.targets;
+    if (at.t == 0 || channel.interpolation == Interpolation::kStep) out[i] = channel.values[k];
+    else if (channel.interpolation == Interpolation::kCubic) out[i] = hermite(at, channel.values[k], channel.out[k], channel.values[next], channel.in[next]);
+    else out[i] = (1 - at.t) * channel.values[k] + at.t * channel.values[next];
+  }
+  return out;
+}
+
+bool moves(const GltfModel& model, const GltfChannel& channel) {
+  const GltfTransform rest = restTransform(model.data.nodes[static_cast<std::size_t>(channel.node)]);
+  const bool turns = channel.path == GltfChannel::Path::kRotation;
+  const glm::dvec4 neutral = turns ? glm::dvec4(rest.rotation.x, rest.rotation.y, rest.rotation.z, rest.rotation.w)
+                                   : glm::dvec4(channel.path == GltfChannel::Path::kScale ? rest.scale : rest.translation, 0);
+  // Rotations may be stored in 16 bits beside a rest in floats: 5e-5 is a turn of 1e-4.
+  const double tolerance = turns ? 5e-5 : 1e-6 * glm::length(neutral);
+  const auto away = [&](const glm::dvec4& v) { return glm::length(v - neutral) > tolerance && !(turns && glm::length(v + neutral) <= tolerance); };
+  const auto sloped = [&](const glm::dvec4& v) { return glm::length(v) > tolerance; };
+  if (std::any_of(channel.values.begin(), channel.values.end(), away)) return true;
+  return channel.times.size() > 1 && (std::any_of(channel.in.begin(), channel.in.end(), sloped) || std::any_of(channel.out.begin(), channel.out.end(), sloped));
 }
 
 }  // namespace kelp::bake

@@ -170,7 +170,10 @@ RigDescription::Track sampleTangent(const GltfTransform& rest, const NodeChannel
 }
 
 // The part's own motion, relative to rest: with D = R0^-1 T0^-1 T R S S0^-1 acting in the pivot, where the pivot is P T0 R0.
-void addPartTracks(const GltfTransform& rest, const NodeChannels& channels, std::vector<RigDescription::Track>& tracks) {
+void addPartTracks(const GltfModel& model, int node, const NodeChannels& channels, std::vector<RigDescription::Track>& tracks) {
+  bool exact = true;
+  const GltfTransform rest = restTransform(nodeAt(model, node), &exact);
+  if (!exact) model.note(model.nodeName(node) + " is animated and has a matrix with shear, which glTF forbids: its keys move it from the nearest turn and scale");
   const glm::dquat back = glm::inverse(rest.rotation);
   if (channels.translation) {
     const glm::dvec4 shift(-(back * rest.translation), 0);
@@ -184,13 +187,14 @@ void addPartTracks(const GltfTransform& rest, const NodeChannels& channels, std:
     }));
     if (still(tracks.back(), glm::vec4(0, 0, 0, 1))) tracks.pop_back();
   }
-  if (channels.scale) {
-    glm::dvec3 unit = rest.scale;
-    for (int i = 0; i < 3; ++i)
-      if (unit[i] == 0) unit[i] = 1;
-    tracks.push_back(mapChannel(*channels.scale, 0, Target::kPartScale, glm::dvec4(-1, -1, -1, 0), [&](const glm::dvec4& v) { return glm::dvec4(glm::dvec3(v) / unit, 0); }));
-    if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
+  if (!channels.scale) return;
+  if (rest.scale.x == 0 || rest.scale.y == 0 || rest.scale.z == 0) {
+    if (moves(model, *channels.scale))
+      model.note(model.nodeName(node) + " has a scale of zero at rest, from which no factor leads away: the keys of its scale are left out; give it a size at rest");
+    return;
   }
+  tracks.push_back(mapChannel(*channels.scale, 0, Target::kPartScale, glm::dvec4(-1, -1, -1, 0), [&](const glm::dvec4& v) { return glm::dvec4(glm::dvec3(v) / rest.scale, 0); }));
+  if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
 }
 
 bool overlap(const std::vector<RigDescription::Track>& a, const std::vector<RigDescription::Track>& b) {
@@ -302,9 +306,9 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
     const GltfAnimation& animation = animations[a];
     std::vector<RigDescription::Track> tracks;
     bool ours = false;
-    if (const NodeChannels channels = channelsOf(animation, node, used[a]); channels.any()) {
+    if (const NodeChannels channels = node >= 0 ? channelsOf(animation, node, used[a]) : NodeChannels(); channels.any()) {
       ours = true;
-      addPartTracks(restTransform(nodeAt(model, node)), channels, tracks);
+      addPartTracks(model, node, channels, tracks);
     }
     for (std::size_t k = 0; k < knots.size(); ++k) {
       const NodeChannels channels = channelsOf(animation, knots[k], used[a]);
@@ -323,10 +327,11 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
     }
     if (!ours) continue;
     if (tracks.empty()) {
-      model.note("animation '" + animation.name + "' holds part '" + part_name + "' still and makes no clip of it");
+      if (!knots.empty() || !rig.knots.empty()) model.note("animation '" + animation.name + "' holds part '" + part_name + "' still and makes no clip of it");
       continue;
     }
-    const std::string wanted = namedAfterItsNode(model, animation) ? part_name : animation.name;
+    // One node may move several parts: what it is named after is then its own name, which all of them share.
+    const std::string wanted = !namedAfterItsNode(model, animation) ? animation.name : knots.empty() && !nodeAt(model, node).name.empty() ? oneLine(nodeAt(model, node).name, 80) : part_name;
     std::string name = wanted;
     const auto named = [&] { return std::find_if(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& c) { return c.name == name; }); };
     auto clip = named();

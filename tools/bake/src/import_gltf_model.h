@@ -23,7 +23,7 @@
 
 #include "import_files.h"
 #include "import_gltf_document.h"
-#include "kelp/bake/source_model.h"
+#include "kelp/bake/bake.h"
 
 namespace kelp::bake {
 
@@ -96,14 +96,30 @@ struct GltfChannel {
   std::vector<glm::dvec4> values;      // one a time
   std::vector<glm::dvec4> in, out;     // kCubic only: slopes per second
 };
+// The animated weights of the morph targets of a node's mesh.
+struct GltfMorphChannel {
+  int node = -1;
+  std::size_t targets = 0;
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<float> times;            // strictly ascending
+  std::vector<double> values;          // `targets` a time
+  std::vector<double> in, out;         // kCubic only: slopes per second
+};
 struct GltfAnimation {
-  std::string name;
+  std::string name;                    // "animation 3" if it has none; those of one name move different things, and are one clip
   float duration = 0;                  // the last key of any channel
   std::vector<GltfChannel> channels;
+  std::vector<GltfMorphChannel> morphs;
 };
+// Those that move something.
 std::vector<GltfAnimation> readAnimations(const GltfModel& model);
 // The value at a time, as section 3.11 and appendix C of the glTF 2.0 specification define it.
 glm::dvec4 evaluate(const GltfChannel& channel, double time);
+std::vector<double> evaluate(const GltfMorphChannel& channel, double time);
+// Whether a channel ever leaves what its node has at rest: exporters write channels for everything that could move.
+bool moves(const GltfModel& model, const GltfChannel& channel);
+// Makes a moment of an animation the file's rest: nodes, their worlds, weights. BakeError kUsage if there is no such animation.
+void poseAt(GltfModel& model, const std::vector<GltfAnimation>& animations, const Moment& moment);
 
 // --- rigs ----------------------------------------------------------------------------------------------------------------------------
 // A rig as text in the file.

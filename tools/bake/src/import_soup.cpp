@@ -81,6 +81,7 @@ bool SoupBuilder::add(const Triangle& triangle) {
 
 TriangleSoup SoupBuilder::take() {
   index_.clear();
+  soup_.dropped = non_finite_ + degenerate_;
   return std::move(soup_);
 }
 

@@ -34,6 +34,8 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (const auto rig = rigFile(input, settings, files_read)) options["rig"] = {{"name", rig->filename().string()}, {"xxh3", hashFile(*rig)}};
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
+  if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
+  if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
   if (settings.levels > 0) options["levels"] = settings.levels;
   const nlohmann::ordered_json info = {{"tool", "kelp-bake " KELP_VERSION},
                                        {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashFile(input)}}},

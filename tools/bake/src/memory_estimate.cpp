@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "kelp/fields/fields.h"
@@ -29,6 +30,11 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
 }
 
 std::uint64_t physicalMemory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)); }
+
+std::uint64_t peakMemory() {
+  rusage usage{};
+  return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::uint64_t>(usage.ru_maxrss) * 1024 : 0;  // Linux counts KiB
+}
 
 std::string printBytes(std::uint64_t bytes) {
   const double kib = static_cast<double>(bytes) / 1024.0;

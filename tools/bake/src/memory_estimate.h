@@ -19,6 +19,8 @@ struct PartSize {
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
 // The machine's physical memory; bytes.
 std::uint64_t physicalMemory();
+// The most that this program has held so far; bytes of physical memory. It never falls.
+std::uint64_t peakMemory();
 // "1.5 GiB".
 std::string printBytes(std::uint64_t bytes);
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // From triangles to voxels: what is solid, and what its surface looks like.
+#include <algorithm>
 #include <utility>
 
 #include "fill_cutout.h"
 #include "fill_scan.h"
 #include "fill_thin.h"
 #include "kelp/fields/fields.h"
+#include "mesh_counts.h"
 #include "surface_band.h"
 #include "surface_bvh.h"
 #include "surface_look.h"
@@ -43,6 +45,8 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   result.closed = mesh.closed;
   result.fill = mesh.summary;
   result.notices = look.notices();
+  result.counts = countFill(mesh, part.soup.triangles.size());
+  result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(voxels.begin(), voxels.end(), kKept));
   report(1.0);
   return result;
 }

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "kelp/bake/bake.h"
+#include "memory_estimate.h"
 #include "parallel.h"
 
 namespace kelp::bake {
@@ -125,7 +126,7 @@ void writePackFile(const RawPack& pack, const std::filesystem::path& path, int t
   }
   file.commit();
   report.pack_bytes = output.bytes;
-  report.stages.push_back({"write", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+  report.stages.push_back({"write", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), peakMemory()});
 }
 
 }  // namespace kelp::bake

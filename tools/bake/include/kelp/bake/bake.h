@@ -28,6 +28,16 @@ struct BakeError : std::runtime_error {
 
 enum class Fill : std::uint8_t { kAuto, kSolid, kSurface };
 
+// What becomes a part. kOne: nodes with rigs with their subtrees, and one of all the rest. kNodes: every node with a mesh, beside what rigs bend;
+// animations of nodes become clips.
+enum class Parts : std::uint8_t { kOne, kNodes };
+
+// A moment of an animation of the file.
+struct Moment {
+  std::string clip;
+  double seconds = 0;  // at least 0; beyond the last key its values hold
+};
+
 struct Settings {
   int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
   bool resolution_given = false;       // resolution was asked for, not defaulted: volumes, which have voxels of their own, are resampled to it
@@ -36,6 +46,8 @@ struct Settings {
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
   Fill fill = Fill::kAuto;
+  Parts parts = Parts::kOne;
+  std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
   int levels = 0;                      // 0: down to a single brick
   int threads = 0;                     // 0: all
   std::uint64_t max_memory = 0;        // bytes; 0: the machine's physical memory
@@ -44,11 +56,30 @@ struct Settings {
 // Called with a stage's name and its progress 0..1; answers false to stop (BakeError kInterrupted). Called from the baking thread only.
 using Progress = std::function<bool(std::string_view stage, double done)>;
 
+// A mesh as the file has it, corners in equal places being one.
+struct MeshCounts {
+  std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t boundary_edges = 0;      // of one triangle alone
+  std::uint64_t boundaries = 0;          // what those hang together to: the rims of holes and of open sheets
+  std::uint64_t non_manifold_edges = 0;  // of three triangles or more
+  std::uint64_t dropped = 0;             // triangles that are not among these: without an area, or not finite
+};
+
+// What the fill made of it, after welding to a fraction of a voxel.
+struct FillCounts {
+  std::uint64_t components = 0, closed = 0, capped = 0, sheets = 0, walls = 0;  // what hangs together by edges; walls: faces modelled from both sides between bodies
+  std::uint64_t doubled = 0;        // triangles left out: modelled twice, or no more than a line
+  std::uint64_t turned = 0;         // triangles wound against their neighbours, or inside out
+  std::uint64_t cap_triangles = 0;  // that close holes
+  std::uint64_t kept_voxels = 0;    // solid though their centres lie in no body: sheets, and what is thinner than a voxel
+};
+
 // Seconds and numbers of a bake, for --report and the closing lines.
 struct Report {
   struct Stage {
     std::string name;
     double seconds = 0;
+    std::uint64_t peak_bytes = 0;  // the most memory that the program has held until this stage ended
   };
   struct Part {
     std::string name, rig_origin, fill;
@@ -56,10 +87,15 @@ struct Report {
     double voxel_size = 0;
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
     bool closed = false;
+    bool carrier = false;    // there for its motion alone
+    MeshCounts mesh;         // zeros for volumes
+    FillCounts repairs;
+    std::string parent;      // the part that it follows; empty: none
   };
   struct Clip {
     std::string name, part;
     float duration = 0, leaves_box = 0;
+    bool bends = false, moves = false;  // moves its knots; moves it as a whole
   };
   std::string format;
   std::vector<Stage> stages;
@@ -67,6 +103,8 @@ struct Report {
   std::vector<Clip> clips;
   std::vector<std::string> notices;
   std::vector<std::filesystem::path> files_read;
+  std::uint64_t materials = 0, images = 0;  // that triangles use; pictures that could be had
+  std::uint64_t palette_entries = 0;
   double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
   std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
@@ -95,6 +133,7 @@ struct VoxelizeResult {
   bool closed = false;    // the mesh has no boundary edge after welding equal positions
   std::string fill;       // "solid" or "surface", and why
   std::vector<std::string> notices;
+  FillCounts counts;
 };
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress);
 

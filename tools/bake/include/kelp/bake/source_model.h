@@ -50,6 +50,7 @@ struct TriangleSoup {
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> uvs;      // empty, or one a triangle
   std::vector<std::array<glm::vec4, 3>> colors;   // empty, or one a triangle; linear, multiplies the base colour
+  std::uint64_t dropped = 0;                      // triangles of the file that are not here: corners in one place, or not finite
 };
 
 // A surface voxel before the palette is chosen.
@@ -76,6 +77,7 @@ struct SourcePart {
   std::string rig_origin;    // where the rig came from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
   TriangleSoup soup;                // empty if grid is set
   std::optional<VoxelGrid> grid;    // from a volume file, already in the rig's frame
+  bool carrier = false;             // is there for its motion, which others follow; `grid` is a single voxel that nobody sees
 };
 
 struct SourceModel {

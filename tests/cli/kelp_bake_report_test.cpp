@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// kelp-bake --report: its published schema, and its numbers against meshes whose faults are known by construction.
+#include <array>
+
+#include <nlohmann/json.hpp>
+
+#include "process.h"
+#include "support/assets.h"
+#include "support/json_schema.h"
+
+namespace kelp::test {
+namespace {
+
+using nlohmann::json;
+
+// A cube of eight corners and twelve triangles, wound outward; face `i` is two of them.
+const std::vector<std::array<int, 3>> kCube = {{1, 4, 3}, {1, 3, 2}, {5, 6, 7}, {5, 7, 8}, {1, 2, 6}, {1, 6, 5}, {4, 8, 7}, {4, 7, 3}, {1, 5, 8}, {1, 8, 4}, {2, 3, 7}, {2, 7, 6}};
+const char* const kCorners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+
+std::string objOf(const std::vector<std::array<int, 3>>& faces, const std::string& more = "") {
+  std::string text = kCorners + more;
+  for (const auto& f : faces) text += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) + "\n";
+  return text;
+}
+
+class KelpBakeReport : public testing::Test {
+ protected:
+  // The report of a bake that must succeed, checked against the schema.
+  json report(const std::string& input, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{KELP_BAKE, input, "-o", folder_ / "out.kelp", "--report", folder_ / "report.json", "--resolution", "32"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = runProcess(arguments);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    said_ = result.err;
+    const json read = json::parse(readWhole(folder_ / "report.json"), nullptr, false);
+    EXPECT_EQ(schema_.check(read), "") << read.dump(1);
+    return read;
+  }
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+  TemporaryFolder folder_;
+  std::string said_;
+  JsonSchema schema_{std::string(KELP_SOURCE_DIR) + "/tools/kelp-bake/kelp-bake-report.schema.json"};
+};
+
+TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
+  const std::string path = write("cube.obj", objOf(kCube));
+  const json read = report(path);
+  const json& part = read["parts"][0];
+  EXPECT_EQ(part["mesh"], json::parse(R"({"vertices":8,"triangles":12,"boundary_edges":0,"boundaries":0,"non_manifold_edges":0,"dropped_triangles":0})"));
+  EXPECT_EQ(part["repairs"], json::parse(R"({"components":1,"closed_components":1,"capped_components":0,"sheets":0,"walls":0,"doubled_triangles":0,"turned_triangles":0,
+      "cap_triangles":0,"kept_voxels":0})"));
+  EXPECT_EQ(part["solid_voxels"], 32 * 32 * 32);
+  EXPECT_EQ(read["files"][0], json({{"name", path}, {"bytes", std::filesystem::file_size(path)}}));
+  EXPECT_EQ(read["pack_bytes"], std::filesystem::file_size(folder_ / "out.kelp"));
+  double last = 0;
+  for (const json& stage : read["stages"]) {
+    EXPECT_GE(stage["peak_bytes"], last);
+    last = stage["peak_bytes"];
+  }
+  EXPECT_GT(last, 1e6);
+  EXPECT_LT(last, read["estimated_bytes"].get<double>() * 8);  // whatever the libraries take
+}
+
+TEST_F(KelpBakeReport, FaultsAreCounted) {
+  std::vector<std::array<int, 3>> faces = kCube;
+  std::swap(faces[2][1], faces[2][2]);  // wound against its neighbours
+  faces.push_back(faces[5]);            // twice
+  faces.push_back({1, 1, 2});           // no area
+  faces.erase(faces.begin() + 1);       // a hole of three edges
+  // A fin on the edge from corner 7 to corner 8, which two triangles have already.
+  faces.push_back({7, 8, 9});
+  const json part = report(write("faulty.obj", objOf(faces, "v 0.5 2 1\n")))["parts"][0];
+  EXPECT_EQ(part["mesh"]["vertices"], 9);
+  EXPECT_EQ(part["mesh"]["triangles"], 13);  // 12 - the hole + the double + the fin
+  EXPECT_EQ(part["mesh"]["dropped_triangles"], 1);
+  EXPECT_EQ(part["mesh"]["boundary_edges"], 3 + 2);
+  EXPECT_EQ(part["mesh"]["boundaries"], 2);
+  EXPECT_EQ(part["mesh"]["non_manifold_edges"], 1 + 3);  // the fin's edge, and those of the triangle that is there twice
+  EXPECT_EQ(part["repairs"]["doubled_triangles"], 1);
+  EXPECT_EQ(part["repairs"]["turned_triangles"], 1);
+  EXPECT_NE(said_.find("5 boundary edges in 2 loops, 4 edges of more than two triangles, 1 triangle turned, 2 triangles dropped"), std::string::npos) << said_;
+}
+
+TEST_F(KelpBakeReport, HolesAreCappedAndSheetsKept) {
+  std::vector<std::array<int, 3>> open(kCube.begin(), kCube.end() - 1);
+  json part = report(write("hole.obj", objOf(open)))["parts"][0];
+  EXPECT_EQ(part["repairs"]["capped_components"], 1);
+  EXPECT_EQ(part["repairs"]["cap_triangles"], 3);
+  EXPECT_FALSE(part["closed"]);
+  part = report(write("sheet.obj", objOf({kCube[0], kCube[1]})))["parts"][0];
+  EXPECT_EQ(part["repairs"]["sheets"], 1);
+  EXPECT_EQ(part["repairs"]["kept_voxels"], part["solid_voxels"]);
+  EXPECT_EQ(part["mesh"]["boundary_edges"], 4);
+}
+
+TEST_F(KelpBakeReport, PartsAndClipsOfATruck) {
+  KELP_ASSET(path, "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf");
+  const json read = report(path.string(), {"--parts", "nodes"});
+  ASSERT_EQ(read["parts"].size(), 3u);
+  EXPECT_EQ(read["parts"][0]["parent"], nullptr);
+  EXPECT_EQ(read["parts"][1]["parent"], "Cesium_Milk_Truck");
+  EXPECT_EQ(read["files"].size(), 3u);
+  EXPECT_EQ(read["materials"], 4);
+  EXPECT_EQ(read["images"], 1);
+  ASSERT_EQ(read["clips"].size(), 2u);
+  EXPECT_TRUE(read["clips"][0]["moves"]);
+  EXPECT_FALSE(read["clips"][0]["bends"]);
+  EXPECT_NE(said_.find("clip 'animation 0': 1.25 s, moves 2 parts"), std::string::npos) << said_;
+}
+
+TEST_F(KelpBakeReport, AVolumeHasNoMesh) {
+  KELP_ASSET(path, "vdb/gaffer_sphere.vdb");
+  EXPECT_EQ(report(path.string())["parts"][0]["mesh"]["triangles"], 0);
+}
+
+}  // namespace
+}  // namespace kelp::test
