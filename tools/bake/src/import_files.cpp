@@ -108,7 +108,7 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
   return bytes;
 }
 
-std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const {
+std::filesystem::path InputFiles::resolve(std::string_view reference, Reference kind) const {
   const std::string shown = "reference '" + oneLine(reference, 120) + "'";
   std::string text(reference);
   if (kind == Reference::kUri) {
@@ -128,7 +128,9 @@ std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, 
   for (const auto& component : relative)
     if (component == ".." || component.string().find('\\') != std::string::npos)
       refuse(Exit::kInvalid, input_, shown, "leaves the input's folder; only files beside the input are read: put the file there");
-  return readFile(input_.parent_path() / relative);
+  return input_.parent_path() / relative;
 }
+
+std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const { return readFile(resolve(reference, kind)); }
 
 }  // namespace kelp::bake

@@ -34,9 +34,11 @@ class InputFiles {
   std::vector<std::uint8_t> readInput() const { return readFile(input_); }
   // Its first bytes alone, for importers whose library opens the file itself.
   std::vector<std::uint8_t> readHead(std::size_t most) const;
-  // A file named inside the input, relative to the input's folder. A reference that leaves the folder, is absolute, names another scheme or
-  // a folder is refused (kInvalid); links are followed, since whoever made them has the machine already. kIo when it can not be read.
+  // The place of a file named inside the input, relative to the input's folder. A reference that leaves the folder, is absolute or names another
+  // scheme is refused (kInvalid); links are followed, since whoever made them has the machine already.
   enum class Reference { kUri, kPath };  // percent-encoded (glTF), or as it stands with either slash (MTL)
+  std::filesystem::path resolve(std::string_view reference, Reference kind) const;
+  // Its content. kIo when it can not be read.
   std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
   // Any other file that the user named (a rig).
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;

@@ -18,8 +18,10 @@ constexpr std::size_t kMaxJsonBytes = std::size_t{256} << 20;
 constexpr int kMaxDepth = 64;  // real files stay below 20
 
 // Extensions that change only what kelp does not bake, or that this importer understands.
-constexpr std::array<std::string_view, 20> kKnownExtensions = {
-    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual",
+constexpr std::array<std::string_view, 24> kKnownExtensions = {
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp",
+    "KHR_texture_basisu",  // by the plain pictures beside it; import_gltf_image refuses what has none
+    "KHR_lights_punctual", "KHR_materials_diffuse_transmission", "EXT_mesh_manifold",
     "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_clearcoat",
     "KHR_materials_ior", "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_volume",
     "KHR_materials_anisotropy", "KHR_materials_iridescence", "KHR_materials_dispersion", "KHR_materials_variants", "KHR_animation_pointer",

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "import_gltf_model.h"
-#include "import_image.h"
+#include "import_gltf_image.h"
 #include "import_soup.h"
 
 namespace kelp::bake {
@@ -17,38 +16,19 @@ enum class Alpha { kIgnore, kMask, kKeep };
 
 class MaterialReader {
  public:
-  MaterialReader(const GltfModel& model, SourceModel& out) : model_(model), out_(out), decoded_(model.document.images.size()) {}
+  MaterialReader(const GltfModel& model, SourceModel& out) : model_(model), out_(out), images_(model) {}
 
   GltfMaterialUse read(const tinygltf::Material& source, const std::string& place) {
     SurfaceMaterial material;
     material.name = oneLine(source.name, 80);
     GltfMaterialUse use;
-    const Alpha alpha = source.alphaMode == "MASK" ? Alpha::kMask : source.alphaMode == "BLEND" ? Alpha::kKeep : Alpha::kIgnore;
-    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-    material.base_color = color4(pbr.baseColorFactor);
-    material.metallic = unit(pbr.metallicFactor);
-    material.roughness = unit(pbr.roughnessFactor);
-    int texture = pbr.baseColorTexture.index, texcoord = pbr.baseColorTexture.texCoord;
-    const tinygltf::Value* transform = member(pbr.baseColorTexture.extensions, "KHR_texture_transform");
-    if (const tinygltf::Value* old = member(source.extensions, "KHR_materials_pbrSpecularGlossiness")) {
-      // The older workflow: the diffuse colour is the base colour, there is no metal.
-      material.base_color = color4(numbers(*old, "diffuseFactor", {1, 1, 1, 1}));
-      material.metallic = 0;
-      material.roughness = 1 - unit(number(*old, "glossinessFactor", 1));
-      texture = -1;
-      transform = nullptr;
-      if (old->Has("diffuseTexture") && old->Get("diffuseTexture").IsObject()) {
-        const tinygltf::Value& info = old->Get("diffuseTexture");
-        texture = static_cast<int>(number(info, "index", -1));
-        texcoord = static_cast<int>(number(info, "texCoord", 0));
-        if (info.Has("extensions") && info.Get("extensions").IsObject() && info.Get("extensions").Has("KHR_texture_transform"))
-          transform = &info.Get("extensions").Get("KHR_texture_transform");
-      }
-    } else if (const Image* mean = textureImage(pbr.metallicRoughnessTexture.index, place)) {
-      const glm::vec3 value = meanOf(*mean);
-      material.roughness *= value.y;
-      material.metallic *= value.z;
-    }
+    const tinygltf::Value* const old = member(source.extensions, "KHR_materials_pbrSpecularGlossiness");
+    const BaseColor base = old ? specularGlossiness(*old, place) : metallicRoughness(source.pbrMetallicRoughness, place);
+    material.base_color = base.factor;
+    material.metallic = base.metallic;
+    material.roughness = base.roughness;
+    // The alpha of a metal's specular texture is its gloss.
+    const Alpha alpha = base.opaque ? Alpha::kIgnore : source.alphaMode == "MASK" ? Alpha::kMask : source.alphaMode == "BLEND" ? Alpha::kKeep : Alpha::kIgnore;
     if (member(source.extensions, "KHR_materials_unlit")) {
       // Its colour is what is seen: the metal that a file without factors implies would darken it.
       material.metallic = 0;
@@ -57,17 +37,18 @@ class MaterialReader {
     use.keep_alpha = alpha == Alpha::kKeep;
     const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, material.base_color.a);
     if (!use.keep_alpha) material.base_color.a = 1;
-    material.texture = baseTexture(texture, alpha, cutoff, material, place);
+    material.texture = baseTexture(base.texture.index, alpha, cutoff, material, place);
     if (alpha != Alpha::kIgnore && material.texture >= 0) {
       if (hasHoles(out_.images[static_cast<std::size_t>(material.texture)])) material.alpha_cutoff = 0.5f * material.base_color.a;
       else if (alpha == Alpha::kMask) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
     if (letsLightThrough(source, alpha, material)) noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
     if (material.texture >= 0) {
-      use.texcoord = std::clamp(texcoord, 0, 1000);
+      const tinygltf::Value* transform = base.texture.transform;
+      use.texcoord = base.texture.texcoord;
       if (transform && transform->IsObject()) {
         use.uv_transform = textureTransform(*transform);
-        use.texcoord = std::clamp(static_cast<int>(number(*transform, "texCoord", use.texcoord)), 0, 1000);
+        use.texcoord = textureSet(number(*transform, "texCoord", use.texcoord));
       }
     }
     material.emissive = emission(source, place);
@@ -77,6 +58,84 @@ class MaterialReader {
   }
 
  private:
+  struct TextureUse {
+    int index = -1;
+    int texcoord = 0;
+    const tinygltf::Value* transform = nullptr;
+  };
+  struct BaseColor {
+    glm::vec4 factor{1};
+    TextureUse texture;
+    float metallic = 0, roughness = 1;
+    bool opaque = false;  // whatever the alpha mode: the texture's alpha means something else
+  };
+
+  static int textureSet(double value) { return static_cast<int>(std::clamp(value, 0.0, 1000.0)); }
+
+  BaseColor metallicRoughness(const tinygltf::PbrMetallicRoughness& pbr, const std::string& place) {
+    BaseColor base;
+    base.factor = color4(pbr.baseColorFactor);
+    base.texture = {pbr.baseColorTexture.index, textureSet(pbr.baseColorTexture.texCoord), member(pbr.baseColorTexture.extensions, "KHR_texture_transform")};
+    base.metallic = unit(pbr.metallicFactor);
+    base.roughness = unit(pbr.roughnessFactor);
+    if (const Image* mean = images_.texture(pbr.metallicRoughnessTexture.index, place)) {
+      const glm::vec4 value = meanOf(*mean, false);
+      base.roughness *= value.y;
+      base.metallic *= value.z;
+    }
+    return base;
+  }
+
+  // The older workflow. What its means say is a metal has its colour in the specular half, everything else in the diffuse one.
+  // Without any specular of its own the diffuse colour is meant, although the default is a white mirror.
+  BaseColor specularGlossiness(const tinygltf::Value& value, const std::string& place) {
+    const TextureUse diffuse = textureUse(value, "diffuseTexture"), specular = textureUse(value, "specularGlossinessTexture");
+    const glm::vec4 diffuse_factor = color4(numbers(value, "diffuseFactor", {1, 1, 1, 1}));
+    const glm::vec4 specular_factor = color4(numbers(value, "specularFactor", {1, 1, 1}));
+    const Image* const diffuse_image = images_.texture(diffuse.index, place);
+    const Image* const specular_image = images_.texture(specular.index, place);
+    const glm::vec4 specular_texel = specular_image ? meanOf(*specular_image, true) : glm::vec4(1);
+    BaseColor base;
+    base.roughness = 1 - unit(number(value, "glossinessFactor", 1)) * specular_texel.a;
+    if (specular_image || value.Has("specularFactor")) {
+      const glm::vec4 diffuse_mean = diffuse_factor * (diffuse_image ? meanOf(*diffuse_image, true) : glm::vec4(1));
+      base.metallic = metalOf(glm::vec3(diffuse_mean), glm::vec3(specular_factor * specular_texel));
+    }
+    if (base.metallic > 0.5f) {
+      base.factor = specular_factor;
+      base.texture = specular;
+      base.opaque = true;
+    } else {
+      base.factor = diffuse_factor;
+      base.texture = diffuse;
+      base.metallic = 0;
+    }
+    return base;
+  }
+
+  // Source: KHR_materials_pbrSpecularGlossiness, "Conversion between workflows": the metal for which both workflows reflect as much light.
+  static float metalOf(const glm::vec3& diffuse, const glm::vec3& specular) {
+    constexpr float kDielectric = 0.04f;
+    const auto brightness = [](const glm::vec3& c) { return std::sqrt(0.299f * c.r * c.r + 0.587f * c.g * c.g + 0.114f * c.b * c.b); };
+    const float bright = brightness(specular), strength = std::max({specular.r, specular.g, specular.b});
+    if (bright <= kDielectric) return 0;
+    const float b = brightness(diffuse) * (1 - strength) / (1 - kDielectric) + bright - 2 * kDielectric;
+    const float root = std::sqrt(std::max(0.0f, b * b - 4 * kDielectric * (kDielectric - bright)));
+    return std::clamp((root - b) / (2 * kDielectric), 0.0f, 1.0f);
+  }
+
+  // A textureInfo in an extension, which tinygltf does not read.
+  static TextureUse textureUse(const tinygltf::Value& owner, const char* name) {
+    TextureUse use;
+    if (!owner.Has(name) || !owner.Get(name).IsObject()) return use;
+    const tinygltf::Value& info = owner.Get(name);
+    use.index = static_cast<int>(std::clamp(number(info, "index", -1), -1.0, 2e9));
+    use.texcoord = textureSet(number(info, "texCoord", 0));
+    if (info.Has("extensions") && info.Get("extensions").IsObject() && info.Get("extensions").Has("KHR_texture_transform"))
+      use.transform = &info.Get("extensions").Get("KHR_texture_transform");
+    return use;
+  }
+
   static float unit(double value) { return std::isfinite(value) ? std::clamp(static_cast<float>(value), 0.0f, 1.0f) : 1.0f; }
 
   static glm::vec4 color4(const std::vector<double>& values) {
@@ -112,48 +171,8 @@ class MaterialReader {
     return move * rotate * stretch;
   }
 
-  // The decoded image of a texture; null, with a notice once, where there is none.
-  const Image* textureImage(int texture, const std::string& place) {
-    if (texture < 0) return nullptr;
-    if (texture >= static_cast<int>(model_.data.textures.size())) model_.refuse(place, "names a texture that does not exist");
-    const int source = model_.data.textures[static_cast<std::size_t>(texture)].source;
-    const std::string texture_place = placeOf("textures", static_cast<std::size_t>(texture));
-    if (source < 0) {
-      noteOnce(texture_place + ": names no PNG or JPEG image (its extension is not read): the colour factor alone is used");
-      return nullptr;
-    }
-    if (source >= static_cast<int>(decoded_.size())) model_.refuse(texture_place, "names an image that does not exist");
-    std::optional<Image>& slot = decoded_[static_cast<std::size_t>(source)];
-    if (!slot) slot = decode(static_cast<std::size_t>(source));
-    return slot->width > 0 ? &*slot : nullptr;
-  }
-
-  // An image of no size where it can not be had: a model without its texture is worth more than an error.
-  Image decode(std::size_t index) {
-    const GltfDocument::ImageSource& source = model_.document.images[index];
-    const std::string place = placeOf("images", index);
-    try {
-      std::vector<std::uint8_t> owned;
-      std::span<const std::uint8_t> bytes;
-      if (source.buffer_view >= 0) {
-        bytes = readView(model_, source.buffer_view, place);
-      } else {
-        owned = source.uri.rfind("data:", 0) == 0 ? decodeDataUri(*model_.files, source.uri, place)
-                                                  : model_.files->readReference(source.uri, InputFiles::Reference::kUri);
-        bytes = owned;
-      }
-      const bool data_uri = source.uri.rfind("data:", 0) == 0;
-      auto image = decodeImage(bytes, source.name.empty() && !data_uri ? source.uri : source.name);
-      if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
-      model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
-    } catch (const BakeError& error) {
-      model_.note(std::string(error.what()) + ": the colour factor alone is used");
-    }
-    return {};
-  }
-
   int baseTexture(int texture, Alpha alpha, float cutoff, SurfaceMaterial& material, const std::string& place) {
-    const Image* image = textureImage(texture, place);
+    const Image* image = images_.texture(texture, place);
     if (!image) return -1;
     const int sampler_index = model_.data.textures[static_cast<std::size_t>(texture)].sampler;
     if (sampler_index >= static_cast<int>(model_.data.samplers.size())) model_.refuse(placeOf("textures", static_cast<std::size_t>(texture)), "names a sampler that does not exist");
@@ -166,8 +185,7 @@ class MaterialReader {
       material.wrap_v = wrap(sampler.wrapT);
       material.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
     }
-    const int source = model_.data.textures[static_cast<std::size_t>(texture)].source;
-    const auto key = std::make_tuple(source, alpha, alpha == Alpha::kMask ? cutoff : 0.0f);
+    const auto key = std::make_tuple(images_.source(texture), alpha, alpha == Alpha::kMask ? cutoff : 0.0f);
     const auto found = placed_.find(key);
     if (found != placed_.end()) return found->second;
     Image copy = *image;
@@ -199,10 +217,15 @@ class MaterialReader {
     return false;
   }
 
-  static glm::vec3 meanOf(const Image& image) {
-    glm::dvec3 sum(0);
-    for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) sum += glm::dvec3(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]);
-    return glm::vec3(sum / (255.0 * static_cast<double>(image.rgba.size() / 4)));
+  // Colours as light if the picture holds colours, as they stand if it holds numbers.
+  static glm::vec4 meanOf(const Image& image, bool colors) {
+    glm::dvec4 sum(0);
+    for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
+      glm::vec4 texel = glm::vec4(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2], image.rgba[i + 3]) / 255.0f;
+      if (colors) texel = {srgbToLinear(texel.r), srgbToLinear(texel.g), srgbToLinear(texel.b), texel.a};
+      sum += glm::dvec4(texel);
+    }
+    return glm::vec4(sum / static_cast<double>(image.rgba.size() / 4));
   }
 
   glm::vec3 emission(const tinygltf::Material& source, const std::string& place) {
@@ -227,7 +250,7 @@ class MaterialReader {
 
   const GltfModel& model_;
   SourceModel& out_;
-  std::vector<std::optional<Image>> decoded_;
+  GltfImages images_;
   std::map<std::tuple<int, Alpha, float>, int> placed_;
   std::vector<std::string> noted_;
 };

@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <memory>
+#include <string_view>
 
 // Only the formats that glTF and MTL files use: stb_image's other decoders are attack surface without a purpose here.
 #define STB_IMAGE_IMPLEMENTATION
@@ -22,6 +23,8 @@
 #pragma GCC diagnostic pop
 #endif
 
+#include "import_webp.h"
+
 namespace kelp::bake {
 namespace {
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192: 256 MiB decoded
@@ -32,7 +35,10 @@ std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes
   if (bytes.size() > 0x7fffffffu) return std::string("is larger than 2 GiB");
   const int length = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
-  if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, BMP or TGA image");
+  if (isWebp(bytes)) return decodeWebp(bytes, name, kMaxPixels);
+  constexpr std::string_view kKtx2 = "\xabKTX 20\xbb\r\n\x1a\n";
+  if (bytes.size() >= kKtx2.size() && std::memcmp(bytes.data(), kKtx2.data(), kKtx2.size()) == 0) return std::string("is a KTX2 texture, which kelp does not read; export it as PNG, JPEG or WebP");
+  if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, WebP, BMP or TGA image");
   if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
     return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);

@@ -10,7 +10,7 @@
 
 namespace kelp::bake {
 
-// Decodes PNG, JPEG, BMP or TGA to RGBA. Safe for hostile input: sizes are checked before memory is taken. The string says why not.
+// Decodes PNG, JPEG, WebP, BMP or TGA to RGBA. Safe for hostile input: sizes are checked before memory is taken. The string says why not.
 std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name);
 
 }  // namespace kelp::bake

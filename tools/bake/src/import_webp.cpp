@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "import_webp.h"
+
+#include <cstring>
+
+#include <webp/decode.h>
+
+namespace kelp::bake {
+
+// RFC 9649, section 2.4: "RIFF", the size, "WEBP".
+bool isWebp(std::span<const std::uint8_t> bytes) { return bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 && std::memcmp(bytes.data() + 8, "WEBP", 4) == 0; }
+
+std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels) {
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK) return std::string("is a WebP picture whose header is damaged or cut off");
+  if (features.has_animation) return std::string("is an animated WebP picture; export a still one");
+  if (features.width <= 0 || features.height <= 0 || std::int64_t{features.width} * features.height > max_pixels)
+    return "has " + std::to_string(features.width) + " x " + std::to_string(features.height) + " pixels, more than kelp reads";
+  Image image;
+  image.name = name;
+  image.width = features.width;
+  image.height = features.height;
+  image.rgba.resize(std::size_t{4} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  if (!WebPDecodeRGBAInto(bytes.data(), bytes.size(), image.rgba.data(), image.rgba.size(), 4 * image.width))
+    return std::string("is a WebP picture that can not be decoded; its data are damaged or cut off");
+  return image;
+}
+
+}  // namespace kelp::bake
