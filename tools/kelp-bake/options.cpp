@@ -92,7 +92,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, levels, threads, max_memory, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, levels, threads, max_memory, scene, progress = "auto", report, deps;
   bool write_deps = false;
   app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF or VDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
@@ -100,6 +100,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres (the file's units for formats without any)")->type_name("LENGTH")->excludes(resolution_option);
   app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
   app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
+  app.add_option("--scene", scene, "the scene of a glTF file to bake, by name or index (default: the file's own default)")->type_name("NAME|INDEX");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
   app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
   app.add_option("--at", at, "glTF: bake nodes, skins and morph targets as an animation has them at a time, e.g. Walk:0.3")->type_name("CLIP:SECONDS");
@@ -146,6 +147,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     options.settings.axis = parseAxis(axis);
     if (!options.settings.axis) throw BakeError(Exit::kUsage, "--axis " + axis + ": not an axis; use one of +x -x +y -y +z -z");
   }
+  if (!scene.empty()) options.settings.scene = scene;
   if (fill == "solid") {
     options.settings.fill = bake::Fill::kSolid;
   } else if (fill == "surface") {

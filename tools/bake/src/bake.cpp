@@ -194,7 +194,11 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   report.images = model.images.size();
   if (model.format.rfind("glTF", 0) != 0 && (settings.at || settings.parts != Parts::kOne))
     throw BakeError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out", input.filename().string(), model.format, settings.at ? "animations" : "nodes", settings.at ? "--at" : "--parts nodes"));
-  if (model.parts.empty()) throw BakeError(Exit::kInvalid, input.string() + ": holds nothing to bake; export a model with at least one mesh");
+  // The file is sound, and a pack has at least one voxel.
+  if (model.parts.empty()) {
+    throw BakeError(Exit::kUnsupported, fmt::format("{}: its scene has no mesh{}: there is nothing to bake; export a scene with at least one mesh", input.string(),
+                                                    model.notices.empty() ? "" : " (" + model.notices.back() + ")"));
+  }
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkMemory(model, frames, settings, input, report);
 

@@ -10,7 +10,9 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) refuse(Exit::kIo, path, "", "is a folder; name the file in it that is to be baked");
   const std::string extension = lowerExtension(path);
-  if (extension == ".gltf" || extension == ".glb") return importGltf(path, settings, files_read);
+  const bool gltf = extension == ".gltf" || extension == ".glb";
+  if (settings.scene && !gltf) refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60), "only glTF files have scenes; leave the option out");
+  if (gltf) return importGltf(path, settings, files_read);
   if (extension == ".vdb") return importVdb(path, settings, files_read);
   constexpr std::array<std::string_view, 4> kMeshes = {".obj", ".ply", ".stl", ".off"};
   for (std::string_view known : kMeshes)

@@ -20,22 +20,6 @@ int hexDigit(char c) {
   return -1;
 }
 
-std::optional<std::string> percentDecode(std::string_view text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      out += text[i];
-      continue;
-    }
-    const int high = i + 1 < text.size() ? hexDigit(text[i + 1]) : -1;
-    const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
-    if (high < 0 || low < 0) return std::nullopt;
-    out += static_cast<char>(high * 16 + low);
-    i += 2;
-  }
-  return out;
-}
-
 // What helps where the place and the fault are said and nothing more particular is known.
 const char* remedyOf(Exit code) {
   switch (code) {
@@ -60,6 +44,22 @@ std::string oneLine(std::string_view text, std::size_t limit) {
   }
   while (!out.empty() && out.back() == ' ') out.pop_back();
   if (text.size() > limit) out += "...";
+  return out;
+}
+
+std::optional<std::string> percentDecode(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    const int high = i + 1 < text.size() ? hexDigit(text[i + 1]) : -1;
+    const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) return std::nullopt;
+    out += static_cast<char>(high * 16 + low);
+    i += 2;
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,9 @@ std::string oneLine(std::string_view text, std::size_t limit = 200);
 
 // "name[index]", the way glTF's own validator names places.
 std::string placeOf(std::string_view array, std::size_t index);
+
+// RFC 3986, section 2.1; nullopt if an escape is broken.
+std::optional<std::string> percentDecode(std::string_view text);
 
 // File extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);

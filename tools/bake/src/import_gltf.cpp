@@ -28,7 +28,7 @@ class GltfImporter {
   SourceModel import() {
     out_.format = "glTF 2.0";
     outer_ = findOuterRig(files_, settings_);
-    model_ = parseGltf(files_, readGltfDocument(files_), out_.notices);
+    model_ = parseGltf(files_, readGltfDocument(files_), settings_.scene, out_.notices);
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
@@ -51,7 +51,7 @@ class GltfImporter {
       }
     }
     placeCarriers();
-    if (out_.parts.empty()) model_.refuse("scene", "holds no triangles" + (out_.notices.empty() ? "" : " (" + out_.notices.back() + ")") + "; export a scene with at least one mesh");
+    if (out_.parts.empty()) explainEmptiness(model_);
     uniqueNames();
     if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
     return std::move(out_);

@@ -97,26 +97,40 @@ bool isIndexType(int type) {
 const tinygltf::Accessor& findAccessor(const GltfModel& model, int index, const std::string& user) {
   if (index < 0 || index >= static_cast<int>(model.data.accessors.size()))
     model.refuse(user, "names accessor " + std::to_string(index) + ", which does not exist");
+  if (model.document.unknown_accessors.count(index) > 0) model.refuse(placeOf("accessors", static_cast<std::size_t>(index)), "has a type that glTF 2.0 does not have, and " + user + " reads it");
   return model.data.accessors[static_cast<std::size_t>(index)];
 }
 
-void applySparse(const GltfModel& model, const tinygltf::Accessor& accessor, const std::string& place, GltfValues& out) {
+// The elements that a sparse accessor replaces, each checked to exist.
+struct SparseRange {
+  std::size_t count = 0;
+  int index_type = 0;
+  Elements indices, values;
+  std::size_t element(std::size_t i) const { return indexAt(indices.data + i * indices.stride, index_type); }
+};
+
+SparseRange sparseRange(const GltfModel& model, const tinygltf::Accessor& accessor, std::size_t size, const std::string& place) {
   const auto& sparse = accessor.sparse;
   if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > accessor.count) model.refuse(place, "has more sparse values than elements");
   if (!isIndexType(sparse.indices.componentType)) model.refuse(place, "has sparse indices of an unknown type");
   if (sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0) model.refuse(place, "has a negative offset");
-  const auto count = static_cast<std::size_t>(sparse.count);
+  SparseRange out;
+  out.count = static_cast<std::size_t>(sparse.count);
+  out.index_type = sparse.indices.componentType;
+  out.indices = elementRange(model, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), out.count, componentSize(out.index_type), false,
+                             place + ".sparse.indices");
+  out.values = elementRange(model, sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), out.count, size, false, place + ".sparse.values");
+  for (std::size_t i = 0; i < out.count; ++i)
+    if (out.element(i) >= accessor.count) model.refuse(place, "has a sparse index beyond its elements");
+  return out;
+}
+
+void applySparse(const GltfModel& model, const tinygltf::Accessor& accessor, const std::string& place, GltfValues& out) {
   const std::size_t one = componentSize(accessor.componentType), width = static_cast<std::size_t>(out.components);
-  const Elements indices = elementRange(model, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), count,
-                                        componentSize(sparse.indices.componentType), false, place + ".sparse.indices");
-  const Elements values = elementRange(model, sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), count, one * width, false,
-                                       place + ".sparse.values");
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t element = indexAt(indices.data + i * indices.stride, sparse.indices.componentType);
-    if (element >= out.count) model.refuse(place, "has a sparse index beyond its elements");
+  const SparseRange sparse = sparseRange(model, accessor, one * width, place);
+  for (std::size_t i = 0; i < sparse.count; ++i)
     for (std::size_t c = 0; c < width; ++c)
-      out.values[element * width + c] = component(values.data + i * values.stride + c * one, accessor.componentType, accessor.normalized);
-  }
+      out.values[sparse.element(i) * width + c] = component(sparse.values.data + i * sparse.values.stride + c * one, accessor.componentType, accessor.normalized);
 }
 
 }  // namespace
@@ -126,6 +140,7 @@ std::span<const std::uint8_t> readView(const GltfModel& model, int view_index, c
   const tinygltf::BufferView& view = model.data.bufferViews[static_cast<std::size_t>(view_index)];
   const std::string place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
   if (view.buffer < 0 || view.buffer >= static_cast<int>(model.document.buffers.size())) model.refuse(place, "names a buffer that does not exist");
+  if (const auto missing = model.document.missing.find(static_cast<std::size_t>(view.buffer)); missing != model.document.missing.end()) throw missing->second;
   const std::vector<std::uint8_t>& bytes = model.document.buffers[static_cast<std::size_t>(view.buffer)];
   if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
     model.refuse(place, "reaches beyond buffers[" + std::to_string(view.buffer) + "] (" + std::to_string(bytes.size()) + " bytes)");
@@ -157,13 +172,19 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
 std::vector<std::uint32_t> readIndices(const GltfModel& model, int index, const std::string& user) {
   const tinygltf::Accessor& accessor = findAccessor(model, index, user);
   const std::string place = placeOf("accessors", static_cast<std::size_t>(index));
-  if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(accessor.componentType) || accessor.sparse.isSparse)
+  if (accessor.type != TINYGLTF_TYPE_SCALAR || !isIndexType(accessor.componentType))
     model.refuse(place, "does not hold unsigned integers, as " + user + " needs for indices");
-  if (accessor.count > kMaxElements) model.refuse(place, "has more elements than kelp reads");
-  const Elements elements =
-      elementRange(model, accessor.bufferView, accessor.byteOffset, accessor.count, componentSize(accessor.componentType), true, place);
+  if (accessor.count > (accessor.bufferView < 0 ? kMaxZeroElements : kMaxElements)) model.refuse(place, "has more elements than kelp reads");
   std::vector<std::uint32_t> out(accessor.count);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = indexAt(elements.data + i * elements.stride, accessor.componentType);
+  const std::size_t one = componentSize(accessor.componentType);
+  if (accessor.bufferView >= 0) {
+    const Elements elements = elementRange(model, accessor.bufferView, accessor.byteOffset, accessor.count, one, true, place);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = indexAt(elements.data + i * elements.stride, accessor.componentType);
+  }
+  if (accessor.sparse.isSparse) {
+    const SparseRange sparse = sparseRange(model, accessor, one, place);
+    for (std::size_t i = 0; i < sparse.count; ++i) out[sparse.element(i)] = indexAt(sparse.values.data + i * sparse.values.stride, accessor.componentType);
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -27,6 +28,8 @@ constexpr std::array<std::string_view, 24> kKnownExtensions = {
     "KHR_materials_anisotropy", "KHR_materials_iridescence", "KHR_materials_dispersion", "KHR_materials_variants", "KHR_animation_pointer",
     "KHR_xmp_json_ld"};
 
+constexpr std::uint32_t kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+
 std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 | static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
          static_cast<std::uint32_t>(bytes[at + 3]) << 24;
@@ -35,12 +38,15 @@ std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
 struct Container {
   std::string_view json;
   std::optional<std::span<const std::uint8_t>> binary;
+  bool is_glb = false;
+  std::vector<std::string> flaws;
 };
 
 // glTF 2.0 specification, section 4.4: 12-byte header, then chunks {length, type, data}; the first is JSON, the second may be BIN.
 Container openBinary(const InputFiles& files, std::span<const std::uint8_t> bytes) {
   if (bytes.size() < 12) refuse(Exit::kInvalid, files.input(), "header", "the file ends inside the 12-byte GLB header; it is truncated");
   const std::uint32_t version = readU32(bytes, 4);
+  if (version == 0) refuse(Exit::kInvalid, files.input(), "header", "has the GLB version 0, which does not exist; export the model again");
   if (version != 2)
     refuse(Exit::kUnsupported, files.input(), "header", "is GLB version " + std::to_string(version) + "; export it as glTF 2.0");
   const std::uint64_t length = readU32(bytes, 8);
@@ -48,6 +54,7 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
     refuse(Exit::kInvalid, files.input(), "header",
            "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) + "; it is truncated");
   Container container;
+  container.is_glb = true;
   std::size_t at = 12;
   for (int index = 0; at + 8 <= length; ++index) {
     const std::uint64_t size = readU32(bytes, at);
@@ -56,13 +63,17 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
     if (size > length - at - 8) refuse(Exit::kInvalid, files.input(), place, "is longer than the file; it is truncated");
     const auto data = bytes.subspan(at + 8, static_cast<std::size_t>(size));
     if (index == 0) {
-      if (type != 0x4e4f534au) refuse(Exit::kInvalid, files.input(), place, "is not the JSON chunk that must come first");
+      if (type != kJsonChunk) refuse(Exit::kInvalid, files.input(), place, "is not the JSON chunk that must come first");
       container.json = {reinterpret_cast<const char*>(data.data()), data.size()};
-    } else if (index == 1 && type == 0x004e4942u) {
+    } else if (type == kBinChunk && index == 1) {
       container.binary = data;
+    } else if (type == kJsonChunk || type == kBinChunk) {
+      container.flaws.push_back(place + ": is a second JSON or BIN chunk, or out of its place, and is ignored");
     }
+    if (size % 4 != 0) container.flaws.push_back(place + ": has a length that is not a multiple of four");
     at += 8 + static_cast<std::size_t>(size);
   }
+  if (at < length) container.flaws.push_back("GLB: ends inside the header of a chunk, which is ignored");
   if (container.json.empty()) refuse(Exit::kInvalid, files.input(), "chunk 0", "there is no JSON; the file is truncated or not a GLB");
   return container;
 }
@@ -120,31 +131,66 @@ int base64Digit(char c) {
   return -1;
 }
 
-std::vector<std::vector<std::uint8_t>> loadBuffers(const InputFiles& files, Json& root, const Container& container) {
-  std::vector<std::vector<std::uint8_t>> buffers;
+// RFC 3986, section 3.1; a single letter is a drive.
+bool hasScheme(const std::string& uri) {
+  const std::size_t colon = uri.find(':');
+  if (colon == std::string::npos || colon < 2 || !std::isalpha(static_cast<unsigned char>(uri[0]))) return false;
+  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon), [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '-' || c == '.'; });
+}
+
+// The bytes of a buffer; nullopt where the file names none.
+std::optional<std::vector<std::uint8_t>> loadBuffer(const InputFiles& files, const Json& buffer, std::size_t index, const Container& container, const std::string& place) {
+  const auto uri = buffer.find("uri");
+  if (uri == buffer.end()) {
+    if (index > 0 || !container.binary) return std::nullopt;
+    return std::vector<std::uint8_t>(container.binary->begin(), container.binary->end());
+  }
+  if (!uri->is_string()) refuse(Exit::kInvalid, files.input(), place, "has a uri that is not a string");
+  const std::string text = *uri;
+  return text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
+}
+
+// Section 3.6.1.1 of the specification; parsed leniently, so the few that are wrong are told.
+void checkDataUri(const std::string& uri, const std::string& place, std::vector<std::string>& flaws) {
+  std::string type = uri.substr(5, std::min(uri.find(','), std::size_t{256}) - 5);
+  std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (type.find(";;") != std::string::npos) flaws.push_back(place + ": has a data URI that is malformed; its data are read");
+  type.resize(std::min(type.find(';'), type.size()));
+  if (type != "application/octet-stream" && type != "application/gltf-buffer") flaws.push_back(place + ": has a data URI of the type '" + oneLine(type, 40) + "', which is not that of a buffer; its data are read");
+}
+
+void loadBuffers(const InputFiles& files, Json& root, const Container& container, GltfDocument& document) {
+  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
   for (Json& buffer : objects(files, root, "buffers")) {
-    const std::string place = placeOf("buffers", buffers.size());
+    const std::size_t index = buffers.size();
+    const std::string place = placeOf("buffers", index);
     const std::uint64_t length = wholeNumber(files, buffer, "byteLength", 0, place);
-    std::vector<std::uint8_t> bytes;
-    const auto uri = buffer.find("uri");
-    if (uri != buffer.end() && !uri->is_string()) refuse(Exit::kInvalid, files.input(), place, "has a uri that is not a string");
-    if (uri != buffer.end()) {
-      const std::string text = *uri;
-      bytes = text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
-    } else if (buffers.empty() && container.binary) {
-      bytes.assign(container.binary->begin(), container.binary->end());
-    } else {
-      // Legal for the fallback of EXT_meshopt_compression; whoever reads from it is refused by the range checks.
+    std::optional<std::vector<std::uint8_t>> bytes;
+    try {
+      bytes = loadBuffer(files, buffer, index, container, place);
+    } catch (const BakeError& error) {
+      // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
+      const bool absent = error.exit == Exit::kIo || (buffer["uri"].is_string() && hasScheme(buffer["uri"]) && buffer["uri"].get_ref<const std::string&>().rfind("data:", 0) != 0);
+      if (!absent) throw;
+      document.missing.emplace(index, error);
+      (error.exit == Exit::kIo ? document.flaws : document.notices).push_back(place + ": can not be had, and nothing that is baked lies in it (" + error.what() + ")");
+      bytes.emplace();
+      buffers.push_back(*std::move(bytes));
+      continue;
+    }
+    if (!bytes) {
+      // Legal for a placeholder, such as the fallback of EXT_meshopt_compression; whoever reads from it is refused by the range checks.
+      if (container.is_glb && index == 0 && !extension(buffer, "EXT_meshopt_compression")) document.flaws.push_back(place + ": has no uri, and the file no BIN chunk: it has no data");
       buffers.emplace_back();
       continue;
     }
-    if (bytes.size() < length)
+    if (bytes->size() < length)
       refuse(Exit::kInvalid, files.input(), place,
-             "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) + "; the file is truncated");
-    bytes.resize(static_cast<std::size_t>(length));
-    buffers.push_back(std::move(bytes));
+             "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes->size()) + "; the file is truncated");
+    if (const auto uri = buffer.find("uri"); uri != buffer.end() && uri->get_ref<const std::string&>().rfind("data:", 0) == 0) checkDataUri(*uri, place, document.flaws);
+    bytes->resize(static_cast<std::size_t>(length));
+    buffers.push_back(*std::move(bytes));
   }
-  return buffers;
 }
 
 std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json& root) {
@@ -230,9 +276,14 @@ Json* extension(Json& object, const char* name) {
 
 std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::string& uri, const std::string& place) {
   const std::size_t comma = uri.find(',');
-  if (comma == std::string::npos || comma > 256 || uri.find(";base64") > comma)
-    refuse(Exit::kInvalid, files.input(), place, "has a data URI that is not base64");
+  if (comma == std::string::npos || comma > 256) refuse(Exit::kInvalid, files.input(), place, "has a data URI without data");
   std::vector<std::uint8_t> bytes;
+  if (uri.find(";base64") > comma) {
+    const std::optional<std::string> text = percentDecode(std::string_view(uri).substr(comma + 1));
+    if (!text) refuse(Exit::kInvalid, files.input(), place, "has a data URI with a broken percent encoding");
+    bytes.assign(text->begin(), text->end());
+    return bytes;
+  }
   bytes.reserve((uri.size() - comma) / 4 * 3);
   std::uint32_t bits = 0;
   int count = 0;
@@ -257,18 +308,27 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
     container = openBinary(files, bytes);
   } else {
-    std::size_t start = bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf ? 3 : 0;
-    while (start < bytes.size() && std::strchr(" \t\r\n", bytes[start]) && bytes[start]) ++start;
-    if (start == bytes.size() || bytes[start] != '{')
+    const bool mark = bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf;
+    std::size_t first = mark ? 3 : 0;
+    while (first < bytes.size() && std::strchr(" \t\r\n", bytes[first]) && bytes[first]) ++first;
+    if (first == bytes.size() || bytes[first] != '{')
       refuse(Exit::kInvalid, files.input(), "", "does not look like glTF (neither JSON nor the GLB signature); check the file's type");
-    container.json = {reinterpret_cast<const char*>(bytes.data()) + start, bytes.size() - start};
+    container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  GltfDocument document;
+  document.flaws = std::move(container.flaws);
+  constexpr std::string_view kMark = "\xef\xbb\xbf";  // of UTF-8, which some editors write
+  if (container.json.substr(0, kMark.size()) == kMark) {
+    document.flaws.push_back("JSON: begins with a byte order mark, which glTF does not have");
+    container.json.remove_prefix(kMark.size());
   }
   Json root = parseJson(files, container.json);
   checkVersionAndExtensions(files, root);
-  GltfDocument document;
-  document.buffers = loadBuffers(files, root, container);
-  unpackMeshopt(files, root, document.buffers);
-  unpackDraco(files, root, document.buffers);
+  for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
+  document.unknown_accessors = hideUnknownAccessors(root);
+  loadBuffers(files, root, container, document);
+  unpackMeshopt(files, root, document);
+  unpackDraco(files, root, document);
   document.images = listImages(files, root);
   listRigs(root, "", document.rigs);
   root.erase("buffers");

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,18 @@ struct GltfDocument {
   };
   std::string json;                                  // without `buffers` and `images`: those are below
   std::vector<std::vector<std::uint8_t>> buffers;
+  std::map<std::size_t, BakeError> missing;          // buffers that can not be had, and why: an error for whoever reads from them
+  std::set<int> unknown_accessors;                   // of types that glTF 2.0 does not have
   std::vector<ImageSource> images;
   std::map<std::string, std::string> rigs;           // the text of every extras.kelp, by its owner: "nodes[3]", "asset", "" (the root)
+  std::vector<std::string> flaws;                    // what is against the specification and can be lived with; one line a kind
+  std::vector<std::string> notices;                  // what else the user should know
 };
 
 // Reads .gltf and .glb (told apart by content). BakeError on anything that is not sound; hostile-safe.
 GltfDocument readGltfDocument(const InputFiles& files);
 
-// The bytes of a data: URI; refuses other encodings than base64. `place` for the message.
+// The bytes of a data: URI, base64 or percent-encoded. `place` for the message.
 std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::string& uri, const std::string& place);
 
 }  // namespace kelp::bake

@@ -2,6 +2,10 @@
 // Checked access to the JSON of a glTF file. Only the two files that prepare the document see JSON.
 #pragma once
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "import_gltf_document.h"
@@ -17,8 +21,13 @@ std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const cha
 // extensions.NAME of an object, if it is there and an object.
 Json* extension(Json& object, const char* name);
 
+// What the document does against the specification and a reader can live with: one line a kind of fault, few in all.
+std::vector<std::string> findFlaws(const Json& root);
+// Accessors of types that glTF 2.0 does not have become plain ones, so that the file can be read where nothing reads them; answers which.
+std::set<int> hideUnknownAccessors(Json& root);
+
 // KHR_draco_mesh_compression and EXT_meshopt_compression: decodes into new buffers and makes the JSON refer to those.
-void unpackMeshopt(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers);
-void unpackDraco(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers);
+void unpackMeshopt(const InputFiles& files, Json& root, GltfDocument& document);
+void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document);
 
 }  // namespace kelp::bake

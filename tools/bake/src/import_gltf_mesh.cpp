@@ -43,6 +43,13 @@ std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin_index) {
   return matrices;
 }
 
+int modeOf(const tinygltf::Primitive& primitive) { return primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode; }
+
+bool hasTriangles(const tinygltf::Primitive& primitive) {
+  const int mode = modeOf(primitive);
+  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
 class PrimitiveReader {
  public:
   PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world) : model_(model), node_(model.data.nodes[static_cast<std::size_t>(node)]) {
@@ -62,8 +69,8 @@ class PrimitiveReader {
       model_.note(place + ": has no positions and is skipped");
       return;
     }
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+    const int mode = modeOf(primitive);
+    if (!hasTriangles(primitive)) {
       model_.note(place + ": holds points or lines, which have no volume, and is skipped");
       return;
     }
@@ -183,6 +190,22 @@ void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, con
   PrimitiveReader reader(model, node, from_world);
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
     reader.read(mesh.primitives[p], placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p), materials, soup);
+}
+
+void explainEmptiness(const GltfModel& model) {
+  bool meshes = false, triangles = false;
+  for (int node : model.order) {
+    const int mesh = model.data.nodes[static_cast<std::size_t>(node)].mesh;
+    if (mesh < 0) continue;
+    meshes = true;
+    for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives)
+      triangles = triangles || hasTriangles(primitive);
+  }
+  const std::string last = model.notices->empty() ? "" : " (" + model.notices->back() + ")";
+  if (triangles) model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
+  if (!model.document.flaws.empty()) model.refuse("", model.document.flaws[0] + "; there is nothing to bake in it either: export the model again");
+  if (meshes) refuse(Exit::kUnsupported, model.files->input(), "scene", "holds no triangles" + last + "; export a scene with at least one mesh of triangles");
+  if (!model.data.meshes.empty()) model.note("the file has " + std::to_string(model.data.meshes.size()) + " meshes that no node of its scene shows");
 }
 
 }  // namespace kelp::bake

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>  // tinygltf's writer needs it and does not include it
 
@@ -33,14 +34,35 @@ void checkNode(const GltfModel& model, std::size_t index) {
     if (child < 0 || child >= static_cast<int>(model.data.nodes.size())) model.refuse(place, "names a child that does not exist");
 }
 
+// The scene that was asked for: by its name, or by its index where none has that name.
+int findScene(const GltfModel& model, const std::string& wanted) {
+  const auto& scenes = model.data.scenes;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    if (scenes[i].name == wanted) return static_cast<int>(i);
+  int index = -1;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index >= 0 && index < static_cast<int>(scenes.size())) return index;
+  std::string known;
+  for (std::size_t i = 0; i < scenes.size() && i < 12; ++i)
+    known += (known.empty() ? "" : ", ") + std::to_string(i) + (scenes[i].name.empty() ? "" : " '" + oneLine(scenes[i].name, 40) + "'");
+  refuse(Exit::kUsage, model.files->input(), "--scene " + oneLine(wanted, 60), scenes.empty() ? "the file has no scenes; leave the option out" : "there is no such scene; the file has " + known + (scenes.size() > 12 ? " and more" : ""));
+}
+
+int chooseScene(const GltfModel& model, const std::optional<std::string>& wanted) {
+  const auto& scenes = model.data.scenes;
+  if (wanted) return findScene(model, *wanted);
+  if (scenes.empty()) return -1;
+  if (scenes.size() > 1)
+    model.note("the file has " + std::to_string(scenes.size()) + " scenes: " + (model.data.defaultScene < 0 ? "the first" : "the default one") + " is baked; --scene chooses another");
+  return std::max(model.data.defaultScene, 0);
+}
+
 std::vector<int> sceneRoots(const GltfModel& model) {
   const auto& scenes = model.data.scenes;
   std::vector<int> roots;
-  if (const int scene = model.scene(); scene >= 0) {
-    if (scene >= static_cast<int>(scenes.size())) model.refuse("scene", "names a scene that does not exist");
-    roots = scenes[static_cast<std::size_t>(scene)].nodes;
-    if (scenes.size() > 1 && model.data.defaultScene < 0) model.note("the file has " + std::to_string(scenes.size()) + " scenes and no default: the first is baked");
-    else if (scenes.size() > 1) model.note("the file has " + std::to_string(scenes.size()) + " scenes: the default one is baked");
+  if (model.scene >= 0) {
+    if (model.scene >= static_cast<int>(scenes.size())) model.refuse("scene", "names a scene that does not exist");
+    roots = scenes[static_cast<std::size_t>(model.scene)].nodes;
   } else {
     for (std::size_t i = 0; i < model.parents.size(); ++i)
       if (model.parents[i] < 0) roots.push_back(static_cast<int>(i));
@@ -55,8 +77,6 @@ std::vector<int> sceneRoots(const GltfModel& model) {
 glm::dmat4 GltfTransform::matrix() const {
   return glm::translate(glm::dmat4(1), translation) * glm::mat4_cast(rotation) * glm::scale(glm::dmat4(1), scale);
 }
-
-int GltfModel::scene() const { return data.scenes.empty() ? -1 : std::max(data.defaultScene, 0); }
 
 std::string GltfModel::nodeName(int node) const {
   if (node < 0) return "the scene";
@@ -97,7 +117,7 @@ GltfTransform restTransform(const tinygltf::Node& node, bool* exact) {
   return out;
 }
 
-GltfModel parseGltf(const InputFiles& files, GltfDocument document, std::vector<std::string>& notices) {
+GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene, std::vector<std::string>& notices) {
   GltfModel model;
   model.files = &files;
   model.notices = &notices;
@@ -107,7 +127,10 @@ GltfModel parseGltf(const InputFiles& files, GltfDocument document, std::vector<
     model.refuse("JSON", "is not valid glTF: " + oneLine(error));
   if (!error.empty() || !warning.empty()) model.note("JSON: " + oneLine(error + warning));
   document.json = {};
+  for (const std::vector<std::string>* lines : {&document.flaws, &document.notices})
+    for (const std::string& line : *lines) model.note(line);
   model.document = std::move(document);
+  model.scene = chooseScene(model, scene);
 
   const std::size_t count = model.data.nodes.size();
   model.parents.assign(count, -1);

@@ -38,21 +38,21 @@ struct GltfModel {
   const InputFiles* files = nullptr;
   tinygltf::Model data;              // its buffers are filled, its images empty
   GltfDocument document;             // images and rigs
+  int scene = -1;                    // that is baked; -1: the file has none, and every node counts
   std::vector<int> parents;          // of each node, -1: a root
   std::vector<int> order;            // the nodes of the scene, parents before children
   std::vector<glm::dmat4> world;     // of each node at rest
   std::vector<std::string>* notices = nullptr;
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
-  // The scene that is baked; -1: the file has none, and every node counts.
-  int scene() const;
   void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
   // "node 'Reed'", or "nodes[3]" where it has no name; -1: "the scene".
   std::string nodeName(int node) const;
 };
 
-// Parses the document and checks the graph: node indices, one parent a node, no cycle, meshes and skins that exist.
-GltfModel parseGltf(const InputFiles& files, GltfDocument document, std::vector<std::string>& notices);
+// Parses the document and checks the graph: node indices, one parent a node, no cycle, meshes and skins that exist. `scene` is a name or an
+// index; without, the default one is taken.
+GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene, std::vector<std::string>& notices);
 
 // The rest transform of a node; a matrix that is not a product of T, R and S has `exact` false.
 GltfTransform restTransform(const tinygltf::Node& node, bool* exact = nullptr);
@@ -84,6 +84,10 @@ std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& 
 class SoupBuilder;
 // Adds the triangles of a node's mesh, in the space that `from_world` takes the world to.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
+
+// For a scene without triangles: refuses a file that is to blame, or whose meshes are nothing that kelp bakes. Returns where the scene is sound
+// and simply has no mesh, which glTF allows.
+void explainEmptiness(const GltfModel& model);
 
 // --- animation -----------------------------------------------------------------------------------------------------------------------
 // One animated property of a node. Values: 3 components, or the 4 of a quaternion (x, y, z, w).

@@ -20,7 +20,7 @@ class RigFinder {
       if (const int mesh = model_.data.nodes[at].mesh; mesh >= 0) ++users[static_cast<std::size_t>(mesh)];
     }
     for (std::size_t mesh = 0; mesh < users.size(); ++mesh) takeMesh(mesh, users[mesh]);
-    if (const int scene = model_.scene(); scene >= 0) {
+    if (const int scene = model_.scene; scene >= 0) {
       const auto at = static_cast<std::size_t>(scene);
       takeFile(placeOf("scenes", at), quoted("scene", model_.data.scenes[at].name, placeOf("scenes", at)));
     }

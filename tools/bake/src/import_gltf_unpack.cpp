@@ -12,9 +12,11 @@ namespace kelp::bake {
 namespace {
 
 // The bytes [offset, offset + length) of a buffer.
-std::span<const std::uint8_t> bufferRange(const InputFiles& files, const std::vector<std::vector<std::uint8_t>>& buffers, std::uint64_t buffer,
+std::span<const std::uint8_t> bufferRange(const InputFiles& files, const GltfDocument& document, std::uint64_t buffer,
                                           std::uint64_t offset, std::uint64_t length, const std::string& place) {
+  const std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
   if (buffer >= buffers.size()) refuse(Exit::kInvalid, files.input(), place, "names buffer " + std::to_string(buffer) + ", which does not exist");
+  if (const auto missing = document.missing.find(static_cast<std::size_t>(buffer)); missing != document.missing.end()) throw missing->second;
   const std::vector<std::uint8_t>& bytes = buffers[static_cast<std::size_t>(buffer)];
   if (offset > bytes.size() || length > bytes.size() - offset)
     refuse(Exit::kInvalid, files.input(), place, "reaches beyond buffer " + std::to_string(buffer) + " (" + std::to_string(bytes.size()) + " bytes)");
@@ -56,7 +58,8 @@ constexpr const char* kVectorTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
 
 }  // namespace
 
-void unpackMeshopt(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers) {
+void unpackMeshopt(const InputFiles& files, Json& root, GltfDocument& document) {
+  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
   Json& views = objects(files, root, "bufferViews");
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Json* packed = extension(views[i], "EXT_meshopt_compression");
@@ -67,7 +70,7 @@ void unpackMeshopt(const InputFiles& files, Json& root, std::vector<std::vector<
     view.stride = wholeNumber(files, *packed, "byteStride", 0, place);
     view.mode = packed->value("mode", "");
     view.filter = packed->value("filter", "NONE");
-    const auto bytes = bufferRange(files, buffers, wholeNumber(files, *packed, "buffer", ~std::uint64_t{0}, place),
+    const auto bytes = bufferRange(files, document, wholeNumber(files, *packed, "buffer", ~std::uint64_t{0}, place),
                                    wholeNumber(files, *packed, "byteOffset", 0, place), wholeNumber(files, *packed, "byteLength", 0, place), place);
     std::vector<std::uint8_t> decoded;
     try {
@@ -85,7 +88,8 @@ void unpackMeshopt(const InputFiles& files, Json& root, std::vector<std::vector<
   }
 }
 
-void unpackDraco(const InputFiles& files, Json& root, std::vector<std::vector<std::uint8_t>>& buffers) {
+void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document) {
+  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
   struct Unpacked {
     std::size_t indices = 0;
     std::map<std::string, std::size_t> attributes;
@@ -108,7 +112,7 @@ void unpackDraco(const InputFiles& files, Json& root, std::vector<std::vector<st
         if (view_index >= views.size()) refuse(Exit::kInvalid, files.input(), place, "names a bufferView that does not exist");
         const Json& view = views[static_cast<std::size_t>(view_index)];
         const std::string view_place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
-        const auto bytes = bufferRange(files, buffers, wholeNumber(files, view, "buffer", ~std::uint64_t{0}, view_place),
+        const auto bytes = bufferRange(files, document, wholeNumber(files, view, "buffer", ~std::uint64_t{0}, view_place),
                                        wholeNumber(files, view, "byteOffset", 0, view_place), wholeNumber(files, view, "byteLength", 0, view_place), view_place);
         std::map<std::string, std::uint32_t> ids;
         const auto attributes = packed->find("attributes");

@@ -33,6 +33,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.axis) options["axis"] = toString(*settings.axis);
   if (const auto rig = rigFile(input, settings, files_read)) options["rig"] = {{"name", rig->filename().string()}, {"xxh3", hashFile(*rig)}};
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
+  if (settings.scene) options["scene"] = *settings.scene;
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};

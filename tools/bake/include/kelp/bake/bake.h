@@ -45,6 +45,7 @@ struct Settings {
   std::optional<Axis> axis;            // for rigs that name none
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
+  std::optional<std::string> scene;    // of a glTF file: its name, or its index; without, the file's default
   Fill fill = Fill::kAuto;
   Parts parts = Parts::kOne;
   std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
