@@ -94,7 +94,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.footer(kExamples);
   std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, levels, threads, max_memory, scene, progress = "auto", report, deps;
   bool write_deps = false;
-  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF or VDB file")->required()->type_name("FILE");
+  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc) or VDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
   app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres (the file's units for formats without any)")->type_name("LENGTH")->excludes(resolution_option);

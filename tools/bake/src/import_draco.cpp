@@ -26,16 +26,53 @@ std::optional<std::uint64_t> readVarint(std::span<const std::uint8_t> bytes, std
   return std::nullopt;
 }
 
+// Entries and sub-elements of one element of metadata; lengths that the stream can not hold are refused before the library takes memory for them.
+void skipElement(std::span<const std::uint8_t> bytes, std::size_t& at, int depth) {
+  const auto skip = [&](std::uint64_t count) {
+    if (count > bytes.size() - at) throw DracoError("ends inside its metadata; the data are truncated");
+    at += static_cast<std::size_t>(count);
+  };
+  const auto number = [&] {
+    const std::optional<std::uint64_t> value = readVarint(bytes, at);
+    if (!value) throw DracoError("ends inside its metadata; the data are truncated");
+    return *value;
+  };
+  const auto name = [&] {
+    skip(1);
+    skip(bytes[at - 1]);
+  };
+  if (depth > 8) throw DracoError("has metadata nested deeper than eight levels; the data are damaged");
+  for (std::uint64_t entries = number(); entries > 0; --entries) {
+    name();
+    skip(number());
+  }
+  for (std::uint64_t elements = number(); elements > 0; --elements) {
+    name();
+    skipElement(bytes, at, depth + 1);
+  }
+}
+
+// Draco bitstream specification, section 4.1: one element for each attribute that has any, then the file's own.
+void skipMetadata(std::span<const std::uint8_t> bytes, std::size_t& at) {
+  const std::optional<std::uint64_t> attributes = readVarint(bytes, at);
+  if (!attributes || *attributes > bytes.size()) throw DracoError("ends inside its metadata; the data are truncated");
+  for (std::uint64_t i = 0; i < *attributes; ++i) {
+    if (!readVarint(bytes, at)) throw DracoError("ends inside its metadata; the data are truncated");
+    skipElement(bytes, at, 0);
+  }
+  skipElement(bytes, at, 0);
+}
+
 // Refuses a stream whose declared counts its length can not hold: the library allocates from them first.
 // Header: "DRACO", major, minor, encoder type, method, flags (u16). Draco bitstream specification, sections 3 and 4.
 void checkDeclaredCounts(std::span<const std::uint8_t> bytes) {
   constexpr std::array<std::uint8_t, 5> kMagic = {'D', 'R', 'A', 'C', 'O'};
   if (bytes.size() < 12 || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) throw DracoError("does not begin as a Draco stream");
   const int version = bytes[5] * 256 + bytes[6];
-  if (version != 0x202) throw DracoError("is a Draco stream of another version than 2.2; encode it again");
-  if (bytes[7] != 1) throw DracoError("holds a point cloud, not a mesh");
-  if (bytes[10] & 0x80u) throw DracoError("holds Draco metadata, which glTF does not use; encode it again without");
+  if (version != 0x202) throw DracoUnsupported("is a Draco stream of another version than 2.2; encode it again");
+  if (bytes[7] != 1) throw DracoUnsupported("holds a point cloud, which has no surface; encode a mesh");
   std::size_t at = 11;
+  if (bytes[10] & 0x80u) skipMetadata(bytes, at);
   std::array<std::optional<std::uint64_t>, 2> counts;
   if (bytes[8] == 1) {  // edgebreaker: traversal type, encoded vertices, faces
     ++at;
@@ -52,10 +89,21 @@ void checkDeclaredCounts(std::span<const std::uint8_t> bytes) {
   }
 }
 
+float largestOf(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8: return 127.0f;
+    case draco::DT_UINT8: return 255.0f;
+    case draco::DT_INT16: return 32767.0f;
+    case draco::DT_UINT16: return 65535.0f;
+    default: return 1.0f;
+  }
+}
+
 DracoMesh::Attribute readAttribute(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
   DracoMesh::Attribute out;
   out.components = attribute.num_components();
   out.normalized = attribute.normalized();
+  out.largest = out.normalized ? 1.0f : largestOf(attribute.data_type());
   if (out.components < 1 || out.components > 4) throw DracoError("has an attribute of more than four components");
   const auto width = static_cast<std::size_t>(out.components);
   out.values.resize(width * mesh.num_points());
@@ -68,18 +116,15 @@ DracoMesh::Attribute readAttribute(const draco::Mesh& mesh, const draco::PointAt
   return out;
 }
 
-}  // namespace
-
-DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::string, std::uint32_t>& ids) {
+// The mesh, with its indices checked.
+std::unique_ptr<draco::Mesh> decodeMesh(std::span<const std::uint8_t> bytes, DracoMesh& out) {
   checkDeclaredCounts(bytes);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
   draco::StatusOr<std::unique_ptr<draco::Mesh>> decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw DracoError(std::string("can not be decoded: ") + decoded.status().error_msg());
-  const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
-
-  DracoMesh out;
+  std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
   out.indices.reserve(std::size_t{3} * mesh->num_faces());
   for (draco::FaceIndex face(0); face < mesh->num_faces(); ++face) {
     for (const draco::PointIndex& corner : mesh->face(face)) {
@@ -87,11 +132,27 @@ DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::s
       out.indices.push_back(corner.value());
     }
   }
+  return mesh;
+}
+
+}  // namespace
+
+DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::string, std::uint32_t>& ids) {
+  DracoMesh out;
+  const std::unique_ptr<draco::Mesh> mesh = decodeMesh(bytes, out);
   for (const auto& [name, id] : ids) {
     const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id);
     if (!attribute) throw DracoError("has no attribute with the id " + std::to_string(id) + " that " + name + " names");
     out.attributes[name] = readAttribute(*mesh, *attribute);
   }
+  return out;
+}
+
+DracoMesh decodeDraco(std::span<const std::uint8_t> bytes) {
+  DracoMesh out;
+  const std::unique_ptr<draco::Mesh> mesh = decodeMesh(bytes, out);
+  if (const draco::PointAttribute* positions = mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION)) out.attributes["POSITION"] = readAttribute(*mesh, *positions);
+  if (const draco::PointAttribute* colors = mesh->GetNamedAttribute(draco::GeometryAttribute::COLOR)) out.attributes["COLOR"] = readAttribute(*mesh, *colors);
   return out;
 }
 

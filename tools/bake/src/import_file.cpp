@@ -14,14 +14,14 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   if (settings.scene && !gltf) refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60), "only glTF files have scenes; leave the option out");
   if (gltf) return importGltf(path, settings, files_read);
   if (extension == ".vdb") return importVdb(path, settings, files_read);
-  constexpr std::array<std::string_view, 4> kMeshes = {".obj", ".ply", ".stl", ".off"};
+  constexpr std::array<std::string_view, 5> kMeshes = {".obj", ".ply", ".stl", ".off", ".drc"};
   for (std::string_view known : kMeshes)
     if (extension == known) return importMesh(path, settings, files_read);
   // A path that does not exist is that first: the name may be the mistake, not the type.
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +
-             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off and .vdb");
+             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc and .vdb");
 }
 
 }  // namespace kelp::bake

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -37,8 +36,7 @@ std::uint32_t readU32(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 struct Container {
   std::string_view json;
-  std::optional<std::span<const std::uint8_t>> binary;
-  bool is_glb = false;
+  GltfBinary binary;
   std::vector<std::string> flaws;
 };
 
@@ -54,7 +52,7 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
     refuse(Exit::kInvalid, files.input(), "header",
            "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes.size()) + "; it is truncated");
   Container container;
-  container.is_glb = true;
+  container.binary.is_glb = true;
   std::size_t at = 12;
   for (int index = 0; at + 8 <= length; ++index) {
     const std::uint64_t size = readU32(bytes, at);
@@ -66,7 +64,7 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
       if (type != kJsonChunk) refuse(Exit::kInvalid, files.input(), place, "is not the JSON chunk that must come first");
       container.json = {reinterpret_cast<const char*>(data.data()), data.size()};
     } else if (type == kBinChunk && index == 1) {
-      container.binary = data;
+      container.binary.chunk = data;
     } else if (type == kJsonChunk || type == kBinChunk) {
       container.flaws.push_back(place + ": is a second JSON or BIN chunk, or out of its place, and is ignored");
     }
@@ -119,77 +117,6 @@ void checkVersionAndExtensions(const InputFiles& files, const Json& root) {
     if (!known)
       refuse(Exit::kUnsupported, files.input(), "extensionsRequired",
              "the file needs the extension '" + oneLine(text, 80) + "', which kelp does not read; export without it");
-  }
-}
-
-int base64Digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;
-  if (c == '/' || c == '_') return 63;
-  return -1;
-}
-
-// RFC 3986, section 3.1; a single letter is a drive.
-bool hasScheme(const std::string& uri) {
-  const std::size_t colon = uri.find(':');
-  if (colon == std::string::npos || colon < 2 || !std::isalpha(static_cast<unsigned char>(uri[0]))) return false;
-  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon), [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '-' || c == '.'; });
-}
-
-// The bytes of a buffer; nullopt where the file names none.
-std::optional<std::vector<std::uint8_t>> loadBuffer(const InputFiles& files, const Json& buffer, std::size_t index, const Container& container, const std::string& place) {
-  const auto uri = buffer.find("uri");
-  if (uri == buffer.end()) {
-    if (index > 0 || !container.binary) return std::nullopt;
-    return std::vector<std::uint8_t>(container.binary->begin(), container.binary->end());
-  }
-  if (!uri->is_string()) refuse(Exit::kInvalid, files.input(), place, "has a uri that is not a string");
-  const std::string text = *uri;
-  return text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
-}
-
-// Section 3.6.1.1 of the specification; parsed leniently, so the few that are wrong are told.
-void checkDataUri(const std::string& uri, const std::string& place, std::vector<std::string>& flaws) {
-  std::string type = uri.substr(5, std::min(uri.find(','), std::size_t{256}) - 5);
-  std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (type.find(";;") != std::string::npos) flaws.push_back(place + ": has a data URI that is malformed; its data are read");
-  type.resize(std::min(type.find(';'), type.size()));
-  if (type != "application/octet-stream" && type != "application/gltf-buffer") flaws.push_back(place + ": has a data URI of the type '" + oneLine(type, 40) + "', which is not that of a buffer; its data are read");
-}
-
-void loadBuffers(const InputFiles& files, Json& root, const Container& container, GltfDocument& document) {
-  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
-  for (Json& buffer : objects(files, root, "buffers")) {
-    const std::size_t index = buffers.size();
-    const std::string place = placeOf("buffers", index);
-    const std::uint64_t length = wholeNumber(files, buffer, "byteLength", 0, place);
-    std::optional<std::vector<std::uint8_t>> bytes;
-    try {
-      bytes = loadBuffer(files, buffer, index, container, place);
-    } catch (const BakeError& error) {
-      // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
-      const bool absent = error.exit == Exit::kIo || (buffer["uri"].is_string() && hasScheme(buffer["uri"]) && buffer["uri"].get_ref<const std::string&>().rfind("data:", 0) != 0);
-      if (!absent) throw;
-      document.missing.emplace(index, error);
-      (error.exit == Exit::kIo ? document.flaws : document.notices).push_back(place + ": can not be had, and nothing that is baked lies in it (" + error.what() + ")");
-      bytes.emplace();
-      buffers.push_back(*std::move(bytes));
-      continue;
-    }
-    if (!bytes) {
-      // Legal for a placeholder, such as the fallback of EXT_meshopt_compression; whoever reads from it is refused by the range checks.
-      if (container.is_glb && index == 0 && !extension(buffer, "EXT_meshopt_compression")) document.flaws.push_back(place + ": has no uri, and the file no BIN chunk: it has no data");
-      buffers.emplace_back();
-      continue;
-    }
-    if (bytes->size() < length)
-      refuse(Exit::kInvalid, files.input(), place,
-             "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes->size()) + "; the file is truncated");
-    if (const auto uri = buffer.find("uri"); uri != buffer.end() && uri->get_ref<const std::string&>().rfind("data:", 0) == 0) checkDataUri(*uri, place, document.flaws);
-    bytes->resize(static_cast<std::size_t>(length));
-    buffers.push_back(*std::move(bytes));
   }
 }
 
@@ -274,33 +201,6 @@ Json* extension(Json& object, const char* name) {
   return found != extensions->end() && found->is_object() ? &*found : nullptr;
 }
 
-std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::string& uri, const std::string& place) {
-  const std::size_t comma = uri.find(',');
-  if (comma == std::string::npos || comma > 256) refuse(Exit::kInvalid, files.input(), place, "has a data URI without data");
-  std::vector<std::uint8_t> bytes;
-  if (uri.find(";base64") > comma) {
-    const std::optional<std::string> text = percentDecode(std::string_view(uri).substr(comma + 1));
-    if (!text) refuse(Exit::kInvalid, files.input(), place, "has a data URI with a broken percent encoding");
-    bytes.assign(text->begin(), text->end());
-    return bytes;
-  }
-  bytes.reserve((uri.size() - comma) / 4 * 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (std::size_t i = comma + 1; i < uri.size(); ++i) {
-    if (uri[i] == '=') break;
-    const int digit = base64Digit(uri[i]);
-    if (digit < 0) refuse(Exit::kInvalid, files.input(), place, "has a data URI with a character that is not base64");
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    count += 6;
-    if (count >= 8) {
-      count -= 8;
-      bytes.push_back(static_cast<std::uint8_t>(bits >> count & 0xff));
-    }
-  }
-  return bytes;
-}
-
 GltfDocument readGltfDocument(const InputFiles& files) {
   const std::vector<std::uint8_t> bytes = files.readInput();
   if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
@@ -326,7 +226,7 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   checkVersionAndExtensions(files, root);
   for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
   document.unknown_accessors = hideUnknownAccessors(root);
-  loadBuffers(files, root, container, document);
+  loadBuffers(files, root, container.binary, document);
   unpackMeshopt(files, root, document);
   unpackDraco(files, root, document);
   document.images = listImages(files, root);

@@ -2,7 +2,9 @@
 // Checked access to the JSON of a glTF file. Only the two files that prepare the document see JSON.
 #pragma once
 
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,14 @@ Json& objects(const InputFiles& files, Json& parent, const char* name, const std
 std::uint64_t wholeNumber(const InputFiles& files, const Json& object, const char* name, std::uint64_t fallback, const std::string& place);
 // extensions.NAME of an object, if it is there and an object.
 Json* extension(Json& object, const char* name);
+
+// The BIN chunk of a GLB file.
+struct GltfBinary {
+  bool is_glb = false;
+  std::optional<std::span<const std::uint8_t>> chunk;
+};
+// Fills document.buffers, missing, and what there is to say of them. What leaves the input's folder is refused.
+void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& binary, GltfDocument& document);
 
 // What the document does against the specification and a reader can live with: one line a kind of fault, few in all.
 std::vector<std::string> findFlaws(const Json& root);

@@ -126,6 +126,8 @@ void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document) {
         DracoMesh mesh;
         try {
           mesh = decodeDraco(bytes, ids);
+        } catch (const DracoUnsupported& error) {
+          refuse(Exit::kUnsupported, files.input(), place, error.what());
         } catch (const DracoError& error) {
           refuse(Exit::kInvalid, files.input(), place, error.what());
         }

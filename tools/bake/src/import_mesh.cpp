@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// OBJ, PLY, STL and OFF files: one part, in the file's units, as it stands.
+// OBJ, PLY, STL, OFF and Draco files: one part, in the file's units, as it stands.
 #include "import_mesh.h"
 
 #include <algorithm>
@@ -19,9 +19,10 @@ bool startsWith(std::span<const std::uint8_t> bytes, std::string_view magic) {
 // What a file is by its first bytes, where those say so; the readers below are lenient and would find "no faces".
 std::string_view otherFormat(std::span<const std::uint8_t> bytes) {
   using namespace std::string_view_literals;
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kMagic = {{{"\x89PNG"sv, "a PNG image"sv},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kMagic = {{{"\x89PNG"sv, "a PNG image"sv},
                                                                                      {"\xff\xd8\xff"sv, "a JPEG image"sv},
                                                                                      {"glTF"sv, "a GLB file"sv},
+                                                                                     {"DRACO"sv, "a Draco file"sv},
                                                                                      {"PK\x03\x04"sv, "a ZIP archive"sv},
                                                                                      {"\x1f\x8b"sv, "a gzip archive"sv},
                                                                                      {"BLENDER"sv, "a Blender file"sv},
@@ -40,7 +41,7 @@ std::span<const std::uint8_t> withoutMark(std::span<const std::uint8_t> bytes) {
 
 void checkContent(const InputFiles& files, std::span<const std::uint8_t> bytes, const std::string& extension) {
   if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
-  const std::string_view other = otherFormat(bytes);
+  const std::string_view other = extension == ".drc" && startsWith(bytes, "DRACO") ? std::string_view() : otherFormat(bytes);
   std::string format = extension.substr(1);
   std::transform(format.begin(), format.end(), format.begin(), [](char c) { return static_cast<char>(c - 'a' + 'A'); });
   if (!other.empty()) refuse(Exit::kInvalid, files.input(), "", "does not look like " + format + " but like " + std::string(other) + "; give the file its right extension");
@@ -67,6 +68,7 @@ SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   if (extension == ".obj") readObj(files, bytes, out, soup);
   else if (extension == ".ply") readPly(files, bytes, out, soup);
   else if (extension == ".stl") readStl(files, bytes, out, soup);
+  else if (extension == ".drc") readDrc(files, bytes, out, soup);
   else readOff(files, bytes, out, soup);
   noteDropped(soup, out);
   if (soup.triangles() == 0) {

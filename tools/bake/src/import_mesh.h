@@ -18,6 +18,9 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
 // OFF, COFF and NOFF as text.
 void readOff(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup);
 
+// Draco files: a mesh's positions and colours.
+void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup);
+
 // A polygon as its corners' vertices; colours are linear and may be empty.
 struct IndexedMesh {
   std::vector<glm::vec3> positions;
