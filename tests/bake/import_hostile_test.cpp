@@ -8,11 +8,10 @@
 namespace kelp::bake::test {
 namespace {
 
-// True when a model came out. Anything but a BakeError of one line fails the test.
+// True when a model with something in it came out. Anything but a BakeError of one line fails the test.
 bool survive(const std::filesystem::path& path) {
   try {
-    importFile(path, {});
-    return true;
+    return !importFile(path, {}).parts.empty();
   } catch (const BakeError& error) {
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << path;
     EXPECT_LT(std::string(error.what()).size(), 6000u) << path;
@@ -35,6 +34,7 @@ TEST(ImportHostile, KnownBadFiles) {
     if (survive(entry.path())) accepted.push_back(entry.path().filename().string());
   }
   EXPECT_GT(files, 80);
+  // What the files' own reports say is tested with the program, tests/cli/kelp_bake_hostile_test.py.
   // Sound geometry beside values of a wrong type that it does not need, and one bad line of an otherwise good OBJ.
   for (const std::string& name : accepted) EXPECT_TRUE(name.rfind("bad", 0) == 0 || name == "malformed2.obj") << name;
 }

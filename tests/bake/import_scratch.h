@@ -125,6 +125,17 @@ class GltfMaker {
     indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
   }
 
+  // An accessor over bytes of its own; `more` is further members of it.
+  int add(const std::string& bytes, int component, std::size_t count, const char* type, const std::string& more = "") {
+    const std::string comma = next_ == 0 ? "" : ",";
+    views_ += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(buffer_.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) + "}";
+    accessors_ += comma + R"({"bufferView":)" + std::to_string(next_) + R"(,"componentType":)" + std::to_string(component) + R"(,"count":)" + std::to_string(count) +
+                  R"(,"type":")" + type + "\"" + (more.empty() ? "" : "," + more) + "}";
+    buffer_ += bytes;
+    buffer_.resize((buffer_.size() + 3) / 4 * 4);
+    return next_++;
+  }
+
   // `rest` is the other members of the root object.
   std::string text(const std::string& rest) const {
     return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(buffer_.size()) + R"(,"uri":"data:application/octet-stream;base64,)" +
@@ -133,15 +144,6 @@ class GltfMaker {
   static std::string boxMesh() { return R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])"; }
 
  private:
-  int add(const std::string& bytes, int component, std::size_t count, const char* type) {
-    const std::string comma = next_ == 0 ? "" : ",";
-    views_ += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(buffer_.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) + "}";
-    accessors_ += comma + R"({"bufferView":)" + std::to_string(next_) + R"(,"componentType":)" + std::to_string(component) + R"(,"count":)" + std::to_string(count) +
-                  R"(,"type":")" + type + R"("})";
-    buffer_ += bytes;
-    buffer_.resize((buffer_.size() + 3) / 4 * 4);
-    return next_++;
-  }
   std::string buffer_, views_, accessors_;
   int next_ = 0;
 };

@@ -125,12 +125,12 @@ SparseRange sparseRange(const GltfModel& model, const tinygltf::Accessor& access
   return out;
 }
 
-void applySparse(const GltfModel& model, const tinygltf::Accessor& accessor, const std::string& place, GltfValues& out) {
+void applySparse(const GltfModel& model, const tinygltf::Accessor& accessor, bool normalized, const std::string& place, GltfValues& out) {
   const std::size_t one = componentSize(accessor.componentType), width = static_cast<std::size_t>(out.components);
   const SparseRange sparse = sparseRange(model, accessor, one * width, place);
   for (std::size_t i = 0; i < sparse.count; ++i)
     for (std::size_t c = 0; c < width; ++c)
-      out.values[sparse.element(i) * width + c] = component(sparse.values.data + i * sparse.values.stride + c * one, accessor.componentType, accessor.normalized);
+      out.values[sparse.element(i) * width + c] = component(sparse.values.data + i * sparse.values.stride + c * one, accessor.componentType, normalized);
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ std::span<const std::uint8_t> readView(const GltfModel& model, int view_index, c
   return {bytes.data() + view.byteOffset, view.byteLength};
 }
 
-GltfValues readValues(const GltfModel& model, int index, const std::string& user) {
+GltfValues readValues(const GltfModel& model, int index, const std::string& user, bool fractions) {
   const tinygltf::Accessor& accessor = findAccessor(model, index, user);
   const std::string place = placeOf("accessors", static_cast<std::size_t>(index));
   GltfValues out;
@@ -156,6 +156,7 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   const std::size_t one = componentSize(accessor.componentType), width = static_cast<std::size_t>(out.components);
   if (one == 0 || width == 0) model.refuse(place, "has a type that " + user + " can not use");
   if (accessor.count > (accessor.bufferView < 0 ? kMaxZeroElements : kMaxElements)) model.refuse(place, "has more elements than kelp reads");
+  const bool normalized = accessor.normalized || fractions;
   if (accessor.bufferView < 0) {
     out.values.assign(out.count * width, 0.0f);
   } else {
@@ -163,9 +164,9 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
     out.values.resize(out.count * width);
     for (std::size_t i = 0; i < out.count; ++i)
       for (std::size_t c = 0; c < width; ++c)
-        out.values[i * width + c] = component(elements.data + i * elements.stride + c * one, accessor.componentType, accessor.normalized);
+        out.values[i * width + c] = component(elements.data + i * elements.stride + c * one, accessor.componentType, normalized);
   }
-  if (accessor.sparse.isSparse) applySparse(model, accessor, place, out);
+  if (accessor.sparse.isSparse) applySparse(model, accessor, normalized, place, out);
   return out;
 }
 

@@ -15,8 +15,8 @@ int attributeOf(const tinygltf::Primitive& primitive, const std::string& name) {
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count, const std::string& place, const char* name) {
-  GltfValues values = readValues(model, accessor, place + "." + name);
+GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count, const std::string& place, const char* name, bool fractions = false) {
+  GltfValues values = readValues(model, accessor, place + "." + name, fractions);
   if (values.components < least || values.components > most) model.refuse(place, std::string(name) + " has the wrong number of components");
   if (values.count != count)
     model.refuse(place, std::string(name) + " has " + std::to_string(values.count) + " values for " + std::to_string(count) + " vertices");
@@ -88,7 +88,7 @@ class PrimitiveReader {
       if (accessor >= 0) uvs = readSized(model_, accessor, 2, 2, count, place, name.c_str());
       else model_.note(place + ": its material has a texture but it has no " + name + ": the texture's corner is used");
     }
-    if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0) colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0");
+    if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0) colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
 
     std::vector<std::uint32_t> indices;
     if (primitive.indices >= 0) {

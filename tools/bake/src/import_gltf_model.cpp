@@ -38,7 +38,7 @@ void checkNode(const GltfModel& model, std::size_t index) {
 int findScene(const GltfModel& model, const std::string& wanted) {
   const auto& scenes = model.data.scenes;
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    if (scenes[i].name == wanted) return static_cast<int>(i);
+    if (!wanted.empty() && scenes[i].name == wanted) return static_cast<int>(i);
   int index = -1;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
   if (error == std::errc() && end == wanted.data() + wanted.size() && index >= 0 && index < static_cast<int>(scenes.size())) return index;

@@ -65,7 +65,8 @@ struct GltfValues {
   std::vector<float> values;  // components each; normalised integers scaled
   float at(std::size_t element, int component) const { return values[element * static_cast<std::size_t>(components) + static_cast<std::size_t>(component)]; }
 };
-GltfValues readValues(const GltfModel& model, int accessor, const std::string& user);
+// With `fractions`, integers count as normalised whether the file says so or not.
+GltfValues readValues(const GltfModel& model, int accessor, const std::string& user, bool fractions = false);
 std::vector<std::uint32_t> readIndices(const GltfModel& model, int accessor, const std::string& user);
 // Bytes of a buffer view (for images).
 std::span<const std::uint8_t> readView(const GltfModel& model, int view, const std::string& user);

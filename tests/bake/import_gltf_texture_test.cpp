@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Textures of glTF files: which picture, where on it, and the material workflows that name it.
+#include <cmath>
+
+#include <webp/encode.h>
+
+#include "import_scratch.h"
+
+namespace kelp::bake::test {
+namespace {
+
+using Texels = std::vector<std::array<std::uint8_t, 4>>;
+
+std::string webp(const Texels& texels, int width) {
+  std::uint8_t* out = nullptr;
+  const std::size_t size = WebPEncodeLosslessRGBA(texels[0].data(), width, static_cast<int>(texels.size()) / width, 4 * width, &out);
+  const std::string bytes(reinterpret_cast<const char*>(out), size);
+  WebPFree(out);
+  return bytes;
+}
+
+// Uncompressed true colour with alpha, first row at the top.
+std::string tga(const Texels& texels, int width) {
+  const auto height = texels.size() / static_cast<std::size_t>(width);
+  std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
+  bytes += {static_cast<char>(width), 0, static_cast<char>(height), 0, 32, 0x28};
+  for (const auto& t : texels) bytes += {static_cast<char>(t[2]), static_cast<char>(t[1]), static_cast<char>(t[0]), static_cast<char>(t[3])};
+  return bytes;
+}
+
+std::string dataUri(const std::string& bytes) { return "data:image/x;base64," + base64(bytes); }
+
+const Texels kRedGreen = {{255, 0, 0, 255}, {0, 255, 0, 255}};
+const Texels kBlue = {{0, 0, 255, 255}};
+
+// A box with one material; `members` of the root: textures, images, samplers.
+class Textured : public ::testing::Test {
+ protected:
+  SourceModel import(const std::string& material, const std::string& members) {
+    return importFile(write(material, members), {});
+  }
+  std::filesystem::path write(const std::string& material, const std::string& members) {
+    GltfMaker maker;
+    maker.addBox();
+    std::vector<float> uvs;
+    for (int i = 0; i < 8; ++i) uvs.insert(uvs.end(), {i & 1 ? 1.0f : 0.0f, i & 2 ? 1.0f : 0.0f});
+    maker.floats(uvs, 2);
+    for (float& uv : uvs) uv = 0.25f;
+    maker.floats(uvs, 2);
+    return scratch_.write("model.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2,"TEXCOORD_1":3},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
+                                                   material + "}]" + (members.empty() ? "" : "," + members)));
+  }
+  static std::string plain(const std::string& more = "") { return R"("pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0)" + more + "}}"; }
+  static std::string images(const std::vector<std::string>& uris) {
+    std::string text;
+    for (const std::string& uri : uris) text += (text.empty() ? R"({"uri":")" : R"(,{"uri":")") + uri + "\"}";
+    return "\"images\":[" + text + "]";
+  }
+
+  Scratch scratch_;
+};
+
+TEST_F(Textured, WebpPicturesAreRead) {
+  const std::string extension = R"("textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}],"extensionsUsed":["EXT_texture_webp"],"extensionsRequired":["EXT_texture_webp"],)";
+  const SourceModel model = import(plain(), extension + images({dataUri(webp(kRedGreen, 2))}));
+  ASSERT_EQ(model.images.size(), 1u);
+  EXPECT_EQ(model.images[0].width, 2);
+  EXPECT_EQ(model.images[0].rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 255}));
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  // Beside the file, and named as if it were a plain one.
+  scratch_.write("picture.webp", webp(kBlue, 1));
+  EXPECT_EQ(import(plain(), R"("textures":[{"source":0}],)" + images({"picture.webp"})).images.at(0).rgba, (std::vector<std::uint8_t>{0, 0, 255, 255}));
+}
+
+TEST_F(Textured, ADamagedWebpPictureGivesWayToThePlainOne) {
+  const std::string textures = R"("textures":[{"source":1,"extensions":{"EXT_texture_webp":{"source":0}}}],)";
+  const std::string good = webp(kRedGreen, 2);
+  EXPECT_EQ(import(plain(), textures + images({dataUri(good), dataUri(tga(kBlue, 1))})).images.at(0).width, 2);
+  const SourceModel model = import(plain(), textures + images({dataUri(good.substr(0, good.size() - 4)), dataUri(tga(kBlue, 1))}));
+  EXPECT_EQ(model.images.at(0).rgba, (std::vector<std::uint8_t>{0, 0, 255, 255}));
+  EXPECT_TRUE(anyContains(model.notices, "images[0]: is a WebP picture that can not be decoded"));
+}
+
+TEST_F(Textured, BasisTexturesFallBackOrAreRefused) {
+  const std::string required = R"("extensionsUsed":["KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"],)";
+  const std::string both = images({"absent.ktx2", dataUri(tga(kBlue, 1))});
+  EXPECT_EQ(import(plain(), required + R"("textures":[{"source":1,"extensions":{"KHR_texture_basisu":{"source":0}}}],)" + both).images.size(), 1u);
+  const std::string alone = R"("textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],)";
+  EXPECT_TRUE(contains(refusal(write(plain(), required + alone + both), Exit::kUnsupported), "textures[0]: is in KTX2 alone (KHR_texture_basisu)"));
+  // What no voxel shows may be as it likes.
+  EXPECT_EQ(import(R"("normalTexture":{"index":0})", required + alone + both).materials[0].texture, -1);
+}
+
+TEST_F(Textured, CoordinateSetsAndTransformsAreThoseOfTheTexture) {
+  const std::string rest = R"("textures":[{"source":0}],)" + images({dataUri(tga(kRedGreen, 2))});
+  const SourceModel second = import(plain(R"(,"texCoord":1)"), rest);
+  for (const glm::vec2& corner : second.parts[0].soup.uvs.at(0)) EXPECT_EQ(corner, glm::vec2(0.25f));
+  // The example of KHR_texture_transform: the lower left quadrant of the picture, turned clockwise by a quarter.
+  const SourceModel turned = import(plain(R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1.57079632679,"scale":[0.5,0.5]}})"), rest);
+  const SourceModel as_is = import(plain(), rest);
+  ASSERT_EQ(turned.parts[0].soup.uvs.size(), 12u);
+  for (std::size_t t = 0; t < 12; ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const glm::vec2 from = as_is.parts[0].soup.uvs[t][c], to = turned.parts[0].soup.uvs[t][c];
+      EXPECT_NEAR(to.x, 0.5f * from.y, 1e-6);
+      EXPECT_NEAR(to.y, 1 - 0.5f * from.x, 1e-6);
+    }
+  }
+  // Its texCoord overrides the texture's.
+  const SourceModel moved = import(plain(R"(,"extensions":{"KHR_texture_transform":{"texCoord":1,"offset":[0.5,0]}})"), rest);
+  for (const glm::vec2& corner : moved.parts[0].soup.uvs.at(0)) EXPECT_EQ(corner, glm::vec2(0.75f, 0.25f));
+}
+
+TEST_F(Textured, SamplersSayHowToWrapAndFilter) {
+  const std::string rest = R"("textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728}],)" + images({dataUri(tga(kRedGreen, 2))});
+  const SurfaceMaterial material = import(plain(), rest).materials[0];
+  EXPECT_EQ(material.wrap_u, Wrap::kClamp);
+  EXPECT_EQ(material.wrap_v, Wrap::kMirror);
+  EXPECT_TRUE(material.nearest);
+  const SurfaceMaterial standard = import(plain(), R"("textures":[{"source":0}],)" + images({dataUri(tga(kRedGreen, 2))})).materials[0];
+  EXPECT_EQ(standard.wrap_u, Wrap::kRepeat);
+  EXPECT_EQ(standard.wrap_v, Wrap::kRepeat);
+  EXPECT_FALSE(standard.nearest);
+}
+
+TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
+  const auto import = [&](const std::string& value, const std::string& rest = "") { return Textured::import(R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{)" + value + "}}", rest); };
+  const SurfaceMaterial paint = import(R"("diffuseFactor":[0.8,0.2,0.1,1],"specularFactor":[0.04,0.04,0.04],"glossinessFactor":0.75)").materials[0];
+  EXPECT_EQ(paint.base_color, glm::vec4(0.8f, 0.2f, 0.1f, 1));
+  EXPECT_EQ(paint.metallic, 0.0f);
+  EXPECT_NEAR(paint.roughness, 0.25f, 1e-6);
+  // Gold: nothing is diffuse, all of its colour is specular.
+  const SurfaceMaterial gold = import(R"("diffuseFactor":[0,0,0,1],"specularFactor":[1,0.766,0.336],"glossinessFactor":0.5)").materials[0];
+  EXPECT_EQ(gold.base_color, glm::vec4(1, 0.766f, 0.336f, 1));
+  EXPECT_GT(gold.metallic, 0.9f);
+  // An exporter that wrote no specular half means the diffuse colour.
+  EXPECT_EQ(import(R"("diffuseFactor":[0.8,0.2,0.1,1])").materials[0].base_color, glm::vec4(0.8f, 0.2f, 0.1f, 1));
+  // A metal in its texture, whose alpha is the gloss and no transparency.
+  const SourceModel textured = import(R"("diffuseFactor":[0,0,0,1],"specularGlossinessTexture":{"index":0,"texCoord":1})", R"("textures":[{"source":0}],)" + images({dataUri(tga({{255, 200, 100, 51}}, 1))}));
+  ASSERT_EQ(textured.materials[0].texture, 0);
+  EXPECT_EQ(textured.images[0].rgba[3], 255);
+  EXPECT_NEAR(textured.materials[0].roughness, 0.8f, 1e-5);
+  EXPECT_EQ(textured.parts[0].soup.uvs.at(0)[0], glm::vec2(0.25f));
+}
+
+TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
+  const Scratch& scratch = scratch_;
+  scratch.write("secret.tga", tga(kBlue, 1));
+  EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""kelp-bake on files that were made to do harm. Usage: kelp_bake_hostile_test.py KELP_BAKE SOURCE_FOLDER [unittest options]
+
+The folder `hostile` of the assets is walked whole (skipped where it is absent); what Khronos' validator says of a file stands beside it as
+*.report.json. Every run has a gigabyte of address space and ten seconds."""
+import base64
+import json
+import os
+import resource
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+KELP_BAKE = os.path.abspath(sys.argv.pop(1))
+SOURCES = sys.argv.pop(1)
+ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
+GIGABYTE = 1 << 30
+SECONDS = 10
+
+# Bad files of a kind that a reader can go on from: a value of a wrong type that no voxel needs, one bad line of an otherwise good OBJ.
+WITH_A_WARNING = {"badExtension.gltf", "badNumber.gltf", "badObject.gltf", "badString.gltf", "badUint.gltf", "malformed2.obj"}
+
+
+def limits():
+    resource.setrlimit(resource.RLIMIT_AS, (GIGABYTE, GIGABYTE))
+
+
+class Hostile(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def write(self, name, content):
+        path = os.path.join(self.folder.name, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def bake(self, path, *arguments):
+        """The exit code and what was said."""
+        out = os.path.join(self.folder.name, "out.kelp")
+        command = [KELP_BAKE, path, "-o", out, "--resolution", "16", "--threads", "2", "--progress", "none", *arguments]
+        result = subprocess.run(command, capture_output=True, timeout=SECONDS, preexec_fn=limits)
+        text = result.stderr.decode(errors="replace")
+        self.assertIn(result.returncode, (0, 1, 2, 3, 5), f"{path}: {text}")
+        if result.returncode:
+            self.assertTrue(text.startswith("kelp-bake: ") and text.count("\n") == 1 and ";" in text, text)
+            self.assertNotIn("unexpected", text)
+        return result.returncode, text
+
+    def refused(self, code, path, *words):
+        got, text = self.bake(path)
+        self.assertEqual(got, code, text)
+        for word in words:
+            self.assertIn(word, text)
+
+    def test_the_hostile_folder(self):
+        root = os.path.join(ASSETS, "hostile")
+        if not os.path.isdir(root):
+            self.skipTest(f"assets are absent ({root}): set KELP_ASSETS")
+        seen = {"invalid": 0, "valid": 0, "unreported": 0}
+        for folder, _, names in sorted(os.walk(root)):
+            for name in sorted(names):
+                path = os.path.join(folder, name)
+                if not name.endswith((".gltf", ".glb", ".obj", ".ply", ".off", ".stl")):
+                    continue
+                code, text = self.bake(path)
+                warned = "kelp-bake: warning: " in text
+                report = path + ".report.json"
+                if not os.path.exists(report):
+                    seen["unreported"] += 1
+                    self.assertEqual(code, 0 if name in WITH_A_WARNING else 3, text)
+                    self.assertTrue(code == 3 or warned, text)
+                    continue
+                with open(report) as file:
+                    errors = json.load(file)["issues"]["numErrors"]
+                if errors:
+                    seen["invalid"] += 1
+                    self.assertTrue(code == 3 or (code == 0 and warned), f"{path}: {code}: {text}")
+                else:
+                    # Nothing is wrong with it; those without a mesh hold nothing to bake, and that is all there is to say.
+                    seen["valid"] += 1
+                    self.assertIn(code, (0, 5), f"{path}: {text}")
+                    self.assertTrue(code == 0 or "its scene has no mesh" in text, text)
+        self.assertGreater(seen["invalid"], 40)
+        self.assertGreater(seen["valid"], 15)
+        self.assertGreater(seen["unreported"], 10)
+
+    def gltf(self, members, positions=(0, 0, 0, 1, 0, 0, 0, 1, 0)):
+        data = struct.pack(f"<{len(positions)}f", *positions)
+        document = {
+            "asset": {"version": "2.0"},
+            "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+            "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(positions) // 3, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "nodes": [{"mesh": 0}],
+        }
+        document.update(members)
+        return json.dumps(document)
+
+    def test_uris_stay_in_the_folder(self):
+        self.write("secret.bin", bytes(36))
+        self.write("secret.png", b"\x89PNG")
+        escapes = ["../secret.bin", "a/../../secret.bin", "%2e%2e/secret.bin", "..%2fsecret.bin", "/etc/passwd", "file:///etc/passwd", "..\\secret.bin", "http://localhost/secret.bin"]
+        for uri in escapes:
+            path = self.write("inner/buffer.gltf", self.gltf({"buffers": [{"byteLength": 36, "uri": uri}]}))
+            self.refused(3, path, "only files beside the input are read")
+        picture = {"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+                   "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]}
+        for uri in escapes:
+            path = self.write("inner/picture.gltf", self.gltf({"images": [{"uri": uri}], **picture}))
+            self.refused(3, path, "only files beside the input are read")
+
+    def test_what_a_file_requires_and_kelp_does_not_know_is_named(self):
+        path = self.write("required.gltf", self.gltf({"extensionsUsed": ["EXT_somewhere_else"], "extensionsRequired": ["EXT_somewhere_else"]}))
+        self.refused(5, path, "EXT_somewhere_else")
+        path = self.write("used.gltf", self.gltf({"extensionsUsed": ["EXT_somewhere_else"]}))
+        self.assertEqual(self.bake(path)[0], 0)
+
+    def test_sizes_that_are_lies(self):
+        header = b"solid".ljust(80) + struct.pack("<I", 0xffffffff)
+        self.refused(3, self.write("faces.stl", header + bytes(50)))
+        self.refused(3, self.write("vertices.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n"))
+        self.refused(3, self.write("vertices.off", "OFF\n4000000000 4000000000 0\n0 0 0\n"))
+        self.refused(3, self.write("deep.gltf", '{"asset":{"version":"2.0"},"extras":' + "[" * 200000))
+        self.refused(3, self.write("long.glb", b"glTF" + struct.pack("<III", 2, 0xffffffff, 0xfffffff0) + b"JSON{}"))
+        accessor = {"bufferView": 0, "componentType": 5126, "count": 4294967295, "type": "VEC3"}
+        self.refused(3, self.write("count.gltf", self.gltf({"accessors": [accessor]})))
+        counts = b"\xff\xff\xff\x88\x01"  # 286 million
+        self.refused(3, self.write("faces.drc", b"DRACO\x02\x02\x01\x00\x00\x00" + counts + counts + bytes(40)))
+        self.refused(3, self.write("metadata.drc", b"DRACO\x02\x02\x01\x00\x00\x80" + b"\x00\x01\x01a\xff\xff\xff\x7f" + bytes(40)))
+        self.refused(5, self.write("points.drc", b"DRACO\x02\x02\x00\x00\x00\x00" + bytes(40)))
+
+    def test_a_picture_of_terapixels_is_left_out(self):
+        def chunk(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        picture = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1 << 20, 1 << 20, 8, 6, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(bytes(1000)))
+        webp = b"RIFF" + struct.pack("<I", 22) + b"WEBPVP8X" + struct.pack("<I", 10) + bytes(4) + b"\xff\xff\xff\xff\xff\x0f"
+        for data in (picture, webp):
+            document = self.gltf({"images": [{"uri": "data:image/png;base64," + base64.b64encode(data).decode()}], "textures": [{"source": 0}],
+                                  "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+                                  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]})
+            code, text = self.bake(self.write("large.gltf", document))
+            self.assertEqual(code, 0, text)
+            self.assertIn("the colour factor alone is used", text)
+
+
+if __name__ == "__main__":
+    unittest.main()
