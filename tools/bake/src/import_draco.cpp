@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 
+#include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
 
 namespace kelp::bake {
@@ -99,6 +101,16 @@ float largestOf(draco::DataType type) {
   }
 }
 
+// Positions come as the integers that were stored, so that it is known how far they may be off.
+void scaleBack(const draco::PointAttribute& attribute, DracoMesh::Attribute& out) {
+  draco::AttributeQuantizationTransform transform;
+  if (!transform.InitFromAttribute(attribute)) throw DracoError("has positions whose scale is missing; the data are damaged");
+  const int bits = transform.quantization_bits();
+  if (bits < 1 || bits > 30 || !std::isfinite(transform.range())) throw DracoError("has positions whose scale is damaged");
+  out.step = transform.range() / static_cast<float>((std::int64_t{1} << bits) - 1);
+  for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = out.values[i] * out.step + transform.min_value(static_cast<int>(i % static_cast<std::size_t>(out.components)));
+}
+
 DracoMesh::Attribute readAttribute(const draco::Mesh& mesh, const draco::PointAttribute& attribute) {
   DracoMesh::Attribute out;
   out.components = attribute.num_components();
@@ -113,6 +125,8 @@ DracoMesh::Attribute readAttribute(const draco::Mesh& mesh, const draco::PointAt
     float* to = out.values.data() + width * point.value();
     if (!attribute.ConvertValue<float>(value, static_cast<std::int8_t>(out.components), to)) throw DracoError("has an attribute of an unknown type");
   }
+  const draco::AttributeTransformData* transform = attribute.GetAttributeTransformData();
+  if (transform && transform->transform_type() == draco::ATTRIBUTE_QUANTIZATION_TRANSFORM) scaleBack(attribute, out);
   return out;
 }
 
@@ -122,6 +136,7 @@ std::unique_ptr<draco::Mesh> decodeMesh(std::span<const std::uint8_t> bytes, Dra
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
+  decoder.SetSkipAttributeTransform(draco::GeometryAttribute::POSITION);
   draco::StatusOr<std::unique_ptr<draco::Mesh>> decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw DracoError(std::string("can not be decoded: ") + decoded.status().error_msg());
   std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();

@@ -23,6 +23,7 @@ struct DracoMesh {
   struct Attribute {
     int components = 0;          // 1 to 4
     bool normalized = false;     // integers were scaled to 0..1 or -1..1 as the stream asks
+    float step = 0;              // to which the encoder rounded the values; 0: not at all
     float largest = 1;           // what integers that were not scaled count to
     std::vector<float> values;   // components a point
   };

@@ -170,6 +170,19 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   return out;
 }
 
+float stepOf(const GltfModel& model, int index) {
+  if (const auto found = model.document.steps.find(index); found != model.document.steps.end()) return found->second;
+  const tinygltf::Accessor& accessor = model.data.accessors[static_cast<std::size_t>(index)];
+  const bool fraction = accessor.normalized;
+  switch (accessor.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE: return fraction ? 1.0f / 127 : 1.0f;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return fraction ? 1.0f / 255 : 1.0f;
+    case TINYGLTF_COMPONENT_TYPE_SHORT: return fraction ? 1.0f / 32767 : 1.0f;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return fraction ? 1.0f / 65535 : 1.0f;
+    default: return 0;
+  }
+}
+
 std::vector<std::uint32_t> readIndices(const GltfModel& model, int index, const std::string& user) {
   const tinygltf::Accessor& accessor = findAccessor(model, index, user);
   const std::string place = placeOf("accessors", static_cast<std::size_t>(index));

@@ -22,6 +22,7 @@ struct GltfDocument {
   std::string json;                                  // without `buffers` and `images`: those are below
   std::vector<std::vector<std::uint8_t>> buffers;
   std::map<std::size_t, BakeError> missing;          // buffers that can not be had, and why: an error for whoever reads from them
+  std::map<int, float> steps;                        // of accessors that Draco rounded: how far apart two neighbouring values are
   std::set<int> unknown_accessors;                   // of types that glTF 2.0 does not have
   std::vector<ImageSource> images;
   std::map<std::string, std::string> rigs;           // the text of every extras.kelp, by its owner: "nodes[3]", "asset", "" (the root)

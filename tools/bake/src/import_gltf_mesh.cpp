@@ -61,6 +61,8 @@ class PrimitiveReader {
       to_part_ = from_world * model.world[static_cast<std::size_t>(node)];
       flip_ = glm::determinant(glm::dmat3(to_part_)) < 0;
     }
+    const glm::dmat3 linear(joints_.empty() ? to_part_ : joints_[0]);
+    scale_ = static_cast<float>(std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])}));
   }
 
   void read(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
@@ -76,6 +78,7 @@ class PrimitiveReader {
     }
     const std::vector<glm::vec3> positions = readPositions(primitive, position, place);
     const std::size_t count = positions.size();
+    soup.roundedTo(stepOf(model_, position) * scale_);
 
     SoupBuilder::Triangle triangle;
     if (primitive.material >= static_cast<int>(model_.data.materials.size())) model_.refuse(place, "names a material that does not exist");
@@ -178,6 +181,7 @@ class PrimitiveReader {
   const tinygltf::Node& node_;
   glm::dmat4 to_part_{1};
   std::vector<glm::dmat4> joints_;
+  float scale_ = 1;  // the most that a length grows on its way to the part
   bool flip_ = false;
 };
 

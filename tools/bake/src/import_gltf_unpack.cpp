@@ -139,6 +139,7 @@ void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document) {
         for (auto& [name, attribute] : mesh.attributes) {
           applyNormalization(files, root, primitives[p], name, attribute, place);
           unpacked.attributes[name] = accessors.size();
+          if (attribute.step > 0) document.steps[static_cast<int>(accessors.size())] = attribute.step;
           accessors.push_back({{"bufferView", appendView(root, buffers, asBytes(attribute.values))}, {"componentType", 5126},
                                {"count", attribute.values.size() / static_cast<std::size_t>(attribute.components)},
                                {"type", kVectorTypes[attribute.components - 1]}});

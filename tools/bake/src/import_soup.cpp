@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import_soup.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -79,9 +80,17 @@ bool SoupBuilder::add(const Triangle& triangle) {
   return true;
 }
 
+void SoupBuilder::roundedTo(float step) {
+  if (!(step >= 0) || !std::isfinite(step)) return;
+  step_ = std::max(step_, step);
+  ++pieces_;
+}
+
 TriangleSoup SoupBuilder::take() {
   index_.clear();
   soup_.dropped = non_finite_ + degenerate_;
+  // Either side may be half a step off along every axis.
+  if (step_ > 0 && pieces_ > 1) closeSeams(soup_, 1.01f * std::sqrt(3.0f) * step_);
   return std::move(soup_);
 }
 
@@ -94,7 +103,8 @@ std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
   // Ear clipping is cubic in the worst case; beyond this size a fan is drawn instead, as every reader of such files does.
   constexpr std::size_t kMaxEars = 2048;
-  std::size_t at = 0, tried = 0;
+  // From the second corner on: what is convex becomes a fan around the first, as every other reader cuts it, and quads are seldom flat.
+  std::size_t at = 1, tried = 0;
   while (left.size() > 3) {
     const std::size_t n = left.size();
     const std::uint32_t a = left[(at + n - 1) % n], b = left[at % n], c = left[(at + 1) % n];

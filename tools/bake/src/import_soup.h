@@ -32,6 +32,10 @@ class SoupBuilder {
   // False when kMaxTriangles are reached.
   bool add(const Triangle& triangle);
 
+  // The triangles that follow come from numbers that a compressor rounded to this step, on a grid of their own. Where such pieces meet, they
+  // do so no longer: take() closes the seams between them.
+  void roundedTo(float step);
+
   std::size_t triangles() const { return soup_.triangles.size(); }
   std::size_t droppedNonFinite() const { return non_finite_; }
   std::size_t droppedDegenerate() const { return degenerate_; }
@@ -47,7 +51,12 @@ class SoupBuilder {
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> index_;
   std::size_t non_finite_ = 0;
   std::size_t degenerate_ = 0;
+  float step_ = 0;   // the coarsest
+  int pieces_ = 0;
 };
+
+// Moves vertices on open edges that lie within `reach` of each other onto one of them. Triangles that this leaves without an area go.
+void closeSeams(TriangleSoup& soup, float reach);
 
 // Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans. Answers corners of the polygon,
 // three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
