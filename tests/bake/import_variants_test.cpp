@@ -83,6 +83,20 @@ TEST(ImportVariants, PairsAmongTheAssets) {
   expectSameVoxels(bakeGrid(at("mesh/meshopt/pirate.obj"), 128), bakeGrid(at("gltf/meshopt/pirate.glb"), 128), "pirate", 2.0);
 }
 
+// A card of a millimetre beside a field of a kilometre: what the field's rounding would explain, the card's own does not.
+TEST(ImportVariants, RoundingClosesSeamsAndNothingElse) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.add(bytesOf(std::vector<std::uint16_t>{0, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 65535, 0, 65535, 0, 65535, 0}), 5123, 4, "VEC3");
+  maker.floats({0, 0.0005f, 0, 0.001f, 0.0005f, 0, 0, 0.0015f, 0, 0.001f, 0.0015f, 0}, 3);
+  maker.indices({0, 2, 1, 1, 2, 3});
+  std::string text = maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":2}]},{"primitives":[{"attributes":{"POSITION":1},"indices":2}]}],
+      "nodes":[{"mesh":0,"scale":[0.0152590,1,0.0152590]},{"mesh":1}])");
+  text.replace(text.find(R"("byteLength":32})"), 16, R"("byteLength":32,"byteStride":8})");
+  const SourceModel model = importFile(scratch.write("model.gltf", text), {});
+  EXPECT_EQ(model.parts.at(0).soup.triangles.size(), 4u);
+}
+
 // A .drc file on its own is the mesh that its glTF sibling holds, with its colours.
 TEST(ImportVariants, DracoFilesOnTheirOwn) {
   for (const char* asset : {"mesh/draco_testdata/test_pos_color.ply", "mesh/common3d/spot.obj"}) {

@@ -33,32 +33,51 @@ std::vector<std::uint32_t> openVertices(const TriangleSoup& soup) {
   return open;
 }
 
-// Points in cells as wide as the reach: what is near lies in a neighbouring cell.
-class NearbyPoints {
+// Points in cells as wide as the longest reach: what is near lies in a neighbouring cell.
+class Seams {
  public:
-  NearbyPoints(const std::vector<glm::vec3>& positions, float reach) : positions_(positions), reach_(reach) {}
+  Seams(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& piece, const std::vector<float>& steps)
+      : positions_(positions), piece_(piece), steps_(steps), cell_(reachOf(*std::max_element(steps.begin(), steps.end()), *std::max_element(steps.begin(), steps.end()))) {}
 
-  // The nearest point that was kept, within reach; else keeps this one and answers it.
-  std::uint32_t nearest(std::uint32_t point) {
+  // The nearest point that was kept and can be the same one; else keeps this one and answers it.
+  std::uint32_t join(std::uint32_t point) {
     const glm::dvec3 at(positions_[point]);
-    const glm::i64vec3 cell(glm::floor(at / static_cast<double>(reach_)));
-    std::uint32_t found = point;
-    double best = static_cast<double>(reach_);
+    const glm::i64vec3 cell(glm::floor(at / cell_));
+    Kept* found = nullptr;
+    double best = cell_;
     for (int i = 0; i < 27; ++i) {
       const auto entry = cells_.find(hash(cell + glm::i64vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
       if (entry == cells_.end()) continue;
-      for (std::uint32_t other : entry->second) {
-        const double distance = glm::length(glm::dvec3(positions_[other]) - at);
-        if (distance > best) continue;
+      for (Kept& other : entry->second) {
+        const double distance = glm::length(glm::dvec3(positions_[other.vertex]) - at);
+        if (distance > best || distance > reachOf(steps_[piece_[other.vertex]], steps_[piece_[point]])) continue;
+        // Two points of one piece are two points, however near to a third.
+        if (std::find(other.pieces.begin(), other.pieces.end(), piece_[point]) != other.pieces.end()) continue;
         best = distance;
-        found = other;
+        found = &other;
       }
     }
-    if (found == point) cells_[hash(cell)].push_back(point);
-    return found;
+    if (found) {
+      found->pieces.push_back(piece_[point]);
+      return found->vertex;
+    }
+    std::vector<Kept>& here = cells_[hash(cell)];
+    if (here.size() < kMostInCell) here.push_back({point, {piece_[point]}});
+    return point;
   }
 
  private:
+  // Where a coarse piece lies among fine ones, a cell may hold thousands of their points; a bound keeps the work linear.
+  static constexpr std::size_t kMostInCell = 64;
+
+  struct Kept {
+    std::uint32_t vertex;
+    std::vector<std::uint32_t> pieces;  // that have a vertex here
+  };
+
+  // Each side is at most half a step off along every axis.
+  static double reachOf(float a, float b) { return 1.01 * std::sqrt(3.0) * 0.5 * (static_cast<double>(a) + static_cast<double>(b)); }
+
   // Cells that share a number only cost time: distances decide.
   static std::uint64_t hash(const glm::i64vec3& cell) {
     std::uint64_t value = 0;
@@ -67,17 +86,19 @@ class NearbyPoints {
   }
 
   const std::vector<glm::vec3>& positions_;
-  float reach_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+  const std::vector<std::uint32_t>& piece_;
+  const std::vector<float>& steps_;
+  double cell_;
+  std::unordered_map<std::uint64_t, std::vector<Kept>> cells_;
 };
 
 }  // namespace
 
-void closeSeams(TriangleSoup& soup, float reach) {
+void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece, const std::vector<float>& steps) {
   std::vector<std::uint32_t> moved(soup.positions.size());
   for (std::uint32_t i = 0; i < moved.size(); ++i) moved[i] = i;
-  NearbyPoints points(soup.positions, reach);
-  for (std::uint32_t vertex : openVertices(soup)) moved[vertex] = points.nearest(vertex);
+  Seams seams(soup.positions, piece, steps);
+  for (std::uint32_t vertex : openVertices(soup)) moved[vertex] = seams.join(vertex);
   std::size_t kept = 0;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     TriangleSoup::Triangle triangle = soup.triangles[t];

@@ -50,7 +50,10 @@ std::uint32_t SoupBuilder::vertex(glm::vec3 position) {
   const std::array<std::uint32_t, 3> bits{std::bit_cast<std::uint32_t>(position.x), std::bit_cast<std::uint32_t>(position.y),
                                           std::bit_cast<std::uint32_t>(position.z)};
   const auto [entry, fresh] = index_.try_emplace(bits, static_cast<std::uint32_t>(soup_.positions.size()));
-  if (fresh) soup_.positions.push_back(position);
+  if (fresh) {
+    soup_.positions.push_back(position);
+    piece_.push_back(static_cast<std::uint32_t>(steps_.size() - 1));
+  }
   return entry->second;
 }
 
@@ -81,16 +84,13 @@ bool SoupBuilder::add(const Triangle& triangle) {
 }
 
 void SoupBuilder::roundedTo(float step) {
-  if (!(step >= 0) || !std::isfinite(step)) return;
-  step_ = std::max(step_, step);
-  ++pieces_;
+  steps_.push_back(step > 0 && std::isfinite(step) ? step : 0.0f);
 }
 
 TriangleSoup SoupBuilder::take() {
   index_.clear();
   soup_.dropped = non_finite_ + degenerate_;
-  // Either side may be half a step off along every axis.
-  if (step_ > 0 && pieces_ > 1) closeSeams(soup_, 1.01f * std::sqrt(3.0f) * step_);
+  if (*std::max_element(steps_.begin(), steps_.end()) > 0) closeSeams(soup_, piece_, steps_);
   return std::move(soup_);
 }
 

@@ -51,12 +51,13 @@ class SoupBuilder {
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> index_;
   std::size_t non_finite_ = 0;
   std::size_t degenerate_ = 0;
-  float step_ = 0;   // the coarsest
-  int pieces_ = 0;
+  std::vector<float> steps_{0};        // of each piece
+  std::vector<std::uint32_t> piece_;   // of each vertex: the first that has it
 };
 
-// Moves vertices on open edges that lie within `reach` of each other onto one of them. Triangles that this leaves without an area go.
-void closeSeams(TriangleSoup& soup, float reach);
+// Moves vertices on open edges of different pieces onto one of them where rounding to the pieces' steps explains the distance. Triangles that
+// this leaves without an area go.
+void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece, const std::vector<float>& steps);
 
 // Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans. Answers corners of the polygon,
 // three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
