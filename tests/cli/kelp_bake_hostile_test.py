@@ -134,6 +134,9 @@ class Hostile(unittest.TestCase):
         self.refused(3, self.write("count.gltf", self.gltf({"accessors": [accessor]})))
         counts = b"\xff\xff\xff\x88\x01"  # 286 million
         self.refused(3, self.write("faces.drc", b"DRACO\x02\x02\x01\x00\x00\x00" + counts + counts + bytes(40)))
+        # 60 million faces, and bytes enough to be believed by whoever believes a thousand faces a byte.
+        faces = b"\x80\x8e\xce\x1c"
+        self.refused(3, self.write("believable.drc", b"DRACO\x02\x02\x01\x01\x00\x00\x00" + faces + faces + bytes(60000)))
         self.refused(3, self.write("metadata.drc", b"DRACO\x02\x02\x01\x00\x00\x80" + b"\x00\x01\x01a\xff\xff\xff\x7f" + bytes(40)))
         self.refused(5, self.write("points.drc", b"DRACO\x02\x02\x00\x00\x00\x00" + bytes(40)))
 

@@ -6,8 +6,8 @@
 namespace kelp::bake {
 
 std::vector<std::uint8_t> decodeMeshopt(std::span<const std::uint8_t> bytes, const MeshoptView& view) {
-  // The codec needs at least a header byte for every 16 elements of a byte channel group: far more than this ratio is a lie.
-  constexpr std::uint64_t kMaxRatio = 1024;
+  // The codec spends two bits on every 16 bytes of a channel, even on zeros, and a byte on every triangle: more than twice that is a lie.
+  constexpr std::uint64_t kMaxRatio = 128;
   constexpr std::uint64_t kMaxBytes = std::uint64_t{2} << 30;
   const bool attributes = view.mode == "ATTRIBUTES";
   if (!attributes && view.mode != "TRIANGLES" && view.mode != "INDICES") throw MeshoptError("has an unknown mode");
