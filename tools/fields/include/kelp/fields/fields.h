@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kNoFeature = 0xffffffffu;
 // Largest side a volume may have, so that squared distances fit 32 bits.
 inline constexpr int kMaxSide = 32768;
 
-// Dense occupancy: 0 empty, 1 solid.
+// Dense occupancy: 0 empty, anything else solid.
 struct Occupancy {
   glm::ivec3 size{0};
   std::vector<std::uint8_t> solid;
@@ -35,6 +35,17 @@ struct Occupancy {
 // exact. Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al. 2003, in integers. Throws
 // std::invalid_argument on sizes that do not match or exceed kMaxSide.
 void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, std::span<std::uint32_t> squared, int threads);
+
+// The same for voxels of `spacing` along x, y and z, in any unit: the index (x + size.x (y + size.y z)) of a set voxel whose centre is nearest to voxel
+// i's, to the rounding of doubles where two are as near; kNoFeature if none is set. Plain loops on `threads` threads. Throws std::invalid_argument as above, for
+// spacings that are not above 0 and finite, and for volumes of 2^32 - 1 voxels and more.
+std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
+
+// The distance to it, in the unit of `spacing`; infinite if no voxel is set, 0 for set ones. Of cubes it is the root of squaredDistance, as fast.
+std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
+
+// The same, and for set voxels minus the distance to the nearest voxel that is not set, infinite if all are.
+std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
 
 // Occupancy dilated by one voxel in the 26-neighbourhood, clipped to the volume.
 std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Nearest voxels, distances and signed distances of voxels that are no cubes, against all pairs.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kelp/fields/fields.h"
+#include "volumes.h"
+
+namespace kelp::test {
+namespace {
+
+const glm::dvec3 kSpacings[] = {{1, 1, 1}, {0.25, 0.25, 0.25}, {1, 2.5, 0.3}, {1e-3, 7, 1}, {0.1, 0.1, 50}};
+
+glm::ivec3 voxelAt(std::size_t index, const glm::ivec3& size) {
+  const auto x = static_cast<std::size_t>(size.x), y = static_cast<std::size_t>(size.y);
+  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
+}
+
+long double squaredBetween(std::size_t a, std::size_t b, const glm::ivec3& size, const glm::dvec3& spacing) {
+  const glm::ivec3 gap = voxelAt(a, size) - voxelAt(b, size);
+  long double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) sum += (static_cast<long double>(spacing[axis]) * gap[axis]) * (static_cast<long double>(spacing[axis]) * gap[axis]);
+  return sum;
+}
+
+// To the nearest voxel that is `wanted`, over all of them.
+long double bruteSquared(const std::vector<std::uint8_t>& set, bool wanted, std::size_t from, const glm::ivec3& size, const glm::dvec3& spacing) {
+  long double nearest = std::numeric_limits<long double>::infinity();
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if ((set[i] != 0) == wanted) nearest = std::min(nearest, squaredBetween(from, i, size, spacing));
+  }
+  return nearest;
+}
+
+TEST(Nearest, IsAsNearAsAnyByBruteForce) {
+  for (const glm::dvec3& spacing : kSpacings) {
+    for (const double density : {0.0, 0.001, 0.02, 0.4, 1.0}) {
+      const auto volume = randomVolume({17, 13, 11}, density, 3);
+      const std::vector<std::uint32_t> nearest = fields::nearestSet(volume.solid, volume.size, spacing, 2);
+      const std::vector<float> distance = fields::distance(volume.solid, volume.size, spacing, 2);
+      const std::vector<float> both = fields::signedDistance(volume.solid, volume.size, spacing, 2);
+      for (std::size_t i = 0; i < nearest.size(); ++i) {
+        const long double squared = bruteSquared(volume.solid, true, i, volume.size, spacing);
+        if (std::isinf(squared)) {
+          ASSERT_EQ(nearest[i], fields::kNoFeature);
+          ASSERT_TRUE(std::isinf(distance[i]) && distance[i] > 0);
+          ASSERT_EQ(both[i], distance[i]);
+          continue;
+        }
+        ASSERT_TRUE(volume.solid[nearest[i]]);
+        ASSERT_LE(squaredBetween(i, nearest[i], volume.size, spacing), squared * (1 + 1e-14L)) << i << " at density " << density;
+        ASSERT_NEAR(distance[i], std::sqrt(squared), 1e-7L * std::sqrt(squared));
+        if (!volume.solid[i]) {
+          ASSERT_EQ(both[i], distance[i]);
+        } else if (const long double inside = bruteSquared(volume.solid, false, i, volume.size, spacing); std::isinf(inside)) {
+          ASSERT_TRUE(std::isinf(both[i]) && both[i] < 0);
+        } else {
+          ASSERT_NEAR(both[i], -std::sqrt(inside), 1e-7L * std::sqrt(inside));
+        }
+      }
+    }
+  }
+}
+
+TEST(Nearest, IsTheSameForAnyNumberOfThreads) {
+  const auto volume = randomVolume({60, 50, 70}, 0.001, 8);
+  const auto one = fields::nearestSet(volume.solid, volume.size, {1, 2, 3}, 1);
+  for (const int threads : {0, 2, 5}) EXPECT_EQ(fields::nearestSet(volume.solid, volume.size, {1, 2, 3}, threads), one);
+}
+
+TEST(Nearest, RefusesSpacingsThatAreNone) {
+  const std::vector<std::uint8_t> set(8, 1);
+  for (const double wrong : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    EXPECT_THROW(fields::nearestSet(set, {2, 2, 2}, {1, wrong, 1}, 1), std::invalid_argument);
+    EXPECT_THROW(fields::distance(set, {2, 2, 2}, glm::dvec3(wrong), 1), std::invalid_argument);
+    EXPECT_THROW(fields::signedDistance(set, {2, 2, 2}, {1, 1, wrong}, 1), std::invalid_argument);
+  }
+  EXPECT_THROW(fields::nearestSet(set, {2, 2, 3}, {1, 1, 1}, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace kelp::test
