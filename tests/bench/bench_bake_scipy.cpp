@@ -7,7 +7,12 @@
 
 namespace kelp::bench {
 
-bool haveScipy() { return std::system("python3 -c 'import scipy.ndimage' 2>/dev/null") == 0; }
+std::string python() {
+  const char* const named = std::getenv("PYTHON");
+  return named ? named : "python3";
+}
+
+bool haveScipy() { return std::system((python() + " -c 'import scipy.ndimage' 2>/dev/null").c_str()) == 0; }
 
 EdtRun runScipy(const fields::Occupancy& volume, const std::filesystem::path& scratch) {
   const std::filesystem::path in = scratch / "volume.raw", out = scratch / "squared.raw";
@@ -16,7 +21,7 @@ EdtRun runScipy(const fields::Occupancy& volume, const std::filesystem::path& sc
     file.write(reinterpret_cast<const char*>(volume.solid.data()), static_cast<std::streamsize>(volume.solid.size()));
   }
   EdtRun run;
-  const std::string command = std::string("python3 -B '") + KELP_BENCH_DIR + "/bench_bake_scipy.py' '" + in.string() + "' " + std::to_string(volume.size.x) + " " +
+  const std::string command = python() + " -B '" + KELP_BENCH_DIR + "/bench_bake_scipy.py' '" + in.string() + "' " + std::to_string(volume.size.x) + " " +
                               std::to_string(volume.size.y) + " " + std::to_string(volume.size.z) + " '" + out.string() + "'";
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (!pipe) return run;
