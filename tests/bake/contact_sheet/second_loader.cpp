@@ -30,7 +30,7 @@ class Reader {
   Reader(const aiScene& file, const std::filesystem::path& path) : file_(file), folder_(path.parent_path()), gltf_(isGltf(path)) {}
 
   Scene read() {
-    for (unsigned i = 0; i < file_.mNumMaterials; ++i) scene_.surfaces.push_back(surfaceOf(*file_.mMaterials[i]));
+    for (unsigned i = 0; i < file_.mNumMaterials; ++i) scene_.surfaces.push_back(surfaceOf(*file_.mMaterials[i], gltf_ && i + 1 == file_.mNumMaterials));
     placeNodes(*file_.mRootNode, glm::dmat4(1));
     for (const auto& [node, to_world] : nodes_) {
       for (unsigned i = 0; i < node->mNumMeshes; ++i) addMesh(*file_.mMeshes[node->mMeshes[i]], to_world);
@@ -52,7 +52,9 @@ class Reader {
     for (unsigned i = 0; i < node.mNumChildren; ++i) placeNodes(*node.mChildren[i], to_world);
   }
 
-  Surface surfaceOf(const aiMaterial& material) {
+  // For primitives without a material assimp puts one at the end of a glTF file's. By the format's defaults it is white metal; kelp documents that
+  // it takes it for white paint.
+  Surface surfaceOf(const aiMaterial& material, bool made_up) {
     Surface surface;
     aiColor3D color(1, 1, 1);
     aiColor4D base;
@@ -64,8 +66,7 @@ class Reader {
     // Where a plain file defines no material assimp makes up a grey one: there is nothing to compare with.
     if (!gltf_ && color == aiColor3D(0.6f, 0.6f, 0.6f)) color = aiColor3D(1, 1, 1);
     surface.color = glm::vec4(linear(vectorOf(color)), 1);
-    // What has no material would be white metal by glTF's defaults; kelp documents that it takes it for white paint.
-    if (gltf_ && material.GetName().length > 0 && std::strcmp(material.GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) != 0) {
+    if (gltf_ && !made_up) {
       material.Get(AI_MATKEY_METALLIC_FACTOR, surface.metallic);
       material.Get(AI_MATKEY_ROUGHNESS_FACTOR, surface.roughness);
     }
