@@ -59,6 +59,10 @@ Json partJson(const bake::Report::Part& part) {
                      {"turned_triangles", part.repairs.turned},
                      {"cap_triangles", part.repairs.cap_triangles},
                      {"kept_voxels", part.repairs.kept_voxels}};
+  json["components"] = Json::array();
+  for (const bake::Report::Component& c : part.components) {
+    json["components"].push_back({{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
+  }
   return json;
 }
 

@@ -243,6 +243,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       line.fill = std::move(result.fill);
       for (const std::string& notice : result.notices) notices.add(part.name, notice);
       line.repairs = result.counts;
+      line.components = std::move(result.components);
       line.closed = result.closed;
       line.voxel_size = frames[i].voxel_size * objectScale(part);
     }

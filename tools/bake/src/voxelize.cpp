@@ -5,6 +5,7 @@
 
 #include "fill_cutout.h"
 #include "fill_scan.h"
+#include "fill_reasons.h"
 #include "fill_thin.h"
 #include "kelp/fields/fields.h"
 #include "mesh_counts.h"
@@ -44,6 +45,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   result.grid.solid = std::move(occupancy.solid);
   result.closed = mesh.closed;
   result.fill = mesh.summary;
+  result.components = describeComponents(mesh, fill);
   result.notices = look.notices();
   result.counts = countFill(mesh, part.soup.triangles.size());
   result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(voxels.begin(), voxels.end(), kKept));

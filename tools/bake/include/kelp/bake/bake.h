@@ -77,6 +77,13 @@ struct FillCounts {
 
 // Seconds and numbers of a bake, for --report and the closing lines.
 struct Report {
+  // What hangs together by shared edges: why it became solid or stayed a surface.
+  struct Component {
+    std::uint64_t triangles = 0;
+    double surface_share = 0;  // of the part's area
+    bool solid = false;
+    std::string why;           // "closed", "holes of 2.2 % of its surface were capped", "open: ..."
+  };
   struct Stage {
     std::string name;
     double seconds = 0;
@@ -92,7 +99,9 @@ struct Report {
     MeshCounts mesh;         // zeros for volumes
     FillCounts repairs;
     std::string parent;      // the part that it follows; empty: none
+    std::vector<Component> components;  // the largest kMaxComponents, by area; empty for volumes
   };
+  static constexpr std::size_t kMaxComponents = 64;
   struct Clip {
     std::string name, part;
     float duration = 0, leaves_box = 0;
@@ -133,6 +142,7 @@ struct VoxelizeResult {
   VoxelGrid grid;
   bool closed = false;    // the mesh has no boundary edge after welding equal positions
   std::string fill;       // "solid" or "surface", and why
+  std::vector<Report::Component> components;  // see Report::Part
   std::vector<std::string> notices;
   FillCounts counts;
 };
