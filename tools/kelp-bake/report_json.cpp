@@ -97,6 +97,7 @@ void writeReport(const std::filesystem::path& path, const Options& options, cons
   for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
   json["notices"] = report.notices;
   json["palette_entries"] = report.palette_entries;
+  if (!report.palette_materials.empty()) json["palette_materials"] = report.palette_materials;
   json["palette_error"] = report.palette_error;
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;
