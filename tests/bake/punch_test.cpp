@@ -69,10 +69,12 @@ TEST_P(Punched, SolidStays) {
   const std::vector<std::uint8_t> solid = bake::voxelize(model, model.parts[0], frame, bake::Fill::kAuto, 2, {}).grid.solid;
   const double count = static_cast<double>(std::count(solid.begin(), solid.end(), 1));
 
-  // Scattered triangles, patches of 0.5 % of the triangles, and one hole, whose cap can not know what bulged out of it.
-  double worst = 0, worst_hole = 0;
+  // Scattered triangles and patches of 0.5 % of them, up to 5 %; and 1 % as one hole. A larger one may be an opening, and its cap can not know what
+  // bulged out of it.
+  double worst = 0;
   for (const double share : {0.01, 0.05}) {
     for (const double patch : {0.0, 0.005, 1.0}) {
+      if (patch == 1.0 && share > 0.01) continue;
       for (std::uint32_t seed = 1; seed <= 2; ++seed) {
         const auto removed = static_cast<std::size_t>(share * static_cast<double>(whole.triangles.size()));
         const auto size = static_cast<std::size_t>(patch * static_cast<double>(whole.triangles.size()));
@@ -89,14 +91,12 @@ TEST_P(Punched, SolidStays) {
         std::size_t changed = 0;
         for (std::size_t i = 0; i < solid.size(); ++i) changed += solid[i] != result.grid.solid[i];
         const double part = static_cast<double>(changed) / count;
-        const bool one = patch == 1.0 && share > 0.01;
-        (one ? worst_hole : worst) = std::max(one ? worst_hole : worst, part);
-        EXPECT_LT(part, one ? 0.06 : 0.02) << removed << " triangles in patches of " << size << ", seed " << seed << ": " << result.fill;
+        worst = std::max(worst, part);
+        EXPECT_LT(part, 0.02) << removed << " triangles in patches of " << size << ", seed " << seed << ": " << result.fill;
       }
     }
   }
-  std::printf("%s: %zu triangles, %.0f voxels; many holes change %.2f %% of them at most, one hole of 5 %% of the triangles %.2f %%\n", GetParam().name, whole.triangles.size(),
-              count, 100 * worst, 100 * worst_hole);
+  std::printf("%s: %zu triangles; the worst of the holes changes %.2f %% of %.0f voxels\n", GetParam().name, whole.triangles.size(), 100 * worst, count);
 }
 
 INSTANTIATE_TEST_SUITE_P(Closed, Punched,

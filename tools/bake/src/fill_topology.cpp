@@ -326,11 +326,6 @@ std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edg
       }
     }
     const std::uint32_t component = mesh.triangles[edges[begin].triangle].component;
-    if (net != 0) {
-      Component& its = mesh.components[component];
-      its.rim_area += glm::length(areaVector(mesh, mesh.triangles[edges[begin].triangle]));
-      ++its.rim_edges;
-    }
     // The cap runs against its neighbour.
     for (int i = 0; i < std::abs(net); ++i) {
       boundary.push_back(net > 0 ? Boundary{component, edges[begin].high, edges[begin].low} : Boundary{component, edges[begin].low, edges[begin].high});
@@ -392,17 +387,6 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
   }
 }
 
-// How many triangles the holes would have, if they were like those around them, of all that there would be.
-double missingShare(const Component& c) {
-  if (!(c.rim_area > 0)) return 1;
-  const double missing = c.cap_area * c.rim_edges / c.rim_area;
-  return missing / (missing + c.triangles);
-}
-
-bool hasSmallHoles(const Component& c) {
-  return c.cap_area <= kMaxHoleShare * c.area || (c.cap_area <= kMaxTornShare * c.area && missingShare(c) <= kMaxMissingShare);
-}
-
 }  // namespace
 
 Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
@@ -418,7 +402,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   mesh.closed = true;
   for (Component& c : mesh.components) {
     mesh.closed = mesh.closed && (c.closed || c.wall);
-    c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && !c.wall && (c.closed || hasSmallHoles(c)));
+    c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && !c.wall && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
     // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
   }

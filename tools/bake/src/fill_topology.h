@@ -40,8 +40,6 @@ struct Component {
   double area = 0;         // voxels^2, without caps
   double cap_area = 0;
   double volume = 0;       // voxels^3, with caps
-  double rim_area = 0;     // voxels^2, of the triangles along the holes, one for each edge
-  std::uint32_t rim_edges = 0;
 };
 
 struct Topology {
@@ -57,11 +55,6 @@ struct Topology {
 
 // Holes of a component may have this share of its surface before it counts as an open sheet.
 inline constexpr double kMaxHoleShare = 0.12;
-
-// Where a few large triangles are lost the holes may be larger: a body that lost at most kMaxMissingShare of its triangles is a torn body, up
-// to kMaxTornShare of its surface. A vessel's opening is as large, but would take as many triangles as its share of the surface.
-inline constexpr double kMaxTornShare = 0.17;
-inline constexpr double kMaxMissingShare = 0.08;
 
 // What is solid and what is a sheet. A component is the triangles that hang together by shared edges; walls hang together among themselves. Its boundary, as a chain of oriented
 // edges, is a cycle; the cone from a point over it closes the component exactly, whatever the holes look like, so that signed crossings
