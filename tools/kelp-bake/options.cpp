@@ -92,8 +92,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, levels, threads, max_memory, scene, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, progress = "auto", report, deps;
   bool write_deps = false;
+  Options options;
   app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc) or VDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
@@ -104,6 +105,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
   app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
   app.add_option("--at", at, "glTF: bake nodes, skins and morph targets as an animation has them at a time, e.g. Walk:0.3")->type_name("CLIP:SECONDS");
+  app.add_option("--palette", palette, "bake with these colours alone: a GIMP palette (.gpl) or a picture of at most 256 colours")->type_name("FILE");
+  app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
   app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory)")->type_name("SIZE");
@@ -124,7 +127,6 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     throw BakeError(Exit::kUsage, std::string(error.what()) + "; see kelp-bake --help");
   }
 
-  Options options;
   options.input = input;
   options.output = output;
   if (!resolution.empty()) {
@@ -161,6 +163,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     throw BakeError(Exit::kUsage, "--parts " + parts + ": unknown; use one or nodes");
   }
   if (!at.empty()) options.settings.at = parseMoment(at);
+  if (!palette.empty()) options.settings.palette_file = palette;
   if (!levels.empty()) options.settings.levels = positiveNumber("--levels", levels);
   if (!threads.empty()) options.settings.threads = positiveNumber("--threads", threads);
   if (!max_memory.empty()) {

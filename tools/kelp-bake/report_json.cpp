@@ -59,6 +59,10 @@ Json partJson(const bake::Report::Part& part) {
                      {"turned_triangles", part.repairs.turned},
                      {"cap_triangles", part.repairs.cap_triangles},
                      {"kept_voxels", part.repairs.kept_voxels}};
+  json["components"] = Json::array();
+  for (const bake::Report::Component& c : part.components) {
+    json["components"].push_back({{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
+  }
   return json;
 }
 
@@ -93,6 +97,7 @@ void writeReport(const std::filesystem::path& path, const Options& options, cons
   for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
   json["notices"] = report.notices;
   json["palette_entries"] = report.palette_entries;
+  if (!report.palette_materials.empty()) json["palette_materials"] = report.palette_materials;
   json["palette_error"] = report.palette_error;
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;

@@ -96,7 +96,9 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   printParts(report);
   printClips(report);
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
-  if (report.palette_error > 0) fmt::print(stderr, "  more than 256 materials: the palette is off by {:.4f} in the mean (OKLab)\n", report.palette_error);
+  if (report.palette_error > 0) {
+    fmt::print(stderr, "  {}: the palette is off by {:.4f} in the mean (OKLab)\n", options.settings.palette_file ? options.settings.palette_file->filename().string() : "more than 256 materials", report.palette_error);
+  }
   const bake::Report::Stage* longest = nullptr;
   for (const bake::Report::Stage& stage : report.stages) {
     peak = std::max(peak, stage.peak_bytes);

@@ -50,6 +50,7 @@ void checkSettings(const Settings& settings) {
   }
   if (settings.levels < 0 || settings.levels > kMaxLevels) throw BakeError(Exit::kUsage, fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
   if (settings.threads < 0 || settings.threads > 1024) throw BakeError(Exit::kUsage, fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
+  if (settings.palette_file && settings.keep_materials) throw BakeError(Exit::kUsage, "--palette and --keep-materials at once: fixed colours may serve several materials; choose one");
   if (settings.rig_file && settings.rig_preset) throw BakeError(Exit::kUsage, "a rig file and a preset at once; choose one");
 }
 
@@ -186,6 +187,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   const int threads = threadCount(settings.threads);
   StageClock clock(report, progress);
 
+  PaletteRules rules;
+  if (settings.palette_file) rules.colors = readPalette(*settings.palette_file, &report.files_read);
+  rules.keep_materials = settings.keep_materials;
+
   clock.begin("import");
   SourceModel model = importFile(input, settings, &report.files_read);
   report.format = model.format;
@@ -243,6 +248,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       line.fill = std::move(result.fill);
       for (const std::string& notice : result.notices) notices.add(part.name, notice);
       line.repairs = result.counts;
+      line.components = std::move(result.components);
       line.closed = result.closed;
       line.voxel_size = frames[i].voxel_size * objectScale(part);
     }
@@ -260,7 +266,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     if (model.parts[i].carrier) model.parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), model.parts[i + 1].grid->surface.front().material});
 
   clock.begin("palette");
-  Palette palette = choosePalette(grids, threads);
+  Palette palette = choosePalette(grids, threads, rules);
+  for (const std::uint32_t source : palette.sources) report.palette_materials.push_back(source < model.materials.size() ? model.materials[source].name : "");
   report.palette_error = palette.mean_error;
   report.palette_entries = palette.entries.size();
 
@@ -268,7 +275,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
     pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
-    pack.parts[i].levels = buildLevels(*part.grid, palette.indices[i], palette.entries, settings.levels, threads, share(i));
+    pack.parts[i].levels = buildLevels(*part.grid, palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
     report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
     part.grid.reset();
   }

@@ -2,12 +2,14 @@
 #include "fill_topology.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 
-#include <fmt/format.h>
+#include "fill_reasons.h"
 
 namespace kelp::bake {
 namespace {
@@ -255,6 +257,58 @@ void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   }
 }
 
+// Takes a cycle of oriented edges apart into loops that pass through each vertex once: holes that touch in a vertex are two, and a cone for each is
+// much smaller than one for both.
+class LoopFinder {
+ public:
+  void clear() {
+    local_.clear();
+    vertices_.clear();
+  }
+  void add(std::uint32_t from, std::uint32_t to) {
+    numberOf(to);
+    vertices_[numberOf(from)].next.push_back(to);
+  }
+  // Calls visit(edges) for each loop.
+  template <class Visit>
+  void find(const Visit& visit) {
+    for (std::uint32_t start = 0; start < vertices_.size(); ++start) {
+      std::uint32_t at = start;
+      while (vertices_[start].used < vertices_[start].next.size() || !path_.empty()) {
+        Vertex& vertex = vertices_[at];
+        assert(vertex.used < vertex.next.size());  // as many edges leave a vertex as arrive
+        const std::uint32_t to = vertex.next[vertex.used++];
+        vertex.place = static_cast<std::uint32_t>(path_.size());
+        path_.push_back({vertex.name, to});
+        at = local_.at(to);
+        if (vertices_[at].place == kNowhere) continue;
+        const std::size_t first = vertices_[at].place;
+        visit(std::span<const std::array<std::uint32_t, 2>>(path_).subspan(first));
+        for (std::size_t i = first; i < path_.size(); ++i) vertices_[local_.at(path_[i][0])].place = kNowhere;
+        path_.resize(first);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kNowhere = 0xffffffffu;
+  struct Vertex {
+    std::uint32_t name = 0;
+    std::vector<std::uint32_t> next;
+    std::size_t used = 0;               // of next
+    std::uint32_t place = kNowhere;     // on the path
+  };
+  std::uint32_t numberOf(std::uint32_t name) {
+    const auto [at, fresh] = local_.try_emplace(name, static_cast<std::uint32_t>(vertices_.size()));
+    if (fresh) vertices_.emplace_back().name = name;
+    return at->second;
+  }
+
+  std::unordered_map<std::uint32_t, std::uint32_t> local_;
+  std::vector<Vertex> vertices_;
+  std::vector<std::array<std::uint32_t, 2>> path_;
+};
+
 // The cones over every component's boundary.
 std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edges) {
   struct Boundary {
@@ -280,42 +334,33 @@ std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edg
   std::stable_sort(boundary.begin(), boundary.end(), [](const Boundary& a, const Boundary& b) { return a.component < b.component; });
 
   std::vector<SolidTriangle> caps;
-  std::unordered_map<std::uint32_t, std::uint32_t> local;
+  LoopFinder loops;
   for (std::size_t begin = 0; begin < boundary.size();) {
     std::size_t end = begin;
-    local.clear();
+    loops.clear();
     while (end < boundary.size() && boundary[end].component == boundary[begin].component) {
-      local.try_emplace(boundary[end].from, static_cast<std::uint32_t>(local.size()));
-      local.try_emplace(boundary[end].to, static_cast<std::uint32_t>(local.size()));
+      loops.add(boundary[end].from, boundary[end].to);
       ++end;
     }
-    DisjointSets loops(local.size());
-    for (std::size_t i = begin; i < end; ++i) loops.join(local[boundary[i].from], local[boundary[i].to]);
-    struct Sum {
-      glm::dvec3 moment{0};
+    loops.find([&](std::span<const std::array<std::uint32_t, 2>> loop) {
+      glm::dvec3 moment(0);
       double length = 0;
-      std::uint32_t apex = 0;
-    };
-    std::vector<Sum> sums(local.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::dvec3 a(mesh.lattice[boundary[i].from]), b(mesh.lattice[boundary[i].to]);
-      Sum& sum = sums[loops.find(local[boundary[i].from])];
-      sum.moment += (a + b) * 0.5 * glm::length(b - a);
-      sum.length += glm::length(b - a);
-    }
-    for (Sum& sum : sums) {
-      if (sum.length == 0) continue;
-      const glm::dvec3 p = sum.moment / sum.length;
-      sum.apex = static_cast<std::uint32_t>(mesh.lattice.size());
+      for (const auto& [from, to] : loop) {
+        const glm::dvec3 a(mesh.lattice[from]), b(mesh.lattice[to]);
+        moment += (a + b) * 0.5 * glm::length(b - a);
+        length += glm::length(b - a);
+      }
+      const glm::dvec3 p = moment / length;
+      const std::uint32_t apex = static_cast<std::uint32_t>(mesh.lattice.size());
       mesh.lattice.emplace_back(std::llround(p.x), std::llround(p.y), std::llround(p.z));
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-      SolidTriangle cap;
-      cap.vertex = {boundary[i].from, boundary[i].to, sums[loops.find(local[boundary[i].from])].apex};
-      cap.source = kCap;
-      cap.component = boundary[i].component;
-      caps.push_back(cap);
-    }
+      for (const auto& [from, to] : loop) {
+        SolidTriangle cap;
+        cap.vertex = {from, to, apex};
+        cap.source = kCap;
+        cap.component = boundary[begin].component;
+        caps.push_back(cap);
+      }
+    });
     begin = end;
   }
   return caps;
@@ -332,36 +377,14 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
     area += glm::length(vector);
     mesh.components[t.component].volume += glm::dot(mesh.position(t.vertex[0]) - o, vector) / 3.0;
   };
-  for (const SolidTriangle& t : mesh.triangles) add(t, mesh.components[t.component].area);
+  for (const SolidTriangle& t : mesh.triangles) {
+    add(t, mesh.components[t.component].area);
+    ++mesh.components[t.component].triangles;
+  }
   for (const SolidTriangle& t : caps) {
     add(t, mesh.components[t.component].cap_area);
     mesh.components[t.component].closed = false;
   }
-}
-
-std::string summarise(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0;
-  double area = 0, cap_area = 0;
-  for (const Component& c : mesh.components) {
-    if (c.wall) {
-      ++walls;
-      continue;
-    }
-    closed += c.closed;
-    sheets += !c.solid;
-    if (c.solid && !c.closed) {
-      ++capped;
-      area += c.area;
-      cap_area += c.cap_area;
-    }
-  }
-  const std::size_t total = mesh.components.size() - walls;
-  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total, total == 1 ? "" : "s");
-  std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
-  if (capped > 0) text += fmt::format(", {} with holes capped ({:.2g} % of {} surface)", capped, area > 0 ? 100.0 * cap_area / area : 0.0, capped == 1 ? "its" : "their");
-  if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface", sheets, sheets == 1 ? "" : "s");
-  if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
-  return text;
 }
 
 }  // namespace
@@ -391,7 +414,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }
-  mesh.summary = summarise(mesh, fill);
+  mesh.summary = summariseFill(mesh, fill);
   return mesh;
 }
 

@@ -36,6 +36,7 @@ struct Component {
   bool thin = false;       // thinner than a voxel in the mean (solid or not)
   bool closed = false;     // no boundary before its holes were capped
   bool wall = false;       // the walls where bodies touch, or leaves on a body: never solid, unless as asked
+  std::uint32_t triangles = 0;  // without caps
   double area = 0;         // voxels^2, without caps
   double cap_area = 0;
   double volume = 0;       // voxels^3, with caps

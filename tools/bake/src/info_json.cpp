@@ -37,6 +37,8 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
+  if (settings.palette_file) options["palette"] = {{"name", settings.palette_file->filename().string()}, {"xxh3", hashFile(*settings.palette_file)}};
+  if (settings.keep_materials) options["keep_materials"] = true;
   if (settings.levels > 0) options["levels"] = settings.levels;
   const nlohmann::ordered_json info = {{"tool", "kelp-bake " KELP_VERSION},
                                        {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashFile(input)}}},

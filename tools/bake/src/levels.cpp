@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Levels: occupancy by OR, normals and colours by average.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "kelp/bake/bake.h"
 #include "kelp/fields/fields.h"
@@ -16,7 +18,21 @@ struct Attribute {
   std::uint64_t index = 0;
   glm::vec3 normal{0};
   Material material;
+  std::uint32_t source = 0;
 };
+
+// The commonest of at most eight sources; the lowest of several.
+std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t count) {
+  std::uint32_t best = sources[0];
+  std::ptrdiff_t most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::ptrdiff_t votes = std::count(sources.begin(), sources.begin() + static_cast<std::ptrdiff_t>(count), sources[i]);
+    if (votes < most || (votes == most && sources[i] >= best)) continue;
+    most = votes;
+    best = sources[i];
+  }
+  return best;
+}
 
 std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size, const glm::ivec3& coarse_size) {
   struct Child {
@@ -37,6 +53,7 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
     glm::vec4 base(0);
     glm::vec3 emissive(0);
     float metallic = 0, roughness = 0;
+    std::array<std::uint32_t, 8> sources{};
     for (; end < children.size() && children[end].parent == children[begin].parent; ++end) {
       const Attribute& child = fine[children[end].at];
       normal += child.normal;
@@ -44,6 +61,7 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
       emissive += child.material.emissive;
       metallic += child.material.metallic;
       roughness += child.material.roughness;
+      sources[end - begin] = child.source;
     }
     const float share = 1.0f / static_cast<float>(end - begin);
     Attribute& parent = coarse.emplace_back();
@@ -55,6 +73,7 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
     parent.material.emissive = emissive * share;
     parent.material.metallic = metallic * share;
     parent.material.roughness = roughness * share;
+    parent.source = commonest(sources, end - begin);
     begin = end;
   }
   return coarse;
@@ -69,11 +88,22 @@ int levelCount(const glm::ivec3& size, int asked) {
 }  // namespace
 
 std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
-                                  const Progress& progress) {
+                                  const Progress& progress, const std::vector<std::uint32_t>& sources) {
   std::vector<MaterialPoint> points;
   for (const Material& entry : palette) points.push_back(materialPoint(entry));
+  // The entries of each source, if sources are kept apart.
+  std::map<std::uint32_t, std::vector<std::size_t>> entries_of;
+  std::map<std::uint32_t, std::vector<MaterialPoint>> points_of;
+  for (std::size_t e = 0; e < sources.size(); ++e) {
+    entries_of[sources[e]].push_back(e);
+    points_of[sources[e]].push_back(points[e]);
+  }
+  const auto nearestOf = [&](const Attribute& attribute) {
+    const MaterialPoint point = materialPoint(attribute.material);
+    return sources.empty() ? nearestEntry(points, point) : entries_of.at(attribute.source)[nearestEntry(points_of.at(attribute.source), point)];
+  };
   std::vector<Attribute> attributes(grid.surface.size());
-  for (std::size_t i = 0; i < attributes.size(); ++i) attributes[i] = {grid.surface[i].index, grid.surface[i].normal, grid.surface[i].material};
+  for (std::size_t i = 0; i < attributes.size(); ++i) attributes[i] = {grid.surface[i].index, grid.surface[i].normal, grid.surface[i].material, grid.surface[i].source};
 
   std::vector<RawLevel> built;
   fields::Occupancy occupancy{grid.size, grid.solid};
@@ -88,7 +118,7 @@ std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::
     std::vector<fields::SurfaceVoxel> surface(attributes.size());
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t entry = level == 0 ? palette_indices[i] : nearestEntry(points, materialPoint(attributes[i].material));
+        const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
         surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), encodeNormal(attributes[i].normal))};
       }
     });

@@ -43,8 +43,8 @@ struct Pool {
   double weight = 0;
 };
 
-// The distinct materials of all samples, ascending, or nothing if they are more than a palette holds.
-std::vector<Material> distinct(const std::vector<const VoxelGrid*>& grids) {
+// The distinct materials of all samples, ascending, or nothing if they are more than `limit`.
+std::vector<Material> distinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit) {
   std::vector<Material> found;
   for (const VoxelGrid* grid : grids) {
     const Material* last = nullptr;
@@ -53,7 +53,7 @@ std::vector<Material> distinct(const std::vector<const VoxelGrid*>& grids) {
       last = &sample.material;
       const auto at = std::lower_bound(found.begin(), found.end(), sample.material, less);
       if (at != found.end() && same(*at, sample.material)) continue;
-      if (found.size() == kMaxPalette) return {};
+      if (found.size() == limit) return {};
       found.insert(at, sample.material);
     }
   }
@@ -200,9 +200,20 @@ std::size_t nearestEntry(const std::vector<MaterialPoint>& entries, const Materi
   return best;
 }
 
-Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads) {
+double colorDistance(const Material& a, const Material& b) {
+  const glm::vec3 miss = toOklab(glm::vec3(a.base_color)) - toOklab(glm::vec3(b.base_color));
+  return std::sqrt(static_cast<double>(miss.x * miss.x + miss.y * miss.y + miss.z * miss.z));
+}
+
+std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit) {
+  const bool none = std::all_of(grids.begin(), grids.end(), [](const VoxelGrid* grid) { return grid->surface.empty(); });
+  const std::size_t found = distinct(grids, limit).size();
+  return none || found > 0 ? found : limit + 1;
+}
+
+Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t limit, int threads) {
   Palette palette;
-  palette.entries = distinct(grids);
+  palette.entries = distinct(grids, limit);
   if (!palette.entries.empty()) {
     for (const VoxelGrid* grid : grids) {
       std::vector<std::uint8_t>& indices = palette.indices.emplace_back(grid->surface.size());
@@ -220,7 +231,7 @@ Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads) {
     return palette;
   }
   std::vector<Pool> cut(pools);
-  palette.entries = medianCut(cut, kMaxPalette);
+  palette.entries = medianCut(cut, limit);
   refine(pools, threads, palette.entries);
   std::sort(palette.entries.begin(), palette.entries.end(), less);
   const std::vector<std::uint8_t> index = assign(pools, palette.entries, threads);
@@ -231,8 +242,7 @@ Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads) {
     std::vector<std::uint8_t>& indices = palette.indices.emplace_back();
     for (const SurfaceSample& sample : grid->surface) {
       indices.push_back(index[cell_of[at++]]);
-      const glm::vec3 miss = toOklab(glm::vec3(sample.material.base_color)) - toOklab(glm::vec3(palette.entries[indices.back()].base_color));
-      error += std::sqrt(static_cast<double>(miss.x * miss.x + miss.y * miss.y + miss.z * miss.z));
+      error += colorDistance(sample.material, palette.entries[indices.back()]);
     }
   }
   palette.mean_error = error / static_cast<double>(at);

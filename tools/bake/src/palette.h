@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "kelp/bake/source_model.h"
+#include "kelp/bake/bake.h"
 #include "oklab.h"
 
 namespace kelp::bake {
@@ -27,6 +27,14 @@ inline float squaredDistance(const MaterialPoint& a, const MaterialPoint& b) {
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return sum;
 }
+
+// The best palette of at most `limit` entries (chosen in OKLab, exact where that many are enough), the samples' indices and the mean error.
+Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t limit, int threads);
+// How many distinct materials the samples have; `limit` + 1 if more than `limit`.
+std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit);
+
+// Distance of two colours in OKLab.
+double colorDistance(const Material& a, const Material& b);
 
 // Index of the entry nearest to `point`; the lowest of several.
 std::size_t nearestEntry(const std::vector<MaterialPoint>& entries, const MaterialPoint& point);

@@ -21,6 +21,9 @@ class SurfaceLook {
   // opaque here.
   Material materialAt(const Nearest& nearest) const;
 
+  // Its material's index.
+  std::uint32_t sourceAt(const Nearest& nearest) const { return soup_.triangles[mesh_.triangles[nearest.triangle].source].material; }
+
   // Whether some sheet has cut-outs.
   bool cutsOut() const { return cuts_out_; }
   // Whether the alpha of a sheet, averaged over a voxel, is below its material's cutoff there. Never on solid components and

@@ -78,6 +78,7 @@ class Sampler {
     sample.index = index;
     sample.normal = glm::vec3(normal);
     sample.material = look_.materialAt(nearest);
+    sample.source = look_.sourceAt(nearest);
     return sample;
   }
 

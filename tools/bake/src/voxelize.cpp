@@ -5,6 +5,8 @@
 
 #include "fill_cutout.h"
 #include "fill_scan.h"
+#include "fill_leaks.h"
+#include "fill_reasons.h"
 #include "fill_thin.h"
 #include "kelp/fields/fields.h"
 #include "mesh_counts.h"
@@ -28,7 +30,9 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.3);
   const TriangleBvh bvh(mesh);
   const SurfaceLook look(model, part.soup, mesh);
-  keepThinParts(mesh, bvh, touchedVoxels(mesh, frame.size, threads), frame.size, threads, voxels);
+  const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
+  keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
+  closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
@@ -44,6 +48,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   result.grid.solid = std::move(occupancy.solid);
   result.closed = mesh.closed;
   result.fill = mesh.summary;
+  result.components = describeComponents(mesh, fill);
   result.notices = look.notices();
   result.counts = countFill(mesh, part.soup.triangles.size());
   result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(voxels.begin(), voxels.end(), kKept));

@@ -49,6 +49,8 @@ struct Settings {
   Fill fill = Fill::kAuto;
   Parts parts = Parts::kOne;
   std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
+  std::optional<std::filesystem::path> palette_file;  // its colours are the palette; see readPalette
+  bool keep_materials = false;         // no palette entry serves two of the file's materials; not with palette_file
   int levels = 0;                      // 0: down to a single brick
   int threads = 0;                     // 0: all
   std::uint64_t max_memory = 0;        // bytes; 0: the machine's physical memory
@@ -77,6 +79,13 @@ struct FillCounts {
 
 // Seconds and numbers of a bake, for --report and the closing lines.
 struct Report {
+  // What hangs together by shared edges: why it became solid or stayed a surface.
+  struct Component {
+    std::uint64_t triangles = 0;
+    double surface_share = 0;  // of the part's area
+    bool solid = false;
+    std::string why;           // "closed", "holes of 2.2 % of its surface were capped", "open: ..."
+  };
   struct Stage {
     std::string name;
     double seconds = 0;
@@ -92,7 +101,9 @@ struct Report {
     MeshCounts mesh;         // zeros for volumes
     FillCounts repairs;
     std::string parent;      // the part that it follows; empty: none
+    std::vector<Component> components;  // the largest kMaxComponents, by area; empty for volumes
   };
+  static constexpr std::size_t kMaxComponents = 64;
   struct Clip {
     std::string name, part;
     float duration = 0, leaves_box = 0;
@@ -106,6 +117,7 @@ struct Report {
   std::vector<std::filesystem::path> files_read;
   std::uint64_t materials = 0, images = 0;  // that triangles use; pictures that could be had
   std::uint64_t palette_entries = 0;
+  std::vector<std::string> palette_materials;  // with Settings::keep_materials, the material of each palette entry
   double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
   std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
@@ -133,23 +145,35 @@ struct VoxelizeResult {
   VoxelGrid grid;
   bool closed = false;    // the mesh has no boundary edge after welding equal positions
   std::string fill;       // "solid" or "surface", and why
+  std::vector<Report::Component> components;  // see Report::Part
   std::vector<std::string> notices;
   FillCounts counts;
 };
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill, int threads, const Progress& progress);
 
 // --- 3. palette ------------------------------------------------------------------------------------------------------------------
+// Base colours, linear, 1 to 256, of a palette that somebody painted: a GIMP palette (.gpl, in its order), or a picture (row by row from the top left, each
+// colour once; what is transparent is no colour). BakeError kIo and kInvalid. Safe for hostile input.
+std::vector<glm::vec3> readPalette(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read = nullptr);
+
+struct PaletteRules {
+  std::vector<glm::vec3> colors;  // the entries, in this order, if there are any: each voxel gets the nearest in OKLab. Gloss and glow are means
+  bool keep_materials = false;    // samples of two sources never share an entry
+};
 struct Palette {
   std::vector<Material> entries;                       // 1 to 256
+  std::vector<std::uint32_t> sources;                  // with keep_materials, SurfaceSample::source of each entry; else empty
   std::vector<std::vector<std::uint8_t>> indices;      // one list a grid, one index a surface sample
   double mean_error = 0;                               // OKLab
 };
-Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads);
+// BakeError kUnsupported where more materials than entries are to be kept apart.
+Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads, const PaletteRules& rules = {});
 
 // --- 4. pack ---------------------------------------------------------------------------------------------------------------------
 // Occupancy, attributes and levels of one grid.
+// `sources`: Palette::sources; coarse voxels then keep the material of most of their children.
 std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette,
-                                  int levels, int threads, const Progress& progress);
+                                  int levels, int threads, const Progress& progress, const std::vector<std::uint32_t>& sources = {});
 
 // --- all of it -------------------------------------------------------------------------------------------------------------------
 // Bakes a file to a pack in memory.

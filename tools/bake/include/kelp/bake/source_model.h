@@ -58,6 +58,7 @@ struct SurfaceSample {
   std::uint64_t index = 0;  // x + size.x (y + size.y z)
   glm::vec3 normal{0, 1, 0};  // unit, outward, in voxel axes
   Material material;
+  std::uint32_t source = 0;  // index into SourceModel::materials; 0 for volumes
 };
 
 // A voxel volume in its rig frame: +y along the spline.
