@@ -29,6 +29,13 @@ void* operator new(std::size_t size) {
   }
   return p;
 }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  try {
+    return operator new(size);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
 void operator delete(void* p) noexcept {
   if (p) now -= malloc_usable_size(p);
   std::free(p);

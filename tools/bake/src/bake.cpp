@@ -90,18 +90,24 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
 
 void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input, Report& report) {
   std::vector<PartSize> sizes;
-  for (std::size_t i = 0; i < model.parts.size(); ++i) {
-    const SourcePart& part = model.parts[i];
-    sizes.push_back({part.grid ? part.grid->size : frames[i].size, part.soup.triangles.size()});
-  }
+  for (std::size_t i = 0; i < model.parts.size(); ++i) sizes.push_back(partSize(model.parts[i], frames[i]));
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
   report.estimated_bytes = estimateMemory(sizes, image_bytes);
   const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
-  if (report.estimated_bytes > limit) {
-    throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); lower --resolution or raise --max-memory", input.filename().string(),
-                                                printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory"));
+  if (report.estimated_bytes <= limit) return;
+  // The largest resolution that fits, by halves.
+  double fits = 0, too_much = 1;
+  for (int i = 0; i < 30; ++i) {
+    const double scale = 0.5 * (fits + too_much);
+    (estimateMemory(sizes, image_bytes, scale) <= limit ? fits : too_much) = scale;
   }
+  const double resolution = std::floor(fits * settings.resolution);
+  const std::string advice = settings.voxel_size ? (fits > 0.001 ? fmt::format("--voxel-size {:.3g} would fit; take that", *settings.voxel_size / fits * 1.01) : std::string("give larger voxels"))
+                             : resolution >= 1   ? fmt::format("--resolution {} would fit; take that", resolution)
+                                                 : std::string("no resolution would fit: the file itself is too large");
+  throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); {}, or raise --max-memory", input.filename().string(),
+                                              printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
 }
 
 glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) {
@@ -275,7 +281,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
     pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
-    pack.parts[i].levels = buildLevels(*part.grid, palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
+    pack.parts[i].levels = buildLevels(std::move(*part.grid), palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
     report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
     part.grid.reset();
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <map>
 
 #include "kelp/bake/bake.h"
@@ -14,12 +15,7 @@ namespace kelp::bake {
 namespace {
 
 // A surface voxel of some level. Colours stay unrounded from level to level: only what is stored snaps to the palette.
-struct Attribute {
-  std::uint64_t index = 0;
-  glm::vec3 normal{0};
-  Material material;
-  std::uint32_t source = 0;
-};
+using Attribute = SurfaceSample;
 
 // The commonest of at most eight sources; the lowest of several.
 std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t count) {
@@ -87,7 +83,7 @@ int levelCount(const glm::ivec3& size, int asked) {
 
 }  // namespace
 
-std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
+std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
                                   const Progress& progress, const std::vector<std::uint32_t>& sources) {
   std::vector<MaterialPoint> points;
   for (const Material& entry : palette) points.push_back(materialPoint(entry));
@@ -102,16 +98,15 @@ std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::
     const MaterialPoint point = materialPoint(attribute.material);
     return sources.empty() ? nearestEntry(points, point) : entries_of.at(attribute.source)[nearestEntry(points_of.at(attribute.source), point)];
   };
-  std::vector<Attribute> attributes(grid.surface.size());
-  for (std::size_t i = 0; i < attributes.size(); ++i) attributes[i] = {grid.surface[i].index, grid.surface[i].normal, grid.surface[i].material, grid.surface[i].source};
+  std::vector<Attribute> attributes = std::move(grid.surface);
 
   std::vector<RawLevel> built;
-  fields::Occupancy occupancy{grid.size, grid.solid};
+  fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
   const int count = levelCount(grid.size, levels);
   for (int level = 0; level < count; ++level) {
     if (progress && !progress("levels", static_cast<double>(level) / count)) throw BakeError(Exit::kInterrupted, "interrupted");
     if (level > 0) {
-      fields::Occupancy coarse = fields::coarser(occupancy);
+      fields::Occupancy coarse = fields::coarser(occupancy, threadCount(threads));
       attributes = coarserAttributes(attributes, occupancy.size, coarse.size);
       occupancy = std::move(coarse);
     }

@@ -30,19 +30,26 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.3);
   const TriangleBvh bvh(mesh);
   const SurfaceLook look(model, part.soup, mesh);
-  const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
-  keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
-  closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+  {
+    const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
+    keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
+    closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+  }
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
-  fields::Occupancy occupancy{frame.size, std::vector<std::uint8_t>(count)};
-  for (std::size_t i = 0; i < count; ++i) occupancy.solid[i] = voxels[i] != kEmpty ? 1 : 0;
-  const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads);
-  report(0.6);
-
+  // What made a voxel solid still tells where its look comes from: one dense array for both.
+  static_assert(kEmpty == 0);
+  fields::Occupancy occupancy{frame.size, std::move(voxels)};
   VoxelizeResult result;
-  result.grid.surface = sampleSurface(look, mesh, bvh, voxels, frame.size, surface, threads);
+  {
+    const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads);
+    report(0.6);
+    result.grid.surface = sampleSurface(look, mesh, bvh, occupancy.solid, frame.size, surface, threads);
+  }
+  result.counts = countFill(mesh, part.soup.triangles.size());
+  result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(occupancy.solid.begin(), occupancy.solid.end(), kKept));
+  for (std::uint8_t& voxel : occupancy.solid) voxel = voxel != kEmpty ? 1 : 0;
   result.grid.size = frame.size;
   result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
   result.grid.solid = std::move(occupancy.solid);
@@ -50,8 +57,6 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   result.fill = mesh.summary;
   result.components = describeComponents(mesh, fill);
   result.notices = look.notices();
-  result.counts = countFill(mesh, part.soup.triangles.size());
-  result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(voxels.begin(), voxels.end(), kKept));
   report(1.0);
   return result;
 }

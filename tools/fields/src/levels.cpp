@@ -3,22 +3,25 @@
 
 #include "check.h"
 #include "kelp/fields/fields.h"
+#include "parallel.h"
 #include "kelp/formats/brick.h"
 
 namespace kelp::fields {
 
-Occupancy coarser(const Occupancy& occupancy) {
+Occupancy coarser(const Occupancy& occupancy, int threads) {
   checkedVolume(occupancy.solid.size(), occupancy.size);
   Occupancy half;
   half.size = levelSize(occupancy.size, 1);
   half.solid.resize(checkedVolume(half.size));
-  for (int z = 0; z < occupancy.size.z; ++z) {
-    for (int y = 0; y < occupancy.size.y; ++y) {
-      const std::uint8_t* const fine = occupancy.solid.data() + occupancy.index({0, y, z});
-      std::uint8_t* const coarse = half.solid.data() + half.index({0, y / 2, z / 2});
-      for (int x = 0; x < occupancy.size.x; ++x) coarse[x / 2] |= static_cast<std::uint8_t>(fine[x] != 0);
+  parallelFor(half.size.z, grainOf(std::int64_t{4} * half.size.x * half.size.y), threads, [&](std::int64_t begin, std::int64_t end) {
+    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), occupancy.size.z); ++z) {
+      for (int y = 0; y < occupancy.size.y; ++y) {
+        const std::uint8_t* const fine = occupancy.solid.data() + occupancy.index({0, y, z});
+        std::uint8_t* const coarse = half.solid.data() + half.index({0, y / 2, z / 2});
+        for (int x = 0; x < occupancy.size.x; ++x) coarse[x / 2] |= static_cast<std::uint8_t>(fine[x] != 0);
+      }
     }
-  }
+  });
   return half;
 }
 

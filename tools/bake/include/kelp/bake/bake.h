@@ -170,9 +170,9 @@ struct Palette {
 Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads, const PaletteRules& rules = {});
 
 // --- 4. pack ---------------------------------------------------------------------------------------------------------------------
-// Occupancy, attributes and levels of one grid.
+// Occupancy, attributes and levels of one grid, which is used up: its arrays are the largest there are.
 // `sources`: Palette::sources; coarse voxels then keep the material of most of their children.
-std::vector<RawLevel> buildLevels(const VoxelGrid& grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette,
+std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette,
                                   int levels, int threads, const Progress& progress, const std::vector<std::uint32_t>& sources = {});
 
 // --- all of it -------------------------------------------------------------------------------------------------------------------

@@ -69,7 +69,7 @@ struct SurfaceVoxel {
 std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads);
 
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
-Occupancy coarser(const Occupancy& occupancy);
+Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 
 // Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute,
 // all solid. Throws std::invalid_argument if nothing is solid or `surface` does not fit.
