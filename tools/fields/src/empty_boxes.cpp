@@ -41,6 +41,15 @@ std::array<std::array<Line, kBrickSide>, kReaches> spread(const std::array<Line,
   return near;
 }
 
+// Bit i: byte i is not 0.
+std::uint8_t bitsOfEight(const std::uint8_t* bytes) {
+  std::uint64_t word = 0;
+  for (int i = 0; i < 8; ++i) word |= std::uint64_t{bytes[i]} << (8 * i);
+  constexpr std::uint64_t kLow = 0x7f7f7f7f7f7f7f7fu;
+  const std::uint64_t ones = (((word & kLow) + kLow) | word) >> 7 & 0x0101010101010101u;
+  return static_cast<std::uint8_t>(ones * 0x0102040810204080u >> 56);  // gathers one bit from each byte
+}
+
 }  // namespace
 
 SolidBits::SolidBits(const Occupancy& occupancy, int threads)
@@ -53,7 +62,9 @@ SolidBits::SolidBits(const Occupancy& occupancy, int threads)
       for (int y = 0; y < size.y; ++y) {
         const std::uint8_t* const solid = occupancy.solid.data() + occupancy.index({0, y, z});
         std::uint8_t* const row = bits_.data() + index(0, y, z);
-        for (int x = 0; x < size.x; ++x) row[x / kBrickSide] |= static_cast<std::uint8_t>((solid[x] != 0) << (x % kBrickSide));
+        int x = 0;
+        for (; x + kBrickSide <= size.x; x += kBrickSide) row[x / kBrickSide] = bitsOfEight(solid + x);
+        for (; x < size.x; ++x) row[x / kBrickSide] |= static_cast<std::uint8_t>((solid[x] != 0) << (x % kBrickSide));
       }
     }
   });
@@ -152,6 +163,7 @@ std::uint32_t BrickSums::count(glm::ivec3 low, glm::ivec3 high) const {
 }
 
 std::uint32_t BrickSums::grownBox(const glm::ivec3& brick) const {
+  if (count(brick - kCellMaxReach, brick + kCellMaxReach) == 0) return 0xffffff;  // as most are in a large volume
   glm::ivec3 low = brick, high = brick;
   std::array<int, 6> reach{};
   std::array<bool, 6> grows;
