@@ -3,6 +3,7 @@
 """kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
+import re
 import resource
 import signal
 import struct
@@ -223,6 +224,19 @@ class KelpBake(unittest.TestCase):
         start = time.monotonic()
         self.fails(4, self.cube, "-o", self.out, "--resolution", "2048", "--max-memory", "64M", says=["GiB", "64.0 MiB", "--max-memory"])
         self.assertLess(time.monotonic() - start, 20)
+
+    def test_the_resolution_that_is_said_to_fit_fits(self):
+        refused = self.bake(self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "90M").stderr.decode()
+        advised = int(re.search(r"--resolution (\d+) would fit", refused).group(1))
+        self.fails(4, self.cube, "-o", self.out, "--resolution", str(advised + 8), "--max-memory", "90M", says=["would fit"])
+        fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "90M", "--report", self.path("report.json"))
+        self.assertEqual(fits.returncode, 0, fits.stderr)
+        with open(KELP_BAKE, "rb") as program:
+            if b"__asan_init" in program.read():
+                return  # it keeps memory of its own
+        report = json.loads(self.read(self.path("report.json")))
+        peak = max(stage["peak_bytes"] for stage in report["stages"])
+        self.assertLess(abs(report["estimated_bytes"] - peak), 0.25 * peak, report)
 
     def test_a_link_stays_a_link(self):
         os.symlink("real.kelp", self.path("link.kelp"))
