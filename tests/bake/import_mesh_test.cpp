@@ -2,6 +2,7 @@
 // OBJ, PLY, STL and OFF: counts of real files, attributes against the files' own lines, and what must be refused.
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include "import_scratch.h"
 #include "support/assets.h"
@@ -80,6 +81,69 @@ TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
   }
   EXPECT_NEAR(area, 3, 1e-6);
   EXPECT_EQ(model.parts[0].soup.triangles.size(), 4u);
+}
+
+// Random stars, combs, and rings that a bridge of two equal edges cuts open, each in a plane of its own. The triangles of a polygon always have its
+// signed area: if none is turned, they cover it once. Their areas are taken along the polygon's normal.
+TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
+  const Scratch scratch;
+  std::mt19937 random(5);
+  const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (int round = 0; round < 600; ++round) {
+    std::vector<glm::dvec2> points;
+    std::vector<std::size_t> corners;
+    const auto addStar = [&](double least, double most, bool backward) {
+      const std::size_t count = static_cast<std::size_t>(between(5, 40)), from = points.size();
+      for (std::size_t i = 0; i < count; ++i) {
+        // In a round star many corners lie on lines with others, as in what people draw.
+        const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(count), r = round % 2 == 0 ? between(least, most) : i % 2 ? least : most;
+        points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+      }
+      for (std::size_t i = 0; i <= count; ++i) corners.push_back(from + (backward ? count - i : i) % count);
+    };
+    if (round % 3 == 2) {
+      const int teeth = static_cast<int>(between(2, 20));
+      points = {{0, -1}, {teeth, -1}};
+      for (int i = teeth; i > 0; --i) {
+        points.emplace_back(i, round % 2 ? 1 : between(0.5, 2));
+        points.emplace_back(i - 0.5, round % 2 ? 0 : between(-0.9, 0.4));
+      }
+      for (std::size_t i = 0; i < points.size(); ++i) corners.push_back(i);
+    } else {
+      addStar(0.6, 1, false);
+      if (round % 3 == 1) addStar(0.2, 0.5, true);
+      else corners.pop_back();
+    }
+    if (round % 5 == 0) std::reverse(corners.begin(), corners.end());
+    std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(between(0, static_cast<double>(corners.size()))), corners.end());
+
+    const glm::dvec3 right = glm::normalize(glm::dvec3(between(-1, 1), between(-1, 1), between(1, 2)));
+    const glm::dvec3 up = glm::normalize(glm::cross(right, glm::dvec3(between(1, 2), between(-1, 1), 0)));
+    std::string text = "OFF " + std::to_string(points.size()) + " 1 0\n";
+    for (const glm::dvec2& p : points) {
+      const glm::dvec3 at = p.x * right + p.y * up;
+      text += std::to_string(at.x) + " " + std::to_string(at.y) + " " + std::to_string(at.z) + "\n";
+    }
+    text += std::to_string(corners.size());
+    double area = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const glm::dvec2 &a = points[corners[i]], &b = points[corners[(i + 1) % corners.size()]];
+      area += (a.x * b.y - a.y * b.x) / 2;
+      text += " " + std::to_string(corners[i]);
+    }
+    const SourceModel model = importFile(scratch.write("a.off", text + "\n"), {});
+    const TriangleSoup& soup = model.parts[0].soup;
+    const glm::dvec3 normal = glm::cross(right, up) * (area < 0 ? -1.0 : 1.0);
+    double sum = 0, turned = 0;
+    for (const auto& t : soup.triangles) {
+      const glm::dvec3 a(soup.positions[t.vertex[0]]), b(soup.positions[t.vertex[1]]), c(soup.positions[t.vertex[2]]);
+      const double one = glm::dot(glm::cross(b - a, c - a), normal) / 2;
+      sum += one;
+      turned += std::max(0.0, -one);
+    }
+    ASSERT_NEAR(sum, std::abs(area), 1e-4 * std::abs(area)) << "round " << round;
+    ASSERT_LT(turned, 1e-5 * std::abs(area)) << "round " << round;
+  }
 }
 
 // One quad with colours, in all the ways of PLY.

@@ -37,6 +37,8 @@ struct Explained {
 };
 constexpr Explained kExplained[] = {
     {"multiple_spaces.obj", "one triangle, seen from behind: kelp lights a sheet as it is wound"},
+    {"regr_3429812.obj", "one quad, modelled twice and seen from behind: kelp lights a sheet as it is wound"},
+    {"TextureSettingsTest.gltf", "the board's front and back share one voxel, whose one normal is the nearer back's; at 256 voxels they do not"},
     {"only_a_part_of_vertexcolors.obj", "assimp gives the colours to the first vertices, kelp to those that have them"},
 };
 

@@ -8,16 +8,63 @@
 namespace kelp::bake {
 namespace {
 
-float cross2(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
+// Twice the area of a, b, c: positive where they are wound counter-clockwise, exactly 0 where two of them are one point.
+double cross2(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+  if (a == b || b == c || c == a) return 0;
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
+struct Ear {
+  glm::dvec2 a, b, c;
+
+  double area() const { return cross2(a, b, c); }
+  // To the left of each side, positive: inside.
+  std::array<double, 3> sides(const glm::dvec2& p) const { return {cross2(a, b, p), cross2(b, c, p), cross2(c, a, p)}; }
+
+  // Whether a point that is none of the corners lies in the ear or on its rim.
+  bool touches(const glm::dvec2& p) const {
+    if (p == a || p == b || p == c) return false;
+    const std::array<double, 3> left = sides(p);
+    return left[0] >= 0 && left[1] >= 0 && left[2] >= 0;
+  }
+
+  // Whether more than the rounding of an edge runs through the inside.
+  bool isCrossed(const glm::dvec2& p, const glm::dvec2& q) const {
+    const std::array<double, 3> from = sides(p), to = sides(q);
+    double begin = 0, end = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (from[i] <= 0 && to[i] <= 0) return false;
+      const double crossing = from[i] / (from[i] - to[i]);
+      if (from[i] < 0) begin = std::max(begin, crossing);
+      if (to[i] < 0) end = std::min(end, crossing);
+    }
+    return end - begin > 1e-9;
+  }
+};
+
+// How much is asked of an ear. A polygon with a hole reaches it by a bridge that it walks twice, so that its corners and edges touch each other:
+// such a polygon may have no ear of the first kind, but as long as nothing crosses it has one of the first three.
+enum class Ask { kNothingTouches, kNothingCrosses, kNoArea, kAnything };
+
+bool isEar(const std::vector<glm::dvec2>& flat, const std::vector<std::uint32_t>& left, std::size_t at, Ask ask) {
+  const std::size_t n = left.size();
+  const Ear ear{flat[left[(at + n - 1) % n]], flat[left[at]], flat[left[(at + 1) % n]]};
+  const double area = ear.area();
+  if (ask == Ask::kAnything || (ask == Ask::kNoArea && area == 0)) return true;
+  if (!(area > 0)) return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::dvec2 &p = flat[left[i]], &q = flat[left[(i + 1) % n]];
+    if ((ask == Ask::kNothingTouches && ear.touches(p)) || ear.isCrossed(p, q)) return false;
+  }
+  return true;
+}
+
 // The polygon in its own plane, wound counter-clockwise: drops the axis in which Newell's normal is longest.
-std::vector<glm::vec2> flatten(std::span<const glm::vec3> corners) {
+std::vector<glm::dvec2> flatten(std::span<const glm::vec3> corners) {
   glm::dvec3 normal(0);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const glm::dvec3 a = corners[i] - corners[0];
-    const glm::dvec3 b = corners[(i + 1) % corners.size()] - corners[0];
+    const glm::dvec3 a = glm::dvec3(corners[i]) - glm::dvec3(corners[0]);
+    const glm::dvec3 b = glm::dvec3(corners[(i + 1) % corners.size()]) - glm::dvec3(corners[0]);
     normal += glm::cross(a, b);
   }
   const glm::dvec3 size = glm::abs(normal);
@@ -26,9 +73,12 @@ std::vector<glm::vec2> flatten(std::span<const glm::vec3> corners) {
   else if (size.y >= size.z) drop = 1;
   int u = (drop + 1) % 3, v = (drop + 2) % 3;
   if (normal[drop] < 0) std::swap(u, v);
-  std::vector<glm::vec2> flat;
+  std::vector<glm::dvec2> flat;
   flat.reserve(corners.size());
-  for (const glm::vec3& corner : corners) flat.emplace_back(corner[u] - corners[0][u], corner[v] - corners[0][v]);
+  for (const glm::vec3& corner : corners) {
+    const glm::dvec3 p = glm::dvec3(corner) - glm::dvec3(corners[0]);
+    flat.emplace_back(p[u], p[v]);
+  }
   return flat;
 }
 
@@ -98,30 +148,29 @@ std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm
   std::vector<std::array<std::uint32_t, 3>> triangles;
   if (corners.size() < 3) return triangles;
   if (corners.size() == 3) return {{0, 1, 2}};
-  const std::vector<glm::vec2> flat = flatten(corners);
+  const std::vector<glm::dvec2> flat = flatten(corners);
   std::vector<std::uint32_t> left(corners.size());
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
   // Ear clipping is cubic in the worst case; beyond this size a fan is drawn instead, as every reader of such files does.
   constexpr std::size_t kMaxEars = 2048;
+  const Ask first = corners.size() <= kMaxEars ? Ask::kNothingTouches : Ask::kAnything;
   // From the second corner on: what is convex becomes a fan around the first, as every other reader cuts it, and quads are seldom flat.
   std::size_t at = 1, tried = 0;
+  Ask ask = first;
   while (left.size() > 3) {
     const std::size_t n = left.size();
-    const std::uint32_t a = left[(at + n - 1) % n], b = left[at % n], c = left[(at + 1) % n];
-    bool ear = cross2(flat[a], flat[b], flat[c]) > 0;
-    for (std::size_t i = 0; ear && i < n && corners.size() <= kMaxEars; ++i) {
-      const std::uint32_t p = left[i];
-      if (p == a || p == b || p == c) continue;
-      if (cross2(flat[a], flat[b], flat[p]) >= 0 && cross2(flat[b], flat[c], flat[p]) >= 0 && cross2(flat[c], flat[a], flat[p]) >= 0) ear = false;
-    }
-    if (ear || tried >= n) {  // no ear left: self-intersecting or flat, cut anyway
-      triangles.push_back({a, b, c});
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(at % n));
-      at = at % n % left.size();
+    if (isEar(flat, left, at, ask)) {
+      triangles.push_back({left[(at + n - 1) % n], left[at], left[(at + 1) % n]});
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
+      at %= left.size();
       tried = 0;
+      ask = first;
     } else {
       at = (at + 1) % n;
-      ++tried;
+      if (++tried == n) {
+        ask = static_cast<Ask>(static_cast<int>(ask) + 1);
+        tried = 0;
+      }
     }
   }
   triangles.push_back({left[0], left[1], left[2]});

@@ -61,7 +61,7 @@ void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece, con
 
 // Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans. Answers corners of the polygon,
 // three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
-// Source: Eberly, "Triangulation by Ear Clipping", without holes.
+// Source: Eberly, "Triangulation by Ear Clipping"; a hole comes with a bridge of two equal edges.
 std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm::vec3> corners);
 
 }  // namespace kelp::bake
