@@ -143,6 +143,97 @@ TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
   EXPECT_EQ(textured.parts[0].soup.uvs.at(0)[0], glm::vec2(0.25f));
 }
 
+// A square of one metre in the plane of x and y, one material, as voxels. TEXCOORD_0 is the picture upright, TEXCOORD_1 exchanges u and v.
+class Square : public ::testing::Test {
+ protected:
+  void bake(const std::string& material, const std::vector<std::string>& pictures, int resolution = 32, const std::string& filter = "9728") {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, 3);
+    maker.floats({0, 1, 1, 1, 0, 0, 1, 0}, 2);
+    maker.floats({1, 0, 1, 1, 0, 0, 0, 1}, 2);
+    maker.indices({0, 1, 2, 2, 1, 3});
+    std::string textures, images;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      textures += (i ? "," : "") + std::string(R"({"sampler":0,"source":)") + std::to_string(i) + "}";
+      images += (i ? "," : "") + std::string(R"({"uri":")") + pictures[i] + "\"}";
+    }
+    model_ = importFile(scratch_.write("square.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
+                                                                 material + R"(}],"samplers":[{"magFilter":)" + filter + R"(}],"textures":[)" + textures + R"(],"images":[)" + images + "]")),
+                        {});
+    const Frame frame = makeFrame(model_.parts[0].soup, Axis::kPlusY, 1.0 / resolution, "square");
+    grid_ = voxelize(model_, model_.parts[0], frame, Fill::kAuto, 2, {}).grid;
+    ASSERT_GE(grid_.surface.size(), static_cast<std::size_t>(resolution * resolution));
+  }
+
+  // expect(material, whether it is to the right, whether it is above) of each voxel.
+  template <class Expect>
+  void forEachVoxel(const Expect& expect) const {
+    for (const SurfaceSample& sample : grid_.surface) {
+      const auto x = sample.index % static_cast<std::uint64_t>(grid_.size.x), y = sample.index / static_cast<std::uint64_t>(grid_.size.x) % static_cast<std::uint64_t>(grid_.size.y);
+      const glm::vec3 at = grid_.to_node * glm::vec4(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 0, 1);
+      expect(sample.material, at.x > 0.5f, at.y > 0.5f);
+      if (HasFatalFailure()) return;
+    }
+  }
+
+  Scratch scratch_;
+  SourceModel model_;
+  VoxelGrid grid_;
+};
+
+const Texels kLamp = {{255, 128, 0, 0}, {0, 0, 0, 0}};                 // glows on the left; its alpha says nothing
+const Texels kSteelAndChalk = {{99, 51, 255, 255}, {7, 204, 0, 255}};  // one above the other
+constexpr float kHalf = 0.21586050f;                                   // 128 of 255 as light
+
+TEST_F(Square, GlowMetalAndRoughnessAreThoseOfTheirPictures) {
+  bake(R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"roughnessFactor":0.5,"metallicRoughnessTexture":{"index":1}},
+      "emissiveFactor":[1,1,0.5],"emissiveTexture":{"index":0},"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":4}})",
+       {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1))});
+  EXPECT_FALSE(anyContains(model_.notices, "glow"));
+  EXPECT_TRUE(model_.parts[0].soup.more_uvs[0].empty());  // all pictures lie alike
+  forEachVoxel([](const Material& m, bool right, bool above) {
+    ASSERT_NEAR(m.base_color.g, 0.5f, 1e-6);
+    ASSERT_NEAR(m.emissive.r, right ? 0 : 4, 1e-5);
+    ASSERT_NEAR(m.emissive.g, right ? 0 : 4 * kHalf, 1e-5);
+    ASSERT_EQ(m.emissive.b, 0);
+    ASSERT_NEAR(m.metallic, above ? 1 : 0, 1e-6);
+    ASSERT_NEAR(m.roughness, above ? 0.1f : 0.4f, 1e-6);
+  });
+}
+
+TEST_F(Square, EachPictureLiesWhereItsOwnCoordinatesSay) {
+  bake(R"("pbrMetallicRoughness":{"baseColorTexture":{"index":2},"metallicRoughnessTexture":{"index":1,"texCoord":1}},
+      "emissiveFactor":[1,1,1],"emissiveTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0]}}})",
+       {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1)), dataUri(tga(kRedGreen, 2))});
+  forEachVoxel([](const Material& m, bool right, bool) {
+    ASSERT_EQ(glm::vec3(m.base_color), right ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0));
+    ASSERT_NEAR(m.emissive.g, right ? kHalf : 0, 1e-6);  // moved by half the picture
+    ASSERT_NEAR(m.metallic, right ? 0 : 1, 1e-6);        // its rows are columns
+    ASSERT_NEAR(m.roughness, right ? 0.8f : 0.2f, 1e-6);
+  });
+}
+
+TEST_F(Square, FinePicturesAreAveragedInLight) {
+  Texels glow, metal;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const std::uint8_t value = (i + i / 64) % 2 ? 255 : 0;
+    glow.push_back({value, value, value, 255});
+    metal.push_back({0, value, static_cast<std::uint8_t>(255 - value), 255});
+  }
+  bake(R"("pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":1}},"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})", {dataUri(tga(glow, 64)), dataUri(tga(metal, 64))}, 8, "9729");
+  forEachVoxel([](const Material& m, bool, bool) {
+    ASSERT_NEAR(m.emissive.g, 0.5f, 1e-5);
+    ASSERT_NEAR(m.metallic, 0.5f, 1e-5);
+    ASSERT_NEAR(m.roughness, 0.5f, 1e-5);
+  });
+}
+
+TEST_F(Square, ALampWithoutItsPictureIsDark) {
+  bake(R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})", {"absent.png"});
+  EXPECT_TRUE(anyContains(model_.notices, "materials[0]: its emissive texture can not be had: the surface does not glow"));
+  forEachVoxel([](const Material& m, bool, bool) { ASSERT_EQ(m.emissive, glm::vec3(0)); });
+}
+
 TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
   const Scratch& scratch = scratch_;
   scratch.write("secret.tga", tga(kBlue, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Materials of a glTF file: base colour, emission, metal and roughness. Textures other than the base colour's enter as their mean.
+// Materials of a glTF file: base colour, emission, metal and roughness, with their textures.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -23,13 +23,14 @@ class MaterialReader {
     material.name = oneLine(source.name, 80);
     GltfMaterialUse use;
     const tinygltf::Value* const old = member(source.extensions, "KHR_materials_pbrSpecularGlossiness");
-    const BaseColor base = old ? specularGlossiness(*old, place) : metallicRoughness(source.pbrMetallicRoughness, place);
+    const BaseColor base = old ? specularGlossiness(*old, place) : metallicRoughness(source.pbrMetallicRoughness);
     material.base_color = base.factor;
     material.metallic = base.metallic;
     material.roughness = base.roughness;
     // The alpha of a metal's specular texture is its gloss.
     const Alpha alpha = base.opaque ? Alpha::kIgnore : source.alphaMode == "MASK" ? Alpha::kMask : source.alphaMode == "BLEND" ? Alpha::kKeep : Alpha::kIgnore;
-    if (member(source.extensions, "KHR_materials_unlit")) {
+    const bool unlit = member(source.extensions, "KHR_materials_unlit") != nullptr;
+    if (unlit) {
       // Its colour is what is seen: the metal that a file without factors implies would darken it.
       material.metallic = 0;
       material.roughness = 1;
@@ -37,21 +38,18 @@ class MaterialReader {
     use.keep_alpha = alpha == Alpha::kKeep;
     const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, material.base_color.a);
     if (!use.keep_alpha) material.base_color.a = 1;
-    material.texture = baseTexture(base.texture.index, alpha, cutoff, material, place);
+    const SurfaceMap colors = readMap(base.texture, alpha, cutoff, true, place, use);
+    material.texture = colors.texture;
+    material.wrap_u = colors.wrap_u;
+    material.wrap_v = colors.wrap_v;
+    material.nearest = colors.nearest;
     if (alpha != Alpha::kIgnore && material.texture >= 0) {
       if (hasHoles(out_.images[static_cast<std::size_t>(material.texture)])) material.alpha_cutoff = 0.5f * material.base_color.a;
       else if (alpha == Alpha::kMask) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
     if (letsLightThrough(source, alpha, material)) noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
-    if (material.texture >= 0) {
-      const tinygltf::Value* transform = base.texture.transform;
-      use.texcoord = base.texture.texcoord;
-      if (transform && transform->IsObject()) {
-        use.uv_transform = textureTransform(*transform);
-        use.texcoord = textureSet(number(*transform, "texCoord", use.texcoord));
-      }
-    }
-    material.emissive = emission(source, place);
+    if (!unlit) material.metal_map = readMap(base.metal_texture, Alpha::kIgnore, 0, false, place, use);
+    readEmission(source, place, material, use);
     material.double_sided = source.doubleSided;
     out_.materials.push_back(std::move(material));
     return use;
@@ -65,24 +63,22 @@ class MaterialReader {
   };
   struct BaseColor {
     glm::vec4 factor{1};
-    TextureUse texture;
+    TextureUse texture, metal_texture;
     float metallic = 0, roughness = 1;
     bool opaque = false;  // whatever the alpha mode: the texture's alpha means something else
   };
 
   static int textureSet(double value) { return static_cast<int>(std::clamp(value, 0.0, 1000.0)); }
 
-  BaseColor metallicRoughness(const tinygltf::PbrMetallicRoughness& pbr, const std::string& place) {
+  static TextureUse textureUse(const tinygltf::TextureInfo& info) { return {info.index, textureSet(info.texCoord), member(info.extensions, "KHR_texture_transform")}; }
+
+  static BaseColor metallicRoughness(const tinygltf::PbrMetallicRoughness& pbr) {
     BaseColor base;
     base.factor = color4(pbr.baseColorFactor);
-    base.texture = {pbr.baseColorTexture.index, textureSet(pbr.baseColorTexture.texCoord), member(pbr.baseColorTexture.extensions, "KHR_texture_transform")};
+    base.texture = textureUse(pbr.baseColorTexture);
+    base.metal_texture = textureUse(pbr.metallicRoughnessTexture);
     base.metallic = unit(pbr.metallicFactor);
     base.roughness = unit(pbr.roughnessFactor);
-    if (const Image* mean = images_.texture(pbr.metallicRoughnessTexture.index, place)) {
-      const glm::vec4 value = meanOf(*mean, false);
-      base.roughness *= value.y;
-      base.metallic *= value.z;
-    }
     return base;
   }
 
@@ -94,11 +90,11 @@ class MaterialReader {
     const glm::vec4 specular_factor = color4(numbers(value, "specularFactor", {1, 1, 1}));
     const Image* const diffuse_image = images_.texture(diffuse.index, place);
     const Image* const specular_image = images_.texture(specular.index, place);
-    const glm::vec4 specular_texel = specular_image ? meanOf(*specular_image, true) : glm::vec4(1);
+    const glm::vec4 specular_texel = specular_image ? meanOf(*specular_image) : glm::vec4(1);
     BaseColor base;
     base.roughness = 1 - unit(number(value, "glossinessFactor", 1)) * specular_texel.a;
     if (specular_image || value.Has("specularFactor")) {
-      const glm::vec4 diffuse_mean = diffuse_factor * (diffuse_image ? meanOf(*diffuse_image, true) : glm::vec4(1));
+      const glm::vec4 diffuse_mean = diffuse_factor * (diffuse_image ? meanOf(*diffuse_image) : glm::vec4(1));
       base.metallic = metalOf(glm::vec3(diffuse_mean), glm::vec3(specular_factor * specular_texel));
     }
     if (base.metallic > 0.5f) {
@@ -171,29 +167,43 @@ class MaterialReader {
     return move * rotate * stretch;
   }
 
-  int baseTexture(int texture, Alpha alpha, float cutoff, SurfaceMaterial& material, const std::string& place) {
-    const Image* image = images_.texture(texture, place);
-    if (!image) return -1;
-    const int sampler_index = model_.data.textures[static_cast<std::size_t>(texture)].sampler;
-    if (sampler_index >= static_cast<int>(model_.data.samplers.size())) model_.refuse(placeOf("textures", static_cast<std::size_t>(texture)), "names a sampler that does not exist");
+  // `colors`: the picture holds sRGB colours, and no plain numbers.
+  SurfaceMap readMap(const TextureUse& texture, Alpha alpha, float cutoff, bool colors, const std::string& place, GltfMaterialUse& use) {
+    SurfaceMap map;
+    const Image* image = images_.texture(texture.index, place);
+    if (!image) return map;
+    const int sampler_index = model_.data.textures[static_cast<std::size_t>(texture.index)].sampler;
+    if (sampler_index >= static_cast<int>(model_.data.samplers.size())) model_.refuse(placeOf("textures", static_cast<std::size_t>(texture.index)), "names a sampler that does not exist");
     if (sampler_index >= 0) {
       const tinygltf::Sampler& sampler = model_.data.samplers[static_cast<std::size_t>(sampler_index)];
       const auto wrap = [](int mode) {
         return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE ? Wrap::kClamp : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::kMirror : Wrap::kRepeat;
       };
-      material.wrap_u = wrap(sampler.wrapS);
-      material.wrap_v = wrap(sampler.wrapT);
-      material.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+      map.wrap_u = wrap(sampler.wrapS);
+      map.wrap_v = wrap(sampler.wrapT);
+      map.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
     }
-    const auto key = std::make_tuple(images_.source(texture), alpha, alpha == Alpha::kMask ? cutoff : 0.0f);
-    const auto found = placed_.find(key);
-    if (found != placed_.end()) return found->second;
-    Image copy = *image;
+    map.coordinates = coordinatesOf(texture, use);
+    const auto [place_of, fresh] = placed_.try_emplace(std::make_tuple(images_.source(texture.index), alpha, alpha == Alpha::kMask ? cutoff : 0.0f, colors), static_cast<int>(out_.images.size()));
+    map.texture = place_of->second;
+    if (!fresh) return map;
+    Image& copy = out_.images.emplace_back(*image);
+    copy.srgb = colors;
     for (std::size_t i = 3; i < copy.rgba.size() && alpha != Alpha::kKeep; i += 4)
       copy.rgba[i] = alpha == Alpha::kIgnore || static_cast<float>(copy.rgba[i]) >= cutoff * 255.0f ? 255 : 0;
-    out_.images.push_back(std::move(copy));
-    const int index = static_cast<int>(out_.images.size()) - 1;
-    placed_.emplace(key, index);
+    return map;
+  }
+
+  // Pictures that lie in one place share their coordinates.
+  static int coordinatesOf(const TextureUse& texture, GltfMaterialUse& use) {
+    GltfCoordinates wanted{texture.texcoord, glm::mat3(1)};
+    if (texture.transform && texture.transform->IsObject()) {
+      wanted.transform = textureTransform(*texture.transform);
+      wanted.set = textureSet(number(*texture.transform, "texCoord", wanted.set));
+    }
+    const auto at = std::find_if(use.coordinates.begin(), use.coordinates.end(), [&](const GltfCoordinates& c) { return c.set == wanted.set && c.transform == wanted.transform; });
+    const int index = static_cast<int>(at - use.coordinates.begin());
+    if (at == use.coordinates.end()) use.coordinates.push_back(wanted);
     return index;
   }
 
@@ -217,29 +227,29 @@ class MaterialReader {
     return false;
   }
 
-  // Colours as light if the picture holds colours, as they stand if it holds numbers.
-  static glm::vec4 meanOf(const Image& image, bool colors) {
+  // Colours as light.
+  static glm::vec4 meanOf(const Image& image) {
     glm::dvec4 sum(0);
     for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
-      glm::vec4 texel = glm::vec4(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2], image.rgba[i + 3]) / 255.0f;
-      if (colors) texel = {srgbToLinear(texel.r), srgbToLinear(texel.g), srgbToLinear(texel.b), texel.a};
-      sum += glm::dvec4(texel);
+      const glm::vec4 texel = glm::vec4(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2], image.rgba[i + 3]) / 255.0f;
+      sum += glm::dvec4(srgbToLinear(texel.r), srgbToLinear(texel.g), srgbToLinear(texel.b), texel.a);
     }
     return glm::vec4(sum / static_cast<double>(image.rgba.size() / 4));
   }
 
-  glm::vec3 emission(const tinygltf::Material& source, const std::string& place) {
+  void readEmission(const tinygltf::Material& source, const std::string& place, SurfaceMaterial& material, GltfMaterialUse& use) {
     glm::vec3 emissive(0);
     for (int c = 0; c < 3 && c < static_cast<int>(source.emissiveFactor.size()); ++c) emissive[c] = unit(source.emissiveFactor[static_cast<std::size_t>(c)]);
-    if (emissive == glm::vec3(0)) return emissive;
+    if (emissive == glm::vec3(0)) return;
     if (const tinygltf::Value* strength = member(source.extensions, "KHR_materials_emissive_strength"))
       emissive *= static_cast<float>(std::clamp(number(*strength, "emissiveStrength", 1), 0.0, 1e6));
-    if (source.emissiveTexture.index >= 0) {
-      // Its mean would make the whole surface glow where only a lamp should.
-      noteOnce(place + ": its emissive texture is not baked: the surface does not glow");
-      return glm::vec3(0);
+    material.glow_map = readMap(textureUse(source.emissiveTexture), Alpha::kIgnore, 0, true, place, use);
+    if (source.emissiveTexture.index >= 0 && material.glow_map.texture < 0) {
+      // The factor alone would make the whole surface glow where only a lamp should.
+      noteOnce(place + ": its emissive texture can not be had: the surface does not glow");
+      return;
     }
-    return emissive;
+    material.emissive = emissive;
   }
 
   void noteOnce(const std::string& text) {
@@ -251,7 +261,7 @@ class MaterialReader {
   const GltfModel& model_;
   SourceModel& out_;
   GltfImages images_;
-  std::map<std::tuple<int, Alpha, float>, int> placed_;
+  std::map<std::tuple<int, Alpha, float, bool>, int> placed_;
   std::vector<std::string> noted_;
 };
 

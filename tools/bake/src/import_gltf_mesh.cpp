@@ -84,11 +84,12 @@ class PrimitiveReader {
     if (primitive.material >= static_cast<int>(model_.data.materials.size())) model_.refuse(place, "names a material that does not exist");
     triangle.material = static_cast<std::uint32_t>(primitive.material < 0 ? model_.data.materials.size() : static_cast<std::size_t>(primitive.material));
     const GltfMaterialUse& use = materials[triangle.material];
-    GltfValues uvs, colors;
-    if (use.texcoord >= 0) {
-      const std::string name = "TEXCOORD_" + std::to_string(use.texcoord);
+    GltfValues colors;
+    std::vector<GltfValues> uvs(use.coordinates.size());
+    for (std::size_t k = 0; k < uvs.size(); ++k) {
+      const std::string name = "TEXCOORD_" + std::to_string(use.coordinates[k].set);
       const int accessor = attributeOf(primitive, name);
-      if (accessor >= 0) uvs = readSized(model_, accessor, 2, 2, count, place, name.c_str());
+      if (accessor >= 0) uvs[k] = readSized(model_, accessor, 2, 2, count, place, name.c_str());
       else model_.note(place + ": its material has a texture but it has no " + name + ": the texture's corner is used");
     }
     if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0) colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
@@ -107,9 +108,11 @@ class PrimitiveReader {
     const auto emit = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
       const std::array<std::uint32_t, 3> corner = flip_ ? std::array<std::uint32_t, 3>{a, c, b} : std::array<std::uint32_t, 3>{a, b, c};
       for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = positions[corner[i]];
-      if (!uvs.values.empty()) {
-        triangle.uv.emplace();
-        for (std::size_t i = 0; i < 3; ++i) (*triangle.uv)[i] = glm::vec2(use.uv_transform * glm::vec3(uvs.at(corner[i], 0), uvs.at(corner[i], 1), 1));
+      for (std::size_t k = 0; k < uvs.size(); ++k) {
+        if (uvs[k].values.empty()) continue;
+        auto& uv = k == 0 ? triangle.uv : triangle.more_uv[k - 1];
+        uv.emplace();
+        for (std::size_t i = 0; i < 3; ++i) (*uv)[i] = glm::vec2(use.coordinates[k].transform * glm::vec3(uvs[k].at(corner[i], 0), uvs[k].at(corner[i], 1), 1));
       }
       if (!colors.values.empty()) {
         triangle.color.emplace();

@@ -74,11 +74,15 @@ std::vector<std::uint32_t> readIndices(const GltfModel& model, int accessor, con
 std::span<const std::uint8_t> readView(const GltfModel& model, int view, const std::string& user);
 
 // --- materials -----------------------------------------------------------------------------------------------------------------------
+// Where a picture lies.
+struct GltfCoordinates {
+  int set = 0;                  // TEXCOORD_n
+  glm::mat3 transform{1};
+};
 // What a primitive needs to know of its material to read its UVs.
 struct GltfMaterialUse {
-  int texcoord = -1;            // the TEXCOORD set; -1: no texture
-  glm::mat3 uv_transform{1};
-  bool keep_alpha = false;      // the material blends
+  std::vector<GltfCoordinates> coordinates;  // for TriangleSoup::uvs and more_uvs in turn; at most three
+  bool keep_alpha = false;                   // the material blends
 };
 // Fills model.materials (one more than the file has: the default) and model.images.
 std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out);

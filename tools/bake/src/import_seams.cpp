@@ -106,11 +106,15 @@ void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece, con
     if (triangle.vertex[0] == triangle.vertex[1] || triangle.vertex[1] == triangle.vertex[2] || triangle.vertex[2] == triangle.vertex[0]) continue;
     soup.triangles[kept] = triangle;
     if (!soup.uvs.empty()) soup.uvs[kept] = soup.uvs[t];
+    for (auto& uvs : soup.more_uvs)
+      if (!uvs.empty()) uvs[kept] = uvs[t];
     if (!soup.colors.empty()) soup.colors[kept] = soup.colors[t];
     ++kept;
   }
   soup.triangles.resize(kept);
   if (!soup.uvs.empty()) soup.uvs.resize(kept);
+  for (auto& uvs : soup.more_uvs)
+    if (!uvs.empty()) uvs.resize(kept);
   if (!soup.colors.empty()) soup.colors.resize(kept);
 }
 

@@ -82,6 +82,15 @@ std::vector<glm::dvec2> flatten(std::span<const glm::vec3> corners) {
   return flat;
 }
 
+// Attribute lists are empty or complete: the first triangle that has one fills in for those `before` it.
+template <class T>
+void append(std::vector<std::array<T, 3>>& list, const std::optional<std::array<T, 3>>& value, std::size_t before, const T& none) {
+  if (!value && list.empty()) return;
+  const std::array<T, 3> missing{none, none, none};
+  list.resize(before, missing);
+  list.push_back(value.value_or(missing));
+}
+
 }  // namespace
 
 float srgbToLinear(float value) { return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f); }
@@ -122,14 +131,10 @@ bool SoupBuilder::add(const Triangle& triangle) {
   TriangleSoup::Triangle entry;
   for (std::size_t i = 0; i < 3; ++i) entry.vertex[i] = vertex(triangle.position[i]);
   entry.material = triangle.material;
-  // The attribute lists are empty or complete: the first triangle that has one fills in for those before it.
-  if (triangle.uv && soup_.uvs.empty()) soup_.uvs.resize(soup_.triangles.size());
-  if (triangle.color && soup_.colors.empty()) soup_.colors.resize(soup_.triangles.size(), {glm::vec4(1), glm::vec4(1), glm::vec4(1)});
-  const bool had_uvs = triangle.uv || !soup_.uvs.empty();
-  const bool had_colors = triangle.color || !soup_.colors.empty();
+  append(soup_.uvs, triangle.uv, soup_.triangles.size(), glm::vec2(0));
+  for (std::size_t i = 0; i < soup_.more_uvs.size(); ++i) append(soup_.more_uvs[i], triangle.more_uv[i], soup_.triangles.size(), glm::vec2(0));
+  append(soup_.colors, triangle.color, soup_.triangles.size(), glm::vec4(1));
   soup_.triangles.push_back(entry);
-  if (had_uvs) soup_.uvs.push_back(triangle.uv.value_or(std::array<glm::vec2, 3>{glm::vec2(0), glm::vec2(0), glm::vec2(0)}));
-  if (had_colors) soup_.colors.push_back(triangle.color.value_or(std::array<glm::vec4, 3>{glm::vec4(1), glm::vec4(1), glm::vec4(1)}));
   return true;
 }
 

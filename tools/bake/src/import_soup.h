@@ -26,6 +26,7 @@ class SoupBuilder {
     std::array<glm::vec3, 3> position{};
     std::uint32_t material = 0;
     std::optional<std::array<glm::vec2, 3>> uv;
+    std::array<std::optional<std::array<glm::vec2, 3>>, 2> more_uv;
     std::optional<std::array<glm::vec4, 3>> color;  // linear
   };
   // Triangles with a non-finite corner, or whose corners are not three different points, are dropped and counted.

@@ -22,12 +22,17 @@ SurfaceLook::SurfaceLook(const SourceModel& model, const TriangleSoup& soup, con
       throw BakeError(Exit::kInvalid, fmt::format("a triangle uses material {} of {}; export the model again", triangle.material,
                                                   model.materials.size()));
     const SurfaceMaterial& material = model.materials[triangle.material];
-    if (material.texture < 0 || soup.uvs.empty()) continue;
-    const std::size_t texture = static_cast<std::size_t>(material.texture);
-    if (texture >= textures_.size())
-      throw BakeError(Exit::kInvalid, fmt::format("material '{}' uses image {} of {}; export the model again", material.name,
-                                                  texture, textures_.size()));
-    if (!textures_[texture]) textures_[texture].emplace(model.images[texture]);
+    for (const SurfaceMap& map : {SurfaceMap{soup.uvs.empty() ? -1 : material.texture}, material.glow_map, material.metal_map}) {
+      if (map.texture < 0) continue;
+      const std::size_t index = static_cast<std::size_t>(map.texture);
+      if (index >= textures_.size())
+        throw BakeError(Exit::kInvalid, fmt::format("material '{}' uses image {} of {}; export the model again", material.name,
+                                                    index, textures_.size()));
+      if (map.coordinates < 0 || static_cast<std::size_t>(map.coordinates) > soup.more_uvs.size())
+        throw BakeError(Exit::kInvalid, fmt::format("material '{}' uses texture coordinates {} of {}; export the model again", material.name,
+                                                    map.coordinates, soup.more_uvs.size() + 1));
+      if (!textures_[index]) textures_[index].emplace(model.images[index]);
+    }
   }
   cuts_out_ = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const SolidTriangle& t) {
     return t.source != kCap && !mesh.components[t.component].solid && materialOf(t).alpha_cutoff > 0;
@@ -42,6 +47,12 @@ Material SurfaceLook::materialAt(const Nearest& nearest) const {
   material.emissive = source.emissive;
   material.metallic = source.metallic;
   material.roughness = source.roughness;
+  if (source.glow_map.texture >= 0) material.emissive *= glm::vec3(mapAt(nearest, source.glow_map));
+  if (source.metal_map.texture >= 0) {
+    const glm::vec4 texel = mapAt(nearest, source.metal_map);
+    material.roughness *= texel.g;
+    material.metallic *= texel.b;
+  }
   return material;
 }
 
@@ -90,14 +101,20 @@ glm::vec4 SurfaceLook::colorAt(const Nearest& nearest) const {
     const auto& c = soup_.colors[solid.source];
     color *= c[0] * weights[0] + c[1] * weights[1] + c[2] * weights[2];
   }
-  if (source.texture >= 0 && !soup_.uvs.empty()) {
-    const auto& uv = soup_.uvs[solid.source];
-    const TexturePyramid& texture = *textures_[static_cast<std::size_t>(source.texture)];
-    color *= texture.sample(uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2],
-                            texelsPerVoxel(solid, uv, source.texture), source.wrap_u, source.wrap_v, source.nearest);
-  }
+  if (source.texture >= 0 && !soup_.uvs.empty())
+    color *= mapAt(nearest, {source.texture, source.wrap_u, source.wrap_v, source.nearest});
   for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;  // NaN too
   return color;
+}
+
+// A picture's texel, averaged over the footprint of a voxel. Parts without the coordinates have its corner everywhere.
+glm::vec4 SurfaceLook::mapAt(const Nearest& nearest, const SurfaceMap& map) const {
+  const SolidTriangle& solid = mesh_.triangles[nearest.triangle];
+  const auto& uvs = map.coordinates == 0 ? soup_.uvs : soup_.more_uvs[static_cast<std::size_t>(map.coordinates - 1)];
+  const std::array<glm::vec2, 3> uv = uvs.empty() ? std::array<glm::vec2, 3>{} : uvs[solid.source];
+  const std::array<float, 3> weights = cornerWeights(nearest);
+  return textures_[static_cast<std::size_t>(map.texture)]->sample(uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2],
+                                                                  texelsPerVoxel(solid, uv, map.texture), map.wrap_u, map.wrap_v, map.nearest);
 }
 
 // Weights for the soup's corners: winding may have swapped two of the mesh's.

@@ -41,6 +41,7 @@ class SurfaceLook {
   }
   glm::vec4 colorAt(const Nearest& nearest) const;
   std::array<float, 3> cornerWeights(const Nearest& nearest) const;
+  glm::vec4 mapAt(const Nearest& nearest, const SurfaceMap& map) const;
   float texelsPerVoxel(const SolidTriangle& solid, const std::array<glm::vec2, 3>& uv, int texture) const;
 
   const SourceModel& model_;

@@ -25,6 +25,15 @@ struct Image {
 
 enum class Wrap : std::uint8_t { kRepeat, kMirror, kClamp };
 
+// A picture, and where on a triangle it lies.
+struct SurfaceMap {
+  int texture = -1;        // index into SourceModel::images; -1: none
+  Wrap wrap_u = Wrap::kRepeat;
+  Wrap wrap_v = Wrap::kRepeat;
+  bool nearest = false;    // the sampler asks for nearest filtering
+  int coordinates = 0;     // 0: TriangleSoup::uvs; n: its more_uvs[n - 1]
+};
+
 struct SurfaceMaterial {
   std::string name;
   glm::vec4 base_color{1};  // linear; multiplies texture and vertex colour
@@ -35,6 +44,8 @@ struct SurfaceMaterial {
   glm::vec3 emissive{0};
   float metallic = 0;
   float roughness = 1;
+  SurfaceMap glow_map;      // multiplies emissive
+  SurfaceMap metal_map;     // green multiplies roughness, blue metallic
   bool double_sided = false;
   float alpha_cutoff = 0;   // sheets are cut out where the alpha of base_color x texture x vertex colour is below it; 0: nowhere
 };
@@ -49,6 +60,7 @@ struct TriangleSoup {
   std::vector<glm::vec3> positions;
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> uvs;      // empty, or one a triangle
+  std::array<std::vector<std::array<glm::vec2, 3>>, 2> more_uvs;  // each likewise: for pictures that lie elsewhere than the base colour's
   std::vector<std::array<glm::vec4, 3>> colors;   // empty, or one a triangle; linear, multiplies the base colour
   std::uint64_t dropped = 0;                      // triangles of the file that are not here: corners in one place, or not finite
 };
