@@ -68,6 +68,25 @@ TEST(ImportMesh, ObjMaterialsNamesWithSpacesAndNegativeIndices) {
   EXPECT_EQ(model.materials[soup.triangles[2].material].name, "default");
 }
 
+// A map_Ke glows by itself where Ke is black, as a map_Kd has its colour where Kd is; its options are its own.
+TEST(ImportMesh, ObjPicturesGlow) {
+  const Scratch scratch;
+  // A TGA of one texel: blue, green, red, alpha.
+  scratch.write("screen.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\40\50", 18) + "\x10\x20\xff\xff");
+  scratch.write("a.mtl", "newmtl before\nmap_Ke screen.tga\nKe 0 0 0\nnewmtl after\nKe 0 2 0\nmap_Ke -clamp on screen.tga\nnewmtl none\nKd 1 0 0\n");
+  const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl before\nf 1/1 2/1 3/1\nusemtl after\nf 1/1 3/1 2/1\nusemtl none\nf 3/1 2/1 1/1\n"), {});
+  const auto material = [&](std::size_t t) { return model.materials[model.parts[0].soup.triangles.at(t).material]; };
+  ASSERT_EQ(model.images.size(), 1u);
+  EXPECT_EQ(model.images[0].rgba, (std::vector<std::uint8_t>{255, 32, 16, 255}));
+  EXPECT_EQ(material(0).emissive, glm::vec3(1));
+  EXPECT_EQ(material(0).glow_map.texture, 0);
+  EXPECT_EQ(material(0).texture, -1);
+  EXPECT_EQ(material(1).emissive, glm::vec3(0, 2, 0));
+  EXPECT_EQ(material(1).glow_map.wrap_u, Wrap::kClamp);
+  EXPECT_EQ(material(1).wrap_u, Wrap::kRepeat);
+  EXPECT_EQ(material(2).glow_map.texture, -1);
+}
+
 TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
   const Scratch scratch;
   // An L of area 3: a fan from its first corner would fold over.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Materials of OBJ files: Kd and map_Kd become the base colour, d or Tr its alpha, Ke the emission, Pr and Pm roughness and metal.
+// Materials of OBJ files: Kd and map_Kd become the base colour, d or Tr its alpha, Ke and map_Ke the emission, Pr and Pm roughness and metal.
 #include "import_mtl.h"
 
 #include <algorithm>
@@ -55,6 +55,7 @@ class MtlReader {
     } else if (key == "Ke") {
       glm::vec3 color(0);
       if (readColor(words, color)) material.emissive = glm::max(color, glm::vec3(0));
+      lightUp(material);
     } else if (key == "d" || key == "Tr") {
       float value = 1;
       if (words >> value && std::isfinite(value)) material.base_color.a = std::clamp(key == "d" ? value : 1 - value, 0.0f, 1.0f);
@@ -62,7 +63,14 @@ class MtlReader {
       float value = 0;
       if (words >> value && std::isfinite(value)) (key == "Pr" ? material.roughness : material.metallic) = std::clamp(value, 0.0f, 1.0f);
     } else if (key == "map_Kd") {
-      readMap(words, material);
+      const SurfaceMap map = readMap(words);
+      material.texture = map.texture;
+      material.wrap_u = map.wrap_u;
+      material.wrap_v = map.wrap_v;
+      if (material.texture >= 0 && glm::vec3(material.base_color) == glm::vec3(0)) whiten(material);
+    } else if (key == "map_Ke") {
+      material.glow_map = readMap(words);
+      lightUp(material);
     }
   }
 
@@ -74,8 +82,14 @@ class MtlReader {
 
   static void whiten(SurfaceMaterial& material) { material.base_color = glm::vec4(1, 1, 1, material.base_color.a); }
 
+  // As with Kd and its map.
+  static void lightUp(SurfaceMaterial& material) {
+    if (material.glow_map.texture >= 0 && material.emissive == glm::vec3(0)) material.emissive = glm::vec3(1);
+  }
+
   // "map_Kd [-option values] NAME", where NAME may hold spaces.
-  void readMap(std::istringstream& words, SurfaceMaterial& material) {
+  SurfaceMap readMap(std::istringstream& words) {
+    SurfaceMap map;
     std::string rest;
     std::getline(words >> std::ws, rest);
     while (!rest.empty() && rest.front() == '-') {
@@ -84,7 +98,7 @@ class MtlReader {
       option >> word;
       if (word == "-clamp") {
         option >> word;
-        if (word == "on") material.wrap_u = material.wrap_v = Wrap::kClamp;
+        if (word == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
       } else {
         // Options take one word (-blendu, -bm, -imfchan, -type) or up to three numbers (-o, -s, -t, -mm).
         if (word != "-o" && word != "-s" && word != "-t" && word != "-mm") option >> word;
@@ -97,11 +111,11 @@ class MtlReader {
       std::getline(option >> std::ws, left);
       rest = std::move(left);
     }
-    if (rest.empty()) return;
+    if (rest.empty()) return map;
     const auto [slot, fresh] = images_.try_emplace(rest, -1);
     if (fresh) slot->second = loadImage(rest);
-    material.texture = slot->second;
-    if (material.texture >= 0 && glm::vec3(material.base_color) == glm::vec3(0)) whiten(material);
+    map.texture = slot->second;
+    return map;
   }
 
   int loadImage(const std::string& reference) {
