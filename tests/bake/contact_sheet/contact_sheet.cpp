@@ -38,7 +38,7 @@ struct Explained {
 constexpr Explained kExplained[] = {
     {"multiple_spaces.obj", "one triangle, seen from behind: kelp lights a sheet as it is wound"},
     {"regr_3429812.obj", "one quad, modelled twice and seen from behind: kelp lights a sheet as it is wound"},
-    {"TextureSettingsTest.gltf", "the board's front and back share one voxel, whose one normal is the nearer back's; at 256 voxels they do not"},
+    {"TextureSettingsTest.gltf", "the board's front and back share a voxel and its one normal (not at 256)"},
     {"only_a_part_of_vertexcolors.obj", "assimp gives the colours to the first vertices, kelp to those that have them"},
 };
 
