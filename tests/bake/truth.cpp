@@ -77,15 +77,23 @@ double MeshTruth::signedVolume() const {
 
 void MeshTruth::findPieces() {
   // Triangles take the lowest number among those at their corners until none changes.
-  std::map<std::tuple<double, double, double>, std::uint32_t> lowest;
+  std::map<std::tuple<double, double, double>, std::uint32_t> places;
+  std::vector<std::array<std::uint32_t, 3>> place(corners_.size());
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& p = corners_[i][k];
+      place[i][k] = places.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(places.size())).first->second;
+    }
+  }
   piece_.resize(corners_.size());
   for (std::uint32_t i = 0; i < piece_.size(); ++i) piece_[i] = i;
+  std::vector<std::uint32_t> lowest(places.size(), static_cast<std::uint32_t>(corners_.size()));
   for (bool changed = true; changed;) {
     changed = false;
     const auto visit = [&](std::size_t i) {
       std::uint32_t number = piece_[i];
-      for (const glm::dvec3& p : corners_[i]) number = std::min(number, lowest.try_emplace({p.x, p.y, p.z}, number).first->second);
-      for (const glm::dvec3& p : corners_[i]) lowest[{p.x, p.y, p.z}] = number;
+      for (const std::uint32_t at : place[i]) number = std::min(number, lowest[at]);
+      for (const std::uint32_t at : place[i]) lowest[at] = number;
       changed = changed || number != piece_[i];
       piece_[i] = number;
     };

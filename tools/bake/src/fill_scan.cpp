@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "parallel.h"
 
@@ -10,16 +11,19 @@ namespace kelp::bake {
 namespace {
 
 constexpr std::int64_t kUnit = std::int64_t{1} << kLatticeBits;
+constexpr int kDoubt = 0;
 
 struct Crossing {
   std::uint32_t column = 0;
-  std::uint32_t component = 0;
+  std::uint32_t component = 0;  // of a doubt: its number
   double depth = 0;   // voxels along the scanline
-  int sign = 0;       // +1 enters the component, -1 leaves it
+  int sign = 0;       // +1 enters the component, -1 leaves it; kDoubt: no crossing, but a voxel in doubt
+  bool cap = false;
 
   bool operator<(const Crossing& other) const {
     if (column != other.column) return column < other.column;
     if (depth != other.depth) return depth < other.depth;
+    if ((sign == kDoubt) != (other.sign == kDoubt)) return other.sign == kDoubt;  // begins at this centre: inside; ends there: outside
     if (component != other.component) return component < other.component;
     return sign < other.sign;
   }
@@ -38,8 +42,8 @@ bool ownsEdge(std::int64_t du, std::int64_t dv) { return dv < 0 || (dv == 0 && d
 // The scanlines of one axis: `axis` runs along them, u = axis + 1 and v = axis + 2 (modulo 3) number the columns.
 class Scanner {
  public:
-  Scanner(const Topology& mesh, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels)
-      : mesh_(mesh), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels) {
+  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels)
+      : mesh_(mesh), doubts_(doubts), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels) {
     const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
     stride_ = stride[axis_];
     stride_u_ = stride[u_];
@@ -50,6 +54,7 @@ class Scanner {
   void scan(const std::vector<std::uint32_t>& triangles, int begin, int end) {
     crossings_.clear();
     for (const std::uint32_t i : triangles) rasterise(mesh_.triangles[i], begin, end);
+    if (axis_ == 0) addDoubts(begin, end);
     std::sort(crossings_.begin(), crossings_.end());
     for (std::size_t at = 0; at < crossings_.size();) {
       std::size_t next = at;
@@ -60,6 +65,16 @@ class Scanner {
   }
 
  private:
+  // Along x: the axis that fills.
+  void addDoubts(int begin, int end) {
+    const std::uint64_t row = static_cast<std::uint64_t>(size_.x), slice = row * static_cast<std::uint64_t>(size_.y);
+    const std::uint64_t first = slice * static_cast<std::uint64_t>(begin), last = slice * static_cast<std::uint64_t>(end);
+    const auto from = std::lower_bound(doubts_.begin(), doubts_.end(), first, [](const Doubt& doubt, std::uint64_t voxel) { return doubt.voxel < voxel; });
+    for (auto at = from; at != doubts_.end() && at->voxel < last; ++at) {
+      crossings_.push_back({static_cast<std::uint32_t>((at->voxel - first) / row), static_cast<std::uint32_t>(at - doubts_.begin()), static_cast<double>(at->voxel % row) + 0.5, kDoubt, false});
+    }
+  }
+
   void rasterise(const SolidTriangle& triangle, int begin, int end) {
     glm::i64vec3 a = mesh_.lattice[triangle.vertex[0]], b = mesh_.lattice[triangle.vertex[1]], c = mesh_.lattice[triangle.vertex[2]];
     std::int64_t area = (b[u_] - a[u_]) * (c[v_] - a[v_]) - (b[v_] - a[v_]) * (c[u_] - a[u_]);
@@ -93,7 +108,7 @@ class Scanner {
           const double depth = (static_cast<double>(w[0]) * static_cast<double>(a[axis_]) + static_cast<double>(w[1]) * static_cast<double>(b[axis_]) +
                                 static_cast<double>(w[2]) * static_cast<double>(c[axis_])) / static_cast<double>(area) * kLatticeStep;
           const std::uint32_t column = static_cast<std::uint32_t>(u + (v - begin) * size_[u_]);
-          crossings_.push_back({column, triangle.component, depth, sign});
+          crossings_.push_back({column, triangle.component, depth, sign, triangle.source == kCap});
         }
         for (int k = 0; k < 3; ++k) w[k] += step_u[k];
       }
@@ -108,13 +123,18 @@ class Scanner {
     windings_.clear();
     int inside = 0;
     double start = 0, last_start = 0, last_end = -1e30;
-    bool pending = false;
+    bool pending = false, drawn = false, last_drawn = false;  // drawn: not caps alone bound the stretch
     const auto flush = [&] {
-      if (pending) fillStretch(line, last_start, last_end);
+      if (pending) fillStretch(line, last_start, last_end, last_drawn);
       pending = false;
     };
-    for (; at < next; ++at) {
-      const Crossing& crossing = crossings_[at];
+    bool doubtful = false;
+    for (std::size_t i = at; i < next; ++i) {
+      const Crossing& crossing = crossings_[i];
+      if (crossing.sign == kDoubt) {
+        doubtful = true;
+        continue;
+      }
       if (!mesh_.components[crossing.component].solid) {
         keep(line, crossing.depth);
         continue;
@@ -124,25 +144,63 @@ class Scanner {
       if (winding == 0) ++inside;
       winding += crossing.sign;
       if (winding == 0) --inside;
-      if (before == 0 && inside > 0) start = crossing.depth;
+      if (before == 0 && inside > 0) {
+        start = crossing.depth;
+        drawn = false;
+      }
+      drawn = drawn || !crossing.cap;
       if (before > 0 && inside == 0) {
         // Bodies that touch are one stretch: no voxel is owed to the seam.
         if (!pending || start > last_end + kLatticeStep) {
           flush();
           last_start = start;
           pending = true;
+          last_drawn = false;
         }
+        last_drawn = last_drawn || drawn;
         last_end = crossing.depth;
       }
     }
     flush();
+    if (doubtful) settleDoubts(at, next, line);
   }
 
-  void fillStretch(std::uint8_t* line, double from, double to) {
+  // Where caps are in doubt, what counts is the winding number of the triangles themselves.
+  void settleDoubts(std::size_t at, std::size_t next, std::uint8_t* line) {
+    const std::size_t begin = at;
+    windings_.clear();
+    while (at < next) {
+      if (crossings_[at].sign != kDoubt) {
+        if (mesh_.components[crossings_[at].component].solid) windingOf(crossings_[at].component) += crossings_[at].sign;
+        ++at;
+        continue;
+      }
+      const std::uint64_t voxel = doubts_[crossings_[at].component].voxel;
+      const std::size_t first = at;
+      bool inside = false;
+      for (; at < next && crossings_[at].sign == kDoubt && doubts_[crossings_[at].component].voxel == voxel; ++at) {
+        const Doubt& doubt = doubts_[crossings_[at].component];
+        inside = inside || std::abs(windingOf(doubt.component) - doubt.caps) >= 0.5;
+      }
+      const auto doubted = [&](std::uint32_t component) {
+        return std::any_of(crossings_.begin() + static_cast<std::ptrdiff_t>(first), crossings_.begin() + static_cast<std::ptrdiff_t>(at),
+                           [&](const Crossing& crossing) { return doubts_[crossing.component].component == component; });
+      };
+      for (const auto& [component, winding] : windings_) inside = inside || (winding != 0 && !doubted(component));
+      std::uint8_t& its = line[voxel % static_cast<std::uint64_t>(size_.x)];
+      if (inside || its == kInside) its = inside ? kInside : kEmpty;
+    }
+    // A sheet in what is now empty.
+    for (std::size_t i = begin; i < next; ++i) {
+      if (crossings_[i].sign != kDoubt && !mesh_.components[crossings_[i].component].solid) keep(line, crossings_[i].depth);
+    }
+  }
+
+  void fillStretch(std::uint8_t* line, double from, double to, bool drawn) {
     const int first = firstCentre(from, size_[axis_]);
     const int end = firstCentre(to, size_[axis_]);
     if (first >= end) {
-      keep(line, (from + to) * 0.5);
+      if (drawn) keep(line, (from + to) * 0.5);  // between two caps there is nothing that could be lost
     } else if (axis_ == 0) {  // one axis fills; the others look for what it missed
       std::fill(line + first, line + end, static_cast<std::uint8_t>(kInside));
     }
@@ -162,6 +220,7 @@ class Scanner {
   }
 
   const Topology& mesh_;
+  std::span<const Doubt> doubts_;
   glm::ivec3 size_;
   int axis_, u_, v_;
   std::size_t stride_ = 0, stride_u_ = 0, stride_v_ = 0;
@@ -172,7 +231,7 @@ class Scanner {
 
 }  // namespace
 
-void fillScanlines(const Topology& mesh, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
+void fillScanlines(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     // Slabs of about a million columns bound the memory of the crossings; at least 16, for the threads.
@@ -190,7 +249,7 @@ void fillScanlines(const Topology& mesh, const glm::ivec3& size, int threads, st
       for (std::int64_t slab = first / rows; first <= last && slab <= last / rows; ++slab) bins[static_cast<std::size_t>(slab)].push_back(i);
     }
     parallelRanges(slabs, 1, threads, [&](std::size_t begin, std::size_t end) {
-      Scanner scanner(mesh, size, axis, voxels);
+      Scanner scanner(mesh, doubts, size, axis, voxels);
       for (std::size_t slab = begin; slab < end; ++slab) {
         const int row = static_cast<int>(slab) * rows;
         scanner.scan(bins[slab], row, std::min(size[v], row + rows));

@@ -26,7 +26,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.15);
   const std::size_t count = static_cast<std::size_t>(frame.size.x) * static_cast<std::size_t>(frame.size.y) * static_cast<std::size_t>(frame.size.z);
   std::vector<std::uint8_t> voxels(count, kEmpty);
-  fillScanlines(mesh, frame.size, threads, voxels);
+  fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
   report(0.3);
   const TriangleBvh bvh(mesh);
   const SurfaceLook look(model, part.soup, mesh);
