@@ -54,7 +54,7 @@ struct Topology {
 };
 
 // Holes of a component may have this share of its surface before it counts as an open sheet.
-inline constexpr double kMaxHoleShare = 0.12;
+inline constexpr double kMaxHoleShare = 0.17;
 
 // What is solid and what is a sheet. A component is the triangles that hang together by shared edges; walls hang together among themselves. Its boundary, as a chain of oriented
 // edges, is a cycle; the cone from a point over it closes the component exactly, whatever the holes look like, so that signed crossings
