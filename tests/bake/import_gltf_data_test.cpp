@@ -169,5 +169,14 @@ TEST(ImportGltfData, SingularTransformsFlattenWhatTheyHold) {
   EXPECT_GT(signedVolume(import(R"({"children":[1],"scale":[-1,1,1]},{"mesh":0,"rotation":[0,0.6,0,0.8]})").parts.at(0)), 0);
 }
 
+
+TEST(ImportGltfData, FilesThatNeedANewerReaderAreRefused) {
+  const Scratch scratch;
+  const auto file = [&](const std::string& asset) { return scratch.write("m.gltf", R"({"asset":{)" + asset + "}}"); };
+  for (const char* version : {"2.1", "2.9", "2.10", "3.0", "99999999999.0"})
+    EXPECT_TRUE(contains(refusal(file(R"("version":"2.0","minVersion":")" + std::string(version) + "\""), Exit::kUnsupported), "minVersion")) << version;
+  for (const char* version : {"2.0", "2", "1.9", ""}) EXPECT_TRUE(importFile(file(R"("version":"2.1","minVersion":")" + std::string(version) + "\""), {}).parts.empty()) << version;
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -100,12 +101,26 @@ Json parseJson(const InputFiles& files, std::string_view text) {
   return root;
 }
 
+// "<major>.<minor>"; what is no version asks for nothing.
+bool isAbove20(std::string_view version) {
+  const std::size_t dot = std::min(version.find('.'), version.size());
+  const auto number = [](std::string_view text) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc::result_out_of_range ? 1 << 30 : value;
+  };
+  const int major = number(version.substr(0, dot)), minor = number(version.substr(std::min(dot + 1, version.size())));
+  return major > 2 || (major == 2 && minor > 0);
+}
+
 void checkVersionAndExtensions(const InputFiles& files, const Json& root) {
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
     refuse(Exit::kInvalid, files.input(), "asset", "has no version; this is not a glTF 2.0 file");
   const std::string version = (*asset)["version"];
   if (version.rfind("2.", 0) != 0) refuse(Exit::kUnsupported, files.input(), "asset", "is glTF " + oneLine(version, 20) + "; export it as glTF 2.0");
+  if (const auto least = asset->find("minVersion"); least != asset->end() && least->is_string() && isAbove20(least->get_ref<const std::string&>()))
+    refuse(Exit::kUnsupported, files.input(), "asset", "needs a reader of glTF " + oneLine(least->get_ref<const std::string&>(), 20) + " (minVersion); export it as glTF 2.0");
   const auto required = root.find("extensionsRequired");
   if (required == root.end()) return;
   if (!required->is_array()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "is not an array");
