@@ -178,5 +178,23 @@ TEST(ImportGltfData, FilesThatNeedANewerReaderAreRefused) {
   for (const char* version : {"2.0", "2", "1.9", ""}) EXPECT_TRUE(importFile(file(R"("version":"2.1","minVersion":")" + std::string(version) + "\""), {}).parts.empty()) << version;
 }
 
+
+TEST(ImportGltfData, ExtensionsThatAreNotKnownAreNamedOnce) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const auto notices = [&](const std::string& nodes, const std::string& used) {
+    return importText(scratch, maker.text(GltfMaker::boxMesh() + R"(,"nodes":[)" + nodes + R"(],"extensionsUsed":[)" + used + "]")).notices;
+  };
+  const std::string node = R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{}},"ACME_hidden":{}}})";
+  const std::vector<std::string> lines = notices(node + "," + node, R"("EXT_mesh_gpu_instancing","KHR_materials_ior","ACME_b")");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(contains(lines[0], "ACME_b, ACME_hidden, EXT_mesh_gpu_instancing (each mesh is baked once);")) << lines[0];
+  EXPECT_TRUE(notices(R"({"mesh":0,"extensions":{"KHR_lights_punctual":{}},"extras":{"extensions":{"ACME_own":{}}}})", R"("KHR_lights_punctual","KHR_texture_transform")").empty());
+  std::string many;
+  for (int i = 10; i < 30; ++i) many += (many.empty() ? "\"ACME_" : ",\"ACME_") + std::to_string(i) + "\"";
+  EXPECT_TRUE(contains(notices(R"({"mesh":0})", many).at(0), "ACME_17 and 12 more;"));
+}
+
 }  // namespace
 }  // namespace kelp::bake::test
