@@ -196,5 +196,24 @@ TEST(ImportGltfData, ExtensionsThatAreNotKnownAreNamedOnce) {
   EXPECT_TRUE(contains(notices(R"({"mesh":0})", many).at(0), "ACME_17 and 12 more;"));
 }
 
+
+// Both are optional: matrices of a skin are the identity then, and a channel's target is an extension's.
+TEST(ImportGltfData, SkinsNeedNoMatricesAndChannelsNoNode) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  maker.joints(std::vector<std::uint16_t>(32, 0));
+  std::vector<float> weights;
+  for (int i = 0; i < 8; ++i) weights.insert(weights.end(), {1, 0, 0, 0});
+  maker.floats(weights, 4);
+  maker.floats({0, 1}, 1);
+  maker.floats({0, 0, 0, 9, 9, 9}, 3);
+  const SourceModel model = importText(
+      scratch, maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"nodes":[{"mesh":0,"skin":0},{"translation":[5,0,0]}],"skins":[{"joints":[1]}],
+        "animations":[{"channels":[{"sampler":0,"target":{"path":"translation"}},{"sampler":0,"target":{"path":"translation"}}],"samplers":[{"input":4,"output":5}]}])"));
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  EXPECT_NEAR(boundsOf(model.parts.at(0)).low.x, 4.9, 1e-6);
+}
+
 }  // namespace
 }  // namespace kelp::bake::test
