@@ -169,5 +169,51 @@ TEST(ImportGltfData, SingularTransformsFlattenWhatTheyHold) {
   EXPECT_GT(signedVolume(import(R"({"children":[1],"scale":[-1,1,1]},{"mesh":0,"rotation":[0,0.6,0,0.8]})").parts.at(0)), 0);
 }
 
+
+TEST(ImportGltfData, FilesThatNeedANewerReaderAreRefused) {
+  const Scratch scratch;
+  const auto file = [&](const std::string& asset) { return scratch.write("m.gltf", R"({"asset":{)" + asset + "}}"); };
+  for (const char* version : {"2.1", "2.9", "2.10", "3.0", "99999999999.0"})
+    EXPECT_TRUE(contains(refusal(file(R"("version":"2.0","minVersion":")" + std::string(version) + "\""), Exit::kUnsupported), "minVersion")) << version;
+  for (const char* version : {"2.0", "2", "1.9", ""}) EXPECT_TRUE(importFile(file(R"("version":"2.1","minVersion":")" + std::string(version) + "\""), {}).parts.empty()) << version;
+}
+
+
+TEST(ImportGltfData, ExtensionsThatAreNotKnownAreNamedOnce) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const auto notices = [&](const std::string& nodes, const std::string& used) {
+    return importText(scratch, maker.text(GltfMaker::boxMesh() + R"(,"nodes":[)" + nodes + R"(],"extensionsUsed":[)" + used + "]")).notices;
+  };
+  const std::string node = R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{}},"ACME_hidden":{}}})";
+  const std::vector<std::string> lines = notices(node + "," + node, R"("EXT_mesh_gpu_instancing","KHR_materials_ior","ACME_b")");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(contains(lines[0], "ACME_b, ACME_hidden, EXT_mesh_gpu_instancing (each mesh is baked once);")) << lines[0];
+  EXPECT_TRUE(notices(R"({"mesh":0,"extensions":{"KHR_lights_punctual":{}},"extras":{"extensions":{"ACME_own":{}}}})", R"("KHR_lights_punctual","KHR_texture_transform")").empty());
+  std::string many;
+  for (int i = 10; i < 30; ++i) many += (many.empty() ? "\"ACME_" : ",\"ACME_") + std::to_string(i) + "\"";
+  EXPECT_TRUE(contains(notices(R"({"mesh":0})", many).at(0), "ACME_17 and 12 more;"));
+}
+
+
+// Both are optional: matrices of a skin are the identity then, and a channel's target is an extension's.
+TEST(ImportGltfData, SkinsNeedNoMatricesAndChannelsNoNode) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  maker.joints(std::vector<std::uint16_t>(32, 0));
+  std::vector<float> weights;
+  for (int i = 0; i < 8; ++i) weights.insert(weights.end(), {1, 0, 0, 0});
+  maker.floats(weights, 4);
+  maker.floats({0, 1}, 1);
+  maker.floats({0, 0, 0, 9, 9, 9}, 3);
+  const SourceModel model = importText(
+      scratch, maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"nodes":[{"mesh":0,"skin":0},{"translation":[5,0,0]}],"skins":[{"joints":[1]}],
+        "animations":[{"channels":[{"sampler":0,"target":{"path":"translation"}},{"sampler":0,"target":{"path":"translation"}}],"samplers":[{"input":4,"output":5}]}])"));
+  EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  EXPECT_NEAR(boundsOf(model.parts.at(0)).low.x, 4.9, 1e-6);
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

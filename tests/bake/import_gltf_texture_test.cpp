@@ -238,6 +238,37 @@ TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
   const Scratch& scratch = scratch_;
   scratch.write("secret.tga", tga(kBlue, 1));
   EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
+  EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"sub/../../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
+}
+
+// Only where a path ends decides, and a link is no way out.
+TEST_F(Textured, PathsAndLinksThatStayInTheFolderAreFollowed) {
+  const std::string textures = R"("textures":[{"source":0}],)";
+  const std::filesystem::path picture = scratch_.write("in/picture.tga", tga(kBlue, 1));
+  const std::filesystem::path folder = picture.parent_path().parent_path();
+  std::filesystem::create_directories(folder / "sub dir");
+  std::filesystem::create_symlink(picture, folder / "inside.tga");
+  for (const char* uri : {"sub%20dir/../in/picture.tga", "./in//picture.tga", "absent/../in/picture.tga", "inside.tga"}) {
+    const SourceModel model = import(plain(), textures + images({uri}));
+    EXPECT_EQ(model.images.size(), 1u) << uri;
+    EXPECT_TRUE(model.notices.empty()) << model.notices[0];
+  }
+  // The same folder, with the asset one below: now the picture is outside.
+  const std::filesystem::path below = folder / "below";
+  std::filesystem::create_directories(below);
+  std::filesystem::rename(write(plain(), textures + images({"link.tga"})), below / "model.gltf");
+  std::filesystem::create_symlink(picture, below / "link.tga");
+  EXPECT_TRUE(contains(refusal(below / "model.gltf", Exit::kInvalid), "leaves the input's folder by a link"));
+  std::filesystem::rename(write(plain(), textures + images({"way/picture.tga"})), below / "model.gltf");
+  std::filesystem::create_directory_symlink("../in", below / "way");
+  EXPECT_TRUE(contains(refusal(below / "model.gltf", Exit::kInvalid), "leaves the input's folder by a link"));
+}
+
+TEST_F(Textured, PicturesOnTheNetCanNotBeHad) {
+  const SourceModel model = import(plain(), R"("textures":[{"source":0}],)" + images({"http://a/b.png"}));
+  EXPECT_TRUE(model.images.empty());
+  ASSERT_EQ(model.notices.size(), 1u);
+  EXPECT_TRUE(contains(model.notices[0], "'http://a/b.png'") && contains(model.notices[0], "the colour factor alone is used"));
 }
 
 }  // namespace

@@ -263,7 +263,10 @@ TEST(ImportMesh, BadFilesAreRefusedInOneLineThatNamesThePlace) {
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 9\n"), Exit::kInvalid), "line 5"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nf 0 1 1\n"), Exit::kInvalid), "line 2"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 zero 0\n"), Exit::kInvalid), "zero"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\n"), Exit::kInvalid), "no faces; export"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\n"), Exit::kUnsupported), "nothing to voxelize"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\np 1\n"), Exit::kUnsupported), "nothing to voxelize"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n"), Exit::kUnsupported), "nothing to voxelize"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.off", "OFF\n1 0 0\n0 0 0\n"), Exit::kUnsupported), "nothing to voxelize"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", ""), Exit::kInvalid), "empty"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "\x89PNG\r\n\x1a\n"), Exit::kInvalid), "PNG"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.ply", "v 0 0 0\n"), Exit::kInvalid), "does not look like PLY"));

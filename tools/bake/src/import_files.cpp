@@ -2,6 +2,7 @@
 #include "import_files.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -61,6 +62,12 @@ std::optional<std::string> percentDecode(std::string_view text) {
     i += 2;
   }
   return out;
+}
+
+bool hasScheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  if (colon == std::string_view::npos || colon < 2 || !std::isalpha(static_cast<unsigned char>(uri[0]))) return false;
+  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon), [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '-' || c == '.'; });
 }
 
 std::string placeOf(std::string_view array, std::size_t index) { return std::string(array) + '[' + std::to_string(index) + ']'; }
@@ -125,10 +132,18 @@ std::filesystem::path InputFiles::resolve(std::string_view reference, Reference 
   const std::filesystem::path relative(text);
   if (relative.is_absolute() || text.front() == '/' || text.front() == '\\')
     refuse(Exit::kInvalid, input_, shown, "is an absolute path; only files beside the input are read: put the file there and name it relatively");
-  for (const auto& component : relative)
-    if (component == ".." || component.string().find('\\') != std::string::npos)
-      refuse(Exit::kInvalid, input_, shown, "leaves the input's folder; only files beside the input are read: put the file there");
-  return input_.parent_path() / relative;
+  // As RFC 3986, section 5.2.4, takes dots out of a URI: before the file system is asked what is a link.
+  const std::filesystem::path normal = relative.lexically_normal();
+  if (*normal.begin() == ".." || text.find('\\') != std::string::npos)
+    refuse(Exit::kInvalid, input_, shown, "leaves the input's folder; only files beside the input are read: put the file there");
+  const std::filesystem::path folder = input_.parent_path();
+  std::error_code error;
+  const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, error);
+  const std::filesystem::path real = error ? home : std::filesystem::weakly_canonical(home / normal, error);
+  if (error) refuse(Exit::kIo, folder / normal, "", "can not be read: " + error.message());
+  if (std::mismatch(home.begin(), home.end(), real.begin(), real.end()).first != home.end())
+    refuse(Exit::kInvalid, input_, shown, "leaves the input's folder by a link; only files beside the input are read: put the file itself there");
+  return folder / normal;
 }
 
 std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const { return readFile(resolve(reference, kind)); }

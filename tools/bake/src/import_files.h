@@ -25,6 +25,9 @@ std::string placeOf(std::string_view array, std::size_t index);
 // RFC 3986, section 2.1; nullopt if an escape is broken.
 std::optional<std::string> percentDecode(std::string_view text);
 
+// Whether a URI names what is no file beside the input: "http:", "data:". RFC 3986, section 3.1; a single letter is a drive.
+bool hasScheme(std::string_view uri);
+
 // File extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
@@ -38,8 +41,8 @@ class InputFiles {
   std::vector<std::uint8_t> readInput() const { return readFile(input_); }
   // Its first bytes alone, for importers whose library opens the file itself.
   std::vector<std::uint8_t> readHead(std::size_t most) const;
-  // The place of a file named inside the input, relative to the input's folder. A reference that leaves the folder, is absolute or names another
-  // scheme is refused (kInvalid); links are followed, since whoever made them has the machine already.
+  // The place of a file named inside the input, relative to the input's folder. A reference that leaves the folder, by ".." or by a link, is absolute or
+  // names another scheme is refused (kInvalid); links that stay inside are followed. kIo when the folder can not be read.
   enum class Reference { kUri, kPath };  // percent-encoded (glTF), or as it stands with either slash (MTL)
   std::filesystem::path resolve(std::string_view reference, Reference kind) const;
   // Its content. kIo when it can not be read.

@@ -20,13 +20,6 @@ int base64Digit(char c) {
   return -1;
 }
 
-// RFC 3986, section 3.1; a single letter is a drive.
-bool hasScheme(const std::string& uri) {
-  const std::size_t colon = uri.find(':');
-  if (colon == std::string::npos || colon < 2 || !std::isalpha(static_cast<unsigned char>(uri[0]))) return false;
-  return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon), [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '-' || c == '.'; });
-}
-
 // The bytes of a buffer; nullopt where the file names none.
 std::optional<std::vector<std::uint8_t>> loadBuffer(const InputFiles& files, const Json& buffer, std::size_t index, std::optional<std::span<const std::uint8_t>> binary, const std::string& place) {
   const auto uri = buffer.find("uri");
@@ -88,7 +81,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
       bytes = loadBuffer(files, buffer, index, container.chunk, place);
     } catch (const BakeError& error) {
       // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
-      const bool absent = error.exit == Exit::kIo || (buffer["uri"].is_string() && hasScheme(buffer["uri"]) && buffer["uri"].get_ref<const std::string&>().rfind("data:", 0) != 0);
+      const bool absent = error.exit == Exit::kIo || (buffer["uri"].is_string() && hasScheme(buffer["uri"].get_ref<const std::string&>()) && buffer["uri"].get_ref<const std::string&>().rfind("data:", 0) != 0);
       if (!absent) throw;
       document.missing.emplace(index, error);
       (error.exit == Exit::kIo ? document.flaws : document.notices).push_back(place + ": can not be had, and nothing that is baked lies in it (" + error.what() + ")");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -100,24 +101,67 @@ Json parseJson(const InputFiles& files, std::string_view text) {
   return root;
 }
 
+bool isKnownExtension(std::string_view name) { return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), name) != kKnownExtensions.end(); }
+
+// "<major>.<minor>"; what is no version asks for nothing.
+bool isAbove20(std::string_view version) {
+  const std::size_t dot = std::min(version.find('.'), version.size());
+  const auto number = [](std::string_view text) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc::result_out_of_range ? 1 << 30 : value;
+  };
+  const int major = number(version.substr(0, dot)), minor = number(version.substr(std::min(dot + 1, version.size())));
+  return major > 2 || (major == 2 && minor > 0);
+}
+
 void checkVersionAndExtensions(const InputFiles& files, const Json& root) {
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object() || !asset->contains("version") || !(*asset)["version"].is_string())
     refuse(Exit::kInvalid, files.input(), "asset", "has no version; this is not a glTF 2.0 file");
   const std::string version = (*asset)["version"];
   if (version.rfind("2.", 0) != 0) refuse(Exit::kUnsupported, files.input(), "asset", "is glTF " + oneLine(version, 20) + "; export it as glTF 2.0");
+  if (const auto least = asset->find("minVersion"); least != asset->end() && least->is_string() && isAbove20(least->get_ref<const std::string&>()))
+    refuse(Exit::kUnsupported, files.input(), "asset", "needs a reader of glTF " + oneLine(least->get_ref<const std::string&>(), 20) + " (minVersion); export it as glTF 2.0");
   const auto required = root.find("extensionsRequired");
   if (required == root.end()) return;
   if (!required->is_array()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "is not an array");
   for (const Json& name : *required) {
     if (!name.is_string()) refuse(Exit::kInvalid, files.input(), "extensionsRequired", "holds something that is not a string");
     const std::string text = name;
-    bool known = false;
-    for (std::string_view candidate : kKnownExtensions) known = known || candidate == text;
-    if (!known)
+    if (!isKnownExtension(text))
       refuse(Exit::kUnsupported, files.input(), "extensionsRequired",
              "the file needs the extension '" + oneLine(text, 80) + "', which kelp does not read; export without it");
   }
+}
+
+// The names in every `extensions`, whether the file declares them or not. Depth is bounded by then.
+void listExtensions(const Json& value, std::set<std::string>& names) {
+  for (const auto& [key, member] : value.items()) {
+    if (value.is_object() && key == "extensions" && member.is_object())
+      for (const auto& [name, content] : member.items()) names.insert(name);
+    if (member.is_structured() && key != "extras") listExtensions(member, names);
+  }
+}
+
+// What is used, not required, and not known may have placed or shaped meshes: one line for all.
+void noteUnknownExtensions(const Json& root, std::vector<std::string>& notices) {
+  constexpr std::size_t kShown = 8;
+  std::set<std::string> names;
+  listExtensions(root, names);
+  if (const auto used = root.find("extensionsUsed"); used != root.end() && used->is_array())
+    for (const Json& name : *used)
+      if (name.is_string()) names.insert(name.get<std::string>());
+  std::erase_if(names, [](const std::string& name) { return isKnownExtension(name); });
+  if (names.empty()) return;
+  std::string list;
+  std::size_t shown = 0;
+  for (const std::string& name : names) {
+    if (++shown > kShown) break;
+    list += (list.empty() ? "" : ", ") + oneLine(name, 40) + (name == "EXT_mesh_gpu_instancing" ? " (each mesh is baked once)" : "");
+  }
+  if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
+  notices.push_back("extensions that kelp does not know are ignored: " + list + "; where they place, hide or shape meshes, export without them");
 }
 
 std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json& root) {
@@ -224,6 +268,7 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   }
   Json root = parseJson(files, container.json);
   checkVersionAndExtensions(files, root);
+  noteUnknownExtensions(root, document.notices);
   for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
   document.unknown_accessors = hideUnknownAccessors(root);
   loadBuffers(files, root, container.binary, document);

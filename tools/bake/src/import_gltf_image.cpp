@@ -64,7 +64,6 @@ Image GltfImages::decode(std::size_t index) const {
   const GltfDocument::ImageSource& source = model_.document.images[index];
   const std::string place = placeOf("images", index);
   const bool data_uri = source.uri.rfind("data:", 0) == 0;
-  if (!source.uri.empty() && !data_uri) model_.files->resolve(source.uri, InputFiles::Reference::kUri);  // what leaves the folder is refused
   try {
     std::vector<std::uint8_t> owned;
     std::span<const std::uint8_t> bytes;
@@ -78,6 +77,8 @@ Image GltfImages::decode(std::size_t index) const {
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
   } catch (const BakeError& error) {
+    // A path that leaves the folder is refused; what lies elsewhere, or is damaged, is done without.
+    if (error.exit == Exit::kInvalid && !source.uri.empty() && !hasScheme(source.uri)) throw;
     model_.note(std::string(error.what()) + ": the colour factor alone is used");
   }
   return {};

@@ -180,8 +180,8 @@ class ObjReader {
     if (unknown_ > 0) out_.notices.push_back(std::to_string(unknown_) + " lines of unknown kind are skipped");
     for (const std::string& name : library_missing_ ? std::set<std::string>() : missing_materials_) out_.notices.push_back("material '" + oneLine(name, 60) + "' is not defined: white is used");
     if (face_sizes_.empty()) {
-      const char* what = positions_.empty() ? "does not look like OBJ: it holds no vertex and no face; check the file's type" : "holds no faces; export a model with faces";
-      refuse(Exit::kInvalid, files_.input(), "", what);
+      if (positions_.empty()) refuse(Exit::kInvalid, files_.input(), "", "does not look like OBJ: it holds no vertex and no face; check the file's type");
+      refuse(Exit::kUnsupported, files_.input(), "", "holds points or lines but no faces: there is nothing to voxelize; export a model with faces");
     }
   }
 

@@ -117,7 +117,7 @@ class OffReader {
       else addPolygon(files_, mesh_, corners, "line " + std::to_string(line_), own ? &*own : nullptr, soup_);
     }
     if (skipped > 0) out_.notices.push_back(std::to_string(skipped) + " faces of fewer than three corners are skipped");
-    if (faces == 0) refuse(Exit::kInvalid, files_.input(), "", "holds no faces; export a model with faces");
+    if (faces == 0) refuse(mesh_.positions.empty() ? Exit::kInvalid : Exit::kUnsupported, files_.input(), "", "holds no faces: there is nothing to voxelize; export a model with faces");
   }
 
   const InputFiles& files_;

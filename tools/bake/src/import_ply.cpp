@@ -74,7 +74,8 @@ class PlyReader {
       else skip(element);
       if (vertices && faces) return;  // what follows (edges, cameras) is not geometry
     }
-    refuse(Exit::kInvalid, files_.input(), "", vertices ? "holds points but no faces; make a mesh of them first" : "holds no vertices; export a model with faces");
+    if (vertices) refuse(Exit::kUnsupported, files_.input(), "", "holds points but no faces: there is nothing to voxelize; make a mesh of them first");
+    refuse(Exit::kInvalid, files_.input(), "", "holds no vertices; export a model with faces");
   }
 
  private:
