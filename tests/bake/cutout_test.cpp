@@ -164,5 +164,70 @@ TEST(CutOut, ComesFromTheAlphaModesOfGltf) {
   EXPECT_TRUE(anyContains(notices, "is transparent; it is baked opaque"));
 }
 
+// What is cut out entirely is left out, bodies too, says so once however often it is shown, and takes nothing else with it.
+TEST(CutOut, PartsThatNobodySeesAreLeftOut) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const SourceModel model = importFile(
+      scratch.write("a.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]},{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+        "materials":[{"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.1]}}],"nodes":[{"mesh":0},{"mesh":1},{"mesh":0,"translation":[1,0,0]}])")),
+      {});
+  EXPECT_EQ(model.parts.at(0).soup.triangles.size(), 12u);
+  ASSERT_EQ(model.notices.size(), 1u);
+  EXPECT_TRUE(contains(model.notices[0], "meshes[0].primitives[0]: its alphaMode is MASK")) << model.notices[0];
+}
+
+// A sheet of one square, 16 voxels a side; `alpha` is that of COLOR_0 at x = 0 and x = 16.
+class Masked : public ::testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& material, const std::vector<int>& texels = {}, std::array<float, 2> alpha = {1, 1}) {
+    GltfMaker maker;
+    maker.floats({0, 0, 0, 16, 0, 0, 16, 16, 0, 0, 16, 0}, 3);
+    maker.indices({0, 1, 2, 0, 2, 3});
+    maker.floats({0, 0, 1, 0, 1, 1, 0, 1}, 2);
+    maker.floats({1, 1, 1, alpha[0], 1, 1, 1, alpha[1], 1, 1, 1, alpha[1], 1, 1, 1, alpha[0]}, 4);
+    if (!texels.empty()) scratch_.write("leaf.tga", tga(texels));
+    return scratch_.write("a.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2,"COLOR_0":3},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{"alphaMode":"MASK",)" +
+                                               material + (texels.empty() ? "}]" : R"(}],"images":[{"uri":"leaf.tga"}],"textures":[{"source":0}])")));
+  }
+  // The share of the square that is there.
+  double share(const std::filesystem::path& path) {
+    model_ = importFile(path, {});
+    return static_cast<double>(voxelizeUnit(model_).solid) / 256;
+  }
+  static std::string factor(float alpha, const std::string& more = "") { return R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,)" + std::to_string(alpha) + "]" + more + "}"; }
+
+  Scratch scratch_;
+  SourceModel model_;
+};
+
+TEST_F(Masked, FactorsAloneCutOutAllOrNothing) {
+  EXPECT_EQ(share(write(factor(0.5f))), 1);
+  EXPECT_EQ(share(write(factor(0.2f) + R"(,"alphaCutoff":0.2)")), 1);
+  EXPECT_EQ(share(write(factor(0) + R"(,"alphaCutoff":0)")), 1);
+  EXPECT_TRUE(model_.notices.empty());
+  for (const std::string& material : {factor(0.4f), factor(1) + R"(,"alphaCutoff":1.5)"})
+    EXPECT_TRUE(contains(refusal(write(material), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff")) << material;
+}
+
+TEST_F(Masked, PicturesBelowTheCutoffLeaveNothing) {
+  const std::string texture = R"(,"baseColorTexture":{"index":0})";
+  EXPECT_EQ(share(write(factor(1, texture), {200, 200})), 1);
+  EXPECT_TRUE(anyContains(model_.notices, "nothing is cut out"));
+  EXPECT_TRUE(contains(refusal(write(factor(1, texture), {100, 100}), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff"));
+  EXPECT_TRUE(contains(refusal(write(factor(1, texture) + R"(,"alphaCutoff":2)", {255, 255}), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff"));
+  EXPECT_TRUE(contains(refusal(write(factor(0.5f, texture), {200, 200}), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff"));
+}
+
+// alpha = x / 16: the half with x >= 8 is there; a factor or a picture of a half halves what is left.
+TEST_F(Masked, ColoursOfCornersCount) {
+  EXPECT_NEAR(share(write(factor(1), {}, {0, 1})), 0.5, 1.0 / 16);
+  EXPECT_NEAR(share(write(factor(1) + R"(,"alphaCutoff":0.25)", {}, {0, 1})), 0.75, 1.0 / 16);
+  EXPECT_NEAR(share(write(factor(0.5f) + R"(,"alphaCutoff":0.25)", {}, {0, 1})), 0.5, 1.0 / 16);
+  EXPECT_NEAR(share(write(factor(1, R"(,"baseColorTexture":{"index":0})") + R"(,"alphaCutoff":0.25)", {128, 128}, {0, 1})), 0.5, 1.0 / 16);
+  EXPECT_TRUE(contains(refusal(write(factor(1), {}, {0.25f, 0.25f}), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff"));
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

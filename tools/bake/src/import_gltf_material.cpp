@@ -18,7 +18,9 @@ class MaterialReader {
  public:
   MaterialReader(const GltfModel& model, SourceModel& out) : model_(model), out_(out), images_(model) {}
 
-  GltfMaterialUse read(const tinygltf::Material& source, const std::string& place) {
+  GltfMaterialUse read(std::size_t index) {
+    const tinygltf::Material& source = model_.data.materials[index];
+    const std::string place = placeOf("materials", index);
     SurfaceMaterial material;
     material.name = oneLine(source.name, 80);
     GltfMaterialUse use;
@@ -35,17 +37,25 @@ class MaterialReader {
       material.metallic = 0;
       material.roughness = 1;
     }
-    use.keep_alpha = alpha == Alpha::kKeep;
-    const float cutoff = static_cast<float>(source.alphaCutoff) / std::max(1e-6f, material.base_color.a);
+    const float cutoff = alpha == Alpha::kMask ? static_cast<float>(source.alphaCutoff) : 0;
+    // Where corners have an alpha too, the product of all three is compared voxel by voxel.
+    const bool corners = cutoff > 0 && cornersHaveAlpha(index);
+    use.keep_alpha = alpha == Alpha::kKeep || corners;
     if (!use.keep_alpha) material.base_color.a = 1;
-    const SurfaceMap colors = readMap(base.texture, alpha, cutoff, true, place, use);
+    const SurfaceMap colors = readMap(base.texture, corners ? Alpha::kKeep : alpha, cutoff / std::max(1e-6f, base.factor.a), true, place, use);
     material.texture = colors.texture;
     material.wrap_u = colors.wrap_u;
     material.wrap_v = colors.wrap_v;
     material.nearest = colors.nearest;
-    if (alpha != Alpha::kIgnore && material.texture >= 0) {
-      if (hasHoles(out_.images[static_cast<std::size_t>(material.texture)])) material.alpha_cutoff = 0.5f * material.base_color.a;
-      else if (alpha == Alpha::kMask) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
+    const Image* const picture = material.texture >= 0 ? &out_.images[static_cast<std::size_t>(material.texture)] : nullptr;
+    if (alpha != Alpha::kIgnore && picture && hasHoles(*picture)) material.alpha_cutoff = 0.5f * material.base_color.a;
+    if (corners) {
+      material.alpha_cutoff = cutoff;
+      use.least_alpha = cutoff / std::max(1e-6f, base.factor.a * (picture ? mostAlpha(*picture) : 1));
+    } else if (alpha == Alpha::kMask) {
+      const bool seen = picture ? mostAlpha(*picture) > 0 : base.factor.a >= cutoff;
+      if (!seen) use.least_alpha = 2;
+      else if (picture && material.alpha_cutoff == 0) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
     if (letsLightThrough(source, alpha, material)) noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
     if (!unlit) material.metal_map = readMap(base.metal_texture, Alpha::kIgnore, 0, false, place, use);
@@ -214,6 +224,28 @@ class MaterialReader {
     return low && high;
   }
 
+  static float mostAlpha(const Image& image) {
+    std::uint8_t most = 0;
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) most = std::max(most, image.rgba[i]);
+    return static_cast<float>(most) / 255.0f;
+  }
+
+  // Whether COLOR_0 makes something that the scene shows with this material less than opaque. Exporters write alphas of 1 for nothing.
+  bool cornersHaveAlpha(std::size_t material) const {
+    for (int node : model_.order) {
+      const int mesh = model_.data.nodes[static_cast<std::size_t>(node)].mesh;
+      if (mesh < 0) continue;
+      for (const tinygltf::Primitive& primitive : model_.data.meshes[static_cast<std::size_t>(mesh)].primitives) {
+        const auto color = primitive.attributes.find("COLOR_0");
+        if (primitive.material != static_cast<int>(material) || color == primitive.attributes.end() || !primitive.attributes.contains("POSITION") || !hasTriangles(primitive)) continue;
+        const GltfValues values = readValues(model_, color->second, placeOf("meshes", static_cast<std::size_t>(mesh)) + ".COLOR_0", true);
+        for (std::size_t i = 0; i < values.count && values.components == 4; ++i)
+          if (values.at(i, 3) < 1) return true;
+      }
+    }
+    return false;
+  }
+
   // Glass and water, which voxels of kelp are not. Exporters write BLEND for much that has no alpha below 1, and leaves are cut out.
   bool letsLightThrough(const tinygltf::Material& source, Alpha alpha, const SurfaceMaterial& material) const {
     const tinygltf::Value* transmission = member(source.extensions, "KHR_materials_transmission");
@@ -270,7 +302,7 @@ class MaterialReader {
 std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out) {
   MaterialReader reader(model, out);
   std::vector<GltfMaterialUse> uses;
-  for (std::size_t i = 0; i < model.data.materials.size(); ++i) uses.push_back(reader.read(model.data.materials[i], placeOf("materials", i)));
+  for (std::size_t i = 0; i < model.data.materials.size(); ++i) uses.push_back(reader.read(i));
   uses.push_back({});
   SurfaceMaterial standard;  // section 3.7.2.1: a primitive without a material is white metal; white plastic is what authors mean
   standard.name = "default";

@@ -45,11 +45,6 @@ std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin_index) {
 
 int modeOf(const tinygltf::Primitive& primitive) { return primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode; }
 
-bool hasTriangles(const tinygltf::Primitive& primitive) {
-  const int mode = modeOf(primitive);
-  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
 class PrimitiveReader {
  public:
   PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world) : model_(model), node_(model.data.nodes[static_cast<std::size_t>(node)]) {
@@ -105,7 +100,12 @@ class PrimitiveReader {
     }
     if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) model_.note(place + ": the number of indices is not a multiple of three: the rest is dropped");
 
+    std::size_t kept = 0, cut = 0;
     const auto emit = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      const auto alpha = [&](std::uint32_t i) { return use.keep_alpha && colors.components == 4 ? colors.at(i, 3) : 1.0f; };
+      const bool none = std::max({alpha(a), alpha(b), alpha(c)}) < use.least_alpha;
+      ++(none ? cut : kept);
+      if (none) return;
       const std::array<std::uint32_t, 3> corner = flip_ ? std::array<std::uint32_t, 3>{a, c, b} : std::array<std::uint32_t, 3>{a, b, c};
       for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = positions[corner[i]];
       for (std::size_t k = 0; k < uvs.size(); ++k) {
@@ -117,7 +117,7 @@ class PrimitiveReader {
       if (!colors.values.empty()) {
         triangle.color.emplace();
         for (std::size_t i = 0; i < 3; ++i)
-          (*triangle.color)[i] = {colors.at(corner[i], 0), colors.at(corner[i], 1), colors.at(corner[i], 2), use.keep_alpha && colors.components == 4 ? colors.at(corner[i], 3) : 1.0f};
+          (*triangle.color)[i] = {colors.at(corner[i], 0), colors.at(corner[i], 1), colors.at(corner[i], 2), alpha(corner[i])};
       }
       if (!soup.add(triangle)) model_.refuse(place, "brings the file beyond 64 million triangles; bake it in pieces");
     };
@@ -129,6 +129,7 @@ class PrimitiveReader {
     } else {
       for (std::size_t i = 1; i + 1 < indices.size(); ++i) emit(indices[i], indices[i + 1], indices[0]);
     }
+    if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second) model_.note(place + ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
   }
 
  private:
@@ -190,6 +191,11 @@ class PrimitiveReader {
 
 }  // namespace
 
+bool hasTriangles(const tinygltf::Primitive& primitive) {
+  const int mode = modeOf(primitive);
+  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
   const int mesh_index = model.data.nodes[static_cast<std::size_t>(node)].mesh;
   if (mesh_index < 0) return;
@@ -209,6 +215,7 @@ void explainEmptiness(const GltfModel& model) {
       triangles = triangles || hasTriangles(primitive);
   }
   const std::string last = model.notices->empty() ? "" : " (" + model.notices->back() + ")";
+  if (!model.cut_out.empty()) refuse(Exit::kUnsupported, model.files->input(), "scene", "shows nothing: the alpha of " + *model.cut_out.begin() + (model.cut_out.size() > 1 ? " and others" : "") + " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff");
   if (triangles) model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
   if (!model.document.flaws.empty()) model.refuse("", model.document.flaws[0] + "; there is nothing to bake in it either: export the model again");
   if (meshes) refuse(Exit::kUnsupported, model.files->input(), "scene", "holds no triangles" + last + "; export a scene with at least one mesh of triangles");

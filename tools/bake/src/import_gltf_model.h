@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,6 +46,8 @@ struct GltfModel {
   std::vector<std::string>* notices = nullptr;
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
+  mutable std::set<std::string> cut_out;  // primitives of which alphaMode MASK leaves nothing, as they are read
+
   void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
   // "node 'Reed'", or "nodes[3]" where it has no name; -1: "the scene".
   std::string nodeName(int node) const;
@@ -82,13 +85,15 @@ struct GltfCoordinates {
 // What a primitive needs to know of its material to read its UVs.
 struct GltfMaterialUse {
   std::vector<GltfCoordinates> coordinates;  // for TriangleSoup::uvs and more_uvs in turn; at most three
-  bool keep_alpha = false;                   // the material blends
+  bool keep_alpha = false;                   // the alpha of COLOR_0 counts
+  float least_alpha = 0;                     // triangles whose corners all have less are cut out entirely; corners without COLOR_0 have 1
 };
 // Fills model.materials (one more than the file has: the default) and model.images.
 std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& out);
 
 // --- meshes --------------------------------------------------------------------------------------------------------------------------
 class SoupBuilder;
+bool hasTriangles(const tinygltf::Primitive& primitive);
 // Adds the triangles of a node's mesh, in the space that `from_world` takes the world to.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
 
