@@ -229,5 +229,20 @@ TEST_F(Masked, ColoursOfCornersCount) {
   EXPECT_TRUE(contains(refusal(write(factor(1), {}, {0.25f, 0.25f}), Exit::kUnsupported), "meshes[0].primitives[0] is below the cutoff"));
 }
 
+// The triangles are there, and so thin a rim of them is left that no voxel is.
+TEST_F(Masked, APartOfWhichNoVoxelIsLeftSaysWhy) {
+  Settings settings;
+  settings.resolution = 16;
+  const std::filesystem::path path = write(factor(1) + R"(,"alphaCutoff":0.99)", {}, {0, 1});
+  try {
+    Report report;
+    bake(path, settings, report);
+    ADD_FAILURE() << "was baked";
+  } catch (const BakeError& error) {
+    EXPECT_EQ(error.exit, Exit::kUnsupported);
+    EXPECT_TRUE(contains(error.what(), "the alpha of its materials cuts all of it out")) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

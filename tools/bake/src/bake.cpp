@@ -239,6 +239,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.rig_origin = part.rig_origin;
     line.triangles = part.soup.triangles.size();
     line.mesh = countMesh(part.soup);
+    bool cut_out = false;
     if (part.parent >= 0) line.parent = model.parts[static_cast<std::size_t>(part.parent)].name;
     if (part.carrier) {
       line.fill = "moves the parts that follow it, and is one voxel too small to be seen";
@@ -250,6 +251,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     } else {
       VoxelizeResult result = voxelize(model, part, frames[i], settings.fill, threads, share(i));
       part.grid = std::move(result.grid);
+      cut_out = std::any_of(part.soup.triangles.begin(), part.soup.triangles.end(), [&](const TriangleSoup::Triangle& t) { return model.materials[t.material].alpha_cutoff > 0; });
       part.soup = TriangleSoup();
       line.fill = std::move(result.fill);
       for (const std::string& notice : result.notices) notices.add(part.name, notice);
@@ -262,6 +264,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.size = part.grid->size;
     line.surface_voxels = part.grid->surface.size();
     line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
+    if (line.solid_voxels == 0 && cut_out)
+      throw BakeError(Exit::kUnsupported, placeOf(input, part) + ": the alpha of its materials cuts all of it out; raise the alpha, or --resolution where what is left is thinner than a voxel");
     if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
     grids.push_back(&*part.grid);
   }
