@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a pack puts a model: up axes, units and padding.
+// Where a pack puts a model: up axes, units, padding, and models far from the origin.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -128,6 +128,35 @@ TEST(Placement, PaddingIsEmptyAndMovesNothing) {
   settings.pad = -1;
   Report report;
   EXPECT_THROW(bake(path, settings, report), BakeError);
+}
+
+// A box of 2 x 1.4 x 1 under a translated node, the same everywhere.
+TEST(Placement, FarFromTheOriginShapesStayWhole) {
+  const Scratch scratch;
+  const auto bakeAt = [&](double place) {
+    test::GltfMaker maker;
+    std::vector<float> corners;
+    for (int i = 0; i < 8; ++i) corners.insert(corners.end(), {i & 1 ? 2.0f : 0.0f, i & 2 ? 1.4f : 0.0f, i & 4 ? 1.0f : 0.0f});
+    maker.floats(corners, 3);
+    maker.indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+    const std::string at = std::to_string(place);
+    Settings settings;
+    settings.resolution = 40;
+    return bakeIt(scratch.write("far.gltf", maker.text(R"("nodes":[{"mesh":0,"translation":[)" + at + ",0," + at + R"(]}],"scenes":[{"nodes":[0]}],"scene":0,)" + test::GltfMaker::boxMesh())), settings);
+  };
+  const Placed here = bakeAt(0);
+  EXPECT_EQ(here.voxels, 40u * 28 * 20);
+  EXPECT_TRUE(here.report.notices.empty());
+  for (double place : {5000.3, 5000000.3, 10000000.3, 1e9 + 0.3, -1e12 + 0.3}) {
+    SCOPED_TRACE(place);
+    Placed far = bakeAt(place);
+    EXPECT_EQ(far.voxels, here.voxels);
+    EXPECT_EQ(far.pack.parts[0].size, here.pack.parts[0].size);
+    EXPECT_EQ(test::anyContains(far.report.notices, "far from the origin"), std::abs(place) > 1e4);
+    measure(far);
+    const double step = std::abs(place) * 0x1p-22;
+    expectBox(far, {place, 0, place}, {place + 2, 1.4, place + 1}, step + 1e-5);
+  }
 }
 
 }  // namespace

@@ -125,11 +125,15 @@ void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, con
                                               printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
 }
 
-glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) {
+glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
   const auto whole = [](const glm::mat4x3& m) { return glm::dmat4(glm::dvec4(m[0], 0), glm::dvec4(m[1], 0), glm::dvec4(m[2], 0), glm::dvec4(m[3], 1)); };
-  const glm::dmat4 product = whole(outer) * whole(inner);
-  return glm::mat4x3(glm::vec3(product[0]), glm::vec3(product[1]), glm::vec3(product[2]), glm::vec3(product[3]));
+  return whole(outer) * whole(inner);
 }
+
+glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) { return glm::mat4x3(glm::dmat4x3(composeExactly(outer, inner))); }
+
+// How far floats move a part's corner.
+double placeError(const SourcePart& part, const glm::mat4x3& rounded) { return glm::length(glm::dvec3(rounded[3]) - glm::dvec3(composeExactly(part.to_object, part.grid->to_node)[3])); }
 
 bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
@@ -299,13 +303,17 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   report.palette_entries = palette.entries.size();
 
   clock.begin("levels");
+  PartNotices places;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
     pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
+    if (!part.carrier && placeError(part, pack.parts[i].to_object) > 0.25 * report.parts[i].voxel_size)
+      places.add(part.name, "stands so far from the origin that 32-bit floats put it a quarter of a voxel or more off its place; its shape is right. Move the model towards the origin");
     pack.parts[i].levels = buildLevels(std::move(*part.grid), palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
     report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
     part.grid.reset();
   }
+  places.moveTo(report.notices);
   pack.palette = std::move(palette.entries);
   pack.info_json = makeInfo(input, model.format, settings, report.files_read);
   clock.end();

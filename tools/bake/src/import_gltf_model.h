@@ -92,6 +92,9 @@ class SoupBuilder;
 // Adds the triangles of a node's mesh, in the space that `from_world` takes the world to.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
 
+// The middle of the box that the nodes' meshes fill in the world, as floats hold it; nullopt where there is none, or none that they hold.
+std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int>& nodes);
+
 // For a scene without triangles: refuses a file that is to blame, or whose meshes are nothing that kelp bakes. Returns where the scene is sound
 // and simply has no mesh, which glTF allows.
 void explainEmptiness(const GltfModel& model);
