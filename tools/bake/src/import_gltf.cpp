@@ -41,6 +41,7 @@ class GltfImporter {
     out_.format = "glTF 2.0";
     outer_ = findOuterRig(files_, settings_);
     model_ = parseGltf(files_, readGltfDocument(files_), settings_.scene, out_.notices);
+    model_.max_memory = settings_.max_memory;
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);

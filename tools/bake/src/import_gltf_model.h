@@ -43,6 +43,7 @@ struct GltfModel {
   std::vector<int> order;            // the nodes of the scene, parents before children
   std::vector<glm::dmat4> world;     // of each node at rest
   std::vector<std::string>* notices = nullptr;
+  std::uint64_t max_memory = 0;      // Settings::max_memory
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
   void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
