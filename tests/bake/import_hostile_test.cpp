@@ -90,5 +90,29 @@ TEST(ImportHostile, CutAndFlippedFiles) {
   }
 }
 
+// A header is enough to say no: what follows it is never looked at. Two of them fit into no gibibyte.
+TEST(ImportHostile, PicturesAreCountedBeforeTheyAreDecoded) {
+  const Scratch scratch;
+  const auto side = [](char high) { return std::string{'\0', '\0', high, '\0'}; };
+  const std::string png = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + side(0x20) + side(0x20) + std::string("\x08\x06\0\0\0\0\0\0\0", 9);  // 8192 x 8192
+  std::string images, textures, materials, primitives;
+  for (int i = 0; i < 2; ++i) {
+    const std::string comma = i ? "," : "", n = std::to_string(i);
+    images += comma + R"({"uri":"data:image/png;base64,)" + test::base64(png + n) + R"("})";
+    textures += comma + R"({"source":)" + n + "}";
+    materials += comma + R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":)" + n + "}}}";
+    primitives += comma + R"({"attributes":{"POSITION":0},"indices":1,"material":)" + n + "}";
+  }
+  test::GltfMaker maker;
+  maker.addBox();
+  const auto path = scratch.write("bomb.gltf", maker.text(R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"meshes":[{"primitives":[)" + primitives + R"(]}],"materials":[)" +
+                                                          materials + R"(],"textures":[)" + textures + R"(],"images":[)" + images + "]"));
+  const std::string said = test::refusal(path, Exit::kRuntime);
+  EXPECT_TRUE(test::contains(said, "images[1]") && test::contains(said, "8192 x 8192") && test::contains(said, "--max-memory")) << said;
+  Settings settings;
+  settings.max_memory = std::uint64_t{4} << 30;
+  EXPECT_TRUE(test::anyContains(importFile(path, settings).notices, "can not be decoded"));
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

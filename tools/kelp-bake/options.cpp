@@ -20,6 +20,7 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake reed.glb -o reed.kelp                     128 voxels along the longest side
   kelp-bake reed.glb -o reed.kelp --resolution 256    finer
   kelp-bake fish.obj -o fish.kelp --axis -x --rig swim
+  kelp-bake part.stl -o part.kelp --up +z --unit mm   as CAD programs write it
   kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
   kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
   kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
@@ -50,6 +51,15 @@ int positiveNumber(const std::string& option, const std::string& text) {
   const int value = wholeNumber(option, text);
   if (value < 1) throw BakeError(Exit::kUsage, option + " " + text + ": less than 1; leave the option out for the default");
   return value;
+}
+
+// In metres.
+double parseUnit(const std::string& text) {
+  static const std::map<std::string, double> kUnits = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+  if (const auto unit = kUnits.find(text); unit != kUnits.end()) return unit->second;
+  const std::optional<double> metres = parseNumber<double>(text);
+  if (!metres) throw BakeError(Exit::kUsage, "--unit " + text + ": not a unit; use m, cm, mm, in, ft, or the length of one in metres, such as 0.01");
+  return *metres;
 }
 
 // "Walk:0.3": names may hold colons, numbers do not.
@@ -92,15 +102,18 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, progress = "auto", report, deps;
   bool write_deps = false;
   Options options;
   app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc) or VDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
-  app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres (the file's units for formats without any)")->type_name("LENGTH")->excludes(resolution_option);
+  app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres")->type_name("LENGTH")->excludes(resolution_option);
   app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
-  app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
+  app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default: --up)")->type_name("AXIS");
+  app.add_option("--up", up, "the file's axis that points up, +y in the pack: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
+  app.add_option("--unit", unit, "the length of a unit of the file: m, cm, mm, in, ft, or a number of metres (default m)")->type_name("UNIT");
+  app.add_option("--pad", pad, "empty voxels on every side of a part, 0 to 1024 (default 0); none along the axis of one that bends")->type_name("N");
   app.add_option("--scene", scene, "the scene of a glTF file to bake, by name or index (default: the file's own default)")->type_name("NAME|INDEX");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
   app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
@@ -109,7 +122,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
-  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory)")->type_name("SIZE");
+  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; 1G for a glTF file's pictures)")->type_name("SIZE");
   app.add_option("--progress", progress, "auto: a bar on a terminal; bar; json: a line a step on stderr; none")->type_name("auto|bar|json|none");
   app.add_option("--report", report, "write what was done and how long it took, as JSON")->type_name("FILE");
   app.add_flag("--write-deps", write_deps, "write the files that were read as a make rule to OUT.d (also -MD)");
@@ -149,6 +162,12 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     options.settings.axis = parseAxis(axis);
     if (!options.settings.axis) throw BakeError(Exit::kUsage, "--axis " + axis + ": not an axis; use one of +x -x +y -y +z -z");
   }
+  if (!up.empty()) {
+    options.settings.up = parseAxis(up);
+    if (!options.settings.up) throw BakeError(Exit::kUsage, "--up " + up + ": not an axis; use one of +x -x +y -y +z -z");
+  }
+  if (!unit.empty()) options.settings.unit = parseUnit(unit);
+  if (!pad.empty()) options.settings.pad = wholeNumber("--pad", pad);
   if (!scene.empty()) options.settings.scene = scene;
   if (fill == "solid") {
     options.settings.fill = bake::Fill::kSolid;

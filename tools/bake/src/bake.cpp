@@ -14,6 +14,7 @@
 #include "memory_estimate.h"
 #include "mesh_counts.h"
 #include "parallel.h"
+#include "placement.h"
 
 namespace kelp::bake {
 namespace {
@@ -51,6 +52,9 @@ void checkSettings(const Settings& settings) {
   if (settings.levels < 0 || settings.levels > kMaxLevels) throw BakeError(Exit::kUsage, fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
   if (settings.threads < 0 || settings.threads > 1024) throw BakeError(Exit::kUsage, fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
   if (settings.palette_file && settings.keep_materials) throw BakeError(Exit::kUsage, "--palette and --keep-materials at once: fixed colours may serve several materials; choose one");
+  if (!(settings.unit >= kSmallestUnit && settings.unit <= kLargestUnit))
+    throw BakeError(Exit::kUsage, fmt::format("--unit {}: not between {:g} and {:g} metres; give the length of a unit of the file, such as cm or 0.01", settings.unit, kSmallestUnit, kLargestUnit));
+  if (settings.pad < 0 || settings.pad > kMaxPad) throw BakeError(Exit::kUsage, fmt::format("--pad {}: not between 0 and {} voxels; 1 or 2 is usual", settings.pad, kMaxPad));
   if (settings.rig_file && settings.rig_preset) throw BakeError(Exit::kUsage, "a rig file and a preset at once; choose one");
 }
 
@@ -83,9 +87,20 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
     const std::string place = placeOf(input, part);
     double size = voxel / objectScale(part);
     if (!settings.voxel_size) size = fitVoxelSize(rigExtent(part.soup, axisOf(part), place).y, size);
-    frame = makeFrame(part.soup, axisOf(part), size, place);
+    frame = makeFrame(part.soup, axisOf(part), size, place, objectScale(part));
+    padFrame(frame, paddingOf(part, settings.pad));
   }
   return frames;
+}
+
+// With what is to be added to them.
+void checkSides(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input) {
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    const SourcePart& part = model.parts[i];
+    const glm::ivec3 size = part.grid ? part.grid->size + 2 * paddingOf(part, settings.pad) : frames[i].size;
+    if (const int side = std::max({size.x, size.y, size.z}); side > kMaxResolution + 1)
+      throw BakeError(Exit::kUsage, fmt::format("{}: --pad {} makes {} voxels along a side, {} is the limit; pad less, or take larger voxels", placeOf(input, part), settings.pad, side, kMaxResolution));
+  }
 }
 
 void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input, Report& report) {
@@ -110,11 +125,15 @@ void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, con
                                               printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
 }
 
-glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) {
+glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
   const auto whole = [](const glm::mat4x3& m) { return glm::dmat4(glm::dvec4(m[0], 0), glm::dvec4(m[1], 0), glm::dvec4(m[2], 0), glm::dvec4(m[3], 1)); };
-  const glm::dmat4 product = whole(outer) * whole(inner);
-  return glm::mat4x3(glm::vec3(product[0]), glm::vec3(product[1]), glm::vec3(product[2]), glm::vec3(product[3]));
+  return whole(outer) * whole(inner);
 }
+
+glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) { return glm::mat4x3(glm::dmat4x3(composeExactly(outer, inner))); }
+
+// How far floats move a part's corner.
+double placeError(const SourcePart& part, const glm::mat4x3& rounded) { return glm::length(glm::dvec3(rounded[3]) - glm::dvec3(composeExactly(part.to_object, part.grid->to_node)[3])); }
 
 bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
@@ -198,7 +217,9 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   rules.keep_materials = settings.keep_materials;
 
   clock.begin("import");
-  SourceModel model = importFile(input, settings, &report.files_read);
+  Settings in_file_units = settings;
+  if (settings.voxel_size) in_file_units.voxel_size = *settings.voxel_size / settings.unit;
+  SourceModel model = importFile(input, in_file_units, &report.files_read);
   report.format = model.format;
   report.notices = model.notices;
   report.materials = usedMaterials(model);
@@ -210,8 +231,12 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     throw BakeError(Exit::kUnsupported, fmt::format("{}: its scene has no mesh{}: there is nothing to bake; export a scene with at least one mesh", input.string(),
                                                     model.notices.empty() ? "" : " (" + model.notices.back() + ")"));
   }
+  placeInObject(model, settings);
   const std::vector<Frame> frames = makeFrames(model, settings, input);
+  checkSides(model, frames, settings, input);
   checkMemory(model, frames, settings, input, report);
+  for (SourcePart& part : model.parts)
+    if (part.grid) padGrid(*part.grid, paddingOf(part, settings.pad));
 
   // Before the long work: a rig that turns back is the artist's commonest mistake.
   RawPack pack;
@@ -282,13 +307,17 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   report.palette_entries = palette.entries.size();
 
   clock.begin("levels");
+  PartNotices places;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
     pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
+    if (!part.carrier && placeError(part, pack.parts[i].to_object) > 0.25 * report.parts[i].voxel_size)
+      places.add(part.name, "stands so far from the origin that 32-bit floats put it a quarter of a voxel or more off its place; its shape is right. Move the model towards the origin");
     pack.parts[i].levels = buildLevels(std::move(*part.grid), palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
     report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
     part.grid.reset();
   }
+  places.moveTo(report.notices);
   pack.palette = std::move(palette.entries);
   pack.info_json = makeInfo(input, model.format, settings, report.files_read);
   clock.end();

@@ -50,7 +50,7 @@ double fitVoxelSize(double extent_y, double wanted) {
   return voxels < 8.0 ? wanted : extent_y / voxels;
 }
 
-Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what) {
+Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what, double metres) {
   if (!(voxel_size > 0) || !std::isfinite(voxel_size)) {
     throw BakeError(Exit::kUsage, fmt::format("{}: a voxel size of {} is not a positive length; give --voxel-size a length above 0", what, voxel_size));
   }
@@ -62,8 +62,8 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
   const glm::dvec3 extent = bounds.high - bounds.low;
   const double longest = std::max({extent.x, extent.y, extent.z});
   if (longest / voxel_size > kMaxResolution + 0.5) {
-    throw BakeError(Exit::kUsage, fmt::format("{}: voxels of {:.6g} units make {:.0f} along the longest side, {} is the limit; use --voxel-size {:.4g} or more", what, voxel_size,
-                                              std::ceil(longest / voxel_size), kMaxResolution, std::nextafter(longest / kMaxResolution, longest) * 1.001));
+    throw BakeError(Exit::kUsage, fmt::format("{}: voxels of {:.6g} m make {:.0f} along the longest side, {} is the limit; use --voxel-size {:.4g} or more", what, voxel_size * metres,
+                                              std::ceil(longest / voxel_size), kMaxResolution, std::nextafter(longest / kMaxResolution, longest) * 1.001 * metres));
   }
   Frame frame;
   frame.voxel_size = voxel_size;

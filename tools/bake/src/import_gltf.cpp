@@ -21,6 +21,18 @@ void noteDropped(const GltfModel& model, const std::string& part, const SoupBuil
   if (soup.droppedNonFinite() > 0) model.note("part '" + part + "': " + std::to_string(soup.droppedNonFinite()) + " triangles with corners that are not finite are dropped");
 }
 
+// Whether rounding to floats may have cost a soup more than a millionth of its size, or all of it.
+bool isFar(const TriangleSoup& soup) {
+  if (soup.triangles.empty()) return soup.dropped > 0;
+  glm::vec3 low = soup.positions[0], high = low;
+  for (const glm::vec3& p : soup.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::dvec3 extent = glm::dvec3(high) - glm::dvec3(low), reach = glm::max(glm::abs(glm::dvec3(low)), glm::abs(glm::dvec3(high)));
+  return std::max({reach.x, reach.y, reach.z}) > 16 * std::max({extent.x, extent.y, extent.z});
+}
+
 class GltfImporter {
  public:
   GltfImporter(const InputFiles& files, const Settings& settings) : files_(files), settings_(settings) {}
@@ -29,6 +41,7 @@ class GltfImporter {
     out_.format = "glTF 2.0";
     outer_ = findOuterRig(files_, settings_);
     model_ = parseGltf(files_, readGltfDocument(files_), settings_.scene, out_.notices);
+    model_.max_memory = settings_.max_memory;
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
@@ -66,18 +79,23 @@ class GltfImporter {
       space = plan.rigid ? rigidSpace(plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
       if (std::abs(glm::determinant(glm::dmat3(space))) < 1e-30) model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
     }
-    const glm::dmat4 from_world = glm::inverse(space);
-    SoupBuilder soup;
-    for (int node : plan.members) addMesh(model_, node, from_world, materials_, soup);
-    noteDropped(model_, part.name, soup);
-    triangles_ += soup.triangles();
+    const std::size_t notices = out_.notices.size();
+    part.soup = readSoup(plan, space, part.name);
+    // A box far from the origin has no float left for its shape: then its place goes into the part's. Knots at the top of the scene are read in the world.
+    if (plan.node < 0 && plan.knots.empty() && isFar(part.soup)) {
+      if (const std::optional<glm::dvec3> middle = middleOf(model_, plan.members)) {
+        space[3] = glm::dvec4(*middle, 1);
+        out_.notices.resize(notices);
+        part.soup = readSoup(plan, space, part.name);
+      }
+    }
+    triangles_ += part.soup.triangles.size();
     if (triangles_ > kMaxTriangles) model_.refuse("scene", "has more than 64 million triangles; bake it in pieces");
-    if (soup.triangles() == 0) {
+    if (part.soup.triangles.empty()) {
       if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
       if (!plan.rigid || plan.mover < 0) return std::nullopt;
       part.carrier = true;
     }
-    part.soup = soup.take();
     part.to_object = toAffine(space);
     const int mover = giveMotion(plan, part);
     if (plan.rig || !plan.knots.empty()) readRig(plan, mover, part);
@@ -87,6 +105,14 @@ class GltfImporter {
     }
     if (!part.carrier) giveRig(part, outer_, settings_);
     return part;
+  }
+
+  TriangleSoup readSoup(const PartPlan& plan, const glm::dmat4& space, const std::string& name) const {
+    const glm::dmat4 from_world = glm::inverse(space);
+    SoupBuilder soup;
+    for (int node : plan.members) addMesh(model_, node, from_world, materials_, soup);
+    noteDropped(model_, name, soup);
+    return soup.take();
   }
 
   std::string partName(int node) const {

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "import_image.h"
+#include "memory_estimate.h"
 
 namespace kelp::bake {
 namespace {
@@ -60,7 +60,7 @@ const Image* GltfImages::image(int index, const std::string& place) {
   return slot->width > 0 ? &*slot : nullptr;
 }
 
-Image GltfImages::decode(std::size_t index) const {
+Image GltfImages::decode(std::size_t index) {
   const GltfDocument::ImageSource& source = model_.document.images[index];
   const std::string place = placeOf("images", index);
   const bool data_uri = source.uri.rfind("data:", 0) == 0;
@@ -73,12 +73,17 @@ Image GltfImages::decode(std::size_t index) const {
       owned = data_uri ? decodeDataUri(*model_.files, source.uri, place) : model_.files->readReference(source.uri, InputFiles::Reference::kUri);
       bytes = owned;
     }
+    if (const glm::ivec2 size = imageSize(bytes); !budget_.take(size))
+      refuse(Exit::kRuntime, model_.files->input(), place,
+             "with its " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels, the file's pictures need more than " + printBytes(budget_.limit()) +
+                 " of memory; scale them down, or give a larger --max-memory");
     auto image = decodeImage(bytes, source.name.empty() && !data_uri ? source.uri : source.name);
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
   } catch (const BakeError& error) {
     // A path that leaves the folder is refused; what lies elsewhere, or is damaged, is done without.
     if (error.exit == Exit::kInvalid && !source.uri.empty() && !hasScheme(source.uri)) throw;
+    if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
     model_.note(std::string(error.what()) + ": the colour factor alone is used");
   }
   return {};

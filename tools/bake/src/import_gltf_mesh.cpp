@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Meshes of a glTF file as triangles: primitive modes, morph targets and skins at rest, attributes of corners.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -71,7 +73,7 @@ class PrimitiveReader {
       model_.note(place + ": holds points or lines, which have no volume, and is skipped");
       return;
     }
-    const std::vector<glm::vec3> positions = readPositions(primitive, position, place);
+    const std::vector<glm::dvec3> positions = readPositions(primitive, position, place);
     const std::size_t count = positions.size();
     soup.roundedTo(stepOf(model_, position) * scale_);
 
@@ -107,7 +109,7 @@ class PrimitiveReader {
       ++(none ? cut : kept);
       if (none) return;
       const std::array<std::uint32_t, 3> corner = flip_ ? std::array<std::uint32_t, 3>{a, c, b} : std::array<std::uint32_t, 3>{a, b, c};
-      for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = positions[corner[i]];
+      for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = glm::vec3(positions[corner[i]]);
       for (std::size_t k = 0; k < uvs.size(); ++k) {
         if (uvs[k].values.empty()) continue;
         auto& uv = k == 0 ? triangle.uv : triangle.more_uv[k - 1];
@@ -132,18 +134,29 @@ class PrimitiveReader {
     if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second) model_.note(place + ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
   }
 
+  // Makes a box hold the positions of what read() would make triangles of.
+  void enclose(const tinygltf::Primitive& primitive, const std::string& place, glm::dvec3& low, glm::dvec3& high) const {
+    const int position = attributeOf(primitive, "POSITION");
+    if (position < 0 || !hasTriangles(primitive)) return;
+    for (const glm::dvec3& p : readPositions(primitive, position, place)) {
+      if (!std::isfinite(p.x + p.y + p.z)) continue;
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  }
+
  private:
   // In the part's space, at rest.
-  std::vector<glm::vec3> readPositions(const tinygltf::Primitive& primitive, int accessor, const std::string& place) const {
+  std::vector<glm::dvec3> readPositions(const tinygltf::Primitive& primitive, int accessor, const std::string& place) const {
     const GltfValues values = readValues(model_, accessor, place + ".POSITION");
     if (values.components != 3) model_.refuse(place, "POSITION is not a VEC3");
     std::vector<glm::dvec3> local(values.count);
     for (std::size_t i = 0; i < values.count; ++i) local[i] = {values.at(i, 0), values.at(i, 1), values.at(i, 2)};
     applyMorph(primitive, place, local);
-    std::vector<glm::vec3> out(local.size());
+    std::vector<glm::dvec3> out(local.size());
     if (joints_.empty() || attributeOf(primitive, "JOINTS_0") < 0) {
       const glm::dmat4& matrix = joints_.empty() ? to_part_ : joints_[0];
-      for (std::size_t i = 0; i < local.size(); ++i) out[i] = glm::vec3(matrix * glm::dvec4(local[i], 1));
+      for (std::size_t i = 0; i < local.size(); ++i) out[i] = glm::dvec3(matrix * glm::dvec4(local[i], 1));
       return out;
     }
     std::vector<glm::dvec3> sum(local.size(), glm::dvec3(0));
@@ -167,7 +180,7 @@ class PrimitiveReader {
       }
     }
     for (std::size_t i = 0; i < local.size(); ++i)
-      out[i] = total[i] > 0 ? glm::vec3(sum[i] / total[i]) : glm::vec3(joints_[0] * glm::dvec4(local[i], 1));
+      out[i] = total[i] > 0 ? sum[i] / total[i] : glm::dvec3(joints_[0] * glm::dvec4(local[i], 1));
     return out;
   }
 
@@ -203,6 +216,20 @@ void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, con
   PrimitiveReader reader(model, node, from_world);
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
     reader.read(mesh.primitives[p], placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p), materials, soup);
+}
+
+std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int>& nodes) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kInfinity), high(-kInfinity);
+  for (int node : nodes) {
+    const int mesh = model.data.nodes[static_cast<std::size_t>(node)].mesh;
+    if (mesh < 0) continue;
+    const PrimitiveReader reader(model, node, glm::dmat4(1));
+    for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives) reader.enclose(primitive, placeOf("meshes", static_cast<std::size_t>(mesh)), low, high);
+  }
+  const glm::dvec3 middle = 0.5 * low + 0.5 * high;
+  if (!(std::max({std::abs(middle.x), std::abs(middle.y), std::abs(middle.z)}) < 1e30)) return std::nullopt;
+  return glm::dvec3(glm::vec3(middle));
 }
 
 void explainEmptiness(const GltfModel& model) {

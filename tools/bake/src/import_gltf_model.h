@@ -44,6 +44,7 @@ struct GltfModel {
   std::vector<int> order;            // the nodes of the scene, parents before children
   std::vector<glm::dmat4> world;     // of each node at rest
   std::vector<std::string>* notices = nullptr;
+  std::uint64_t max_memory = 0;      // Settings::max_memory
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
   mutable std::set<std::string> cut_out;  // primitives of which alphaMode MASK leaves nothing, as they are read
@@ -96,6 +97,9 @@ class SoupBuilder;
 bool hasTriangles(const tinygltf::Primitive& primitive);
 // Adds the triangles of a node's mesh, in the space that `from_world` takes the world to.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
+
+// The middle of the box that the nodes' meshes fill in the world, as floats hold it; nullopt where there is none, or none that they hold.
+std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int>& nodes);
 
 // For a scene without triangles: refuses a file that is to blame, or whose meshes are nothing that kelp bakes. Returns where the scene is sound
 // and simply has no mesh, which glTF allows.

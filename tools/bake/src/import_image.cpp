@@ -53,4 +53,21 @@ std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes
   return image;
 }
 
+glm::ivec2 imageSize(std::span<const std::uint8_t> bytes) {
+  int width = 0, height = 0, channels = 0;
+  if (bytes.size() > 0x7fffffffu) return glm::ivec2(0);
+  glm::ivec2 size(0);
+  if (isWebp(bytes)) size = webpSize(bytes);
+  else if (stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels)) size = {width, height};
+  return size.x > 0 && size.y > 0 && std::int64_t{size.x} * size.y <= kMaxPixels ? size : glm::ivec2(0);
+}
+
+bool PictureBudget::take(glm::ivec2 size) {
+  constexpr std::uint64_t kTexelBytes = 10;  // RGBA, and a third as many texels of four floats: 4 + 16/3
+  const std::uint64_t bytes = kTexelBytes * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
+  if (bytes > limit_ - taken_) return false;
+  taken_ += bytes;
+  return true;
+}
+
 }  // namespace kelp::bake

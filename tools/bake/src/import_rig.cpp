@@ -44,7 +44,10 @@ void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const Setti
   } else if (part.rig_origin.empty()) {
     part.rig_origin = "straight (no rig found)";
   }
-  if (!settings.axis) return;
+  if (!settings.axis) {
+    if (!part.rig.axis) part.rig.axis = settings.up;  // what stands bends along its height
+    return;
+  }
   // The rig's offsets and tangents stand at right angles to its own axis: about another one they would mean something else.
   if (part.rig.axis && *part.rig.axis != *settings.axis)
     throw BakeError(Exit::kUsage, std::string("--axis ") + toString(*settings.axis) + ": the rig (" + part.rig_origin + ") names the axis " + toString(*part.rig.axis) +

@@ -26,4 +26,9 @@ std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes,
   return image;
 }
 
+glm::ivec2 webpSize(std::span<const std::uint8_t> bytes) {
+  int width = 0, height = 0;
+  return WebPGetInfo(bytes.data(), bytes.size(), &width, &height) ? glm::ivec2(width, height) : glm::ivec2(0);
+}
+
 }  // namespace kelp::bake

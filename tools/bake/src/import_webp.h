@@ -17,4 +17,7 @@ bool isWebp(std::span<const std::uint8_t> bytes);
 // says why not.
 std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels);
 
+// By its header; 0 x 0 where that is none.
+glm::ivec2 webpSize(std::span<const std::uint8_t> bytes);
+
 }  // namespace kelp::bake

@@ -31,6 +31,9 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
     options["resolution"] = settings.resolution;
   }
   if (settings.axis) options["axis"] = toString(*settings.axis);
+  if (settings.up) options["up"] = toString(*settings.up);
+  if (settings.unit != 1) options["unit"] = settings.unit;
+  if (settings.pad > 0) options["pad"] = settings.pad;
   if (const auto rig = rigFile(input, settings, files_read)) options["rig"] = {{"name", rig->filename().string()}, {"xxh3", hashFile(*rig)}};
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
   if (settings.scene) options["scene"] = *settings.scene;

@@ -41,8 +41,11 @@ struct Moment {
 struct Settings {
   int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
   bool resolution_given = false;       // resolution was asked for, not defaulted: volumes, which have voxels of their own, are resampled to it
-  std::optional<double> voxel_size;    // metres (file units)
-  std::optional<Axis> axis;            // for rigs that name none
+  std::optional<double> voxel_size;    // metres in the object: after `unit`
+  std::optional<Axis> axis;            // for rigs that name none; without, `up`
+  std::optional<Axis> up;              // the file's axis that points up, the object's +y; without, +y
+  double unit = 1;                     // metres to a unit of the file, 1e-6 to 1e6
+  int pad = 0;                         // empty voxels on every side of a part, 0 to 1024; not along the axis of one that bends
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
   std::optional<std::string> scene;    // of a glTF file: its name, or its index; without, the file's default
@@ -138,8 +141,8 @@ struct Frame {
   glm::dmat4 node_to_voxel{1};
 };
 // The rig frame of a soup: its bounding box turned so that the rig's axis is +y; along y the box fits whole voxels exactly where the voxel
-// size is ours to choose (so the spline spans just the source's extent). `what` names the part in errors.
-Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what);
+// size is ours to choose (so the spline spans just the source's extent). `what` names the part in errors; `metres` to a unit of the soup, for them too.
+Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what, double metres = 1);
 
 struct VoxelizeResult {
   VoxelGrid grid;

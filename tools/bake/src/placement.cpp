@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "placement.h"
+
+#include <algorithm>
+
+namespace kelp::bake {
+namespace {
+
+// The file's axes -> the object's. A quarter turn about x or z, as exporters turn; a half turn about x for -y.
+glm::dmat3 upright(Axis up) {
+  const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  switch (up) {  // where the file's x, y and z go
+    case Axis::kPlusX: return {y, -x, z};
+    case Axis::kMinusX: return {-y, x, z};
+    case Axis::kPlusY: break;
+    case Axis::kMinusY: return {x, -y, -z};
+    case Axis::kPlusZ: return {x, -z, y};
+    case Axis::kMinusZ: return {x, z, -y};
+  }
+  return glm::dmat3(1);
+}
+
+glm::mat4x3 placed(const glm::dmat3& outer, const glm::mat4x3& inner) {
+  return {glm::vec3(outer * glm::dvec3(inner[0])), glm::vec3(outer * glm::dvec3(inner[1])), glm::vec3(outer * glm::dvec3(inner[2])), glm::vec3(outer * glm::dvec3(inner[3]))};
+}
+
+bool bendable(const RigDescription& rig) {
+  const auto isKnots = [](Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; };
+  return std::any_of(rig.knots.begin(), rig.knots.end(), [](const RigDescription::Knot& knot) { return knot.tangent || knot.offset != glm::vec3(0); }) ||
+         std::any_of(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& clip) {
+           return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const auto& wave) { return isKnots(wave.target); }) ||
+                  std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const auto& track) { return isKnots(track.target); });
+         });
+}
+
+}  // namespace
+
+void placeInObject(SourceModel& model, const Settings& settings) {
+  if (!settings.up && settings.unit == 1) return;
+  const glm::dmat3 outer = settings.unit * upright(settings.up.value_or(Axis::kPlusY));
+  for (SourcePart& part : model.parts) {
+    part.to_object = placed(outer, part.to_object);
+    part.pivot = placed(outer, part.pivot);
+  }
+}
+
+glm::ivec3 paddingOf(const SourcePart& part, int pad) {
+  if (part.carrier) return glm::ivec3(0);
+  return {pad, bendable(part.rig) ? 0 : pad, pad};
+}
+
+void padFrame(Frame& frame, const glm::ivec3& pad) {
+  frame.size += 2 * pad;
+  frame.node_to_voxel[3] += glm::dvec4(glm::dvec3(pad), 0);
+}
+
+void padGrid(VoxelGrid& grid, const glm::ivec3& pad) {
+  if (pad == glm::ivec3(0)) return;
+  using Size = glm::vec<3, std::size_t>;
+  const Size old(grid.size), edge(pad), size = old + std::size_t{2} * edge;
+  const auto moved = [&](std::size_t x, std::size_t y, std::size_t z) { return x + edge.x + size.x * (y + edge.y + size.y * (z + edge.z)); };
+  std::vector<std::uint8_t> solid(size.x * size.y * size.z, 0);
+  for (std::size_t z = 0; z < old.z; ++z)
+    for (std::size_t y = 0; y < old.y; ++y) {
+      const auto row = grid.solid.begin() + static_cast<std::ptrdiff_t>(old.x * (y + old.y * z));
+      std::copy(row, row + static_cast<std::ptrdiff_t>(old.x), solid.begin() + static_cast<std::ptrdiff_t>(moved(0, y, z)));
+    }
+  for (SurfaceSample& sample : grid.surface) sample.index = moved(sample.index % old.x, sample.index / old.x % old.y, sample.index / (old.x * old.y));
+  grid.solid = std::move(solid);
+  grid.size = glm::ivec3(size);
+  grid.to_node[3] = grid.to_node * glm::vec4(-glm::vec3(pad), 1);
+}
+
+}  // namespace kelp::bake
