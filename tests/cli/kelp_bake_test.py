@@ -213,7 +213,7 @@ class KelpBake(unittest.TestCase):
         self.fails(3, self.write("empty.obj", ""), "-o", self.out, says=["empty.obj", "is empty"])
         self.fails(3, self.write("empty.glb", ""), "-o", self.out, says=["empty.glb", "is empty"])
         self.fails(3, self.write("empty.vdb", ""), "-o", self.out, says=["empty.vdb", "is empty"])
-        self.fails(3, self.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "-o", self.out, says=["points.obj"])
+        self.fails(5, self.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "-o", self.out, says=["points.obj"])
         self.fails(3, self.write("cut.glb", b"glTF" + struct.pack("<II", 2, 100)), "-o", self.out, says=["cut.glb"])
         self.fails(3, self.write("not.vdb", b"no volume at all"), "-o", self.out, says=["not.vdb"])
         result = self.bake(self.write("model.blend", "BLENDER"), "-o", self.out)

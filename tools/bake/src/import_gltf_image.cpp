@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <span>
 
 #include "memory_estimate.h"
@@ -20,6 +21,12 @@ int extensionSource(const tinygltf::Texture& texture, const char* name) {
 
 // Best first.
 std::array<int, 2> sources(const tinygltf::Texture& texture) { return {extensionSource(texture, "EXT_texture_webp"), texture.source}; }
+
+bool isOnTheWeb(const std::string& uri) {
+  std::string scheme = uri.substr(0, uri.find(':'));
+  std::transform(scheme.begin(), scheme.end(), scheme.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return scheme == "http" || scheme == "https";
+}
 
 }  // namespace
 
@@ -81,8 +88,8 @@ Image GltfImages::decode(std::size_t index) {
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
   } catch (const BakeError& error) {
-    // A path that leaves the folder is refused; what lies elsewhere, or is damaged, is done without.
-    if (error.exit == Exit::kInvalid && !source.uri.empty() && !hasScheme(source.uri)) throw;
+    // A path that leaves the folder is refused; what lies on the web, or is damaged, is done without.
+    if (error.exit == Exit::kInvalid && !source.uri.empty() && !data_uri && !isOnTheWeb(source.uri)) throw;
     if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
     model_.note(std::string(error.what()) + ": the colour factor alone is used");
   }
