@@ -268,6 +268,7 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     memory->next = scratch;
     scratch = memory;
   }
+  ++ended;
   if (--in_hand == 0) idle.notify_all();
   if (done) return true;
   return fail(done.error());
@@ -321,17 +322,21 @@ Result<bool> Asset::pump() { return impl_->pump(Impl::Wanted::kAsked); }
 
 Result<void> Asset::loadAll() {
   Impl& a = *impl_;
+  const auto ended = [&a] {
+    std::lock_guard lock(a.mutex);
+    return a.ended;
+  };
   while (true) {
+    const std::uint64_t before = ended();
     while (true) {
       const Result<bool> more = a.pump(Impl::Wanted::kAll);
       if (more && !*more) break;
     }
-    // Nothing is left to take; a grid in another thread's hands may bring new pages.
+    // Nothing is left to take; a grid in another thread's hands may bring new pages, or has brought them meanwhile.
     std::unique_lock lock(a.mutex);
-    const bool waited = a.in_hand > 0;
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
     if (a.choose(Impl::Wanted::kAll, ~std::uint64_t{0}).level) {
-      if (waited) continue;
+      if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }
     if (a.any_error) return a.first_error;

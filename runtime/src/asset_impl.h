@@ -58,6 +58,7 @@ struct Asset::Impl {
 
   std::mutex mutex;
   std::condition_variable idle;       // in_hand became 0
+  std::uint64_t ended = 0;  // tasks that left hands, well or not
   std::uint32_t in_hand = 0;          // grids and pages that threads work on now
   Scratch* scratch = nullptr;
   Error first_error;
