@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -14,32 +12,11 @@
 #include <vector>
 
 #include "kelp/bake/bake.h"
+#include "support/scratch.h"
 
 namespace kelp::bake::test {
 
-// A folder that goes when the test does.
-class Scratch {
- public:
-  Scratch() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / ("kelp_" + std::string(info->test_suite_name()) + "_" + info->name() + "_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::filesystem::path write(const std::string& name, const std::string& content) const {
-    const std::filesystem::path path = folder_ / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
-  }
-  const std::filesystem::path& folder() const { return folder_; }
-
- private:
-  std::filesystem::path folder_;
-};
+using kelp::test::Scratch;
 
 // The message of the BakeError that importing a file throws; its code must be `code`.
 inline std::string refusal(const std::filesystem::path& path, Exit code, const Settings& settings = {}) {

@@ -11,6 +11,7 @@
 
 #include "kelp/fields/fields.h"
 #include "shapes.h"
+#include "support/scratch.h"
 
 namespace kelp {
 namespace {
@@ -184,11 +185,9 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
   part.knots.assign(knots, knots + 2);
   part.levels = bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 0, 1, {});
 
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "kelp_write_pack_file_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directory(folder);
-  const std::filesystem::path path = folder / "box.kelp";
-  std::ofstream(path) << "old";
+  const test::Scratch scratch;
+  const std::filesystem::path& folder = scratch.folder();
+  const std::filesystem::path path = scratch.write("box.kelp", "old");
   bake::Report report;
   try {
     bake::writePackFile(pack, path, 1, report, [](std::string_view, double) { return false; });
@@ -204,39 +203,35 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
   bake::writePackFile(pack, path, 1, report);
   EXPECT_EQ(readAll(path).size(), report.pack_bytes);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  std::filesystem::remove_all(folder);
 }
 
 // The same model with another rig is another pack: its INFO must say so, wherever the rig's file was found.
 TEST(Info, RecordsARigFromAFile) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "kelp_info_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directory(folder);
-  std::ofstream(folder / "tet.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const test::Scratch scratch;
+  const std::filesystem::path model = scratch.write("tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   const std::string straight = R"({"kelp": 1})", sway = R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 2}]}}})";
   const auto info = [&](const char* rig) {
     bake::Settings settings;
     settings.resolution = 8;
-    if (rig) settings.rig_file = folder / rig;
+    if (rig) settings.rig_file = scratch / rig;
     bake::Report report;
-    return bake::bake(folder / "tet.obj", settings, report).info_json;
+    return bake::bake(model, settings, report).info_json;
   };
   const auto rigOf = [](const std::string& text) {  // the object after "rig":
     const std::size_t at = text.find(R"("rig":{)");
     return at == std::string::npos ? std::string() : text.substr(at, text.find('}', at) - at);
   };
   EXPECT_EQ(info(nullptr).find("rig"), std::string::npos);
-  std::ofstream(folder / "any.rig.json") << straight;
+  scratch.write("any.rig.json", straight);
   const std::string first = rigOf(info("any.rig.json"));
-  std::ofstream(folder / "any.rig.json") << sway;
+  scratch.write("any.rig.json", sway);
   const std::string second = rigOf(info("any.rig.json"));
   EXPECT_NE(first.find(R"("name":"any.rig.json","xxh3":")"), std::string::npos) << first;
   EXPECT_NE(first, second);
-  std::ofstream(folder / "tet.rig.json") << sway;
+  scratch.write("tet.rig.json", sway);
   const std::string beside = rigOf(info(nullptr));
   EXPECT_NE(beside.find(R"("name":"tet.rig.json")"), std::string::npos) << beside;
   EXPECT_EQ(beside.substr(beside.find("xxh3")), second.substr(second.find("xxh3")));
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

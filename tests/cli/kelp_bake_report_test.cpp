@@ -41,7 +41,7 @@ class KelpBakeReport : public testing::Test {
     return folder_ / name;
   }
 
-  TemporaryFolder folder_;
+  Scratch folder_;
   std::string said_;
   JsonSchema schema_{std::string(KELP_SOURCE_DIR) + "/tools/kelp-bake/kelp-bake-report.schema.json"};
 };

@@ -124,7 +124,7 @@ class KelpDump : public testing::Test {
     return report.at("issues").at(0);
   }
 
-  test::TemporaryFolder folder_;
+  test::Scratch folder_;
   test::JsonSchema schema_{std::string(KELP_SOURCE_DIR) + "/tools/kelp-dump/kelp-dump.schema.json"};
 };
 

@@ -93,7 +93,7 @@ class KelpRender : public testing::Test {
     return Picture(out_);
   }
 
-  const test::TemporaryFolder folder_;
+  const test::Scratch folder_;
   const std::string pack_ = folder_ / "box.kelp";
   const std::string out_ = folder_ / "out.png";
 };

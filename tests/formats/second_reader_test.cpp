@@ -2,17 +2,16 @@
 // read_pack.py, written from SPEC.md alone, reads what the writer writes, and what it says is compared line by line.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "pack_compare.h"
 #include "support/random_pack.h"
+#include "support/scratch.h"
 #include "tiny_pack.h"
 
 namespace kelp {
@@ -40,14 +39,9 @@ Outcome readPack(const std::string& arguments) {
 
 // A pack in a file that goes with the test.
 struct PackFile {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("kelp_second_reader_" + std::to_string(::getpid()) + ".kelp");
-
-  explicit PackFile(const std::vector<std::byte>& bytes) {
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
-  ~PackFile() { std::filesystem::remove(path); }
+  explicit PackFile(const std::vector<std::byte>& bytes) : path(scratch.write("pack.kelp", bytes)) {}
+  test::Scratch scratch;
+  std::filesystem::path path;
 };
 
 std::string format(const char* form, auto... values) {

@@ -2,15 +2,15 @@
 #include "kelp/formats/source.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "support/scratch.h"
 
 namespace kelp {
 namespace {
@@ -23,14 +23,9 @@ std::vector<std::byte> counting(std::size_t size) {
 
 // A file that goes with the test.
 struct TemporaryFile {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("kelp_source_test_" + std::to_string(::getpid()) + ".bin");
-
-  explicit TemporaryFile(const std::vector<std::byte>& bytes) {
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
-  ~TemporaryFile() { std::filesystem::remove(path); }
+  explicit TemporaryFile(const std::vector<std::byte>& bytes) : path(scratch.write("source.bin", bytes)) {}
+  test::Scratch scratch;
+  std::filesystem::path path;
 };
 
 void expectReads(const Source& source, const std::vector<std::byte>& bytes) {
@@ -98,7 +93,7 @@ TEST(FileSource, RefusesWhatIsNoRegularFile) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(errno, ENOENT);
   EXPECT_EQ(missing.error().code, ErrorCode::kIo);
-  const Result<FileSource> folder = FileSource::open(std::filesystem::temp_directory_path().c_str());
+  const Result<FileSource> folder = FileSource::open(test::Scratch().folder().c_str());
   ASSERT_FALSE(folder);
   EXPECT_EQ(errno, EISDIR);
   EXPECT_EQ(folder.error().code, ErrorCode::kIo);

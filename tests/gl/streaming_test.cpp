@@ -7,6 +7,7 @@
 
 #include "streamed.h"
 #include "support/assets.h"
+#include "support/scratch.h"
 
 namespace kelp::test {
 namespace {
@@ -80,12 +81,12 @@ TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
   KELP_ASSET(bunny, "mesh/common3d/stanford-bunny.obj");
   if (!std::filesystem::exists(KELP_BAKE_PROGRAM)) GTEST_SKIP() << "kelp-bake is not built";
   static const std::vector<std::byte> pack = [&] {
-    const std::string out = testing::TempDir() + "kelp_streaming_test.kelp";
+    const Scratch scratch;
+    const std::string out = scratch / "bunny.kelp";
     const std::string command = std::string("\"" KELP_BAKE_PROGRAM "\" \"") + bunny.string() + "\" -o \"" + out + "\" --resolution 512 --progress none";
     EXPECT_EQ(std::system((command + " 2> /dev/null").c_str()), 0) << command;
     std::ifstream file(out, std::ios::binary);
     const std::vector<char> chars((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    std::filesystem::remove(out);
     const auto bytes = std::as_bytes(std::span(chars));
     return std::vector<std::byte>(bytes.begin(), bytes.end());
   }();

@@ -4,29 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "../gl/count_new.h"
 #include "reef.h"
+#include "support/scratch.h"
 #include "support/test_pack.h"
 #include "terrain.h"
 
 namespace underwater {
 namespace {
 
-void write(const std::filesystem::path& path, const kelp::RawPack& pack) {
-  const std::vector<std::byte> bytes = kelp::test::bytesOf(pack);
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 class ReefTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              (std::string("kelp_reef_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     kelp::RawPack plant = kelp::test::packOf(kelp::test::ballClump({16, 32, 16}, 5, 1), knots());
     // A clip that would turn the spline back.
     plant.clips.push_back(
@@ -34,19 +25,18 @@ class ReefTest : public ::testing::Test {
          2,
          {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}},
          {}});
-    for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) write(folder_ / (std::string(name) + ".kelp"), plant);
+    for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(plant));
     kelp::RawPack fish = kelp::test::packOf(kelp::test::ballClump({12, 32, 8}, 5, 1), knots());
     fish.parts[0].to_object = glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
                                           kVoxel * glm::vec3(16, -6, -4));  // swims along +x
     fish.clips.push_back({"swim", 1, {{0, 3, kelp::Target::kKnotOffset, {0, 0, 4}, 1, 0}}, {}});
-    for (const char* name : {"fish", "fusilier"}) write(folder_ / (std::string(name) + ".kelp"), fish);
-    auto library = Library::open(folder_.string(), wrong_);
+    for (const char* name : {"fish", "fusilier"}) scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(fish));
+    auto library = Library::open(scratch_.folder().string(), wrong_);
     ASSERT_TRUE(library) << wrong_;
     library_ = *std::move(library);
   }
   void TearDown() override {
     library_.reset();
-    std::filesystem::remove_all(folder_);
   }
 
   static constexpr float kVoxel = 0.3f / 32;  // metres
@@ -64,7 +54,7 @@ class ReefTest : public ::testing::Test {
     return instance.asset == &library_->asset(Species::kFish) || instance.asset == &library_->asset(Species::kFusilier);
   }
 
-  std::filesystem::path folder_;
+  const kelp::test::Scratch scratch_;
   std::string wrong_;
   std::unique_ptr<Library> library_;
 };
@@ -176,12 +166,12 @@ TEST_F(ReefTest, ReadsOnWheneverItIsAsked) {
 }
 
 TEST_F(ReefTest, NamesThePackThatIsWrong) {
-  std::filesystem::remove(folder_ / "dulse.kelp");
+  std::filesystem::remove(scratch_ / "dulse.kelp");
   std::string wrong;
-  const auto library = Library::open(folder_.string(), wrong);
+  const auto library = Library::open(scratch_.folder().string(), wrong);
   ASSERT_FALSE(library);
   EXPECT_EQ(library.error().code, kelp::ErrorCode::kIo);
-  EXPECT_EQ(wrong, (folder_ / "dulse.kelp").string());
+  EXPECT_EQ(wrong, (scratch_ / "dulse.kelp").string());
 }
 
 }  // namespace

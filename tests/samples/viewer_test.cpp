@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "handles.h"
+#include "support/scratch.h"
 #include "support/test_pack.h"
 
 namespace viewer {
@@ -16,31 +16,22 @@ constexpr glm::vec2 kWindow{800, 600};
 class Viewer : public ::testing::Test {
  protected:
   void SetUp() override {
-    path_ = std::filesystem::path(::testing::TempDir()) /
-            (std::string("kelp_viewer_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".kelp");
     kelp::RawPack pack =
         kelp::test::packOf(kelp::test::ballClump({40, 64, 32}, 12, 1),
                            {{0, {0, 0, 0}, {0, 64, 0}}, {0.5f, {3, 32, 0}, {10, 64, 0}}, {1, {0, 64, 2}, {0, 64, 5}}});
     pack.clips.push_back({"sway", 2, {{0, 2, kelp::Target::kKnotOffset, {6, 0, 1}, 2, 0}}, {}});
-    const std::vector<std::byte> bytes = kelp::test::bytesOf(pack);
-    std::ofstream(path_, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    auto opened = Model::open(path_.string());
+    auto opened = Model::open(scratch_.write("model.kelp", kelp::test::bytesOf(pack)).string());
     ASSERT_TRUE(opened) << describe(opened.error());
     model_ = *std::move(opened);
     camera_.resize(kWindow);
     camera_.frame(bounds(model_->instance()));
-  }
-  void TearDown() override {
-    model_.reset();
-    std::filesystem::remove(path_);
   }
 
   glm::vec2 pixelOf(const Handle& handle) const { return camera_.project(position(*model_, handle)).value(); }
 
   float depthOf(const Handle& handle) const { return (camera_.worldToEye() * glm::vec4(position(*model_, handle), 1)).z; }
 
-  std::filesystem::path path_;
+  const kelp::test::Scratch scratch_;
   std::unique_ptr<Model> model_;
   OrbitCamera camera_;
 };
