@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "kelp/formats/rig_lanes.h"
+
 namespace kelp {
 namespace {
 
@@ -308,51 +310,72 @@ TEST(Spline, BoundsAreTheExactRangeUpToRounding) {
   EXPECT_LT(worst, 1e-4);
 }
 
-// What a renderer asks each frame: true only for knots that are sound, and then the exact range with the margin.
-TEST(Spline, SoundKnotsAreBoundInOnePass) {
+// What a renderer asks each frame: true only for knots that are sound, and then the exact range with the margin; whatever the other three rigs are.
+TEST(Spline, SoundRigsAreBoundFourAtATime) {
   std::mt19937 random(24);
   std::uniform_real_distribution<float> unit(-1, 1);
   const glm::ivec3 size(3, 5, 7);
   const float margin = 0.25f;
+  const auto boundsOf = [&](const std::vector<Knot> (&rigs)[4], unsigned& sound) {
+    BoxLanes lanes;
+    sound = boundSoundKnots({{rigs[0], rigs[1], rigs[2], rigs[3]}, static_cast<float>(size.x), static_cast<float>(size.z)}, margin, lanes);
+    std::array<Box, 4> boxes;
+    for (int axis = 0; axis < 3; ++axis) {
+      float low[4], high[4];
+      lanes.min[axis].store(low);
+      lanes.max[axis].store(high);
+      for (std::size_t rig = 0; rig < 4; ++rig) boxes[rig].min[axis] = low[rig], boxes[rig].max[axis] = high[rig];
+    }
+    return boxes;
+  };
   int bound = 0;
+  std::vector<Knot> rigs[4];
   for (int n = 0; n < 100000; ++n) {
     const float scale = std::pow(10.0f, 3 * unit(random)), slope = scale * std::pow(10.0f, 2 * unit(random));
-    std::vector<Knot> knots{randomKnot(random, 0, scale), randomKnot(random, 0.3f, scale), randomKnot(random, 1, scale)};
+    std::vector<Knot>& knots = rigs[n % 4];
+    knots.clear();
+    const int last = 1 + n % 3;
+    for (int i = 0; i <= last; ++i) knots.push_back(randomKnot(random, i == last ? 1.0f : 0.3f * static_cast<float>(i), scale));
     for (Knot& knot : knots) {
       knot.position.y = scale * (knot.at + 0.2f * knot.at * unit(random));
       knot.tangent = glm::vec3(knot.tangent.x * slope / scale, scale * (1.5f + 1.7f * unit(random)), knot.tangent.z * slope / scale);
     }
-    if (n % 50 == 0) knots[static_cast<std::size_t>(n / 50 % 3)].position[n / 150 % 3] = n % 100 ? NAN : INFINITY;
-    if (n % 50 == 1) knots[static_cast<std::size_t>(n / 50 % 3)].tangent[n / 150 % 3] = n % 100 == 1 ? NAN : -INFINITY;
-    if (n % 50 == 2) knots[static_cast<std::size_t>(n / 50 % 3)].at = n % 100 == 2 ? NAN : 1;
-    Box box;
-    if (!boundSoundKnots(knots, size, margin, box)) {
-      EXPECT_TRUE(box.empty());
-      continue;
-    }
-    ++bound;
-    ASSERT_TRUE(checkKnots(knots)) << n;
-    for (int i = 0; i < 3; ++i) {
-      long double low = 1e30L, high = -1e30L, sizes = 0;
-      for (std::size_t k = 0; k < 2; ++k) {
-        const auto [least, most] = exactRange(Reference(knots[k], knots[k + 1]), i);
-        low = std::min(low, least);
-        high = std::max(high, most);
-        const long double share = knots[k + 1].at - knots[k].at;
-        sizes = std::max({sizes, std::abs(least), std::abs(most), share * std::abs(knots[k].tangent[i]), share * std::abs(knots[k + 1].tangent[i])});
+    const std::size_t some = static_cast<std::size_t>(n / 50) % knots.size();
+    if (n % 50 == 0) knots[some].position[n / 150 % 3] = n % 100 ? NAN : INFINITY;
+    if (n % 50 == 1) knots[some].tangent[n / 150 % 3] = n % 100 == 1 ? NAN : -INFINITY;
+    if (n % 50 == 2) knots[some].at = n % 100 == 2 ? NAN : 1;
+    if (n % 50 == 3) knots.resize(n % 100 == 3 ? 0 : n % 150 == 3 ? 1 : kMaxKnots + 1);
+    if (n % 4 != 3) continue;
+    unsigned sound;
+    const auto boxes = boundsOf(rigs, sound);
+    for (unsigned rig = 0; rig < 4; ++rig) {
+      unsigned alone;
+      const auto box_alone = boundsOf({rigs[rig], rigs[rig], rigs[rig], rigs[rig]}, alone)[0];
+      ASSERT_EQ(alone, sound >> rig & 1 ? 15u : 0u) << n;
+      if (!alone) continue;
+      ++bound;
+      const Box& box = boxes[rig];
+      ASSERT_TRUE(box.min == box_alone.min && box.max == box_alone.max) << n;
+      ASSERT_TRUE(checkKnots(rigs[rig])) << n;
+      for (int i = 0; i < 3; ++i) {
+        long double low = 1e30L, high = -1e30L, sizes = 0;
+        for (std::size_t k = 0; k + 1 < rigs[rig].size(); ++k) {
+          const Knot &k0 = rigs[rig][k], &k1 = rigs[rig][k + 1];
+          const auto [least, most] = exactRange(Reference(k0, k1), i);
+          low = std::min(low, least);
+          high = std::max(high, most);
+          const long double share = k1.at - k0.at;
+          sizes = std::max({sizes, std::abs(least), std::abs(most), share * std::abs(k0.tangent[i]), share * std::abs(k1.tangent[i])});
+        }
+        const long double base = i == 0 ? size.x : i == 2 ? size.z : 0;
+        ASSERT_LE(box.min[i], low - margin) << n;
+        ASSERT_GE(box.max[i], high + base + margin - 1e-6L) << n;
+        ASSERT_GE(box.min[i], low - margin - 1e-4L * (sizes + margin)) << n;
+        ASSERT_LE(box.max[i], high + base + margin + 1e-4L * (sizes + base + margin)) << n;
       }
-      const long double base = i == 0 ? size.x : i == 2 ? size.z : 0;
-      ASSERT_LE(box.min[i], low - margin) << n;
-      ASSERT_GE(box.max[i], high + base + margin - 1e-6L) << n;
-      ASSERT_GE(box.min[i], low - margin - 1e-4L * (sizes + margin)) << n;
-      ASSERT_LE(box.max[i], high + base + margin + 1e-4L * (sizes + base + margin)) << n;
     }
   }
   EXPECT_GT(bound, 20000);
-  Box box;
-  EXPECT_FALSE(boundSoundKnots({}, size, 0, box));
-  EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(1), size, 0, box));
-  EXPECT_FALSE(boundSoundKnots(std::vector<Knot>(kMaxKnots + 1), size, 0, box));
 }
 
 // Beyond where squares of coefficients end in float.

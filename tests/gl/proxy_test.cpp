@@ -6,7 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
-#include "detail.h"
+#include "placing.h"
 
 namespace kelp::test {
 namespace {
@@ -46,7 +46,7 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
     const float far = n % 3 == 0 ? 30.0f : 1.5f;
     glm::vec4 eye(middle + far * glm::vec3(unit(random), unit(random), unit(random)) * half, 1);
     if (orthographic) eye = glm::vec4(glm::normalize(glm::vec3(unit(random), unit(random), unit(random))), 0);
-    const std::uint32_t outline = gl::outlineOf(eye, bounds);
+    const std::uint32_t outline = gl::outlineOf(eye, Lanes::of(bounds.min.x, bounds.min.y, bounds.min.z, 0), Lanes::of(bounds.max.x, bounds.max.y, bounds.max.z, 0));
     const dvec3 low(bounds.min), high(bounds.max);
     if (outline == 0) {
       ASSERT_FALSE(orthographic);

@@ -94,11 +94,11 @@ glm::uvec4 bitsOf(const glm::vec4& v) {
   std::memcpy(&bits, &v, sizeof bits);
   return bits;
 }
-glm::uvec4 bitsOf(const glm::vec3& v, std::uint32_t w) {
-  glm::uvec4 bits;
-  std::memcpy(&bits, &v, sizeof v);
-  bits.w = w;
-  return bits;
+// Three floats and a number, written in place: a texel put together elsewhere would be read before its parts have arrived there.
+void put(const Lanes& xyz, std::uint32_t w, glm::uvec4& out) {
+  static_assert(sizeof out == 4 * sizeof(float));
+  xyz.store(reinterpret_cast<float*>(&out));
+  out.w = w;
 }
 
 // As makeSegment. Writes one number more: what comes next lies over it.
@@ -123,26 +123,26 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
 }  // namespace
 
 Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays) {
+  const Frame frame{camera, view, rays};
+  waiting_ = 0;
   count_ = 0;
   texels_ = 0;
   rows_ = 0;
   culled_ = 0;
   store.beginWants();
   FoundAssets found;
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const Error* error = nullptr;
+  const Error* error = nullptr;
+  for (std::size_t i = 0; i < instances.size() && !error; ++i) {
     ResidentAsset* const asset = found.find(store, instances[i].asset, error);
-    if (asset) error = addInstance(*asset, camera, view, instances[i], static_cast<std::uint32_t>(i), rays);
-    if (error) {
-      count_ = 0;
-      return *error;
-    }
+    if (asset) error = addInstance(frame, *asset, instances[i], static_cast<std::uint32_t>(i));
   }
-  return writeOrder();
+  if (!error) error = addBlock(frame);
+  if (!error) return writeOrder();
+  count_ = 0;
+  return *error;
 }
 
-const Error* DrawList::addInstance(ResidentAsset& asset, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index,
-                                   Rays rays) {
+const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index) {
   const std::span<const Part> parts = asset.packed;
   if (!isAffine(instance.to_world)) return &kBadMatrix;
   if (instance.pose && static_cast<std::size_t>(instance.pose->parts()) != parts.size()) return &kForeignPose;
@@ -150,73 +150,139 @@ const Error* DrawList::addInstance(ResidentAsset& asset, const Camera& camera, c
     if (!instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
     if (!instance.previous_pose->check()) return &kBadPose;
   }
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const int part = static_cast<int>(p);
-    ResidentPart& resident = asset.parts[p];
-    const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : parts[p].knots;
-    if (knots.size() != parts[p].knots.size()) return &kForeignPose;
-    Box bounds;
-    if (!boundPart(knots, parts[p].size, bounds)) return &kBadPose;
-    const std::size_t segments = 3 * (knots.size() - 1);
-    const bool motion = rays == Rays::kView && view.previous_world_to_clip != nullptr;
-    const std::size_t texels = kRecordTexels + segments + (motion ? 4 + segments : 0);
-    // Room for a record, which is one only if the part is seen; and for the number that writeSegments writes too much.
-    if (!grow(order_, count_ + 1) || !grow(records_, texels_ + texels + 1)) return &kNoMemory;
-    glm::uvec4* out = &records_[texels_];
-    auto* const head = reinterpret_cast<RecordHead*>(out);
-    PlacedPart placed;
-    if (!placePart(camera, toWorld(instance, parts, part), bounds, *head, placed)) {
-      if (!isInvertible(instance.to_world)) return &kBadMatrix;
-      // A part may be scaled to nothing by its motion: it has no voxel to show.
-      ++culled_;
-      continue;
+  for (std::uint32_t part = 0; part < parts.size(); ++part) {
+    const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
+    if (knots.size() != parts[part].knots.size()) return &kForeignPose;
+    if (waiting_ == kBlock) {
+      if (const Error* const error = addBlock(frame)) return error;
     }
-    const glm::vec4 eye = head->eye;
-    const glm::vec3 extent = bounds.max - bounds.min;
-    const float side = glm::max(extent.x, glm::max(extent.y, extent.z));
-    bool seen = !placed.outside && placed.pixels * side >= view.smallest_pixels;
-    float pixels = placed.pixels;
-    if (!seen || rays == Rays::kAny) {
-      // A part behind the eye counts as if it were as far before it.
-      const glm::dvec3 from(eye);
-      const double distance = eye.w == 0 ? 0.0 : glm::length(from - glm::clamp(from, glm::dvec3(bounds.min), glm::dvec3(bounds.max)));
-      pixels = std::min(pixels, distance > 0 ? camera.pixel_scale / static_cast<float>(distance) : pixels);
-      if (rays == Rays::kAny) seen = pixels * side >= view.smallest_pixels;
-      if (!seen) pixels *= kHiddenWorth;
-    }
-    const Detail wanted = chooseDetail(pixels, view.pixels_per_voxel, view.finest_level, resident.levels);
-    Residency::want(resident, wanted.level, std::min(pixels, 1e4f));
-    if (!seen) {
-      ++culled_;
-      continue;
-    }
-    if (resident.finest == resident.levels) continue;
-    const Detail detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
+    Candidate& candidate = block_[waiting_++];
+    candidate.asset = &asset;
+    candidate.instance = &instance;
+    candidate.knots = knots;
+    candidate.index = index;
+    candidate.part = part;
+  }
+  return nullptr;
+}
 
-    // The bits of floats that are not negative ascend with them.
-    const float depth = std::max(placed.nearest, 0.0f);
-    Ordered& ordered = order_[count_++];
-    std::memcpy(&ordered.key, &depth, sizeof depth);
-    ordered.texel = static_cast<std::uint32_t>(texels_);
-    texels_ += texels;
-    if (rays == Rays::kAny) worldToPart(*head);
-    out += sizeof *head / sizeof *out;
-    *out++ = bitsOf(instance.tint);
-    *out++ = bitsOf(bounds.min, static_cast<std::uint32_t>(knots.size() - 1));
-    *out++ = bitsOf(bounds.max, asset.palette() + asset.levels[resident.first_level]->table);
-    *out++ = bitsOf(glm::vec3(parts[p].size), static_cast<std::uint32_t>(detail.level | (rays == Rays::kAny ? 0 : detail.coarser) << 8 | resident.levels << 16));
-    *out++ = glm::uvec4(asset.palette(), index, static_cast<std::uint32_t>(part), rays == Rays::kAny ? 0 : outlineOf(eye, bounds));
-    out = writeSegments(out, knots);
-    if (motion) {
-      runtime::Instance before = instance;
-      if (instance.previous_pose) before.pose = instance.previous_pose;
-      if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
-      const glm::mat4 rows(glm::transpose(glm::dmat4(*view.previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, part))));
-      for (int row = 0; row < 4; ++row) *out++ = bitsOf(rows[row]);
-      writeSegments(out, before.pose ? before.pose->knots(part) : parts[p].knots);
+const Error* DrawList::addBlock(const Frame& frame) {
+  const std::size_t count = std::exchange(waiting_, 0);
+  if (count == 0) return nullptr;
+  const std::size_t fours = (count + 3) / 4;
+  for (std::size_t i = count; i < 4 * fours; ++i) block_[i] = block_[count - 1];  // company for the last ones
+  const auto four = [this](std::size_t i) { return std::span<Candidate, 4>(block_ + 4 * i, 4); };
+  const auto countOf = [count](std::size_t i) { return std::min<std::size_t>(count - 4 * i, 4); };
+  std::size_t segments = 0;
+  for (std::size_t i = 0; i < fours; ++i) {
+    const auto c = four(i);
+    const auto sizeOf = [](const Candidate& candidate) { return &candidate.asset->packed[candidate.part].size; };
+    for (const Candidate& candidate : c) segments += candidate.knots.size() - 1;
+    if (boundParts({c[0].knots, c[1].knots, c[2].knots, c[3].knots}, {sizeOf(c[0]), sizeOf(c[1]), sizeOf(c[2]), sizeOf(c[3])}, placed_[i]) != 15) return &kBadPose;
+  }
+  for (std::size_t i = 0; i < fours; ++i) {
+    if (const Error* const error = place(frame, four(i), countOf(i), placed_[i])) return error;
+  }
+  for (std::size_t i = 0; i < fours; ++i) choose(frame, four(i), countOf(i), placed_[i]);
+  // One texel more for the number that writeSegments writes too much.
+  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kRecordTexels + 4) + 6 * segments + 1)) return &kNoMemory;
+  for (std::size_t i = 0; i < fours; ++i) {
+    // Boxes of one part each, from those of four.
+    const BoxLanes& boxes = placed_[i].bounds;
+    Lanes low[4] = {boxes.min[0], boxes.min[1], boxes.min[2], 0.0f}, high[4] = {boxes.max[0], boxes.max[1], boxes.max[2], 0.0f};
+    transpose(low[0], low[1], low[2], low[3]);
+    transpose(high[0], high[1], high[2], high[3]);
+    float nearest[4];
+    placed_[i].nearest.store(nearest);
+    for (std::size_t k = 0; k < countOf(i); ++k) {
+      if (four(i)[k].drawn) write(frame, four(i)[k], low[k], high[k], nearest[k]);
     }
   }
   return nullptr;
+}
+
+const Error* DrawList::place(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, PlacedParts& placed) {
+  glm::mat4 to_world[4];
+  for (std::size_t k = 0; k < 4; ++k) to_world[k] = toWorld(*four[k].instance, four[k].asset->packed, static_cast<int>(four[k].part));
+  placeParts(frame.camera, to_world, placed, {&four[0].head, &four[1].head, &four[2].head, &four[3].head});
+  if (placed.invertible == 15) return nullptr;
+  for (std::size_t k = 0; k < count; ++k) {
+    // A part may be scaled to nothing by its motion: it has no voxel to show.
+    if (!(placed.invertible >> k & 1) && !isInvertible(four[k].instance->to_world)) return &kBadMatrix;
+  }
+  return nullptr;
+}
+
+void DrawList::choose(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, const PlacedParts& placed) {
+  const View& view = frame.view;
+  const auto& [low, high] = placed.bounds;
+  const Lanes side = max(max(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+  // A part behind the eye counts as if it were as far before it.
+  Lanes away = 0.0f;
+  if (frame.camera.eye.w != 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Lanes beside = max(max(low[axis] - placed.eye[axis], placed.eye[axis] - high[axis]), 0.0f);
+      away = away + beside * beside;
+    }
+  }
+  const Lanes around = min(frame.camera.pixel_scale / sqrt(away), placed.pixels);
+  const bool any = frame.rays == Rays::kAny;
+  const Lanes covered = (any ? around : placed.pixels) * side;
+  const unsigned seen = placed.invertible & ~lessBits(covered, view.smallest_pixels) & (any ? 15 : ~placed.outside);
+  const auto levelsOf = [&](std::size_t k) { return static_cast<float>(four[k].asset->parts[four[k].part].levels); };
+  const auto isSeen = [seen](int k) { return seen >> k & 1 ? 1.0f : 0.0f; };
+  const Lanes wanted_pixels = selectLess(0.0f, Lanes::of(isSeen(0), isSeen(1), isSeen(2), isSeen(3)), any ? around : placed.pixels, kHiddenWorth * around);
+  float pixels[4], level[4];
+  wanted_pixels.store(pixels);
+  chooseDetail(wanted_pixels, view.pixels_per_voxel, view.finest_level, Lanes::of(levelsOf(0), levelsOf(1), levelsOf(2), levelsOf(3))).store(level);
+  for (std::size_t k = 0; k < count; ++k) {
+    ResidentPart& resident = four[k].asset->parts[four[k].part];
+    const bool is_seen = seen >> k & 1;
+    const Detail wanted = Detail::of(level[k]);
+    if (placed.invertible >> k & 1) Residency::want(resident, wanted.level, std::min(pixels[k], 1e4f));
+    four[k].detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
+    four[k].drawn = is_seen && resident.finest != resident.levels;
+    culled_ += !is_seen;
+  }
+}
+
+void DrawList::write(const Frame& frame, const Candidate& candidate, const Lanes& low, const Lanes& high, float nearest) {
+  const runtime::Instance& instance = *candidate.instance;
+  const ResidentAsset& asset = *candidate.asset;
+  const ResidentPart& resident = asset.parts[candidate.part];
+  const Part& part = asset.packed[candidate.part];
+  const std::span<const Knot> knots = candidate.knots;
+  const bool any = frame.rays == Rays::kAny;
+
+  // The bits of floats that are not negative ascend with them.
+  const float depth = std::max(nearest, 0.0f);
+  Ordered& ordered = order_[count_++];
+  std::memcpy(&ordered.key, &depth, sizeof depth);
+  ordered.texel = static_cast<std::uint32_t>(texels_);
+
+  glm::uvec4* out = &records_[texels_];
+  auto* const head = reinterpret_cast<RecordHead*>(out);
+  *head = candidate.head;
+  if (any) worldToPart(*head);
+  out += sizeof *head / sizeof *out;
+  *out++ = bitsOf(instance.tint);
+  put(low, static_cast<std::uint32_t>(knots.size() - 1), *out++);
+  put(high, asset.palette() + asset.levels[resident.first_level]->table, *out++);
+  const glm::vec3 size(part.size);
+  put(Lanes::of(size.x, size.y, size.z, 0), static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16),
+      *out++);
+  *out++ = glm::uvec4(asset.palette(), candidate.index, candidate.part, any ? 0 : outlineOf(candidate.head.eye, low, high));
+  out = writeSegments(out, knots);
+  if (!any && frame.view.previous_world_to_clip) {
+    const int index = static_cast<int>(candidate.part);
+    runtime::Instance before = instance;
+    if (instance.previous_pose) before.pose = instance.previous_pose;
+    if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
+    const glm::mat4 rows(glm::transpose(glm::dmat4(*frame.view.previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
+    for (int row = 0; row < 4; ++row) *out++ = bitsOf(rows[row]);
+    out = writeSegments(out, before.pose ? before.pose->knots(index) : part.knots);
+  }
+  texels_ = static_cast<std::size_t>(out - records_.data());
 }
 
 // Sorts the parts, and writes the numbers of their records behind the records. The order serves speed alone, so 16 bits of the depths' fractions do:

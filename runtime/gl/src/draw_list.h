@@ -2,7 +2,7 @@
 // What a frame draws: instances taken apart, culled, given a level, written out as the records of instance.glsl, and ordered near to far.
 #pragma once
 
-#include "detail.h"
+#include "placing.h"
 #include "residency.h"
 
 namespace kelp::gl {
@@ -35,11 +35,37 @@ class DrawList {
     std::uint32_t key = 0;     // ascends with the depth of the part's nearest point
     std::uint32_t texel = 0;   // of the record
   };
+  struct Frame {
+    const Camera& camera;
+    const View& view;
+    Rays rays;
+  };
+  // A posed part on its way into the list.
+  struct Candidate {
+    ResidentAsset* asset;
+    const runtime::Instance* instance;
+    std::span<const Knot> knots;
+    std::uint32_t index;  // of the instance
+    std::uint32_t part;
+    RecordHead head;
+    Detail detail;
+    bool drawn;
+  };
+  // Candidates are computed four side by side, and all of a block take each step before the next one: the processor works on several fours at
+  // once, where a step is a chain of results that wait for each other. README.md has what that is worth.
+  static constexpr std::size_t kBlock = 32;
 
   // Null, or what is wrong.
-  const Error* addInstance(ResidentAsset& asset, const Camera& camera, const View& view, const runtime::Instance& instance, std::uint32_t index, Rays rays);
+  const Error* addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index);
+  const Error* addBlock(const Frame& frame);
+  const Error* place(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, PlacedParts& placed);
+  void choose(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, const PlacedParts& placed);
+  void write(const Frame& frame, const Candidate& candidate, const Lanes& low, const Lanes& high, float nearest);
   Result<void> writeOrder();
 
+  Candidate block_[kBlock];      // the first waiting_
+  PlacedParts placed_[kBlock / 4];
+  std::size_t waiting_ = 0;
   Buffer<Ordered> order_;        // the first count_
   Buffer<Ordered> sorted_;
   Buffer<glm::uvec4> records_;   // the first texels_

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "depth_copy.h"
-#include "detail.h"
+#include "placing.h"
 #include "draw_list.h"
 #include "program.h"
 #include "residency.h"
@@ -317,12 +317,13 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
   if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  Box bounds;
-  if (knots.size() != of.knots.size() || !boundPart(knots, of.size, bounds)) return -1;
+  PlacedParts placed;
+  if (knots.size() != of.knots.size() || !boundParts({knots, knots, knots, knots}, {&of.size, &of.size, &of.size, &of.size}, placed)) return -1;
+  const glm::mat4 to_world = runtime::partToWorld(instance, part);
   RecordHead head;
-  PlacedPart placed;
-  if (!placePart(*camera, runtime::partToWorld(instance, part), bounds, head, placed)) return -1;
-  const Detail detail = chooseDetail(placed.pixels, view.pixels_per_voxel, view.finest_level, of.levels);
+  placeParts(*camera, {to_world, to_world, to_world, to_world}, placed, {&head, &head, &head, &head});
+  if (!placed.invertible) return -1;
+  const Detail detail = Detail::of(chooseDetail(placed.pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(of.levels)).first());
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 

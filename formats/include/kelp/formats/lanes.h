@@ -17,6 +17,7 @@ namespace kelp {
 
 struct Lanes {
   __m128 v;
+  Lanes() = default;
   Lanes(__m128 lanes) : v(lanes) {}
   Lanes(float all) : v(_mm_set1_ps(all)) {}
   static Lanes of(float a, float b, float c, float d) { return _mm_setr_ps(a, b, c, d); }
@@ -43,6 +44,16 @@ inline Lanes copysign(Lanes a, Lanes sign) {
 }
 // Bit i: a < b in lane i.
 inline unsigned lessBits(Lanes a, Lanes b) { return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v))); }
+// a where `which` is less than `than`, b elsewhere.
+inline Lanes selectLess(Lanes which, Lanes than, Lanes a, Lanes b) {
+  const __m128 mask = _mm_cmplt_ps(which.v, than.v);
+  return _mm_or_ps(_mm_and_ps(mask, a.v), _mm_andnot_ps(mask, b.v));
+}
+// A positive number is 2^exponent * fraction, and the fraction at least 1 and less than 2.
+inline Lanes exponentOf(Lanes a) { return _mm_cvtepi32_ps(_mm_sub_epi32(_mm_srli_epi32(_mm_castps_si128(a.v), 23), _mm_set1_epi32(127))); }
+inline Lanes fractionOf(Lanes a) {
+  return _mm_or_ps(_mm_and_ps(a.v, _mm_castsi128_ps(_mm_set1_epi32(0x7fffff))), _mm_set1_ps(1.0f));
+}
 // Columns to rows.
 inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
 
@@ -53,7 +64,11 @@ struct DoubleLanes {
   static DoubleLanes load(const double* two) { return _mm_loadu_pd(two); }
 };
 inline DoubleLanes operator+(DoubleLanes a, DoubleLanes b) { return _mm_add_pd(a.v, b.v); }
+inline DoubleLanes operator-(DoubleLanes a, DoubleLanes b) { return _mm_sub_pd(a.v, b.v); }
 inline DoubleLanes operator*(DoubleLanes a, DoubleLanes b) { return _mm_mul_pd(a.v, b.v); }
+// The first two lanes; the last two.
+inline DoubleLanes lowHalf(Lanes a) { return _mm_cvtps_pd(a.v); }
+inline DoubleLanes highHalf(Lanes a) { return _mm_cvtps_pd(_mm_movehl_ps(a.v, a.v)); }
 inline Lanes rounded(DoubleLanes low, DoubleLanes high) { return _mm_movelh_ps(_mm_cvtpd_ps(low.v), _mm_cvtpd_ps(high.v)); }
 
 #else
@@ -94,6 +109,15 @@ inline unsigned lessBits(Lanes a, Lanes b) {
   for (int i = 0; i < 4; ++i) bits |= (a.v[i] < b.v[i] ? 1u : 0u) << i;
   return bits;
 }
+inline Lanes selectLess(Lanes which, Lanes than, Lanes a, Lanes b) {
+  return Lanes::each([&](int i) { return which.v[i] < than.v[i] ? a.v[i] : b.v[i]; });
+}
+inline Lanes exponentOf(Lanes a) {
+  return Lanes::each([&](int i) { return static_cast<float>(std::ilogb(a.v[i])); });
+}
+inline Lanes fractionOf(Lanes a) {
+  return Lanes::each([&](int i) { return std::scalbn(a.v[i], -std::ilogb(a.v[i])); });
+}
 inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes columns[4] = {a, b, c, d};
   Lanes* const rows[4] = {&a, &b, &c, &d};
@@ -109,7 +133,10 @@ struct DoubleLanes {
   static DoubleLanes load(const double* two) { return {two[0], two[1]}; }
 };
 inline DoubleLanes operator+(DoubleLanes a, DoubleLanes b) { return {a.v[0] + b.v[0], a.v[1] + b.v[1]}; }
+inline DoubleLanes operator-(DoubleLanes a, DoubleLanes b) { return {a.v[0] - b.v[0], a.v[1] - b.v[1]}; }
 inline DoubleLanes operator*(DoubleLanes a, DoubleLanes b) { return {a.v[0] * b.v[0], a.v[1] * b.v[1]}; }
+inline DoubleLanes lowHalf(Lanes a) { return {a.v[0], a.v[1]}; }
+inline DoubleLanes highHalf(Lanes a) { return {a.v[2], a.v[3]}; }
 inline Lanes rounded(DoubleLanes low, DoubleLanes high) {
   return Lanes::of(static_cast<float>(low.v[0]), static_cast<float>(low.v[1]), static_cast<float>(high.v[0]), static_cast<float>(high.v[1]));
 }

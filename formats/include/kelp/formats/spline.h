@@ -45,8 +45,4 @@ void straightKnots(const glm::ivec3& size, Knot (&knots)[2]);
 // the exact range of every segment, widened by what evaluation in float may err, swept by the base. Voxels. Fewer than 2 knots: empty.
 Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size);
 
-// For thousands of rigs a frame: whether checkKnots finds nothing wrong, and deformedBounds with `margin` voxels on every side, in one pass.
-// False, and nothing in `box`, says only that it takes a closer look.
-[[nodiscard]] bool boundSoundKnots(std::span<const Knot> knots, const glm::ivec3& size, float margin, Box& box);
-
 }  // namespace kelp
