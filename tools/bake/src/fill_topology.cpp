@@ -2,13 +2,13 @@
 #include "fill_topology.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_map>
 
+#include "fill_caps.h"
 #include "fill_reasons.h"
 
 namespace kelp::bake {
@@ -59,11 +59,6 @@ void forEachEdge(const std::vector<Edge>& edges, const Visit& visit) {
     visit(begin, end);
     begin = end;
   }
-}
-
-glm::dvec3 areaVector(const Topology& mesh, const SolidTriangle& t) {
-  const glm::dvec3 a = mesh.position(t.vertex[0]);
-  return 0.5 * glm::cross(mesh.position(t.vertex[1]) - a, mesh.position(t.vertex[2]) - a);
 }
 
 void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
@@ -222,7 +217,7 @@ void windConsistently(Topology& mesh, const std::vector<Edge>& edges) {
     double keep_area = 0, flip_area = 0;
     for (std::size_t at = 0; at < patch.size(); ++at) {
       const std::uint32_t i = patch[at];
-      (state[i] == kKeep ? keep_area : flip_area) += glm::length(areaVector(mesh, mesh.triangles[i]));
+      (state[i] == kKeep ? keep_area : flip_area) += glm::length(mesh.areaVector(mesh.triangles[i]));
       for (std::uint32_t n = first[i]; n < first[i + 1]; ++n) {
         const std::uint8_t wanted = (state[i] == kKeep) == neighbours[n].same ? kKeep : kFlip;
         std::uint8_t& its = state[neighbours[n].triangle];
@@ -257,64 +252,9 @@ void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   }
 }
 
-// Takes a cycle of oriented edges apart into loops that pass through each vertex once: holes that touch in a vertex are two, and a cone for each is
-// much smaller than one for both.
-class LoopFinder {
- public:
-  void clear() {
-    local_.clear();
-    vertices_.clear();
-  }
-  void add(std::uint32_t from, std::uint32_t to) {
-    numberOf(to);
-    vertices_[numberOf(from)].next.push_back(to);
-  }
-  // Calls visit(edges) for each loop.
-  template <class Visit>
-  void find(const Visit& visit) {
-    for (std::uint32_t start = 0; start < vertices_.size(); ++start) {
-      std::uint32_t at = start;
-      while (vertices_[start].used < vertices_[start].next.size() || !path_.empty()) {
-        Vertex& vertex = vertices_[at];
-        assert(vertex.used < vertex.next.size());  // as many edges leave a vertex as arrive
-        const std::uint32_t to = vertex.next[vertex.used++];
-        vertex.place = static_cast<std::uint32_t>(path_.size());
-        path_.push_back({vertex.name, to});
-        at = local_.at(to);
-        if (vertices_[at].place == kNowhere) continue;
-        const std::size_t first = vertices_[at].place;
-        visit(std::span<const std::array<std::uint32_t, 2>>(path_).subspan(first));
-        for (std::size_t i = first; i < path_.size(); ++i) vertices_[local_.at(path_[i][0])].place = kNowhere;
-        path_.resize(first);
-      }
-    }
-  }
-
- private:
-  static constexpr std::uint32_t kNowhere = 0xffffffffu;
-  struct Vertex {
-    std::uint32_t name = 0;
-    std::vector<std::uint32_t> next;
-    std::size_t used = 0;               // of next
-    std::uint32_t place = kNowhere;     // on the path
-  };
-  std::uint32_t numberOf(std::uint32_t name) {
-    const auto [at, fresh] = local_.try_emplace(name, static_cast<std::uint32_t>(vertices_.size()));
-    if (fresh) vertices_.emplace_back().name = name;
-    return at->second;
-  }
-
-  std::unordered_map<std::uint32_t, std::uint32_t> local_;
-  std::vector<Vertex> vertices_;
-  std::vector<std::array<std::uint32_t, 2>> path_;
-};
-
-// The cones over every component's boundary.
-std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edges) {
-  struct Boundary {
-    std::uint32_t component, from, to;
-  };
-  std::vector<Boundary> boundary;
+// By component; in each it is a cycle.
+std::vector<BoundaryEdge> findBoundary(const Topology& mesh, const std::vector<Edge>& edges) {
+  std::vector<BoundaryEdge> boundary;
   forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
     int net = 0;
     for (std::size_t i = begin; i < end; ++i) {
@@ -328,42 +268,11 @@ std::vector<SolidTriangle> makeCaps(Topology& mesh, const std::vector<Edge>& edg
     const std::uint32_t component = mesh.triangles[edges[begin].triangle].component;
     // The cap runs against its neighbour.
     for (int i = 0; i < std::abs(net); ++i) {
-      boundary.push_back(net > 0 ? Boundary{component, edges[begin].high, edges[begin].low} : Boundary{component, edges[begin].low, edges[begin].high});
+      boundary.push_back(net > 0 ? BoundaryEdge{component, edges[begin].high, edges[begin].low} : BoundaryEdge{component, edges[begin].low, edges[begin].high});
     }
   });
-  std::stable_sort(boundary.begin(), boundary.end(), [](const Boundary& a, const Boundary& b) { return a.component < b.component; });
-
-  std::vector<SolidTriangle> caps;
-  LoopFinder loops;
-  for (std::size_t begin = 0; begin < boundary.size();) {
-    std::size_t end = begin;
-    loops.clear();
-    while (end < boundary.size() && boundary[end].component == boundary[begin].component) {
-      loops.add(boundary[end].from, boundary[end].to);
-      ++end;
-    }
-    loops.find([&](std::span<const std::array<std::uint32_t, 2>> loop) {
-      glm::dvec3 moment(0);
-      double length = 0;
-      for (const auto& [from, to] : loop) {
-        const glm::dvec3 a(mesh.lattice[from]), b(mesh.lattice[to]);
-        moment += (a + b) * 0.5 * glm::length(b - a);
-        length += glm::length(b - a);
-      }
-      const glm::dvec3 p = moment / length;
-      const std::uint32_t apex = static_cast<std::uint32_t>(mesh.lattice.size());
-      mesh.lattice.emplace_back(std::llround(p.x), std::llround(p.y), std::llround(p.z));
-      for (const auto& [from, to] : loop) {
-        SolidTriangle cap;
-        cap.vertex = {from, to, apex};
-        cap.source = kCap;
-        cap.component = boundary[begin].component;
-        caps.push_back(cap);
-      }
-    });
-    begin = end;
-  }
-  return caps;
+  std::stable_sort(boundary.begin(), boundary.end(), [](const BoundaryEdge& a, const BoundaryEdge& b) { return a.component < b.component; });
+  return boundary;
 }
 
 void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
@@ -373,7 +282,7 @@ void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
     std::uint32_t& at = anchor[t.component];
     if (at == kCap) at = t.vertex[0];
     const glm::dvec3 o = mesh.position(at);
-    const glm::dvec3 vector = areaVector(mesh, t);
+    const glm::dvec3 vector = mesh.areaVector(t);
     area += glm::length(vector);
     mesh.components[t.component].volume += glm::dot(mesh.position(t.vertex[0]) - o, vector) / 3.0;
   };
@@ -397,8 +306,8 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   const std::vector<Edge> edges = sortedEdges(mesh, true);
   windConsistently(mesh, edges);
   findComponents(mesh, edges);
-  const std::vector<SolidTriangle> caps = makeCaps(mesh, edges);
-  measure(mesh, caps);
+  const std::vector<SolidTriangle> cones = makeCones(mesh, findBoundary(mesh, edges));
+  measure(mesh, cones);
   mesh.closed = true;
   for (Component& c : mesh.components) {
     mesh.closed = mesh.closed && (c.closed || c.wall);
@@ -406,11 +315,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
     // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
   }
-  for (const SolidTriangle& cap : caps) {
-    if (!mesh.components[cap.component].solid) continue;
-    mesh.triangles.push_back(cap);
-    ++mesh.caps;
-  }
+  addCaps(mesh, cones);
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }

@@ -44,13 +44,17 @@ struct Component {
 
 struct Topology {
   std::vector<glm::i64vec3> lattice;       // vertices in lattice units
-  std::vector<SolidTriangle> triangles;    // wound outward in solid components; caps of solid components last
-  std::size_t caps = 0;                    // how many
+  std::vector<SolidTriangle> triangles;    // wound outward in solid components; last their caps, and of these last the cones
+  std::size_t caps = 0, cones = 0;         // how many; cones are caps too
   std::vector<Component> components;
   bool closed = false;                     // all components were
   std::string summary;                     // "solid: 3 of 4 components closed, 1 has holes (1.2 % of its surface), capped"
 
   glm::dvec3 position(std::uint32_t vertex) const { return glm::dvec3(lattice[vertex]) * kLatticeStep; }
+  glm::dvec3 areaVector(const SolidTriangle& t) const {
+    const glm::dvec3 a = position(t.vertex[0]);
+    return 0.5 * glm::cross(position(t.vertex[1]) - a, position(t.vertex[2]) - a);
+  }
 };
 
 // Holes of a component may have this share of its surface before it counts as an open sheet.
