@@ -70,7 +70,7 @@ constexpr double kLeastShare = 0.0025;  // of the component's surface; what bulg
 // Whether the surface around goes on over the hole. Not if it dips there, nor if it stands upright or flares: so a sleeve, a neck or a bowl ends. Nor if the
 // rim lies in a plane: so openings are made, and tears are not.
 bool isTorn(const Rim& rim) {
-  constexpr double kLeastRise = 0.1, kMostRise = 0.9, kLeastInward = -0.25, kPlane = 0.02;
+  constexpr double kLeastRise = 0.1, kMostRise = 0.9, kLeastInward = -0.25, kPlane = 0.005;
   return rim.rise > kLeastRise && rim.rise < kMostRise && rim.inward > kLeastInward && rim.unevenness > kPlane;
 }
 
