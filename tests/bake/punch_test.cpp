@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <map>
+#include <cstdlib>
+#include <numeric>
 #include <ostream>
 #include <random>
 #include <string>
@@ -49,6 +51,7 @@ std::vector<bool> punch(const bake::TriangleSoup& soup, std::size_t count, std::
 struct PunchedFile {
   const char* name;
   const char* path;
+  double hole = 0.02;  // the share of the voxels that one hole of 5 % of the triangles may change
 };
 
 void PrintTo(const PunchedFile& file, std::ostream* out) { *out << file.path; }
@@ -60,9 +63,10 @@ struct Punch {
   std::uint32_t seeds;
 };
 
-// One hole in 5 % of the triangles is up to 15 % of the surface, and nothing tells what bulged out of it: the winding number of what is left is one
-// half about where a skin across the hole would be. So it is the body that must stay, and most of its voxels.
-constexpr Punch kPunches[] = {{0.01, 0.01, 0.02, 2}, {0.05, 0.0, 0.02, 1}, {0.05, 0.005, 0.02, 2}, {0.05, 0.01, 0.02, 3}, {0.05, 0.05, 0.065, 3}};
+// One hole in 5 % of the triangles is up to 15 % of the surface. KELP_PUNCHES=60 tries so many, to measure: where a whole leg goes, nothing can bring it
+// back, and only the first few of each file are known to be none.
+constexpr std::uint32_t kHoles = 6;
+constexpr Punch kPunches[] = {{0.01, 0.01, 0.01, 2}, {0.05, 0.0, 0.01, 1}, {0.05, 0.005, 0.01, 2}, {0.05, 0.01, 0.01, 3}, {0.05, 0.05, 1, kHoles}};
 
 class Punched : public testing::TestWithParam<PunchedFile> {};
 
@@ -82,8 +86,11 @@ TEST_P(Punched, SolidStays) {
 
   const std::size_t triangles = whole.triangles.size();
   for (const Punch& holes : kPunches) {
-    double worst = 0;
-    for (std::uint32_t seed = 1; seed <= (triangles < 20000 ? holes.seeds : 1u); ++seed) {
+    const bool one_hole = holes.share == holes.patch && holes.seeds == kHoles;
+    const char* const more = std::getenv("KELP_PUNCHES");
+    const std::uint32_t seeds = one_hole && more ? static_cast<std::uint32_t>(std::atoi(more)) : triangles < 20000 ? holes.seeds : 1u;
+    std::vector<double> parts;
+    for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
       const auto removed = static_cast<std::size_t>(holes.share * static_cast<double>(triangles));
       const auto size = static_cast<std::size_t>(holes.patch * static_cast<double>(triangles));
       const std::vector<bool> gone = punch(whole, removed, std::max<std::size_t>(1, size), seed);
@@ -99,16 +106,21 @@ TEST_P(Punched, SolidStays) {
       std::size_t changed = 0;
       for (std::size_t i = 0; i < solid.size(); ++i) changed += solid[i] != result.grid.solid[i];
       const double part = static_cast<double>(changed) / count;
-      worst = std::max(worst, part);
-      EXPECT_LT(part, holes.bound) << removed << " triangles in patches of " << size << ", seed " << seed << ": " << result.fill;
+      parts.push_back(part);
+      if (seed > holes.seeds) continue;
+      EXPECT_LT(part, one_hole ? GetParam().hole : holes.bound) << removed << " triangles in patches of " << size << ", seed " << seed << ": " << result.fill;
     }
-    std::printf("%s: %g %% of %zu triangles, patches of %g %%: %.2f %% of %.0f voxels change at worst\n", GetParam().name, 100 * holes.share, triangles, 100 * holes.patch, 100 * worst,
-                count);
+    ASSERT_FALSE(parts.empty());
+    std::sort(parts.begin(), parts.end());
+    const double mean = std::accumulate(parts.begin(), parts.end(), 0.0) / static_cast<double>(parts.size());
+    const auto of95 = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(parts.size()))) - 1;
+    std::printf("%s: %g %% of %zu triangles, patches of %g %%, %zu times: of %.0f voxels change %.2f %% in the mean, 95 of 100 times up to %.2f %%, at worst %.2f %%\n", GetParam().name,
+                100 * holes.share, triangles, 100 * holes.patch, parts.size(), count, 100 * mean, 100 * parts[of95], 100 * parts.back());
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Closed, Punched,
-                         testing::Values(PunchedFile{"spot", "mesh/common3d/spot.obj"}, PunchedFile{"duck", "gltf/draco_testdata/Duck.glb"}, PunchedFile{"bunny", "gltf/pmndrs/bunny.glb"},
+                         testing::Values(PunchedFile{"spot", "mesh/common3d/spot.obj", 0.04}, PunchedFile{"duck", "gltf/draco_testdata/Duck.glb"}, PunchedFile{"bunny", "gltf/pmndrs/bunny.glb"},
                                          PunchedFile{"fox", "gltf/draco_testdata/Fox/Fox.gltf"}, PunchedFile{"rocks", "gltf/aquarium/rocks.glb"},
                                          PunchedFile{"armadillo", "mesh/converted/armadillo.obj"},
                                          PunchedFile{"sphere", "mesh/draco_testdata/test_pos_color.ply"}),
