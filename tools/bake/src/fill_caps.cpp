@@ -108,7 +108,7 @@ std::vector<SolidTriangle> continueSurface(Topology& mesh, std::span<const Solid
   const glm::dvec3 apex = mesh.position(hole[0].vertex[2]);
   double reach = 0;
   for (const glm::dvec3& corner : corners) reach = std::max(reach, glm::distance(corner, apex));
-  // The dome over an upright rim is half as high as wide; what is larger is none.
+  // Even over an upright rim a plate rises by about half the radius of the hole: what goes far beyond has lost its way.
   const auto runsAway = [&](const glm::dvec3& p) { return !(glm::distance(p, apex) <= 1.5 * reach); };
   if (std::any_of(patch.points.begin(), patch.points.end(), runsAway)) return {};
 
