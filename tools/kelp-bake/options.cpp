@@ -122,7 +122,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
-  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; 1G for a glTF file's pictures)")->type_name("SIZE");
+  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; pictures get 1G and 256 bytes for each of the files' own)")->type_name("SIZE");
   app.add_option("--progress", progress, "auto: a bar on a terminal; bar; json: a line a step on stderr; none")->type_name("auto|bar|json|none");
   app.add_option("--report", report, "write what was done and how long it took, as JSON")->type_name("FILE");
   app.add_flag("--write-deps", write_deps, "write the files that were read as a make rule to OUT.d (also -MD)");

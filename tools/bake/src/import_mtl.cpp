@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "import_image.h"
 #include "import_soup.h"
 
 namespace kelp::bake {
@@ -21,7 +20,7 @@ glm::vec3 toLinear(glm::vec3 color) {
 
 class MtlReader {
  public:
-  MtlReader(const InputFiles& files, const std::string& name, SourceModel& out) : files_(files), name_(name), out_(out) {}
+  MtlReader(const InputFiles& files, const std::string& name, PictureBudget& budget, SourceModel& out) : files_(files), name_(name), budget_(budget), out_(out) {}
 
   std::map<std::string, std::uint32_t> read(std::string_view text) {
     std::istringstream in{std::string(text)};
@@ -121,6 +120,7 @@ class MtlReader {
   int loadImage(const std::string& reference) {
     try {
       const std::vector<std::uint8_t> bytes = files_.readReference(reference, InputFiles::Reference::kPath);
+      budget_.take(imageSize(bytes), name_ + ": texture " + oneLine(reference, 80));
       auto image = decodeImage(bytes, oneLine(reference, 80));
       if (std::holds_alternative<Image>(image)) {
         out_.images.push_back(std::get<Image>(std::move(image)));
@@ -128,6 +128,7 @@ class MtlReader {
       }
       out_.notices.push_back(name_ + ": texture " + oneLine(reference, 80) + " " + std::get<std::string>(image) + ": the colour alone is used");
     } catch (const BakeError& error) {
+      if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
       out_.notices.push_back(std::string(error.what()) + ": the colour alone is used");
     }
     return -1;
@@ -135,6 +136,7 @@ class MtlReader {
 
   const InputFiles& files_;
   const std::string& name_;
+  PictureBudget& budget_;
   SourceModel& out_;
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, int> images_;
@@ -142,8 +144,8 @@ class MtlReader {
 
 }  // namespace
 
-std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, SourceModel& out) {
-  return MtlReader(files, name, out).read(text);
+std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, PictureBudget& budget, SourceModel& out) {
+  return MtlReader(files, name, budget, out).read(text);
 }
 
 }  // namespace kelp::bake
