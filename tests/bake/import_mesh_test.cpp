@@ -103,16 +103,17 @@ TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
 }
 
 // Random stars, combs, and rings that a bridge of two equal edges cuts open, each in a plane of its own. The triangles of a polygon always have its
-// signed area: if none is turned, they cover it once. Their areas are taken along the polygon's normal.
+// signed area: if none is turned, they cover it once. Their areas are taken along the polygon's normal. The last ones have thousands of corners.
 TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
   const Scratch scratch;
   std::mt19937 random(5);
   const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-  for (int round = 0; round < 600; ++round) {
+  for (int round = 0; round < 618; ++round) {
+    const double size = round < 600 ? 1 : 100;
     std::vector<glm::dvec2> points;
     std::vector<std::size_t> corners;
     const auto addStar = [&](double least, double most, bool backward) {
-      const std::size_t count = static_cast<std::size_t>(between(5, 40)), from = points.size();
+      const std::size_t count = static_cast<std::size_t>(size * between(5, 40)), from = points.size();
       for (std::size_t i = 0; i < count; ++i) {
         // In a round star many corners lie on lines with others, as in what people draw.
         const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(count), r = round % 2 == 0 ? between(least, most) : i % 2 ? least : most;
@@ -121,7 +122,7 @@ TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
       for (std::size_t i = 0; i <= count; ++i) corners.push_back(from + (backward ? count - i : i) % count);
     };
     if (round % 3 == 2) {
-      const int teeth = static_cast<int>(between(2, 20));
+      const int teeth = static_cast<int>(size * between(2, 20));
       points = {{0, -1}, {teeth, -1}};
       for (int i = teeth; i > 0; --i) {
         points.emplace_back(i, round % 2 ? 1 : between(0.5, 2));
@@ -163,6 +164,29 @@ TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
     ASSERT_NEAR(sum, std::abs(area), 1e-4 * std::abs(area)) << "round " << round;
     ASSERT_LT(turned, 1e-5 * std::abs(area)) << "round " << round;
   }
+}
+
+// A disc of a hundred thousand corners as a fan is a hundred thousand slivers from rim to rim, which cost minutes later on. Triangles that halve the rim again and
+// again add two rims a halving; a fan adds the disc's width for each corner.
+TEST(ImportMesh, LargeDiscsAreNoFans) {
+  const Scratch scratch;
+  constexpr int kCorners = 100000;
+  std::string text = "OFF " + std::to_string(kCorners) + " 1 0\n", face = std::to_string(kCorners);
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * M_PI * i / kCorners;
+    text += std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(i);
+  }
+  const SourceModel model = importFile(scratch.write("disc.off", text + face + "\n"), {});
+  const TriangleSoup& soup = model.parts[0].soup;
+  ASSERT_GE(soup.triangles.size() + soup.dropped, kCorners - 2u);
+  double length = 0, area = 0;
+  for (const auto& t : soup.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) length += glm::distance(soup.positions[t.vertex[k]], soup.positions[t.vertex[(k + 1) % 3]]);
+    area += glm::cross(soup.positions[t.vertex[1]] - soup.positions[t.vertex[0]], soup.positions[t.vertex[2]] - soup.positions[t.vertex[0]]).z / 2;
+  }
+  EXPECT_NEAR(area, M_PI, 1e-5);
+  EXPECT_LT(length, 4 * M_PI * 2 * std::log2(kCorners));
 }
 
 // One quad with colours, in all the ways of PLY.
