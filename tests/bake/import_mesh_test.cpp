@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // OBJ, PLY, STL and OFF: counts of real files, attributes against the files' own lines, and what must be refused.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -255,11 +257,53 @@ TEST(ImportMesh, StlTextAndBinaryAgree) {
   const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
   binary += bytesOf(facet) + std::string(2, '\0');
   EXPECT_EQ(importFile(scratch.write("b.stl", binary), {}).parts[0].soup.positions, text.parts[0].soup.positions);
+  std::string loud = "Solid A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVertex 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID A\n";
+  for (int upper = 0; upper < 2; ++upper) {
+    const SourceModel model = importFile(scratch.write("loud.stl", loud), {});
+    EXPECT_EQ(model.format, "STL (text)");
+    EXPECT_EQ(model.parts[0].soup.positions, text.parts[0].soup.positions);
+    std::transform(loud.begin(), loud.end(), loud.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  }
   std::string lying = binary;
   std::memset(lying.data() + 80, 0xff, 4);
   EXPECT_TRUE(contains(refusal(scratch.write("c.stl", lying), Exit::kInvalid), "4294967295"));
   refusal(scratch.write("d.stl", binary.substr(0, 100)), Exit::kInvalid);
   refusal(scratch.write("e.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"), Exit::kInvalid);
+}
+
+// Words after the facets as the programs that write colours have them, and words that mean nothing.
+TEST(ImportMesh, StlColoursAreReadWherePlausible) {
+  const Scratch scratch;
+  const auto colors = [&](const std::string& head, const std::vector<std::uint16_t>& words) {
+    std::string file = head + std::string(80 - head.size(), ' ') + bytesOf(std::vector<std::uint32_t>{static_cast<std::uint32_t>(words.size())});
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const float z = static_cast<float>(i);
+      file += bytesOf(std::vector<float>{0, 0, 1, 0, 0, z, 1, 0, z, 0, 1, z}) + bytesOf(std::vector<std::uint16_t>{words[i]});
+    }
+    std::vector<glm::vec3> out;
+    const SourceModel model = importFile(scratch.write("a.stl", file), {});
+    for (const auto& corners : model.parts[0].soup.colors) {
+      EXPECT_EQ(corners[0], corners[1]);
+      EXPECT_EQ(corners[0], corners[2]);
+      out.emplace_back(corners[0]);
+    }
+    return out;
+  };
+  using Colors = std::vector<glm::vec3>;
+  constexpr std::uint16_t kHigh = 31 << 10, kMiddle = 31 << 5, kLow = 31, kFlag = 0x8000;
+  const glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1), black(0);
+  // VisCAM and SolidView: red is high; the flag says that there is a colour.
+  EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kMiddle, kFlag | kLow, kFlag, 0}), (Colors{red, green, blue, black, white}));
+  EXPECT_NEAR(colors("b", {kFlag | 16 << 10}).at(0).r, 0.2292, 1e-3);  // 16 of 31 as a display value
+  // Magics: red is low; the flag says that the colour is the header's.
+  const std::string magics = std::string("COLOR=\xff\0\0\xff,MATERIAL=", 20);
+  EXPECT_EQ(colors(magics, {kHigh, kMiddle, kLow, kFlag | kMiddle, 0}), (Colors{blue, green, red, red, black}));
+  EXPECT_EQ(colors(magics, {0, 0}), (Colors{red, red})) << "words that nobody has written";
+  EXPECT_EQ(colors(std::string(74, ' ') + "COLOR=", {0}), Colors{}) << "a header that ends too early";
+  // Counters and rests of memory.
+  EXPECT_EQ(colors("b", {0, 0, 0}), Colors{});
+  EXPECT_EQ(colors("b", {1, 2, 3, 4}), Colors{});
+  EXPECT_EQ(colors("b", {0x1234, 0x9abc, 0x5678, 0xdef0}), Colors{});
 }
 
 TEST(ImportMesh, CornersThatAreNotFiniteAreDroppedAndCounted) {
