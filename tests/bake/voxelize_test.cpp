@@ -348,6 +348,11 @@ TEST(Voxelize, FillCanBeForced) {
   bake::TriangleSoup closed;
   test::addBox(closed, {0, 0, 0}, {10, 10, 10});
   EXPECT_EQ(voxelizeUnit(test::makeModel(closed), bake::Fill::kSurface).solid, 1000u - 8u * 8u * 8u);
+
+  bake::TriangleSoup sheet;
+  test::addTriangle(sheet, {0, 0, 0}, {10, 0, 0}, {0, 10, 3});
+  const std::string said = voxelizeUnit(test::makeModel(sheet), bake::Fill::kSolid).result.fill;
+  EXPECT_NE(said.find("(100 % of its surface)"), std::string::npos) << said;
 }
 
 // A plate of any thickness and tilt has no pinhole along the three axes and keeps to its place.
