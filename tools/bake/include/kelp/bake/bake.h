@@ -48,7 +48,7 @@ struct Settings {
   int pad = 0;                         // empty voxels on every side of a part, 0 to 1024; not along the axis of one that bends
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
-  std::optional<std::string> scene;    // of a glTF file: its name, or its index; without, the file's default
+  std::optional<std::string> scene;    // of a glTF file: its index, or else its name; without, the file's default
   Fill fill = Fill::kAuto;
   Parts parts = Parts::kOne;
   std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
