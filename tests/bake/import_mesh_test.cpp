@@ -89,6 +89,28 @@ TEST(ImportMesh, ObjPicturesGlow) {
   EXPECT_EQ(material(2).glow_map.texture, -1);
 }
 
+// map_Pr and map_Pm become what glTF has as one picture; where one is absent its factor counts alone.
+TEST(ImportMesh, ObjPicturesOfRoughnessAndMetal) {
+  const Scratch scratch;
+  // Gray TGAs of 1 and of 2 x 1 texels, from the top.
+  scratch.write("rough.tga", std::string("\0\0\3\0\0\0\0\0\0\0\0\0\1\0\1\0\10\40", 18) + "\x80");
+  scratch.write("metal.tga", std::string("\0\0\3\0\0\0\0\0\0\0\0\0\2\0\1\0\10\40", 18) + "\x10\xf0");
+  scratch.write("a.mtl", "newmtl both\nmap_Pm -clamp on metal.tga\nmap_Pr rough.tga\nnewmtl rough\nPr 0.5\nPm 0.25\nmap_Pr rough.tga\nnewmtl none\nmap_Pm absent.tga\n");
+  const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl both\nf 1/1 2/1 3/1\nusemtl rough\nf 1/1 3/1 2/1\nusemtl none\nf 3/1 2/1 1/1\n"), {});
+  const auto material = [&](std::size_t t) { return model.materials[model.parts[0].soup.triangles.at(t).material]; };
+  ASSERT_EQ(model.images.size(), 2u);
+  EXPECT_EQ(model.images[0].rgba, (std::vector<std::uint8_t>{255, 0x80, 0x10, 255, 255, 0x80, 0xf0, 255}));
+  EXPECT_EQ(model.images[1].rgba, (std::vector<std::uint8_t>{255, 0x80, 255, 255}));
+  EXPECT_FALSE(model.images[0].srgb);
+  EXPECT_EQ(material(0).metal_map.texture, 0);
+  EXPECT_EQ(glm::vec2(material(0).roughness, material(0).metallic), glm::vec2(1));
+  EXPECT_EQ(material(1).metal_map.texture, 1);
+  EXPECT_EQ(glm::vec2(material(1).roughness, material(1).metallic), glm::vec2(0.5f, 0.25f));
+  EXPECT_EQ(material(2).metal_map.texture, -1);
+  EXPECT_EQ(glm::vec2(material(2).roughness, material(2).metallic), glm::vec2(1, 0));
+  EXPECT_TRUE(anyContains(model.notices, "absent.tga"));
+}
+
 TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
   const Scratch scratch;
   // An L of area 3: a fan from its first corner would fold over.
