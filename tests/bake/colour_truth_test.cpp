@@ -84,14 +84,7 @@ TEST_P(ColourTruth, IsTheTextures) {
   KELP_ASSET(path, GetParam().path);
   const bake::SourceModel model = bake::importFile(path, {});
   const bake::TriangleSoup& soup = model.parts[0].soup;
-  dvec3 low(1e30), high(-1e30);
-  for (const auto& triangle : soup.triangles) {
-    for (const std::uint32_t v : triangle.vertex) {
-      low = glm::min(low, dvec3(soup.positions[v]));
-      high = glm::max(high, dvec3(soup.positions[v]));
-    }
-  }
-  const bake::Frame frame = bake::makeFrame(soup, Axis::kPlusY, std::max({high.x - low.x, high.y - low.y, high.z - low.z}) / 256, "test");
+  const bake::Frame frame = test::frameOf(soup, 256);
   const bake::VoxelizeResult result = bake::voxelize(model, model.parts[0], frame, bake::Fill::kAuto, 2, {});
   const bake::Palette palette = bake::choosePalette({&result.grid}, 2);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where the numbers of a glTF file lie and how they are written: accessors, buffers, scenes, transforms.
+#include <algorithm>
 #include <cmath>
 
 #include "import_scratch.h"
@@ -102,7 +103,8 @@ TEST(ImportGltfData, WhatIsAbsentMattersToItsReadersAlone) {
   };
   EXPECT_TRUE(anyContains(importText(scratch, text(0, "absent.bin")).notices, "buffers[1]: can not be had"));
   EXPECT_TRUE(anyContains(importText(scratch, text(0, "http://example.com/x.bin")).notices, "buffers[1]: can not be had"));
-  EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", text(1, "absent.bin")), Exit::kIo), "no such file"));
+  const std::string said = refusal(scratch.write("m.gltf", text(1, "absent.bin")), Exit::kIo);
+  for (const char* told : {"m.gltf: buffers[1]: ", "absent.bin: no such file; "}) EXPECT_TRUE(contains(said, told)) << said;
   EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", text(1, "http://example.com/x.bin")), Exit::kInvalid), "URI scheme"));
   refusal(scratch.write("m.gltf", text(0, "../x.bin")), Exit::kInvalid);
   // A type that glTF does not have is an error where it is read.
@@ -125,7 +127,7 @@ TEST(ImportGltfData, ScenesAreChosenByNameOrIndex) {
   GltfMaker maker;
   maker.addBox();
   const std::string text = maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"mesh":0},{"mesh":0,"translation":[3,0,0]},{"mesh":0,"translation":[6,0,0]}],"scene":0,
-      "scenes":[{"name":"first","nodes":[0]},{"name":"2","nodes":[1]},{"nodes":[2]}])");
+      "scenes":[{"name":"first","nodes":[0]},{"name":"2","nodes":[1]},{"name":"7","nodes":[2]}])");
   const auto low = [&](const std::optional<std::string>& scene) {
     Settings settings;
     settings.scene = scene;
@@ -134,14 +136,27 @@ TEST(ImportGltfData, ScenesAreChosenByNameOrIndex) {
   EXPECT_NEAR(low(std::nullopt), -0.1, 1e-6);
   EXPECT_NEAR(low("first"), -0.1, 1e-6);
   EXPECT_NEAR(low("1"), 2.9, 1e-6);
-  EXPECT_NEAR(low("2"), 2.9, 1e-6);  // a name comes before an index
+  EXPECT_NEAR(low("2"), 5.9, 1e-6) << "an index comes before a name";
+  EXPECT_NEAR(low("7"), 5.9, 1e-6) << "what is no index may be a name";
   Settings settings;
   for (const char* none : {"third", "3", "-1", "1x", ""}) {
     settings.scene = none;
-    EXPECT_TRUE(contains(refusal(scratch.write("model.gltf", text), Exit::kUsage, settings), "the file has 0 'first', 1 '2', 2")) << none;
+    EXPECT_TRUE(contains(refusal(scratch.write("model.gltf", text), Exit::kUsage, settings), "the file has 0 'first', 1 '2', 2 '7'")) << none;
   }
   settings.scene = "first";
   refusal(scratch.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage, settings);
+}
+
+TEST(ImportGltfData, ChannelsThatPointAreToldOnce) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const std::string channel = R"({"sampler":0,"target":{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/materials/0/pbrMetallicRoughness/roughnessFactor"}}}})";
+  const int times = maker.floats({0, 1}, 1), values = maker.floats({0, 1}, 1);
+  const SourceModel model = importText(scratch, maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"extensionsUsed":["KHR_animation_pointer"],"materials":[{}],
+      "animations":[{"samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(values) + R"(}],"channels":[)" + channel + "," + channel + "]}]"));
+  EXPECT_EQ(std::count_if(model.notices.begin(), model.notices.end(), [](const std::string& line) { return contains(line, "2 animation channels are left out: KHR_animation_pointer"); }), 1);
+  EXPECT_EQ(model.notices.size(), 1u);
 }
 
 TEST(ImportGltfData, AFileWithoutAMeshIsSoundAndHoldsNothing) {

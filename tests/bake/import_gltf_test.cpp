@@ -121,14 +121,7 @@ TEST(ImportGltf, SkinsPlaceTheirVerticesAtRest) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  std::vector<std::uint16_t> joints;
-  std::vector<float> weights;
-  for (int i = 0; i < 8; ++i) {
-    joints.insert(joints.end(), {static_cast<std::uint16_t>(i & 2 ? 1 : 0), 0, 0, 0});
-    weights.insert(weights.end(), {1, 0, 0, 0});
-  }
-  maker.joints(joints);
-  maker.floats(weights, 4);
+  maker.addBoxWeights({1, 0}, {0, 1});
   const SourceModel model = importText(scratch, maker.text(
       R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"skins":[{"joints":[1,2]}],
       "nodes":[{"mesh":0,"skin":0,"translation":[100,0,0]},{"name":"root","children":[2]},{"name":"tip","translation":[3,0,0]}])"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files made to do harm: whatever they hold, importing ends in a model or in one line, and soon.
+#include <algorithm>
 #include <random>
 
 #include "import_scratch.h"
@@ -90,28 +91,71 @@ TEST(ImportHostile, CutAndFlippedFiles) {
   }
 }
 
-// A header is enough to say no: what follows it is never looked at. Two of them fit into no gibibyte.
-TEST(ImportHostile, PicturesAreCountedBeforeTheyAreDecoded) {
-  const Scratch scratch;
-  const auto side = [](char high) { return std::string{'\0', '\0', high, '\0'}; };
-  const std::string png = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + side(0x20) + side(0x20) + std::string("\x08\x06\0\0\0\0\0\0\0", 9);  // 8192 x 8192
+// The beginning of a PNG, which is all that it is sized by; its picture is lost, so that nobody pays for one.
+std::string pngHeader(int side) {
+  const std::string bytes{'\0', '\0', static_cast<char>(side >> 8), static_cast<char>(side & 255)};
+  return std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + bytes + bytes + std::string("\x08\x06\0\0\0\0\0\0\0", 9);
+}
+
+// A box for each picture.
+std::string modelOf(const std::vector<std::string>& uris) {
   std::string images, textures, materials, primitives;
-  for (int i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < uris.size(); ++i) {
     const std::string comma = i ? "," : "", n = std::to_string(i);
-    images += comma + R"({"uri":"data:image/png;base64,)" + test::base64(png + n) + R"("})";
+    images += comma + R"({"uri":")" + uris[i] + R"("})";
     textures += comma + R"({"source":)" + n + "}";
     materials += comma + R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":)" + n + "}}}";
     primitives += comma + R"({"attributes":{"POSITION":0},"indices":1,"material":)" + n + "}";
   }
-  test::GltfMaker maker;
+  GltfMaker maker;
   maker.addBox();
-  const auto path = scratch.write("bomb.gltf", maker.text(R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"meshes":[{"primitives":[)" + primitives + R"(]}],"materials":[)" +
-                                                          materials + R"(],"textures":[)" + textures + R"(],"images":[)" + images + "]"));
-  const std::string said = test::refusal(path, Exit::kRuntime);
-  EXPECT_TRUE(test::contains(said, "images[1]") && test::contains(said, "8192 x 8192") && test::contains(said, "--max-memory")) << said;
+  return maker.text(R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"meshes":[{"primitives":[)" + primitives + R"(]}],"materials":[)" + materials + R"(],"textures":[)" +
+                    textures + R"(],"images":[)" + images + "]");
+}
+
+// A header is enough to say no: what follows it is never looked at. Two of them fit into no gibibyte.
+TEST(ImportHostile, PicturesAreCountedBeforeTheyAreDecoded) {
+  const Scratch scratch;
+  std::vector<std::string> uris;
+  for (const char* n : {"0", "1"}) uris.push_back("data:image/png;base64," + base64(pngHeader(8192) + n));
+  const auto path = scratch.write("bomb.gltf", modelOf(uris));
+  const std::string said = refusal(path, Exit::kRuntime);
+  EXPECT_TRUE(contains(said, "images[1]") && contains(said, "8192 x 8192") && contains(said, "--max-memory")) << said;
   Settings settings;
   settings.max_memory = std::uint64_t{4} << 30;
-  EXPECT_TRUE(test::anyContains(importFile(path, settings).notices, "can not be decoded"));
+  EXPECT_TRUE(anyContains(importFile(path, settings).notices, "can not be decoded"));
+}
+
+// Eight pictures of 4096 pixels take 1.3 GiB: that is a usual model if its files are as large as such pictures are, and a bomb if they all name one file.
+TEST(ImportHostile, PicturesMayTakeWhatTheirFilesAreWorth) {
+  const Scratch scratch;
+  const std::string picture = pngHeader(4096) + std::string(400000, '\x55');
+  std::vector<std::string> own, shared;
+  for (int i = 0; i < 8; ++i) {
+    own.push_back("own" + std::to_string(i) + ".png");
+    shared.push_back("own0.png");
+    scratch.write(own.back(), picture);
+  }
+  const SourceModel model = importFile(scratch.write("own.gltf", modelOf(own)), {});
+  EXPECT_EQ(std::count_if(model.notices.begin(), model.notices.end(), [](const std::string& line) { return contains(line, "can not be decoded"); }), 8);
+  EXPECT_TRUE(contains(refusal(scratch.write("shared.gltf", modelOf(shared)), Exit::kRuntime), "images[7]"));
+  Settings settings;
+  settings.max_memory = std::uint64_t{1} << 30;
+  EXPECT_TRUE(contains(refusal(scratch.folder() / "own.gltf", Exit::kRuntime, settings), "images[6]")) << "what was asked for counts alone";
+}
+
+TEST(ImportHostile, PicturesOfMaterialLibrariesCountAlike) {
+  const Scratch scratch;
+  for (const char* n : {"0", "1"}) scratch.write(std::string(n) + ".png", pngHeader(8192));
+  // Two libraries have one bound.
+  scratch.write("a.mtl", "newmtl a\nmap_Kd 0.png\n");
+  scratch.write("b.mtl", "newmtl b\nmap_Ke 1.png\n");
+  const auto path = scratch.write("bomb.obj", "mtllib a.mtl\nmtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  const std::string said = refusal(path, Exit::kRuntime);
+  EXPECT_TRUE(contains(said, "b.mtl: texture 1.png") && contains(said, "8192 x 8192") && contains(said, "--max-memory")) << said;
+  Settings settings;
+  settings.max_memory = std::uint64_t{4} << 30;
+  EXPECT_TRUE(anyContains(importFile(path, settings).notices, "can not be decoded"));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // OBJ, PLY, STL and OFF: counts of real files, attributes against the files' own lines, and what must be refused.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -87,6 +89,28 @@ TEST(ImportMesh, ObjPicturesGlow) {
   EXPECT_EQ(material(2).glow_map.texture, -1);
 }
 
+// map_Pr and map_Pm become what glTF has as one picture; where one is absent its factor counts alone.
+TEST(ImportMesh, ObjPicturesOfRoughnessAndMetal) {
+  const Scratch scratch;
+  // Gray TGAs of 1 and of 2 x 1 texels, from the top.
+  scratch.write("rough.tga", std::string("\0\0\3\0\0\0\0\0\0\0\0\0\1\0\1\0\10\40", 18) + "\x80");
+  scratch.write("metal.tga", std::string("\0\0\3\0\0\0\0\0\0\0\0\0\2\0\1\0\10\40", 18) + "\x10\xf0");
+  scratch.write("a.mtl", "newmtl both\nmap_Pm -clamp on metal.tga\nmap_Pr rough.tga\nnewmtl rough\nPr 0.5\nPm 0.25\nmap_Pr rough.tga\nnewmtl none\nmap_Pm absent.tga\n");
+  const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl both\nf 1/1 2/1 3/1\nusemtl rough\nf 1/1 3/1 2/1\nusemtl none\nf 3/1 2/1 1/1\n"), {});
+  const auto material = [&](std::size_t t) { return model.materials[model.parts[0].soup.triangles.at(t).material]; };
+  ASSERT_EQ(model.images.size(), 2u);
+  EXPECT_EQ(model.images[0].rgba, (std::vector<std::uint8_t>{255, 0x80, 0x10, 255, 255, 0x80, 0xf0, 255}));
+  EXPECT_EQ(model.images[1].rgba, (std::vector<std::uint8_t>{255, 0x80, 255, 255}));
+  EXPECT_FALSE(model.images[0].srgb);
+  EXPECT_EQ(material(0).metal_map.texture, 0);
+  EXPECT_EQ(glm::vec2(material(0).roughness, material(0).metallic), glm::vec2(1));
+  EXPECT_EQ(material(1).metal_map.texture, 1);
+  EXPECT_EQ(glm::vec2(material(1).roughness, material(1).metallic), glm::vec2(0.5f, 0.25f));
+  EXPECT_EQ(material(2).metal_map.texture, -1);
+  EXPECT_EQ(glm::vec2(material(2).roughness, material(2).metallic), glm::vec2(1, 0));
+  EXPECT_TRUE(anyContains(model.notices, "absent.tga"));
+}
+
 TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
   const Scratch scratch;
   // An L of area 3: a fan from its first corner would fold over.
@@ -103,16 +127,17 @@ TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
 }
 
 // Random stars, combs, and rings that a bridge of two equal edges cuts open, each in a plane of its own. The triangles of a polygon always have its
-// signed area: if none is turned, they cover it once. Their areas are taken along the polygon's normal.
+// signed area: if none is turned, they cover it once. Their areas are taken along the polygon's normal. The last ones have thousands of corners.
 TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
   const Scratch scratch;
   std::mt19937 random(5);
   const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-  for (int round = 0; round < 600; ++round) {
+  for (int round = 0; round < 618; ++round) {
+    const double size = round < 600 ? 1 : 100;
     std::vector<glm::dvec2> points;
     std::vector<std::size_t> corners;
     const auto addStar = [&](double least, double most, bool backward) {
-      const std::size_t count = static_cast<std::size_t>(between(5, 40)), from = points.size();
+      const std::size_t count = static_cast<std::size_t>(size * between(5, 40)), from = points.size();
       for (std::size_t i = 0; i < count; ++i) {
         // In a round star many corners lie on lines with others, as in what people draw.
         const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(count), r = round % 2 == 0 ? between(least, most) : i % 2 ? least : most;
@@ -121,7 +146,7 @@ TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
       for (std::size_t i = 0; i <= count; ++i) corners.push_back(from + (backward ? count - i : i) % count);
     };
     if (round % 3 == 2) {
-      const int teeth = static_cast<int>(between(2, 20));
+      const int teeth = static_cast<int>(size * between(2, 20));
       points = {{0, -1}, {teeth, -1}};
       for (int i = teeth; i > 0; --i) {
         points.emplace_back(i, round % 2 ? 1 : between(0.5, 2));
@@ -163,6 +188,29 @@ TEST(ImportMesh, ConcavePolygonsAreCoveredOnce) {
     ASSERT_NEAR(sum, std::abs(area), 1e-4 * std::abs(area)) << "round " << round;
     ASSERT_LT(turned, 1e-5 * std::abs(area)) << "round " << round;
   }
+}
+
+// A disc of a hundred thousand corners as a fan is a hundred thousand slivers from rim to rim, which cost minutes later on. Triangles that halve the rim again and
+// again add two rims a halving; a fan adds the disc's width for each corner.
+TEST(ImportMesh, LargeDiscsAreNoFans) {
+  const Scratch scratch;
+  constexpr int kCorners = 100000;
+  std::string text = "OFF " + std::to_string(kCorners) + " 1 0\n", face = std::to_string(kCorners);
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * M_PI * i / kCorners;
+    text += std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(i);
+  }
+  const SourceModel model = importFile(scratch.write("disc.off", text + face + "\n"), {});
+  const TriangleSoup& soup = model.parts[0].soup;
+  ASSERT_GE(soup.triangles.size() + soup.dropped, kCorners - 2u);
+  double length = 0, area = 0;
+  for (const auto& t : soup.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) length += glm::distance(soup.positions[t.vertex[k]], soup.positions[t.vertex[(k + 1) % 3]]);
+    area += glm::cross(soup.positions[t.vertex[1]] - soup.positions[t.vertex[0]], soup.positions[t.vertex[2]] - soup.positions[t.vertex[0]]).z / 2;
+  }
+  EXPECT_NEAR(area, M_PI, 1e-5);
+  EXPECT_LT(length, 4 * M_PI * 2 * std::log2(kCorners));
 }
 
 // One quad with colours, in all the ways of PLY.
@@ -231,11 +279,53 @@ TEST(ImportMesh, StlTextAndBinaryAgree) {
   const std::vector<float> facet = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
   binary += bytesOf(facet) + std::string(2, '\0');
   EXPECT_EQ(importFile(scratch.write("b.stl", binary), {}).parts[0].soup.positions, text.parts[0].soup.positions);
+  std::string loud = "Solid A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVertex 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID A\n";
+  for (int upper = 0; upper < 2; ++upper) {
+    const SourceModel model = importFile(scratch.write("loud.stl", loud), {});
+    EXPECT_EQ(model.format, "STL (text)");
+    EXPECT_EQ(model.parts[0].soup.positions, text.parts[0].soup.positions);
+    std::transform(loud.begin(), loud.end(), loud.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  }
   std::string lying = binary;
   std::memset(lying.data() + 80, 0xff, 4);
   EXPECT_TRUE(contains(refusal(scratch.write("c.stl", lying), Exit::kInvalid), "4294967295"));
   refusal(scratch.write("d.stl", binary.substr(0, 100)), Exit::kInvalid);
   refusal(scratch.write("e.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"), Exit::kInvalid);
+}
+
+// Words after the facets as the programs that write colours have them, and words that mean nothing.
+TEST(ImportMesh, StlColoursAreReadWherePlausible) {
+  const Scratch scratch;
+  const auto colors = [&](const std::string& head, const std::vector<std::uint16_t>& words) {
+    std::string file = head + std::string(80 - head.size(), ' ') + bytesOf(std::vector<std::uint32_t>{static_cast<std::uint32_t>(words.size())});
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      const float z = static_cast<float>(i);
+      file += bytesOf(std::vector<float>{0, 0, 1, 0, 0, z, 1, 0, z, 0, 1, z}) + bytesOf(std::vector<std::uint16_t>{words[i]});
+    }
+    std::vector<glm::vec3> out;
+    const SourceModel model = importFile(scratch.write("a.stl", file), {});
+    for (const auto& corners : model.parts[0].soup.colors) {
+      EXPECT_EQ(corners[0], corners[1]);
+      EXPECT_EQ(corners[0], corners[2]);
+      out.emplace_back(corners[0]);
+    }
+    return out;
+  };
+  using Colors = std::vector<glm::vec3>;
+  constexpr std::uint16_t kHigh = 31 << 10, kMiddle = 31 << 5, kLow = 31, kFlag = 0x8000;
+  const glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1), black(0);
+  // VisCAM and SolidView: red is high; the flag says that there is a colour.
+  EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kMiddle, kFlag | kLow, kFlag, 0}), (Colors{red, green, blue, black, white}));
+  EXPECT_NEAR(colors("b", {kFlag | 16 << 10}).at(0).r, 0.2292, 1e-3);  // 16 of 31 as a display value
+  // Magics: red is low; the flag says that the colour is the header's.
+  const std::string magics = std::string("COLOR=\xff\0\0\xff,MATERIAL=", 20);
+  EXPECT_EQ(colors(magics, {kHigh, kMiddle, kLow, kFlag | kMiddle, 0}), (Colors{blue, green, red, red, black}));
+  EXPECT_EQ(colors(magics, {0, 0}), (Colors{red, red})) << "words that nobody has written";
+  EXPECT_EQ(colors(std::string(74, ' ') + "COLOR=", {0}), Colors{}) << "a header that ends too early";
+  // Counters and rests of memory.
+  EXPECT_EQ(colors("b", {0, 0, 0}), Colors{});
+  EXPECT_EQ(colors("b", {1, 2, 3, 4}), Colors{});
+  EXPECT_EQ(colors("b", {0x1234, 0x9abc, 0x5678, 0xdef0}), Colors{});
 }
 
 TEST(ImportMesh, CornersThatAreNotFiniteAreDroppedAndCounted) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kelp/bake/bake.h"
@@ -100,6 +101,19 @@ class GltfMaker {
     }
     floats(corners, 3);
     indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+  }
+
+  // JOINTS_0 and WEIGHTS_0 of addBox's corners: how much joints 0 and 1 of the skin hold its lower and its upper end.
+  std::pair<int, int> addBoxWeights(const glm::vec2& lower, const glm::vec2& upper) {
+    std::vector<std::uint16_t> held;
+    std::vector<float> weights;
+    for (int i = 0; i < 8; ++i) {
+      const glm::vec2& weight = i & 2 ? upper : lower;
+      held.insert(held.end(), {0, 1, 0, 0});
+      weights.insert(weights.end(), {weight.x, weight.y, 0, 0});
+    }
+    const int first = joints(held);
+    return {first, floats(weights, 4)};
   }
 
   // An accessor over bytes of its own; `more` is further members of it.

@@ -156,13 +156,27 @@ class Robot {
 const std::map<std::string, int> kRobot{{"stand", 0}, {"arm", 3}, {"hand", 4}, {"plate", 5}};
 const std::vector<double> kTimes{0, 0.25, 0.4, 0.7, 0.999, 1, 1.3, 1.77, 1.999};
 
+// Robot with each node a part, beside what a second reader makes of its file.
+struct BakedRobot {
+  explicit BakedRobot(const std::optional<Moment>& at = std::nullopt) : path(Robot().write(scratch)), truth(path), baked(path, settingsOf(at), 40) {}
+
+  Scratch scratch;
+  std::filesystem::path path;
+  GltfTruth truth;
+  Baked baked;
+
+ private:
+  static Settings settingsOf(const std::optional<Moment>& at) {
+    Settings settings;
+    settings.parts = Parts::kNodes;
+    settings.at = at;
+    return settings;
+  }
+};
+
 TEST(Parts, ChainsOfStretchedMirroredAndTurningNodesAreExact) {
-  const Scratch scratch;
-  const auto path = Robot().write(scratch);
-  const GltfTruth truth(path);
-  Settings settings;
-  settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 40);
+  const BakedRobot robot;
+  const Baked& baked = robot.baked;
   EXPECT_TRUE(baked.report.notices.empty()) << baked.report.notices[0];
   ASSERT_EQ(baked.pack().parts.size(), 6u);  // with two that hold no voxels
   const auto& parts = baked.pack().parts;
@@ -172,19 +186,13 @@ TEST(Parts, ChainsOfStretchedMirroredAndTurningNodesAreExact) {
   EXPECT_EQ(parentOf("plate"), "shoulder");
   EXPECT_EQ(parentOf("shoulder"), "base");
   ASSERT_EQ(baked.pack().clips.size(), 2u);
-  expectFollows(baked, truth, kRobot, "wave", 0, kTimes, 4e-5);
-  expectFollows(baked, truth, kRobot, "reach", 1, kTimes, 4e-5);
+  expectFollows(baked, robot.truth, kRobot, "wave", 0, kTimes, 4e-5);
+  expectFollows(baked, robot.truth, kRobot, "reach", 1, kTimes, 4e-5);
 }
 
 TEST(Parts, ClipsStartFromTheMomentThatIsBaked) {
-  const Scratch scratch;
-  const auto path = Robot().write(scratch);
-  const GltfTruth truth(path);
-  Settings settings;
-  settings.parts = Parts::kNodes;
-  settings.at = Moment{"wave", 0.7};
-  const Baked baked(path, settings, 40);
-  expectFollows(baked, truth, kRobot, "wave", 0, kTimes, 4e-5, {0, 0.7});
+  const BakedRobot robot(Moment{"wave", 0.7});
+  expectFollows(robot.baked, robot.truth, kRobot, "wave", 0, kTimes, 4e-5, {0, 0.7});
 }
 
 // A node without a mesh that moves but one part, or several that do not move by themselves, needs no part of its own.
@@ -208,13 +216,8 @@ TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  std::vector<std::uint16_t> joints;
-  std::vector<float> weights;
-  for (int i = 0; i < 8; ++i) {
-    joints.insert(joints.end(), {0, 1, 0, 0});
-    weights.insert(weights.end(), {i & 2 ? 0.25f : 1.0f, i & 2 ? 0.75f : 0.0f, 0, 0});
-  }
-  const int j = maker.joints(joints), w = maker.floats(weights, 4), times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
+  const auto [j, w] = maker.addBoxWeights({1, 0}, {0.25f, 0.75f});
+  const int times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
   const std::string file = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":)" + std::to_string(j) + R"(,"WEIGHTS_0":)" + std::to_string(w) +
       R"(},"indices":1}]}],"skins":[{"joints":[2,3]}],"nodes":[{"name":"body","mesh":0,"skin":0,"translation":[50,0,0]},{"name":"root","children":[2,3],"translation":[1,0,0]},
       {"name":"hip","translation":[0,1,0]},{"name":"head","translation":[0,2,0]}],"animations":[{"name":"turn","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +

@@ -41,6 +41,14 @@ void measure(Placed& placed, const glm::ivec3& pad = glm::ivec3(0)) {
   }
 }
 
+// kBoxObj, baked and measured.
+Placed bakeBox(const Settings& settings, const glm::ivec3& pad = glm::ivec3(0)) {
+  const Scratch scratch;
+  Placed placed = bakeIt(scratch.write("box.obj", kBoxObj), settings);
+  measure(placed, pad);
+  return placed;
+}
+
 void expectBox(const Placed& placed, const glm::dvec3& low, const glm::dvec3& high, double tolerance) {
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(placed.low[i], low[i], tolerance) << i;
@@ -49,8 +57,6 @@ void expectBox(const Placed& placed, const glm::dvec3& low, const glm::dvec3& hi
 }
 
 TEST(Placement, EveryUpAxisStandsUp) {
-  const Scratch scratch;
-  const std::filesystem::path path = scratch.write("box.obj", kBoxObj);
   // (1, 2, 3) of the file, by hand: the named axis becomes y.
   const std::map<Axis, glm::dvec3> far = {{Axis::kPlusX, {-2, 1, 3}}, {Axis::kMinusX, {2, -1, 3}}, {Axis::kPlusY, {1, 2, 3}},
                                           {Axis::kMinusY, {1, -2, -3}}, {Axis::kPlusZ, {1, 3, -2}}, {Axis::kMinusZ, {1, -3, 2}}};
@@ -59,8 +65,7 @@ TEST(Placement, EveryUpAxisStandsUp) {
     Settings settings;
     settings.up = up;
     settings.voxel_size = 0.25;
-    Placed placed = bakeIt(path, settings);
-    measure(placed);
+    const Placed placed = bakeBox(settings);
     expectBox(placed, glm::min(corner, glm::dvec3(0)), glm::max(corner, glm::dvec3(0)), 1e-5);
     EXPECT_EQ(placed.voxels, 4u * 8 * 12);
     EXPECT_GT(glm::determinant(glm::dmat3(placed.pack.parts[0].to_object)), 0);
@@ -71,23 +76,19 @@ TEST(Placement, EveryUpAxisStandsUp) {
 }
 
 TEST(Placement, UnitsScaleTheObjectAndNotTheVoxels) {
-  const Scratch scratch;
-  const std::filesystem::path path = scratch.write("box.obj", kBoxObj);
   Settings settings;
   settings.resolution = 24;
   settings.unit = 0.0254;
-  Placed placed = bakeIt(path, settings);
-  measure(placed);
+  const Placed placed = bakeBox(settings);
   expectBox(placed, {0, 0, 0}, {0.0254, 0.0508, 0.0762}, 1e-6);
   EXPECT_EQ(placed.voxels, 8u * 16 * 24);
   EXPECT_NEAR(placed.report.parts[0].voxel_size, 0.0762 / 24, 1e-9);
   // A voxel size is in metres whatever the file is in.
   settings.voxel_size = 0.0254 / 4;
-  EXPECT_EQ(bakeIt(path, settings).voxels, 4u * 8 * 12);
+  EXPECT_EQ(bakeBox(settings).voxels, 4u * 8 * 12);
   for (double wrong : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
     settings.unit = wrong;
-    Report report;
-    EXPECT_THROW(bake(path, settings, report), BakeError) << wrong;
+    EXPECT_THROW(bakeBox(settings), BakeError) << wrong;
   }
 }
 
@@ -109,25 +110,20 @@ TEST(Placement, AnimatedNodesKeepTheirPivotsInTheUnitAndAxis) {
 }
 
 TEST(Placement, PaddingIsEmptyAndMovesNothing) {
-  const Scratch scratch;
-  const std::filesystem::path path = scratch.write("box.obj", kBoxObj);
   Settings settings;
   settings.voxel_size = 0.25;
   settings.pad = 3;
-  Placed placed = bakeIt(path, settings);
+  Placed placed = bakeBox(settings, glm::ivec3(3));
   EXPECT_EQ(placed.pack.parts[0].size, glm::ivec3(4 + 6, 8 + 6, 12 + 6));
   EXPECT_EQ(placed.voxels, 4u * 8 * 12);
-  measure(placed, glm::ivec3(3));
   expectBox(placed, {0, 0, 0}, {1, 2, 3}, 1e-5);
   // The spline of what bends ends with the source: a rig's unit is the source's length.
   settings.rig_preset = "sway";
-  placed = bakeIt(path, settings);
+  placed = bakeBox(settings, glm::ivec3(3, 0, 3));
   EXPECT_EQ(placed.pack.parts[0].size, glm::ivec3(4 + 6, 8, 12 + 6));
-  measure(placed, glm::ivec3(3, 0, 3));
   expectBox(placed, {0, 0, 0}, {1, 2, 3}, 1e-5);
   settings.pad = -1;
-  Report report;
-  EXPECT_THROW(bake(path, settings, report), BakeError);
+  EXPECT_THROW(bakeBox(settings), BakeError);
 }
 
 // A box of 2 x 1.4 x 1 under a translated node, the same everywhere.

@@ -177,4 +177,16 @@ std::size_t MeshTruth::openEdges() const {
   return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 2; }));
 }
 
+bake::Frame frameOf(const bake::TriangleSoup& soup, int resolution) {
+  glm::dvec3 low(1e30), high(-1e30);
+  for (const auto& triangle : soup.triangles) {
+    for (const std::uint32_t v : triangle.vertex) {
+      low = glm::min(low, glm::dvec3(soup.positions[v]));
+      high = glm::max(high, glm::dvec3(soup.positions[v]));
+    }
+  }
+  const glm::dvec3 extent = high - low;
+  return bake::makeFrame(soup, Axis::kPlusY, std::max({extent.x, extent.y, extent.z}) / resolution, "test");
+}
+
 }  // namespace kelp::test

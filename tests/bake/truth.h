@@ -55,6 +55,9 @@ class MeshTruth {
   std::vector<std::vector<std::uint32_t>> grid_;
 };
 
+// The frame of a soup that stands along +y, with that many voxels along the longest side of its triangles.
+bake::Frame frameOf(const bake::TriangleSoup& soup, int resolution);
+
 // Distance of a point from a triangle, and the weights of the nearest point's corners: the plane if the foot lies within, else the sides.
 double distanceToTriangle(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t, glm::dvec3& weights);
 

@@ -25,16 +25,7 @@ struct Voxelized {
   Voxelized(const std::filesystem::path& path, int resolution) {
     bake::Settings settings;
     model = bake::importFile(path, settings);
-    const bake::TriangleSoup& soup = model.parts[0].soup;
-    dvec3 low(1e30), high(-1e30);
-    for (const auto& triangle : soup.triangles) {
-      for (const std::uint32_t v : triangle.vertex) {
-        low = glm::min(low, dvec3(soup.positions[v]));
-        high = glm::max(high, dvec3(soup.positions[v]));
-      }
-    }
-    const dvec3 extent = high - low;
-    frame = bake::makeFrame(soup, Axis::kPlusY, std::max({extent.x, extent.y, extent.z}) / resolution, "test");
+    frame = test::frameOf(model.parts[0].soup, resolution);
     result = bake::voxelize(model, model.parts[0], frame, bake::Fill::kAuto, 2, {});
   }
   bool solid(const glm::ivec3& v) const {

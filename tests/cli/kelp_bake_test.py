@@ -267,6 +267,8 @@ class KelpBake(unittest.TestCase):
         self.assertIn("1 x 2 x 1 voxels of 1 unit;", text)
         text = self.bake(self.cube, "-o", self.out, "--resolution", "4").stderr.decode()
         self.assertIn("2 x 4 x 2 voxels of 0.5 units;", text)
+        text = self.bake(self.cube, "-o", self.out, "--resolution", "4", "--unit", "cm").stderr.decode()
+        self.assertIn("2 x 4 x 2 voxels of 0.005 m;", text)
 
     def test_progress_as_json(self):
         result = self.bake(self.cube, "-o", self.out, "--resolution", "32", "--progress", "json")

@@ -114,7 +114,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_option("--up", up, "the file's axis that points up, +y in the pack: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
   app.add_option("--unit", unit, "the length of a unit of the file: m, cm, mm, in, ft, or a number of metres (default m)")->type_name("UNIT");
   app.add_option("--pad", pad, "empty voxels on every side of a part, 0 to 1024 (default 0); none along the axis of one that bends")->type_name("N");
-  app.add_option("--scene", scene, "the scene of a glTF file to bake, by name or index (default: the file's own default)")->type_name("NAME|INDEX");
+  app.add_option("--scene", scene, "the scene of a glTF file to bake, by index from 0 or by name; a number that is an index counts as one (default: the file's own default)")->type_name("NAME|INDEX");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
   app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
   app.add_option("--at", at, "glTF: bake nodes, skins and morph targets as an animation has them at a time, e.g. Walk:0.3")->type_name("CLIP:SECONDS");
@@ -122,7 +122,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
-  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; 1G for a glTF file's pictures)")->type_name("SIZE");
+  app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; pictures get 1G and 256 bytes for each of the files' own)")->type_name("SIZE");
   app.add_option("--progress", progress, "auto: a bar on a terminal; bar; json: a line a step on stderr; none")->type_name("auto|bar|json|none");
   app.add_option("--report", report, "write what was done and how long it took, as JSON")->type_name("FILE");
   app.add_flag("--write-deps", write_deps, "write the files that were read as a make rule to OUT.d (also -MD)");
@@ -166,7 +166,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     options.settings.up = parseAxis(up);
     if (!options.settings.up) throw BakeError(Exit::kUsage, "--up " + up + ": not an axis; use one of +x -x +y -y +z -z");
   }
-  if (!unit.empty()) options.settings.unit = parseUnit(unit);
+  options.unit_given = !unit.empty();
+  if (options.unit_given) options.settings.unit = parseUnit(unit);
   if (!pad.empty()) options.settings.pad = wholeNumber("--pad", pad);
   if (!scene.empty()) options.settings.scene = scene;
   if (fill == "solid") {

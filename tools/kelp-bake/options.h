@@ -15,6 +15,7 @@ enum class ProgressStyle { kAuto, kBar, kJson, kNone };
 struct Options {
   std::filesystem::path input, output;
   bake::Settings settings;
+  bool unit_given = false;  // so that lengths are known to be metres whatever the file's format
   ProgressStyle progress = ProgressStyle::kAuto;
   std::optional<std::filesystem::path> report_file;
   std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja

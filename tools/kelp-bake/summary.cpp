@@ -19,14 +19,14 @@ std::string printBytes(std::uint64_t bytes) {
   return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
 }
 
-// Only glTF says what a length of 1 means.
-std::string printLength(double length, const std::string& format) {
-  return fmt::format("{:.4g} {}", length, format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
+// What a length of 1 means only glTF says, or whoever gives the unit.
+std::string printLength(double length, const Options& options, const std::string& format) {
+  return fmt::format("{:.4g} {}", length, options.unit_given || format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
 }
 
 // What the largest part's longest side has in voxels depends on this; so say where it came from.
 std::string printGrain(const Options& options, const std::string& format) {
-  if (options.settings.voxel_size) return "voxels of " + printLength(*options.settings.voxel_size, format);
+  if (options.settings.voxel_size) return "voxels of " + printLength(*options.settings.voxel_size, options, format);
   return fmt::format("resolution {}{}", options.settings.resolution, options.settings.resolution_given ? "" : " (default; --resolution N to change)");
 }
 
@@ -46,7 +46,7 @@ std::string printRepairs(const bake::Report::Part& part) {
 }
 
 // The largest parts one by one, the others together.
-void printParts(const bake::Report& report) {
+void printParts(const Options& options, const bake::Report& report) {
   constexpr std::size_t kShown = 12;
   std::vector<const bake::Report::Part*> parts;
   for (const bake::Report::Part& part : report.parts)
@@ -55,7 +55,7 @@ void printParts(const bake::Report& report) {
   if (shown < parts.size()) std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) { return a->solid_voxels > b->solid_voxels; });
   for (std::size_t i = 0; i < shown; ++i) {
     const bake::Report::Part& part = *parts[i];
-    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, report.format), part.rig_origin, part.fill);
+    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, options, report.format), part.rig_origin, part.fill);
     if (const std::string repairs = printRepairs(part); !repairs.empty()) fmt::print(stderr, "    {}\n", repairs);
   }
   if (shown < parts.size()) fmt::print(stderr, "  and {} smaller parts; --report FILE.json tells of each\n", parts.size() - shown);
@@ -93,7 +93,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   if (triangles > 0) fmt::print(stderr, ", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
   if (report.images > 0) fmt::print(stderr, ", {}", counted(report.images, "picture"));
   fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : "the volume's own voxels (--resolution N to change)");
-  printParts(report);
+  printParts(options, report);
   printClips(report);
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
   if (report.palette_error > 0) {

@@ -12,6 +12,12 @@ namespace {
 
 double percent(double part, double whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
 
+// Two digits, and no exponents: "0.0066", "2.2", "17", "100".
+std::string printPercent(double percent) {
+  if (percent > 0 && percent < 0.001) return "less than 0.001";
+  return percent < 10 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
+}
+
 // Which holes a sheet has, beside what would have been capped.
 std::string holesOf(double least, double most) {
   const std::string range = std::round(least) < std::round(most) ? fmt::format("{:.0f} to {:.0f}", least, most) : fmt::format("{:.0f}", most);
@@ -22,7 +28,7 @@ std::string whyOf(const Component& c, Fill fill) {
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modelled from both sides";
   if (c.closed) return "closed";
-  if (c.solid) return fmt::format("{}holes of {:.2g} % of its surface were capped", fill == Fill::kSolid ? "solid as asked: " : "", percent(c.cap_area, c.area));
+  if (c.solid) return fmt::format("{}holes of {} % of its surface were capped", fill == Fill::kSolid ? "solid as asked: " : "", printPercent(percent(c.cap_area, c.area)));
   const double share = percent(c.cap_area, c.area);
   return "open: " + holesOf(share, share);
 }
@@ -51,7 +57,7 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
   const std::size_t total = mesh.components.size() - walls;
   if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total, total == 1 ? "" : "s");
   std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
-  if (capped > 0) text += fmt::format(", {} with holes capped ({:.2g} % of {} surface)", capped, percent(cap_area, area), capped == 1 ? "its" : "their");
+  if (capped > 0) text += fmt::format(", {} with holes capped ({} % of {} surface)", capped, printPercent(percent(cap_area, area)), capped == 1 ? "its" : "their");
   if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface ({})", sheets, sheets == 1 ? "" : "s", holesOf(least, most));
   if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
   return text;

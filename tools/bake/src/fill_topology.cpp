@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "fill_caps.h"
+#include "fill_lines.h"
 #include "fill_reasons.h"
 
 namespace kelp::bake {
@@ -90,7 +91,7 @@ bool runsUpward(const std::array<std::uint32_t, 3>& v) { return (v[0] < v[1]) + 
 
 // A face modelled twice (once for each side, or by mistake) would make every edge look closed and the inside vanish: the first one stays,
 // marked as a wall if there were as many for one side as for the other.
-// Triangles that have collapsed to a line between two vertices go only if something else remains: a speck must leave its voxel.
+// Triangles that have collapsed to a line or a point go where others have that as a side or a corner.
 void removeDuplicates(Topology& mesh) {
   std::vector<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t>> keys;
   keys.reserve(mesh.triangles.size());
@@ -101,7 +102,6 @@ void removeDuplicates(Topology& mesh) {
   }
   std::sort(keys.begin(), keys.end());
   std::vector<bool> drop(mesh.triangles.size(), false);
-  std::size_t dropped = 0;
   std::size_t first = 0;
   int upward = 0;
   for (std::size_t k = 0; k < keys.size(); ++k) {
@@ -113,12 +113,9 @@ void removeDuplicates(Topology& mesh) {
     }
     upward += runsUpward(mesh.triangles[i].vertex) ? 1 : -1;
     mesh.triangles[std::get<3>(keys[first])].wall = upward == 0;
-    if (twice || a == b || b == c) {
-      drop[i] = true;
-      ++dropped;
-    }
+    if (twice || a == b || b == c) drop[i] = true;
   }
-  if (dropped == mesh.triangles.size()) drop[std::get<3>(keys.front())] = false;
+  keepLoneLines(mesh, drop);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!drop[i]) mesh.triangles[kept++] = mesh.triangles[i];
@@ -312,8 +309,8 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   for (Component& c : mesh.components) {
     mesh.closed = mesh.closed && (c.closed || c.wall);
     c.solid = fill == Fill::kSolid || (fill == Fill::kAuto && !c.wall && (c.closed || c.cap_area <= kMaxHoleShare * c.area));
-    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either.
-    c.thin = !c.solid || 2.0 * std::abs(c.volume) < 0.75 * (c.area + c.cap_area);
+    // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either. A line has none of either.
+    c.thin = !c.solid || 2.0 * std::abs(c.volume) <= 0.75 * (c.area + c.cap_area);
   }
   addCaps(mesh, cones);
   for (SolidTriangle& t : mesh.triangles) {

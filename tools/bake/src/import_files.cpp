@@ -111,6 +111,7 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) refuse(Exit::kIo, path, "", "could not be read to its end");
+  if (counted_.insert(path).second) bytes_read_ += size;
   if (read_ && std::find(read_->begin(), read_->end(), path) == read_->end()) read_->push_back(path);
   return bytes;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,12 +50,16 @@ class InputFiles {
   std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
   // Any other file that the user named (a rig).
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
+  // What was read so far, each file once: what a model may ask of memory is measured by it.
+  std::uint64_t bytesRead() const { return bytes_read_; }
 
  private:
   std::vector<std::uint8_t> readFirst(const std::filesystem::path& path, std::uintmax_t most) const;
 
   std::filesystem::path input_;
   std::vector<std::filesystem::path>* read_;
+  mutable std::set<std::filesystem::path> counted_;
+  mutable std::uint64_t bytes_read_ = 0;
 };
 
 }  // namespace kelp::bake

@@ -164,6 +164,24 @@ void noteUnknownExtensions(const Json& root, std::vector<std::string>& notices) 
   notices.push_back("extensions that kelp does not know are ignored: " + list + "; where they place, hide or shape meshes, export without them");
 }
 
+// The members of an array; of anything else, none.
+const Json::array_t& membersOf(const Json& object, const char* name) {
+  static const Json::array_t kNone;
+  const auto found = object.is_object() ? object.find(name) : object.end();
+  return object.is_object() && found != object.end() && found->is_array() ? found->get_ref<const Json::array_t&>() : kNone;
+}
+
+// Here, since tinygltf passes over channels without a node.
+void notePointers(const Json& root, std::vector<std::string>& notices) {
+  std::size_t pointers = 0;
+  for (const Json& animation : membersOf(root, "animations"))
+    for (const Json& channel : membersOf(animation, "channels"))
+      pointers += channel.is_object() && channel.contains("target") && channel["target"].is_object() && channel["target"].contains("path") && channel["target"]["path"] == "pointer";
+  if (pointers > 0)
+    notices.push_back(std::to_string(pointers) + (pointers == 1 ? " animation channel is" : " animation channels are") +
+                      " left out: KHR_animation_pointer is not read; animate translation, rotation and scale of nodes");
+}
+
 std::vector<GltfDocument::ImageSource> listImages(const InputFiles& files, Json& root) {
   std::vector<GltfDocument::ImageSource> images;
   for (Json& image : objects(files, root, "images")) {
@@ -269,6 +287,7 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   Json root = parseJson(files, container.json);
   checkVersionAndExtensions(files, root);
   noteUnknownExtensions(root, document.notices);
+  notePointers(root, document.notices);
   for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
   document.unknown_accessors = hideUnknownAccessors(root);
   loadBuffers(files, root, container.binary, document);

@@ -6,8 +6,6 @@
 #include <cctype>
 #include <span>
 
-#include "memory_estimate.h"
-
 namespace kelp::bake {
 namespace {
 
@@ -80,10 +78,7 @@ Image GltfImages::decode(std::size_t index) {
       owned = data_uri ? decodeDataUri(*model_.files, source.uri, place) : model_.files->readReference(source.uri, InputFiles::Reference::kUri);
       bytes = owned;
     }
-    if (const glm::ivec2 size = imageSize(bytes); !budget_.take(size))
-      refuse(Exit::kRuntime, model_.files->input(), place,
-             "with its " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels, the file's pictures need more than " + printBytes(budget_.limit()) +
-                 " of memory; scale them down, or give a larger --max-memory");
+    budget_.take(imageSize(bytes), place);
     auto image = decodeImage(bytes, source.name.empty() && !data_uri ? source.uri : source.name);
     if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");

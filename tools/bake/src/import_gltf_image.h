@@ -13,7 +13,7 @@ namespace kelp::bake {
 
 class GltfImages {
  public:
-  explicit GltfImages(const GltfModel& model) : model_(model), decoded_(model.document.images.size()), budget_(model.max_memory) {}
+  explicit GltfImages(const GltfModel& model) : model_(model), decoded_(model.document.images.size()), budget_(*model.files, model.max_memory) {}
 
   // The picture of a texture: EXT_texture_webp's before the plain one. Null, with a notice once, where it is absent or damaged: a model without
   // its texture is worth more than an error. Refused: pictures outside of the input's folder, textures that are in KTX2 alone,

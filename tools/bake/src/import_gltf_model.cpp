@@ -34,14 +34,14 @@ void checkNode(const GltfModel& model, std::size_t index) {
     if (child < 0 || child >= static_cast<int>(model.data.nodes.size())) model.refuse(place, "names a child that does not exist");
 }
 
-// The scene that was asked for: by its name, or by its index where none has that name.
+// The scene that was asked for: by its index, or by its name. An index comes first, so that every scene can be had, whatever others are named.
 int findScene(const GltfModel& model, const std::string& wanted) {
   const auto& scenes = model.data.scenes;
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    if (!wanted.empty() && scenes[i].name == wanted) return static_cast<int>(i);
   int index = -1;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
   if (error == std::errc() && end == wanted.data() + wanted.size() && index >= 0 && index < static_cast<int>(scenes.size())) return index;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    if (!wanted.empty() && scenes[i].name == wanted) return static_cast<int>(i);
   std::string known;
   for (std::size_t i = 0; i < scenes.size() && i < 12; ++i)
     known += (known.empty() ? "" : ", ") + std::to_string(i) + (scenes[i].name.empty() ? "" : " '" + oneLine(scenes[i].name, 40) + "'");

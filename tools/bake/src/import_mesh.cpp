@@ -65,7 +65,7 @@ SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   const std::span<const std::uint8_t> bytes = withoutMark(content);
   checkContent(files, bytes, extension);
   SoupBuilder soup;
-  if (extension == ".obj") readObj(files, bytes, out, soup);
+  if (extension == ".obj") readObj(files, bytes, settings.max_memory, out, soup);
   else if (extension == ".ply") readPly(files, bytes, out, soup);
   else if (extension == ".stl") readStl(files, bytes, out, soup);
   else if (extension == ".drc") readDrc(files, bytes, out, soup);

@@ -9,8 +9,8 @@
 
 namespace kelp::bake {
 
-// Wavefront OBJ with MTL.
-void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup);
+// Wavefront OBJ with MTL. `max_memory` as in Settings, for its pictures.
+void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory, SourceModel& out, SoupBuilder& soup);
 // PLY 1.0: ASCII and binary of either byte order, vertex and face colours.
 void readPly(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup);
 // STL, ASCII and binary.

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Materials of OBJ files: Kd and map_Kd become the base colour, d or Tr its alpha, Ke and map_Ke the emission, Pr and Pm roughness and metal.
+// Materials of OBJ files: Kd and map_Kd become the base colour, d or Tr its alpha, Ke and map_Ke the emission, Pr and map_Pr, Pm and map_Pm roughness and metal.
 #include "import_mtl.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
+#include <utility>
 
-#include "import_image.h"
 #include "import_soup.h"
 
 namespace kelp::bake {
@@ -21,7 +22,7 @@ glm::vec3 toLinear(glm::vec3 color) {
 
 class MtlReader {
  public:
-  MtlReader(const InputFiles& files, const std::string& name, SourceModel& out) : files_(files), name_(name), out_(out) {}
+  MtlReader(const InputFiles& files, const std::string& name, PictureBudget& budget, SourceModel& out) : files_(files), name_(name), budget_(budget), out_(out) {}
 
   std::map<std::string, std::uint32_t> read(std::string_view text) {
     std::istringstream in{std::string(text)};
@@ -35,6 +36,7 @@ class MtlReader {
       if (key == "newmtl") {
         std::string rest;
         std::getline(words >> std::ws, rest);
+        joinGloss();
         by_name_[rest] = static_cast<std::uint32_t>(out_.materials.size());
         out_.materials.emplace_back();
         out_.materials.back().name = oneLine(rest, 80);
@@ -42,10 +44,17 @@ class MtlReader {
         readProperty(key, words, out_.materials.back());
       }
     }
+    joinGloss();
     return std::move(by_name_);
   }
 
  private:
+  // A picture of numbers: the red channel of its own.
+  struct Gray {
+    SurfaceMap map;
+    std::string name;
+  };
+
   void readProperty(const std::string& key, std::istringstream& words, SurfaceMaterial& material) {
     if (key == "Kd") {
       glm::vec3 color(0);
@@ -68,6 +77,10 @@ class MtlReader {
       material.wrap_u = map.wrap_u;
       material.wrap_v = map.wrap_v;
       if (material.texture >= 0 && glm::vec3(material.base_color) == glm::vec3(0)) whiten(material);
+    } else if (key == "map_Pr" || key == "map_Pm") {
+      Gray& gray = key == "map_Pr" ? rough_ : metal_;
+      gray = {};
+      gray.name = readName(words, gray.map);
     } else if (key == "map_Ke") {
       material.glow_map = readMap(words);
       lightUp(material);
@@ -87,9 +100,50 @@ class MtlReader {
     if (material.glow_map.texture >= 0 && material.emissive == glm::vec3(0)) material.emissive = glm::vec3(1);
   }
 
-  // "map_Kd [-option values] NAME", where NAME may hold spaces.
+  // The two pictures become one, as glTF has it: green for roughness, blue for metal. Its size is that of the larger, its place on the surface the first one's.
+  void joinGloss() {
+    const Gray rough = std::exchange(rough_, {}), metal = std::exchange(metal_, {});
+    if (by_name_.empty() || (rough.name.empty() && metal.name.empty())) return;
+    const std::optional<Image> green = rough.name.empty() ? std::nullopt : readImage(rough.name), blue = metal.name.empty() ? std::nullopt : readImage(metal.name);
+    if (!green && !blue) return;
+    SurfaceMaterial& material = out_.materials.back();
+    // A factor of 0 beside a picture would make it black, as with Kd.
+    if (green && material.roughness == 0) material.roughness = 1;
+    if (blue && material.metallic == 0) material.metallic = 1;
+    Image joined;
+    joined.name = oneLine(green ? rough.name : metal.name, 80);
+    joined.srgb = false;
+    joined.width = std::max(green ? green->width : 1, blue ? blue->width : 1);
+    joined.height = std::max(green ? green->height : 1, blue ? blue->height : 1);
+    budget_.take({joined.width, joined.height}, name_ + ": texture " + joined.name);
+    joined.rgba.reserve(std::size_t{4} * static_cast<std::size_t>(joined.width) * static_cast<std::size_t>(joined.height));
+    for (int y = 0; y < joined.height; ++y) {
+      for (int x = 0; x < joined.width; ++x) {
+        const auto red = [&](const std::optional<Image>& image) {
+          if (!image) return std::uint8_t{255};
+          const auto column = static_cast<std::size_t>(std::int64_t{x} * image->width / joined.width), row = static_cast<std::size_t>(std::int64_t{y} * image->height / joined.height);
+          return image->rgba[4 * (column + static_cast<std::size_t>(image->width) * row)];
+        };
+        joined.rgba.insert(joined.rgba.end(), {255, red(green), red(blue), 255});
+      }
+    }
+    material.metal_map = green ? rough.map : metal.map;
+    material.metal_map.texture = static_cast<int>(out_.images.size());
+    out_.images.push_back(std::move(joined));
+  }
+
   SurfaceMap readMap(std::istringstream& words) {
     SurfaceMap map;
+    const std::string name = readName(words, map);
+    if (name.empty()) return map;
+    const auto [slot, fresh] = images_.try_emplace(name, -1);
+    if (fresh) slot->second = loadImage(name);
+    map.texture = slot->second;
+    return map;
+  }
+
+  // "map_Kd [-option values] NAME", where NAME may hold spaces.
+  static std::string readName(std::istringstream& words, SurfaceMap& map) {
     std::string rest;
     std::getline(words >> std::ws, rest);
     while (!rest.empty() && rest.front() == '-') {
@@ -111,39 +165,44 @@ class MtlReader {
       std::getline(option >> std::ws, left);
       rest = std::move(left);
     }
-    if (rest.empty()) return map;
-    const auto [slot, fresh] = images_.try_emplace(rest, -1);
-    if (fresh) slot->second = loadImage(rest);
-    map.texture = slot->second;
-    return map;
+    return rest;
   }
 
   int loadImage(const std::string& reference) {
+    std::optional<Image> image = readImage(reference);
+    if (!image) return -1;
+    out_.images.push_back(*std::move(image));
+    return static_cast<int>(out_.images.size()) - 1;
+  }
+
+  // Nothing, with a notice, where it can not be had.
+  std::optional<Image> readImage(const std::string& reference) {
     try {
       const std::vector<std::uint8_t> bytes = files_.readReference(reference, InputFiles::Reference::kPath);
+      budget_.take(imageSize(bytes), name_ + ": texture " + oneLine(reference, 80));
       auto image = decodeImage(bytes, oneLine(reference, 80));
-      if (std::holds_alternative<Image>(image)) {
-        out_.images.push_back(std::get<Image>(std::move(image)));
-        return static_cast<int>(out_.images.size()) - 1;
-      }
+      if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
       out_.notices.push_back(name_ + ": texture " + oneLine(reference, 80) + " " + std::get<std::string>(image) + ": the colour alone is used");
     } catch (const BakeError& error) {
+      if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
       out_.notices.push_back(std::string(error.what()) + ": the colour alone is used");
     }
-    return -1;
+    return std::nullopt;
   }
 
   const InputFiles& files_;
   const std::string& name_;
+  PictureBudget& budget_;
   SourceModel& out_;
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, int> images_;
+  Gray rough_, metal_;  // of the material that is being read
 };
 
 }  // namespace
 
-std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, SourceModel& out) {
-  return MtlReader(files, name, out).read(text);
+std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, PictureBudget& budget, SourceModel& out) {
+  return MtlReader(files, name, budget, out).read(text);
 }
 
 }  // namespace kelp::bake

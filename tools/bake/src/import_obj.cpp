@@ -18,7 +18,7 @@ struct Corner {
 
 class ObjReader {
  public:
-  ObjReader(const InputFiles& files, SourceModel& out, SoupBuilder& soup) : files_(files), out_(out), soup_(soup) {
+  ObjReader(const InputFiles& files, std::uint64_t max_memory, SourceModel& out, SoupBuilder& soup) : files_(files), budget_(files, max_memory), out_(out), soup_(soup) {
     out_.materials.push_back(plainMaterial());
   }
 
@@ -149,9 +149,10 @@ class ObjReader {
   bool tryLibrary(std::string_view name, std::string& failure) {
     try {
       const std::vector<std::uint8_t> bytes = files_.readReference(name, InputFiles::Reference::kPath);
-      for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), out_)) by_name_[material] = index;
+      for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_)) by_name_[material] = index;
       return true;
     } catch (const BakeError& error) {
+      if (error.exit == Exit::kRuntime) throw;  // its pictures are too many
       failure = error.what();
       return false;
     }
@@ -206,6 +207,7 @@ class ObjReader {
   }
 
   const InputFiles& files_;
+  PictureBudget budget_;
   SourceModel& out_;
   SoupBuilder& soup_;
   std::size_t line_ = 0, faces_ = 0, not_faces_ = 0, unknown_ = 0;
@@ -222,9 +224,9 @@ class ObjReader {
 
 }  // namespace
 
-void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out, SoupBuilder& soup) {
+void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory, SourceModel& out, SoupBuilder& soup) {
   out.format = "OBJ";
-  ObjReader(files, out, soup).read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  ObjReader(files, max_memory, out, soup).read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace kelp::bake

@@ -60,9 +60,8 @@ class SoupBuilder {
 // this leaves without an area go.
 void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece, const std::vector<float>& steps);
 
-// Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans. Answers corners of the polygon,
-// three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
-// Source: Eberly, "Triangulation by Ear Clipping"; a hole comes with a bridge of two equal edges.
+// Cuts a polygon into triangles by clipping ears in the plane it lies in best; convex ones become fans, but for those of more than a thousand corners. Answers
+// corners of the polygon, three a triangle, in the polygon's winding. Non-finite or self-intersecting polygons still give size - 2 triangles.
 std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm::vec3> corners);
 
 }  // namespace kelp::bake

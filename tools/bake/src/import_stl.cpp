@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// STL. Binary files are told by their length, not by their first word: many begin with "solid" too.
+// STL. Binary files are told by their length, not by their first word: many begin with "solid" too. Keywords of text are read in either case.
+#include <algorithm>
 #include <cstring>
 
 #include "import_mesh.h"
@@ -10,18 +11,76 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 84, kFacetBytes = 50;
 
-void addFacet(const InputFiles& files, const std::array<glm::vec3, 3>& corners, SoupBuilder& soup) {
+bool isEqual(char a, char b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return lower(a) == lower(b);
+}
+
+bool isWord(std::string_view text, std::string_view word) { return std::equal(text.begin(), text.end(), word.begin(), word.end(), isEqual); }
+
+bool holdsWord(std::string_view text, std::string_view word) { return std::search(text.begin(), text.end(), word.begin(), word.end(), isEqual) != text.end(); }
+
+void addFacet(const InputFiles& files, const std::array<glm::vec3, 3>& corners, const std::optional<glm::vec4>& color, SoupBuilder& soup) {
   SoupBuilder::Triangle triangle;
   triangle.position = corners;
+  if (color) triangle.color = {*color, *color, *color};
   if (!soup.add(triangle)) refuse(Exit::kInvalid, files.input(), "", "has more than 64 million triangles; bake it in pieces");
 }
 
+// The two ways in which programs put colours, five bits a channel, into the word after each facet. The format itself has none, and what the word holds may be anything.
+// Source: Wikipedia, "STL (file format)", section "Color in binary"; Materialise's header as MeshLab and Magics write it.
+class FacetColors {
+ public:
+  FacetColors(std::span<const std::uint8_t> bytes, std::size_t facets) : bytes_(bytes) {
+    constexpr std::string_view kMark = "COLOR=";
+    const auto head = bytes.first(80);
+    const auto at = std::search(head.begin(), head.end(), kMark.begin(), kMark.end());
+    std::size_t used = 0, valid = 0;
+    for (std::size_t f = 0; f < facets; ++f) {
+      used += word(f) != 0;
+      valid += (word(f) & kFlag) != 0;
+    }
+    if (head.end() - at >= static_cast<std::ptrdiff_t>(kMark.size() + 4)) {
+      for (int c = 0; c < 3; ++c) whole_[c] = srgbToLinear(static_cast<float>(*(at + static_cast<std::ptrdiff_t>(kMark.size()) + c)) / 255.0f);
+      kind_ = used > 0 ? Kind::kMagics : Kind::kWhole;
+    } else if (valid > 0 && 10 * valid >= 9 * used) {
+      kind_ = Kind::kVisCam;
+    }
+  }
+
+  // Linear; none: the file has no colours.
+  std::optional<glm::vec4> of(std::size_t facet) const {
+    const unsigned bits = word(facet);
+    const bool flag = (bits & kFlag) != 0;
+    if (kind_ == Kind::kNone) return std::nullopt;
+    if (kind_ == Kind::kWhole || flag != (kind_ == Kind::kVisCam)) return whole_;
+    const unsigned low = bits & 31u, middle = bits >> 5 & 31u, high = bits >> 10 & 31u;
+    const auto linear = [](unsigned value) { return srgbToLinear(static_cast<float>(value) / 31.0f); };
+    return kind_ == Kind::kVisCam ? glm::vec4(linear(high), linear(middle), linear(low), 1) : glm::vec4(linear(low), linear(middle), linear(high), 1);
+  }
+
+ private:
+  // kVisCam: red is high, and the flag says that there is a colour. kMagics: red is low, and the flag says that it is the header's. kWhole: the header's for all.
+  enum class Kind { kNone, kVisCam, kMagics, kWhole };
+  static constexpr unsigned kFlag = 0x8000;
+
+  unsigned word(std::size_t facet) const {
+    const std::size_t at = kHeaderBytes + (facet + 1) * kFacetBytes - 2;
+    return bytes_[at] | static_cast<unsigned>(bytes_[at + 1]) << 8;
+  }
+
+  std::span<const std::uint8_t> bytes_;
+  Kind kind_ = Kind::kNone;
+  glm::vec4 whole_{1};
+};
+
 void readBinary(const InputFiles& files, std::span<const std::uint8_t> bytes, std::size_t facets, SoupBuilder& soup) {
+  const FacetColors colors(bytes, facets);
   for (std::size_t f = 0; f < facets; ++f) {
     std::array<glm::vec3, 3> corners;  // after the facet's normal, which is not needed
     static_assert(sizeof corners == 36);
     std::memcpy(corners.data(), bytes.data() + kHeaderBytes + f * kFacetBytes + 12, sizeof corners);
-    addFacet(files, corners, soup);
+    addFacet(files, corners, colors.of(f), soup);
   }
 }
 
@@ -30,10 +89,10 @@ void readText(const InputFiles& files, std::string_view text, SoupBuilder& soup)
   std::size_t corner = 0, facets = 0;
   bool open = false;
   for (std::string_view word = nextWord(text); !word.empty(); word = nextWord(text)) {
-    if (word == "outer" || word == "OUTER") {
+    if (isWord(word, "outer")) {
       open = true;
       corner = 0;
-    } else if (open && (word == "vertex" || word == "VERTEX")) {
+    } else if (open && isWord(word, "vertex")) {
       const std::string place = placeOf("facet", facets);
       if (corner == 3) refuse(Exit::kInvalid, files.input(), place, "has more than three corners");
       for (int c = 0; c < 3; ++c) {
@@ -43,11 +102,11 @@ void readText(const InputFiles& files, std::string_view text, SoupBuilder& soup)
         corners[corner][c] = *value;
       }
       ++corner;
-    } else if (word == "endloop" || word == "ENDLOOP") {
+    } else if (isWord(word, "endloop")) {
       if (!open || corner != 3) refuse(Exit::kInvalid, files.input(), placeOf("facet", facets), "does not have three corners");
       open = false;
       ++facets;
-      addFacet(files, corners, soup);
+      addFacet(files, corners, std::nullopt, soup);
     }
   }
   if (open) refuse(Exit::kInvalid, files.input(), placeOf("facet", facets), "the file ends here; it is truncated");
@@ -61,14 +120,14 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
   std::uint32_t declared = 0;
   if (bytes.size() >= kHeaderBytes) std::memcpy(&declared, bytes.data() + 80, 4);
   const std::size_t fits = bytes.size() < kHeaderBytes ? 0 : (bytes.size() - kHeaderBytes) / kFacetBytes;
-  const bool says_solid = trim(text.substr(0, 512)).substr(0, 5) == "solid" || trim(text.substr(0, 512)).substr(0, 5) == "SOLID";
+  const bool says_solid = isWord(trim(text.substr(0, 512)).substr(0, 5), "solid");
   const bool exact = bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + std::size_t{declared} * kFacetBytes;
-  if (!exact && says_solid && text.find("facet") != std::string_view::npos) {
+  if (!exact && says_solid && holdsWord(text, "facet")) {
     out.format = "STL (text)";
     return readText(files, text, soup);
   }
   out.format = "STL (binary)";
-  if (!exact && says_solid && text.find("endsolid") != std::string_view::npos) refuse(Exit::kInvalid, files.input(), "", "holds no facets; export a model with faces");
+  if (!exact && says_solid && holdsWord(text, "endsolid")) refuse(Exit::kInvalid, files.input(), "", "holds no facets; export a model with faces");
   if (bytes.size() < kHeaderBytes) refuse(Exit::kInvalid, files.input(), "", "does not look like STL: it is neither text nor as long as a binary header; check the file's type");
   if (declared > fits)
     refuse(Exit::kInvalid, files.input(), "header", "declares " + std::to_string(declared) + " facets but the file holds " + std::to_string(fits) + "; it is truncated or not an STL");

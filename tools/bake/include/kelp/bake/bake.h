@@ -48,7 +48,7 @@ struct Settings {
   int pad = 0;                         // empty voxels on every side of a part, 0 to 1024; not along the axis of one that bends
   std::optional<std::filesystem::path> rig_file;
   std::optional<std::string> rig_preset;
-  std::optional<std::string> scene;    // of a glTF file: its name, or its index; without, the file's default
+  std::optional<std::string> scene;    // of a glTF file: its index, or else its name; without, the file's default
   Fill fill = Fill::kAuto;
   Parts parts = Parts::kOne;
   std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
@@ -74,7 +74,7 @@ struct MeshCounts {
 // What the fill made of it, after welding to a fraction of a voxel.
 struct FillCounts {
   std::uint64_t components = 0, closed = 0, capped = 0, sheets = 0, walls = 0;  // what hangs together by edges; walls: faces modelled from both sides between bodies
-  std::uint64_t doubled = 0;        // triangles left out: modelled twice, or no more than a line
+  std::uint64_t doubled = 0;        // triangles left out: modelled twice, or no more than a line that others have as a side
   std::uint64_t turned = 0;         // triangles wound against their neighbours, or inside out
   std::uint64_t cap_triangles = 0;  // that close holes
   std::uint64_t kept_voxels = 0;    // solid though their centres lie in no body: sheets, and what is thinner than a voxel
