@@ -95,7 +95,8 @@ TEST(Nearest, IsAsNearAsAnyOnHardVolumes) {
 // Cubes go by way of the vectors.
 TEST(Distance, OfCubesIsTheRootOnEveryTarget) {
   for (const NamedVolume& volume : hardVolumes()) {
-    const auto& [size, set] = volume.occupancy;
+    const glm::ivec3& size = volume.occupancy.size;
+    const std::vector<std::uint8_t>& set = volume.occupancy.solid;
     std::vector<std::uint8_t> rest(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) rest[i] = !set[i];
     const auto outside = bruteSquaredDistance(set, size), inside = bruteSquaredDistance(rest, size);
