@@ -3,15 +3,17 @@
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
 #   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure
+#   tests/run.sh --all              everything, then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-require_assets=0
+require_assets=0 all=0
 for argument in "$@"; do
   case "$argument" in
     --require-assets) require_assets=1 ;;
-    -h|--help) sed -n '3,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --all) all=1 ;;
+    -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option '$argument'; see --help" >&2; exit 1 ;;
   esac
 done
@@ -49,6 +51,10 @@ broken=0
 for preset in dev runtime-only; do
   run_preset "$preset" || { echo "run.sh: preset $preset did not build or test" >&2; broken=1; }
 done
+
+if [ "$all" -eq 1 ]; then
+  if tests/cli/same_packs.sh; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+fi
 
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$broken" -eq 0 ] && [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ] || exit 1

@@ -89,6 +89,8 @@ class KelpBake(unittest.TestCase):
         text = result.stderr.decode()
         self.assertEqual(result.returncode, code, text)
         self.assertEqual(result.stdout, b"")
+        # What it would take may have been said before.
+        text = re.sub(r"^kelp-bake: .*: baking needs about [0-9.]+ .iB of memory\n", "", text)
         self.assertTrue(text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)
         self.assertIn(";", text, "names no remedy: " + text)
         for word in says:
@@ -161,7 +163,12 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--threads", "0", says=["--threads"])
         self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
-        self.fails(1, self.cube, "-o", self.out, "--max-memory", "lots", says=["lots"])
+        for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
+            self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
+        for number in ("nan", "inf", "1e9", "99999999999999999999", "2147483648", "-2147483649", "128.5", "0x80"):
+            self.fails(1, self.cube, "-o", self.out, "--resolution", number, says=["--resolution " + number])
+        for number in ("-1", "inf", "-inf", "1e-300", "1e999", "-0"):
+            self.fails(1, self.cube, "-o", self.out, "--voxel-size", number, says=["--voxel-size"])
 
     def test_nothing_that_is_read_is_overwritten(self):
         material = self.write("cube.mtl", "newmtl red\nKd 1 0 0\n")
@@ -233,7 +240,8 @@ class KelpBake(unittest.TestCase):
     def test_the_resolution_that_is_said_to_fit_fits(self):
         refused = self.bake(self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "90M").stderr.decode()
         advised = int(re.search(r"--resolution (\d+) would fit", refused).group(1))
-        self.fails(4, self.cube, "-o", self.out, "--resolution", str(advised + 8), "--max-memory", "90M", says=["would fit"])
+        for more in (advised + 1, advised + advised // 20, advised + advised // 10):
+            self.fails(4, self.cube, "-o", self.out, "--resolution", str(more), "--max-memory", "90M", says=["--resolution %d would fit" % advised])
         fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "90M", "--report", self.path("report.json"))
         self.assertEqual(fits.returncode, 0, fits.stderr)
         with open(KELP_BAKE, "rb") as program:
@@ -242,6 +250,17 @@ class KelpBake(unittest.TestCase):
         report = json.loads(self.read(self.path("report.json")))
         peak = max(stage["peak_bytes"] for stage in report["stages"])
         self.assertLess(abs(report["estimated_bytes"] - peak), 0.25 * peak, report)
+        lines = fits.stderr.decode().splitlines()
+        self.assertRegex(lines[0], r"^kelp-bake: cube.obj: baking needs about [0-9.]+ MiB of memory$")
+
+    def test_the_voxels_that_are_said_to_fit_fit(self):
+        refused = self.bake(self.cube, "-o", self.out, "--voxel-size", "0.00001", "--unit", "cm", "--max-memory", "70M")
+        self.assertEqual(refused.returncode, 4, refused.stderr)
+        advised = re.search(r"--voxel-size (\S+) would fit", refused.stderr.decode()).group(1)
+        self.fails(4, self.cube, "-o", self.out, "--voxel-size", str(0.98 * float(advised)), "--unit", "cm", "--max-memory", "70M", says=["--voxel-size"])
+        fits = self.bake(self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "70M")
+        self.assertEqual(fits.returncode, 0, fits.stderr)
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M", says=["1.0 MiB", "no resolution would fit"])
 
     def test_a_link_stays_a_link(self):
         os.symlink("real.kelp", self.path("link.kelp"))

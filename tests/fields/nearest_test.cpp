@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "every_target.h"
 #include "kelp/fields/fields.h"
+#include "reference_fields.h"
 #include "volumes.h"
 
 namespace kelp::test {
@@ -61,6 +63,52 @@ TEST(Nearest, IsAsNearAsAnyByBruteForce) {
         }
       }
     }
+  }
+}
+
+// Lines, slices and shapes that break transforms: every hard volume of few enough voxels.
+TEST(Nearest, IsAsNearAsAnyOnHardVolumes) {
+  const glm::dvec3 spacing(1, 2.5, 0.3);
+  int checked = 0;
+  for (const NamedVolume& volume : hardVolumes()) {
+    const auto& [size, set] = volume.occupancy;
+    if (set.size() > 350) continue;
+    ++checked;
+    const std::vector<std::uint32_t> nearest = fields::nearestSet(set, size, spacing, 2);
+    const std::vector<float> both = fields::signedDistance(set, size, spacing, 2);
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      const long double outside = bruteSquared(set, true, i, size, spacing), inside = bruteSquared(set, false, i, size, spacing);
+      if (std::isinf(outside)) {
+        ASSERT_EQ(nearest[i], fields::kNoFeature) << volume.name;
+      } else {
+        ASSERT_TRUE(set[nearest[i]]) << volume.name;
+        ASSERT_LE(squaredBetween(i, nearest[i], size, spacing), outside * (1 + 1e-14L)) << volume.name;
+      }
+      const long double expected = set[i] ? -std::sqrt(inside) : std::sqrt(outside);
+      if (std::isinf(expected)) ASSERT_EQ(both[i], static_cast<float>(expected)) << volume.name;
+      else ASSERT_NEAR(both[i], expected, 1e-7L * std::abs(expected)) << volume.name;
+    }
+  }
+  EXPECT_GT(checked, 300);
+}
+
+// Cubes go by way of the vectors.
+TEST(Distance, OfCubesIsTheRootOnEveryTarget) {
+  for (const NamedVolume& volume : hardVolumes()) {
+    const glm::ivec3& size = volume.occupancy.size;
+    const std::vector<std::uint8_t>& set = volume.occupancy.solid;
+    std::vector<std::uint8_t> rest(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) rest[i] = !set[i];
+    const auto outside = bruteSquaredDistance(set, size), inside = bruteSquaredDistance(rest, size);
+    const auto root = [](std::uint32_t squared) { return squared == fields::kNoFeature ? INFINITY : 0.5 * std::sqrt(static_cast<double>(squared)); };
+    forEveryTarget([&](const char* target) {
+      const std::vector<float> distance = fields::distance(set, size, glm::dvec3(0.5), 2), both = fields::signedDistance(set, size, glm::dvec3(0.5), 2);
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        ASSERT_FLOAT_EQ(distance[i], static_cast<float>(root(outside[i]))) << volume.name << " on " << target;
+        ASSERT_FLOAT_EQ(both[i], static_cast<float>(set[i] ? -root(inside[i]) : root(outside[i]))) << volume.name << " on " << target;
+      }
+    });
+    if (HasFatalFailure()) return;
   }
 }
 

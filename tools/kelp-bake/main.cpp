@@ -37,7 +37,13 @@ void run(const Options& options) {
   catchInterrupts();
   kelp::bake::Report report;
   ProgressDisplay display(options.progress);
+  bool announced = false;
   const auto progress = [&](std::string_view stage, double done) {
+    if (!announced && report.estimated_bytes > 0) {
+      display.clear();
+      printEstimate(options, report);
+      announced = true;
+    }
     display.show(stage, done);
     return !interrupted();
   };

@@ -81,6 +81,10 @@ void printClips(const bake::Report& report) {
 
 }  // namespace
 
+void printEstimate(const Options& options, const bake::Report& report) {
+  fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
+}
+
 void printSummary(const Options& options, const bake::Report& report, double seconds) {
   std::uint64_t triangles = 0, surface = 0, peak = 0;
   std::size_t parts = 0;

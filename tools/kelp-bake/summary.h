@@ -6,6 +6,8 @@
 
 namespace kelp::bake_cli {
 
+// A line on stderr, before the work: what it will take.
+void printEstimate(const Options& options, const bake::Report& report);
 // Lines on stderr: what was understood, warnings, clips, what was written.
 void printSummary(const Options& options, const bake::Report& report, double seconds);
 

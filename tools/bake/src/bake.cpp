@@ -103,26 +103,18 @@ void checkSides(const SourceModel& model, const std::vector<Frame>& frames, cons
   }
 }
 
-void checkMemory(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input, Report& report) {
-  std::vector<PartSize> sizes;
-  for (std::size_t i = 0; i < model.parts.size(); ++i) sizes.push_back(partSize(model.parts[i], frames[i]));
+void checkMemory(const SourceModel& model, const Settings& settings, const std::filesystem::path& input, Report& report) {
+  const auto sizes = [&](const Settings& changed) {
+    const std::vector<Frame> frames = makeFrames(model, changed, input);
+    std::vector<PartSize> parts;
+    for (std::size_t i = 0; i < model.parts.size(); ++i) parts.push_back(partSize(model.parts[i], frames[i]));
+    return parts;
+  };
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
-  report.estimated_bytes = estimateMemory(sizes, image_bytes);
-  const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
-  if (report.estimated_bytes <= limit) return;
-  // The largest resolution that fits, by halves.
-  double fits = 0, too_much = 1;
-  for (int i = 0; i < 30; ++i) {
-    const double scale = 0.5 * (fits + too_much);
-    (estimateMemory(sizes, image_bytes, scale) <= limit ? fits : too_much) = scale;
-  }
-  const double resolution = std::floor(fits * settings.resolution);
-  const std::string advice = settings.voxel_size ? (fits > 0.001 ? fmt::format("--voxel-size {:.3g} would fit; take that", *settings.voxel_size / fits * 1.01) : std::string("give larger voxels"))
-                             : resolution >= 1   ? fmt::format("--resolution {} would fit; take that", resolution)
-                                                 : std::string("no resolution would fit: the file itself is too large");
-  throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); {}, or raise --max-memory", input.filename().string(),
-                                              printBytes(report.estimated_bytes), printBytes(limit), settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
+  const bool volumes = std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.grid.has_value(); });
+  // The importer has asked for volumes, before it made their voxels.
+  report.estimated_bytes = volumes ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
 }
 
 glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
@@ -234,7 +226,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   placeInObject(model, settings);
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkSides(model, frames, settings, input);
-  checkMemory(model, frames, settings, input, report);
+  checkMemory(model, settings, input, report);
   for (SourcePart& part : model.parts)
     if (part.grid) padGrid(*part.grid, paddingOf(part, settings.pad));
 

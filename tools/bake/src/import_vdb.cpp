@@ -18,6 +18,7 @@
 #include "frame.h"
 #include "import_rig.h"
 #include "kelp/fields/fields.h"
+#include "memory_estimate.h"
 
 namespace kelp::bake {
 namespace {
@@ -80,6 +81,7 @@ glm::dmat4 indexToWorld(const InputFiles& files, const openvdb::GridBase& grid) 
 struct IndexBox {
   glm::dvec3 low{INFINITY}, high{-INFINITY};
   openvdb::CoordBBox voxels;  // the solid ones
+  double faces = 0, solid = 0;  // of solid voxels towards empty ones; solid voxels
 };
 
 template <class Grid>
@@ -95,6 +97,7 @@ IndexBox solidBox(const InputFiles& files, const Grid& grid) {
         next[axis] += side;
         const double there = accessor.getValue(next);
         if (there <= 0) continue;
+        ++box.faces;
         const double crossing = at[axis] + side * (here / (here - there));
         box.low[axis] = std::min(box.low[axis], crossing);
         box.high[axis] = std::max(box.high[axis], crossing);
@@ -105,6 +108,7 @@ IndexBox solidBox(const InputFiles& files, const Grid& grid) {
   for (auto value = grid.cbeginValueAll(); value; ++value) {
     if (!(*value <= 0)) continue;
     const openvdb::CoordBBox extent = value.getBoundingBox();
+    box.solid += static_cast<double>(value.getVoxelCount());
     if (value.isVoxelValue()) {
       include(value.getCoord());
     } else {
@@ -165,7 +169,7 @@ Lattice newLattice(const InputFiles& files, const IndexBox& box, const glm::dmat
   const double step = settings.voxel_size ? *settings.voxel_size : settings.resolution_given ? longest / settings.resolution : axisScale(index_to_rig);
   if (!(longest > 0) || !(step > 0) || !std::isfinite(longest / step)) refuse(Exit::kInvalid, files.input(), "", "has no extent");
   if (longest / step > kMaxResolution + 0.5)
-    throw BakeError(Exit::kUsage, oneLine(files.input().string(), 4096) + ": makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller resolution");
+    throw BakeError(Exit::kUsage, oneLine(files.input().string(), 4096) + ": makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller resolution, or larger voxels");
   Lattice lattice;
   lattice.size = glm::max(glm::ivec3(glm::ceil(extent / step - 1e-4)), glm::ivec3(1));
   const glm::dvec3 margin = (glm::dvec3(lattice.size) * step - extent) * 0.5;
@@ -210,10 +214,6 @@ VoxelGrid sampleGrid(const InputFiles& files, const Grid& grid, const Lattice& l
   out.size = lattice.size;
   const auto side = glm::u64vec3(lattice.size);
   const std::uint64_t voxels = side.x * side.y * side.z;
-  if (std::max({side.x, side.y, side.z}) > static_cast<std::uint64_t>(kMaxResolution))
-    refuse(Exit::kUnsupported, files.input(), "", "has more than " + std::to_string(kMaxResolution) + " voxels along a side; give a --resolution");
-  if (settings.max_memory > 0 && voxels > settings.max_memory)
-    refuse(Exit::kRuntime, files.input(), "", "its " + std::to_string(voxels) + " voxels do not fit into the memory allowed; give a smaller --resolution");
   out.solid.assign(voxels, 0);
   tbb::parallel_for(tbb::blocked_range<int>(0, out.size.z), [&](const tbb::blocked_range<int>& slabs) {
     const LatticeSampler<Grid> sampler(grid, lattice);
@@ -222,7 +222,9 @@ VoxelGrid sampleGrid(const InputFiles& files, const Grid& grid, const Lattice& l
         for (int x = 0; x < out.size.x; ++x)
           out.solid[static_cast<std::size_t>(x) + side.x * (static_cast<std::size_t>(y) + side.y * static_cast<std::size_t>(z))] = sampler.at({x, y, z}) <= 0 ? 1 : 0;
   });
-  const std::vector<std::uint64_t> surface = fields::surfaceVoxels({out.size, out.solid}, std::max(settings.threads, 1));
+  fields::Occupancy occupancy{out.size, std::move(out.solid)};
+  const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, settings.threads);
+  out.solid = std::move(occupancy.solid);
   if (surface.empty()) refuse(Exit::kInvalid, files.input(), "", "has no solid voxel at this resolution; give a larger one");
   out.surface.resize(surface.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.size()), [&](const tbb::blocked_range<std::size_t>& range) {
@@ -246,6 +248,19 @@ VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, Axis axis, const S
   const glm::dmat3 turn = glm::dmat3(to_rig) / axisScale(to_world);
   const bool keep = !settings.voxel_size && !settings.resolution_given && isSignedPermutation(turn);
   const Lattice lattice = keep ? ownLattice(box, turn) : newLattice(files, box, to_rig, settings);
+  const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
+  if (longest > kMaxResolution)
+    refuse(Exit::kUnsupported, files.input(), "", "has more than " + std::to_string(kMaxResolution) + " voxels along a side; give a --resolution");
+  // As it was asked for: in metres.
+  Settings in_metres = settings;
+  if (settings.voxel_size) in_metres.voxel_size = *settings.voxel_size * settings.unit;
+  const auto sizes = [&](Settings changed) {
+    if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings.unit;
+    const Lattice other = changed.resolution_given || changed.voxel_size ? newLattice(files, box, to_rig, changed) : lattice;
+    const double step = std::cbrt(std::abs(glm::determinant(glm::dmat3(other.to_index))));  // voxels of the grid to one of the part
+    return std::vector<PartSize>{{other.size, 0, box.faces / (step * step), box.solid / (step * step * step)}};
+  };
+  requireMemory(sizes, 0, in_metres, settings.resolution_given ? settings.resolution : longest, files.input());
   VoxelGrid out = sampleGrid(files, grid, lattice, settings);
   out.to_node = glm::mat4x3(glm::dmat4x3(to_world * lattice.to_index));
   return out;

@@ -5,9 +5,13 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "frame.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 
@@ -37,24 +41,62 @@ PartSize partSize(const SourcePart& part, const Frame& frame) {
   return result;
 }
 
-std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes, double scale) {
-  // Measured on the bunny, the dragon, the armadillo, spot and the teapot at 256 to 2048 (--report, peak_bytes). A triangle with its welded copy, edges and
-  // hierarchy; what a surface voxel costs beside its sample while voxels are found (OpenVDB's tree, lists) and while levels are built.
-  constexpr double kTriangle = 330, kTriangleKept = 100, kFinding = 145, kLeveling = 165;
+std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
+  // Measured on 18 real files at 64 to 512 voxels (tools/bake/README.md). Bytes for each triangle: as it was read, while the mesh is analysed, and with its
+  // hierarchy. For each surface voxel: while it is found and looked at, and while levels are built.
+  constexpr double kProgram = 39e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120, kFinding = 66, kLeveling = 42;
   // Reductions of images hold a third as many texels, each four times as large.
-  constexpr double kProgram = 40e6;
-  double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3), peak = 0;
+  double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
+  for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
+  double peak = kept;
+  const auto gridBytes = [](const PartSize& part) { return part.voxels() + part.surface_voxels * sizeof(SurfaceSample); };
   for (const PartSize& part : parts) {
-    const glm::dvec3 scaled = glm::min(glm::ceil(scale * glm::dvec3(part.size)), glm::dvec3(fields::kMaxSide));
-    const double voxels = scaled.x * scaled.y * scaled.z, surface = std::min(voxels, scale * scale * part.surface_voxels);
     const double triangles = static_cast<double>(part.triangles);
-    kept += voxels + surface * sizeof(SurfaceSample) + triangles * kTriangleKept;
-    const double stored = scale * scale * scale * part.solid_voxels / kBrickVoxels + surface / 128;
-    const double finding = surface * kFinding + triangles * kTriangle;
-    const double leveling = surface * kLeveling + static_cast<double>(fields::peakBytes(glm::ivec3(scaled), static_cast<std::uint64_t>(stored)));
-    peak = std::max({peak, finding, leveling});
+    if (part.triangles > 0) peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + part.surface_voxels * kFinding});
+    kept += gridBytes(part);
   }
-  return static_cast<std::uint64_t>(kept + peak);
+  if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; })) kept += kVoxelizer;
+  for (const PartSize& part : parts) {
+    const double bricks = part.solid_voxels / kBrickVoxels + part.surface_voxels / 128;
+    peak = std::max(peak, kept + part.surface_voxels * kLeveling + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
+    // The voxels go, the level stays.
+    kept += bricks * kBrickVoxels + part.surface_voxels * sizeof(std::uint32_t) - gridBytes(part);
+  }
+  return static_cast<std::uint64_t>(peak);
+}
+
+std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input) {
+  const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
+  const auto need = [&](const Settings& changed) { return estimateMemory(sizes(changed), image_bytes); };
+  const std::uint64_t estimate = need(settings);
+  if (estimate <= limit) return estimate;
+  // The least change that fits, by halves: steps of a voxel along the longest side, or of a hundredth of a voxel's edge.
+  constexpr double kStep = 1.01;
+  constexpr int kSteps = 1200;  // beyond a hundred thousand times as long
+  Settings changed = settings;
+  const auto fits = [&](int step) {
+    if (settings.voxel_size) {
+      // As it will be printed.
+      changed.voxel_size = std::stod(fmt::format("{:.4g}", *settings.voxel_size * std::pow(kStep, step)));
+      if (*changed.voxel_size <= *settings.voxel_size || *changed.voxel_size > kLargestVoxel) return false;
+    } else {
+      changed.resolution = resolution - step;
+      changed.resolution_given = true;
+    }
+    return need(changed) <= limit;
+  };
+  int too_little = 0, enough = settings.voxel_size ? kSteps : resolution - 1;
+  std::string advice = "no resolution would fit: the file itself is too large";
+  if (enough > 0 && fits(enough)) {
+    while (enough - too_little > 1) {
+      const int middle = too_little + (enough - too_little) / 2;
+      (fits(middle) ? enough : too_little) = middle;
+    }
+    fits(enough);
+    advice = settings.voxel_size ? fmt::format("--voxel-size {:.4g} would fit; take that", *changed.voxel_size) : fmt::format("--resolution {} would fit; take that", changed.resolution);
+  }
+  throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); {}, or raise --max-memory", input.filename().string(), printBytes(estimate), printBytes(limit),
+                                              settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
 }
 
 std::uint64_t physicalMemory() { return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)); }
@@ -62,6 +104,12 @@ std::uint64_t physicalMemory() { return static_cast<std::uint64_t>(sysconf(_SC_P
 std::uint64_t peakMemory() {
   rusage usage{};
   return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::uint64_t>(usage.ru_maxrss) * 1024 : 0;  // Linux counts KiB
+}
+
+void returnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 std::string printBytes(std::uint64_t bytes) {

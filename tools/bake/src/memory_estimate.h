@@ -2,7 +2,10 @@
 // How much memory a bake will need, known before it is needed.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "kelp/bake/bake.h"
 
@@ -13,16 +16,24 @@ struct PartSize {
   glm::ivec3 size{0};
   std::uint64_t triangles = 0;
   double surface_voxels = 0, solid_voxels = 0;  // guessed for meshes, counted for volumes
+
+  double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
 };
 PartSize partSize(const SourcePart& part, const Frame& frame);
 
-// Bytes at the peak: the arrays of the part that needs most, beside the voxels of all the others, the images (image_bytes as they are in memory) with their
-// reductions, and the program itself. `scale`: as if the resolution were that many times as high.
-std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes, double scale = 1.0);
+// Bytes at the peak of a bake: parts one after the other, the images (image_bytes as they are in memory) with their reductions, and the program itself.
+std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
+
+// The estimate for `settings`; where it is beyond what they allow, BakeError kRuntime with the largest resolution, or the smallest voxels, that would fit.
+// sizes(other settings): the parts as they would be; asked for smaller resolutions than `resolution`, the one in force, or for larger voxels.
+std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input);
+
 // The machine's physical memory; bytes.
 std::uint64_t physicalMemory();
 // The most that this program has held so far; bytes of physical memory. It never falls.
 std::uint64_t peakMemory();
+// Gives back to the system what has been freed in small pieces, as OpenVDB's trees are: the next stage then does not come on top of it.
+void returnFreedMemory();
 // "1.5 GiB".
 std::string printBytes(std::uint64_t bytes);
 

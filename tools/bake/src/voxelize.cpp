@@ -9,6 +9,7 @@
 #include "fill_reasons.h"
 #include "fill_thin.h"
 #include "kelp/fields/fields.h"
+#include "memory_estimate.h"
 #include "mesh_counts.h"
 #include "surface_band.h"
 #include "surface_bvh.h"
@@ -35,6 +36,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
     closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
   }
+  returnFreedMemory();
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
   report(0.5);
 
@@ -47,6 +49,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     report(0.6);
     result.grid.surface = sampleSurface(look, mesh, bvh, occupancy.solid, frame.size, surface, threads);
   }
+  returnFreedMemory();
   result.counts = countFill(mesh, part.soup.triangles.size());
   result.counts.kept_voxels = static_cast<std::uint64_t>(std::count(occupancy.solid.begin(), occupancy.solid.end(), kKept));
   for (std::uint8_t& voxel : occupancy.solid) voxel = voxel != kEmpty ? 1 : 0;

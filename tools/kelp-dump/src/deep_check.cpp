@@ -41,18 +41,21 @@ struct StoredLevel {
   std::vector<glm::ivec3> brick_of_slot;
 };
 
-// One flag a voxel: whether it has an attribute.
-std::vector<std::uint8_t> attributeFlags(const StoredLevel& level, const Occupancy& occupancy) {
-  std::vector<std::uint8_t> flags(occupancy.solid.size());
+// In an occupancy, so that one array of all voxels serves for both: solid, and solid with an attribute.
+constexpr std::uint8_t kPlain = 1, kAttributed = 2;
+
+Occupancy occupancyOf(const StoredLevel& level) {
+  Occupancy occupancy = fields::occupancyOf(level.raw, level.size);
+  static_assert(kPlain == 1, "what fields::occupancyOf makes of solid voxels");
   for (std::size_t slot = 0; slot < level.brick_of_slot.size(); ++slot) {
     const std::uint8_t* const codes = level.raw.codes.data() + slot * kBrickVoxels;
     for (int i = 0; i < kBrickVoxels; ++i) {
       if (!isSurfaceCode(codes[i])) continue;
       const glm::ivec3 voxel = level.brick_of_slot[slot] * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
-      flags[occupancy.index(voxel)] = 1;  // no solid voxel lies outside: formats' verify has looked
+      occupancy.solid[occupancy.index(voxel)] = kAttributed;  // no solid voxel lies outside: formats' verify has looked
     }
   }
-  return flags;
+  return occupancy;
 }
 
 // Counts the places of one kind in one level and remembers the first.
@@ -111,8 +114,8 @@ class DeepCheck {
   void requireMemory(int p) const {
     const Part& part = pack_.parts()[static_cast<std::size_t>(p)];
     const std::uint64_t voxels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y) * static_cast<std::uint64_t>(part.size.z);
-    // Beside what buildLevel takes: occupancy and flags of this level and the finer one, and the stored level twice.
-    const std::uint64_t needed = fields::peakBytes(part.size, voxels) + 6 * voxels;
+    // Beside what buildLevel takes: the occupancy of this level and the finer one, and the stored level.
+    const std::uint64_t needed = fields::peakBytes(part.size, voxels) + 3 * voxels;
     if (const std::uint64_t memory = physicalMemory(); needed > memory)
       throw DumpError(kFailure, fmt::format("{}: part {} '{}': checking {} voxels deeply needs {} of memory, this machine has {}; verify without --deep, or on a larger machine",
                                             file_.path(), p, nameText(part.name), sizeText(part.size), bytesText(needed), bytesText(memory)));
@@ -120,17 +123,15 @@ class DeepCheck {
 
   void checkPart(int part) {
     Occupancy finer;
-    std::vector<std::uint8_t> finer_flags;
     for (int l = 0; l < pack_.parts()[static_cast<std::size_t>(part)].levels; ++l) {
       const Place place{part, l};
       const StoredLevel level = readLevel(place);
-      Occupancy occupancy = fields::occupancyOf(level.raw, level.size);
-      std::vector<std::uint8_t> flags = attributeFlags(level, occupancy);
-      if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer));
-      checkAttributes(place, occupancy, flags, l == 0 ? nullptr : &finer, finer_flags);
-      checkEmptiness(place, level, occupancy, flags);
+      Occupancy occupancy = occupancyOf(level);
+      if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer, threads_));
+      checkAttributes(place, occupancy, l == 0 ? nullptr : &finer);
+      finer = Occupancy();
+      checkEmptiness(place, level, occupancy);
       finer = std::move(occupancy);
-      finer_flags = std::move(flags);
     }
   }
 
@@ -170,31 +171,37 @@ class DeepCheck {
   }
 
   // `finer` is null at level 0.
-  void checkAttributes(const Place& place, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags, const Occupancy* finer,
-                       const std::vector<std::uint8_t>& finer_flags) {
-    std::vector<std::uint8_t> expected(flags.size());
-    if (finer) {
-      for (std::size_t i = 0; i < finer_flags.size(); ++i) {
-        if (finer_flags[i]) expected[occupancy.index(positionOf(i, finer->size) / 2)] = 1;
-      }
-    } else {
-      for (const std::uint64_t i : fields::surfaceVoxels(occupancy, threads_)) expected[i] = 1;
-    }
+  void checkAttributes(const Place& place, const Occupancy& occupancy, const Occupancy* finer) {
     Tally lacks(DeepIssue::kSurfaceLacksAttribute, place), extra(DeepIssue::kExtraAttribute, place);
-    for (std::size_t i = 0; i < flags.size(); ++i) {
+    const auto compare = [&](std::size_t i, bool expected) {
       // A voxel that is missing altogether has been reported as that.
-      if (flags[i] == expected[i] || !occupancy.solid[i]) continue;
+      if (!occupancy.solid[i] || (occupancy.solid[i] == kAttributed) == expected) return;
       const glm::ivec3 voxel = positionOf(i, occupancy.size);
-      (flags[i] ? extra : lacks).add(voxel / kBrickSide, voxel);
+      (expected ? lacks : extra).add(voxel / kBrickSide, voxel);
+    };
+    if (finer) {
+      std::vector<bool> expected(occupancy.solid.size());
+      for (std::size_t i = 0; i < finer->solid.size(); ++i) {
+        if (finer->solid[i] == kAttributed) expected[occupancy.index(positionOf(i, finer->size) / 2)] = true;
+      }
+      for (std::size_t i = 0; i < occupancy.solid.size(); ++i) compare(i, expected[i]);
+    } else {
+      const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads_);
+      auto next = surface.begin();
+      for (std::size_t i = 0; i < occupancy.solid.size(); ++i) {
+        const bool expected = next != surface.end() && *next == i;
+        next += expected;
+        compare(i, expected);
+      }
     }
     lacks.report(report_);
     extra.report(report_);
   }
 
-  void checkEmptiness(const Place& place, const StoredLevel& level, const Occupancy& occupancy, const std::vector<std::uint8_t>& flags) {
+  void checkEmptiness(const Place& place, const StoredLevel& level, const Occupancy& occupancy) {
     std::vector<fields::SurfaceVoxel> surface;
-    for (std::size_t i = 0; i < flags.size(); ++i) {
-      if (flags[i]) surface.push_back({i, 0});
+    for (std::size_t i = 0; i < occupancy.solid.size(); ++i) {
+      if (occupancy.solid[i] == kAttributed) surface.push_back({i, 0});
     }
     const RawLevel exact = fields::buildLevel(occupancy, surface, threads_);
     Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
