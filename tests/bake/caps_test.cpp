@@ -50,17 +50,34 @@ TEST(Caps, ATornSphereIsRound) {
   EXPECT_LT(changed(whole, part), 0.003);
   // The light falls on it as on the sphere.
   double angle = 0;
-  std::size_t count = 0;
+  std::size_t count = 0, around = 0, rough = 0;
   for (const bake::SurfaceSample& sample : part.grid().surface) {
     const auto x = static_cast<std::uint64_t>(part.grid().size.x), y = static_cast<std::uint64_t>(part.grid().size.y);
     const glm::vec3 voxel(sample.index % x, sample.index / x % y, sample.index / (x * y));
     const glm::vec3 p = part.grid().to_node * glm::vec4(voxel + 0.5f, 1);
+    const double off = std::acos(std::min(1.0f, glm::dot(sample.normal, glm::normalize(p)))) * 180 / kPi;
+    if (glm::distance(p, place) < 30) {  // also along the rim
+      ++around;
+      rough += off > 5;
+    }
     if (glm::distance(p, place) > 20) continue;
-    angle += std::acos(std::min(1.0f, glm::dot(sample.normal, glm::normalize(p))));
+    angle += off;
     ++count;
   }
   ASSERT_GT(count, 1000u);
-  EXPECT_LT(angle / static_cast<double>(count) * 180 / kPi, 4.0);
+  EXPECT_LT(angle / static_cast<double>(count), 4.0);
+  EXPECT_LT(static_cast<double>(rough), 0.004 * static_cast<double>(around));
+}
+
+// Whichever way the file winds it.
+TEST(Caps, ATornBodyInsideOutIsTheSame) {
+  bake::TriangleSoup sphere;
+  test::addSphere(sphere, {0, 0, 0}, 40, 40);
+  bake::TriangleSoup piece = torn(sphere, within(40.0f * glm::normalize(glm::vec3(1)), 24));
+  const test::Baked right = voxelizeUnit(test::makeModel(piece));
+  for (bake::TriangleSoup::Triangle& t : piece.triangles) std::swap(t.vertex[1], t.vertex[2]);
+  const test::Baked turned = voxelizeUnit(test::makeModel(piece));
+  EXPECT_LT(changed(right, turned), 1e-4);
 }
 
 TEST(Caps, ATornTorusIsRound) {

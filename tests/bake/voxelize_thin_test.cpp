@@ -131,6 +131,8 @@ TEST(VoxelizeThin, WiresThatSnapToLinesStayInOnePiece) {
     test::addBox(soup, {0, 0, 0}, {12, 12, 12});
     const test::Baked baked = voxelizeUnit(test::makeModel(soup));
     EXPECT_EQ(connectedCount(baked), baked.solid);
+    EXPECT_NE(baked.result.fill.find("solid: 1 of 1 component closed"), std::string::npos) << baked.result.fill;
+    EXPECT_NE(baked.result.fill.find("thinner than the lattice"), std::string::npos) << baked.result.fill;
     const glm::dvec3 origin(baked.frame.node_to_voxel[3]);
     for (int i = 0; i <= 2000; ++i) {
       const glm::vec3 p = i <= 1000 ? glm::mix(glm::vec3(10.5f), middle, 0.001f * static_cast<float>(i)) : glm::mix(middle, end, 0.001f * static_cast<float>(i - 1000));

@@ -18,7 +18,7 @@ namespace {
 class LoopFinder {
  public:
   void clear() {
-    local_.clear();
+    local_ = {};  // clear() would pass over the buckets of the largest hole each time
     vertices_.clear();
   }
   void add(std::uint32_t from, std::uint32_t to) {
@@ -113,8 +113,9 @@ std::vector<SolidTriangle> continueSurface(Topology& mesh, std::span<const Solid
   if (std::any_of(patch.points.begin(), patch.points.end(), runsAway)) return {};
 
   std::vector<SolidTriangle> cap;
-  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, bool seam) {
     SolidTriangle t;
+    t.seam = seam;
     t.vertex = {a, b, c};
     t.source = kCap;
     t.component = hole[0].component;
@@ -122,18 +123,18 @@ std::vector<SolidTriangle> continueSurface(Topology& mesh, std::span<const Solid
   };
   const std::uint32_t first = static_cast<std::uint32_t>(mesh.lattice.size());
   for (const glm::dvec3& p : patch.points) mesh.lattice.emplace_back(std::llround(p.x / kLatticeStep), std::llround(p.y / kLatticeStep), std::llround(p.z / kLatticeStep));
-  for (const auto& [a, b, c] : patch.triangles) add(first + a, first + b, first + c);
+  for (const auto& [a, b, c] : patch.triangles) add(first + a, first + b, first + c, false);
   // A band of slivers joins the patch to the hole, corner by corner along the way.
   const std::size_t steps = rim.points.size();
   std::size_t corner = 0, step = 0;
   double walked = glm::distance(corners[0], corners[1 % corners.size()]);
   while (corner < hole.size() || step < steps) {
     if (step == steps || (corner < hole.size() && walked <= static_cast<double>(step + 1) * rim.step)) {
-      add(hole[corner].vertex[0], hole[corner].vertex[1], first + static_cast<std::uint32_t>(step % steps));
+      add(hole[corner].vertex[0], hole[corner].vertex[1], first + static_cast<std::uint32_t>(step % steps), true);
       ++corner;
       if (corner < hole.size()) walked += glm::distance(corners[corner], corners[(corner + 1) % corners.size()]);
     } else {
-      add(first + static_cast<std::uint32_t>((step + 1) % steps), first + static_cast<std::uint32_t>(step), hole[corner % hole.size()].vertex[0]);
+      add(first + static_cast<std::uint32_t>((step + 1) % steps), first + static_cast<std::uint32_t>(step), hole[corner % hole.size()].vertex[0], true);
       ++step;
     }
   }
@@ -176,8 +177,7 @@ std::vector<SolidTriangle> makeCones(Topology& mesh, std::span<const BoundaryEdg
   return caps;
 }
 
-
-void addCaps(Topology& mesh, std::span<const SolidTriangle> cones) {
+void addCaps(Topology& mesh, std::vector<SolidTriangle> cones) {
   struct Hole {
     std::span<const SolidTriangle> cones;
     bool large = false;
@@ -190,7 +190,12 @@ void addCaps(Topology& mesh, std::span<const SolidTriangle> cones) {
     for (; end < cones.size() && cones[end].vertex[2] == cones[begin].vertex[2]; ++end) area += glm::length(mesh.areaVector(cones[end]));
     const Component& component = mesh.components[cones[begin].component];
     if (component.solid) {
-      holes.push_back({cones.subspan(begin, end - begin), area >= kLeastShare * component.area});
+      const std::span<SolidTriangle> of_hole(cones.data() + begin, end - begin);
+      if (component.volume < 0) {  // its triangles were turned, so the rim runs the other way
+        std::reverse(of_hole.begin(), of_hole.end());
+        for (SolidTriangle& cone : of_hole) std::swap(cone.vertex[0], cone.vertex[1]);
+      }
+      holes.push_back({of_hole, area >= kLeastShare * component.area});
       if (holes.back().large) std::for_each(holes.back().cones.begin(), holes.back().cones.end(), [&](const SolidTriangle& cone) { normals.want(cone); });
     }
     begin = end;

@@ -19,7 +19,7 @@ struct BoundaryEdge {
 std::vector<SolidTriangle> makeCones(Topology& mesh, std::span<const BoundaryEdge> boundary);
 
 // Adds the caps of solid components to the mesh: the cones, but for holes that are large beside their component and seem to be torn into a body that bulged
-// there. Those get a cap that goes on as the surface around does.
-void addCaps(Topology& mesh, std::span<const SolidTriangle> cones);
+// there. Those get a cap that goes on as the surface around does. Bodies that are inside out have been turned before.
+void addCaps(Topology& mesh, std::vector<SolidTriangle> cones);
 
 }  // namespace kelp::bake

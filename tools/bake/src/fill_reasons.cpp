@@ -25,6 +25,7 @@ std::string holesOf(double least, double most) {
 }
 
 std::string whyOf(const Component& c, Fill fill) {
+  if (c.area == 0) return "thinner than the lattice: kept as lines and points";
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modelled from both sides";
   if (c.closed) return "closed";
@@ -36,11 +37,15 @@ std::string whyOf(const Component& c, Fill fill) {
 }  // namespace
 
 std::string summariseFill(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0;
+  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, lines = 0;
   double area = 0, cap_area = 0, least = 1e30, most = 0;
   for (const Component& c : mesh.components) {
     if (c.wall) {
       ++walls;
+      continue;
+    }
+    if (c.area == 0) {
+      ++lines;
       continue;
     }
     closed += c.closed;
@@ -54,13 +59,14 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
       cap_area += c.cap_area;
     }
   }
-  const std::size_t total = mesh.components.size() - walls;
-  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed)", closed, total, total == 1 ? "" : "s");
+  const std::size_t total = mesh.components.size() - walls - lines;
+  const std::string thinner = lines > 0 ? fmt::format(", {} thinner than the lattice kept as lines and points", lines) : std::string();
+  if (fill == Fill::kSurface) return fmt::format("surface: as asked ({} of {} component{} closed{})", closed, total, total == 1 ? "" : "s", thinner);
   std::string text = fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid", fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
   if (capped > 0) text += fmt::format(", {} with holes capped ({} % of {} surface)", capped, printPercent(percent(cap_area, area)), capped == 1 ? "its" : "their");
   if (sheets > 0) text += fmt::format(", {} open sheet{} kept as surface ({})", sheets, sheets == 1 ? "" : "s", holesOf(least, most));
   if (walls > 0) text += fmt::format(", {} wall{} modelled from both sides", walls, walls == 1 ? "" : "s");
-  return text;
+  return text + thinner;
 }
 
 std::vector<Report::Component> describeComponents(const Topology& mesh, Fill fill) {
@@ -72,7 +78,7 @@ std::vector<Report::Component> describeComponents(const Topology& mesh, Fill fil
   std::vector<Report::Component> described;
   for (std::size_t i = 0; i < std::min(order.size(), Report::kMaxComponents); ++i) {
     const Component& c = mesh.components[order[i]];
-    described.push_back({c.triangles, area > 0 ? c.area / area : 0.0, c.solid, whyOf(c, fill)});
+    described.push_back({c.triangles, area > 0 ? c.area / area : 0.0, c.solid && c.area > 0, whyOf(c, fill)});
   }
   return described;
 }

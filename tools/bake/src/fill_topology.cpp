@@ -303,7 +303,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   const std::vector<Edge> edges = sortedEdges(mesh, true);
   windConsistently(mesh, edges);
   findComponents(mesh, edges);
-  const std::vector<SolidTriangle> cones = makeCones(mesh, findBoundary(mesh, edges));
+  std::vector<SolidTriangle> cones = makeCones(mesh, findBoundary(mesh, edges));
   measure(mesh, cones);
   mesh.closed = true;
   for (Component& c : mesh.components) {
@@ -312,10 +312,10 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
     // 2 V / A is a plate's thickness and a wire's radius; below, centres alone would miss much of either. A line has none of either.
     c.thin = !c.solid || 2.0 * std::abs(c.volume) <= 0.75 * (c.area + c.cap_area);
   }
-  addCaps(mesh, cones);
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }
+  addCaps(mesh, std::move(cones));
   mesh.summary = summariseFill(mesh, fill);
   return mesh;
 }

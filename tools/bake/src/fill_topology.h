@@ -22,6 +22,7 @@ struct SolidTriangle {
   std::uint32_t source = 0;     // index into the soup; of caps: kCap
   std::uint32_t component = 0;
   bool swapped = false;         // corners 1 and 2 against the soup's; in a sheet: it was wound against the larger part around it
+  bool seam = false;            // joins a cap to the edges of its hole: which way it faces says nothing
   bool wall = false;            // modelled from both sides, and what it is attached to is nearer to closed without it
 
   void turn() {

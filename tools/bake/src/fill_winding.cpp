@@ -128,7 +128,7 @@ class DoubtFinder {
   // at the caps, and goes on where there is doubt.
   void find(std::span<const SolidTriangle> caps, std::vector<Doubt>& doubts) {
     const CapTree tree(mesh_, caps);
-    seen_.clear();
+    seen_ = {};  // clear() would pass over the buckets of the largest one each time
     std::vector<std::uint64_t> front, next;
     for (const SolidTriangle& cap : caps) forEachPassed(mesh_, cap, [&](const glm::ivec3& voxel) { add(voxel, front); });
     // A cap may pass before or behind its voxels' centres.

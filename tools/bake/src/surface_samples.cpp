@@ -124,6 +124,8 @@ class Sampler {
     glm::dvec3 normal = faceNormal(nearest.triangle);
     if (!isSolid(nearest.triangle)) {
       if (voxels_[index] == kInside && glm::dot(normal, open) < 0) normal = -normal;  // it lies in the skin of a body
+    } else if (mesh_.triangles[nearest.triangle].seam) {
+      normal = faceNormal(bvh_.nearest(centre, std::numeric_limits<double>::infinity(), [&](std::uint32_t i) { return !mesh_.triangles[i].seam; }).triangle);
     } else if (const double distance = std::sqrt(nearest.squared); distance > kTooNear) {
       normal = (voxels_[index] == kInside ? nearest.point - centre : centre - nearest.point) / distance;
     }
