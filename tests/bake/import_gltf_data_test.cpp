@@ -106,7 +106,10 @@ TEST(ImportGltfData, WhatIsAbsentMattersToItsReadersAlone) {
   const std::string said = refusal(scratch.write("m.gltf", text(1, "absent.bin")), Exit::kIo);
   for (const char* told : {"m.gltf: buffers[1]: ", "absent.bin: no such file; "}) EXPECT_TRUE(contains(said, told)) << said;
   EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", text(1, "http://example.com/x.bin")), Exit::kInvalid), "URI scheme"));
-  refusal(scratch.write("m.gltf", text(0, "../x.bin")), Exit::kInvalid);
+  const std::string outside = refusal(scratch.write("m.gltf", text(0, "../x.bin")), Exit::kInvalid);
+  EXPECT_TRUE(contains(outside, "m.gltf: buffers[1]: reference '../x.bin': leaves the input's folder")) << outside;
+  const std::string empty = refusal(scratch.write("m.gltf", text(0, "data:")), Exit::kInvalid);
+  EXPECT_TRUE(contains(empty, "m.gltf: buffers[1]: has a data URI without data")) << empty;
   // A type that glTF does not have is an error where it is read.
   std::string unknown = text(0, "absent.bin");
   unknown.replace(unknown.find(R"("POSITION":0)"), 12, R"("POSITION":1)");

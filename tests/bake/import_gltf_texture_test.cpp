@@ -237,7 +237,8 @@ TEST_F(Square, ALampWithoutItsPictureIsDark) {
 TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
   const Scratch& scratch = scratch_;
   scratch.write("secret.tga", tga(kBlue, 1));
-  EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
+  const std::string said = refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, ".gltf: images[0]: reference '../x/secret.tga': leaves the input's folder")) << said;
   EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"sub/../../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
 }
 
@@ -268,7 +269,7 @@ TEST_F(Textured, PicturesOnTheNetCanNotBeHad) {
   const SourceModel model = import(plain(), R"("textures":[{"source":0}],)" + images({"http://a/b.png"}));
   EXPECT_TRUE(model.images.empty());
   ASSERT_EQ(model.notices.size(), 1u);
-  EXPECT_TRUE(contains(model.notices[0], "'http://a/b.png'") && contains(model.notices[0], "the colour factor alone is used"));
+  EXPECT_TRUE(contains(model.notices[0], "images[0]: reference 'http://a/b.png'") && contains(model.notices[0], "the colour factor alone is used"));
 }
 
 }  // namespace

@@ -48,6 +48,11 @@ std::string oneLine(std::string_view text, std::size_t limit) {
   return out;
 }
 
+BakeError inPlace(const InputFiles& files, std::string_view place, const BakeError& error) {
+  const std::string input = oneLine(files.input().string(), 4096) + ": ", what = error.what();
+  return {error.exit, input + std::string(place) + ": " + (what.rfind(input, 0) == 0 ? what.substr(input.size()) : what)};
+}
+
 std::optional<std::string> percentDecode(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -17,6 +17,11 @@ namespace kelp::bake {
 // Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. `what` ends in "; " and the remedy, or gets the general one. Control characters and overlong texts are made harmless.
 [[noreturn]] void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what);
 
+class InputFiles;
+
+// An error about what `place` in the input names, as one of that place: "INPUT: PLACE: " and the error's text, which may begin with another file.
+BakeError inPlace(const InputFiles& files, std::string_view place, const BakeError& error);
+
 // A text from a file or a library, fit for one line of a message: printable, at most `limit` bytes.
 std::string oneLine(std::string_view text, std::size_t limit = 200);
 

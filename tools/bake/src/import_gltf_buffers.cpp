@@ -32,12 +32,6 @@ std::optional<std::vector<std::uint8_t>> loadBuffer(const InputFiles& files, con
   return text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
 }
 
-// An error that may be another file's, as one of the place where the input asks for it.
-BakeError inPlace(const InputFiles& files, const std::string& place, const BakeError& error) {
-  const std::string input = oneLine(files.input().string(), 4096) + ": ", what = error.what();
-  return {error.exit, input + place + ": " + (what.rfind(input, 0) == 0 ? what.substr(input.size()) : what)};
-}
-
 // Section 3.6.1.1 of the specification; parsed leniently, so the few that are wrong are told.
 void checkDataUri(const std::string& uri, const std::string& place, std::vector<std::string>& flaws) {
   std::string type = uri.substr(5, std::min(uri.find(','), std::size_t{256}) - 5);
@@ -87,9 +81,11 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
       bytes = loadBuffer(files, buffer, index, container.chunk, place);
     } catch (const BakeError& error) {
       // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
-      const bool absent = error.exit == Exit::kIo || (buffer["uri"].is_string() && hasScheme(buffer["uri"].get_ref<const std::string&>()) && buffer["uri"].get_ref<const std::string&>().rfind("data:", 0) != 0);
-      if (!absent) throw;
-      document.missing.emplace(index, inPlace(files, place, error));
+      const std::string* uri = buffer["uri"].get_ptr<const std::string*>();
+      if (!uri || uri->rfind("data:", 0) == 0) throw;
+      const BakeError placed = inPlace(files, place, error);
+      if (error.exit != Exit::kIo && !hasScheme(*uri)) throw placed;
+      document.missing.emplace(index, placed);
       (error.exit == Exit::kIo ? document.flaws : document.notices).push_back(place + ": can not be had, and nothing that is baked lies in it (" + error.what() + ")");
       bytes.emplace();
       buffers.push_back(*std::move(bytes));
