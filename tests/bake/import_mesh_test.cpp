@@ -111,6 +111,40 @@ TEST(ImportMesh, ObjPicturesOfRoughnessAndMetal) {
   EXPECT_TRUE(anyContains(model.notices, "absent.tga"));
 }
 
+// Materials that name the same pictures have them once, and they are counted once.
+TEST(ImportMesh, ObjPicturesOfRoughnessAndMetalAreShared) {
+  const Scratch scratch;
+  constexpr int kMaterials = 16, kSize = 64;
+  const std::string head("\0\0\3\0\0\0\0\0\0\0\0\0\100\0\100\0\10\40", 18);  // a gray TGA
+  scratch.write("rough.tga", head + std::string(kSize * kSize, '\x80'));
+  scratch.write("metal.tga", head + std::string(kSize * kSize, '\x40'));
+  const auto import = [&](const std::string& maps, const Settings& settings) {
+    std::string materials, faces;
+    for (int i = 0; i < kMaterials; ++i) {
+      const std::string name = "m" + std::to_string(i);
+      materials += "newmtl " + name + "\nPm 0\nKd 0." + std::to_string(i) + " 0 0\n" + (i % 2 ? "map_Pr -clamp on " : "map_Pr ") + maps;
+      faces += "usemtl " + name + "\nf 1/1 2/1 3/1\n";
+    }
+    scratch.write("a.mtl", materials);
+    return importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n" + faces), settings);
+  };
+  Settings settings;
+  settings.max_memory = 3 * 10 * kSize * kSize;  // both pictures and what they become: ten bytes a texel
+  const SourceModel model = import("rough.tga\nmap_Pm metal.tga\n", settings);
+  ASSERT_EQ(model.images.size(), 1u);
+  EXPECT_EQ(model.images[0].rgba[1], 0x80);
+  EXPECT_EQ(model.images[0].rgba[2], 0x40);
+  const auto& triangles = model.parts[0].soup.triangles;
+  ASSERT_EQ(triangles.size(), std::size_t{kMaterials});
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const SurfaceMaterial& material = model.materials[triangles[i].material];
+    EXPECT_EQ(material.metal_map.texture, 0) << i;
+    EXPECT_EQ(material.metal_map.wrap_u, i % 2 ? Wrap::kClamp : Wrap::kRepeat) << "where it lies is the material's own";
+    EXPECT_EQ(glm::vec2(material.roughness, material.metallic), glm::vec2(1)) << i;
+  }
+  EXPECT_EQ(import("absent.tga\n", {}).notices.size(), 1u);
+}
+
 TEST(ImportMesh, ConcavePolygonsKeepTheirArea) {
   const Scratch scratch;
   // An L of area 3: a fan from its first corner would fold over.

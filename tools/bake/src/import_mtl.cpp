@@ -54,6 +54,11 @@ class MtlReader {
     SurfaceMap map;
     std::string name;
   };
+  // Two of them in one, as an image of the model; -1: neither could be had.
+  struct Gloss {
+    int texture = -1;
+    bool has_rough = false, has_metal = false;
+  };
 
   void readProperty(const std::string& key, std::istringstream& words, SurfaceMaterial& material) {
     if (key == "Kd") {
@@ -104,14 +109,24 @@ class MtlReader {
   void joinGloss() {
     const Gray rough = std::exchange(rough_, {}), metal = std::exchange(metal_, {});
     if (by_name_.empty() || (rough.name.empty() && metal.name.empty())) return;
-    const std::optional<Image> green = rough.name.empty() ? std::nullopt : readImage(rough.name), blue = metal.name.empty() ? std::nullopt : readImage(metal.name);
-    if (!green && !blue) return;
+    const auto [slot, fresh] = gloss_.try_emplace({rough.name, metal.name});
+    if (fresh) slot->second = loadGloss(rough.name, metal.name);
+    const Gloss& gloss = slot->second;
+    if (gloss.texture < 0) return;
     SurfaceMaterial& material = out_.materials.back();
     // A factor of 0 beside a picture would make it black, as with Kd.
-    if (green && material.roughness == 0) material.roughness = 1;
-    if (blue && material.metallic == 0) material.metallic = 1;
+    if (gloss.has_rough && material.roughness == 0) material.roughness = 1;
+    if (gloss.has_metal && material.metallic == 0) material.metallic = 1;
+    material.metal_map = gloss.has_rough ? rough.map : metal.map;
+    material.metal_map.texture = gloss.texture;
+  }
+
+  // Either name may be empty.
+  Gloss loadGloss(const std::string& rough, const std::string& metal) {
+    const std::optional<Image> green = rough.empty() ? std::nullopt : readImage(rough), blue = metal.empty() ? std::nullopt : readImage(metal);
+    if (!green && !blue) return {};
     Image joined;
-    joined.name = oneLine(green ? rough.name : metal.name, 80);
+    joined.name = oneLine(green ? rough : metal, 80);
     joined.srgb = false;
     joined.width = std::max(green ? green->width : 1, blue ? blue->width : 1);
     joined.height = std::max(green ? green->height : 1, blue ? blue->height : 1);
@@ -127,9 +142,8 @@ class MtlReader {
         joined.rgba.insert(joined.rgba.end(), {255, red(green), red(blue), 255});
       }
     }
-    material.metal_map = green ? rough.map : metal.map;
-    material.metal_map.texture = static_cast<int>(out_.images.size());
     out_.images.push_back(std::move(joined));
+    return {static_cast<int>(out_.images.size()) - 1, green.has_value(), blue.has_value()};
   }
 
   SurfaceMap readMap(std::istringstream& words) {
@@ -196,6 +210,7 @@ class MtlReader {
   SourceModel& out_;
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, int> images_;
+  std::map<std::pair<std::string, std::string>, Gloss> gloss_;  // by the names of both pictures
   Gray rough_, metal_;  // of the material that is being read
 };
 
