@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Files made to do harm: whatever they hold, importing ends in a model or in one line, and soon.
 #include <algorithm>
+#include <cmath>
+#include <ctime>
 #include <random>
 
 #include "import_scratch.h"
@@ -38,6 +40,32 @@ TEST(ImportHostile, KnownBadFiles) {
   // What the files' own reports say is tested with the program, tests/cli/kelp_bake_hostile_test.py.
   // Sound geometry beside values of a wrong type that it does not need, and one bad line of an otherwise good OBJ.
   for (const std::string& name : accepted) EXPECT_TRUE(name.rfind("bad", 0) == 0 || name == "malformed2.obj") << name;
+}
+
+// No number of corners is the worst: those that are cut in the way of small polygons take no longer than the same corners in larger ones. Seconds of the processor.
+TEST(ImportHostile, PolygonsThatCrossThemselvesAreCutSoonWhateverTheirSize) {
+  const Scratch scratch;
+  enum class Shape { kRandom, kTwiceAround };
+  const auto seconds = [&](Shape shape, int corners) {
+    constexpr int kAll = 30000;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> place(0, 1);
+    std::string points, faces;
+    for (int i = 0; i < kAll; ++i) {
+      const double angle = 4 * M_PI * (i % corners) / corners;
+      const glm::dvec2 point = shape == Shape::kRandom ? glm::dvec2(place(random), place(random)) : glm::dvec2(std::cos(angle), std::sin(angle));
+      points += std::to_string(point.x) + " " + std::to_string(point.y) + " 0\n";
+      faces += (i % corners == 0 ? "\n" + std::to_string(std::min(corners, kAll - i)) : "") + " " + std::to_string(i);
+    }
+    const std::string text = "OFF " + std::to_string(kAll) + " " + std::to_string((kAll + corners - 1) / corners) + " 0\n" + points + faces + "\n";
+    const std::filesystem::path path = scratch.write("a.off", text);
+    const std::clock_t begin = std::clock();
+    importFile(path, {});
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double large = seconds(Shape::kRandom, 3000);
+  for (int corners : {16, 64, 250, 1000}) EXPECT_LT(seconds(Shape::kRandom, corners), 8 * large + 0.1) << corners << " corners";
+  EXPECT_LT(seconds(Shape::kTwiceAround, 63), 8 * large + 0.1);
 }
 
 TEST(ImportHostile, MessagesSayWhereAndWhatToDo) {

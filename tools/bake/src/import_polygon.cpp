@@ -251,8 +251,8 @@ std::vector<std::array<std::uint32_t, 3>> triangulatePolygon(std::span<const glm
   if (corners.size() < 3) return triangles;
   if (corners.size() == 3) return {{0, 1, 2}};
   std::vector<glm::dvec2> flat = flatten(corners);
-  // What follows is cubic in the worst case.
-  constexpr std::size_t kLarge = 1024;
+  // What follows is cubic in the worst case: beyond this many corners it may take longer than the other way.
+  constexpr std::size_t kLarge = 32;
   if (corners.size() > kLarge) {
     // Triangles at what is not finite are dropped later; here it must have an order.
     for (glm::dvec2& p : flat)
