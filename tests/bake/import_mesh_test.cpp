@@ -328,6 +328,28 @@ TEST(ImportMesh, StlTextAndBinaryAgree) {
   refusal(scratch.write("e.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0"), Exit::kInvalid);
 }
 
+// What follows "solid" in a header may be any words, and what follows the facets any bytes: the count tells.
+TEST(ImportMesh, StlWordsInABinaryFileMeanNothing) {
+  const Scratch scratch;
+  const auto file = [](const std::string& head, std::uint32_t count, const std::string& tail) {
+    std::string out = head + std::string(80 - head.size(), ' ') + bytesOf(std::vector<std::uint32_t>{count});
+    for (int i = 0; i < 3; ++i) out += bytesOf(std::vector<float>{0, 0, 1, 0, 0, float(i), 1, 0, float(i), 0, 1, float(i)}) + std::string(2, '\0');
+    return out + tail;
+  };
+  for (const char* head : {"solid exported facet thing", "solid a\nfacet outer loop vertex\n", "solid a endsolid"}) {
+    for (const char* tail : {"xx", "\nfacet normal 0 0 0\nouter loop\nendsolid\n"}) {
+      const SourceModel model = importFile(scratch.write("a.stl", file(head, 3, tail)), {});
+      EXPECT_EQ(model.format, "STL (binary)");
+      EXPECT_EQ(model.parts[0].soup.triangles.size(), 3u) << head;
+    }
+    EXPECT_EQ(importFile(scratch.write("b.stl", file(head, 2, "")), {}).parts[0].soup.triangles.size(), 2u) << head;
+    EXPECT_TRUE(contains(refusal(scratch.write("c.stl", file(head, 20, "")), Exit::kInvalid), "declares 20 facets but the file holds 3; ")) << head;
+  }
+  EXPECT_TRUE(contains(refusal(scratch.write("d.stl", file("solid exported facet thing", 0xffffffffu, "\n")), Exit::kInvalid), "declares 4294967295 facets"));
+  // A text needs no line ends.
+  EXPECT_EQ(importFile(scratch.write("e.stl", "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet endsolid a"), {}).format, "STL (text)");
+}
+
 // Words after the facets as the programs that write colours have them, and words that mean nothing.
 TEST(ImportMesh, StlColoursAreReadWherePlausible) {
   const Scratch scratch;
@@ -360,6 +382,8 @@ TEST(ImportMesh, StlColoursAreReadWherePlausible) {
   // Counters and rests of memory.
   EXPECT_EQ(colors("b", {0, 0, 0}), Colors{});
   EXPECT_EQ(colors("b", {1, 2, 3, 4}), Colors{});
+  EXPECT_EQ(colors("b", {kFlag, 0, 0, 0}), Colors{}) << "one stray word";
+  EXPECT_EQ(colors("b", {kFlag | kHigh, kFlag | kLow, 0, 0}), (Colors{red, blue, white, white})) << "half of them";
   EXPECT_EQ(colors("b", {0x1234, 0x9abc, 0x5678, 0xdef0}), Colors{});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// STL. Binary files are told by their length, not by their first word: many begin with "solid" too. Keywords of text are read in either case.
+// STL. Binary files are told by their count, not by their first word: many begin with "solid" too. Keywords of text are read in either case.
 #include <algorithm>
 #include <cstring>
 
@@ -19,6 +19,12 @@ bool isEqual(char a, char b) {
 bool isWord(std::string_view text, std::string_view word) { return std::equal(text.begin(), text.end(), word.begin(), word.end(), isEqual); }
 
 bool holdsWord(std::string_view text, std::string_view word) { return std::search(text.begin(), text.end(), word.begin(), word.end(), isEqual) != text.end(); }
+
+// The first line holds the model's name, which may be any words. Line ends are no more than spaces to this format: without one, all of the text.
+std::string_view afterFirstLine(std::string_view text) {
+  const std::size_t end = text.find_first_of("\r\n", std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return end == std::string_view::npos ? text : text.substr(end);
+}
 
 void addFacet(const InputFiles& files, const std::array<glm::vec3, 3>& corners, const std::optional<glm::vec4>& color, SoupBuilder& soup) {
   SoupBuilder::Triangle triangle;
@@ -43,7 +49,7 @@ class FacetColors {
     if (head.end() - at >= static_cast<std::ptrdiff_t>(kMark.size() + 4)) {
       for (int c = 0; c < 3; ++c) whole_[c] = srgbToLinear(static_cast<float>(*(at + static_cast<std::ptrdiff_t>(kMark.size()) + c)) / 255.0f);
       kind_ = used > 0 ? Kind::kMagics : Kind::kWhole;
-    } else if (valid > 0 && 10 * valid >= 9 * used) {
+    } else if (valid > 0 && 2 * valid >= facets && 10 * valid >= 9 * used) {
       kind_ = Kind::kVisCam;
     }
   }
@@ -121,13 +127,15 @@ void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
   if (bytes.size() >= kHeaderBytes) std::memcpy(&declared, bytes.data() + 80, 4);
   const std::size_t fits = bytes.size() < kHeaderBytes ? 0 : (bytes.size() - kHeaderBytes) / kFacetBytes;
   const bool says_solid = isWord(trim(text.substr(0, 512)).substr(0, 5), "solid");
-  const bool exact = bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + std::size_t{declared} * kFacetBytes;
-  if (!exact && says_solid && holdsWord(text, "facet")) {
+  // Whether the count may be one at all: that of a file of at most 4 GiB is less than any four characters of a text.
+  const bool has_count = bytes.size() >= kHeaderBytes && declared < 0x09090909u;
+  const bool is_text = says_solid && !has_count;
+  if (is_text && holdsWord(afterFirstLine(text), "facet")) {
     out.format = "STL (text)";
     return readText(files, text, soup);
   }
   out.format = "STL (binary)";
-  if (!exact && says_solid && holdsWord(text, "endsolid")) refuse(Exit::kInvalid, files.input(), "", "holds no facets; export a model with faces");
+  if (is_text && holdsWord(text, "endsolid")) refuse(Exit::kInvalid, files.input(), "", "holds no facets; export a model with faces");
   if (bytes.size() < kHeaderBytes) refuse(Exit::kInvalid, files.input(), "", "does not look like STL: it is neither text nor as long as a binary header; check the file's type");
   if (declared > fits)
     refuse(Exit::kInvalid, files.input(), "header", "declares " + std::to_string(declared) + " facets but the file holds " + std::to_string(fits) + "; it is truncated or not an STL");
