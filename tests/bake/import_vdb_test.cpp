@@ -88,6 +88,29 @@ TEST(ImportVdb, ResolutionAndVoxelSizeResample) {
   EXPECT_EQ(model.parts[0].grid->size, glm::ivec3(40));
 }
 
+TEST(ImportVdb, PaddingTakesMemoryToo) {
+  const Scratch scratch;
+  const auto path = writeGrids(scratch, {sphere(2.0f, {5, -3, 1}, 0.05f)});
+  const auto needs = [&](int pad, std::uint64_t limit) {
+    Settings settings;
+    settings.pad = pad;
+    settings.max_memory = limit;
+    Report report;
+    bake(path, settings, report);
+    return report.estimated_bytes;
+  };
+  // A box of 880 voxels a side: 0.63 GiB at a byte each.
+  try {
+    needs(400, std::uint64_t{300} << 20);
+    FAIL() << "baked";
+  } catch (const BakeError& error) {
+    EXPECT_EQ(error.exit, Exit::kRuntime);
+    EXPECT_NE(std::string(error.what()).find("would fit"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--pad 2"), std::string::npos) << error.what();
+  }
+  EXPECT_GT(needs(60, 0), needs(0, 0) + 200 * 200 * 200 - 80 * 80 * 80) << "a byte for each voxel that is added";
+}
+
 TEST(ImportVdb, TransformsThatTurnOrStretchAreApplied) {
   const Scratch scratch;
   // An ellipsoid with the half axes 1, 2 and 1: a sphere of radius 20 voxels under a stretch and a turn of 30 degrees about z.

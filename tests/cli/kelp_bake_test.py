@@ -3,6 +3,7 @@
 """kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
+import random
 import re
 import resource
 import signal
@@ -261,6 +262,43 @@ class KelpBake(unittest.TestCase):
         fits = self.bake(self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "70M")
         self.assertEqual(fits.returncode, 0, fits.stderr)
         self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M", says=["1.0 MiB", "no resolution would fit"])
+
+    def needs(self, *arguments):
+        """MiB that a bake would need, by what its refusal says."""
+        refused = self.bake(*arguments, "-o", self.out, "--max-memory", "1M")
+        self.assertEqual(refused.returncode, 4, refused.stderr)
+        number, unit = re.search(r"needs about ([0-9.]+) ([MG])iB", refused.stderr.decode()).groups()
+        return float(number) * (1024 if unit == "G" else 1)
+
+    def test_padding_that_is_too_large_is_named(self):
+        wide = [self.cube, "-o", self.out, "--resolution", "64", "--max-memory", "150M", "--pad"]
+        refused = self.bake(*wide, "1000").stderr.decode()
+        self.assertNotIn("the file itself is too large", refused)
+        pad = int(re.search(r"--pad (\d+) would fit", refused).group(1))
+        self.fails(4, *wide, str(pad + 1), says=["--pad %d would fit" % pad])
+        fits = self.bake(*wide, str(pad))
+        self.assertEqual(fits.returncode, 0, fits.stderr)
+        # Where both are too large, both are named.
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "150M", "--pad", "1000",
+                   says=["no resolution would fit with --pad 1000; without it --resolution "])
+
+    def test_what_is_narrower_than_a_voxel_is_counted(self):
+        # 20,000 ribbons of a length of 0.15 to 0.2 in a cube of 1, next to no area: at 256 voxels their bake takes 330 MiB.
+        places = random.Random(4)
+        lines, at = [], 1
+        for _ in range(20000):
+            x, y, z = (places.random() for _ in range(3))
+            dx, dy = places.uniform(-0.1, 0.1), places.uniform(-0.1, 0.1)
+            lines += ["v %f %f %f" % v for v in ((x, y, z), (x + 1e-6, y, z), (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))]
+            lines += ["f %d %d %d" % (at, at + 1, at + 3), "f %d %d %d" % (at, at + 3, at + 2)]
+            at += 4
+        hair = self.write("hair.obj", "\n".join(lines) + "\n")
+        self.assertGreater(self.needs(hair, "--resolution", "256"), 250)
+
+    def test_triangles_that_are_there_twice_are_counted_once(self):
+        vertices, faces = CUBE[:CUBE.index("f ")], CUBE[CUBE.index("f "):]
+        often = self.write("often.obj", vertices + 40 * faces)
+        self.assertLess(self.needs(often, "--resolution", "256"), 1.05 * self.needs(self.cube, "--resolution", "256"))
 
     def test_a_link_stays_a_link(self):
         os.symlink("real.kelp", self.path("link.kelp"))

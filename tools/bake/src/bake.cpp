@@ -98,8 +98,7 @@ void checkSides(const SourceModel& model, const std::vector<Frame>& frames, cons
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& part = model.parts[i];
     const glm::ivec3 size = part.grid ? part.grid->size + 2 * paddingOf(part, settings.pad) : frames[i].size;
-    if (const int side = std::max({size.x, size.y, size.z}); side > kMaxResolution + 1)
-      throw BakeError(Exit::kUsage, fmt::format("{}: --pad {} makes {} voxels along a side, {} is the limit; pad less, or take larger voxels", placeOf(input, part), settings.pad, side, kMaxResolution));
+    checkPadded(size, settings.pad, placeOf(input, part));
   }
 }
 
@@ -107,7 +106,7 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
   const auto sizes = [&](const Settings& changed) {
     const std::vector<Frame> frames = makeFrames(model, changed, input);
     std::vector<PartSize> parts;
-    for (std::size_t i = 0; i < model.parts.size(); ++i) parts.push_back(partSize(model.parts[i], frames[i]));
+    for (std::size_t i = 0; i < model.parts.size(); ++i) parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], changed.pad)));
     return parts;
   };
   std::uint64_t image_bytes = 0;

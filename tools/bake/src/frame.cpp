@@ -76,4 +76,9 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
   return frame;
 }
 
+void checkPadded(const glm::ivec3& size, int pad, const std::string& what) {
+  if (const int side = std::max({size.x, size.y, size.z}); side > kMaxResolution + 1)
+    throw BakeError(Exit::kUsage, fmt::format("{}: --pad {} makes {} voxels along a side, {} is the limit; pad less, or take larger voxels", what, pad, side, kMaxResolution));
+}
+
 }  // namespace kelp::bake

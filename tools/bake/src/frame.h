@@ -18,4 +18,7 @@ glm::dvec3 rigExtent(const TriangleSoup& soup, Axis axis, const std::string& wha
 // eight voxels along y the nudge might exceed an eighth: then `wanted` stays.
 double fitVoxelSize(double extent_y, double wanted);
 
+// BakeError kUsage where padding has made a side of `size` longer than a pack can have. `what` names the part.
+void checkPadded(const glm::ivec3& size, int pad, const std::string& what);
+
 }  // namespace kelp::bake

@@ -19,6 +19,7 @@
 #include "import_rig.h"
 #include "kelp/fields/fields.h"
 #include "memory_estimate.h"
+#include "placement.h"
 
 namespace kelp::bake {
 namespace {
@@ -241,7 +242,8 @@ VoxelGrid sampleGrid(const InputFiles& files, const Grid& grid, const Lattice& l
 }
 
 template <class Grid>
-VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, Axis axis, const Settings& settings) {
+VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, const SourcePart& part, const Settings& settings) {
+  const Axis axis = part.rig.axis.value_or(Axis::kPlusY);
   const glm::dmat4 to_world = indexToWorld(files, grid);
   const glm::dmat4 to_rig = glm::dmat4(glm::dmat3(axisRotation(axis))) * to_world;
   const IndexBox box = solidBox(files, grid);
@@ -251,6 +253,7 @@ VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, Axis axis, const S
   const int longest = std::max({lattice.size.x, lattice.size.y, lattice.size.z});
   if (longest > kMaxResolution)
     refuse(Exit::kUnsupported, files.input(), "", "has more than " + std::to_string(kMaxResolution) + " voxels along a side; give a --resolution");
+  checkPadded(lattice.size + 2 * paddingOf(part, settings.pad), settings.pad, files.input().filename().string() + ": part '" + part.name + "'");
   // As it was asked for: in metres.
   Settings in_metres = settings;
   if (settings.voxel_size) in_metres.voxel_size = *settings.voxel_size * settings.unit;
@@ -258,7 +261,7 @@ VoxelGrid bakeGrid(const InputFiles& files, const Grid& grid, Axis axis, const S
     if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings.unit;
     const Lattice other = changed.resolution_given || changed.voxel_size ? newLattice(files, box, to_rig, changed) : lattice;
     const double step = std::cbrt(std::abs(glm::determinant(glm::dmat3(other.to_index))));  // voxels of the grid to one of the part
-    return std::vector<PartSize>{{other.size, 0, box.faces / (step * step), box.solid / (step * step * step)}};
+    return std::vector<PartSize>{volumeSize(other.size, paddingOf(part, changed.pad), box.faces / (step * step), box.solid / (step * step * step))};
   };
   requireMemory(sizes, 0, in_metres, settings.resolution_given ? settings.resolution : longest, files.input());
   VoxelGrid out = sampleGrid(files, grid, lattice, settings);
@@ -278,12 +281,11 @@ SourceModel readVdb(const InputFiles& files, const Settings& settings) {
   SourcePart part;
   part.name = stemOf(files);
   giveRig(part, outer, settings);
-  const Axis axis = part.rig.axis.value_or(Axis::kPlusY);
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     const openvdb::GridBase::Ptr grid = openLevelSet(files);
-    part.grid = grid->isType<openvdb::FloatGrid>() ? bakeGrid(files, *openvdb::gridPtrCast<openvdb::FloatGrid>(grid), axis, settings)
-                                                   : bakeGrid(files, *openvdb::gridPtrCast<openvdb::DoubleGrid>(grid), axis, settings);
+    part.grid = grid->isType<openvdb::FloatGrid>() ? bakeGrid(files, *openvdb::gridPtrCast<openvdb::FloatGrid>(grid), part, settings)
+                                                   : bakeGrid(files, *openvdb::gridPtrCast<openvdb::DoubleGrid>(grid), part, settings);
   });
   out.parts.push_back(std::move(part));
   out.materials.push_back({});

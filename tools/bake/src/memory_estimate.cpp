@@ -14,17 +14,23 @@
 #include "frame.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
+#include "surface_count.h"
 
 namespace kelp::bake {
 
-PartSize partSize(const SourcePart& part, const Frame& frame) {
+PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surface_voxels, double solid_voxels) {
+  PartSize result{size + 2 * pad, 0, surface_voxels, surface_voxels / 64, solid_voxels};
+  result.volume_voxels = static_cast<double>(size.x) * size.y * size.z;
+  return result;
+}
+
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad) {
   if (part.grid) {
     const auto solid = std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t voxel) { return voxel != 0; });
-    return {part.grid->size, 0, static_cast<double>(part.grid->surface.size()), static_cast<double>(solid)};
+    return volumeSize(part.grid->size, pad, static_cast<double>(part.grid->surface.size()), static_cast<double>(solid));
   }
   PartSize result{frame.size, part.soup.triangles.size()};
-  // Seen along an axis, a triangle covers as many voxels as its projection has area; the three together are about the voxels it makes surface. Volume by
-  // the divergence theorem, about the middle of the box: right for closed meshes, and something between for open ones.
+  // Volume by the divergence theorem, about the middle of the box: right for closed meshes, and something between for open ones.
   const glm::dmat3 turn(frame.node_to_voxel);
   const glm::dvec3 origin = glm::dvec3(frame.node_to_voxel[3]) - 0.5 * glm::dvec3(frame.size);
   double volume = 0;
@@ -32,19 +38,19 @@ PartSize partSize(const SourcePart& part, const Frame& frame) {
     glm::dvec3 corner[3];
     for (std::size_t i = 0; i < 3; ++i) corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]) + origin;
     const glm::dvec3 area = 0.5 * glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-    result.surface_voxels += std::abs(area.x) + std::abs(area.y) + std::abs(area.z);
     volume += glm::dot(corner[0], area) / 3;
   }
-  const double voxels = static_cast<double>(frame.size.x) * frame.size.y * frame.size.z;
-  result.surface_voxels = std::min(result.surface_voxels, voxels);
-  result.solid_voxels = std::min(std::abs(volume) + 0.5 * result.surface_voxels, voxels);
+  result.surface_voxels = std::min(touchedCells(part.soup, frame, 1), result.voxels());
+  result.surface_bricks = std::min(touchedCells(part.soup, frame, kBrickSide), result.surface_voxels);
+  result.solid_voxels = std::min(std::abs(volume) + 0.5 * result.surface_voxels, result.voxels());
   return result;
 }
 
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
-  // Measured on 18 real files at 64 to 512 voxels (tools/bake/README.md). Bytes for each triangle: as it was read, while the mesh is analysed, and with its
-  // hierarchy. For each surface voxel: while it is found and looked at, and while levels are built.
-  constexpr double kProgram = 39e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120, kFinding = 66, kLeveling = 42;
+  // Measured on real files (tools/bake/README.md). Bytes for each triangle: as it was read, while the mesh is analysed, and with its hierarchy. While the
+  // surface is found and looked at: for each brick that it passes through, which OpenVDB's trees hold whole, and for each surface voxel. While levels are built:
+  // for each surface voxel.
+  constexpr double kProgram = 39e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120, kTrees = 7500, kFinding = 36, kLeveling = 42;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
   for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
@@ -52,12 +58,17 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   const auto gridBytes = [](const PartSize& part) { return part.voxels() + part.surface_voxels * sizeof(SurfaceSample); };
   for (const PartSize& part : parts) {
     const double triangles = static_cast<double>(part.triangles);
-    if (part.triangles > 0) peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + part.surface_voxels * kFinding});
+    if (part.triangles > 0) {
+      const double finding = part.surface_bricks * kTrees + part.surface_voxels * kFinding;
+      peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
+    }
     kept += gridBytes(part);
+    peak = std::max(peak, kept + part.volume_voxels);  // both, while it is padded
   }
   if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; })) kept += kVoxelizer;
   for (const PartSize& part : parts) {
-    const double bricks = part.solid_voxels / kBrickVoxels + part.surface_voxels / 128;
+    // Those that the surface passes through, of which one half is solid, and those within.
+    const double bricks = part.surface_bricks + std::max(0.0, part.solid_voxels / kBrickVoxels - 0.5 * part.surface_bricks);
     peak = std::max(peak, kept + part.surface_voxels * kLeveling + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
     // The voxels go, the level stays.
     kept += bricks * kBrickVoxels + part.surface_voxels * sizeof(std::uint32_t) - gridBytes(part);
@@ -65,12 +76,21 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   return static_cast<std::uint64_t>(peak);
 }
 
-std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input) {
-  const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
-  const auto need = [&](const Settings& changed) { return estimateMemory(sizes(changed), image_bytes); };
-  const std::uint64_t estimate = need(settings);
-  if (estimate <= limit) return estimate;
-  // The least change that fits, by halves: steps of a voxel along the longest side, or of a hundredth of a voxel's edge.
+namespace {
+
+// The least of 1 to `most` steps with fits(step), which holds for `most`, by halves; the last call is for that one.
+int leastThatFits(int most, const std::function<bool(int)>& fits) {
+  int too_little = 0, enough = most;
+  while (enough - too_little > 1) {
+    const int middle = too_little + (enough - too_little) / 2;
+    (fits(middle) ? enough : too_little) = middle;
+  }
+  fits(enough);
+  return enough;
+}
+
+// "--resolution 100 would fit", with the least change that does; empty where none does. Steps of a voxel along the longest side, or of a hundredth of a voxel's edge.
+std::string largestThatFits(const std::function<std::uint64_t(const Settings&)>& need, const Settings& settings, int resolution, std::uint64_t limit) {
   constexpr double kStep = 1.01;
   constexpr int kSteps = 1200;  // beyond a hundred thousand times as long
   Settings changed = settings;
@@ -85,16 +105,35 @@ std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Sett
     }
     return need(changed) <= limit;
   };
-  int too_little = 0, enough = settings.voxel_size ? kSteps : resolution - 1;
-  std::string advice = "no resolution would fit: the file itself is too large";
-  if (enough > 0 && fits(enough)) {
-    while (enough - too_little > 1) {
-      const int middle = too_little + (enough - too_little) / 2;
-      (fits(middle) ? enough : too_little) = middle;
+  const int most = settings.voxel_size ? kSteps : resolution - 1;
+  if (most < 1 || !fits(most)) return "";
+  leastThatFits(most, fits);
+  return settings.voxel_size ? fmt::format("--voxel-size {:.4g} would fit", *changed.voxel_size) : fmt::format("--resolution {} would fit", changed.resolution);
+}
+
+}  // namespace
+
+std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input) {
+  const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
+  const auto need = [&](const Settings& changed) { return estimateMemory(sizes(changed), image_bytes); };
+  const std::uint64_t estimate = need(settings);
+  if (estimate <= limit) return estimate;
+  std::string advice = largestThatFits(need, settings, resolution, limit);
+  if (settings.pad > 0) {
+    Settings bare = settings;
+    bare.pad = 0;
+    if (need(bare) <= limit) {
+      const int pad = leastThatFits(settings.pad, [&](int less) {
+        bare.pad = settings.pad - less;
+        return need(bare) <= limit;
+      });
+      advice += fmt::format("{}--pad {} would fit", advice.empty() ? "" : ", or ", settings.pad - pad);
+    } else if (advice.empty()) {
+      advice = largestThatFits(need, bare, resolution, limit);
+      if (!advice.empty()) advice = fmt::format("no resolution would fit with --pad {}; without it {}", settings.pad, advice);
     }
-    fits(enough);
-    advice = settings.voxel_size ? fmt::format("--voxel-size {:.4g} would fit; take that", *changed.voxel_size) : fmt::format("--resolution {} would fit; take that", changed.resolution);
   }
+  advice = advice.empty() ? "no resolution would fit: the file itself is too large" : advice + "; take that";
   throw BakeError(Exit::kRuntime, fmt::format("{}: baking needs about {} of memory, {} is the limit ({}); {}, or raise --max-memory", input.filename().string(), printBytes(estimate), printBytes(limit),
                                               settings.max_memory > 0 ? "--max-memory" : "this machine's memory", advice));
 }

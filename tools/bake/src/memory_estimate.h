@@ -15,17 +15,21 @@ namespace kelp::bake {
 struct PartSize {
   glm::ivec3 size{0};
   std::uint64_t triangles = 0;
-  double surface_voxels = 0, solid_voxels = 0;  // guessed for meshes, counted for volumes
+  double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;
+  double volume_voxels = 0;  // of a volume, before it is padded to `size`
 
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
 };
-PartSize partSize(const SourcePart& part, const Frame& frame);
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);  // frame: padded already, for meshes
+// Of a volume: `size` before it is padded.
+PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surface_voxels, double solid_voxels);
 
 // Bytes at the peak of a bake: parts one after the other, the images (image_bytes as they are in memory) with their reductions, and the program itself.
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
 
-// The estimate for `settings`; where it is beyond what they allow, BakeError kRuntime with the largest resolution, or the smallest voxels, that would fit.
-// sizes(other settings): the parts as they would be; asked for smaller resolutions than `resolution`, the one in force, or for larger voxels.
+// The estimate for `settings`; where it is beyond what they allow, BakeError kRuntime with the largest resolution, or the smallest voxels, and the widest
+// padding, that would fit.
+// sizes(other settings): the parts as they would be; asked for smaller resolutions than `resolution`, the one in force, or for larger voxels, or for less padding.
 std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input);
 
 // The machine's physical memory; bytes.
