@@ -15,12 +15,13 @@ namespace kelp::bake {
 struct PartSize {
   glm::ivec3 size{0};
   std::uint64_t triangles = 0;
-  double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;
+  double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;  // surface_bricks: that the surface passes through
   double volume_voxels = 0;  // of a volume, before it is padded to `size`
 
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
 };
-PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);  // frame: padded already, for meshes
+// `frame`, for meshes, has been padded; a volume has not.
+PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);
 // Of a volume: `size` before it is padded.
 PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surface_voxels, double solid_voxels);
 
