@@ -12,11 +12,10 @@
 #include <set>
 #include <thread>
 
-#include <unistd.h>
-
 #include "../fields/volumes.h"
 #include "bench_bake_peers.h"
 #include "kelp/formats/pack.h"
+#include "support/scratch.h"
 #include "zstd_decode.h"
 
 namespace kelp::bench {
@@ -79,22 +78,6 @@ class Table {
   std::vector<Row> rows_;
 };
 
-// A folder of its own for what peers read and write, gone at the end.
-class Scratch {
- public:
-  Scratch() : path_(std::filesystem::temp_directory_path() / ("kelp_bench_bake_" + std::to_string(getpid()))) { std::filesystem::create_directories(path_); }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 struct Model {
   std::string name;
   std::filesystem::path path;
@@ -153,7 +136,7 @@ struct Peer {
   bool agrees = true;
 };
 
-void compareTransforms(const Options& options, Table& table, const Scratch& scratch, const std::string& name, const fields::Occupancy& volume, bool with_peers) {
+void compareTransforms(const Options& options, Table& table, const test::Scratch& scratch, const std::string& name, const fields::Occupancy& volume, bool with_peers) {
   std::vector<std::uint32_t> squared(volume.solid.size()), copy(volume.solid.size());
   std::vector<Peer> peers;
   if (with_peers) {
@@ -163,7 +146,7 @@ void compareTransforms(const Options& options, Table& table, const Scratch& scra
     if (haveSeungLab()) {
       for (const int threads : {1, options.threads}) peers.push_back({"seung-lab edt", threads, [&volume, threads] { return runSeungLab(volume, threads); }});
     }
-    if (haveScipy()) peers.push_back({"SciPy", 1, [&] { return runScipy(volume, scratch.path()); }});
+    if (haveScipy()) peers.push_back({"SciPy", 1, [&] { return runScipy(volume, scratch.folder()); }});
   }
   std::vector<double> ours, copies;
   for (int round = 0; round < options.rounds; ++round) {
@@ -187,19 +170,19 @@ void compareTransforms(const Options& options, Table& table, const Scratch& scra
 
 // --- whole bakes
 
-void compareBakes(const Options& options, Table& table, const Scratch& scratch, const Model& model) {
+void compareBakes(const Options& options, Table& table, const test::Scratch& scratch, const Model& model) {
   const bake::Settings settings = settingsFor(options.resolution, options.threads);
   const bake::SourceModel source = bake::importFile(model.path, settings);
   std::vector<double> bakes, level_sets;
   bake::Report report;
   LevelSetRun written;
-  const std::filesystem::path pack_path = scratch.path() / "pack.kelp";
+  const std::filesystem::path pack_path = scratch / "pack.kelp";
   for (int round = 0; round < options.rounds; ++round) {
     report = {};
     bakes.push_back(secondsOf([&] { bake::writePackFile(bake::bake(model.path, settings, report), pack_path, options.threads, report); }));
     const bake::SourcePart& part = source.parts[0];
     const bake::Frame frame = bake::makeFrame(part.soup, part.rig.axis.value_or(Axis::kPlusY), report.parts[0].voxel_size, model.name);
-    const LevelSetRun run = runMeshToLevelSet(part.soup, frame, options.threads, round == 0 ? &scratch.path() : nullptr);
+    const LevelSetRun run = runMeshToLevelSet(part.soup, frame, options.threads, round == 0 ? &scratch.folder() : nullptr);
     level_sets.push_back(run.seconds);
     if (round == 0) written = run;
   }
@@ -224,8 +207,8 @@ std::vector<std::byte> bytesOf(const std::filesystem::path& path) {
 }
 
 // Every page of every level: read, checked and decoded, beside zstd's decompression of the same frames.
-void compareReading(const Options& options, Table& table, const Scratch& scratch, const Model& model) {
-  const std::filesystem::path path = scratch.path() / "read.kelp";
+void compareReading(const Options& options, Table& table, const test::Scratch& scratch, const Model& model) {
+  const std::filesystem::path path = scratch / "read.kelp";
   bake::Report report;
   bake::writePackFile(bake::bake(model.path, settingsFor(options.resolution, options.threads), report), path, options.threads, report);
   const std::vector<std::byte> bytes = bytesOf(path);
@@ -289,7 +272,7 @@ int run(int count, char** words) {
     }
   }
   if (options.rounds < 1 || options.threads < 1 || options.resolution < 16) return usage();
-  const Scratch scratch;
+  const test::Scratch scratch;
   Table table;
   for (const auto& [name, have] : {std::pair("ITK", haveItk()), {"seung-lab edt", haveSeungLab()}, {"SciPy", haveScipy()}}) {
     if (!have) std::printf("%s: not here; left out\n", name);
