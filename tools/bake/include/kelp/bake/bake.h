@@ -32,6 +32,9 @@ enum class Fill : std::uint8_t { kAuto, kSolid, kSurface };
 // animations of nodes become clips.
 enum class Parts : std::uint8_t { kOne, kNodes };
 
+// What a volume becomes. kAuto: level sets, masks and whatever an isovalue is given for are solid, densities are fog.
+enum class VolumeKind : std::uint8_t { kAuto, kSolid, kFog };
+
 // A moment of an animation of the file.
 struct Moment {
   std::string clip;
@@ -54,6 +57,14 @@ struct Settings {
   std::optional<Moment> at;            // nodes, skins and morph targets as they are then: what is baked, and what clips start from
   std::optional<std::filesystem::path> palette_file;  // its colours are the palette; see readPalette
   bool keep_materials = false;         // no palette entry serves two of the file's materials; not with palette_file
+  VolumeKind volume = VolumeKind::kAuto;
+  std::optional<std::string> grid;        // of a volume file with several: its name, or else its index
+  std::optional<std::string> color_grid;  // the Vec3 grid that colours it; without, Cd or color if there is one
+  std::optional<std::string> heat_grid;   // the grid that makes fog glow; without, flame, flames, heat or temperature if there is one; empty: none
+  std::optional<double> isovalue;         // where the surface of a solid volume is; without, 0 for level sets and half the greatest value for others
+  double density = 1;                     // factor on the densities of fog, > 0
+  std::optional<std::filesystem::path> ramp_file;  // colours that fog glows in, cold to hot; see readPalette. Without, those of a black body
+  std::optional<int> frame;               // of a MagicaVoxel animation; without, the first
   int levels = 0;                      // 0: down to a single brick
   int threads = 0;                     // 0: all
   std::uint64_t max_memory = 0;        // bytes; 0: the machine's physical memory

@@ -81,6 +81,16 @@ struct VoxelGrid {
   std::vector<SurfaceSample> surface;  // ascending index; exactly fields::surfaceVoxels
 };
 
+// Smoke, clouds, scans: what light goes through. In its rig frame, as VoxelGrid. A sample is the mean over its voxel; between the voxels' centres the
+// field is trilinear, beyond the volume zero.
+struct FogGrid {
+  glm::ivec3 size{0};
+  glm::mat4x3 to_node{1};              // voxels -> the node's space
+  float extinction = 0;                // optical depth of one voxel's edge at density 65535, > 0: what density x length is in the file's own units
+  std::vector<std::uint16_t> density;  // dense, x fastest, then y, then z; rounded to nearest; 65535 is the densest voxel
+  std::vector<std::uint16_t> heat;     // empty, or as many: where on the ramp the fog glows, 0: not at all, 65535: the ramp's end
+};
+
 struct SourcePart {
   std::string name;
   int parent = -1;
@@ -88,8 +98,9 @@ struct SourcePart {
   glm::mat4x3 pivot{1};      // see formats/model.h
   RigDescription rig;
   std::string rig_origin;    // where the rig came from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
-  TriangleSoup soup;                // empty if grid is set
+  TriangleSoup soup;                // empty if grid or fog is set
   std::optional<VoxelGrid> grid;    // from a volume file, already in the rig's frame
+  std::optional<FogGrid> fog;       // likewise; never both
   bool carrier = false;             // is there for its motion, which others follow; `grid` is a single voxel that nobody sees
 };
 
