@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The order of chunks: INFO PART MATL RIGS CLIP, then per level, coarse to fine, and per part GRID BRCK. Optional chunks that
+// The order of chunks: INFO PART MATL FOGS RIGS CLIP, then per level, coarse to fine, and per part GRID BRCK, or GRID FOGB. Optional chunks that
 // this version does not know may stand anywhere between.
 #include <algorithm>
 
@@ -17,10 +17,10 @@ Error wrongOrder(const char* detail, std::size_t index) {
 
 bool isMetadata(std::uint32_t fourcc) {
   using namespace layout;
-  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kRigs || fourcc == kClip;
+  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kFogs || fourcc == kRigs || fourcc == kClip;
 }
 
-bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || fourcc == layout::kBrck; }
+bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || layout::isPages(fourcc); }
 
 }  // namespace
 
@@ -33,6 +33,7 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
   const Slot slots[] = {{layout::kInfo, &found.info},
                         {layout::kPart, &found.part},
                         {layout::kMatl, &found.matl},
+                        {layout::kFogs, &found.fogs},
                         {layout::kRigs, &found.rigs},
                         {layout::kClip, &found.clip}};
   const Slot* next = std::begin(slots);
@@ -46,7 +47,7 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
     if (slot == std::end(slots)) return wrongOrder("a metadata chunk is there twice or out of order", i);
     *slot->index = i;
     next = slot + 1;
-    // No sum of five can wrap: each is within the limits already, or within the file.
+    // No sum of six can wrap: each is within the limits already, or within the file.
     total += std::min(chunks[i].raw, limits.max_decoded_bytes);
     if (total > limits.max_decoded_bytes) {
       return Error{ErrorCode::kLimit, "the metadata are larger than the limits allow", chunks[i].offset};
@@ -85,7 +86,7 @@ Result<void> findLevels(std::span<const ChunkInfo> chunks, std::span<const Part>
       const std::size_t slot = out.first[p] + static_cast<std::size_t>(level);
       if (!expect(layout::kGrid, level, p)) return wrongOrder("a grid is missing or out of order", i);
       out.grids[slot] = static_cast<std::uint32_t>(i++);
-      if (!expect(layout::kBrck, level, p)) return wrongOrder("bricks are missing or out of order", i);
+      if (!expect(parts[p].kind == PartKind::kFog ? layout::kFogb : layout::kBrck, level, p)) return wrongOrder("bricks are missing or out of order", i);
       out.bricks[slot] = static_cast<std::uint32_t>(i++);
     }
   }

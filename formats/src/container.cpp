@@ -20,7 +20,7 @@ std::uint64_t entryOffset(std::size_t index) { return layout::kHeaderBytes + ind
 
 // The rules that concern one known chunk by itself.
 Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
-  const bool level_chunk = chunk.fourcc == layout::kGrid || chunk.fourcc == layout::kBrck;
+  const bool level_chunk = chunk.fourcc == layout::kGrid || layout::isPages(chunk.fourcc);
   if (chunk.flags & ~layout::kKnownFlags)
     return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know", at + 4};
   if (((chunk.flags & layout::kFlagRequired) != 0) != mustBeRequired(chunk.fourcc)) {
@@ -30,14 +30,14 @@ Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::
     return Error{ErrorCode::kCorrupt, "a metadata chunk names a level or part", at + 8};
   if (chunk.raw == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 32};
   if (chunk.flags & layout::kFlagZstd) {
-    if (chunk.fourcc == layout::kBrck)
+    if (layout::isPages(chunk.fourcc))
       return Error{ErrorCode::kCorrupt, "a brick chunk is flagged as compressed in one piece", at + 4};
     if (chunk.raw / layout::kMaxExpansion > chunk.stored)
       return Error{ErrorCode::kCorrupt, "a chunk claims to expand further than zstd can", at + 32};
   } else if (chunk.raw != chunk.stored) {
     return Error{ErrorCode::kCorrupt, "an uncompressed chunk's two sizes differ", at + 32};
   }
-  if (chunk.fourcc != layout::kBrck && chunk.raw > limits.max_decoded_bytes) {
+  if (!layout::isPages(chunk.fourcc) && chunk.raw > limits.max_decoded_bytes) {
     return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", at + 32};
   }
   return {};

@@ -26,15 +26,20 @@ constexpr std::uint32_t fourcc(const char (&name)[5]) {
 inline constexpr std::uint32_t kInfo = fourcc("INFO");
 inline constexpr std::uint32_t kPart = fourcc("PART");
 inline constexpr std::uint32_t kMatl = fourcc("MATL");
+inline constexpr std::uint32_t kFogs = fourcc("FOGS");
 inline constexpr std::uint32_t kRigs = fourcc("RIGS");
 inline constexpr std::uint32_t kClip = fourcc("CLIP");
 inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
+inline constexpr std::uint32_t kFogb = fourcc("FOGB");
 
 constexpr bool isKnown(std::uint32_t chunk) {
-  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kRigs || chunk == kClip || chunk == kGrid ||
-         chunk == kBrck;
+  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs || chunk == kClip || chunk == kGrid ||
+         chunk == kBrck || chunk == kFogb;
 }
+
+// Pages of bricks: compressed one by one.
+constexpr bool isPages(std::uint32_t chunk) { return chunk == kBrck || chunk == kFogb; }
 
 inline constexpr std::uint32_t kFlagRequired = 1;
 inline constexpr std::uint32_t kFlagZstd = 2;
@@ -95,6 +100,7 @@ inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pa
 // Sizes of the records in the metadata chunks.
 inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
 inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
+inline constexpr std::size_t kFogsHeader = 4, kFogRecord = 28, kRampRecord = 12;
 inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 4, kKnotRecord = 28;
 inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16, kKeyRecord = 52;
 

@@ -29,10 +29,10 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   part.pivot = in.mat4x3();
   if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index))
     return corrupt("a part's parent is not an earlier part", at);
-  if (kind != static_cast<std::uint8_t>(PartKind::kSolid)) {
+  if (kind > static_cast<std::uint8_t>(PartKind::kFog)) {
     return Error{ErrorCode::kUnsupportedFeature, "a part is of a kind that this version does not know", at + 4};
   }
-  part.kind = PartKind::kSolid;
+  part.kind = static_cast<PartKind>(kind);
   if (part.levels < 1 || part.levels > kMaxLevels) return corrupt("a part's number of levels is not 1 to 16", at + 5);
   if (reserved != 0) return corrupt("a reserved field of a part is not zero", at + 6);
   for (int axis = 0; axis < 3; ++axis) {
@@ -108,6 +108,58 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
       return corrupt("an emissive colour is negative or not finite", at + 16);
     if (!in_unit(material.metallic) || !in_unit(material.roughness))
       return corrupt("metallic or roughness is not within 0 to 1", at + 28);
+  }
+  return {};
+}
+
+Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out) {
+  std::size_t count = 0, levels = 0;
+  for (const Part& part : out.parts) {
+    if (part.kind != PartKind::kFog) continue;
+    ++count;
+    levels += static_cast<std::size_t>(part.levels);
+  }
+  if (count == 0 && chunk.empty()) return {};
+  if (count == 0) return corrupt("there is a table of fog, and no part is fog", 0);
+  const std::uint64_t ramps_at = layout::kFogsHeader + std::uint64_t{count} * layout::kFogRecord + std::uint64_t{levels} * sizeof(float);
+  if (chunk.size() < ramps_at || (chunk.size() - ramps_at) % layout::kRampRecord != 0) return corrupt("the table of fog is missing or of a wrong size", 0);
+  RecordReader in(chunk);
+  if (in.u32() != count) return corrupt("the table of fog is not for this number of parts", 0);
+  const std::size_t colors = (chunk.size() - static_cast<std::size_t>(ramps_at)) / layout::kRampRecord;
+  if (!out.fogs.reset(count) || !out.extinctions.reset(levels) || !out.ramps.reset(colors)) return outOfMemory("no memory for the table of fog");
+
+  const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
+  std::size_t next = 0, next_level = 0, next_color = 0;
+  for (Part& part : out.parts) {
+    if (part.kind != PartKind::kFog) continue;
+    const std::size_t at = in.at();
+    Fog& fog = out.fogs[next++];
+    fog.color = in.vec3();
+    fog.anisotropy = in.f32();
+    fog.glow = in.f32();
+    const std::uint32_t ramp = in.u32();
+    const std::uint32_t reserved = in.u32();
+    if (!in_unit(fog.color.x) || !in_unit(fog.color.y) || !in_unit(fog.color.z)) return corrupt("a fog's colour is not within 0 to 1", at);
+    if (!(fog.anisotropy > -1.0f && fog.anisotropy < 1.0f)) return corrupt("a fog's anisotropy is not between -1 and 1", at + 12);
+    if (!isFinite(fog.glow) || !(fog.glow >= 0.0f)) return corrupt("a fog's glow is negative or not finite", at + 16);
+    if (ramp == 1 || ramp > 256 || ramp > colors - next_color) return corrupt("a fog's ramp has not 2 to 256 colours, nor none", at + 20);
+    if (reserved != 0) return corrupt("a reserved field of a fog is not zero", at + 24);
+    fog.extinction = out.extinctions.span().subspan(next_level, static_cast<std::size_t>(part.levels));
+    fog.ramp = out.ramps.span().subspan(next_color, ramp);
+    next_level += static_cast<std::size_t>(part.levels);
+    next_color += ramp;
+    part.fog = &fog;
+  }
+  if (next_color != colors) return corrupt("the fogs do not use every colour of the ramps", 0);
+  for (float& extinction : out.extinctions) {
+    const std::size_t at = in.at();
+    extinction = in.f32();
+    if (!isFinite(extinction) || !(extinction > 0.0f)) return corrupt("an extinction is not above 0, or not finite", at);
+  }
+  for (glm::vec3& color : out.ramps) {
+    const std::size_t at = in.at();
+    color = in.vec3();
+    if (!isFinite(color) || !(color.x >= 0 && color.y >= 0 && color.z >= 0)) return corrupt("a ramp's colour is negative or not finite", at);
   }
   return {};
 }

@@ -22,6 +22,9 @@ struct Metadata {
         part_names(allocator),
         parts(allocator),
         palette(allocator),
+        fogs(allocator),
+        extinctions(allocator),
+        ramps(allocator),
         knots(allocator),
         clip_names(allocator),
         clips(allocator),
@@ -36,6 +39,9 @@ struct Metadata {
   Buffer<char> part_names;
   Buffer<Part> parts;  // names point into part_names, knots into knots
   Buffer<Material> palette;
+  Buffer<Fog> fogs;  // which parts point to; spans point into the two tables that follow
+  Buffer<float> extinctions;
+  Buffer<glm::vec3> ramps;
   Buffer<Knot> knots;
   Buffer<char> clip_names;
   Buffer<Clip> clips;  // names point into clip_names, waves and tracks into the tables below
@@ -49,6 +55,8 @@ struct Metadata {
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out);
 Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
+// After parts; `chunk` is empty if there is none. Of fog parts, without which there must be none.
+Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
 // Adds up the waves of every clip (kelp/formats/model.h). kOutOfMemory.

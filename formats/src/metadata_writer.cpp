@@ -43,7 +43,7 @@ bool buildParts(const RawPack& pack, Buffer<std::byte>& out) {
   for (const RawPart& part : pack.parts) {
     to.count(part.name.size());
     to.put(static_cast<std::int32_t>(part.parent));
-    to.put(PartKind::kSolid);
+    to.put(part.fog ? PartKind::kFog : PartKind::kSolid);
     // Too many levels must not wrap around to a number that is allowed.
     to.put(static_cast<std::uint8_t>(part.levels.size() < 255 ? part.levels.size() : 255));
     to.put(std::uint16_t{0});
@@ -64,6 +64,37 @@ bool buildPalette(const RawPack& pack, Buffer<std::byte>& out) {
     to.put(material.emissive);
     to.put(material.metallic);
     to.put(material.roughness);
+  }
+  return true;
+}
+
+bool buildFogs(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t fogs = 0, levels = 0, colors = 0;
+  for (const RawPart& part : pack.parts) {
+    if (!part.fog) continue;
+    ++fogs;
+    levels += part.levels.size();
+    colors += part.fog->ramp.size();
+  }
+  if (fogs == 0) return out.reset(0);
+  if (!out.reset(layout::kFogsHeader + fogs * layout::kFogRecord + levels * sizeof(float) + colors * layout::kRampRecord)) return false;
+  RecordWriter to(out);
+  to.count(fogs);
+  for (const RawPart& part : pack.parts) {
+    if (!part.fog) continue;
+    to.put(part.fog->color);
+    to.put(part.fog->anisotropy);
+    to.put(part.fog->glow);
+    to.count(part.fog->ramp.size());
+    to.put(std::uint32_t{0});
+  }
+  for (const RawPart& part : pack.parts) {
+    if (!part.fog) continue;
+    for (const RawLevel& level : part.levels) to.put(level.extinction);
+  }
+  for (const RawPart& part : pack.parts) {
+    if (!part.fog) continue;
+    for (const glm::vec3& color : part.fog->ramp) to.put(color);
   }
   return true;
 }

@@ -13,6 +13,8 @@ namespace kelp {
 // metadata.h to say.
 [[nodiscard]] bool buildParts(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildPalette(const RawPack& pack, Buffer<std::byte>& out);
+// Empty if no part is fog.
+[[nodiscard]] bool buildFogs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildRigs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildClips(const RawPack& pack, Buffer<std::byte>& out);
 

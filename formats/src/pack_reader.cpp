@@ -42,6 +42,10 @@ Result<void> Pack::Impl::readMetadata() {
   if (const Result<void> r = readTable(found->info, [&](Bytes b) { return parseInfo(b, metadata); }); !r) return r;
   if (const Result<void> r = readTable(found->part, [&](Bytes b) { return parseParts(b, limits, metadata); }); !r) return r;
   if (const Result<void> r = readTable(found->matl, [&](Bytes b) { return parsePalette(b, metadata); }); !r) return r;
+  if (found->fogs == MetadataChunks::kNone) {
+    if (const Result<void> r = parseFogs({}, metadata); !r) return r;
+  }
+  if (const Result<void> r = readTable(found->fogs, [&](Bytes b) { return parseFogs(b, metadata); }); !r) return r;
   if (const Result<void> r = readTable(found->rigs, [&](Bytes b) { return parseRigs(b, metadata); }); !r) return r;
   return readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); });
 }
@@ -82,7 +86,7 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
   const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
   const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
 
-  return readLevelGrid(impl_->source, chunk, bricks, levelSize(of.size, level), impl_->limits, impl_->allocator);
+  return readLevelGrid(impl_->source, chunk, bricks, latticeOf(of, level), impl_->limits, impl_->allocator);
 }
 
 Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
@@ -91,6 +95,10 @@ Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
     return Error{ErrorCode::kMisuse, "the page does not come from a grid of this pack"};
   }
   if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
+  if (page.channels > 0) {
+    if (findClearBrick(out.fog.span(), page.channels) >= 0) return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
+    return {};
+  }
   if (findBrickWithoutSolid(out.codes.span()) >= 0)
     return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
   if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {

@@ -86,6 +86,11 @@ class Writer {
     if (const Result<void> r = add(layout::kPart, true, parseParts(table.span(), limits, parsed)); !r) return r;
     if (!buildPalette(pack_, table)) return kNoMemory;
     if (const Result<void> r = add(layout::kMatl, true, parsePalette(table.span(), parsed)); !r) return r;
+    if (!buildFogs(pack_, table)) return kNoMemory;
+    if (!table.empty()) {
+      minor_ = kMinorWithFog;
+      if (const Result<void> r = add(layout::kFogs, true, parseFogs(table.span(), parsed)); !r) return r;
+    }
     if (!buildRigs(pack_, table)) return kNoMemory;
     if (const Result<void> r = add(layout::kRigs, true, parseRigs(table.span(), parsed)); !r) return r;
     if (pack_.clips.empty()) return {};
@@ -98,7 +103,7 @@ class Writer {
     for (const RawPart& part : pack_.parts) {
       for (std::size_t level = 0; level < part.levels.size(); ++level) {
         const RawLevel& raw = part.levels[level];
-        if (const Result<void> r = checkRawLevel(raw, levelSize(part.size, static_cast<int>(level)), pack_.palette.size()); !r)
+        if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r)
           return r;
         page_count += planPages(raw, {});
       }
@@ -131,7 +136,7 @@ class Writer {
       const std::size_t page = static_cast<std::size_t>(bricks.pages.data() - packed_.get());
       if (!packGrid({plans.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
       describe(grid, layout::kGrid, layout::kFlagRequired, grid.info.level, grid.info.part);
-      describe(bricks, layout::kBrck, layout::kFlagRequired, bricks.info.level, bricks.info.part);
+      describe(bricks, pack_.parts[bricks.info.part].fog ? layout::kFogb : layout::kBrck, layout::kFlagRequired, bricks.info.level, bricks.info.part);
     }
     return {};
   }
@@ -191,7 +196,7 @@ class Writer {
     }
     layout::store(head.span(), 0, layout::kIdentifier);
     layout::store(head.span(), 12, kFormatMajor);
-    layout::store(head.span(), 14, kFormatMinor);
+    layout::store(head.span(), 14, minor_);
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
@@ -217,7 +222,8 @@ class Writer {
     return offset == written_ || send(std::span(kZeros).first(static_cast<std::size_t>(offset - written_)));
   }
 
-  static constexpr std::size_t kMetadataChunks = 5;
+  static constexpr std::size_t kMetadataChunks = 6;
+  static constexpr std::uint16_t kMinorWithFog = 1;
 
   const RawPack& pack_;
   const Sink& sink_;
@@ -227,6 +233,7 @@ class Writer {
   std::size_t chunk_count_ = 0;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
+  std::uint16_t minor_ = 0;  // the lowest that has all that the pack uses
 };
 
 }  // namespace

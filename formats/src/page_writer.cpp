@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "checksum.h"
+#include "kelp/formats/fog.h"
 #include "layout.h"
 #include "worker_threads.h"
 #include "zstd_encode.h"
@@ -17,15 +18,30 @@ std::uint32_t surfaceVoxels(std::span<const std::uint8_t> codes) {
   return static_cast<std::uint32_t>(std::count_if(codes.begin(), codes.end(), isSurfaceCode));
 }
 
-bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<std::byte>& frame, Packed& packed) {
+// A page as it is before it is compressed.
+bool fillFogPage(const PagePlan& page, Buffer<std::byte>& raw) {
+  const std::size_t bytes = std::size_t{page.count} * kFogSamples, from = std::size_t{page.first_slot} * kFogSamples;
+  const RawLevel& level = *page.level;
+  if (!raw.reuse(level.heat.empty() ? bytes : 2 * bytes)) return false;
+  std::memcpy(raw.data(), level.density.data() + from, bytes);
+  if (!level.heat.empty()) std::memcpy(raw.data() + bytes, level.heat.data() + from, bytes);
+  return true;
+}
+
+bool fillSolidPage(const PagePlan& page, Buffer<std::byte>& raw) {
   const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
   const std::size_t attribute_bytes = std::size_t{page.attributes} * sizeof(std::uint32_t);
-  if (!raw.reuse(code_bytes + attribute_bytes) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return false;
+  if (!raw.reuse(code_bytes + attribute_bytes)) return false;
   // Ranks are not stored: a reader counts.
   const std::uint8_t* const codes = page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels;
   for (std::size_t i = 0; i < code_bytes; ++i) raw[i] = std::byte{isSurfaceCode(codes[i]) ? kSurfaceCode : codes[i]};
   if (attribute_bytes > 0)
     std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute, attribute_bytes);
+  return true;
+}
+
+bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<std::byte>& frame, Packed& packed) {
+  if (!(page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw)) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return false;
   const std::size_t size = encoder.encode(raw.span(), frame.span());
   if (size == 0 || !packed.stored.reset(size)) return false;
   std::memcpy(packed.stored.data(), frame.data(), size);
@@ -54,7 +70,9 @@ void packNextPages(void* user) {
 }  // namespace
 
 std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
-  const std::size_t bricks = level.codes.size() / kBrickVoxels;
+  const bool fog = !level.density.empty();
+  const std::size_t bricks = fog ? level.density.size() / kFogSamples : level.codes.size() / kBrickVoxels;
+  const std::size_t brick_bytes = fog ? (level.heat.empty() ? 1 : 2) * kFogSamples : kBrickVoxels;
   std::size_t count = 0;
   PagePlan page;
   page.level = &level;
@@ -67,9 +85,9 @@ std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
     page.count = page.attributes = 0;
   };
   for (std::size_t slot = 0; slot < bricks; ++slot) {
-    const std::uint32_t surface = surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
+    const std::uint32_t surface = fog ? 0 : surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
     const std::size_t raw =
-        std::size_t{page.count + 1} * kBrickVoxels + std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
+        std::size_t{page.count + 1} * brick_bytes + std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
     if (raw > layout::kMaxPageRaw) close();
     ++page.count;
     page.attributes += surface;

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "kelp/formats/fog.h"
 #include "morton_walk.h"
 #include "voxels.h"
 
@@ -12,9 +13,33 @@ namespace {
 
 Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 
+Result<void> checkFogLevel(const RawLevel& level, const glm::ivec3& samples, bool heat) {
+  const glm::ivec3 grid = brickGrid(latticeSize(PartKind::kFog, samples));
+  if (level.cells.size() != cellCount(grid)) return misuse("a level has not one cell for each brick of its grid");
+  const Result<std::uint32_t> bricks = checkCells(level.cells, grid);
+  if (!bricks) return misuse(bricks.error().detail);
+  const std::size_t bytes = std::size_t{*bricks} * kFogSamples;
+  if (level.density.size() != bytes || level.heat.size() != (heat ? bytes : 0)) return misuse("a level of fog has not 729 samples for each stored brick");
+  if (!level.codes.empty() || !level.attributes.empty()) return misuse("a level of fog has codes or attributes");
+  std::size_t slot = 0;
+  for (MortonWalk walk(grid); !walk.done(); walk.next()) {
+    if (!(level.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) continue;
+    const auto samplesOf = [&](const std::vector<std::uint8_t>& channel) { return std::span(channel).subspan(slot * kFogSamples, kFogSamples); };
+    if (hasFogOutside(samplesOf(level.density), walk.cell(), samples) || (heat && hasFogOutside(samplesOf(level.heat), walk.cell(), samples)))
+      return misuse("a brick of fog has a sample outside the level");
+    if (findClearBrick(samplesOf(level.density), 1) >= 0 && !(heat && findClearBrick(samplesOf(level.heat), 1) < 0)) return misuse("a stored brick holds no fog");
+    ++slot;
+  }
+  return {};
+}
+
 }  // namespace
 
-Result<void> checkRawLevel(const RawLevel& level, const glm::ivec3& size, std::size_t palette_size) {
+Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t palette_size) {
+  const RawLevel& level = part.levels[index];
+  const glm::ivec3 size = levelSize(part.size, static_cast<int>(index));
+  if (part.fog) return checkFogLevel(level, size, !part.fog->ramp.empty());
+  if (!level.density.empty() || !level.heat.empty()) return misuse("a level of a solid part has samples of fog");
   const glm::ivec3 grid = brickGrid(size);
   if (level.cells.size() != cellCount(grid)) return misuse("a level has not one cell for each brick of its grid");
   const Result<std::uint32_t> bricks = checkCells(level.cells, grid);

@@ -7,6 +7,6 @@
 namespace kelp {
 
 // Whether the voxels of a level keep the rules of SPEC.md; kMisuse with a word if not. size: voxels of this level.
-Result<void> checkRawLevel(const RawLevel& level, const glm::ivec3& size, std::size_t palette_size);
+Result<void> checkRawLevel(const RawPart& part, std::size_t level, std::size_t palette_size);
 
 }  // namespace kelp

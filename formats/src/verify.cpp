@@ -7,6 +7,7 @@
 
 #include "checksum.h"
 #include "container.h"
+#include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata.h"
 #include "morton_walk.h"
@@ -68,7 +69,7 @@ class Verifier {
 
   void checkChunk(std::size_t index, const MetadataChunks& metadata) {
     const ChunkInfo& chunk = chunks()[index];
-    if (levels_good_ && (chunk.fourcc == layout::kGrid || chunk.fourcc == layout::kBrck)) {
+    if (levels_good_ && (chunk.fourcc == layout::kGrid || layout::isPages(chunk.fourcc))) {
       part_ = static_cast<int>(chunk.part);
       level_ = static_cast<int>(chunk.level);
       if (chunk.fourcc == layout::kGrid) {
@@ -82,9 +83,13 @@ class Verifier {
       checkTable(chunk, [&](Bytes b) { return parseInfo(b, model_); });
     } else if (index == metadata.part) {
       parts_good_ = checkTable(chunk, [&](Bytes b) { return parseParts(b, limits_, model_); });
+      if (parts_good_ && metadata.fogs == MetadataChunks::kNone) parts_good_ = checkNoFog(chunk);
       if (parts_good_) findLevelChunks();
     } else if (index == metadata.matl) {
       palette_good_ = checkTable(chunk, [&](Bytes b) { return parsePalette(b, model_); });
+    } else if (index == metadata.fogs && parts_good_) {
+      parts_good_ = checkTable(chunk, [&](Bytes b) { return parseFogs(b, model_); });
+      levels_good_ = levels_good_ && parts_good_;
     } else if (index == metadata.rigs && parts_good_) {
       rigs_good_ = checkTable(chunk, [&](Bytes b) { return parseRigs(b, model_); });
     } else if (index == metadata.clip && rigs_good_) {
@@ -128,6 +133,13 @@ class Verifier {
     return static_cast<bool>(parsed);
   }
 
+  // There is no table of fog: no part may be fog.
+  bool checkNoFog(const ChunkInfo& parts) {
+    const Result<void> parsed = parseFogs({}, model_);
+    if (!parsed) issue(IssueId::kMetadata, inFile(parsed.error(), parts));
+    return static_cast<bool>(parsed);
+  }
+
   static IssueId idOf(const Error& error, IssueId otherwise) {
     if (error.code == ErrorCode::kIo) return IssueId::kUnreadable;
     if (error.code == ErrorCode::kChecksum) return IssueId::kChunkChecksum;
@@ -143,8 +155,7 @@ class Verifier {
 
   void checkGrid(const ChunkInfo& chunk) {
     const std::size_t slot = levels_.first[chunk.part] + chunk.level;
-    const glm::ivec3 size = levelSize(model_.parts[chunk.part].size, level_);
-    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], size, limits_, Allocator());
+    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], latticeOf(model_.parts[chunk.part], level_), limits_, Allocator());
     grid_good_ = static_cast<bool>(grid);
     if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
     grid_ = *std::move(grid);
@@ -165,17 +176,30 @@ class Verifier {
     bool outside = false;
     for (std::uint32_t brick = 0; brick < page.count; ++brick, walk.next()) {
       while (!(grid_.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) walk.next();
-      if (decoded)
-        outside = outside || hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels),
-                                             walk.cell(), grid_.size);
+      if (decoded) outside = outside || holdsOutside(page, brick, walk.cell());
     }
     if (!decoded) return;
+    if (page.channels > 0) {
+      if (findClearBrick(page_.fog.span(), page.channels) >= 0) broken(IssueId::kBrickWithoutSolid, "a stored brick holds no fog");
+      if (outside) broken(IssueId::kOutsideVolume, "a sample of fog lies outside the level");
+      return;
+    }
     if (findBrickWithoutSolid(page_.codes.span()) >= 0)
       broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
     if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
     if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
       broken(IssueId::kPaletteIndex, "an attribute names a palette entry that is not there");
     }
+  }
+
+  // Whether a brick of the page in hand holds something beyond the level.
+  bool holdsOutside(const PageInfo& page, std::uint32_t brick, const glm::ivec3& at) const {
+    if (page.channels == 0) return hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), at, grid_.size);
+    const glm::ivec3 samples = levelSize(model_.parts[static_cast<std::size_t>(part_)].size, level_);
+    for (int channel = 0; channel < page.channels; ++channel) {
+      if (hasFogOutside(fogChannel(page_, channel).subspan(std::size_t{brick} * kFogSamples, kFogSamples), at, samples)) return true;
+    }
+    return false;
   }
 
   const Source& source_;

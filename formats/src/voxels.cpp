@@ -8,6 +8,7 @@
 #include "checksum.h"
 #include "container.h"
 #include "eight_codes.h"
+#include "kelp/formats/fog.h"
 #include "layout.h"
 #include "morton_walk.h"
 #include "zstd_decode.h"
@@ -37,9 +38,11 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm
   return next;
 }
 
-Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size, const Pack::ChunkInfo& bricks, LevelGrid& out) {
-  out.size = size;
-  out.grid = brickGrid(size);
+Lattice latticeOf(const Part& part, int level) { return {latticeSize(part.kind, levelSize(part.size, level)), part.fog ? part.fog->channels() : 0}; }
+
+Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice, const Pack::ChunkInfo& bricks, LevelGrid& out) {
+  out.size = lattice.size;
+  out.grid = brickGrid(lattice.size);
   const std::uint64_t cells = cellCount(out.grid);
   const std::uint64_t table_at = layout::align(cells * sizeof(std::uint32_t), 8);
   if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
@@ -68,6 +71,7 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size,
     page.checksum = layout::load<std::uint64_t>(chunk, at + 16);
     page.first_slot = layout::load<std::uint32_t>(chunk, at + 24);
     page.count = layout::load<std::uint32_t>(chunk, at + 28);
+    page.channels = static_cast<std::uint8_t>(lattice.channels);
     if (!isPossiblePage(page)) return Error{ErrorCode::kCorrupt, "a page's sizes are impossible", at + 8};
     if (page.offset != offset || page.stored > bricks.stored - offset)
       return Error{ErrorCode::kCorrupt, "a page is not where the one before it ends", at};
@@ -84,22 +88,22 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const glm::ivec3& size,
 }
 
 Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
-                                const glm::ivec3& size, const Limits& limits, const Allocator& allocator) {
+                                const Lattice& lattice, const Limits& limits, const Allocator& allocator) {
   // Before memory is taken for it.
-  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(size))) {
+  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(lattice.size))) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
   }
   Buffer<std::byte> bytes(allocator);
   if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read.error();
   LevelGrid grid(allocator);
-  if (const Result<void> parsed = parseGrid(bytes.span(), size, bricks, grid); !parsed) return inFile(parsed.error(), chunk);
+  if (const Result<void> parsed = parseGrid(bytes.span(), lattice, bricks, grid); !parsed) return inFile(parsed.error(), chunk);
   return Result<LevelGrid>(std::move(grid));
 }
 
 bool isPossiblePage(const PageInfo& page) {
-  return page.stored >= 1 && page.stored <= layout::kMaxPageStored && page.raw <= layout::kMaxPageRaw && page.count >= 1 &&
-         page.count <= kMaxPageBricks && page.raw >= page.count * kBrickVoxels &&
-         (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
+  if (page.stored < 1 || page.stored > layout::kMaxPageStored || page.raw > layout::kMaxPageRaw || page.count < 1 || page.count > kMaxPageBricks) return false;
+  if (page.channels > 0) return page.channels <= 2 && page.raw == page.count * page.channels * kFogSamples;
+  return page.raw >= page.count * kBrickVoxels && (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
 }
 
 std::int64_t giveRanks(std::span<std::uint8_t> codes) {
@@ -125,10 +129,11 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
   // One block of memory for what decoding needs: zstd's workspace, the decoded page, the stored page.
   const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
   const std::size_t raw_bytes = static_cast<std::size_t>(layout::align(page.raw, 16));
-  const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
-  const std::size_t attributes = (page.raw - code_bytes) / sizeof(std::uint32_t);
+  const bool fog = page.channels > 0;
+  const std::size_t code_bytes = fog ? 0 : std::size_t{page.count} * kBrickVoxels;
+  const std::size_t attributes = fog ? 0 : (page.raw - code_bytes) / sizeof(std::uint32_t);
   if (!out.scratch.reuse(workspace_bytes + raw_bytes + page.stored) || !out.codes.reuse(code_bytes) ||
-      !out.attributes.reuse(attributes)) {
+      !out.attributes.reuse(attributes) || !out.fog.reuse(fog ? page.raw : 0)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
   }
   const std::span<std::byte> workspace = out.scratch.span().first(workspace_bytes);
@@ -141,6 +146,10 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
 
   out.first_slot = page.first_slot;
   out.count = page.count;
+  if (fog) {
+    std::memcpy(out.fog.data(), raw.data(), page.raw);
+    return {};
+  }
   std::memcpy(out.codes.data(), raw.data(), code_bytes);
   if (attributes > 0) std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
   const std::int64_t surface = giveRanks(out.codes.span());
@@ -149,6 +158,34 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
     return Error{ErrorCode::kCorrupt, "a page has not one attribute for each surface voxel", page.offset};
   }
   return {};
+}
+
+std::span<const std::uint8_t> fogChannel(const PageData& page, int channel) {
+  const std::size_t bytes = std::size_t{page.count} * kFogSamples;
+  return page.fog.span().subspan(static_cast<std::size_t>(channel) * bytes, bytes);
+}
+
+std::int64_t findClearBrick(std::span<const std::uint8_t> fog, int channels) {
+  const std::size_t bricks = fog.size() / (static_cast<std::size_t>(channels) * kFogSamples);
+  for (std::size_t brick = 0; brick < bricks; ++brick) {
+    bool clear = true;
+    for (std::size_t channel = 0; channel < static_cast<std::size_t>(channels); ++channel) {
+      const auto samples = fog.subspan((channel * bricks + brick) * kFogSamples, kFogSamples);
+      clear = clear && std::all_of(samples.begin(), samples.end(), [](std::uint8_t sample) { return sample == 0; });
+    }
+    if (clear) return static_cast<std::int64_t>(brick);
+  }
+  return -1;
+}
+
+bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick, const glm::ivec3& samples) {
+  const glm::ivec3 room = samples - brick * kBrickSide;
+  if (room.x >= kFogSide && room.y >= kFogSide && room.z >= kFogSide) return false;
+  for (int i = 0; i < kFogSamples; ++i) {
+    const bool inside = i % kFogSide < room.x && i / kFogSide % kFogSide < room.y && i / (kFogSide * kFogSide) < room.z;
+    if (!inside && channel[static_cast<std::size_t>(i)] != 0) return true;
+  }
+  return false;
 }
 
 std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {

@@ -61,7 +61,8 @@ const Mistake kMistakes[] = {
     {"slot twice", [](RawPack& p) { p.parts[0].levels[0].cells[2] = kCellSolid; }},
     {"no brick",
      [](RawPack& p) {
-       p.parts[1].levels[0] = {{256}, {}, {}};
+       p.parts[1].levels[0] = {};
+       p.parts[1].levels[0].cells = {256};
      }},
     {"a code too few", [](RawPack& p) { p.parts[0].levels[0].codes.pop_back(); }},
     {"a brick of codes too many", [](RawPack& p) { p.parts[0].levels[0].codes.resize(3 * 512); }},

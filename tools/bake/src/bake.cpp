@@ -9,8 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "fog_look.h"
 #include "frame.h"
 #include "info_json.h"
+#include "kelp/formats/fog.h"
 #include "memory_estimate.h"
 #include "mesh_counts.h"
 #include "parallel.h"
@@ -74,7 +76,7 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
   if (!settings.voxel_size) {
     double longest = 0;
     for (const SourcePart& part : model.parts) {
-      if (part.grid) continue;
+      if (part.isVolume()) continue;
       const glm::dvec3 extent = rigExtent(part.soup, axisOf(part), placeOf(input, part)) * objectScale(part);
       longest = std::max({longest, extent.x, extent.y, extent.z});
     }
@@ -83,7 +85,7 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
   std::vector<Frame> frames;
   for (const SourcePart& part : model.parts) {
     Frame& frame = frames.emplace_back();
-    if (part.grid) continue;
+    if (part.isVolume()) continue;
     const std::string place = placeOf(input, part);
     double size = voxel / objectScale(part);
     if (!settings.voxel_size) size = fitVoxelSize(rigExtent(part.soup, axisOf(part), place).y, size);
@@ -97,7 +99,7 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
 void checkSides(const SourceModel& model, const std::vector<Frame>& frames, const Settings& settings, const std::filesystem::path& input) {
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& part = model.parts[i];
-    const glm::ivec3 size = part.grid ? part.grid->size + 2 * paddingOf(part, settings.pad) : frames[i].size;
+    const glm::ivec3 size = part.isVolume() ? part.volumeSize() + 2 * paddingOf(part, settings.pad) : frames[i].size;
     checkPadded(size, settings.pad, placeOf(input, part));
   }
 }
@@ -111,7 +113,7 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
   };
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
-  const bool volumes = std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.grid.has_value(); });
+  const bool volumes = std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.isVolume(); });
   // The importer has asked for volumes, before it made their voxels.
   report.estimated_bytes = volumes ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
 }
@@ -124,7 +126,7 @@ glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
 glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) { return glm::mat4x3(glm::dmat4x3(composeExactly(outer, inner))); }
 
 // How far floats move a part's corner.
-double placeError(const SourcePart& part, const glm::mat4x3& rounded) { return glm::length(glm::dvec3(rounded[3]) - glm::dvec3(composeExactly(part.to_object, part.grid->to_node)[3])); }
+double placeError(const SourcePart& part, const glm::mat4x3& rounded) { return glm::length(glm::dvec3(rounded[3]) - glm::dvec3(composeExactly(part.to_object, part.volumeToNode())[3])); }
 
 bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
@@ -206,6 +208,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   PaletteRules rules;
   if (settings.palette_file) rules.colors = readPalette(*settings.palette_file, &report.files_read);
   rules.keep_materials = settings.keep_materials;
+  std::vector<glm::vec3> ramp;
+  if (settings.ramp_file) ramp = readPalette(*settings.ramp_file, &report.files_read);
 
   clock.begin("import");
   Settings in_file_units = settings;
@@ -226,8 +230,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkSides(model, frames, settings, input);
   checkMemory(model, settings, input, report);
-  for (SourcePart& part : model.parts)
+  for (SourcePart& part : model.parts) {
     if (part.grid) padGrid(*part.grid, paddingOf(part, settings.pad));
+    if (part.fog) padFog(*part.fog, paddingOf(part, settings.pad));
+  }
 
   // Before the long work: a rig that turns back is the artist's commonest mistake.
   RawPack pack;
@@ -236,7 +242,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     raw.name = model.parts[i].name;
     raw.parent = model.parts[i].parent;
     raw.pivot = model.parts[i].pivot;
-    raw.size = model.parts[i].grid ? model.parts[i].grid->size : frames[i].size;
+    raw.size = model.parts[i].isVolume() ? model.parts[i].volumeSize() : frames[i].size;
   }
   rigParts(model, input, pack, report);
 
@@ -260,6 +266,14 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     if (part.carrier) {
       line.fill = "moves the parts that follow it, and is one voxel too small to be seen";
       line.closed = true;
+    } else if (part.fog) {
+      const auto there = [](std::uint16_t density) { return density != 0; };
+      line.fill = part.fog->heat.empty() ? "fog" : "fog that glows";
+      line.fog = true;
+      line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.fog->to_node)))) * objectScale(part);
+      line.size = part.fog->size;
+      line.fog_voxels = static_cast<std::uint64_t>(std::count_if(part.fog->density.begin(), part.fog->density.end(), there));
+      continue;
     } else if (part.grid) {
       line.fill = "solid: from a volume";
       line.closed = true;
@@ -292,19 +306,31 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     if (model.parts[i].carrier) model.parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), model.parts[i + 1].grid->surface.front().material});
 
   clock.begin("palette");
-  Palette palette = choosePalette(grids, threads, rules);
+  Palette palette;
+  if (grids.empty()) {
+    palette.entries.emplace_back();  // a pack has one
+  } else {
+    palette = choosePalette(grids, threads, rules);
+  }
   for (const std::uint32_t source : palette.sources) report.palette_materials.push_back(source < model.materials.size() ? model.materials[source].name : "");
   report.palette_error = palette.mean_error;
   report.palette_entries = palette.entries.size();
 
   clock.begin("levels");
   PartNotices places;
+  std::size_t solids = 0;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     SourcePart& part = model.parts[i];
-    pack.parts[i].to_object = compose(part.to_object, part.grid->to_node);
+    pack.parts[i].to_object = compose(part.to_object, part.volumeToNode());
     if (!part.carrier && placeError(part, pack.parts[i].to_object) > 0.25 * report.parts[i].voxel_size)
       places.add(part.name, "stands so far from the origin that 32-bit floats put it a quarter of a voxel or more off its place; its shape is right. Move the model towards the origin");
-    pack.parts[i].levels = buildLevels(std::move(*part.grid), palette.indices[i], palette.entries, settings.levels, threads, share(i), palette.sources);
+    if (part.fog) {
+      pack.parts[i].fog = fogLook(*part.fog, ramp);
+      pack.parts[i].levels = buildFogLevels(*std::exchange(part.fog, std::nullopt), settings.levels, threads, share(i));
+      report.parts[i].bricks = pack.parts[i].levels.front().density.size() / static_cast<std::size_t>(kFogSamples);
+      continue;
+    }
+    pack.parts[i].levels = buildLevels(std::move(*part.grid), palette.indices[solids++], palette.entries, settings.levels, threads, share(i), palette.sources);
     report.parts[i].bricks = pack.parts[i].levels.front().codes.size() / static_cast<std::size_t>(kBrickVoxels);
     part.grid.reset();
   }

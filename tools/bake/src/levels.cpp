@@ -8,6 +8,7 @@
 
 #include "kelp/bake/bake.h"
 #include "kelp/fields/fields.h"
+#include "levels.h"
 #include "palette.h"
 #include "parallel.h"
 
@@ -75,13 +76,13 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
   return coarse;
 }
 
+}  // namespace
+
 int levelCount(const glm::ivec3& size, int asked) {
   int count = 1;
   for (int side = std::max({size.x, size.y, size.z}); side > kBrickSide && count < kMaxLevels; side = (side + 1) / 2) ++count;
   return asked > 0 ? std::min(asked, count) : count;
 }
-
-}  // namespace
 
 std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
                                   const Progress& progress, const std::vector<std::uint32_t>& sources) {

@@ -13,7 +13,7 @@
 
 #include "frame.h"
 #include "kelp/fields/fields.h"
-#include "kelp/formats/brick.h"
+#include "kelp/formats/fog.h"
 #include "surface_count.h"
 
 namespace kelp::bake {
@@ -24,11 +24,18 @@ PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surfac
   return result;
 }
 
+PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat) {
+  PartSize result = volumeSize(size, pad, 0, 0);
+  result.fog_channels = heat ? 2 : 1;
+  return result;
+}
+
 PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad) {
   if (part.grid) {
     const auto solid = std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t voxel) { return voxel != 0; });
     return volumeSize(part.grid->size, pad, static_cast<double>(part.grid->surface.size()), static_cast<double>(solid));
   }
+  if (part.fog) return fogSize(part.fog->size, pad, !part.fog->heat.empty());
   PartSize result{frame.size, part.soup.triangles.size()};
   // Volume by the divergence theorem, about the middle of the box: right for closed meshes, and something between for open ones.
   const glm::dmat3 turn(frame.node_to_voxel);
@@ -55,7 +62,10 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
   for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
   double peak = kept;
-  const auto gridBytes = [](const PartSize& part) { return part.voxels() + part.surface_voxels * sizeof(SurfaceSample); };
+  const auto gridBytes = [](const PartSize& part) {
+    if (part.fog_channels > 0) return part.voxels() * part.fog_channels * sizeof(std::uint16_t);
+    return part.voxels() + part.surface_voxels * sizeof(SurfaceSample);
+  };
   for (const PartSize& part : parts) {
     const double triangles = static_cast<double>(part.triangles);
     if (part.triangles > 0) {
@@ -63,10 +73,17 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
       peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
     }
     kept += gridBytes(part);
-    peak = std::max(peak, kept + part.volume_voxels);  // both, while it is padded
+    peak = std::max(peak, kept + part.volume_voxels * (part.fog_channels > 0 ? sizeof(std::uint16_t) : 1));  // both, while it is padded
   }
   if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; })) kept += kVoxelizer;
   for (const PartSize& part : parts) {
+    if (part.fog_channels > 0) {
+      // As numbers, as codes, and which cubes are not clear; bricks for all of it at worst.
+      const double bricks = part.voxels() / kBrickVoxels;
+      peak = std::max(peak, kept + part.voxels() * (part.fog_channels * (sizeof(float) + 1.0) + 1) + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
+      kept += bricks * kFogSamples * part.fog_channels - gridBytes(part);
+      continue;
+    }
     // Those that the surface passes through, of which one half is solid, and those within.
     const double bricks = part.surface_bricks + std::max(0.0, part.solid_voxels / kBrickVoxels - 0.5 * part.surface_bricks);
     peak = std::max(peak, kept + part.surface_voxels * kLeveling + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));

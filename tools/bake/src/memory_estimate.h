@@ -17,6 +17,7 @@ struct PartSize {
   std::uint64_t triangles = 0;
   double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;  // surface_bricks: that the surface passes through
   double volume_voxels = 0;  // of a volume, before it is padded to `size`
+  int fog_channels = 0;      // 1: density, 2: heat too
 
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
 };
@@ -24,6 +25,7 @@ struct PartSize {
 PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);
 // Of a volume: `size` before it is padded.
 PartSize volumeSize(const glm::ivec3& size, const glm::ivec3& pad, double surface_voxels, double solid_voxels);
+PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat);
 
 // Bytes at the peak of a bake: parts one after the other, the images (image_bytes as they are in memory) with their reductions, and the program itself.
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);

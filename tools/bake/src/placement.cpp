@@ -33,6 +33,25 @@ bool bendable(const RigDescription& rig) {
          });
 }
 
+// Where the voxels of a volume are once it has `pad` more on every side.
+struct Padding {
+  using Size = glm::vec<3, std::size_t>;
+  Size old, edge, size;
+
+  Padding(const glm::ivec3& unpadded, const glm::ivec3& pad) : old(unpadded), edge(pad), size(old + std::size_t{2} * edge) {}
+  std::size_t moved(std::size_t x, std::size_t y, std::size_t z) const { return x + edge.x + size.x * (y + edge.y + size.y * (z + edge.z)); }
+  template <class T>
+  std::vector<T> padded(const std::vector<T>& values) const {
+    std::vector<T> out(size.x * size.y * size.z, 0);
+    for (std::size_t z = 0; z < old.z; ++z)
+      for (std::size_t y = 0; y < old.y; ++y) {
+        const auto row = values.begin() + static_cast<std::ptrdiff_t>(old.x * (y + old.y * z));
+        std::copy(row, row + static_cast<std::ptrdiff_t>(old.x), out.begin() + static_cast<std::ptrdiff_t>(moved(0, y, z)));
+      }
+    return out;
+  }
+};
+
 }  // namespace
 
 void placeInObject(SourceModel& model, const Settings& settings) {
@@ -56,19 +75,23 @@ void padFrame(Frame& frame, const glm::ivec3& pad) {
 
 void padGrid(VoxelGrid& grid, const glm::ivec3& pad) {
   if (pad == glm::ivec3(0)) return;
-  using Size = glm::vec<3, std::size_t>;
-  const Size old(grid.size), edge(pad), size = old + std::size_t{2} * edge;
-  const auto moved = [&](std::size_t x, std::size_t y, std::size_t z) { return x + edge.x + size.x * (y + edge.y + size.y * (z + edge.z)); };
-  std::vector<std::uint8_t> solid(size.x * size.y * size.z, 0);
-  for (std::size_t z = 0; z < old.z; ++z)
-    for (std::size_t y = 0; y < old.y; ++y) {
-      const auto row = grid.solid.begin() + static_cast<std::ptrdiff_t>(old.x * (y + old.y * z));
-      std::copy(row, row + static_cast<std::ptrdiff_t>(old.x), solid.begin() + static_cast<std::ptrdiff_t>(moved(0, y, z)));
-    }
-  for (SurfaceSample& sample : grid.surface) sample.index = moved(sample.index % old.x, sample.index / old.x % old.y, sample.index / (old.x * old.y));
-  grid.solid = std::move(solid);
-  grid.size = glm::ivec3(size);
+  const Padding padding(grid.size, pad);
+  for (SurfaceSample& sample : grid.surface) {
+    const Padding::Size& old = padding.old;
+    sample.index = padding.moved(sample.index % old.x, sample.index / old.x % old.y, sample.index / (old.x * old.y));
+  }
+  grid.solid = padding.padded(grid.solid);
+  grid.size = glm::ivec3(padding.size);
   grid.to_node[3] = grid.to_node * glm::vec4(-glm::vec3(pad), 1);
+}
+
+void padFog(FogGrid& fog, const glm::ivec3& pad) {
+  if (pad == glm::ivec3(0)) return;
+  const Padding padding(fog.size, pad);
+  fog.density = padding.padded(fog.density);
+  if (!fog.heat.empty()) fog.heat = padding.padded(fog.heat);
+  fog.size = glm::ivec3(padding.size);
+  fog.to_node[3] = fog.to_node * glm::vec4(-glm::vec3(pad), 1);
 }
 
 }  // namespace kelp::bake

@@ -17,5 +17,6 @@ void placeInObject(SourceModel& model, const Settings& settings);
 glm::ivec3 paddingOf(const SourcePart& part, int pad);
 void padFrame(Frame& frame, const glm::ivec3& pad);
 void padGrid(VoxelGrid& grid, const glm::ivec3& pad);
+void padFog(FogGrid& fog, const glm::ivec3& pad);
 
 }  // namespace kelp::bake

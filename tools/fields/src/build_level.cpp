@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "brick_clearance.h"
+#include "brick_cells.h"
 #include "check.h"
 #include "empty_boxes.h"
 #include "kelp/fields/fields.h"
@@ -16,43 +16,10 @@ namespace {
 class LevelBuilder {
  public:
   LevelBuilder(const Occupancy& occupancy, int threads)
-      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads), bits_(occupancy, threads) {}
-
-  // Empty bricks get their box and their clearance; the others a slot, in Morton order.
-  void makeCells() {
-    level_.cells.resize(checkedVolume(grid_));
-    const std::vector<std::uint8_t> clearances = brickClearances(bits_, grid_, threads_);
-    const BrickSums sums(bits_, grid_);
-    parallelFor(
-        grid_.z, grainOf(std::int64_t{grid_.x} * grid_.y * kBrickVoxels), threads_, [&](std::int64_t begin, std::int64_t end) {
-          glm::ivec3 brick{0};
-          for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
-            for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
-              for (brick.x = 0; brick.x < grid_.x; ++brick.x) {
-                level_.cells[cellIndex(brick)] =
-                    bits_.holdsSolid(brick) ? kCellSolid : sums.grownBox(brick) | std::uint32_t{clearances[cellIndex(brick)]} << kCellClearanceShift;
-              }
-            }
-          }
-        });
-    std::vector<std::pair<std::uint64_t, glm::ivec3>> ordered;
-    glm::ivec3 brick{0};
-    for (brick.z = 0; brick.z < grid_.z; ++brick.z) {
-      for (brick.y = 0; brick.y < grid_.y; ++brick.y) {
-        for (brick.x = 0; brick.x < grid_.x; ++brick.x) {
-          if (level_.cells[cellIndex(brick)] & kCellSolid) ordered.emplace_back(mortonCode(brick), brick);
-        }
-      }
-    }
-    if (ordered.size() > std::size_t{kCellSlotMask} + 1) {
-      throw std::invalid_argument("a level holds at most 16777216 bricks, this one would need " + std::to_string(ordered.size()));
-    }
-    std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    stored_.reserve(ordered.size());
-    for (const auto& [code, position] : ordered) {
-      level_.cells[cellIndex(position)] = kCellSolid | static_cast<std::uint32_t>(stored_.size());
-      stored_.push_back(position);
-    }
+      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads), bits_(occupancy, threads) {
+    BrickCells built = buildCells(bits_, grid_, threads);
+    level_.cells = std::move(built.cells);
+    stored_ = std::move(built.stored);
   }
 
   // The boxes of the empty voxels of stored bricks; all solid ones inner for now.
@@ -131,7 +98,6 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
     throw std::invalid_argument("a level needs at least one solid voxel");
   }
   LevelBuilder builder(occupancy, threads);
-  builder.makeCells();
   builder.makeCodes();
   builder.makeAttributes(surface);
   return builder.take();

@@ -21,6 +21,17 @@ struct Material {
 
 enum class PartKind : std::uint8_t { kSolid = 0, kFog = 1 };
 
+// What a fog part's samples mean: how much light is stopped and given off along a ray (kelp/formats/fog.h has the samples). Lengths in level-0 voxels.
+struct Fog {
+  glm::vec3 color{1};             // 0 to 1: of the light that is stopped, the share that goes on in another direction; the rest is lost
+  float anisotropy = 0;           // -1 to 1, both excluded: the mean cosine of that turn. 0: any direction; near 1: hardly a turn
+  float glow = 0;                 // at least 0: at heat 1, radiance given off along a length of 1 is this times the ramp's colour there
+  std::span<const glm::vec3> ramp;        // linear, at least 0, cold to hot: 2 to 256 colours, or none: the part has no heat
+  std::span<const float> extinction;      // > 0, one a level: optical depth of a length of 1 at density 1
+
+  int channels() const { return ramp.empty() ? 1 : 2; }
+};
+
 // A voxel volume with one rig. Its own space is level-0 voxels: the box [0,size.x] x [0,size.y] x [0,size.z], +y along the spline.
 struct Part {
   std::string_view name;
@@ -31,6 +42,7 @@ struct Part {
   glm::mat4x3 to_object{1};      // voxels -> object (metres, +Y up, right-handed, as glTF), at rest
   glm::mat4x3 pivot{1};          // pivot space -> object: where kPartTranslation, kPartRotation and kPartScale act
   std::span<const Knot> knots;   // the rest rig
+  const Fog* fog = nullptr;      // of parts of the kind kFog
 };
 
 // What a channel of a clip moves. Values of a clip are added to the rest rig (weighted), so that clips can be blended.

@@ -17,7 +17,7 @@
 namespace kelp {
 
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint16_t kFormatMinor = 1;  // the newest known; packs without fog are written as 0
 
 // What a pack may ask for at most; kLimit beyond.
 struct Limits {
@@ -34,6 +34,7 @@ struct PageInfo {
   std::uint64_t checksum = 0;
   std::uint32_t first_slot = 0;
   std::uint32_t count = 0;   // bricks
+  std::uint8_t channels = 0;  // 0: codes and attributes; 1: density; 2: density and heat
 };
 
 // The grid of one level of one part and the pages that hold its bricks.
@@ -41,7 +42,7 @@ struct LevelGrid {
   LevelGrid() = default;
   explicit LevelGrid(const Allocator& allocator) : cells(allocator), pages(allocator) {}
 
-  glm::ivec3 size{0};             // voxels of this level
+  glm::ivec3 size{0};             // voxels, or cubes of fog, of this level
   glm::ivec3 grid{0};             // bricks
   std::uint32_t bricks = 0;       // stored bricks; slots are 0 .. bricks - 1, each used by exactly one cell
   Buffer<std::uint32_t> cells;    // grid.x * grid.y * grid.z, x fastest, then y, then z (see brick.h)
@@ -51,12 +52,13 @@ struct LevelGrid {
 // One decoded page. Keep one per thread and read page after page into it: after the largest page it allocates no more.
 struct PageData {
   PageData() = default;
-  explicit PageData(const Allocator& allocator) : codes(allocator), attributes(allocator), scratch(allocator) {}
+  explicit PageData(const Allocator& allocator) : codes(allocator), attributes(allocator), fog(allocator), scratch(allocator) {}
 
   std::uint32_t first_slot = 0;
   std::uint32_t count = 0;
   Buffer<std::uint8_t> codes;         // 512 a brick
   Buffer<std::uint32_t> attributes;   // of all surface voxels, brick by brick, in code order
+  Buffer<std::uint8_t> fog;           // 729 densities a brick, then 729 heats a brick (kelp/formats/fog.h); then codes and attributes are empty
   Buffer<std::byte> scratch;          // the reader's own
 };
 

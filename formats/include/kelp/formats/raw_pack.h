@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,11 +14,24 @@
 
 namespace kelp {
 
-// One level of one part, as brick.h describes it.
+// One level of one part, as brick.h, or fog.h, describes it.
 struct RawLevel {
   std::vector<std::uint32_t> cells;       // one a brick of the grid; slots number the stored bricks in Morton order
+  // Of a solid part.
   std::vector<std::uint8_t> codes;        // 512 a slot
   std::vector<std::uint32_t> attributes;  // of all surface voxels, slot by slot, in code order
+  // Of fog.
+  std::vector<std::uint8_t> density;      // 729 a slot
+  std::vector<std::uint8_t> heat;         // as many, if the part's ramp has colours
+  float extinction = 0;                   // see Fog
+};
+
+// See Fog.
+struct RawFog {
+  glm::vec3 color{1};
+  float anisotropy = 0;
+  float glow = 0;
+  std::vector<glm::vec3> ramp;
 };
 
 struct RawPart {
@@ -28,6 +42,7 @@ struct RawPart {
   glm::mat4x3 pivot{1};
   std::vector<Knot> knots;
   std::vector<RawLevel> levels;  // finest first, at least one
+  std::optional<RawFog> fog;     // set: the part is of the kind kFog
 };
 
 struct RawTrack {

@@ -110,6 +110,8 @@ struct Report {
     glm::ivec3 size{0};
     double voxel_size = 0;
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
+    bool fog = false;
+    std::uint64_t fog_voxels = 0;  // that are not clear; a fog part has no solid_voxels
     bool closed = false;
     bool carrier = false;    // there for its motion alone
     MeshCounts mesh;         // zeros for volumes
@@ -188,6 +190,9 @@ Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads, c
 // `sources`: Palette::sources; coarse voxels then keep the material of most of their children.
 std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette,
                                   int levels, int threads, const Progress& progress, const std::vector<std::uint32_t>& sources = {});
+
+// The same of fog. Heat is dropped where no sample of it is left.
+std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
 
 // --- all of it -------------------------------------------------------------------------------------------------------------------
 // Bakes a file to a pack in memory.

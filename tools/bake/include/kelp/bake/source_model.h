@@ -102,6 +102,11 @@ struct SourcePart {
   std::optional<VoxelGrid> grid;    // from a volume file, already in the rig's frame
   std::optional<FogGrid> fog;       // likewise; never both
   bool carrier = false;             // is there for its motion, which others follow; `grid` is a single voxel that nobody sees
+
+  bool isVolume() const { return grid || fog; }
+  // Of volumes.
+  const glm::ivec3& volumeSize() const { return grid ? grid->size : fog->size; }
+  const glm::mat4x3& volumeToNode() const { return grid ? grid->to_node : fog->to_node; }
 };
 
 struct SourceModel {

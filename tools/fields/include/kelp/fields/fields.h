@@ -78,6 +78,22 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
 // The occupancy that a level's cells and codes hold (the inverse of buildLevel, for checks). Throws on slots out of range.
 Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size);
 
+// Samples of one level of fog: codes as kelp/formats/fog.h has them, dense. Heat may be empty.
+struct FogSamples {
+  glm::ivec3 size{0};
+  std::vector<std::uint8_t> density, heat;
+};
+
+// The cubes between samples, 1 where one is not clear.
+Occupancy fogCubes(const FogSamples& fog, int threads);
+
+// Cells and samples of one level of fog, but for its extinction. Throws std::invalid_argument if all is clear or sizes do not match.
+RawLevel buildFogLevel(const FogSamples& fog, int threads);
+
+// The samples that a level's bricks hold (the inverse of buildFogLevel, for checks). Where two bricks disagree about a sample that they share, the
+// later one counts. Throws on slots out of range.
+FogSamples fogSamplesOf(const RawLevel& level, const glm::ivec3& size);
+
 // Bytes that buildLevel needs at its peak for a volume of `size` voxels of which so many bricks hold something, not counting the occupancy and the
 // surface itself, nor 4 bytes of result for each surface voxel.
 std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The grid of a level: what every brick's cell says, and which bricks are stored.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "empty_boxes.h"
+
+namespace kelp::fields {
+
+struct BrickCells {
+  std::vector<std::uint32_t> cells;  // x fastest, then y, then z; as kelp/formats/brick.h
+  std::vector<glm::ivec3> stored;    // bricks by slot
+};
+
+// Empty bricks get their box and their clearance; the others a slot, in Morton order. Throws std::invalid_argument where slots do not suffice.
+BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads);
+
+}  // namespace kelp::fields
