@@ -3,8 +3,9 @@
 // The renderer puts the version and the precisions before this text.
 
 // The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. What lies in it, written by runtime/gl/src:
-//   of an asset   9 words for each palette entry (base colour, emissive, metallic, roughness), then 3 for each level of each part, finest first:
+//   of an asset   9 words for each palette entry (base colour, emissive, metallic, roughness), then for each part 3 for each of its levels, finest first:
 //                 where its cells are, where its page table is, and its grid: bricks along x - 1 | along y - 1 << 10 | complete << 31
+//                 and, of fog, what its samples mean: fog.glsl, kelpLoadFog
 //   of a level    cells and pages as kelp/runtime/page.h; the page table has a word for each page: where it is, 0 if it is not resident
 uniform usampler2DArray kelp_pool;
 
@@ -108,11 +109,12 @@ int kelpPixelLevel(ivec2 pixel) {
 }
 
 uint kelpCell(ivec3 brick) { return kelpWord(kelp_cells_at + uint(brick.x + kelp_grid.x * (brick.y + kelp_grid.y * brick.z))); }
-// A brick is named by where its first word is.
-uint kelpBrickIn(uint pages_at, uint cell) {
+// A brick, of so many words, is named by where its first one is.
+uint kelpBrickOf(uint pages_at, uint cell, uint words) {
   uint page = kelpWord(pages_at + ((cell >> 7u) & 0x1ffffu));
-  return page == 0u ? 0u : page + 132u * (cell & 127u);
+  return page == 0u ? 0u : page + words * (cell & 127u);
 }
+uint kelpBrickIn(uint pages_at, uint cell) { return kelpBrickOf(pages_at, cell, 132u); }
 uint kelpBrickAbove(int above, ivec3 brick) {
   uint at = kelp_levels_at + 3u * uint(kelp_level + above);
   uint grid = kelpWord(at + 2u);

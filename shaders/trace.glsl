@@ -246,6 +246,16 @@ KELP_FN KelpBox kelpCodeBox(uint code, ivec3 voxel, bool within_brick) {
   return box;
 }
 
+// The box of empty bricks that the cell of an empty brick promises, in voxels.
+KELP_FN KelpBox kelpCellBox(uint cell, ivec3 brick) {
+  vec3 down = vec3(float(cell & 15u), float((cell >> 8u) & 15u), float((cell >> 16u) & 15u));
+  vec3 up = vec3(float((cell >> 4u) & 15u), float((cell >> 12u) & 15u), float((cell >> 20u) & 15u));
+  KelpBox box;
+  box.centre = vec3(8.0f * float(brick.x) + 4.0f, 8.0f * float(brick.y) + 4.0f, 8.0f * float(brick.z) + 4.0f) + 4.0f * (up - down);
+  box.half_size = vec3(4.0f) + 4.0f * (up + down);
+  return box;
+}
+
 // `hit`, found at q = q(b) in a voxel of the level `coarser` levels above the traced one.
 KELP_FN KelpHit kelpFound(KelpHit before, KelpCurve c, float b, int coarser, ivec3 voxel, uint brick, uint code) {
   KelpHit hit = before;
@@ -307,10 +317,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
         }
         box = kelpCodeBox(code, voxel, !complete);
       } else {
-        vec3 down = vec3(float(cell & 15u), float((cell >> 8u) & 15u), float((cell >> 16u) & 15u));
-        vec3 up = vec3(float((cell >> 4u) & 15u), float((cell >> 12u) & 15u), float((cell >> 20u) & 15u));
-        box.centre = vec3(8.0f * float(at.x) + 4.0f, 8.0f * float(at.y) + 4.0f, 8.0f * float(at.z) + 4.0f) + 4.0f * (up - down);
-        box.half_size = vec3(4.0f) + 4.0f * (up + down);
+        box = kelpCellBox(cell, at);
         clearance = complete ? float(cell >> 24u) : 0.0f;
       }
       b = kelpAdvance(b, kelpStep(c, b, q, box.centre, box.half_size, clearance));
@@ -352,28 +359,36 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
   return hit;
 }
 
-// The first solid voxel along o + s r, s in [s_min, s_max]; r is a unit vector, o should be near the volume (the nearer, the more exact).
-KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
-  KelpHit hit;
-  hit.found = false;
-  hit.s = s_max;
-  hit.t = 0.0f;
-  hit.segment = 0;
-  hit.coarser = 0;
-  hit.voxel = ivec3(0);
-  hit.brick = 0u;
-  hit.code = 0u;
-  hit.rest = vec3(0.0f);
-  hit.steps = 0;
-  hit.outside = 0;
-  hit.fetches = 0;
+// A ray on its way through the segments that it meets, half by half: at o + s r, r a unit vector.
+struct KelpWalk {
+  bool going;
+  KelpSegment g;  // the one it is in
+  int segment;    // its number
+  float t0;       // spline parameter there
+  float y;        // height there
+  float s;
+  float end;      // of s
+  float base;     // height of the spline's low end
+  float stretch;  // as in kelpMakeCurve
+};
 
+// Where o + s r, s in [s_min, s_max], enters the bounds. r is a unit vector, o should be near the volume (the nearer, the more exact).
+KELP_FN KelpWalk kelpEnter(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpWalk walk;
   int count = KELP_SEGMENTS;
   KelpSegment top = KELP_SEGMENT(count - 1);
   KelpSegment g = KELP_SEGMENT(0);
   float y_low = g.p0.y;
   float y_high = top.p1.y;
-  float stretch = KELP_SIZE.y / (y_high - y_low);
+  walk.going = false;
+  walk.g = g;
+  walk.segment = 0;
+  walk.t0 = 0.0f;
+  walk.y = 0.0f;
+  walk.s = s_min;
+  walk.end = s_max;
+  walk.base = y_low;
+  walk.stretch = KELP_SIZE.y / (y_high - y_low);
 
   // The part of the ray inside the bounds, x and z first: the planes of y are exact, and a ray that enters through one starts at t = 0 or 1.
   float s0 = s_min;
@@ -386,7 +401,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     s0 = max(s0, min(sa, sb));
     s1 = min(s1, max(sa, sb));
   } else if (o.x < low.x || o.x > high.x) {
-    return hit;
+    return walk;
   }
   if (r.z != 0.0f) {
     float sa = (low.z - o.z) / r.z;
@@ -394,7 +409,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     s0 = max(s0, min(sa, sb));
     s1 = min(s1, max(sa, sb));
   } else if (o.z < low.z || o.z > high.z) {
-    return hit;
+    return walk;
   }
   float climb = s0 * r.y;  // beside the ends of a segment heights are differences of their own: o.y + climb would round them away
   float y = o.y + climb;
@@ -410,9 +425,9 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     }
     s1 = min(s1, (exit_plane - o.y) / r.y);
   } else if (y < y_low || y > y_high) {
-    return hit;
+    return walk;
   }
-  if (!(s0 <= s1)) return hit;
+  if (!(s0 <= s1)) return walk;
 
   // The segment that holds that height; one root solve; then from half to half and knot to knot without another.
   int i = 0;
@@ -423,25 +438,66 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
     below = through_plane ? g.p1.y - y : (g.p1.y - o.y) - climb;
   }
   float above = through_plane ? y - g.p0.y : (o.y - g.p0.y) + climb;
-  float t0 = kelpSplineParameter(g, above, below);
-  float s = s0;
-  for (int n = 0; n < 2 * count; ++n) {
-    KelpCurve c = kelpMakeCurve(g, o, r, s, t0, y, y_low, stretch, KELP_LEVEL_SCALE);
-    hit.segment = i;
-    hit = kelpMarch(KELP_CONTEXT c, s1, hit);
-    if (hit.found || abs(r.y) < 1e-12f) break;
-    s = kelpCurveRay(c, c.end);
-    if (s > s1) break;
-    if (r.y > 0.0f ? t0 < 0.5f : t0 > 0.5f) {
-      t0 = 0.5f;
-      y = kelpSplineAt(g, t0).y;
-      continue;
-    }
-    i += r.y > 0.0f ? 1 : -1;
-    if (i < 0 || i >= count) break;
-    y = r.y > 0.0f ? g.p1.y : g.p0.y;
-    t0 = r.y > 0.0f ? 0.0f : 1.0f;
-    g = KELP_SEGMENT(i);
+  walk.going = true;
+  walk.g = g;
+  walk.segment = i;
+  walk.t0 = kelpSplineParameter(g, above, below);
+  walk.y = y;
+  walk.s = s0;
+  walk.end = s1;
+  return walk;
+}
+
+KELP_FN KelpCurve kelpWalkCurve(KELP_CONTEXT_ KelpWalk walk, vec3 o, vec3 r) {
+  return kelpMakeCurve(walk.g, o, r, walk.s, walk.t0, walk.y, walk.base, walk.stretch, KELP_LEVEL_SCALE);
+}
+
+// On to the half of a segment that follows the curve; it no longer goes where there is none.
+KELP_FN KelpWalk kelpWalkOn(KELP_CONTEXT_ KelpWalk before, vec3 r, KelpCurve c) {
+  KelpWalk walk = before;
+  walk.going = abs(r.y) >= 1e-12f;
+  walk.s = kelpCurveRay(c, c.end);
+  if (!(walk.s <= walk.end)) walk.going = false;
+  if (!walk.going) return walk;
+  if (r.y > 0.0f ? walk.t0 < 0.5f : walk.t0 > 0.5f) {
+    walk.t0 = 0.5f;
+    walk.y = kelpSplineAt(walk.g, 0.5f).y;
+    return walk;
+  }
+  int i = walk.segment + (r.y > 0.0f ? 1 : -1);
+  walk.going = i >= 0 && i < KELP_SEGMENTS;
+  if (!walk.going) return walk;
+  walk.segment = i;
+  walk.y = r.y > 0.0f ? walk.g.p1.y : walk.g.p0.y;
+  walk.t0 = r.y > 0.0f ? 0.0f : 1.0f;
+  walk.g = KELP_SEGMENT(i);
+  return walk;
+}
+
+// The first solid voxel along o + s r, s in [s_min, s_max]; o and r as in kelpEnter.
+KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpHit hit;
+  hit.found = false;
+  hit.s = s_max;
+  hit.t = 0.0f;
+  hit.segment = 0;
+  hit.coarser = 0;
+  hit.voxel = ivec3(0);
+  hit.brick = 0u;
+  hit.code = 0u;
+  hit.rest = vec3(0.0f);
+  hit.steps = 0;
+  hit.outside = 0;
+  hit.fetches = 0;
+  KelpWalk walk = kelpEnter(KELP_CONTEXT o, r, s_min, s_max);
+  int halves = 2 * KELP_SEGMENTS;
+  while (walk.going && halves > 0) {
+    --halves;
+    KelpCurve c = kelpWalkCurve(KELP_CONTEXT walk, o, r);
+    hit.segment = walk.segment;
+    hit = kelpMarch(KELP_CONTEXT c, walk.end, hit);
+    if (hit.found) break;
+    walk = kelpWalkOn(KELP_CONTEXT walk, r, c);
   }
   return hit;
 }

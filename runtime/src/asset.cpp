@@ -176,7 +176,7 @@ bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
 std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
   const LevelState& level = *task.level;
   if (task.page != Task::kGrid) return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
-  return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)].size);
+  return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)]);
 }
 
 Result<void> Asset::Impl::loadPage(const Task& task, Scratch& decoded) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <new>
 
+#include "kelp/formats/fog.h"
+
 namespace kelp::runtime {
 
 Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
@@ -45,8 +47,8 @@ void LevelState::release(const Allocator& allocator) {
   pages = nullptr;
 }
 
-std::uint64_t LevelState::bytes(const glm::ivec3& part_size) const {
-  const glm::ivec3 bricks = brickGrid(levelSize(part_size, level));
+std::uint64_t LevelState::bytes(const Part& of) const {
+  const glm::ivec3 bricks = brickGrid(latticeSize(of.kind, levelSize(of.size, level)));
   const std::uint64_t cells = static_cast<std::uint64_t>(bricks.x) * static_cast<std::uint64_t>(bricks.y) * static_cast<std::uint64_t>(bricks.z);
   const std::uint64_t table = grid_raw - std::min(grid_raw, cells * sizeof(std::uint32_t));
   return cells * sizeof(std::uint32_t) + table / 32 * (sizeof(PageInfo) + sizeof(PageSlot));  // 32 bytes a page in the file

@@ -56,7 +56,7 @@ struct LevelState {
   Result<void> load(const Pack& pack, const Allocator& allocator);
   void release(const Allocator& allocator);
   // Of grid and slots, before they are read. The pages' own come on top.
-  std::uint64_t bytes(const glm::ivec3& part_size) const;
+  std::uint64_t bytes(const Part& of) const;
 };
 
 }  // namespace kelp::runtime

@@ -4,16 +4,46 @@
 #include <bit>
 #include <cstring>
 
+#include "kelp/formats/fog.h"
+
 namespace kelp::runtime {
 
 static_assert(std::endian::native == std::endian::little, "codes are copied into words as they are");
 
 std::uint32_t pageWords(const PageInfo& page) {
+  if (page.channels > 0) return kFogChannelWords * page.channels * page.count;
   const std::uint32_t attributes = (page.raw - page.count * kBrickVoxels) / sizeof(std::uint32_t);
   return kBrickWords * page.count + attributes;
 }
 
+namespace {
+
+bool arrangeFog(const PageData& page, std::span<std::uint32_t> words) {
+  const std::size_t samples = std::size_t{page.count} * kFogSamples;
+  const std::size_t channels = page.fog.size() / samples;
+  if (page.fog.size() != channels * samples || words.size() != channels * page.count * kFogChannelWords) return false;
+  std::uint32_t* word = words.data();
+  for (std::size_t b = 0; b < page.count; ++b) {
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+      const std::uint8_t* const brick = page.fog.data() + channel * samples + b * kFogSamples;
+      for (int z = 0; z < kFogSide; ++z) {
+        for (int y = 0; y < kBrickSide; ++y) {
+          const std::uint8_t* const row = brick + kFogSide * (y + kFogSide * z);
+          for (int x = 0; x < kBrickSide; ++x) {
+            const std::uint8_t* const s = row + x;
+            *word++ = std::uint32_t{s[0]} | std::uint32_t{s[1]} << 8 | std::uint32_t{s[kFogSide]} << 16 | std::uint32_t{s[kFogSide + 1]} << 24;
+          }
+        }
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
 bool arrangePage(const PageData& page, std::span<std::uint32_t> words) {
+  if (!page.fog.empty()) return arrangeFog(page, words);
   const std::uint32_t first_attribute = kBrickWords * page.count;
   if (words.size() != first_attribute + page.attributes.size()) return false;
   std::uint32_t next = 0;  // attribute

@@ -101,6 +101,7 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
   float t_max = ray.t_max;
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
     const Part& part = parts[static_cast<std::size_t>(i)];
+    if (part.kind != PartKind::kSolid) continue;
     const std::span<const Knot> knots = knotsOf(instance, i);
     LevelBricks bricks[kMaxLevels];
     trace::Level levels[kMaxLevels];

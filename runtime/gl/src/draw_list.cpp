@@ -122,8 +122,8 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
 
 }  // namespace
 
-Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays) {
-  const Frame frame{camera, view, rays};
+Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
+  const Frame frame{camera, view, kind, rays};
   waiting_ = 0;
   count_ = 0;
   texels_ = 0;
@@ -137,7 +137,7 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
     if (asset) error = addInstance(frame, *asset, instances[i], static_cast<std::uint32_t>(i));
   }
   if (!error) error = addBlock(frame);
-  if (!error) return writeOrder();
+  if (!error) return writeOrder(kind);
   count_ = 0;
   return *error;
 }
@@ -153,6 +153,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
     const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
+    if (parts[part].kind != frame.kind) continue;
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }
@@ -287,7 +288,7 @@ void DrawList::write(const Frame& frame, const Candidate& candidate, const Lanes
 
 // Sorts the parts, and writes the numbers of their records behind the records. The order serves speed alone, so 16 bits of the depths' fractions do:
 // three rounds of a radix sort that leaves equals as they were.
-Result<void> DrawList::writeOrder() {
+Result<void> DrawList::writeOrder(PartKind kind) {
   if (count_ == 0) return {};
   rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
   if (!grow(records_, rows_ * kRecordWidth) || !grow(sorted_, count_)) return kNoMemory;
@@ -307,7 +308,7 @@ Result<void> DrawList::writeOrder() {
     std::swap(order_, sorted_);
   }
   std::uint32_t* const numbers = reinterpret_cast<std::uint32_t*>(&records_[texels_]);
-  for (std::size_t i = 0; i < count_; ++i) numbers[i] = order_[i].texel;
+  for (std::size_t i = 0; i < count_; ++i) numbers[i] = order_[kind == PartKind::kFog ? count_ - 1 - i : i].texel;
   return {};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a frame draws: instances taken apart, culled, given a level, written out as the records of instance.glsl, and ordered near to far.
+// What a frame draws: instances taken apart, culled, given a level, written out as the records of instance.glsl, and ordered: solids near to far, which
+// spares what is hidden, fog far to near, which is blended over what is there.
 #pragma once
 
 #include "placing.h"
@@ -19,10 +20,10 @@ class DrawList {
 
   explicit DrawList(const Allocator& allocator) : order_(allocator), sorted_(allocator), records_(allocator) {}
 
-  // Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
-  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, Rays rays = Rays::kView);
+  // Lists the parts of one kind. Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
+  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid, Rays rays = Rays::kView);
 
-  // Parts to draw, near to far.
+  // Parts to draw, in order.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
   // Rows of kRecordWidth texels.
   std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
@@ -38,6 +39,7 @@ class DrawList {
   struct Frame {
     const Camera& camera;
     const View& view;
+    PartKind kind;
     Rays rays;
   };
   // A posed part on its way into the list.
@@ -61,7 +63,7 @@ class DrawList {
   const Error* place(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, PlacedParts& placed);
   void choose(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, const PlacedParts& placed);
   void write(const Frame& frame, const Candidate& candidate, const Lanes& low, const Lanes& high, float nearest);
-  Result<void> writeOrder();
+  Result<void> writeOrder(PartKind kind);
 
   Candidate block_[kBlock];      // the first waiting_
   PlacedParts placed_[kBlock / 4];

@@ -63,6 +63,9 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
     KELP_GL_LOAD(void, GetBooleani_v, (Enum, Name, std::uint8_t*))
     KELP_GL_LOAD(void, ColorMaski, (Name, std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))
   }
+  if (version >= (api.es ? 32 : 40)) {
+    KELP_GL_BLEND_FUNCTIONS(KELP_GL_LOAD)
+  }
 #undef KELP_GL_LOAD
   if (!complete) return Error{ErrorCode::kGraphics, "getProcAddress does not know a function of OpenGL 3.3 / OpenGL ES 3.0"};
 

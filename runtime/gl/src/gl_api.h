@@ -32,6 +32,8 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, DepthFunc, (Enum))                                                                                              \
   X(void, DepthMask, (std::uint8_t))                                                                                      \
   X(void, ColorMask, (std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))                                            \
+  X(void, BlendFuncSeparate, (Enum, Enum, Enum, Enum))                                                                    \
+  X(void, BlendEquationSeparate, (Enum, Enum))                                                                            \
   X(void, PixelStorei, (Enum, std::int32_t))                                                                              \
   X(void, BindBuffer, (Enum, Name))                                                                                       \
   X(void, GenVertexArrays, (std::int32_t, Name*))                                                                         \
@@ -89,6 +91,11 @@ using Name = std::uint32_t;  // of a texture, program, ...
   X(void, GetBooleani_v, (Enum, Name, std::uint8_t*))                                                                     \
   X(void, ColorMaski, (Name, std::uint8_t, std::uint8_t, std::uint8_t, std::uint8_t))
 
+// Only where each draw buffer blends in its own way (OpenGL 4.0, OpenGL ES 3.2): null elsewhere.
+#define KELP_GL_BLEND_FUNCTIONS(X)                                                                                        \
+  X(void, BlendFuncSeparatei, (Name, Enum, Enum, Enum, Enum))                                                             \
+  X(void, BlendEquationSeparatei, (Name, Enum, Enum))
+
 // Only where KHR_debug is (OpenGL 4.3, OpenGL ES 3.2, or the extension): null elsewhere.
 #define KELP_GL_DEBUG_FUNCTIONS(X)                                                                                        \
   X(void, ObjectLabel, (Enum, Name, std::int32_t, const char*))                                                           \
@@ -100,6 +107,7 @@ struct Api {
 #define KELP_GL_DECLARE(result, name, parameters) result(KELP_GL_CALL* name) parameters = nullptr;
   KELP_GL_FUNCTIONS(KELP_GL_DECLARE)
   KELP_GL_DESKTOP_FUNCTIONS(KELP_GL_DECLARE)
+  KELP_GL_BLEND_FUNCTIONS(KELP_GL_DECLARE)
   KELP_GL_DEBUG_FUNCTIONS(KELP_GL_DECLARE)
 #undef KELP_GL_DECLARE
 
@@ -120,6 +128,8 @@ inline constexpr Enum kVersion = 0x1F02, kMaxTextureSize = 0x0D33, kMaxArrayText
                       kExtensions = 0x1F03, kNumExtensions = 0x821D;
 inline constexpr Enum kTriangleStrip = 0x0005;
 inline constexpr Enum kCullFace = 0x0B44, kDepthTest = 0x0B71, kBlend = 0x0BE2;
+inline constexpr Enum kBlendSrcRgb = 0x80C9, kBlendDstRgb = 0x80C8, kBlendSrcAlpha = 0x80CB, kBlendDstAlpha = 0x80CA, kBlendEquationRgb = 0x8009,
+                      kBlendEquationAlpha = 0x883D, kFuncAdd = 0x8006, kOne = 1, kOneMinusSrcAlpha = 0x0303;
 inline constexpr Enum kDepthFunc = 0x0B74, kDepthWritemask = 0x0B72, kColorWritemask = 0x0C23, kLess = 0x0201, kLequal = 0x0203, kGequal = 0x0206;
 inline constexpr Enum kPolygonMode = 0x0B40, kFrontAndBack = 0x0408, kFill = 0x1B02;
 inline constexpr Enum kCurrentProgram = 0x8B8D, kVertexArrayBinding = 0x85B5;

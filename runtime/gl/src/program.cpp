@@ -21,7 +21,7 @@ constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n";
 
 // Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
-               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n";
+               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n", kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -91,15 +91,11 @@ TraceProgram locateTrace(const Api& api, Name name) {
   return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"), locate("kelp_part_count"), locateLook(api, name)};
 }
 
-Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log) {
-  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : rays ? kRaysDefine : "";
-  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {
-      prelude,      defines,           kInstanceLine, shaders::kInstance,     kTraceLine,   shaders::kTrace,
-      kSurfaceLine, shaders::kSurface, kHostLine,     surface ? surface : "", kShadingLine, shaders::kShading,
-      kMainLine,    shaders::kFragment};
+namespace {
 
+// From two complete texts.
+template <std::size_t kVertexCount, std::size_t kFragmentCount>
+Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCount], const char* const (&fragment_text)[kFragmentCount], const char* name_label, const LogSink& log) {
   const Name vertex = compile(api, kVertexShader, vertex_text, log);
   const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
   const Name name = fragment ? link(api, vertex, fragment, log) : 0;
@@ -113,7 +109,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, bool rays, con
   api.Uniform1i(locate("kelp_pool"), kPool);
   api.Uniform1i(locate("kelp_records"), kRecords);
   api.Uniform1i(locate("kelp_scene_depth"), kScene);
-  label(api, kLabelProgram, name, "kelp program");
+  label(api, kLabelProgram, name, name_label);
 
   Program program = locateLook(api, name);
   program.first_instance = locate("kelp_first_instance");
@@ -121,7 +117,30 @@ Result<Program> buildProgram(const Api& api, const char* surface, bool rays, con
   program.depth_only = locate("kelp_depth_only");
   program.clip_low = locate("kelp_clip_low");
   program.scene = locate("kelp_scene");
+  program.fog_pieces = locate("kelp_fog_pieces");
   return program;
+}
+
+}  // namespace
+
+Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log) {
+  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : rays ? kRaysDefine : "";
+  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
+  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
+  const char* const fragment_text[] = {
+      prelude,      defines,           kInstanceLine, shaders::kInstance,     kTraceLine,   shaders::kTrace,
+      kSurfaceLine, shaders::kSurface, kHostLine,     surface ? surface : "", kShadingLine, shaders::kShading,
+      kPixelLine,   shaders::kPixel,   kMainLine,     shaders::kFragment};
+  return build(api, vertex_text, fragment_text, "kelp program", log);
+}
+
+Result<Program> buildFogProgram(const Api& api, bool rays, const LogSink& log) {
+  const char* const defines = rays ? kRaysDefine : "";
+  const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
+  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
+  const char* const fragment_text[] = {prelude,  defines,       kInstanceLine, shaders::kInstance, kTraceLine, shaders::kTrace,
+                                       kFogLine, shaders::kFog, kPixelLine,    shaders::kPixel,    kMainLine,  shaders::kFogFragment};
+  return build(api, vertex_text, fragment_text, "kelp fog program", log);
 }
 
 }  // namespace kelp::gl

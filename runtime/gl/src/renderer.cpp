@@ -22,7 +22,7 @@ using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
 static_assert(kFirstHostUnit >= kTextureUnits);
-constexpr int kMostBatches = 16;
+constexpr int kMostBatches = 16, kMostPieces = 16;
 
 // The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
 struct RecordTextures {
@@ -64,13 +64,14 @@ bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
   return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
          view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
-         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches;
+         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches &&
+         view.fog_pieces >= 1 && view.fog_pieces <= kMostPieces;
 }
 
 // What draw() and bindTrace() can not do anything with.
 Result<void> checkView(const View& view, bool look_is_plain) {
   if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches beyond 1 .. 16"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches or pieces of fog beyond 1 .. 16"};
   if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0)) return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays want Config::secondary_rays"};
   return {};
 }
@@ -92,14 +93,16 @@ void setLook(const Api& api, const Program& program, const View& view) {
 
 struct Renderer::Impl {
   Impl(const Config& config, const Api& loaded)
-      : api(loaded), restore(config.state == State::kRestore), look_is_plain(!config.surface_glsl && !config.secondary_rays),
+      : api(loaded), log{config.log, config.user}, restore(config.state == State::kRestore), look_is_plain(!config.surface_glsl && !config.secondary_rays),
         store(config.allocator), list(config.allocator), traced(config.allocator) {}
 
   Api api;
+  LogSink log;
   bool restore;
   bool look_is_plain;  // casts no rays
   bool abandoned = false;
   Program program;
+  Program fog_program;  // none until an asset has fog
   Name vertex_array = 0;
   Name sampler = 0;
   RecordTextures records;
@@ -112,12 +115,14 @@ struct Renderer::Impl {
   TraceStrings trace_strings{};
 
   void setState(const View& view, Pass pass, Name scene_depth) const;
-  std::uint32_t drawBatches(std::uint32_t batches) const;
+  const Program& programOf(Pass pass) const { return pass == Pass::kFog ? fog_program : program; }
+  std::uint32_t drawBatches(const Program& used, std::uint32_t batches) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
 void Renderer::Impl::setState(const View& view, Pass pass, Name scene_depth) const {
-  api.UseProgram(program.name);
+  const Program& used = programOf(pass);
+  api.UseProgram(used.name);
   api.BindVertexArray(vertex_array);
   for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
   bindUnit(api, kPool, store.pool().texture());
@@ -125,26 +130,27 @@ void Renderer::Impl::setState(const View& view, Pass pass, Name scene_depth) con
   bindUnit(api, kScene, scene_depth);
   api.Enable(kDepthTest);
   api.DepthFunc(view.reversed_depth ? kGequal : kLequal);
-  api.DepthMask(1);
+  api.DepthMask(pass != Pass::kFog);
   api.Disable(kCullFace);
   api.Disable(kBlend);
   if (!api.es) api.PolygonMode(kFrontAndBack, kFill);
   if (pass == Pass::kDepth) api.ColorMask(0, 0, 0, 0);
 
-  setLook(api, program, view);
-  api.Uniform1i(program.motion, view.previous_world_to_clip != nullptr);
-  api.Uniform1i(program.depth_only, pass == Pass::kDepth);
-  api.Uniform1f(program.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
-  api.Uniform1i(program.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
+  setLook(api, used, view);
+  api.Uniform1i(used.motion, view.previous_world_to_clip != nullptr);
+  api.Uniform1i(used.depth_only, pass == Pass::kDepth);
+  api.Uniform1f(used.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
+  api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
+  api.Uniform1i(used.fog_pieces, view.fog_pieces);
 }
 
 // Near to far, as many parts each. Where there are several, what is drawn so far is known to the next.
-std::uint32_t Renderer::Impl::drawBatches(std::uint32_t batches) const {
+std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t batches) const {
   const std::uint64_t parts = list.parts();
   for (std::uint32_t batch = 0; batch < batches; ++batch) {
     const auto first = static_cast<std::uint32_t>(parts * batch / batches), last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
     if (batches > 1) depth.copy(api);
-    api.Uniform1i(program.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
+    api.Uniform1i(used.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
   }
   return batches;
@@ -194,6 +200,7 @@ Renderer::~Renderer() {
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
+  self.api.DeleteProgram(self.fog_program.name);
 }
 
 Result<void> Renderer::add(const runtime::Asset& asset) {
@@ -201,6 +208,13 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
+  const std::span<const Part> parts = asset.pack().parts();
+  if (self.fog_program.name == 0 && std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.kind == PartKind::kFog; })) {
+    const DrawGuard draw(self.api, self.restore);
+    const auto program = buildFogProgram(self.api, !self.look_is_plain, self.log);
+    if (!program) return program.error();
+    self.fog_program = *program;
+  }
   return self.store.add(self.api, asset);
 }
 
@@ -234,25 +248,35 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   stats.pending = self.pending;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
-  if (auto good = self.list.build(self.store, *camera, view, instances); !good) return good.error();
+  const bool fog = pass == Pass::kFog;
+  if (auto good = self.list.build(self.store, *camera, view, instances, fog ? PartKind::kFog : PartKind::kSolid); !good) return good.error();
   stats.culled = self.list.culled();
   stats.instances = self.list.parts();
   if (stats.instances == 0) return stats;
-  const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : "kelp draw");
+  const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
   std::uint32_t batches = 1;
+  Name scene_depth = view.scene_depth;
   {
     const UploadGuard guard(self.api, self.restore);
-    if (view.depth_batches > 1 && stats.instances > 1 && view.scene_depth == 0 && self.depth.prepare(self.api)) {
-      batches = std::min(static_cast<std::uint32_t>(view.depth_batches), stats.instances);
+    const bool wants_copy = scene_depth == 0 && (fog || (view.depth_batches > 1 && stats.instances > 1));
+    if (wants_copy && self.depth.prepare(self.api)) {
+      scene_depth = self.depth.texture();
+      if (fog) self.depth.copy(self.api);
+      if (!fog) batches = std::min(static_cast<std::uint32_t>(view.depth_batches), stats.instances);
     }
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  self.setState(view, pass, batches > 1 ? self.depth.texture() : view.scene_depth);
-  if (view.bind) view.bind(view.bind_user, self.program.name);
-  stats.draws = self.drawBatches(batches);
+  self.setState(view, pass, scene_depth);
+  if (fog) {
+    const BlendGuard blend(self.api, self.restore);
+    stats.draws = self.drawBatches(self.fog_program, 1);
+  } else {
+    if (view.bind) view.bind(view.bind_user, self.program.name);
+    stats.draws = self.drawBatches(self.program, batches);
+  }
   // The copy is not left where a host might find it.
-  if (batches > 1) bindUnit(self.api, kScene, 0);
+  if (scene_depth != view.scene_depth) bindUnit(self.api, kScene, 0);
   return stats;
 }
 
@@ -272,7 +296,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   stats.pending = self.pending;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
-  if (auto good = self.traced.build(self.store, *camera, view, instances, DrawList::Rays::kAny); !good) return good.error();
+  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, DrawList::Rays::kAny); !good) return good.error();
   stats.culled = self.traced.culled();
   stats.instances = self.traced.parts();
   const DebugGroup group(api, "kelp trace");

@@ -7,6 +7,7 @@
 #include <functional>
 #include <new>
 
+#include "kelp/formats/fog.h"
 #include "kelp/gl/renderer.h"
 
 namespace kelp::gl {
@@ -32,6 +33,26 @@ constexpr std::uint32_t kAbsentPage[1] = {0};
 std::uint64_t cellCount(const glm::ivec3& grid) {
   return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) * static_cast<std::uint64_t>(grid.z);
 }
+
+// What fog's samples mean: shaders/fog.glsl, kelpLoadFog. It comes after the tables of the part's levels.
+std::uint32_t fogWords(const Part& part) {
+  return part.fog ? 6 + static_cast<std::uint32_t>(part.levels) + 3 * static_cast<std::uint32_t>(part.fog->ramp.size()) : 0;
+}
+void writeFog(const Fog& fog, std::span<std::uint32_t> words) {
+  const auto put = [&words](float value) {
+    std::memcpy(words.data(), &value, sizeof value);
+    words = words.subspan(1);
+  };
+  for (const float value : {fog.color.r, fog.color.g, fog.color.b, fog.anisotropy, fog.glow}) put(value);
+  words[0] = static_cast<std::uint32_t>(fog.ramp.size());
+  words = words.subspan(1);
+  for (const float extinction : fog.extinction) put(extinction);
+  for (const glm::vec3& color : fog.ramp) {
+    for (const float value : {color.r, color.g, color.b}) put(value);
+  }
+}
+
+std::uint32_t tableWords(const Part& part) { return kTableWords * static_cast<std::uint32_t>(part.levels) + fogWords(part); }
 
 // The word of the page's entry in the level's page table.
 std::uint64_t pageEntry(const ResidentLevel& level, std::uint32_t page) { return level.cellsAt() + cellCount(level.grid) + page; }
@@ -86,17 +107,20 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   fresh->levels = Buffer<ResidentLevel*>(assets_.allocator());
   const std::span<const Material> palette = asset.pack().palette();
   const auto palette_words = static_cast<std::uint32_t>(kPaletteWords * palette.size());
-  std::uint32_t levels = 0;
-  for (const Part& part : parts) levels += static_cast<std::uint32_t>(part.levels);
+  std::uint32_t levels = 0, table_words = palette_words;
+  for (const Part& part : parts) {
+    levels += static_cast<std::uint32_t>(part.levels);
+    table_words += tableWords(part);
+  }
   Buffer<std::uint32_t> tables(assets_.allocator());
-  if (!fresh->parts.reset(parts.size()) || !fresh->levels.reset(levels) || !tables.reset(palette_words + kTableWords * levels)) return kNoMemory;
+  if (!fresh->parts.reset(parts.size()) || !fresh->levels.reset(levels) || !tables.reset(table_words)) return kNoMemory;
   for (std::size_t i = 0; i < palette.size(); ++i) {
     const Material& m = palette[i];
     const float entry[kPaletteWords] = {m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a, m.emissive.r,
                                         m.emissive.g,   m.emissive.b,   m.metallic,     m.roughness};
     std::memcpy(&tables[kPaletteWords * i], entry, sizeof entry);
   }
-  std::uint32_t next = 0;
+  std::uint32_t next = 0, table = palette_words;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     fresh->parts[p] = {next, parts[p].levels, parts[p].levels, {}};
     for (int l = 0; l < parts[p].levels; ++l, ++next) {
@@ -105,11 +129,13 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
       level->asset = fresh.get();
       level->part = static_cast<std::int32_t>(p);
       level->level = l;
-      level->grid = brickGrid(levelSize(parts[p].size, l));
-      level->table = palette_words + kTableWords * next;
+      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, l)));
+      level->table = table + kTableWords * static_cast<std::uint32_t>(l);
       level->page_rows = Buffer<std::uint32_t>(assets_.allocator());
       fresh->levels[next] = level;
     }
+    if (parts[p].fog) writeFog(*parts[p].fog, tables.span().subspan(table + kTableWords * static_cast<std::uint32_t>(parts[p].levels)));
+    table += tableWords(parts[p]);
   }
 
   if (count_ == assets_.size()) {
@@ -451,8 +477,8 @@ std::uint64_t poolBytes(const runtime::Asset& asset) {
   const std::span<const Part> parts = asset.pack().parts();
   std::uint64_t rows = 0, table_words = kPaletteWords * asset.pack().palette().size();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
+    table_words += tableWords(parts[static_cast<std::size_t>(p)]);
     for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) {
-      table_words += kTableWords;
       const runtime::VoxelLevel* level = asset.level(p, l);
       if (!level) continue;
       rows += Pool::rowsFor(level->cells.size() + level->pages.size());

@@ -104,4 +104,37 @@ DrawGuard::~DrawGuard() {
   }
 }
 
+BlendGuard::BlendGuard(const Api& api, bool restore) : api_(api), restore_(restore) {
+  if (restore) {
+    api.GetIntegerv(kBlendEquationRgb, &equations_[0]);
+    api.GetIntegerv(kBlendEquationAlpha, &equations_[1]);
+    const Enum names[4] = {kBlendSrcRgb, kBlendDstRgb, kBlendSrcAlpha, kBlendDstAlpha};
+    for (int i = 0; i < 4; ++i) api.GetIntegerv(names[i], &factors_[i]);
+  }
+  set({kFuncAdd, kFuncAdd}, {kOne, kOneMinusSrcAlpha, kOne, kOneMinusSrcAlpha});
+  if (!api.Enablei) {
+    api.Enable(kBlend);
+    return;
+  }
+  api.Enablei(kBlend, 0);
+  for (int i = 1; i < api.draw_buffers; ++i) api.ColorMaski(static_cast<Name>(i), 0, 0, 0, 0);
+}
+
+BlendGuard::~BlendGuard() {
+  api_.Disable(kBlend);  // as every other draw leaves it
+  if (!restore_) return;
+  const auto asEnum = [](std::int32_t value) { return static_cast<Enum>(value); };
+  set({asEnum(equations_[0]), asEnum(equations_[1])}, {asEnum(factors_[0]), asEnum(factors_[1]), asEnum(factors_[2]), asEnum(factors_[3])});
+}
+
+void BlendGuard::set(const Enum (&equations)[2], const Enum (&factors)[4]) const {
+  if (api_.BlendFuncSeparatei) {
+    api_.BlendEquationSeparatei(0, equations[0], equations[1]);
+    api_.BlendFuncSeparatei(0, factors[0], factors[1], factors[2], factors[3]);
+  } else {
+    api_.BlendEquationSeparate(equations[0], equations[1]);
+    api_.BlendFuncSeparate(factors[0], factors[1], factors[2], factors[3]);
+  }
+}
+
 }  // namespace kelp::gl

@@ -55,4 +55,21 @@ class DrawGuard {
   std::uint8_t color_mask_[kMaxDrawBuffers][4] = {};
 };
 
+// What fog touches on top, and sets: how the first draw buffer blends, and the masks of the others, which DrawGuard puts back. Within a DrawGuard.
+class BlendGuard {
+ public:
+  BlendGuard(const Api& api, bool restore);
+  ~BlendGuard();
+  BlendGuard(const BlendGuard&) = delete;
+  BlendGuard& operator=(const BlendGuard&) = delete;
+
+ private:
+  void set(const Enum (&equations)[2], const Enum (&factors)[4]) const;
+
+  const Api& api_;
+  bool restore_;
+  std::int32_t equations_[2] = {};
+  std::int32_t factors_[4] = {};  // source and destination of colour, then of alpha
+};
+
 }  // namespace kelp::gl

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "brick_cells.h"
+#include "brick_clearance.h"
 #include "check.h"
 #include "empty_boxes.h"
 #include "kelp/fields/fields.h"

@@ -94,6 +94,7 @@ void run(const Options& options) {
     camera.apply(turntable ? frame : 0, view);
     canvas.clear();
     checkPack("OpenGL", renderer->draw(view, scene.instances()));
+    if (style.colors) checkPack("OpenGL", renderer->draw(view, scene.instances(), gl::Pass::kFog));
     writePng(frameName(options, frame),
              resolve(canvas.read(), options.size, options.samples, style.colors, options.background.value_or(style.background)));
   }

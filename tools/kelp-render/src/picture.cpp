@@ -52,7 +52,7 @@ Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int sam
         for (int sx = 0; sx < samples; ++sx) {
           const auto row = static_cast<std::size_t>(samples * (size.y - 1 - y) + sy);
           const std::uint8_t* from = drawn.data() + 4 * (row * static_cast<std::size_t>(samples * size.x) + static_cast<std::size_t>(samples * x + sx));
-          if (from[3] != 0) sum += glm::vec4(transfer.decode(from[0]), transfer.decode(from[1]), transfer.decode(from[2]), 1);
+          sum += glm::vec4(transfer.decode(from[0]), transfer.decode(from[1]), transfer.decode(from[2]), static_cast<float>(from[3]) / 255.0f);
         }
       }
       std::uint8_t* out = picture.rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(x));

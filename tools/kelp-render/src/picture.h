@@ -17,7 +17,7 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-// `drawn`: `samples` * `samples` for each pixel, rows from bottom to top as OpenGL reads them, alpha 0 where nothing was drawn.
+// `drawn`: `samples` * `samples` for each pixel, rows from bottom to top as OpenGL reads them, premultiplied, alpha 0 where nothing was drawn.
 // `colors`: the values are sRGB colours, to be averaged as light; else plain numbers. Transparent backgrounds leave alpha as coverage.
 Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int samples, bool colors, const Background& background);
 

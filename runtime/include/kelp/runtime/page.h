@@ -5,6 +5,9 @@
 //                              stored: kCellSolid | page << 7 | brick within the page
 //   page, up to 128 bricks     brick b has the words kBrickWords * b on: 4 of slices, then 128 of codes, four to a word, the first lowest;
 //                              after the bricks the attributes of all of them
+//   page of fog            brick b has the words kFogChannelWords * channels * b on, channel after channel: density, heat
+//   channel of fog         a word for each cube and for those of one more layer above: x + 8 (y + 8 z), z 0 .. 8. It has the samples at the lower z of the
+//                          cube's corners, (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1), the first lowest: two words are all a cube has
 //   slice, 16 bits each        of z-slices 0 .. 7, the lower one in the lower half of a word: where the attributes of its surface voxels
 //                              begin, in words from the brick's own first word
 #pragma once
@@ -26,6 +29,8 @@ inline constexpr std::uint32_t kMaxPages = 1u << 17;  // of a level: what a cell
 inline std::uint32_t makeStoredCell(std::uint32_t page, std::uint32_t brick) { return kCellSolid | page << 7 | brick; }
 inline std::uint32_t cellPage(std::uint32_t cell) { return cell >> 7 & (kMaxPages - 1); }
 inline std::uint32_t cellBrick(std::uint32_t cell) { return cell & (kMaxPageBricks - 1); }
+
+inline constexpr std::uint32_t kFogChannelWords = kBrickSide * kBrickSide * (kBrickSide + 1);
 
 // Words of a page, from its entry in the pack.
 std::uint32_t pageWords(const PageInfo& page);

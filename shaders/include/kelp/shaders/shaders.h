@@ -9,7 +9,10 @@ extern const char* const kInstance;  // instance.glsl: where instances, segments
 extern const char* const kShading;  // shading.glsl: the material and the normal of a hit
 extern const char* const kSurface;   // surface.glsl: the default look, and KelpSurface
 extern const char* const kScene;     // scene.glsl: rays for a host's own shaders
+extern const char* const kPixel;    // pixel.glsl: the ray of a fragment
+extern const char* const kFog;      // fog.glsl: light through fog
 extern const char* const kVertex;    // draw.vert: rasterises the proxy box of an instance
 extern const char* const kFragment;  // draw.frag: traces, shades, writes depth
+extern const char* const kFogFragment;  // fog.frag: draws fog over what is there
 
 }  // namespace kelp::shaders

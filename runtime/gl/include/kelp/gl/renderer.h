@@ -80,11 +80,13 @@ struct View {
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
   glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
-  // Rays through the same part of the same instance, which start less than two voxels off the surface. kMisuse without Config::secondary_rays, but
+  // Rays through the same part of the same instance, which start less than two voxels off the surface; in fog, from every voxel on the way. kMisuse without Config::secondary_rays, but
   // for a surface_glsl, which may call kelpVisible. Whether the sun's light is kept off:
   bool self_shadow = false;
   int occlusion_rays = 0;        // 0 .. 16 cosine-weighted rays a pixel, for how much of the sky it sees; 0: all of it
   float occlusion_reach = 0.25f;  // of those, in lengths of the part's longest side, > 0. What they hit counts the less the farther it is
+  // 1 .. 16: into how many pieces kFog cuts the way through a voxel. One is enough for the eye; more show that it is.
+  int fog_pieces = 1;
   Shading shading = Shading::kGradient;
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   // Levels are chosen so that a voxel covers about this many pixels where a part is nearest; 0: always the finest. Between two levels some of
@@ -99,8 +101,13 @@ struct View {
 };
 
 enum class Pass : std::uint8_t {
-  kColour,  // colour and depth
+  kColour,  // colour and depth of solid parts
   kDepth,   // depth only, for shadow maps and pre-passes
+  // Fog parts, which the other passes leave out: blended, premultiplied, into draw buffer 0 alone, over what is there. After everything that is opaque,
+  // the host's own included. Rays end at the scene's depth: View::scene_depth or, without, a copy of the depth buffer, made by this call. Where that can not be had
+  // (no depth, or multisampled) fog is hidden where it begins behind what is there, and else drawn to its end. No depth is written. Parts that overlap are
+  // blended one over the other, the one that begins farther first.
+  kFog,
 };
 
 struct Stats {

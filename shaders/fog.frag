@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Draws fog over what is there: premultiplied colour, and in alpha how much of what is behind is hidden. The depth written is where the fog begins; no
+// depth buffer keeps it, but the depth test may do where no copy of the scene's depth could be had.
+
+layout(location = 0) out vec4 kelp_color;
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  KelpPixelRay p = kelpPixelRay(pixel);
+  if (!p.good) discard;
+  kelpLoadLevel(kelpPixelLevel(pixel));
+  KelpFog fog = kelpFog(kelp_near, p.ray, p.range.x, p.range.y);
+  if (fog.s == KELP_NEVER) discard;
+  gl_FragDepth = kelpDepthOf(p.clip_at + fog.s * p.clip_slope);
+  kelp_color = vec4(fog.light, 1.0 - fog.through);
+}
