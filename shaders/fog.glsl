@@ -6,8 +6,8 @@
 // it is a cubic polynomial, and Simpson's rule integrates it exactly; a curve is bent too little within a cube for the eye to see. What is left to
 // choose is nothing: a denser fog needs no smaller steps. Transmittance is exp(-optical depth), so a cube's share of the light is exact too.
 //
-// Positions in level space count from the volume's corner; samples are at voxels' centres, so cube (i, j, k) begins at (i, j, k) + 1/2, and the
-// outermost cubes reach on to the volume's faces.
+// Positions in level space count from the volume's corner; samples are at voxels' centres, so cube (i, j, k) begins at (i, j, k) + 1/2. Between the outermost
+// samples and the volume's faces is a rim half a voxel wide, in which the field is as at the nearest point between samples.
 
 #define KELP_FOG_CHANNEL 576u     // words of a brick's channel: kelp/runtime/page.h
 #define KELP_FOG_ENOUGH 0.0009765625  // less than this of what is behind is none
@@ -77,11 +77,14 @@ struct KelpFogPlace {
   int coarser;      // levels between the traced one and the cube's
   uint brick;
   ivec3 cube;
+  vec3 rim_low;     // where in the cube a point of the rim counts as: kelpInCube
+  vec3 rim_high;
 };
 
-ivec3 kelpCubes(int level) { return max(((ivec3(kelp_size) + ((1 << level) - 1)) >> level) - 1, ivec3(1)); }
-// From the faces of a run of cubes to a box in level space; what touches the volume's faces goes on beyond them.
-KelpBox kelpCubeBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
+ivec3 kelpSamples(int level) { return (ivec3(kelp_size) + ((1 << level) - 1)) >> level; }
+ivec3 kelpCubes(ivec3 samples) { return max(samples - 1, ivec3(1)); }
+// The box of a run of cubes; what touches the rim has it too.
+KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   vec3 low = (vec3(first) + 0.5 - vec3(lessThanEqual(first, ivec3(0)))) * side;
   vec3 high = (vec3(end) + 0.5 + vec3(greaterThanEqual(end, cubes))) * side;
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
@@ -92,52 +95,67 @@ KelpBox kelpOverlap(KelpBox a, KelpBox b) {
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
 
+// The cube that q is in, or, in the rim, that it is beside; its box has the width of a cube there too.
+KelpFogPlace kelpCubeAt(KelpFogPlace before, vec3 q, ivec3 samples, float side) {
+  KelpFogPlace place = before;
+  ivec3 at = clamp(ivec3(floor(q / side - 0.5)), ivec3(-1), samples - 1);
+  place.cube = clamp(at, ivec3(0), kelpCubes(samples) - 1);
+  bvec3 below = lessThan(at, ivec3(0));
+  bvec3 above = greaterThanEqual(at, samples - 1);
+  vec3 last = vec3(samples - 1 - place.cube);
+  place.rim_low = mix(mix(vec3(-1.0), vec3(0.0), below), last, above);
+  place.rim_high = mix(mix(vec3(2.0), vec3(0.0), below), last, above);
+  place.box.centre = (vec3(at) + 1.0) * side;
+  place.box.half_size = vec3(0.5 * side);
+  return place;
+}
+// Where in its cube a point is, 0 to 1 on each axis, or a little more: a step ends a little beyond the cube's face.
+vec3 kelpInCube(KelpFogPlace place, vec3 q) { return clamp(q / float(1 << place.coarser) - (vec3(place.cube) + 0.5), place.rim_low, place.rim_high); }
+
 KelpFogPlace kelpFogAt(vec3 q) {
   KelpFogPlace place;
   place.clear = false;
   place.clearance = 0.0;
   place.coarser = 0;
-  ivec3 cubes = kelpCubes(kelp_level);
-  place.cube = clamp(ivec3(floor(q - 0.5)), ivec3(0), cubes - 1);
+  place = kelpCubeAt(place, q, kelp_level_size, 1.0);
+  ivec3 cubes = kelpCubes(kelp_level_size);
   ivec3 at = place.cube >> 3;
   uint cell = kelpCell(at);
   if (cell < 0x80000000u) {
     place.clear = true;
     KelpBox box = kelpCellBox(cell, at);
-    place.box = kelpCubeBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
+    place.box = kelpCubesBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
     place.clearance = kelp_complete ? float(cell >> 24u) : 0.0;
     return place;
   }
   place.brick = kelpBrickOf(kelp_pages_at, cell, kelp_fog_stride);
-  if (place.brick != 0u) {
-    place.box = kelpCubeBox(place.cube, place.cube + 1, cubes, 1.0);
-    return place;
-  }
+  if (place.brick != 0u) return place;
   // Not resident: what the finest coarser level says, as far as this brick reaches.
-  KelpBox missing = kelpCubeBox(8 * at, min(8 * at + 8, cubes), cubes, 1.0);
-  place.box = missing;
+  KelpBox missing = kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, 1.0);
   place.clear = true;
   float side = 1.0;
   while (place.coarser < kelp_coarser) {
     ++place.coarser;
     side *= 2.0;
-    cubes = kelpCubes(kelp_level + place.coarser);
-    place.cube = clamp(ivec3(floor(q / side - 0.5)), ivec3(0), cubes - 1);
+    ivec3 samples = kelpSamples(kelp_level + place.coarser);
+    cubes = kelpCubes(samples);
+    place = kelpCubeAt(place, q, samples, side);
     at = place.cube >> 3;
     uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
     uint grid = kelpWord(table + 2u);
     ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
     cell = kelpWord(kelpWord(table) + uint(at.x + bricks.x * (at.y + bricks.y * at.z)));
     if (cell < 0x80000000u) {
-      place.box = kelpOverlap(missing, kelpCubeBox(8 * at, min(8 * at + 8, cubes), cubes, side));
-      break;
+      place.box = kelpOverlap(missing, kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side));
+      return place;
     }
     place.brick = kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride);
     if (place.brick == 0u) continue;
     place.clear = false;
-    place.box = kelpOverlap(missing, kelpCubeBox(place.cube, place.cube + 1, cubes, side));
-    break;
+    place.box = kelpOverlap(missing, place.box);
+    return place;
   }
+  place.box = missing;  // in a pack whose levels contradict each other
   return place;
 }
 
@@ -160,25 +178,29 @@ struct KelpFog {
   int steps;
 };
 
-// Optical depth and glow of a stretch of the curve through one cube.
+// A stretch of the curve through one cube: its optical depth, and the glow that leaves it.
 struct KelpFogPiece {
   float depth;
   vec3 glow;
 };
+// Given off at a place, on the stretch of ray that counts there.
+vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
+  float h = kelpBetween(heat, f);
+  return h > 0.0 ? (kelp_fog_glow * way * h) * kelpRamp(h) : vec3(0.0);
+}
 KelpFogPiece kelpFogPiece(KelpCurve c, float b, float x, KelpFogPlace place, KelpCorners density, KelpCorners heat, float extinction) {
-  float scale = 1.0 / float(1 << place.coarser);
-  vec3 corner = vec3(place.cube) + 0.5;
-  vec3 f0 = clamp(scale * kelpCurveAt(c, b) - corner, 0.0, 1.0);
-  vec3 f1 = clamp(scale * kelpCurveAt(c, b + 0.5 * x) - corner, 0.0, 1.0);
-  vec3 f2 = clamp(scale * kelpCurveAt(c, b + x) - corner, 0.0, 1.0);
-  vec3 way = vec3(kelpSpeed(c, b), 4.0 * kelpSpeed(c, b + 0.5 * x), kelpSpeed(c, b + x)) * (x / 6.0);
+  vec3 f0 = kelpInCube(place, kelpCurveAt(c, b));
+  vec3 f1 = kelpInCube(place, kelpCurveAt(c, b + 0.5 * x));
+  vec3 f2 = kelpInCube(place, kelpCurveAt(c, b + x));
+  vec3 way = x * vec3(kelpSpeed(c, b), kelpSpeed(c, b + 0.5 * x), kelpSpeed(c, b + x));
+  vec3 rates = extinction * way * vec3(kelpBetween(density, f0), kelpBetween(density, f1), kelpBetween(density, f2));
   KelpFogPiece piece;
-  piece.depth = extinction * dot(way, vec3(kelpBetween(density, f0), kelpBetween(density, f1), kelpBetween(density, f2)));
+  piece.depth = dot(rates, vec3(1.0, 4.0, 1.0) / 6.0);
   piece.glow = vec3(0.0);
   if (kelp_fog_ramp_colors > 0) {
-    float mean = dot(way, vec3(kelpBetween(heat, f0), kelpBetween(heat, f1), kelpBetween(heat, f2)));
-    float along = dot(way, vec3(1.0));
-    if (mean > 0.0) piece.glow = (kelp_fog_glow * mean) * kelpRamp(mean / along);
+    // What is given off, dimmed by what is before it in the piece; to the middle by the integral of the parabola through the three rates.
+    float half_depth = dot(rates, vec3(5.0, 8.0, -1.0) / 24.0);
+    piece.glow = (kelpGlow(heat, f0, way.x) + 4.0 * exp(-half_depth) * kelpGlow(heat, f1, way.y) + exp(-piece.depth) * kelpGlow(heat, f2, way.z)) / 6.0;
   }
   return piece;
 }
@@ -208,8 +230,7 @@ float kelpFogSun(vec3 o, vec3 r) {
       KelpFogPlace place = kelpFogAt(q);
       float x = kelpFogStep(c, b, q, place, walk.end);
       if (!place.clear) {
-        vec3 f = clamp(kelpCurveAt(c, b + 0.5 * x) / float(1 << place.coarser) - (vec3(place.cube) + 0.5), 0.0, 1.0);
-        float density = kelpBetween(kelpSquared(kelpCorners(place.brick, place.cube)), f);
+        float density = kelpBetween(kelpSquared(kelpCorners(place.brick, place.cube)), kelpInCube(place, kelpCurveAt(c, b + 0.5 * x)));
         depth += kelpExtinction(kelp_level + place.coarser) * density * x * kelpSpeed(c, b + 0.5 * x);
       }
       b = kelpAdvance(b, x);
@@ -251,8 +272,8 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
           KelpFogPiece piece = kelpFogPiece(c, from, piece_x, place, density, heat, extinction);
           if (fog.s == KELP_NEVER && (piece.depth > 0.0 || piece.glow != vec3(0.0))) fog.s = kelpCurveRay(c, from);
           float clear = exp(-piece.depth);
-          // The share of what is given off in a piece that leaves it, (1 - exp(-d)) / d, without its 0 / 0.
-          float leaves = piece.depth > 1e-3 ? (1.0 - clear) / piece.depth : 1.0 - 0.5 * piece.depth;
+          // 1 - exp(-d), which cancels where d is small.
+          float stopped = piece.depth > 1e-2 ? 1.0 - clear : piece.depth * (1.0 - 0.5 * piece.depth);
           vec3 scattered = sky;
 #ifdef KELP_SECONDARY_RAYS
           if (kelp_self_shadow && piece.depth > 0.0) scattered += sun * kelpFogSun(o + kelpCurveRay(c, from + 0.5 * piece_x) * r, sun_at);
@@ -260,7 +281,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
 #else
           scattered += sun;
 #endif
-          fog.light += fog.through * (piece.depth * leaves * scattered + leaves * piece.glow);
+          fog.light += fog.through * (stopped * scattered + piece.glow);
           fog.through *= clear;
         }
       }
