@@ -9,16 +9,17 @@
 // Positions in level space count from the volume's corner; samples are at voxels' centres, so cube (i, j, k) begins at (i, j, k) + 1/2. Between the outermost
 // samples and the volume's faces is a rim half a voxel wide, in which the field is as at the nearest point between samples.
 
+// Two things that most fog does not need are not in the program unless its text is told, for there are GPUs, and CPUs in their place, that run the branches
+// that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for kelp::gl::View::self_shadow.
+
 #define KELP_FOG_CHANNEL 576u     // words of a brick's channel: kelp/runtime/page.h
-#define KELP_FOG_ENOUGH 0.0009765625  // less than this of what is behind is none
+#define KELP_FOG_DEEP 7.0         // optical depth at which next to nothing comes through
 
 // As in surface.glsl, from kelp::gl::View.
 uniform vec3 kelp_sun_direction;
 uniform vec3 kelp_sun_color;
 uniform vec3 kelp_sky_color;
 uniform vec3 kelp_ground_color;
-uniform bool kelp_self_shadow;
-uniform int kelp_fog_pieces;   // how many pieces the way through a cube is cut into
 
 // What the part's samples mean; kelpLoadFog fills these.
 vec3 kelp_fog_color;
@@ -69,157 +70,142 @@ float kelpBetween(KelpCorners c, vec3 f) {
   return mix(n.x, n.y, f.x);
 }
 
-// What is at a place in level space: a box in which it is clear, or the part of a cube that is drawn there.
+// The brick that is drawn at a place in level space, or that it is clear there.
 struct KelpFogPlace {
   bool clear;
-  KelpBox box;      // in voxels of the level that is traced
+  KelpBox box;      // in which it is clear, or in which the brick is drawn; in voxels of the level that is traced
   float clearance;  // of what is clear: kelpStep's
-  int coarser;      // levels between the traced one and the cube's
+  int coarser;      // levels between the traced one and the brick's
   uint brick;
-  ivec3 cube;
-  vec3 rim_low;     // where in the cube a point of the rim counts as: kelpInCube
-  vec3 rim_high;
+  ivec3 at;         // the brick's place in its grid
+  ivec3 samples;    // of its level
 };
 
 ivec3 kelpSamples(int level) { return (ivec3(kelp_size) + ((1 << level) - 1)) >> level; }
 ivec3 kelpCubes(ivec3 samples) { return max(samples - 1, ivec3(1)); }
+// The cube that a place is in, or beside, if it is in the rim.
+ivec3 kelpCube(vec3 u, ivec3 samples) { return clamp(ivec3(floor(u)), ivec3(0), kelpCubes(samples) - 1); }
 // The box of a run of cubes; what touches the rim has it too.
 KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   vec3 low = (vec3(first) + 0.5 - vec3(lessThanEqual(first, ivec3(0)))) * side;
   vec3 high = (vec3(end) + 0.5 + vec3(greaterThanEqual(end, cubes))) * side;
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
+KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) { return kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side); }
 KelpBox kelpOverlap(KelpBox a, KelpBox b) {
   vec3 low = max(a.centre - a.half_size, b.centre - b.half_size);
   vec3 high = min(a.centre + a.half_size, b.centre + b.half_size);
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
 
-// The cube that q is in, or, in the rim, that it is beside; its box has the width of a cube there too.
-KelpFogPlace kelpCubeAt(KelpFogPlace before, vec3 q, ivec3 samples, float side) {
-  KelpFogPlace place = before;
-  ivec3 at = clamp(ivec3(floor(q / side - 0.5)), ivec3(-1), samples - 1);
-  place.cube = clamp(at, ivec3(0), kelpCubes(samples) - 1);
-  bvec3 below = lessThan(at, ivec3(0));
-  bvec3 above = greaterThanEqual(at, samples - 1);
-  vec3 last = vec3(samples - 1 - place.cube);
-  place.rim_low = mix(mix(vec3(-1.0), vec3(0.0), below), last, above);
-  place.rim_high = mix(mix(vec3(2.0), vec3(0.0), below), last, above);
-  place.box.centre = (vec3(at) + 1.0) * side;
-  place.box.half_size = vec3(0.5 * side);
+// What the finest coarser level says where a brick is not resident, as far as that brick reaches.
+KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
+  KelpFogPlace place = missing;
+  place.clear = true;
+  float side = 1.0;
+  while (place.coarser < kelp_coarser) {
+    ++place.coarser;
+    side *= 2.0;
+    place.samples = kelpSamples(kelp_level + place.coarser);
+    place.at = kelpCube(q / side - 0.5, place.samples) >> 3;
+    uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
+    uint grid = kelpWord(table + 2u);
+    ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
+    uint cell = kelpWord(kelpWord(table) + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
+    bool stored = cell >= 0x80000000u;
+    place.brick = stored ? kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride) : 0u;
+    if (stored && place.brick == 0u) continue;
+    place.box = kelpOverlap(missing.box, kelpBrickBox(place.at, kelpCubes(place.samples), side));
+    place.clear = !stored;
+    break;
+  }
   return place;
 }
-// Where in its cube a point is, 0 to 1 on each axis, or a little more: a step ends a little beyond the cube's face.
-vec3 kelpInCube(KelpFogPlace place, vec3 q) { return clamp(q / float(1 << place.coarser) - (vec3(place.cube) + 0.5), place.rim_low, place.rim_high); }
 
 KelpFogPlace kelpFogAt(vec3 q) {
   KelpFogPlace place;
   place.clear = false;
   place.clearance = 0.0;
   place.coarser = 0;
-  place = kelpCubeAt(place, q, kelp_level_size, 1.0);
+  place.brick = 0u;
+  place.samples = kelp_level_size;
+  place.at = kelpCube(q - 0.5, kelp_level_size) >> 3;
   ivec3 cubes = kelpCubes(kelp_level_size);
-  ivec3 at = place.cube >> 3;
-  uint cell = kelpCell(at);
+  uint cell = kelpCell(place.at);
   if (cell < 0x80000000u) {
     place.clear = true;
-    KelpBox box = kelpCellBox(cell, at);
+    KelpBox box = kelpCellBox(cell, place.at);
     place.box = kelpCubesBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
     place.clearance = kelp_complete ? float(cell >> 24u) : 0.0;
     return place;
   }
   place.brick = kelpBrickOf(kelp_pages_at, cell, kelp_fog_stride);
-  if (place.brick != 0u) return place;
-  // Not resident: what the finest coarser level says, as far as this brick reaches.
-  KelpBox missing = kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, 1.0);
-  place.clear = true;
-  float side = 1.0;
-  while (place.coarser < kelp_coarser) {
-    ++place.coarser;
-    side *= 2.0;
-    ivec3 samples = kelpSamples(kelp_level + place.coarser);
-    cubes = kelpCubes(samples);
-    place = kelpCubeAt(place, q, samples, side);
-    at = place.cube >> 3;
-    uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
-    uint grid = kelpWord(table + 2u);
-    ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-    cell = kelpWord(kelpWord(table) + uint(at.x + bricks.x * (at.y + bricks.y * at.z)));
-    if (cell < 0x80000000u) {
-      place.box = kelpOverlap(missing, kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side));
-      return place;
-    }
-    place.brick = kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride);
-    if (place.brick == 0u) continue;
-    place.clear = false;
-    place.box = kelpOverlap(missing, place.box);
-    return place;
-  }
-  place.box = missing;  // in a pack whose levels contradict each other
+  place.box = kelpBrickBox(place.at, cubes, 1.0);
+  if (place.brick == 0u) place = kelpFogAbove(place, q);
   return place;
 }
 
+// The curve's speed: lengths of the ray for each b.
 float kelpSpeed(KelpCurve c, float b) { return c.s.y + b * (2.0 * c.s.z + 3.0 * b * c.s.w); }
-
-// The distance in b to the end of the place, but not beyond the ray's.
-float kelpFogStep(KelpCurve c, float b, vec3 q, KelpFogPlace place, float s_max) {
-  float x = min(kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance), c.end - b);
-  float s = kelpCurveRay(c, b);
-  float beyond = kelpCurveRay(c, b + x);
-  // Within a step s is next to linear.
-  return beyond > s_max ? x * clamp((s_max - s) / (beyond - s), 0.0, 1.0) : x;
+// b at s_max, at most the curve's end: s rises with b, by Newton's method inside a bracket.
+float kelpCurveUntil(KelpCurve c, float s_max) {
+  float end = min(c.end, 1e9);
+  if (kelpCurveRay(c, end) <= s_max) return end;
+  float low = 0.0;
+  float high = end;
+  float b = 0.0;
+  for (int i = 0; i < 24; ++i) {
+    float excess = kelpCurveRay(c, b) - s_max;
+    if (excess > 0.0) { high = b; } else { low = b; }
+    float next = b - excess / max(kelpSpeed(c, b), 1e-20);
+    next = next > low && next < high ? next : 0.5 * (low + high);
+    if (next == b) break;
+    b = next;
+  }
+  return b;
 }
+
+// u is where a point is among a level's samples: q / side - 1/2. How far in b the tangent goes to just beyond the face of the cube that u is in; what the
+// curve bends within a cube is less than the field can tell.
+float kelpCubeStep(vec3 u, vec3 slope) {
+  vec3 f = u - floor(u);
+  vec3 ahead = mix(f, 1.0 - f, greaterThan(slope, vec3(0.0))) + KELP_ERODE;
+  vec3 x = ahead / max(abs(slope), vec3(1e-20));
+  return min(min(x.x, x.y), x.z);
+}
+// Where in a cube a point is, 0 to 1 on each axis or a little beyond, and in the rim as at the nearest point between samples.
+vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) { return clamp(u, vec3(0.0), vec3(samples - 1)) - vec3(cube); }
+
+float kelpExtinction(int level) { return kelpFloat(kelp_fog_extinctions + uint(level)) * (1.0 / 65025.0); }
 
 // What the ray has gathered.
 struct KelpFog {
-  vec3 light;     // that the fog sends to the eye, times its transmittance on the way
-  float through;  // of what is behind
+  vec3 light;     // that the fog sends to the eye, times what comes through on the way
+  float depth;    // optical
   float s;        // where the fog begins; KELP_NEVER: nowhere
   int steps;
 };
 
-// A stretch of the curve through one cube: its optical depth, and the glow that leaves it.
-struct KelpFogPiece {
-  float depth;
-  vec3 glow;
-};
 // Given off at a place, on the stretch of ray that counts there.
 vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
   float h = kelpBetween(heat, f);
   return h > 0.0 ? (kelp_fog_glow * way * h) * kelpRamp(h) : vec3(0.0);
 }
-KelpFogPiece kelpFogPiece(KelpCurve c, float b, float x, KelpFogPlace place, KelpCorners density, KelpCorners heat, float extinction) {
-  vec3 f0 = kelpInCube(place, kelpCurveAt(c, b));
-  vec3 f1 = kelpInCube(place, kelpCurveAt(c, b + 0.5 * x));
-  vec3 f2 = kelpInCube(place, kelpCurveAt(c, b + x));
-  vec3 way = x * vec3(kelpSpeed(c, b), kelpSpeed(c, b + 0.5 * x), kelpSpeed(c, b + x));
-  vec3 rates = extinction * way * vec3(kelpBetween(density, f0), kelpBetween(density, f1), kelpBetween(density, f2));
-  KelpFogPiece piece;
-  piece.depth = dot(rates, vec3(1.0, 4.0, 1.0) / 6.0);
-  piece.glow = vec3(0.0);
-  if (kelp_fog_ramp_colors > 0) {
-    // What is given off, dimmed by what is before it in the piece; to the middle by the integral of the parabola through the three rates.
-    float half_depth = dot(rates, vec3(5.0, 8.0, -1.0) / 24.0);
-    piece.glow = (kelpGlow(heat, f0, way.x) + 4.0 * exp(-half_depth) * kelpGlow(heat, f1, way.y) + exp(-piece.depth) * kelpGlow(heat, f2, way.z)) / 6.0;
-  }
-  return piece;
-}
 
-float kelpExtinction(int level) { return kelpFloat(kelp_fog_extinctions + uint(level)) * (1.0 / 65025.0); }
-
-#ifdef KELP_SECONDARY_RAYS
+#ifdef KELP_FOG_SHADOW
 // How much of the sun's light reaches a point of part space through the part. At a level four times coarser, by the middle of each cube.
 float kelpFogSun(vec3 o, vec3 r) {
   int level = kelp_level;
   kelpLoadLevel(min(level + 2, level + kelp_coarser));
   vec3 extent = kelp_level_scale * kelp_size;
   float depth = 0.0;
-  KelpWalk walk = kelpEnter(o, r, 0.0, length(kelp_bounds_max - kelp_bounds_min));
   int left = KELP_MAX_STEPS;
-  while (walk.going && depth < 8.0 && left > 0) {
+  KelpWalk walk = kelpEnter(o, r, 0.0, length(kelp_bounds_max - kelp_bounds_min));
+  while (walk.going && depth < KELP_FOG_DEEP && left > 0) {
     KelpCurve c = kelpWalkCurve(walk, o, r);
+    float end = kelpCurveUntil(c, walk.end);
     float b = 0.0;
-    while (b < c.end && kelpCurveRay(c, b) < walk.end && depth < 8.0 && left > 0) {
+    while (b < end && depth < KELP_FOG_DEEP && left > 0) {
       --left;
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
@@ -228,12 +214,24 @@ float kelpFogSun(vec3 o, vec3 r) {
         continue;
       }
       KelpFogPlace place = kelpFogAt(q);
-      float x = kelpFogStep(c, b, q, place, walk.end);
-      if (!place.clear) {
-        float density = kelpBetween(kelpSquared(kelpCorners(place.brick, place.cube)), kelpInCube(place, kelpCurveAt(c, b + 0.5 * x)));
-        depth += kelpExtinction(kelp_level + place.coarser) * density * x * kelpSpeed(c, b + 0.5 * x);
+      float leave = min(end, b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance));
+      if (place.clear) {
+        b = kelpAdvance(b, leave - b);
+        continue;
       }
-      b = kelpAdvance(b, x);
+      float per_side = 1.0 / float(1 << place.coarser);
+      float extinction = kelpExtinction(kelp_level + place.coarser);
+      vec3 u = per_side * q - 0.5;
+      ivec3 cube = kelpCube(u, place.samples);
+      while (b < leave && cube >> 3 == place.at && depth < KELP_FOG_DEEP && left > 0) {
+        --left;
+        float x = min(kelpCubeStep(u, per_side * kelpCurveSlope(c, b)), leave - b);
+        vec3 f = kelpWithin(per_side * kelpCurveAt(c, b + 0.5 * x) - 0.5, cube, place.samples);
+        depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x * kelpSpeed(c, b + 0.5 * x);
+        b = kelpAdvance(b, x);
+        u = per_side * kelpCurveAt(c, b) - 0.5;
+        cube = kelpCube(u, place.samples);
+      }
     }
     walk = kelpWalkOn(walk, r, c);
   }
@@ -247,57 +245,98 @@ float kelpFogSun(vec3 o, vec3 r) {
 KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sky, vec3 sun_at, KelpFog before) {
   KelpFog fog = before;
   vec3 extent = kelp_level_scale * kelp_size;
+  float end = kelpCurveUntil(c, s_max);
   float b = 0.0;
-  bool going = b < c.end;
+  bool going = b < end;
   while (going) {
-    ++fog.steps;
-    vec3 q = kelpCurveAt(c, b);
-    vec3 gap = kelpBeside(q, extent);
-    if (max(gap.x, gap.z) > 0.5 * KELP_ERODE) {
+    bool beside = true;
+    while (beside) {
+      vec3 q = kelpCurveAt(c, b);
+      vec3 gap = kelpBeside(q, extent);
+      if (max(gap.x, gap.z) <= 0.5 * KELP_ERODE) break;
+      ++fog.steps;
       b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
-    } else {
-      KelpFogPlace place = kelpFogAt(q);
-      float x = kelpFogStep(c, b, q, place, s_max);
-      if (!place.clear) {
-        KelpCorners density = kelpSquared(kelpCorners(place.brick, place.cube));
-        KelpCorners heat = density;
-        if (kelp_fog_ramp_colors > 0) {
-          heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, place.cube);
-          heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
-        }
-        float extinction = kelpExtinction(kelp_level + place.coarser);
-        float piece_x = x / float(kelp_fog_pieces);
-        for (int i = 0; i < kelp_fog_pieces; ++i) {
-          float from = b + float(i) * piece_x;
-          KelpFogPiece piece = kelpFogPiece(c, from, piece_x, place, density, heat, extinction);
-          if (fog.s == KELP_NEVER && (piece.depth > 0.0 || piece.glow != vec3(0.0))) fog.s = kelpCurveRay(c, from);
-          float clear = exp(-piece.depth);
-          // 1 - exp(-d), which cancels where d is small.
-          float stopped = piece.depth > 1e-2 ? 1.0 - clear : piece.depth * (1.0 - 0.5 * piece.depth);
-          vec3 scattered = sky;
-#ifdef KELP_SECONDARY_RAYS
-          if (kelp_self_shadow && piece.depth > 0.0) scattered += sun * kelpFogSun(o + kelpCurveRay(c, from + 0.5 * piece_x) * r, sun_at);
-          else scattered += sun;
-#else
-          scattered += sun;
-#endif
-          fog.light += fog.through * (stopped * scattered + piece.glow);
-          fog.through *= clear;
-        }
-      }
-      b = kelpAdvance(b, x);
+      // A number that is none ends the march too.
+      going = b < end && dot(gap, gap) < KELP_NEVER && fog.steps < KELP_MAX_STEPS;
+      beside = going;
     }
-    // A number that is none ends the march too.
-    going = b < c.end && kelpCurveRay(c, b) < s_max && fog.through > KELP_FOG_ENOUGH && fog.steps < KELP_MAX_STEPS && dot(gap, gap) < KELP_NEVER;
+    KelpFogPlace place;
+    place.clear = true;
+    vec3 q;
+    float leave;
+    bool inside = going;
+    while (inside) {
+      q = kelpCurveAt(c, b);
+      vec3 gap = kelpBeside(q, extent);
+      if (!(max(gap.x, gap.z) <= 0.75 * KELP_ERODE)) break;
+      ++fog.steps;
+      place = kelpFogAt(q);
+      // To the end of the box. A brick ends there too, but for rounding: its cubes say where.
+      leave = b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance);
+      if (!place.clear) break;
+      b = kelpAdvance(b, leave - b);
+      going = b < end && fog.steps < KELP_MAX_STEPS;
+      inside = going;
+    }
+    if (!place.clear) {
+      leave = min(leave, end);
+      float per_side = 1.0 / float(1 << place.coarser);
+      float extinction = kelpExtinction(kelp_level + place.coarser) / 6.0;
+      vec3 u = per_side * q - 0.5;
+      ivec3 cube = kelpCube(u, place.samples);
+      inside = b < leave;
+      while (inside) {
+        ++fog.steps;
+        // From face to face, by Simpson's rule.
+        float x = min(kelpCubeStep(u, per_side * kelpCurveSlope(c, b)), leave - b);
+        float middle = b + 0.5 * x;
+        float next = kelpAdvance(b, x);
+        vec3 u_next = per_side * kelpCurveAt(c, next) - 0.5;
+        KelpCorners density = kelpSquared(kelpCorners(place.brick, cube));
+        vec3 f0 = kelpWithin(u, cube, place.samples);
+        vec3 f1 = kelpWithin(per_side * kelpCurveAt(c, middle) - 0.5, cube, place.samples);
+        vec3 f2 = kelpWithin(u_next, cube, place.samples);
+        vec3 way = x * vec3(kelpSpeed(c, b), kelpSpeed(c, middle), kelpSpeed(c, next));
+        vec3 rates = extinction * way * vec3(kelpBetween(density, f0), kelpBetween(density, f1), kelpBetween(density, f2));
+        float depth = rates.x + 4.0 * rates.y + rates.z;
+        if (fog.s == KELP_NEVER && depth > 0.0) fog.s = kelpCurveRay(c, b);
+#ifdef KELP_FOG_HEAT
+        if (kelp_fog_ramp_colors > 0) {
+          KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);
+          heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
+          // What is given off, dimmed by what is before it; to the middle by the integral of the parabola through the three rates.
+          float half_depth = dot(rates, vec3(1.25, 2.0, -0.25));
+          vec3 glow = (kelpGlow(heat, f0, way.x) + 4.0 * exp(-half_depth) * kelpGlow(heat, f1, way.y) + exp(-depth) * kelpGlow(heat, f2, way.z)) / 6.0;
+          fog.light += exp(-fog.depth) * glow;
+          if (fog.s == KELP_NEVER && glow != vec3(0.0)) fog.s = kelpCurveRay(c, b);
+        }
+#endif
+#ifdef KELP_FOG_SHADOW
+        if (depth > 0.0) {
+          float lit = kelpFogSun(o + kelpCurveRay(c, middle) * r, sun_at);
+          // 1 - exp(-d) cancels where d is small.
+          float stopped = depth > 1e-2 ? 1.0 - exp(-depth) : depth * (1.0 - 0.5 * depth);
+          fog.light += (exp(-fog.depth) * stopped * (lit - 1.0)) * sun;
+        }
+#endif
+        fog.depth += depth;
+        b = next;
+        u = u_next;
+        cube = kelpCube(u, place.samples);
+        inside = b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_MAX_STEPS;
+      }
+    }
+    going = going && b < end && fog.depth < KELP_FOG_DEEP && fog.steps < KELP_MAX_STEPS;
   }
   return fog;
 }
 
-// The fog of the part that is loaded, with its level, along o + s r, s in [s_min, s_max]; o and r as in kelpEnter, in part space.
+// The fog of the part that is loaded, with its level, along o + s r, s in [s_min, s_max]; o and r as in kelpEnter, in part space. light then is all
+// that comes from the fog.
 KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
   KelpFog fog;
   fog.light = vec3(0.0);
-  fog.through = 1.0;
+  fog.depth = 0.0;
   fog.s = KELP_NEVER;
   fog.steps = 0;
   kelpLoadFog();
@@ -318,11 +357,10 @@ KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
     --halves;
     KelpCurve c = kelpWalkCurve(walk, o, r);
     fog = kelpFogAlong(c, o, r, walk.end, sun, sky, sun_at, fog);
-    if (fog.through <= KELP_FOG_ENOUGH) {
-      fog.through = 0.0;
-      break;
-    }
+    if (fog.depth >= KELP_FOG_DEEP) break;
     walk = kelpWalkOn(walk, r, c);
   }
+  // Even light: what is stopped is turned, wherever on the way. Shadows were taken off above.
+  fog.light += (1.0 - exp(-fog.depth)) * (sun + sky);
   return fog;
 }

@@ -153,6 +153,7 @@ KELP_FN KelpCurve kelpMakeCurve(KelpSegment g, vec3 o, vec3 r, float s0, float t
 }
 
 KELP_FN vec3 kelpCurveAt(KelpCurve c, float b) { return c.q0 + b * (c.c1 + b * (c.c2 + b * c.c3)); }
+KELP_FN vec3 kelpCurveSlope(KelpCurve c, float b) { return c.c1 + b * (2.0f * c.c2 + (3.0f * b) * c.c3); }
 KELP_FN float kelpCurveRay(KelpCurve c, float b) { return c.s.x + b * (c.s.y + b * (c.s.z + b * c.s.w)); }
 
 // b + x, but always a little further: float32 must not stall.

@@ -7,6 +7,7 @@
 // The text before defines, beside trace.glsl's macros:
 //   PAPER_FETCH(v)   float: value of the dense 3D texture at voxel v: the distance to the nearest solid voxel's centre, 0 in a solid voxel
 //   PAPER_STEP       float: the constant step, voxels
+//   PAPER_DENSITY(q) float: optical depth of a length of 1 at q of texture space, trilinear; for paperFog alone, which is there if this is
 //   PAPER_ARCSINE    defined: S.y = y by arcsine, a shortcut that the paper does not have. Only for tangents without y, or a straight spline
 
 struct PaperRoots {
@@ -203,6 +204,29 @@ KELP_FN PaperHit paperStandard(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
   }
   return hit;
 }
+
+#ifdef PAPER_DENSITY
+struct PaperFog {
+  float through;
+  int steps;
+};
+
+// The same steps through a volume that accumulates: each sample stands for the stretch around it. It ends where next to nothing comes through.
+KELP_FN PaperFog paperFog(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  PaperFog fog;
+  fog.through = 1.0f;
+  fog.steps = 0;
+  PaperSpline g = paperSpline(KELP_SEGMENT(0));
+  PaperSpan span = paperEntryExit(KELP_CONTEXT g, o, r);
+  float leave = min(span.leave, s_max);
+  for (float s = max(span.entry, s_min) + 0.5f * PAPER_STEP; s <= leave && fog.through > 0.0009765625f; s += PAPER_STEP) {
+    ++fog.steps;
+    PaperMap m = paperMap(KELP_CONTEXT g, o + s * r);
+    if (m.inside) fog.through *= exp(-PAPER_STEP * PAPER_DENSITY(m.q));
+  }
+  return fog;
+}
+#endif
 
 // One axis of equation 3a, for a ray of either sign: positive where the step and the change of deformation together go forward.
 KELP_FN float paperAxis(float step, float change) {

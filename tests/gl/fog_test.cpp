@@ -138,28 +138,6 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
   }
 }
 
-TEST_P(Fog, MorePiecesAreTheSamePicture) {
-  if (!desktop()) GTEST_SKIP() << "reads floats";
-  const FloatCanvas canvas({64, 48});
-  for (const float extinction : {0.02f, 0.3f, 5.0f}) {  // haze, smoke, all but a solid
-    const LoadedAsset loaded(fogPack(fogOf(kSize, puffs), extinction));
-    const auto renderer = makeRenderer(*loaded.asset);
-    ASSERT_TRUE(renderer);
-    for (const FigurePose& figure : {kFigure6[0], kFigure6[2], kFigure6[4]}) {
-      auto pose = runtime::Pose::create(*loaded.asset);
-      const std::vector<Knot> knots = figureKnots(figure, kSize);
-      std::copy(knots.begin(), knots.end(), pose->knots(0).begin());
-      const Instance instance{loaded.asset.get(), &*pose};
-      gl::View view = lookAt(canvas.size(), {0.9f, 0.8f, 1.9f}, {0, 0.5f, 0});
-      const std::vector<glm::vec4> once = drawFog(*renderer, canvas, view, instance);
-      view.fog_pieces = 2;
-      EXPECT_LT(255 * greatest(once, drawFog(*renderer, canvas, view, instance)), 0.5) << figure.name << " " << extinction;
-      view.fog_pieces = 16;
-      EXPECT_LT(255 * greatest(once, drawFog(*renderer, canvas, view, instance)), 0.5) << figure.name << " " << extinction;
-    }
-  }
-}
-
 }  // namespace
 
 KELP_GL_TESTS(Fog);

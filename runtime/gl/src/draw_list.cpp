@@ -129,6 +129,7 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
   texels_ = 0;
   rows_ = 0;
   culled_ = 0;
+  has_heat_ = false;
   store.beginWants();
   FoundAssets found;
   const Error* error = nullptr;
@@ -154,6 +155,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
     if (parts[part].kind != frame.kind) continue;
+    has_heat_ = has_heat_ || (parts[part].fog && parts[part].fog->channels() > 1);
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }

@@ -30,6 +30,8 @@ class DrawList {
   // Where the numbers of the parts' records begin: four to a texel.
   std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
   std::uint32_t culled() const { return culled_; }
+  // Whether fog that is listed has heat.
+  bool hasHeat() const { return has_heat_; }
 
  private:
   struct Ordered {
@@ -75,6 +77,7 @@ class DrawList {
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;
   std::uint32_t culled_ = 0;
+  bool has_heat_ = false;
 };
 
 }  // namespace kelp::gl

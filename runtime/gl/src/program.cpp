@@ -117,7 +117,6 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
   program.depth_only = locate("kelp_depth_only");
   program.clip_low = locate("kelp_clip_low");
   program.scene = locate("kelp_scene");
-  program.fog_pieces = locate("kelp_fog_pieces");
   return program;
 }
 
@@ -134,12 +133,12 @@ Result<Program> buildProgram(const Api& api, const char* surface, bool rays, con
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 
-Result<Program> buildFogProgram(const Api& api, bool rays, const LogSink& log) {
-  const char* const defines = rays ? kRaysDefine : "";
+Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,  defines,       kInstanceLine, shaders::kInstance, kTraceLine, shaders::kTrace,
-                                       kFogLine, shaders::kFog, kPixelLine,    shaders::kPixel,    kMainLine,  shaders::kFogFragment};
+  const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
+  const char* const fragment_text[] = {prelude,       heat ? "#define KELP_FOG_HEAT\n" : "", shadow ? "#define KELP_FOG_SHADOW\n" : "",
+                                       kInstanceLine, shaders::kInstance, kTraceLine, shaders::kTrace, kFogLine,  shaders::kFog,
+                                       kPixelLine,    shaders::kPixel,    kMainLine,  shaders::kFogFragment};
   return build(api, vertex_text, fragment_text, "kelp fog program", log);
 }
 

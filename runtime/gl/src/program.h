@@ -21,7 +21,6 @@ struct Program {
   Name name = 0;
   // Locations; -1 where a host's surface function leaves a uniform unused.
   std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
-  std::int32_t fog_pieces = -1;
   std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1;
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
@@ -29,8 +28,8 @@ struct Program {
 // Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null: then
 // `rays` says whether kelp's own may cast any.
 Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log);
-// The program for fog.
-Result<Program> buildFogProgram(const Api& api, bool rays, const LogSink& log);
+// A program for fog: for parts that have heat too, or with the sun's shadow of fog on itself.
+Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
 using TraceStrings = std::array<const char*, 7>;

@@ -22,7 +22,7 @@ using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
 static_assert(kFirstHostUnit >= kTextureUnits);
-constexpr int kMostBatches = 16, kMostPieces = 16;
+constexpr int kMostBatches = 16;
 
 // The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
 struct RecordTextures {
@@ -64,14 +64,13 @@ bool isGood(const View& view) {
   const float length = glm::length(view.sun_direction);
   return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
          view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
-         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches &&
-         view.fog_pieces >= 1 && view.fog_pieces <= kMostPieces;
+         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches;
 }
 
 // What draw() and bindTrace() can not do anything with.
 Result<void> checkView(const View& view, bool look_is_plain) {
   if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches or pieces of fog beyond 1 .. 16"};
+  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches beyond 1 .. 16"};
   if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0)) return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays want Config::secondary_rays"};
   return {};
 }
@@ -102,7 +101,7 @@ struct Renderer::Impl {
   bool look_is_plain;  // casts no rays
   bool abandoned = false;
   Program program;
-  Program fog_program;  // none until an asset has fog
+  Program fog_programs[2][2];  // [heat][shadow]; those that assets need
   Name vertex_array = 0;
   Name sampler = 0;
   RecordTextures records;
@@ -114,14 +113,13 @@ struct Renderer::Impl {
   DrawList traced;  // of the last bindTrace()
   TraceStrings trace_strings{};
 
-  void setState(const View& view, Pass pass, Name scene_depth) const;
-  const Program& programOf(Pass pass) const { return pass == Pass::kFog ? fog_program : program; }
+  void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
+  Result<void> prepareFog(std::span<const Part> parts);
   std::uint32_t drawBatches(const Program& used, std::uint32_t batches) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
-void Renderer::Impl::setState(const View& view, Pass pass, Name scene_depth) const {
-  const Program& used = programOf(pass);
+void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, Name scene_depth) const {
   api.UseProgram(used.name);
   api.BindVertexArray(vertex_array);
   for (int unit = 0; unit < kTextureUnits; ++unit) api.BindSampler(static_cast<Name>(unit), sampler);
@@ -141,7 +139,22 @@ void Renderer::Impl::setState(const View& view, Pass pass, Name scene_depth) con
   api.Uniform1i(used.depth_only, pass == Pass::kDepth);
   api.Uniform1f(used.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
   api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
-  api.Uniform1i(used.fog_pieces, view.fog_pieces);
+}
+
+// Compiles what the fog among the parts needs, before it is drawn. Within a DrawGuard.
+Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
+  for (const Part& part : parts) {
+    if (!part.fog) continue;
+    const bool heat = part.fog->channels() > 1;
+    for (const bool shadow : {false, true}) {
+      Program& fog_program = fog_programs[heat][shadow];
+      if (fog_program.name != 0 || (shadow && look_is_plain)) continue;
+      const auto built = buildFogProgram(api, heat, shadow, log);
+      if (!built) return built.error();
+      fog_program = *built;
+    }
+  }
+  return {};
 }
 
 // Near to far, as many parts each. Where there are several, what is drawn so far is known to the next.
@@ -200,7 +213,9 @@ Renderer::~Renderer() {
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
-  self.api.DeleteProgram(self.fog_program.name);
+  for (const auto& programs : self.fog_programs) {
+    for (const Program& program : programs) self.api.DeleteProgram(program.name);
+  }
 }
 
 Result<void> Renderer::add(const runtime::Asset& asset) {
@@ -208,12 +223,9 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
-  const std::span<const Part> parts = asset.pack().parts();
-  if (self.fog_program.name == 0 && std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.kind == PartKind::kFog; })) {
+  {
     const DrawGuard draw(self.api, self.restore);
-    const auto program = buildFogProgram(self.api, !self.look_is_plain, self.log);
-    if (!program) return program.error();
-    self.fog_program = *program;
+    if (auto good = self.prepareFog(asset.pack().parts()); !good) return good;
   }
   return self.store.add(self.api, asset);
 }
@@ -267,13 +279,14 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  self.setState(view, pass, scene_depth);
+  const Program& used = fog ? self.fog_programs[self.list.hasHeat()][view.self_shadow] : self.program;
+  self.setState(used, view, pass, scene_depth);
   if (fog) {
     const BlendGuard blend(self.api, self.restore);
-    stats.draws = self.drawBatches(self.fog_program, 1);
+    stats.draws = self.drawBatches(used, 1);
   } else {
-    if (view.bind) view.bind(view.bind_user, self.program.name);
-    stats.draws = self.drawBatches(self.program, batches);
+    if (view.bind) view.bind(view.bind_user, used.name);
+    stats.draws = self.drawBatches(used, batches);
   }
   // The copy is not left where a host might find it.
   if (scene_depth != view.scene_depth) bindUnit(self.api, kScene, 0);

@@ -85,8 +85,6 @@ struct View {
   bool self_shadow = false;
   int occlusion_rays = 0;        // 0 .. 16 cosine-weighted rays a pixel, for how much of the sky it sees; 0: all of it
   float occlusion_reach = 0.25f;  // of those, in lengths of the part's longest side, > 0. What they hit counts the less the farther it is
-  // 1 .. 16: into how many pieces kFog cuts the way through a voxel. One is enough for the eye; more show that it is.
-  int fog_pieces = 1;
   Shading shading = Shading::kGradient;
   int finest_level = 0;          // no finer level is drawn, as runtime::raycast's `level`
   // Levels are chosen so that a voxel covers about this many pixels where a part is nearest; 0: always the finest. Between two levels some of
