@@ -58,13 +58,6 @@ std::vector<glm::vec4> drawFog(gl::Renderer& renderer, const FloatCanvas& canvas
   return canvas.pixels();
 }
 
-double greatest(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(double{a[i][c]} - double{b[i][c]}));
-  return most;
-}
-
 gl::View dark(gl::View view) {
   view.sun_color = view.sky_color = view.ground_color = glm::vec3(0);
   view.pixels_per_voxel = 0;
@@ -131,7 +124,7 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
           }
         }
         EXPECT_GT(sum, 0.01);
-        EXPECT_LT(worst, 1e-4);
+        EXPECT_LT(worst, 2.5e-4);  // an eighth of what 8 bits tell apart: the tangent stands for the curve within a cube
         EXPECT_LT(worst_glow, 2.0 / 255);
       }
     }

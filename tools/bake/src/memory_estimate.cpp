@@ -78,9 +78,9 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; })) kept += kVoxelizer;
   for (const PartSize& part : parts) {
     if (part.fog_channels > 0) {
-      // As numbers, as codes, and which cubes are not clear; bricks for all of it at worst.
+      // As codes, and which cubes are not clear; bricks for all of it at worst.
       const double bricks = part.voxels() / kBrickVoxels;
-      peak = std::max(peak, kept + part.voxels() * (part.fog_channels * (sizeof(float) + 1.0) + 1) + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
+      peak = std::max(peak, kept + part.voxels() * ((part.fog_channels + 1.0)) + static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
       kept += bricks * kFogSamples * part.fog_channels - gridBytes(part);
       continue;
     }

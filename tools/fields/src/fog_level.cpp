@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fog: which cubes are not clear, and the bricks that hold them.
+// Fog: which cubes are not clear, the bricks that hold them, and coarser levels.
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -17,6 +17,10 @@ namespace {
 void checkSamples(const FogSamples& fog) {
   checkedVolume(fog.density.size(), fog.size);
   if (!fog.heat.empty() && fog.heat.size() != fog.density.size()) throw std::invalid_argument("a level of fog has not one heat for each sample");
+}
+
+std::size_t indexOf(const glm::ivec3& size, const glm::ivec3& v) {
+  return static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
 }
 
 }  // namespace
@@ -107,6 +111,42 @@ FogSamples fogSamplesOf(const RawLevel& level, const glm::ivec3& size) {
   give(level.density, fog.density);
   give(level.heat, fog.heat);
   return fog;
+}
+
+FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads) {
+  FogSamples coarse;
+  coarse.size = levelSize(fine.size, 1);
+  const std::size_t count = checkedVolume(coarse.size);
+  std::vector<double> means(count);
+  coarse.density.resize(count);
+  if (!fine.heat.empty()) coarse.heat.resize(count);
+  const auto overSlabs = [&](auto&& visit) {
+    parallelFor(coarse.size.z, grainOf(std::int64_t{coarse.size.x} * coarse.size.y), threads, [&](std::int64_t begin, std::int64_t end) {
+      for (int z = static_cast<int>(begin); z < end; ++z)
+        for (int y = 0; y < coarse.size.y; ++y)
+          for (int x = 0; x < coarse.size.x; ++x) visit(glm::ivec3(x, y, z));
+    });
+  };
+  overSlabs([&](const glm::ivec3& at) {
+    double sum = 0;
+    int heat = 0;
+    for (int child = 0; child < 8; ++child) {
+      const glm::ivec3 v = 2 * at + glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
+      if (v.x >= fine.size.x || v.y >= fine.size.y || v.z >= fine.size.z) continue;
+      const int code = fine.density[indexOf(fine.size, v)];
+      sum += code * code;  // whole numbers: the order of adding is all one
+      if (!fine.heat.empty()) heat += fine.heat[indexOf(fine.size, v)];
+    }
+    means[indexOf(coarse.size, at)] = sum / 8;
+    if (!fine.heat.empty()) coarse.heat[indexOf(coarse.size, at)] = static_cast<std::uint8_t>(heat > 0 ? std::max(1, (heat + 4) / 8) : 0);
+  });
+  const double greatest = *std::max_element(means.begin(), means.end());
+  overSlabs([&](const glm::ivec3& at) {
+    const double mean = means[indexOf(coarse.size, at)];
+    coarse.density[indexOf(coarse.size, at)] = mean > 0 ? std::max<std::uint8_t>(1, fogCode(mean / greatest)) : std::uint8_t{0};
+  });
+  if (greatest > 0) extinction = static_cast<float>(double{extinction} * greatest / 65025.0);
+  return coarse;
 }
 
 }  // namespace kelp::fields

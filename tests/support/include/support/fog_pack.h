@@ -40,28 +40,7 @@ inline fields::FogSamples fogOf(const glm::ivec3& size, const FogShape& density,
   return fog;
 }
 
-// Means of eight, of densities and of heat; what is beyond the level counts as clear.
-inline fields::FogSamples coarserFog(const fields::FogSamples& fine) {
-  fields::FogSamples coarse;
-  coarse.size = levelSize(fine.size, 1);
-  for (int z = 0; z < coarse.size.z; ++z)
-    for (int y = 0; y < coarse.size.y; ++y)
-      for (int x = 0; x < coarse.size.x; ++x) {
-        double density = 0, heat = 0;
-        for (int child = 0; child < 8; ++child) {
-          const glm::ivec3 at = 2 * glm::ivec3(x, y, z) + glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
-          if (at.x >= fine.size.x || at.y >= fine.size.y || at.z >= fine.size.z) continue;
-          const auto i = static_cast<std::size_t>(at.x + fine.size.x * (at.y + fine.size.y * at.z));
-          density += double{fogDensity(fine.density[i])} / 8;
-          if (!fine.heat.empty()) heat += fine.heat[i] / 8.0;
-        }
-        coarse.density.push_back(fogCode(density));
-        if (!fine.heat.empty()) coarse.heat.push_back(static_cast<std::uint8_t>(std::lround(heat)));
-      }
-  return coarse;
-}
-
-// One part, placed as partOf's. extinction: optical depth of a voxel's edge where the density is 1, at every level.
+// One part, placed as partOf's. extinction: optical depth of a voxel's edge where the density is 1.
 inline RawPack fogPack(fields::FogSamples fog, float extinction, std::vector<Knot> knots = {}) {
   RawPack pack = packOf({glm::ivec3(8, fog.size.y, 8), std::vector<std::uint8_t>(static_cast<std::size_t>(64 * fog.size.y), 1)});
   RawPart& part = pack.parts[0];
@@ -80,8 +59,7 @@ inline RawPack fogPack(fields::FogSamples fog, float extinction, std::vector<Kno
     part.levels.push_back(fields::buildFogLevel(fog, 1));
     part.levels.back().extinction = extinction;
     if (std::max({fog.size.x, fog.size.y, fog.size.z}) <= 8) return pack;
-    fog = coarserFog(fog);
-    if (std::all_of(fog.density.begin(), fog.density.end(), [](std::uint8_t code) { return code == 0; })) return pack;
+    fog = fields::coarserFog(fog, extinction, 1);
   }
 }
 

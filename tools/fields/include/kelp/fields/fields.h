@@ -90,6 +90,10 @@ Occupancy fogCubes(const FogSamples& fog, int threads);
 // Cells and samples of one level of fog, but for its extinction. Throws std::invalid_argument if all is clear or sizes do not match.
 RawLevel buildFogLevel(const FogSamples& fog, int threads);
 
+// The next coarser level: means of eight of what is stored, what lies beyond the level being clear. Where anything is, codes are at least 1: what is clear is clear
+// at all finer levels. `extinction` is the finer level's, and becomes the coarser one's: its greatest density has the code 255.
+FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads);
+
 // The samples that a level's bricks hold (the inverse of buildFogLevel, for checks). Where two bricks disagree about a sample that they share, the
 // later one counts. Throws on slots out of range.
 FogSamples fogSamplesOf(const RawLevel& level, const glm::ivec3& size);
