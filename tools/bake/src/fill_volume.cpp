@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "fill_thin.h"
 #include "parallel.h"
@@ -20,8 +21,14 @@ constexpr int kFaces[6] = {4, 10, 12, 14, 16, 22};
 constexpr int kTip = 2;
 // What the voxels may differ by from the volume.
 constexpr double kSlack = 0.005;
-// With more than this share of its surface within or against others, or in caps, a body's own volume is not what is seen.
+// With more than this share of its surface within or against others a body's own volume is not what is seen.
 constexpr double kMaxShared = 0.05;
+// With more than this share of its surface in caps a body's volume is a guess.
+constexpr double kMaxCaps = 0.01;
+// So many voxels of one height are a flat side along the grid.
+constexpr std::size_t kFlat = 32;
+// Farther from the surface no voxel changes: a side would move by a voxel.
+constexpr float kReach = 0.49f;
 // Heights are told apart to this part of a voxel, and not by how they were rounded.
 constexpr double kStep = 1.0 / 1024;
 
@@ -99,10 +106,37 @@ class Matcher {
 
   bool isSolidAt(std::uint64_t index) const { return voxels_[index] != kEmpty; }
 
+  // Adds to the solid voxels of a flat side those at its edges, which lie nearer to the sides around: without them it would leave a ridge.
+  void addEdges(std::vector<std::size_t>& side) const {
+    std::vector<std::uint8_t> seen(touched_.size(), 0);
+    for (const std::size_t i : side) seen[i] = 1;
+    const Near& its = near_[side.front()];
+    for (std::size_t at = 0; at < side.size(); ++at) {
+      const glm::ivec3 voxel = voxelAt(touched_[side[at]]);
+      for (const int face : kFaces) {
+        if (face == its.below || face == 26 - its.below) continue;
+        const glm::ivec3 beside = voxel + step(face);
+        const Near* near = nearAt(beside);
+        if (near == nullptr || near->component != its.component || near->sheet || near->height < its.height || this->at(beside) != kInside ||
+            this->at(beside + step(its.below)) == kEmpty || this->at(beside - step(its.below)) != kEmpty) continue;
+        const std::size_t i = static_cast<std::size_t>(near - near_.data());
+        if (!seen[i]) side.push_back(i);
+        seen[i] = 1;
+      }
+    }
+  }
+
+  // Whether a solid voxel is the rim of a plate or the side of a blade: empty on both sides, across what is beneath it.
+  bool isRim(std::size_t i, int below) const {
+    const std::uint32_t around = neighbourMask(voxels_, size_, voxelAt(touched_[i]));
+    return std::any_of(std::begin(kFaces), std::end(kFaces), [&](int face) {
+      return face != below && face != 26 - below && (around & (1u << face | 1u << (26 - face))) == 0;
+    });
+  }
+
   // Whether a solid voxel may go, or an empty one come.
-  bool mayChange(std::size_t i) const {
+  bool mayChange(std::size_t i, int below) const {
     const std::uint64_t index = touched_[i];
-    const int below = near_[i].below;
     const glm::ivec3 voxel = voxelAt(index);
     const std::uint32_t around = neighbourMask(voxels_, size_, voxel) & ~kCentreBit;
     if ((around & (1u << below)) == 0 || std::popcount(around) <= kTip || !hangTogether(around) || !emptyHangTogether(around)) return false;
@@ -111,8 +145,6 @@ class Matcher {
     if (!goes) return true;
     for (const int face : kFaces) {
       if (around & (1u << face)) continue;
-      // The rim of a plate, the side of a blade.
-      if (face != below && face != 26 - below && (around & (1u << (26 - face))) == 0) return false;
       const glm::ivec3 beside = voxel + step(face);
       if (isTouched(beside) && solidFaces(beside) < 2) return false;
     }
@@ -190,7 +222,7 @@ void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, con
   double all = 0, volumes = 0;
   for (std::size_t c = 0; c < components; ++c) {
     const Component& body = mesh.components[c];
-    if (!body.solid || body.thin || body.cap_area > kMaxShared * body.area || static_cast<double>(scanned[c].shared) > kMaxShared * static_cast<double>(scanned[c].faces)) continue;
+    if (!body.solid || body.thin || body.cap_area > kMaxCaps * body.area || static_cast<double>(scanned[c].shared) > kMaxShared * static_cast<double>(scanned[c].faces)) continue;
     alone[c] = 1;
     volume[c] = std::abs(body.volume) - static_cast<double>(scanned[c].wound - scanned[c].length) * kLatticeStep;
     surplus[c] = static_cast<double>(scanned[c].centres) - volume[c];
@@ -222,7 +254,7 @@ void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, con
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const Matcher::Near& near = matcher.near(i);
-    if (near.component != kCap && alone[near.component] && !near.sheet && matcher.isSolidAt(touched[i]) == too_many) order.push_back(i);
+    if (near.component != kCap && alone[near.component] && !near.sheet && std::abs(near.height) <= kReach && matcher.isSolidAt(touched[i]) == too_many) order.push_back(i);
   }
   // Of those to go the highest first, of those to come the lowest.
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -233,18 +265,34 @@ void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, con
   const double change = too_many ? -1 : 1;
   for (std::size_t begin = 0, end = 0; begin < order.size() && std::abs(all) > kSlack * volumes; begin = end) {
     // A flat side along the grid changes as a whole, or else it would get a step.
-    const Matcher::Near& side = matcher.near(order[begin]);
-    while (end < order.size() && matcher.near(order[end]).sameSide(side)) ++end;
-    double& its = surplus[side.component];
-    const double after = static_cast<double>(end - begin) * change;
-    if (std::abs(its + after) > std::abs(its) || std::abs(all + after) > std::abs(all)) continue;
-    // One after the other, since each changes what its neighbours may do.
-    for (std::size_t at = begin; at < end; ++at) {
-      if (!matcher.mayChange(order[at])) continue;
-      voxels[touched[order[at]]] = too_many ? kEmpty : kKept;
-      its += change;
-      all += change;
+    const Matcher::Near& its = matcher.near(order[begin]);
+    while (end < order.size() && matcher.near(order[end]).sameSide(its)) ++end;
+    std::vector<std::size_t> side(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(end));
+    if (too_many && side.size() >= kFlat) {
+      // It may have lost some already, as the edge of another.
+      std::erase_if(side, [&](std::size_t i) { return !matcher.isSolidAt(touched[i]); });
+      if (side.empty()) continue;
+      matcher.addEdges(side);
     }
+    const double after = static_cast<double>(side.size()) * change;
+    double& body = surplus[its.component];
+    if (std::abs(body + after) > std::abs(body) || std::abs(all + after) > std::abs(all)) continue;
+    std::vector<std::uint8_t> rim(side.size(), 0);
+    for (std::size_t at = 0; too_many && at < side.size(); ++at) rim[at] = matcher.isRim(side[at], its.below) ? 1 : 0;
+    // One after the other, since each changes what its neighbours may do.
+    std::vector<std::pair<std::uint64_t, std::uint8_t>> changed;  // and what they were
+    for (std::size_t at = 0; at < side.size(); ++at) {
+      if (matcher.isSolidAt(touched[side[at]]) != too_many || rim[at] || !matcher.mayChange(side[at], its.below)) continue;
+      std::uint8_t& voxel = voxels[touched[side[at]]];
+      changed.emplace_back(touched[side[at]], voxel);
+      voxel = too_many ? kEmpty : kKept;
+    }
+    if (too_many && side.size() >= kFlat && changed.size() < side.size()) {
+      for (const auto& [index, was] : changed) voxels[index] = was;
+      continue;
+    }
+    body += static_cast<double>(changed.size()) * change;
+    all += static_cast<double>(changed.size()) * change;
   }
 }
 

@@ -12,10 +12,10 @@ namespace kelp::bake {
 // voxels, whose two sides lie alike on the grid all over (1.5 voxels become two), and the voxels that scanlines keep where a slender body is
 // seen edge-on.
 //
-// Those nearest to the surface change first, and flat sides along the grid as a whole. A voxel goes only where its body goes on beneath it, and changes only where that
+// Those nearest to the surface change first, and flat sides along the grid as a whole or not at all; none that is half a voxel away. A voxel goes only where its body goes on beneath it, and changes only where that
 // joins, parts, opens and closes nothing, an edge that rays slip through included: plates of one voxel, wires and tips lose nothing. Voxels that the mesh
 // passes through, with a solid one in themselves or across a face, still have one. Sheets stay, and so do bodies that
-// lie in or against others, since only the outside of the union is seen, that have caps on more than a twentieth of their surface, or that are thinner than a voxel.
+// lie in or against others, since only the outside of the union is seen, that have caps on more than a hundredth of their surface, or that are thinner than a voxel.
 //
 // The volume is that of the component's triangles and caps, less what `scanned` met of it twice. The choice is made by one thread, in one order.
 void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size,
