@@ -13,8 +13,8 @@ namespace kelp::bake {
 // seen edge-on.
 //
 // Those nearest to the surface change first, and flat sides along the grid as a whole or not at all; none that is half a voxel away. A voxel goes only where its body goes on beneath it, and changes only where that
-// joins, parts, opens and closes nothing, an edge that rays slip through included: plates of one voxel, wires and tips lose nothing. Voxels that the mesh
-// passes through, with a solid one in themselves or across a face, still have one. Sheets stay, and so do bodies that
+// joins, parts, opens and closes nothing, an edge that rays slip through included: plates of one voxel, wires and tips lose nothing. Voxels with a
+// point of the mesh in them, and a solid one in themselves or across a face, still have one: no point gets farther than 1.6 voxels from a solid one's centre. Sheets stay, and so do bodies that
 // lie in or against others, since only the outside of the union is seen, that have caps on more than a hundredth of their surface, or that are thinner than a voxel.
 //
 // The volume is that of the component's triangles and caps, less what `scanned` met of it twice. The choice is made by one thread, in one order.
