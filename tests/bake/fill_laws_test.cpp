@@ -90,7 +90,7 @@ TEST_P(FillLaws, ACopyThatOverlapsMakesTheUnion) {
   for (glm::vec3& p : copy.positions) p += (high_ - low_) * glm::vec3(0.06f, 0.09f, 0.11f);
   const bake::TriangleSoup both = joined(body_, copy);
   const Voxels a = fill(body_, both), b = fill(copy, both), together = fill(both, both);
-  // Not one by one: where two bodies touch, a gap between them that is thinner than a voxel may close or not.
+  // Not one by one: where two bodies touch, a gap between them that is thinner than a voxel may close or not; and a body on its own is given its volume to half a percent.
   std::size_t sum = 0, differ = 0, shared = 0;
   for (std::size_t i = 0; i < together.size(); ++i) {
     const bool either = a[i] || b[i];
@@ -100,7 +100,7 @@ TEST_P(FillLaws, ACopyThatOverlapsMakesTheUnion) {
   }
   std::printf("%s: %zu voxels, %zu in both, %zu differ\n", GetParam().name, sum, shared, differ);
   EXPECT_GT(shared, sum / 5) << "they hardly overlap";
-  EXPECT_LE(differ, sum / 1000);
+  EXPECT_LE(differ, sum / 200);
 }
 
 TEST_P(FillLaws, AShellWithinIsNotSeen) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <mutex>
 
 #include "parallel.h"
 
@@ -29,6 +30,13 @@ struct Crossing {
   }
 };
 
+// Of a component, along a scanline.
+struct Winding {
+  std::uint32_t component = 0;
+  int number = 0;
+  double since = 0;  // where it became that
+};
+
 // First pixel whose centre is at or beyond a lattice coordinate.
 std::int64_t firstCentre(std::int64_t lattice) { return (lattice - kUnit / 2 + kUnit - 1) >> kLatticeBits; }
 
@@ -42,8 +50,8 @@ bool ownsEdge(std::int64_t du, std::int64_t dv) { return dv < 0 || (dv == 0 && d
 // The scanlines of one axis: `axis` runs along them, u = axis + 1 and v = axis + 2 (modulo 3) number the columns.
 class Scanner {
  public:
-  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels)
-      : mesh_(mesh), doubts_(doubts), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels) {
+  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels, std::vector<Scanned>& scanned)
+      : mesh_(mesh), doubts_(doubts), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels), scanned_(scanned) {
     const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
     stride_ = stride[axis_];
     stride_u_ = stride[u_];
@@ -123,6 +131,7 @@ class Scanner {
     windings_.clear();
     int inside = 0;
     double start = 0, last_start = 0, last_end = -1e30;
+    std::uint32_t last_left = kCap;
     bool pending = false, drawn = false, last_drawn = false;  // drawn: not caps alone bound the stretch
     const auto flush = [&] {
       if (pending) fillStretch(line, last_start, last_end, last_drawn);
@@ -140,13 +149,29 @@ class Scanner {
         continue;
       }
       const int before = inside;
-      int& winding = windingOf(crossing.component);
-      if (winding == 0) ++inside;
-      winding += crossing.sign;
-      if (winding == 0) --inside;
+      Winding& winding = windingOf(crossing.component);
+      const bool enters = winding.number == 0;
+      if (enters) {
+        ++inside;
+      } else if (axis_ == 0) {
+        count(winding, crossing.depth);
+      }
+      winding.since = crossing.depth;
+      winding.number += crossing.sign;
+      const bool leaves = winding.number == 0;
+      if (leaves) --inside;
+      if (enters != leaves) {
+        Scanned& its = scanned_[crossing.component];
+        ++its.faces;
+        if (before > 0 && inside > 0) ++its.shared;
+      }
       if (before == 0 && inside > 0) {
         start = crossing.depth;
         drawn = false;
+        if (pending && start <= last_end + kLatticeStep && last_left != crossing.component) {
+          ++scanned_[last_left].shared;
+          ++scanned_[crossing.component].shared;
+        }
       }
       drawn = drawn || !crossing.cap;
       if (before > 0 && inside == 0) {
@@ -159,10 +184,19 @@ class Scanner {
         }
         last_drawn = last_drawn || drawn;
         last_end = crossing.depth;
+        last_left = crossing.component;
       }
     }
     flush();
     if (doubtful) settleDoubts(at, next, line);
+  }
+
+  void count(const Winding& winding, double until) {
+    const std::int64_t length = std::llround((until - winding.since) * static_cast<double>(kUnit));
+    Scanned& its = scanned_[winding.component];
+    its.centres += firstCentre(until, size_[axis_]) - firstCentre(winding.since, size_[axis_]);
+    its.length += length;
+    its.wound += winding.number * length;
   }
 
   // Where caps are in doubt, what counts is the winding number of the triangles themselves.
@@ -171,7 +205,7 @@ class Scanner {
     windings_.clear();
     while (at < next) {
       if (crossings_[at].sign != kDoubt) {
-        if (mesh_.components[crossings_[at].component].solid) windingOf(crossings_[at].component) += crossings_[at].sign;
+        if (mesh_.components[crossings_[at].component].solid) windingOf(crossings_[at].component).number += crossings_[at].sign;
         ++at;
         continue;
       }
@@ -180,13 +214,13 @@ class Scanner {
       bool inside = false;
       for (; at < next && crossings_[at].sign == kDoubt && doubts_[crossings_[at].component].voxel == voxel; ++at) {
         const Doubt& doubt = doubts_[crossings_[at].component];
-        inside = inside || std::abs(windingOf(doubt.component) - doubt.caps) >= 0.5;
+        inside = inside || std::abs(windingOf(doubt.component).number - doubt.caps) >= 0.5;
       }
       const auto doubted = [&](std::uint32_t component) {
         return std::any_of(crossings_.begin() + static_cast<std::ptrdiff_t>(first), crossings_.begin() + static_cast<std::ptrdiff_t>(at),
                            [&](const Crossing& crossing) { return doubts_[crossing.component].component == component; });
       };
-      for (const auto& [component, winding] : windings_) inside = inside || (winding != 0 && !doubted(component));
+      for (const Winding& winding : windings_) inside = inside || (winding.number != 0 && !doubted(winding.component));
       std::uint8_t& its = line[voxel % static_cast<std::uint64_t>(size_.x)];
       if (inside || its == kInside) its = inside ? kInside : kEmpty;
     }
@@ -212,11 +246,11 @@ class Scanner {
     if (voxel == kEmpty) voxel = kKept;
   }
 
-  int& windingOf(std::uint32_t component) {
-    for (auto& [its, winding] : windings_) {
-      if (its == component) return winding;
+  Winding& windingOf(std::uint32_t component) {
+    for (Winding& winding : windings_) {
+      if (winding.component == component) return winding;
     }
-    return windings_.emplace_back(component, 0).second;
+    return windings_.emplace_back(Winding{component});
   }
 
   const Topology& mesh_;
@@ -226,12 +260,15 @@ class Scanner {
   std::size_t stride_ = 0, stride_u_ = 0, stride_v_ = 0;
   std::vector<std::uint8_t>& voxels_;
   std::vector<Crossing> crossings_;
-  std::vector<std::pair<std::uint32_t, int>> windings_;
+  std::vector<Winding> windings_;
+  std::vector<Scanned>& scanned_;
 };
 
 }  // namespace
 
-void fillScanlines(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
+std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
+  std::vector<Scanned> scanned(mesh.components.size());
+  std::mutex scanned_mutex;
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     // Slabs of about a million columns bound the memory of the crossings; at least 16, for the threads.
@@ -249,13 +286,23 @@ void fillScanlines(const Topology& mesh, std::span<const Doubt> doubts, const gl
       for (std::int64_t slab = first / rows; first <= last && slab <= last / rows; ++slab) bins[static_cast<std::size_t>(slab)].push_back(i);
     }
     parallelRanges(slabs, 1, threads, [&](std::size_t begin, std::size_t end) {
-      Scanner scanner(mesh, doubts, size, axis, voxels);
+      std::vector<Scanned> here(mesh.components.size());
+      Scanner scanner(mesh, doubts, size, axis, voxels, here);
       for (std::size_t slab = begin; slab < end; ++slab) {
         const int row = static_cast<int>(slab) * rows;
         scanner.scan(bins[slab], row, std::min(size[v], row + rows));
       }
+      const std::lock_guard<std::mutex> lock(scanned_mutex);
+      for (std::size_t i = 0; i < here.size(); ++i) {
+        scanned[i].faces += here[i].faces;
+        scanned[i].shared += here[i].shared;
+        scanned[i].centres += here[i].centres;
+        scanned[i].length += here[i].length;
+        scanned[i].wound += here[i].wound;
+      }
     });
   }
+  return scanned;
 }
 
 }  // namespace kelp::bake

@@ -31,22 +31,6 @@ struct Touching {
   }
 };
 
-// Whether the cells of `mask` (without the centre) hang together.
-bool connected(std::uint32_t mask) {
-  static const Touching touching;
-  std::uint32_t reached = mask & (0u - mask);
-  std::uint32_t frontier = reached;
-  while (frontier != 0) {
-    std::uint32_t grown = 0;
-    for (int cell = 0; cell < 27; ++cell) {
-      if (frontier & (1u << cell)) grown |= touching.mask[cell];
-    }
-    frontier = grown & mask & ~reached;
-    reached |= frontier;
-  }
-  return reached == mask;
-}
-
 glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
   const std::uint64_t x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
   return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y))};
@@ -93,6 +77,21 @@ struct Surroundings {
 };
 
 }  // namespace
+
+bool hangTogether(std::uint32_t mask) {
+  static const Touching touching;
+  std::uint32_t reached = mask & (0u - mask);
+  std::uint32_t frontier = reached;
+  while (frontier != 0) {
+    std::uint32_t grown = 0;
+    for (int cell = 0; cell < 27; ++cell) {
+      if (frontier & (1u << cell)) grown |= touching.mask[cell];
+    }
+    frontier = grown & mask & ~reached;
+    reached |= frontier;
+  }
+  return reached == mask;
+}
 
 std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel) {
   std::uint32_t mask = 0;
@@ -164,12 +163,12 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
     std::uint32_t component = passingAny(voxel);
     if (component == kCap) return false;
     if (mesh.components[component].thin) thin[i] = component;
-    if (connected(mask)) return false;
+    if (hangTogether(mask)) return false;
     const bool lost = lostBeside(voxel);
     // Of several components in one voxel each may have its gap here.
     std::vector<std::uint32_t> seen;
     while (component != kCap) {
-      if ((lost || mesh.components[component].thin) && !connected(endsOf(component, voxel))) return true;
+      if ((lost || mesh.components[component].thin) && !hangTogether(endsOf(component, voxel))) return true;
       seen.push_back(component);
       component = passing(voxel, [&](std::uint32_t its) { return std::find(seen.begin(), seen.end(), its) == seen.end(); });
     }

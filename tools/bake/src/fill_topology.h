@@ -40,7 +40,7 @@ struct Component {
   std::uint32_t triangles = 0;  // without caps
   double area = 0;         // voxels^2, without caps
   double cap_area = 0;
-  double volume = 0;       // voxels^3, with caps
+  double volume = 0;       // voxels^3, with caps; negative where the file wound it inside out
 };
 
 struct Topology {

@@ -17,7 +17,7 @@ class SurfaceLook {
  public:
   SurfaceLook(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh);
 
-  // At the nearest point of a triangle that is no cap, averaged over the footprint of a voxel. What is cut out elsewhere is
+  // At the nearest point of a triangle that is no cap, averaged over the middle of a voxel. What is cut out elsewhere is
   // opaque here.
   Material materialAt(const Nearest& nearest) const;
 
@@ -39,9 +39,9 @@ class SurfaceLook {
   const SurfaceMaterial& materialOf(const SolidTriangle& solid) const {
     return model_.materials[soup_.triangles[solid.source].material];
   }
-  glm::vec4 colorAt(const Nearest& nearest) const;
+  glm::vec4 colorAt(const Nearest& nearest, float footprint) const;
   std::array<float, 3> cornerWeights(const Nearest& nearest) const;
-  glm::vec4 mapAt(const Nearest& nearest, const SurfaceMap& map) const;
+  glm::vec4 mapAt(const Nearest& nearest, const SurfaceMap& map, float footprint) const;
   float texelsPerVoxel(const SolidTriangle& solid, const std::array<glm::vec2, 3>& uv, int texture) const;
 
   const SourceModel& model_;

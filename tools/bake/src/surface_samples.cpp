@@ -19,6 +19,10 @@ constexpr double kAside = 0.5;
 // A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that lies on a body has 9 more on the
 // open side. Beyond this mean difference it is known which side is seen.
 constexpr double kHiddenSide = 2.0;
+// How far a plate's far side may be from the middle of a voxel that stands for both of its sides.
+constexpr double kPlate = 1.5;
+// Of plates of which both sides are seen, the one that looks this way is shown: upwards, and no plate along the grid is undecided.
+const glm::dvec3 kShown(0.31, 0.87, 0.39);
 
 // What a voxel says about the sheet that it belongs to.
 struct SheetVote {
@@ -28,12 +32,20 @@ struct SheetVote {
   int visible = 0;                 // 1: seen from outside only from before, -1: only from behind
 };
 
+// What a voxel says about the plate whose both sides it stands for. Which one is nearer changes from voxel to voxel, and would make stripes.
+struct PlateVote {
+  std::uint32_t component = kCap;  // kCap: the voxel has one side
+  std::uint8_t axis = 0;           // that the plate lies across, most nearly
+  bool hidden = false;             // seen from outside only from the side that looks away from kShown
+};
+
 class Sampler {
  public:
   Sampler(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
       : look_(look), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size) {}
 
-  SurfaceSample sample(std::uint64_t index, SheetVote& vote) const {
+  // Without `turned` a voxel of a plate only votes. With it: whether its plate shows the side that looks away from kShown.
+  SurfaceSample sample(std::uint64_t index, SheetVote& vote, PlateVote& plate, const bool* turned = nullptr) const {
     const std::uint64_t x = static_cast<std::uint64_t>(size_.x), y = static_cast<std::uint64_t>(size_.y);
     const glm::ivec3 voxel(static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y)));
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
@@ -55,6 +67,20 @@ class Sampler {
       vote.turned = mesh_.triangles[nearest.triangle].swapped;
       vote.open = static_cast<float>(glm::dot(normal, open));
       vote.visible = static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
+    } else if (const Nearest far = farSide(nearest, normal, centre); far.triangle != kCap) {
+      const glm::dvec3 beyond = faceNormal(far.triangle), across = glm::abs(normal - beyond);
+      const bool away = glm::dot(normal - beyond, kShown) < 0;
+      if (turned == nullptr) {
+        const bool near_seen = leadsOutside(centre, normal), far_seen = leadsOutside(centre, beyond);
+        plate.component = mesh_.triangles[nearest.triangle].component;
+        plate.axis = across.x >= across.y && across.x >= across.z ? 0 : across.y >= across.z ? 1 : 2;
+        plate.hidden = away ? near_seen && !far_seen : far_seen && !near_seen;
+        return {};
+      }
+      if (*turned != away) {
+        nearest = far;
+        normal = beyond;
+      }
     } else {
       // The nearest triangle may be hidden inside another body: look for one that faces the open.
       const double along = glm::dot(normal, open), length = glm::length(open);
@@ -113,6 +139,21 @@ class Sampler {
     }
   }
 
+  // The far side of a plate if this voxel is all of it there; kCap if not.
+  Nearest farSide(const Nearest& nearest, const glm::dvec3& normal, const glm::dvec3& centre) const {
+    if (!isSolid(nearest.triangle) || !isEmpty(centre - normal) || !isEmpty(centre + normal)) return {};
+    const std::uint32_t component = mesh_.triangles[nearest.triangle].component;
+    return bvh_.nearest(centre, kPlate, [&](std::uint32_t i) {
+      return mesh_.triangles[i].component == component && mesh_.triangles[i].source != kCap && glm::dot(faceNormal(i), normal) < -kAside;
+    });
+  }
+
+  bool isEmpty(const glm::dvec3& p) const {
+    const glm::ivec3 v(glm::floor(p));
+    if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return true;
+    return voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z))] == kEmpty;
+  }
+
   // Whether a voxel beyond a body's skin is inside of another body.
   bool leadsInside(const Nearest& nearest) const {
     const glm::ivec3 v(glm::floor(nearest.point + faceNormal(nearest.triangle)));
@@ -165,6 +206,17 @@ void turnHiddenSheets(const std::vector<SheetVote>& votes, std::size_t component
   }
 }
 
+// Which plates show the side that looks away from kShown, by component and axis: those that are mostly seen from there alone.
+std::vector<std::uint8_t> turnedPlates(const std::vector<PlateVote>& votes, std::size_t components) {
+  std::vector<std::int64_t> balance(3 * components, 0);
+  for (const PlateVote& vote : votes) {
+    if (vote.component != kCap) balance[3 * static_cast<std::size_t>(vote.component) + vote.axis] += vote.hidden ? 1 : -1;
+  }
+  std::vector<std::uint8_t> turned(balance.size());
+  for (std::size_t i = 0; i < balance.size(); ++i) turned[i] = balance[i] > 0 ? 1 : 0;
+  return turned;
+}
+
 }  // namespace
 
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
@@ -172,8 +224,17 @@ std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   std::vector<SheetVote> votes(surface.size());
+  std::vector<PlateVote> plates(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i], plates[i]);
+  });
+  const std::vector<std::uint8_t> turned_plates = turnedPlates(plates, mesh.components.size());
+  parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (plates[i].component == kCap) continue;
+      const bool turned = turned_plates[3 * static_cast<std::size_t>(plates[i].component) + plates[i].axis] != 0;
+      samples[i] = sampler.sample(surface[i], votes[i], plates[i], &turned);
+    }
   });
   turnHiddenSheets(votes, mesh.components.size(), samples);
   return samples;

@@ -87,7 +87,16 @@ glm::vec4 TexturePyramid::texel(std::size_t level, int x, int y) const {
 }
 
 glm::vec4 TexturePyramid::sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap_v, bool nearest) const {
-  const std::size_t level = static_cast<std::size_t>(std::clamp(std::round(lod), 0.0f, static_cast<float>(reduced_.size())));
+  const float at = std::clamp(lod, 0.0f, static_cast<float>(reduced_.size()));
+  const std::size_t level = static_cast<std::size_t>(at);
+  const float part = at - static_cast<float>(level);
+  const glm::vec4 fine = sampleLevel(uv, level, wrap_u, wrap_v, nearest);
+  if (part == 0) return fine;
+  const glm::vec4 coarse = sampleLevel(uv, level + 1, wrap_u, wrap_v, nearest);
+  return blend({fine, coarse, coarse, coarse}, {1 - part, part, 0, 0});
+}
+
+glm::vec4 TexturePyramid::sampleLevel(glm::vec2 uv, std::size_t level, Wrap wrap_u, Wrap wrap_v, bool nearest) const {
   const glm::ivec2 size = levelSize(level);
   const float x = tame(uv.x, wrap_u) * static_cast<float>(size.x);
   const float y = tame(uv.y, wrap_v) * static_cast<float>(size.y);

@@ -12,7 +12,7 @@ class TexturePyramid {
   explicit TexturePyramid(const Image& image);
 
   // Colours are weighted by alpha, since what is transparent has none to give.
-  // Linear RGBA at (u, v), in texture widths and heights, from the reduction nearest to `lod` (0: the image itself, 1: half its size ...).
+  // Linear RGBA at (u, v), in texture widths and heights, mixed of the two reductions around `lod` (0 and less: the image itself, 1: half its size ...).
   glm::vec4 sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap_v, bool nearest) const;
 
  private:
@@ -21,6 +21,7 @@ class TexturePyramid {
     std::vector<glm::vec4> texels;
   };
 
+  glm::vec4 sampleLevel(glm::vec2 uv, std::size_t level, Wrap wrap_u, Wrap wrap_v, bool nearest) const;
   glm::ivec2 levelSize(std::size_t level) const;
   glm::vec4 texel(std::size_t level, int x, int y) const;
 

@@ -8,6 +8,7 @@
 #include "fill_leaks.h"
 #include "fill_reasons.h"
 #include "fill_thin.h"
+#include "fill_volume.h"
 #include "kelp/fields/fields.h"
 #include "memory_estimate.h"
 #include "mesh_counts.h"
@@ -27,7 +28,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.15);
   const std::size_t count = static_cast<std::size_t>(frame.size.x) * static_cast<std::size_t>(frame.size.y) * static_cast<std::size_t>(frame.size.z);
   std::vector<std::uint8_t> voxels(count, kEmpty);
-  fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
+  const std::vector<Scanned> scanned = fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
   report(0.3);
   const TriangleBvh bvh(mesh);
   const SurfaceLook look(model, part.soup, mesh);
@@ -35,6 +36,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
     closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+    matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels);
   }
   returnFreedMemory();
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
