@@ -85,6 +85,11 @@ void printEstimate(const Options& options, const bake::Report& report) {
   fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
 }
 
+// Of a volume that nobody asked another resolution of.
+const char* keptVoxels(const std::string& format) {
+  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "the volume's own voxels (--resolution N to change)";
+}
+
 void printSummary(const Options& options, const bake::Report& report, double seconds) {
   std::uint64_t triangles = 0, surface = 0, peak = 0;
   std::size_t parts = 0;
@@ -96,7 +101,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   fmt::print(stderr, "kelp-bake: {}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
   if (triangles > 0) fmt::print(stderr, ", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
   if (report.images > 0) fmt::print(stderr, ", {}", counted(report.images, "picture"));
-  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : "the volume's own voxels (--resolution N to change)");
+  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : keptVoxels(report.format));
   printParts(options, report);
   printClips(report);
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
