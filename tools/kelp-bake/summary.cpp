@@ -24,6 +24,11 @@ std::string printLength(double length, const Options& options, const std::string
   return fmt::format("{:.4g} {}", length, options.unit_given || format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
 }
 
+// Of a volume that nobody asked another resolution of.
+const char* keptVoxels(const std::string& format) {
+  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "the volume's own voxels (--resolution N to change)";
+}
+
 // What the largest part's longest side has in voxels depends on this; so say where it came from.
 std::string printGrain(const Options& options, const std::string& format) {
   if (options.settings.voxel_size) return "voxels of " + printLength(*options.settings.voxel_size, options, format);
@@ -83,11 +88,6 @@ void printClips(const bake::Report& report) {
 
 void printEstimate(const Options& options, const bake::Report& report) {
   fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
-}
-
-// Of a volume that nobody asked another resolution of.
-const char* keptVoxels(const std::string& format) {
-  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "the volume's own voxels (--resolution N to change)";
 }
 
 void printSummary(const Options& options, const bake::Report& report, double seconds) {

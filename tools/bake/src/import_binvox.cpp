@@ -113,6 +113,7 @@ SourceModel importBinvox(const std::filesystem::path& path, const Settings& sett
     }
   });
   VoxelPaint paint;
+  paint.normals = VoxelNormals::kSmooth;
   paint.material[1] = kUnpainted;
   part.grid = paintVoxels(std::move(voxels), paint, memory, settings.threads);
   return out;

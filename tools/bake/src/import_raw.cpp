@@ -93,23 +93,59 @@ Range rangeOf(const Field& field) {
   return range;
 }
 
-template <class Inside>
-VoxelBox boxOf(const Field& field, const Inside& inside) {
-  VoxelBox box;
+// What of the field is to be baked.
+struct Extent {
+  VoxelBox voxels;                                     // that hold something
+  glm::dvec3 low{INFINITY}, high{-INFINITY};           // where it ends between them; voxel i goes from i to i + 1
+};
+
+// To where the density, linear between voxels' centres, crosses the isovalue.
+Extent solidExtent(const Field& field, double isovalue) {
+  Extent out;
+  const glm::ivec3 size = field.volume().size;
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x) {
+        const VoxelPoint voxel(x, y, z);
+        const double here = field.at(voxel);
+        if (!(here >= isovalue)) continue;
+        out.voxels.add(voxel);
+        for (int axis = 0; axis < 3; ++axis)
+          for (int side = -1; side <= 1; side += 2) {
+            VoxelPoint next = voxel;
+            next[axis] += side;
+            const double there = field.at(next);
+            if (there >= isovalue) continue;
+            const double crossing = static_cast<double>(voxel[axis]) + 0.5 + side * (here - isovalue) / (here - there);
+            out.low[axis] = std::min(out.low[axis], crossing);
+            out.high[axis] = std::max(out.high[axis], crossing);
+          }
+      }
+  return out;
+}
+
+// To the centres of the first empty voxels, where the density between them and the last ones has come down to nothing.
+Extent fogExtent(const Field& field) {
+  Extent out;
   const glm::ivec3 size = field.volume().size;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
       for (int x = 0; x < size.x; ++x)
-        if (inside(field.at(VoxelPoint(x, y, z)))) box.add({x, y, z});
-  return box;
+        if (field.at(VoxelPoint(x, y, z)) > 0) out.voxels.add({x, y, z});
+  out.low = glm::dvec3(out.voxels.low) - 0.5;
+  out.high = glm::dvec3(out.voxels.high) + 1.5;
+  return out;
 }
 
-Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const VoxelBox& box, Axis axis, const Settings& settings) {
+Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Extent& what, Axis axis, const Settings& settings) {
+  const double finest = std::min({volume.spacing.x, volume.spacing.y, volume.spacing.z});
+  const bool own = !settings.voxel_size && !settings.resolution_given && volume.spacing == glm::dvec3(finest);
+  const glm::dvec3 first = own ? glm::dvec3(what.voxels.low) : what.low, last = own ? glm::dvec3(what.voxels.high + VoxelPoint(1)) : what.high;
   const glm::dmat3 to_rig(turnOf(axis));
-  // The file's corner of the volume is its origin.
-  const glm::dvec3 a = to_rig * (glm::dvec3(box.low) * volume.spacing), b = to_rig * (glm::dvec3(box.high + VoxelPoint(1)) * volume.spacing);
+  // The corner of the volume is the file's origin.
+  const glm::dvec3 a = to_rig * (first * volume.spacing), b = to_rig * (last * volume.spacing);
   const glm::dvec3 low = glm::min(a, b), extent = glm::abs(b - a);
-  const double finest = std::min({volume.spacing.x, volume.spacing.y, volume.spacing.z}), longest = std::max({extent.x, extent.y, extent.z});
+  const double longest = std::max({extent.x, extent.y, extent.z});
   Lattice out;
   out.step = settings.voxel_size ? *settings.voxel_size : settings.resolution_given ? longest / settings.resolution : finest;
   if (longest / out.step > kMaxResolution + 0.5)
@@ -120,10 +156,8 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Voxe
   const glm::dmat3 back = glm::transpose(to_rig) * out.step;
   const glm::dvec3 origin = glm::transpose(to_rig) * corner;
   out.to_node = glm::mat4x3(glm::dmat4x3(back[0], back[1], back[2], origin));
-  glm::dmat4 index(1);
-  for (int i = 0; i < 3; ++i) index[i] = glm::dvec4(back[i] / volume.spacing, 0);
-  index[3] = glm::dvec4(origin / volume.spacing - 0.5, 1);
-  out.to_index = index;
+  for (int i = 0; i < 3; ++i) out.to_index[i] = glm::dvec4(back[i] / volume.spacing, 0);
+  out.to_index[3] = glm::dvec4(origin / volume.spacing - 0.5, 1);
   return out;
 }
 
@@ -235,10 +269,10 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
   // Around a scan is air, whatever its number is.
   if (solid) field.limit(std::min(0.0, range.least), -std::numeric_limits<double>::infinity());
   else field.limit(0, 0);
-  const VoxelBox box = solid ? boxOf(field, [&](double value) { return value >= isovalue; }) : boxOf(field, [](double value) { return value > 0; });
-  if (box.empty())
+  const Extent extent = solid ? solidExtent(field, isovalue) : fogExtent(field);
+  if (extent.voxels.empty())
     refuse(Exit::kUnsupported, path, "", solid ? "has no value at or above the isovalue; its values go from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) + ": give another" : "has no density above 0; there is nothing to bake: give an isovalue to bake a solid");
-  const Lattice lattice = makeLattice(files, volume, box, axis, settings);
+  const Lattice lattice = makeLattice(files, volume, extent, axis, settings);
   memory.add(part, VoxelPoint(lattice.size));
   if (solid) {
     part.grid = makeSolid(files, field, lattice, isovalue, memory, settings.threads);

@@ -45,8 +45,12 @@ struct IndexedVoxels {
 // The voxels of `box`, in the axes of the rig, all of them empty. In the file's axes voxels have edges of this length, and the lattice's origin is there.
 IndexedVoxels emptyVoxels(const VoxelBox& box, const VoxelTurn& to_rig, double edge, const glm::dvec3& origin = glm::dvec3(0));
 
-// What the voxels of a grid are painted with, by their index.
+enum class VoxelNormals : std::uint8_t { kDetailed, kSmooth };  // of what was built of cubes; of what was scanned
+
+// What the voxels of a grid look like.
 struct VoxelPaint {
+  VoxelNormals normals = VoxelNormals::kDetailed;
+  // By the voxels' index.
   std::array<Material, 256> material;
   std::array<std::uint32_t, 256> source{};  // see SurfaceSample
 };
