@@ -15,6 +15,7 @@ using Value = std::function<double(const glm::dvec3& centre)>;
 
 std::filesystem::path write(const Scratch& scratch, const std::string& name, const std::string& bytes) {
   const auto path = scratch.folder() / name;
+  std::filesystem::remove(path);  // writing over a file waits for the disk, thousands of times
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }

@@ -10,6 +10,7 @@ namespace {
 
 std::filesystem::path write(const Scratch& scratch, const std::string& bytes) {
   const auto path = scratch.folder() / "model.vox";
+  std::filesystem::remove(path);  // writing over a file waits for the disk, thousands of times
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }

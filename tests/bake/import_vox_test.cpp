@@ -66,11 +66,12 @@ void expectTruth(const RawPack& pack, const VoxTruth& truth, double voxel_size =
     const auto found = voxels.find(at);
     ASSERT_NE(found, voxels.end()) << at[0] << ' ' << at[1] << ' ' << at[2];
     if (found->second < 0) continue;
-    ASSERT_EQ(found->second, index - 1) << at[0] << ' ' << at[1] << ' ' << at[2];
+    const int entry = truth.shown_at[static_cast<std::size_t>(index)];
+    ASSERT_EQ(found->second, entry) << at[0] << ' ' << at[1] << ' ' << at[2];
     ++painted;
     if (!truth.has_palette) continue;
     for (int k = 0; k < 3; ++k)
-      ASSERT_NEAR(pack.palette[static_cast<std::size_t>(index - 1)].base_color[k], linear(truth.rgb[static_cast<std::size_t>(index)][static_cast<std::size_t>(k)]), 1e-6);
+      ASSERT_NEAR(pack.palette[static_cast<std::size_t>(entry)].base_color[k], linear(truth.rgb[static_cast<std::size_t>(index)][static_cast<std::size_t>(k)]), 1e-6);
   }
   EXPECT_GT(painted, 0u);
 }
@@ -215,6 +216,7 @@ TEST(ImportVox, ThePaletteIsInTheOrderInWhichItIsShown) {
   EXPECT_NEAR(pack.palette[4].base_color.r, linear(20), 1e-6);
   EXPECT_EQ(pack.palette[4].metallic, 1);
   EXPECT_NEAR(pack.palette[19].base_color.r, linear(5), 1e-6);
+  expectTruth(pack, readVoxTruth(scratch.folder() / "model.vox"));
 
   damaged.chunk("IMAP", std::string(256, 7));
   const auto path = write(scratch, damaged.bytes());

@@ -143,6 +143,7 @@ VoxTruth readVoxTruth(const std::filesystem::path& path, int frame) {
   Scene scene;
   VoxTruth out;
   std::array<int, 3> size{};
+  for (std::size_t i = 1; i <= 256; ++i) out.shown_at[i] = static_cast<int>(i) - 1;
   in.at = 20;
   while (in.at < in.data.size()) {
     const std::string id = in.take(4);
@@ -165,6 +166,9 @@ VoxTruth readVoxTruth(const std::filesystem::path& path, int frame) {
         const std::string c = in.take(4);
         for (std::size_t k = 0; k < 3; ++k) out.rgb[i][k] = static_cast<unsigned char>(c[k]);
       }
+    } else if (id == "IMAP") {
+      const std::string order = in.take(256);
+      for (std::size_t k = 0; k < 256; ++k) out.shown_at[static_cast<unsigned char>(order[k])] = static_cast<int>(k);
     } else if (id == "LAYR") {
       const int layer = in.number();
       if (in.dict()["_hidden"] == "1") scene.hidden_layers.insert(layer);
