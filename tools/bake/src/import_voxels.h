@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "import_files.h"
+#include "import_voxels_normals.h"
 #include "memory_estimate.h"
 
 namespace kelp::bake {
@@ -45,8 +46,6 @@ struct IndexedVoxels {
 // The voxels of `box`, in the axes of the rig, all of them empty. In the file's axes voxels have edges of this length, and the lattice's origin is there.
 IndexedVoxels emptyVoxels(const VoxelBox& box, const VoxelTurn& to_rig, double edge, const glm::dvec3& origin = glm::dvec3(0));
 
-enum class VoxelNormals : std::uint8_t { kDetailed, kSmooth };  // of what was built of cubes; of what was scanned
-
 // What the voxels of a grid look like.
 struct VoxelPaint {
   VoxelNormals normals = VoxelNormals::kDetailed;
@@ -76,7 +75,7 @@ class VolumeMemory {
   std::vector<Known> parts_;
 };
 
-// Of the part that `memory` was told of last: solid where the index is not 0; the voxels' normals are those of the solid around them (import_voxels.cpp). Uses `voxels` up. The same on any number of threads.
+// Of the part that `memory` was told of last: solid where the index is not 0; the voxels' normals are smoothedNormals. Uses `voxels` up. The same on any number of threads.
 VoxelGrid paintVoxels(IndexedVoxels voxels, const VoxelPaint& paint, VolumeMemory& memory, int threads);
 
 }  // namespace kelp::bake
