@@ -76,10 +76,11 @@ class Surroundings {
   }
 
   // Across a wall: the axis along which what is solid reaches least far, by Jacobi's rotations; of a rod, between two such axes, of a voxel alone between three. Either side
-  // is right, and the one that points up, or else to the right, or to the front, is taken everywhere: a wall whose voxels disagree looks worse than one that is lit
-  // from the wrong side.
+  // is right, and the one that points up, to the right and to the front is taken everywhere: a wall whose voxels disagree looks worse than one that is lit from the
+  // wrong side.
   static glm::dvec3 across(const std::array<std::int64_t, 6>& moments) {
     constexpr double kNone = 1e-6;
+    constexpr glm::dvec3 kSide(0.53, 0.65, 0.55);
     glm::dmat3 m(moments[0], moments[3], moments[4], moments[3], moments[1], moments[5], moments[4], moments[5], moments[2]), axes(1);
     for (int sweep = 0; sweep < 8; ++sweep)
       for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
@@ -96,8 +97,7 @@ class Surroundings {
     glm::dvec3 sum(0);
     for (int i = 0; i < 3; ++i) {
       if (m[i][i] > least + kNone * all) continue;
-      const double sign = std::abs(axes[i].y) > kNone ? axes[i].y : std::abs(axes[i].x) > kNone ? axes[i].x : axes[i].z;
-      sum += sign < 0 ? -axes[i] : axes[i];
+      sum += glm::dot(axes[i], kSide) < 0 ? -axes[i] : axes[i];
     }
     return glm::normalize(sum);
   }
