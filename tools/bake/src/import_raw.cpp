@@ -12,6 +12,7 @@
 #include "import_voxels.h"
 #include "kelp/fields/fields.h"
 #include "parallel.h"
+#include "placement.h"
 
 namespace kelp::bake {
 namespace {
@@ -97,6 +98,7 @@ Range rangeOf(const Field& field) {
 struct Extent {
   VoxelBox voxels;                                     // that hold something
   glm::dvec3 low{INFINITY}, high{-INFINITY};           // where it ends between them; voxel i goes from i to i + 1
+  double solid = 0, faces = 0;                         // voxels of a solid, and their faces towards what is not
 };
 
 // To where the density, linear between voxels' centres, crosses the isovalue.
@@ -110,12 +112,14 @@ Extent solidExtent(const Field& field, double isovalue) {
         const double here = field.at(voxel);
         if (!(here >= isovalue)) continue;
         out.voxels.add(voxel);
+        ++out.solid;
         for (int axis = 0; axis < 3; ++axis)
           for (int side = -1; side <= 1; side += 2) {
             VoxelPoint next = voxel;
             next[axis] += side;
             const double there = field.at(next);
             if (there >= isovalue) continue;
+            ++out.faces;
             const double crossing = static_cast<double>(voxel[axis]) + 0.5 + side * (here - isovalue) / (here - there);
             out.low[axis] = std::min(out.low[axis], crossing);
             out.high[axis] = std::max(out.high[axis], crossing);
@@ -172,7 +176,7 @@ void forVoxels(const glm::ivec3& size, int threads, const Work& work) {
   });
 }
 
-VoxelGrid makeSolid(const InputFiles& files, const Field& field, const Lattice& lattice, double isovalue, VolumeMemory& memory, int threads) {
+VoxelGrid makeSolid(const InputFiles& files, const Field& field, const Lattice& lattice, double isovalue, int threads) {
   const auto value = [&](const glm::dvec3& p) { return field.sample(glm::dvec3(lattice.to_index * glm::dvec4(p, 1))); };
   VoxelGrid grid;
   grid.size = lattice.size;
@@ -182,7 +186,6 @@ VoxelGrid makeSolid(const InputFiles& files, const Field& field, const Lattice& 
   forVoxels(lattice.size, threads, [&](const glm::ivec3& voxel, std::size_t at) { occupancy.solid[at] = value(glm::dvec3(voxel) + 0.5) >= isovalue ? 1 : 0; });
   const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threadCount(threads));
   if (surface.empty()) refuse(Exit::kInvalid, files.input(), "", "has no solid voxel at this resolution; give a larger one");
-  memory.know(surface.size(), static_cast<std::uint64_t>(std::count(occupancy.solid.begin(), occupancy.solid.end(), 1)));
   grid.surface.resize(surface.size());
   parallelRanges(surface.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -202,7 +205,7 @@ VoxelGrid makeSolid(const InputFiles& files, const Field& field, const Lattice& 
   return grid;
 }
 
-FogGrid makeFog(const Field& field, const Lattice& lattice, const Settings& settings) {
+FogGrid makeFog(const InputFiles& files, const Field& field, const Lattice& lattice, const Settings& settings) {
   // The mean over a voxel: of as many samples as it spans voxels of the field.
   const auto mean = [&](const glm::ivec3& voxel) {
     double sum = 0;
@@ -227,10 +230,27 @@ FogGrid makeFog(const Field& field, const Lattice& lattice, const Settings& sett
   });
   const double most = *std::max_element(greatest.begin(), greatest.end());
   fog.extinction = static_cast<float>(most * lattice.step * settings.density);
+  if (!(most > 0)) refuse(Exit::kInvalid, files.input(), "", "has no density at this resolution; give a larger one");
+  if (!std::isnormal(fog.extinction)) refuse(Exit::kInvalid, files.input(), "", "has densities that are too large or too small for its spacing; scale one of them");
   const auto side = glm::u64vec3(lattice.size);
   fog.density.resize(side.x * side.y * side.z);
   forVoxels(lattice.size, settings.threads, [&](const glm::ivec3& voxel, std::size_t at) { fog.density[at] = static_cast<std::uint16_t>(std::lround(mean(voxel) / most * 65535)); });
   return fog;
+}
+
+// Lengths are metres for whoever gave them.
+void checkMemory(const InputFiles& files, const Field& field, const Extent& extent, const Lattice& lattice, const SourcePart& part, bool solid, const Settings& settings) {
+  Settings in_metres = settings;
+  if (settings.voxel_size) in_metres.voxel_size = *settings.voxel_size * settings.unit;
+  const glm::dvec3 spacing = field.volume().spacing;
+  const auto sizes = [&](Settings changed) {
+    if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings.unit;
+    const Lattice other = makeLattice(files, field.volume(), extent, part.rig.axis.value_or(Axis::kPlusY), changed);
+    const double finer = std::cbrt(spacing.x * spacing.y * spacing.z) / other.step;  // voxels of the part to one of the field, along a side
+    const glm::ivec3 pad = paddingOf(part, changed.pad);
+    return std::vector<PartSize>{solid ? volumeSize(other.size, pad, extent.faces * finer * finer, extent.solid * finer * finer * finer) : fogSize(other.size, pad, false)};
+  };
+  requireMemory(sizes, 0, in_metres, settings.resolution_given ? settings.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files.input());
 }
 
 void checkLength(const InputFiles& files, const RawVolume& volume, std::uint64_t bytes) {
@@ -248,7 +268,7 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
   const std::vector<std::uint8_t> bytes = files.readInput();
   const RawVolume volume = readRawSidecar(files);
   checkLength(files, volume, bytes.size());
-  if (settings.volume == VolumeKind::kFog && settings.isovalue) refuse(Exit::kUsage, path, "isovalue", "says where the surface of a solid is, and fog has none; leave one of the two out");
+  if (settings.volume == VolumeKind::kFog && settings.isovalue) refuse(Exit::kUsage, path, "--isovalue", "says where the surface of a solid is, and fog has none; leave one of the two out");
   Field field(volume, std::span<const std::uint8_t>(bytes).subspan(volume.offset));
   const Range range = rangeOf(field);
 
@@ -260,26 +280,26 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
   part.name = stemOf(files);
   giveRig(part, findOuterRig(files, settings), settings);
   const Axis axis = part.rig.axis.value_or(Axis::kPlusY);
-  VolumeMemory memory(files, settings);
 
   const bool solid = settings.volume == VolumeKind::kSolid || settings.isovalue;
-  if (solid && !settings.isovalue && !(range.greatest > 0)) refuse(Exit::kUnsupported, path, "", "has no value above 0; give the isovalue that is the solid's surface");
+  if (solid && !settings.isovalue && !(range.greatest > 0)) refuse(Exit::kUnsupported, path, "", "has no value above 0; give the --isovalue that is the solid's surface");
   const double isovalue = settings.isovalue.value_or(range.greatest / 2);
-  if (solid && isovalue <= range.least) refuse(Exit::kUnsupported, path, "isovalue", "is at most the least value: all of the volume would be solid; give one between " + std::to_string(range.least) + " and " + std::to_string(range.greatest));
+  if (solid && isovalue <= range.least) refuse(Exit::kUnsupported, path, "--isovalue", "is at most the least value: all of the volume would be solid; give one between " + std::to_string(range.least) + " and " + std::to_string(range.greatest));
   // Around a scan is air, whatever its number is.
   if (solid) field.limit(std::min(0.0, range.least), -std::numeric_limits<double>::infinity());
   else field.limit(0, 0);
   const Extent extent = solid ? solidExtent(field, isovalue) : fogExtent(field);
   if (extent.voxels.empty())
-    refuse(Exit::kUnsupported, path, "", solid ? "has no value at or above the isovalue; its values go from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) + ": give another" : "has no density above 0; there is nothing to bake: give an isovalue to bake a solid");
+    refuse(Exit::kUnsupported, path, "", solid ? "has no value at or above the isovalue; its values go from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) + ": give another" : "has no density above 0; there is nothing to bake: give an --isovalue to bake a solid");
   const Lattice lattice = makeLattice(files, volume, extent, axis, settings);
-  memory.add(part, VoxelPoint(lattice.size));
+  checkPadded(lattice.size + 2 * paddingOf(part, settings.pad), settings.pad, files.input().filename().string() + ": part '" + part.name + "'");
+  checkMemory(files, field, extent, lattice, part, solid, settings);
   if (solid) {
-    part.grid = makeSolid(files, field, lattice, isovalue, memory, settings.threads);
+    part.grid = makeSolid(files, field, lattice, isovalue, settings.threads);
     return out;
   }
   if (range.negative > 0) out.notices.push_back(std::to_string(range.negative) + " voxels are below 0, and count as empty");
-  part.fog = makeFog(field, lattice, settings);
+  part.fog = makeFog(files, field, lattice, settings);
   return out;
 }
 

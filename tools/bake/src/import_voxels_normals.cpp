@@ -171,6 +171,7 @@ class Spaces {
 std::vector<std::uint8_t> withoutCavities(const fields::Occupancy& occupancy) {
   std::vector<std::uint8_t> filled(occupancy.solid.size());
   std::transform(occupancy.solid.begin(), occupancy.solid.end(), filled.begin(), [](std::uint8_t voxel) { return static_cast<std::uint8_t>(voxel != 0 ? 1 : 0); });
+  if (std::min({occupancy.size.x, occupancy.size.y, occupancy.size.z}) < 3) return filled;  // nothing can be shut in
   Spaces(occupancy).visitShut([&](std::size_t first, std::size_t count) { std::fill_n(filled.begin() + static_cast<std::ptrdiff_t>(first), count, std::uint8_t{1}); });
   return filled;
 }
