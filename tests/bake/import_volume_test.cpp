@@ -254,7 +254,7 @@ TEST(ImportRaw, ValuesThatAreNone) {
   settings.isovalue = 500;
   EXPECT_TRUE(contains(refusal(holed, Exit::kUnsupported, settings), "at or above the isovalue"));
   settings.isovalue = -1000;
-  EXPECT_TRUE(contains(refusal(holed, Exit::kUnsupported, settings), "all of the volume would be solid"));
+  EXPECT_TRUE(contains(refusal(holed, Exit::kUnsupported, settings), "would be solid"));
   const auto empty = writeRaw<std::uint8_t>(scratch, {2, 2, 2}, "u8", [](const glm::dvec3&) { return 0; });
   EXPECT_TRUE(contains(refusal(empty, Exit::kUnsupported), "no density above 0"));
 }
