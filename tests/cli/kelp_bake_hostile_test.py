@@ -44,7 +44,8 @@ class Hostile(unittest.TestCase):
     def bake(self, path, *arguments):
         """The exit code and what was said."""
         out = os.path.join(self.folder.name, "out.kelp")
-        command = [KELP_BAKE, path, "-o", out, "--resolution", "16", "--threads", "2", "--progress", "none", *arguments]
+        grain = [] if path.endswith((".vox", ".binvox")) else ["--resolution", "16"]  # those keep their voxels
+        command = [KELP_BAKE, path, "-o", out, *grain, "--threads", "2", "--progress", "none", *arguments]
         result = subprocess.run(command, capture_output=True, timeout=SECONDS, preexec_fn=limits)
         text = result.stderr.decode(errors="replace")
         self.assertIn(result.returncode, (0, 1, 2, 3, 5), f"{path}: {text}")
@@ -144,6 +145,47 @@ class Hostile(unittest.TestCase):
         self.refused(3, self.write("believable.drc", b"DRACO\x02\x02\x01\x01\x00\x00\x00" + faces + faces + bytes(60000)))
         self.refused(3, self.write("metadata.drc", b"DRACO\x02\x02\x01\x00\x00\x80" + b"\x00\x01\x01a\xff\xff\xff\x7f" + bytes(40)))
         self.refused(5, self.write("points.drc", b"DRACO\x02\x02\x00\x00\x00\x00" + bytes(40)))
+
+    def vox(self, *chunks):
+        """A MagicaVoxel file of one model and these chunks: (id, content)."""
+        chunks = [(b"SIZE", struct.pack("<3i", 2, 2, 2)), (b"XYZI", struct.pack("<i", 2) + b"\x00\x00\x00\x01\x01\x01\x01\x02"), *chunks]
+        body = b"".join(name + struct.pack("<2i", len(content), 0) + content for name, content in chunks)
+        return b"VOX " + struct.pack("<i", 150) + b"MAIN" + struct.pack("<2i", 0, len(body)) + body
+
+    def test_voxel_files_that_lie(self):
+        good = self.vox()
+        self.assertEqual(self.bake(self.write("good.vox", good))[0], 0)
+        for length in (0, 3, 7, 11, 19, 20, 31, 40, len(good) - 1):
+            self.refused(3, self.write("cut.vox", good[:length]))
+        self.refused(3, self.write("magic.vox", b"VOXL" + good[4:]), "signature")
+        self.refused(3, self.write("count.vox", self.vox((b"SIZE", struct.pack("<3i", 256, 256, 256)), (b"XYZI", struct.pack("<I", 1 << 31)))), "claims 2147483648 voxels")
+        self.refused(3, self.write("size.vox", self.vox((b"SIZE", struct.pack("<3i", 2048, 1024, 1024)), (b"XYZI", struct.pack("<i", 0)))), "2048 voxels")
+
+        def transform(node, child):
+            return b"nTRN", struct.pack("<7i", node, 0, child, -1, -1, 1, 0)
+
+        def group(node, *children):
+            return b"nGRP", struct.pack(f"<{3 + len(children)}i", node, 0, len(children), *children)
+
+        shape = b"nSHP", struct.pack("<5i", 99, 0, 1, 0, 0)
+        self.assertEqual(self.bake(self.write("scene.vox", self.vox(transform(0, 99), shape)))[0], 0)
+        self.refused(3, self.write("cycle.vox", self.vox(transform(0, 1), group(1, 2), transform(2, 1))), "is below itself")
+        self.refused(3, self.write("missing.vox", self.vox(transform(0, 5))), "is not there")
+        self.refused(3, self.write("twice.vox", self.vox(transform(0, 99), shape, shape)), "second node")
+        self.refused(3, self.write("many.vox", self.vox(*(group(i, *[i + 1 if i < 9 else 99] * 64) for i in range(10)), shape)), "objects and groups")
+        deep = [transform(i, i + 1 if i != 98 else 100) for i in range(300000) if i != 99]
+        self.refused(3, self.write("deep.vox", self.vox(*deep)), "is not there")
+
+        head = b"#binvox 1\ndim 4 4 4\ndata\n"
+        self.assertEqual(self.bake(self.write("good.binvox", head + b"\x01\x40"))[0], 0)
+        self.refused(3, self.write("short.binvox", head + b"\x01\x3f"), "truncated")
+        self.refused(3, self.write("long.binvox", head + b"\x01\x41"), "beyond the volume")
+        self.refused(3, self.write("huge.binvox", b"#binvox 1\ndim 65536 65536 65536\ndata\n" + b"\x01\xff" * 1000), "truncated")
+
+        self.write("scan.raw.json", '{"size": [4, 4, 4], "type": "u8"}')
+        self.refused(3, self.write("scan.raw", bytes(63)), "holds 63 bytes")
+        self.write("scan.raw.json", '{"size": [65536, 65536, 65536], "type": "f32"}')
+        self.refused(3, self.write("scan.raw", bytes(64)), "holds 64 bytes")
 
     def test_a_picture_of_terapixels_is_left_out(self):
         def chunk(kind, data):

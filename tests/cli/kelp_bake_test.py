@@ -117,6 +117,38 @@ class KelpBake(unittest.TestCase):
         self.assertTrue(rule.startswith(self.out + ":"))
         self.assertIn("cube.obj", rule)
 
+    def test_voxel_models_keep_their_voxels(self):
+        def chunk(name, content):
+            return name + struct.pack("<2i", len(content), 0) + content
+        apart = b"".join((
+            chunk(b"SIZE", struct.pack("<3i", 3, 2, 4)), chunk(b"XYZI", struct.pack("<i", 2) + b"\x00\x00\x00\x07\x02\x01\x03\xff"),
+            chunk(b"nTRN", struct.pack("<7i", 0, 0, 1, -1, -1, 1, 0)), chunk(b"nGRP", struct.pack("<5i", 1, 0, 2, 2, 4)),
+            chunk(b"nTRN", struct.pack("<7i", 2, 0, 3, -1, -1, 1, 0)), chunk(b"nSHP", struct.pack("<5i", 3, 0, 1, 0, 0)),
+            chunk(b"nTRN", struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t" + struct.pack("<i", 14) + b"4000 4000 4000")))
+        near = apart.replace(b"4000 4000 4000", b"0004 0000 0000")
+        head = b"VOX " + struct.pack("<i", 150) + b"MAIN" + struct.pack("<2i", 0, len(near))
+        model = self.write("model.vox", head + near)
+        result = self.bake(model, "-o", self.out, "--unit", "cm", "--report", self.path("report.json"))
+        text = result.stderr.decode()
+        self.assertEqual(result.returncode, 0, text)
+        self.assertIn("the file's own voxels", text)
+        self.assertIn("voxels of 0.01 m", text)
+        report = json.loads(self.read(self.path("report.json")))
+        self.assertEqual(report["parts"][0]["size"], [7, 4, 2])
+        self.assertEqual(report["parts"][0]["solid_voxels"], 4)
+        self.assertEqual(report["palette_entries"], 256)
+        self.assertEqual(self.bake(model, "-o", self.out, "--parts", "nodes", "--voxel-size", "0.5").returncode, 0)
+        self.assertEqual(self.bake(model, "-o", self.out, "--frame", "0").returncode, 0)
+        self.fails(1, model, "-o", self.out, "--resolution", "64", says=["--resolution 64", "voxel by voxel"])
+        self.fails(1, model, "-o", self.out, "--frame", "1", says=["--frame 1", "no animation"])
+        self.fails(1, model, "-o", self.out, "--frame", "one", says=["--frame one"])
+        self.fails(1, self.cube, "-o", self.out, "--frame", "0", says=["only MagicaVoxel files have frames"])
+        self.fails(1, model, "-o", self.out, "--parts", "nodes", "--rig", "sway", says=["--parts nodes"])
+        self.fails(1, model, "-o", self.out, "--at", "walk:1", says=["--at"])
+        far = self.write("far.vox", head + apart)
+        self.fails(4, far, "-o", self.out, "--max-memory", "1G", says=["GiB of memory"])
+        self.assertEqual(self.bake(far, "-o", self.out, "--max-memory", "1G", "--parts", "nodes").returncode, 0)
+
     def test_same_input_same_bytes(self):
         lump = self.write("lump.obj", wavy_obj(20))
         packs = []

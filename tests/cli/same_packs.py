@@ -24,7 +24,7 @@ import tempfile
 OLD_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ,-BMI2"}
 VARIANTS = [(["--threads", "1"], {}), (["--threads", "2"], {}), (["--threads", "7"], {}), (["--threads", "2"], OLD_PROCESSOR)]
 
-# File, options, resolution of a quick run (0: not in it), of a full one.
+# File, options, resolution of a quick run (0: not in it), of a full one; "own": of the file's own.
 REAL = [
     ("gltf/draco_testdata/Duck.glb", [], 48, 160),  # a picture
     ("gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", ["--parts", "nodes"], 48, 160),  # parts that move
@@ -39,6 +39,8 @@ REAL = [
     ("mesh/stanford/dragon_vrip_res3.ply", [], 48, 160),
     ("mesh/draco_testdata/test_pos_color.ply", [], 32, 96),  # colours at corners
     ("vdb/gaffer_sphere.vdb", [], 32, 96),  # a level set
+    ("vox/vengi/8ontop.vox", [], "own", "own"),  # voxels that are kept, in 72 turned objects
+    ("vox/vox-reader/deer.vox", ["--axis", "-x", "--rig", "swim"], "own", "own"),
 ]
 
 
@@ -153,11 +155,12 @@ def main():
             packs = collections.defaultdict(list)
             for program in arguments.program:
                 for extra, environment in VARIANTS:
-                    found = bake(program, path, [*options, "--resolution", str(resolution), *extra], os.path.join(folder, "out.kelp"), environment)
+                    grain = [] if resolution == "own" else ["--resolution", str(resolution)]
+                    found = bake(program, path, [*options, *grain, *extra], os.path.join(folder, "out.kelp"), environment)
                     packs[found].append(" ".join([program, *extra, *(["(old processor)"] if environment else [])]))
             same = len(packs) == 1 and not next(iter(packs)).startswith("exit code")
             wrong += not same
-            print("%s %s %s at %d" % ("same  " if same else "DIFFER", os.path.basename(path), " ".join(options), resolution), flush=True)
+            print("%s %s %s at %s" % ("same  " if same else "DIFFER", os.path.basename(path), " ".join(options), resolution), flush=True)
             if not same:
                 for found, ways in packs.items():
                     print("    %s\n        %s" % (found, "\n        ".join(ways)))

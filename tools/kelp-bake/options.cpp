@@ -23,6 +23,7 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake part.stl -o part.kelp --up +z --unit mm   as CAD programs write it
   kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
   kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
+  kelp-bake knight.vox -o knight.kelp --unit 0.05     voxels of 5 cm, colours and their order as painted
   kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
   kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
 
@@ -102,22 +103,23 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, frame, progress = "auto", report, deps;
   bool write_deps = false;
   Options options;
-  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc) or VDB file")->required()->type_name("FILE");
+  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, MagicaVoxel (.vox), .binvox or .raw file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
-  app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres")->type_name("LENGTH")->excludes(resolution_option);
+  app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres; .vox and .binvox keep their voxels, and get this size")->type_name("LENGTH")->excludes(resolution_option);
   app.add_option("--rig", rig, "a rig as JSON, or a preset: none, sway, swim")->type_name("FILE|PRESET");
   app.add_option("--axis", axis, "the axis to bend along where the rig names none, in the file's own axes: +x -x +y -y +z -z (default: --up)")->type_name("AXIS");
-  app.add_option("--up", up, "the file's axis that points up, +y in the pack: +x -x +y -y +z -z (default +y)")->type_name("AXIS");
-  app.add_option("--unit", unit, "the length of a unit of the file: m, cm, mm, in, ft, or a number of metres (default m)")->type_name("UNIT");
+  app.add_option("--up", up, "the file's axis that points up, +y in the pack: +x -x +y -y +z -z (default +y, of .vox +z)")->type_name("AXIS");
+  app.add_option("--unit", unit, "the length of a unit of the file: m, cm, mm, in, ft, or a number of metres (default m); a voxel of .vox is a unit")->type_name("UNIT");
   app.add_option("--pad", pad, "empty voxels on every side of a part, 0 to 1024 (default 0); none along the axis of one that bends")->type_name("N");
   app.add_option("--scene", scene, "the scene of a glTF file to bake, by index from 0 or by name; a number that is an index counts as one (default: the file's own default)")->type_name("NAME|INDEX");
   app.add_option("--fill", fill, "auto: solid where closed, holes capped; solid; surface")->type_name("auto|solid|surface");
-  app.add_option("--parts", parts, "glTF: one: one part beside those with rigs of their own; nodes: a part for every node with a mesh, and clips of their animations")->type_name("one|nodes");
+  app.add_option("--parts", parts, "one: one part beside those with rigs of their own; nodes: of glTF, a part for every node with a mesh, and clips of their animations; .vox: a part for every object")->type_name("one|nodes");
   app.add_option("--at", at, "glTF: bake nodes, skins and morph targets as an animation has them at a time, e.g. Walk:0.3")->type_name("CLIP:SECONDS");
+  app.add_option("--frame", frame, "MagicaVoxel: the frame of its animation to bake, from 0 on (default: where it begins)")->type_name("N");
   app.add_option("--palette", palette, "bake with these colours alone: a GIMP palette (.gpl) or a picture of at most 256 colours")->type_name("FILE");
   app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
@@ -183,6 +185,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     throw BakeError(Exit::kUsage, "--parts " + parts + ": unknown; use one or nodes");
   }
   if (!at.empty()) options.settings.at = parseMoment(at);
+  if (!frame.empty()) options.settings.frame = wholeNumber("--frame", frame);
   if (!palette.empty()) options.settings.palette_file = palette;
   if (!levels.empty()) options.settings.levels = positiveNumber("--levels", levels);
   if (!threads.empty()) options.settings.threads = positiveNumber("--threads", threads);

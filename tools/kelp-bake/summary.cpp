@@ -24,6 +24,11 @@ std::string printLength(double length, const Options& options, const std::string
   return fmt::format("{:.4g} {}", length, options.unit_given || format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
 }
 
+// Of a volume that nobody asked another resolution of.
+const char* keptVoxels(const std::string& format) {
+  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "the volume's own voxels (--resolution N to change)";
+}
+
 // What the largest part's longest side has in voxels depends on this; so say where it came from.
 std::string printGrain(const Options& options, const std::string& format) {
   if (options.settings.voxel_size) return "voxels of " + printLength(*options.settings.voxel_size, options, format);
@@ -96,7 +101,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   fmt::print(stderr, "kelp-bake: {}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
   if (triangles > 0) fmt::print(stderr, ", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
   if (report.images > 0) fmt::print(stderr, ", {}", counted(report.images, "picture"));
-  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : "the volume's own voxels (--resolution N to change)");
+  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : keptVoxels(report.format));
   printParts(options, report);
   printClips(report);
   for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);

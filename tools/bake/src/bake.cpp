@@ -104,6 +104,11 @@ void checkSides(const SourceModel& model, const std::vector<Frame>& frames, cons
   }
 }
 
+// Whether the voxels are the file's own.
+bool isVolume(const SourceModel& model) {
+  return std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.isVolume(); });
+}
+
 void checkMemory(const SourceModel& model, const Settings& settings, const std::filesystem::path& input, Report& report) {
   const auto sizes = [&](const Settings& changed) {
     const std::vector<Frame> frames = makeFrames(model, changed, input);
@@ -113,9 +118,8 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
   };
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
-  const bool volumes = std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.isVolume(); });
   // The importer has asked for volumes, before it made their voxels.
-  report.estimated_bytes = volumes ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
+  report.estimated_bytes = isVolume(model) ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
 }
 
 glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
@@ -219,14 +223,16 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   report.notices = model.notices;
   report.materials = usedMaterials(model);
   report.images = model.images.size();
-  if (model.format.rfind("glTF", 0) != 0 && (settings.at || settings.parts != Parts::kOne))
-    throw BakeError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out", input.filename().string(), model.format, settings.at ? "animations" : "nodes", settings.at ? "--at" : "--parts nodes"));
+  const bool gltf = model.format.rfind("glTF", 0) == 0, nodes = gltf || model.format == "MagicaVoxel";
+  if ((settings.at && !gltf) || (settings.parts != Parts::kOne && !nodes))
+    throw BakeError(Exit::kUsage, fmt::format("{}: {} files have no {}; leave {} out", input.filename().string(), model.format, nodes ? "clips" : settings.at ? "animations" : "nodes", settings.at ? "--at" : "--parts nodes"));
   // The file is sound, and a pack has at least one voxel.
   if (model.parts.empty()) {
     throw BakeError(Exit::kUnsupported, fmt::format("{}: its scene has no mesh{}: there is nothing to bake; export a scene with at least one mesh", input.string(),
                                                     model.notices.empty() ? "" : " (" + model.notices.back() + ")"));
   }
   placeInObject(model, settings);
+  const bool volume = isVolume(model);
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkSides(model, frames, settings, input);
   checkMemory(model, settings, input, report);
@@ -306,13 +312,15 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     if (model.parts[i].carrier) model.parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), model.parts[i + 1].grid->surface.front().material});
 
   clock.begin("palette");
+  rules.entries = model.palette;
   Palette palette;
   if (grids.empty()) {
     palette.entries.emplace_back();  // a pack has one
   } else {
     palette = choosePalette(grids, threads, rules);
   }
-  for (const std::uint32_t source : palette.sources) report.palette_materials.push_back(source < model.materials.size() ? model.materials[source].name : "");
+  if (model.palette.empty())
+    for (const std::uint32_t source : palette.sources) report.palette_materials.push_back(source < model.materials.size() ? model.materials[source].name : "");
   report.palette_error = palette.mean_error;
   report.palette_entries = palette.entries.size();
 
@@ -336,7 +344,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   }
   places.moveTo(report.notices);
   pack.palette = std::move(palette.entries);
-  pack.info_json = makeInfo(input, model.format, settings, report.files_read);
+  pack.info_json = makeInfo(input, model.format, volume, settings, report.files_read);
   clock.end();
   return pack;
 }

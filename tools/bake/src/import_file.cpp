@@ -12,8 +12,12 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   const std::string extension = lowerExtension(path);
   const bool gltf = extension == ".gltf" || extension == ".glb";
   if (settings.scene && !gltf) refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60), "only glTF files have scenes; leave the option out");
+  if (settings.frame && extension != ".vox") refuse(Exit::kUsage, path, "--frame " + std::to_string(*settings.frame), "only MagicaVoxel files have frames; leave the option out");
   if (gltf) return importGltf(path, settings, files_read);
   if (extension == ".vdb") return importVdb(path, settings, files_read);
+  if (extension == ".vox") return importVox(path, settings, files_read);
+  if (extension == ".binvox") return importBinvox(path, settings, files_read);
+  if (extension == ".raw") return importRaw(path, settings, files_read);
   constexpr std::array<std::string_view, 5> kMeshes = {".obj", ".ply", ".stl", ".off", ".drc"};
   for (std::string_view known : kMeshes)
     if (extension == known) return importMesh(path, settings, files_read);
@@ -21,7 +25,7 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +
-             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc and .vdb");
+             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc, .vdb, .vox, .binvox and .raw");
 }
 
 }  // namespace kelp::bake

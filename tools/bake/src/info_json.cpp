@@ -23,11 +23,11 @@ std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input,
 
 }  // namespace
 
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
   nlohmann::ordered_json options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
-  } else if (settings.resolution_given || format != "OpenVDB") {  // a volume keeps its own voxels unless told otherwise
+  } else if (settings.resolution_given || !volume) {  // a volume keeps its own voxels unless told otherwise
     options["resolution"] = settings.resolution;
   }
   if (settings.axis) options["axis"] = toString(*settings.axis);
@@ -39,6 +39,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.scene) options["scene"] = *settings.scene;
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
+  if (settings.frame) options["frame"] = *settings.frame;
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
   if (settings.palette_file) options["palette"] = {{"name", settings.palette_file->filename().string()}, {"xxh3", hashFile(*settings.palette_file)}};
   if (settings.keep_materials) options["keep_materials"] = true;

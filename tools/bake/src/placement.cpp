@@ -55,8 +55,9 @@ struct Padding {
 }  // namespace
 
 void placeInObject(SourceModel& model, const Settings& settings) {
-  if (!settings.up && settings.unit == 1) return;
-  const glm::dmat3 outer = settings.unit * upright(settings.up.value_or(Axis::kPlusY));
+  const Axis up = settings.up.value_or(model.up);
+  if (up == Axis::kPlusY && settings.unit == 1) return;
+  const glm::dmat3 outer = settings.unit * upright(up);
   for (SourcePart& part : model.parts) {
     part.to_object = placed(outer, part.to_object);
     part.pivot = placed(outer, part.pivot);

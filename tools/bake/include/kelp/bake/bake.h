@@ -44,7 +44,7 @@ struct Moment {
 struct Settings {
   int resolution = 128;                // voxels along the longest side of the largest part; ignored if voxel_size is set
   bool resolution_given = false;       // resolution was asked for, not defaulted: volumes, which have voxels of their own, are resampled to it
-  std::optional<double> voxel_size;    // metres in the object: after `unit`
+  std::optional<double> voxel_size;    // metres in the object: after `unit`. Of .vox and .binvox, whose voxels are kept, how large they are
   std::optional<Axis> axis;            // for rigs that name none; without, `up`
   std::optional<Axis> up;              // the file's axis that points up, the object's +y; without, +y
   double unit = 1;                     // metres to a unit of the file, 1e-6 to 1e6
@@ -145,6 +145,9 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
 SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
 SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
 SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importVox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importBinvox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+SourceModel importRaw(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
 
 // --- 2. voxelize -----------------------------------------------------------------------------------------------------------------
 // The frame a part is voxelized in: `size` voxels of edge voxel_size; voxel = node_to_voxel * node.
@@ -173,12 +176,13 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
 std::vector<glm::vec3> readPalette(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read = nullptr);
 
 struct PaletteRules {
+  std::vector<Material> entries;  // of a file that is painted by index, if it is: kept as they are, each voxel has the one that SurfaceSample::source names. Without `colors`
   std::vector<glm::vec3> colors;  // the entries, in this order, if there are any: each voxel gets the nearest in OKLab. Gloss and glow are means
   bool keep_materials = false;    // samples of two sources never share an entry
 };
 struct Palette {
   std::vector<Material> entries;                       // 1 to 256
-  std::vector<std::uint32_t> sources;                  // with keep_materials, SurfaceSample::source of each entry; else empty
+  std::vector<std::uint32_t> sources;                  // with keep_materials or given entries, SurfaceSample::source of each entry; else empty
   std::vector<std::vector<std::uint8_t>> indices;      // one list a grid, one index a surface sample
   double mean_error = 0;                               // OKLab
 };

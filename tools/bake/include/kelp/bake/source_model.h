@@ -70,7 +70,7 @@ struct SurfaceSample {
   std::uint64_t index = 0;  // x + size.x (y + size.y z)
   glm::vec3 normal{0, 1, 0};  // unit, outward, in voxel axes
   Material material;
-  std::uint32_t source = 0;  // index into SourceModel::materials; 0 for volumes
+  std::uint32_t source = 0;  // index into SourceModel::materials, or into SourceModel::palette if there is one; 0 for other volumes
 };
 
 // A voxel volume in its rig frame: +y along the spline.
@@ -113,6 +113,8 @@ struct SourceModel {
   std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
   std::vector<SourcePart> parts;
   std::vector<SurfaceMaterial> materials;  // at least one
+  std::vector<Material> palette;     // of files that are painted by index: the pack's entries, in this order, up to 256; empty: the baker chooses
+  Axis up = Axis::kPlusY;            // what points up in files of this format, unless the user says otherwise
   std::vector<Image> images;
   std::vector<std::string> notices;  // what was skipped or repaired; one line each, for the user
 };
