@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Bytes in the two compressions of OpenVDB and NanoVDB. Safe for hostile input: what does not give exactly `out` is false.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace kelp::bake {
+
+bool unpackZip(std::span<const std::uint8_t> in, std::span<std::uint8_t> out);
+bool unpackBlosc(std::span<const std::uint8_t> in, std::span<std::uint8_t> out);
+
+}  // namespace kelp::bake
