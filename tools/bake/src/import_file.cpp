@@ -31,13 +31,13 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   const bool mesh = std::find(kMeshes.begin(), kMeshes.end(), extension) != kMeshes.end();
   if (const char* option = volumeOption(settings); option != nullptr && (gltf || mesh)) refuse(Exit::kUsage, path, option, "only volumes have grids and densities; leave the option out");
   if (gltf) return importGltf(path, settings, files_read);
-  if (extension == ".vdb") return importVdb(path, settings, files_read);
+  if (extension == ".vdb" || extension == ".nvdb") return importVdb(path, settings, files_read);
   if (mesh) return importMesh(path, settings, files_read);
   // A path that does not exist is that first: the name may be the mistake, not the type.
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +
-             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc and .vdb");
+             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc, .vdb and .nvdb");
 }
 
 }  // namespace kelp::bake

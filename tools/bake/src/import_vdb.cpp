@@ -213,7 +213,8 @@ VolumeFile readVdb(const InputFiles& files, std::uint64_t limit) {
 
 SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
   const InputFiles files(path, files_read);
-  return importVolume(files, [&] { return readVdb(files, readingLimit(settings)); }, settings);
+  const auto read = lowerExtension(path) == ".nvdb" ? readNanoVdb : readVdb;
+  return importVolume(files, [&] { return read(files, readingLimit(settings)); }, settings);
 }
 
 }  // namespace kelp::bake

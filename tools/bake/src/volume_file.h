@@ -26,6 +26,7 @@ void countActive(const SparseGrid& grid, GridHeader& header);
 // BakeError kInvalid for whatever is damaged. Safe for hostile input: nothing is allocated that the file's own bytes do not account for (at most some 50 times
 // as many), and not beyond the limit.
 VolumeFile readVdb(const InputFiles& files, std::uint64_t limit);
+VolumeFile readNanoVdb(const InputFiles& files, std::uint64_t limit);
 
 // From the file to the model: which grid, solid or fog, on which lattice.
 SourceModel importVolume(const InputFiles& files, const std::function<VolumeFile()>& read, const Settings& settings);
