@@ -95,6 +95,7 @@ TEST(VdbValues, EveryTypeClassAndCodec) {
     for (const VdbCodec codec : {VdbCodec::kNone, VdbCodec::kZip, VdbCodec::kBlosc})
       for (const bool mask : {false, true})
         for (const bool stream : {false, true}) {
+          if (stream && codec == VdbCodec::kNone) continue;
           SCOPED_TRACE(c.type + " " + c.grid_class + (c.half ? " half" : "") + " codec " + std::to_string(static_cast<int>(codec)) + (mask ? " mask" : "") + (stream ? " stream" : ""));
           VdbSpec spec = lumps(c.type, c.grid_class);
           spec.half = c.half;
@@ -126,8 +127,6 @@ TEST(VdbValues, OccupancyOfTheAssetsIsTheirOwn) {
   expectSolid(smoke, importFile(smoke, settings), "density", [](const VdbPeer& peer, const glm::ivec3& at) { return peer.value(at) >= 0.1; });
   KELP_ASSET(arnold, "vdb/gaffer_arnold_sphere.vdb");
   expectSolid(arnold, importFile(arnold, settings), "density", [](const VdbPeer& peer, const glm::ivec3& at) { return peer.value(at) >= 0.1; });
-  KELP_ASSET(heat, "vdb/openusd_densityAndHeat.vdb");
-  expectSolid(heat, importFile(heat, settings), "density", [](const VdbPeer& peer, const glm::ivec3& at) { return peer.value(at) >= 0.1; });
 }
 
 TEST(VdbValues, LargeTilesAreSolidThroughout) {

@@ -71,7 +71,16 @@ double VolumeMeans::at(const glm::ivec3& voxel) const {
   const Taps& b = taps_[1][static_cast<std::size_t>(voxel.y)];
   const Taps& c = taps_[2][static_cast<std::size_t>(voxel.z)];
   double sum = 0;
-  glm::ivec3 place;
+  glm::ivec3 place, last;
+  const std::array<const Taps*, 3> all = {&a, &b, &c};
+  for (int i = 0; i < 3; ++i) {
+    const Taps& taps = *all[static_cast<std::size_t>(i)];
+    place[index_axis_[i]] = taps.first;
+    last[index_axis_[i]] = taps.first + static_cast<int>(taps.weights.size()) - 1;
+  }
+  // Most of a box is nothing.
+  const SparseCell cell = sampler_.cellAt(place);
+  if (cell.side > 1 && amount(sampler_.value(cell)) == 0 && glm::all(glm::lessThan(last, cell.low + cell.side))) return 0;
   for (std::size_t k = 0; k < c.weights.size(); ++k) {
     place[index_axis_.z] = c.first + static_cast<int>(k);
     for (std::size_t j = 0; j < b.weights.size(); ++j) {
