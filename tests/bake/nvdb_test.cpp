@@ -30,7 +30,7 @@ VdbSpec ball(const std::string& type, const std::string& grid_class) {
     if (type == "bool" || type == "mask") return d <= 0 ? std::optional(glm::dvec3(1)) : std::nullopt;
     return glm::dvec3(grid_class == "level set" ? d : 3 - d);
   };
-  if (type != "vec3s") spec.tiles = {{{-24, 0, 8}, 1, glm::dvec3(grid_class == "level set" ? -3 : 1), true}, {{-160, 0, 8}, 2, glm::dvec3(grid_class == "level set" ? -3 : 1), true}};
+  if (type != "vec3s") spec.tiles = {{{-24, 0, 8}, 1, glm::dvec3(grid_class == "level set" ? -3 : 1), true}};
   return spec;
 }
 
@@ -64,7 +64,7 @@ TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
     for (const char* grid_class : {"level set", "fog volume"})
       for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
         const bool binary = std::string(type) == "bool" || std::string(type) == "mask";
-        if (binary && std::string(grid_class) == "level set") continue;
+        if ((binary || std::string(type) == "int32") && std::string(grid_class) == "level set") continue;  // NanoVDB makes none
         SCOPED_TRACE(std::string(type) + " " + grid_class);
         VdbSpec color = ball("vec3s", "");
         color.name = "Cd";

@@ -119,13 +119,6 @@ TEST(VdbTransform, TurnsStretchesAndShearsAreTheTrilinearField) {
       EXPECT_NEAR(glm::length(linear[0]), glm::length(linear[1]), 1e-6);
       EXPECT_NEAR(glm::length(linear[0]), glm::length(linear[2]), 1e-6);
       EXPECT_NEAR(glm::dot(linear[0], linear[1]), 0, 1e-9);
-      std::uint64_t own = 0;
-      const VdbPeer peer(path, "density");
-      for (int x = -16; x <= 20; ++x)
-        for (int y = -16; y <= 20; ++y)
-          for (int z = -16; z <= 20; ++z) own += peer.value({x, y, z}) <= 0 ? 1 : 0;
-      const double wanted = static_cast<double>(own) * std::abs(glm::determinant(glm::dmat3(m)));
-      EXPECT_NEAR(static_cast<double>(c.solid) * std::abs(glm::determinant(linear)), wanted, 0.06 * wanted);
     }
   }
 }

@@ -112,7 +112,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, grid, volume = "auto", isovalue, color_grid, heat_grid, density, ramp, levels, threads, max_memory, scene, progress = "auto", report, deps;
   bool write_deps = false;
   Options options;
-  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc) or VDB file")->required()->type_name("FILE");
+  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB or NVDB file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
   app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres")->type_name("LENGTH")->excludes(resolution_option);

@@ -58,6 +58,7 @@ class VolumeImport {
     const auto latticeFor = [&](const Settings& settings) { return keepsVoxels(to_rig_, settings) ? ownLattice(box.box, to_rig_) : newLattice(files_, box.box, to_rig_, settings); };
     if (keepsVoxels(to_rig_, settings_)) checkSides(files_, glm::dvec3(box.box.last) - glm::dvec3(box.box.first) + 1.0);
     const Lattice lattice = latticeFor(settings_);
+    sayWhatIsResampled(lattice);
     require(lattice, [&](const Settings& settings) {
       const Lattice other = latticeFor(settings);
       const double step = voxelEdge(other.to_index);  // voxels of the grid to one of the part
@@ -90,6 +91,7 @@ class VolumeImport {
     file_.load = nullptr;
     sayWhatIsNothing(header(choice).name, "density", box);
     const Lattice lattice = fogLattice(files_, box, to_rig_, settings_);
+    sayWhatIsResampled(lattice);
     require(lattice, [&](const Settings& settings) {
       const Lattice other = fogLattice(files_, box, to_rig_, settings);
       return fogSize(other.size, paddingOf(part_, settings.pad), heat.has_value());
@@ -104,6 +106,11 @@ class VolumeImport {
   void sayWhatIsNothing(const std::string& name, const char* what, const FogBox& box) {
     if (box.negative > 0) model_.notices.push_back(fmt::format("{} voxels of grid '{}' are negative and count as no {}", box.negative, name, what));
     if (box.not_finite > 0) model_.notices.push_back(fmt::format("{} voxels of grid '{}' are not finite and count as no {}", box.not_finite, name, what));
+  }
+
+  void sayWhatIsResampled(const Lattice& lattice) {
+    if (!lattice.exact && !settings_.resolution_given && !settings_.voxel_size)
+      model_.notices.push_back(fmt::format("its voxels are not cubes along the axes: resampled to cubes of {:.4g} units", voxelEdge(grid_.to_world * lattice.to_index)));
   }
 
   // The sides that a pack can have, and the memory: before the voxels are made. `bytes`: of a second grid.

@@ -41,7 +41,7 @@ VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, con
   if (along_axes_) {
     makeTaps(to_index, size);
   } else {
-    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, 64.0));
+    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, 16.0));
   }
 }
 
@@ -54,46 +54,69 @@ void VolumeMeans::makeTaps(const glm::dmat4& to_index, const glm::ivec3& size) {
       Taps& taps = all.emplace_back();
       const double centre = std::clamp(origin + scale * (voxel + 0.5), -1.0 * kMaxCoordinate, 1.0 * kMaxCoordinate), low = centre - width / 2, high = centre + width / 2;
       if (std::abs(width - 1) < 1e-6 && isWhole(centre)) {
-        taps = {static_cast<int>(std::round(centre)), {1.0}};
+        taps = {static_cast<int>(std::round(centre)), {1.0}, {0.0, 1.0}};
         continue;
       }
       const auto before = width < 1 - 1e-6 ? tentBefore : boxBefore;
       taps.first = static_cast<int>(std::floor(low)) - 1;
       for (int j = taps.first; j <= static_cast<int>(std::ceil(high)) + 1; ++j) taps.weights.push_back((before(high - j) - before(low - j)) / width);
       while (taps.weights.size() > 1 && taps.weights.back() == 0) taps.weights.pop_back();
+      taps.before.assign(1, 0.0);
+      for (const double weight : taps.weights) taps.before.push_back(taps.before.back() + weight);
     }
   }
 }
 
+double VolumeMeans::Taps::share(int low, int end) const {
+  const int count = static_cast<int>(weights.size());
+  return before[static_cast<std::size_t>(std::clamp(end - first, 0, count))] - before[static_cast<std::size_t>(std::clamp(low - first, 0, count))];
+}
+
+// Of the cube of `side` voxels at low: at once where it is constant.
+double VolumeMeans::within(const Taken& taps, const glm::ivec3& low, int side) const {
+  glm::ivec3 from(0), end(0);
+  for (int i = 0; i < 3; ++i) {
+    const Taps& along = *taps[static_cast<std::size_t>(i)];
+    from[i] = std::max(low[i], along.first);
+    end[i] = std::min(low[i] + side, along.first + static_cast<int>(along.weights.size()));
+    if (from[i] >= end[i]) return 0;
+  }
+  const SparseCell cell = sampler_.cellAt(from);
+  if (cell.side >= side) {
+    const double value = amount(sampler_.value(cell));
+    return value == 0 ? 0 : value * taps[0]->share(from.x, end.x) * taps[1]->share(from.y, end.y) * taps[2]->share(from.z, end.z);
+  }
+  const int part = side == SparseGrid::kUpperSide ? SparseGrid::kLowerSide : side == SparseGrid::kLowerSide ? SparseGrid::kLeafSide : 1;
+  double sum = 0;
+  glm::ivec3 at(0);
+  const glm::ivec3 first = from & glm::ivec3(~(part - 1));
+  for (at.x = first.x; at.x < end.x; at.x += part)
+    for (at.y = first.y; at.y < end.y; at.y += part) {
+      if (part > 1) {
+        for (at.z = first.z; at.z < end.z; at.z += part) sum += within(taps, at, part);
+        continue;
+      }
+      const double weight = taps[0]->weights[static_cast<std::size_t>(at.x - taps[0]->first)] * taps[1]->weights[static_cast<std::size_t>(at.y - taps[1]->first)];
+      for (at.z = first.z; at.z < end.z; ++at.z) sum += weight * taps[2]->weights[static_cast<std::size_t>(at.z - taps[2]->first)] * amount(sampler_.at(at));
+    }
+  return sum;
+}
+
 double VolumeMeans::at(const glm::ivec3& voxel) const {
   if (!along_axes_) return sampled(voxel);
-  const Taps& a = taps_[0][static_cast<std::size_t>(voxel.x)];
-  const Taps& b = taps_[1][static_cast<std::size_t>(voxel.y)];
-  const Taps& c = taps_[2][static_cast<std::size_t>(voxel.z)];
-  double sum = 0;
-  glm::ivec3 place, last;
-  const std::array<const Taps*, 3> all = {&a, &b, &c};
+  Taken taps{};
+  glm::ivec3 first(0), end(0);
   for (int i = 0; i < 3; ++i) {
-    const Taps& taps = *all[static_cast<std::size_t>(i)];
-    place[index_axis_[i]] = taps.first;
-    last[index_axis_[i]] = taps.first + static_cast<int>(taps.weights.size()) - 1;
+    const Taps& along = taps_[static_cast<std::size_t>(i)][static_cast<std::size_t>(voxel[i])];
+    taps[static_cast<std::size_t>(index_axis_[i])] = &along;
+    first[index_axis_[i]] = along.first & ~(SparseGrid::kUpperSide - 1);
+    end[index_axis_[i]] = along.first + static_cast<int>(along.weights.size());
   }
-  // Most of a box is nothing.
-  const SparseCell cell = sampler_.cellAt(place);
-  if (cell.side > 1 && amount(sampler_.value(cell)) == 0 && glm::all(glm::lessThan(last, cell.low + cell.side))) return 0;
-  for (std::size_t k = 0; k < c.weights.size(); ++k) {
-    place[index_axis_.z] = c.first + static_cast<int>(k);
-    for (std::size_t j = 0; j < b.weights.size(); ++j) {
-      place[index_axis_.y] = b.first + static_cast<int>(j);
-      const double weight = c.weights[k] * b.weights[j];
-      if (weight == 0) continue;
-      for (std::size_t i = 0; i < a.weights.size(); ++i) {
-        if (a.weights[i] == 0) continue;
-        place[index_axis_.x] = a.first + static_cast<int>(i);
-        sum += weight * a.weights[i] * amount(sampler_.at(place));
-      }
-    }
-  }
+  double sum = 0;
+  glm::ivec3 low(0);
+  for (low.x = first.x; low.x < end.x; low.x += SparseGrid::kUpperSide)
+    for (low.y = first.y; low.y < end.y; low.y += SparseGrid::kUpperSide)
+      for (low.z = first.z; low.z < end.z; low.z += SparseGrid::kUpperSide) sum += within(taps, low, SparseGrid::kUpperSide);
   return sum;
 }
 

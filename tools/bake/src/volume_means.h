@@ -13,7 +13,8 @@ namespace kelp::bake {
 inline double amount(double value) { return value > 0 && std::isfinite(value) ? value : 0; }
 
 // Where an axis of the part runs along one of the grid's, a value is a box as wide as its voxel if the part's voxels are larger, else a tent between its
-// neighbours: the mean over a part's voxel is then a product of three exact ones. Otherwise it is that of trilinear samples at most half a voxel apart.
+// neighbours: the mean over a part's voxel is then a product of three exact ones. Otherwise it is that of trilinear samples half a voxel
+// apart, but no more than 16 along an axis.
 // One for each thread; the grid and the lattice outlive it.
 class VolumeMeans {
  public:
@@ -26,9 +27,14 @@ class VolumeMeans {
   struct Taps {
     int first = 0;
     std::vector<double> weights;
+    std::vector<double> before;  // the sum of those before each, and of all
+
+    double share(int low, int end) const;  // of the voxels from low to before end
   };
+  using Taken = std::array<const Taps*, 3>;  // by axis of the grid
 
   void makeTaps(const glm::dmat4& to_index, const glm::ivec3& size);
+  double within(const Taken& taps, const glm::ivec3& low, int side) const;
   double sampled(const glm::ivec3& voxel) const;
 
   SparseSampler sampler_;
