@@ -106,10 +106,10 @@ TEST(Nvdb, HostileFilesAreRefused) {
       writeNvdb(nvdb, vdb, sum == NvdbSum::kHead ? "fpn" : "", codec, sum);
       std::ifstream in(nvdb, std::ios::binary);
       const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 60) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
+      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 30) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
       Settings settings;
-      settings.max_memory = std::uint64_t{256} << 20;
-      for (int i = 0; i < 150; ++i) {
+      settings.max_memory = std::uint64_t{42} << 20;
+      for (int i = 0; i < 80; ++i) {
         std::string bad = good;
         // Where the places are: the file's head, the grid's, the tree's and the root's.
         const std::size_t reach = i % 4 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 1200);

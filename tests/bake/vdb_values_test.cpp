@@ -43,7 +43,7 @@ void expectSolid(const std::filesystem::path& path, const SourceModel& model, co
   EXPECT_EQ(volume(high - low + 1), volume(grid.size)) << name << ": the box fits";
   // And nothing is solid outside of it.
   std::uint64_t all = 0;
-  const glm::ivec3 from = glm::max(peer.low(), low - 12), to = glm::min(peer.high(), high + 12);
+  const glm::ivec3 from = glm::max(peer.low() - 2, low - 12), to = glm::min(peer.high() + 2, high + 12);
   for (int x = from.x; x <= to.x; ++x)
     for (int y = from.y; y <= to.y; ++y)
       for (int z = from.z; z <= to.z; ++z) all += solid(peer, {x, y, z}) ? 1 : 0;
