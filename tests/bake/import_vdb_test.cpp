@@ -152,28 +152,5 @@ TEST(ImportVdb, GafferSphereAtItsOwnVoxelsAndAt256) {
   EXPECT_EQ(importFile(path, settings).parts[0].grid->size, glm::ivec3(256));
 }
 
-TEST(ImportVdb, WhatCanNotBeBakedIsSaid) {
-  KELP_ASSET(fog, "vdb/gaffer_smoke.vdb");
-  EXPECT_TRUE(contains(refusal(fog, Exit::kUnsupported), "fog volumes can not be baked"));
-  KELP_ASSET(two, "vdb/openusd_densityAndHeat.vdb");
-  EXPECT_TRUE(contains(refusal(two, Exit::kUnsupported), "'heat' (float, unknown)"));
-  const Scratch scratch;
-  auto first = sphere(2, {0, 0, 0}, 0.1f), second = sphere(1, {0, 0, 0}, 0.1f);
-  second->setName("other");
-  EXPECT_TRUE(contains(refusal(writeGrids(scratch, {first, second}), Exit::kUnsupported), "'other'"));
-  auto empty = openvdb::FloatGrid::create(1.0f);
-  empty->setGridClass(openvdb::GRID_LEVEL_SET);
-  refusal(writeGrids(scratch, {empty}), Exit::kInvalid);
-  refusal(scratch.write("not.vdb", "v 0 0 0"), Exit::kInvalid);
-}
-
-TEST(ImportVdb, TruncatedFilesAreRefused) {
-  const Scratch scratch;
-  const auto path = writeGrids(scratch, {sphere(2, {0, 0, 0}, 0.2f)});
-  std::ifstream in(path, std::ios::binary);
-  const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  for (std::size_t size = 0; size < good.size(); size += good.size() / 40) EXPECT_LT(refusal(scratch.write("cut.vdb", good.substr(0, size)), Exit::kInvalid).size(), 2000u);
-}
-
 }  // namespace
 }  // namespace kelp::bake::test

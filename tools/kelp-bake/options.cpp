@@ -24,6 +24,7 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
   kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
   kelp-bake knight.vox -o knight.kelp --unit 0.05     voxels of 5 cm, colours and their order as painted
+  kelp-bake scan.vdb -o skull.kelp --grid density --isovalue 0.4
   kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
   kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
 
@@ -44,6 +45,12 @@ std::optional<Number> parseNumber(const std::string& text) {
 int wholeNumber(const std::string& option, const std::string& text) {
   const std::optional<int> value = parseNumber<int>(text);
   if (!value) throw BakeError(Exit::kUsage, option + " " + text + ": not a whole number; see kelp-bake --help");
+  return *value;
+}
+
+double finiteNumber(const std::string& option, const std::string& text) {
+  const std::optional<double> value = parseNumber<double>(text);
+  if (!value || !std::isfinite(*value)) throw BakeError(Exit::kUsage, option + " " + text + ": not a number; see kelp-bake --help");
   return *value;
 }
 
@@ -103,10 +110,10 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
   app.footer(kExamples);
-  std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, levels, threads, max_memory, scene, frame, progress = "auto", report, deps;
+  std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, grid, volume = "auto", isovalue, color_grid, heat_grid, density, ramp, levels, threads, max_memory, scene, frame, progress = "auto", report, deps;
   bool write_deps = false;
   Options options;
-  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, MagicaVoxel (.vox), .binvox or .raw file")->required()->type_name("FILE");
+  app.add_option("input", input, "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, NVDB, MagicaVoxel (.vox), .binvox or .raw file")->required()->type_name("FILE");
   app.add_option("-o,--output", output, "the pack to write; an existing one is replaced when the new one is complete")->required()->type_name("FILE");
   const auto resolution_option = app.add_option("--resolution", resolution, "voxels along the longest side of the largest part, 1 to 8192 (default 128)")->type_name("N");
   app.add_option("--voxel-size", voxel_size, "edge of a voxel in metres; .vox and .binvox keep their voxels, and get this size")->type_name("LENGTH")->excludes(resolution_option);
@@ -122,6 +129,13 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   app.add_option("--frame", frame, "MagicaVoxel: the frame of its animation to bake, from 0 on (default: where it begins)")->type_name("N");
   app.add_option("--palette", palette, "bake with these colours alone: a GIMP palette (.gpl) or a picture of at most 256 colours")->type_name("FILE");
   app.add_flag("--keep-materials", options.settings.keep_materials, "materials of one colour keep palette entries of their own; --report names them");
+  app.add_option("--grid", grid, "volumes: the grid to bake, by name or else by index from 0; needed where a file has several")->type_name("NAME|INDEX");
+  app.add_option("--volume", volume, "volumes: auto: level sets and masks are solid, densities fog unless --isovalue is given; solid; fog")->type_name("auto|solid|fog");
+  app.add_option("--isovalue", isovalue, "volumes: solid where a density is at least this, or a level set at most (default 0 for level sets, half the greatest value for others)")->type_name("VALUE");
+  app.add_option("--color-grid", color_grid, "volumes: the grid of vectors that colours a solid (default: Cd or color)")->type_name("NAME|INDEX");
+  const auto heat_option = app.add_option("--heat-grid", heat_grid, "volumes: the grid that fog glows of (default: flame, flames, heat or temperature); none")->type_name("NAME|INDEX|none");
+  app.add_option("--density", density, "volumes: factor on the densities of fog (default 1)")->type_name("FACTOR");
+  app.add_option("--ramp", ramp, "volumes: the colours that fog glows in, cold to hot: a GIMP palette (.gpl) or a picture (default: those of a black body)")->type_name("FILE");
   app.add_option("--levels", levels, "levels of detail (default: down to one brick)")->type_name("N");
   app.add_option("--threads", threads, "threads (default: all); the pack does not depend on it")->type_name("N");
   app.add_option("--max-memory", max_memory, "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; pictures get 1G and 256 bytes for each of the files' own)")->type_name("SIZE");
@@ -187,6 +201,19 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
   if (!at.empty()) options.settings.at = parseMoment(at);
   if (!frame.empty()) options.settings.frame = wholeNumber("--frame", frame);
   if (!palette.empty()) options.settings.palette_file = palette;
+  if (!grid.empty()) options.settings.grid = grid;
+  if (volume == "solid") {
+    options.settings.volume = bake::VolumeKind::kSolid;
+  } else if (volume == "fog") {
+    options.settings.volume = bake::VolumeKind::kFog;
+  } else if (volume != "auto") {
+    throw BakeError(Exit::kUsage, "--volume " + volume + ": unknown; use auto, solid or fog");
+  }
+  if (!isovalue.empty()) options.settings.isovalue = finiteNumber("--isovalue", isovalue);
+  if (!color_grid.empty()) options.settings.color_grid = color_grid;
+  if (heat_option->count() > 0) options.settings.heat_grid = heat_grid == "none" ? "" : heat_grid;
+  if (!density.empty()) options.settings.density = finiteNumber("--density", density);
+  if (!ramp.empty()) options.settings.ramp_file = ramp;
   if (!levels.empty()) options.settings.levels = positiveNumber("--levels", levels);
   if (!threads.empty()) options.settings.threads = positiveNumber("--threads", threads);
   if (!max_memory.empty()) {

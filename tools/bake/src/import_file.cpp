@@ -1,10 +1,30 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 
 #include "import_files.h"
 
 namespace kelp::bake {
+namespace {
+
+// Options that say which of a file's grids is meant.
+const char* gridOption(const Settings& settings) {
+  if (settings.grid) return "--grid";
+  if (settings.color_grid) return "--color-grid";
+  if (settings.heat_grid) return "--heat-grid";
+  return settings.ramp_file ? "--ramp" : nullptr;
+}
+
+// Options that say what a density means.
+const char* densityOption(const Settings& settings) {
+  if (settings.volume != VolumeKind::kAuto) return "--volume";
+  if (settings.isovalue) return "--isovalue";
+  return settings.density != 1 ? "--density" : nullptr;
+}
+
+}  // namespace
 
 SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
   std::error_code error;
@@ -13,19 +33,22 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   const bool gltf = extension == ".gltf" || extension == ".glb";
   if (settings.scene && !gltf) refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60), "only glTF files have scenes; leave the option out");
   if (settings.frame && extension != ".vox") refuse(Exit::kUsage, path, "--frame " + std::to_string(*settings.frame), "only MagicaVoxel files have frames; leave the option out");
+  constexpr std::array<std::string_view, 5> kMeshes = {".obj", ".ply", ".stl", ".off", ".drc"};
+  const bool mesh = std::find(kMeshes.begin(), kMeshes.end(), extension) != kMeshes.end();
+  const bool has_grids = extension == ".vdb" || extension == ".nvdb", has_density = has_grids || extension == ".raw";
+  if (const char* option = gridOption(settings); option && !has_grids) refuse(Exit::kUsage, path, option, "only .vdb and .nvdb files have several grids; leave the option out");
+  if (const char* option = densityOption(settings); option && !has_density) refuse(Exit::kUsage, path, option, "only .vdb, .nvdb and .raw files hold densities; leave the option out");
   if (gltf) return importGltf(path, settings, files_read);
-  if (extension == ".vdb") return importVdb(path, settings, files_read);
+  if (has_grids) return importVdb(path, settings, files_read);
   if (extension == ".vox") return importVox(path, settings, files_read);
   if (extension == ".binvox") return importBinvox(path, settings, files_read);
   if (extension == ".raw") return importRaw(path, settings, files_read);
-  constexpr std::array<std::string_view, 5> kMeshes = {".obj", ".ply", ".stl", ".off", ".drc"};
-  for (std::string_view known : kMeshes)
-    if (extension == known) return importMesh(path, settings, files_read);
+  if (mesh) return importMesh(path, settings, files_read);
   // A path that does not exist is that first: the name may be the mistake, not the type.
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",
          (extension.empty() ? std::string("has no extension") : "the extension '" + oneLine(extension, 20) + "' is not known") +
-             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc, .vdb, .vox, .binvox and .raw");
+             "; kelp bakes .gltf, .glb, .obj, .ply, .stl, .off, .drc, .vdb, .nvdb, .vox, .binvox and .raw");
 }
 
 }  // namespace kelp::bake

@@ -43,6 +43,13 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
   if (settings.palette_file) options["palette"] = {{"name", settings.palette_file->filename().string()}, {"xxh3", hashFile(*settings.palette_file)}};
   if (settings.keep_materials) options["keep_materials"] = true;
+  if (settings.grid) options["grid"] = *settings.grid;
+  if (settings.volume != VolumeKind::kAuto) options["volume"] = settings.volume == VolumeKind::kSolid ? "solid" : "fog";
+  if (settings.isovalue) options["isovalue"] = *settings.isovalue;
+  if (settings.color_grid) options["color_grid"] = *settings.color_grid;
+  if (settings.heat_grid) options["heat_grid"] = *settings.heat_grid;
+  if (settings.density != 1) options["density"] = settings.density;
+  if (settings.ramp_file) options["ramp"] = {{"name", settings.ramp_file->filename().string()}, {"xxh3", hashFile(*settings.ramp_file)}};
   if (settings.levels > 0) options["levels"] = settings.levels;
   const nlohmann::ordered_json info = {{"tool", "kelp-bake " KELP_VERSION},
                                        {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashFile(input)}}},

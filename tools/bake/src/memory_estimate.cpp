@@ -73,6 +73,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
       peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
     }
     kept += gridBytes(part);
+    peak = std::max(peak, kept + part.source_bytes);
     peak = std::max(peak, kept + part.volume_voxels * (part.fog_channels > 0 ? sizeof(std::uint16_t) : 1));  // both, while it is padded
   }
   if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; })) kept += kVoxelizer;

@@ -17,6 +17,7 @@ struct PartSize {
   std::uint64_t triangles = 0;
   double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;  // surface_bricks: that the surface passes through
   double volume_voxels = 0;  // of a volume, before it is padded to `size`
+  double source_bytes = 0;   // of the grids that a volume is sampled from
   int fog_channels = 0;      // 1: density, 2: heat too
 
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }

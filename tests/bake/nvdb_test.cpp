@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// A .nvdb that NanoVDB's own library made is the same part as the .vdb that it was made of.
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "import_scratch.h"
+#include "nvdb_peer.h"
+#include "support/assets.h"
+#include "vdb_peer.h"
+
+namespace kelp::bake::test {
+namespace {
+
+VdbSpec ball(const std::string& type, const std::string& grid_class) {
+  VdbSpec spec;
+  spec.name = type;
+  spec.type = type;
+  spec.grid_class = grid_class;
+  spec.background = glm::dvec3(grid_class == "level set" ? 3 : 0);
+  spec.to_world = glm::dmat4(0.25);
+  spec.to_world[3] = glm::dvec4(1, -2, 3, 1);
+  spec.low = glm::ivec3(-13);
+  spec.high = glm::ivec3(13);
+  spec.value = [=](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    const double d = glm::length(glm::dvec3(p) * glm::dvec3(1, 1.3, 1.1)) - 9;
+    if (d >= 3) return std::nullopt;
+    if (type == "vec3s") return glm::abs(glm::dvec3(p)) / 13.0;
+    if (type == "bool" || type == "mask") return d <= 0 ? std::optional(glm::dvec3(1)) : std::nullopt;
+    return glm::dvec3(grid_class == "level set" ? d : 3 - d);
+  };
+  if (type != "vec3s") spec.tiles = {{{-24, 0, 8}, 1, glm::dvec3(grid_class == "level set" ? -3 : 1), true}};
+  return spec;
+}
+
+void expectSame(const std::filesystem::path& nvdb, const std::filesystem::path& vdb, const Settings& settings = {}) {
+  const SourceModel a = importFile(nvdb, settings), b = importFile(vdb, settings);
+  EXPECT_EQ(a.format, "NanoVDB");
+  const SourcePart &x = a.parts[0], &y = b.parts[0];
+  ASSERT_EQ(x.grid.has_value(), y.grid.has_value());
+  if (x.grid) {
+    EXPECT_EQ(x.grid->size, y.grid->size);
+    EXPECT_EQ(x.grid->solid, y.grid->solid);
+    EXPECT_EQ(x.grid->to_node, y.grid->to_node);
+    ASSERT_EQ(x.grid->surface.size(), y.grid->surface.size());
+    for (std::size_t i = 0; i < x.grid->surface.size(); ++i) {
+      ASSERT_EQ(x.grid->surface[i].normal, y.grid->surface[i].normal);
+      ASSERT_EQ(x.grid->surface[i].material.base_color, y.grid->surface[i].material.base_color);
+    }
+  } else {
+    EXPECT_EQ(x.fog->size, y.fog->size);
+    EXPECT_EQ(x.fog->density, y.fog->density);
+    EXPECT_EQ(x.fog->heat, y.fog->heat);
+    EXPECT_EQ(x.fog->extinction, y.fog->extinction);
+    EXPECT_EQ(x.fog->to_node, y.fog->to_node);
+  }
+}
+
+TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
+  const Scratch scratch;
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
+  for (const char* type : {"float", "double", "int32", "bool", "mask"})
+    for (const char* grid_class : {"level set", "fog volume"})
+      for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
+        const bool binary = std::string(type) == "bool" || std::string(type) == "mask";
+        if ((binary || std::string(type) == "int32") && std::string(grid_class) == "level set") continue;  // NanoVDB makes none
+        SCOPED_TRACE(std::string(type) + " " + grid_class);
+        VdbSpec color = ball("vec3s", "");
+        color.name = "Cd";
+        writeVdb(vdb, {ball(type, grid_class), color});
+        writeNvdb(nvdb, vdb, "", codec);
+        expectSame(nvdb, vdb);
+      }
+}
+
+TEST(Nvdb, CodesAreWhatNanoVdbReadsInThem) {
+  const Scratch scratch;
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "b.nvdb", back = scratch.folder() / "b.vdb";
+  for (const char* as : {"fp4", "fp8", "fp16", "fpn"})
+    for (const char* grid_class : {"level set", "fog volume"}) {
+      SCOPED_TRACE(std::string(as) + " " + grid_class);
+      writeVdb(vdb, {ball("float", grid_class)});
+      writeNvdb(nvdb, vdb, as, NvdbCodec::kBlosc, NvdbSum::kAll, back);
+      expectSame(nvdb, back);
+    }
+}
+
+TEST(Nvdb, TheAssetsAreTheSamePart) {
+  const Scratch scratch;
+  const auto nvdb = scratch.folder() / "real.nvdb";
+  for (const char* name : {"vdb/gaffer_smoke.vdb", "vdb/openusd_densityAndHeat.vdb"}) {
+    KELP_ASSET(path, name);
+    writeNvdb(nvdb, path);
+    expectSame(nvdb, path);
+  }
+}
+
+TEST(Nvdb, HostileFilesAreRefused) {
+  const Scratch scratch;
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
+  std::mt19937 random(7);
+  for (const NvdbSum sum : {NvdbSum::kNone, NvdbSum::kHead, NvdbSum::kAll})
+    for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
+      writeVdb(vdb, {ball("float", "level set")});
+      writeNvdb(nvdb, vdb, sum == NvdbSum::kHead ? "fpn" : "", codec, sum);
+      std::ifstream in(nvdb, std::ios::binary);
+      const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 30) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
+      Settings settings;
+      settings.max_memory = std::uint64_t{42} << 20;
+      for (int i = 0; i < 80; ++i) {
+        std::string bad = good;
+        // Where the places are: the file's head, the grid's, the tree's and the root's.
+        const std::size_t reach = i % 4 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 1200);
+        const std::size_t at = random() % reach;
+        bad[at] ^= static_cast<char>(1u << random() % 8);
+        bool refused = false;
+        try {
+          importFile(scratch.write("flipped.nvdb", bad), settings);
+        } catch (const BakeError& error) {
+          refused = true;
+          EXPECT_LT(std::string(error.what()).size(), 2000u);
+        }
+        // Between the file's head and the nodes, and of packed grids everywhere.
+        if (sum == NvdbSum::kAll && codec == NvdbCodec::kNone && at > 300 && at < 900) {
+          EXPECT_TRUE(refused) << at;
+        }
+      }
+    }
+  EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", ""), Exit::kInvalid), "is empty"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", "a text, and no volume"), Exit::kInvalid), "signature"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", std::string("NanoVDB2") + std::string(100, '\0')), Exit::kUnsupported), "version"));
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

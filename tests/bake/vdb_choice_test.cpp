@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// Which grid becomes the part, what it becomes, and what is refused.
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "import_scratch.h"
+#include "support/assets.h"
+#include "vdb_peer.h"
+
+namespace kelp::bake::test {
+namespace {
+
+VdbSpec ball(const std::string& name, const std::string& type, const std::string& grid_class, double background = 0) {
+  VdbSpec spec;
+  spec.name = name;
+  spec.type = type;
+  spec.grid_class = grid_class;
+  spec.background = glm::dvec3(background);
+  spec.low = glm::ivec3(-6);
+  spec.high = glm::ivec3(6);
+  spec.value = [=](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    const double d = glm::length(glm::dvec3(p)) - 4.2;
+    if (background > 0) return d < background ? std::optional(glm::dvec3(d)) : std::nullopt;
+    return d < 0 ? std::optional(glm::dvec3(std::ceil(-d))) : std::nullopt;
+  };
+  return spec;
+}
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+Settings with(const std::function<void(Settings&)>& change) {
+  Settings settings;
+  change(settings);
+  return settings;
+}
+
+TEST(VdbChoice, SeveralGridsAreListed) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "several.vdb";
+  VdbSpec heat = ball("temperature", "float", ""), color = ball("Cd", "vec3s", "");
+  writeVdb(path, {ball("surface", "float", "level set", 2), ball("density", "double", "fog volume"), heat, color});
+  const std::string said = refusal(path, Exit::kUsage);
+  EXPECT_TRUE(contains(said, "--grid")) << said;
+  EXPECT_TRUE(contains(said, "0: 'surface' (float, level set, ")) << said;
+  EXPECT_TRUE(contains(said, "1: 'density' (double, fog volume, ")) << said;
+  EXPECT_TRUE(contains(said, " active voxels in 9 x 9 x 9)")) << said;
+  EXPECT_FALSE(contains(said, "temperature")) << said;
+  EXPECT_FALSE(contains(said, "Cd")) << said;
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "surface"; })).parts[0].grid);
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "0"; })).parts[0].grid);
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "density"; })).parts[0].fog);
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.grid = "smoke"; })), "'surface'"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.grid = "9"; })), "no such grid"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported, with([](Settings& s) { s.grid = "Cd"; })), "vectors"));
+  // A name that is a number counts as a name.
+  writeVdb(path, {ball("1", "float", "level set", 2), ball("0", "float", "fog volume")});
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "0"; })).parts[0].fog);
+  // Grids of one name have a number in brackets.
+  writeVdb(path, {ball("a", "float", "level set", 2), ball("a", "float", "fog volume")});
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "a[1]"; })).parts[0].fog);
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "a"; })).parts[0].grid);
+}
+
+TEST(VdbChoice, ColourAndHeatDoNotMakeItAmbiguous) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "hot.vdb";
+  writeVdb(path, {ball("temperature", "float", ""), ball("density", "float", "fog volume"), ball("Cd", "vec3s", ""), ball("v", "vec3s", "staggered")});
+  SourceModel model = importFile(path, {});
+  ASSERT_TRUE(model.parts[0].fog);
+  EXPECT_FALSE(model.parts[0].fog->heat.empty());
+  EXPECT_TRUE(anyContains(model.notices, "'Cd' is not used"));
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.heat_grid = ""; })).parts[0].fog->heat.empty());
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "Cd"; })), "no numbers"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "fire"; })), "no such grid"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "density"; })), "no colours"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "Cd"; })), "fog has no colour"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "temperature", s.isovalue = 1; })), "only fog glows"));
+  // Heat alone is a density like any other.
+  writeVdb(path, {ball("heat", "float", "")});
+  EXPECT_TRUE(importFile(path, {}).parts[0].fog->heat.empty());
+}
+
+TEST(VdbChoice, WhatANumberMeansIsSaidWhereTheFileDoesNot) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "unclassed.vdb";
+  for (const char* grid_class : {"", "staggered"}) {
+    for (const char* type : {"float", "double", "int32", "int64"}) {
+      writeVdb(path, {ball("a", type, grid_class, 2)});
+      SourceModel model = importFile(path, {});
+      EXPECT_TRUE(model.parts[0].grid) << type;
+      EXPECT_TRUE(anyContains(model.notices, "taken for a level set")) << type;
+      writeVdb(path, {ball("a", type, grid_class)});
+      model = importFile(path, {});
+      EXPECT_TRUE(model.parts[0].fog) << type;
+      EXPECT_TRUE(anyContains(model.notices, "taken for densities")) << type;
+      model = importFile(path, with([](Settings& s) { s.volume = VolumeKind::kSolid; }));
+      EXPECT_TRUE(model.parts[0].grid) << type;
+      EXPECT_TRUE(anyContains(model.notices, "is solid from 2.5 on, half its greatest value")) << type;
+    }
+  }
+  writeVdb(path, {ball("a", "mask", "")});
+  EXPECT_TRUE(importFile(path, {}).notices.empty());
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.volume = VolumeKind::kFog; })).parts[0].fog);
+}
+
+TEST(VdbChoice, SettingsThatDoNotGoTogetherAreRefused) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "a.vdb";
+  writeVdb(path, {ball("a", "float", "level set", 2)});
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog; })), "distances"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog, s.isovalue = 1; })), "fog has no surface"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.density = 2; })), "only fog"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.density = 0; })), "above 0"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 2; })), "solid outside"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = -20; })), "nothing is inside"));
+  writeVdb(path, {ball("a", "float", "fog volume")});
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 0; })), "solid outside"));
+  VdbSpec endless = ball("a", "float", "fog volume");
+  endless.background = glm::dvec3(0.5);
+  writeVdb(path, {endless});
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid), "fog would fill all space"));
+  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.isovalue = 0.6; })).parts[0].grid);
+  endless.grid_class = "level set";
+  endless.background = glm::dvec3(-1);
+  writeVdb(path, {endless});
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid), "inside out"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage, with([](Settings& s) { s.grid = "a"; })), "only volumes"));
+}
+
+TEST(VdbChoice, WhatCanNotBeBakedIsSaid) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "a.vdb";
+  VdbSpec empty;
+  empty.grid_class = "level set";
+  empty.background = glm::dvec3(1);
+  writeVdb(path, {empty});
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported), "is empty"));
+  writeVdb(path, {});
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported), "holds no grid"));
+  writeVdb(path, {ball("p", "float", "")}, VdbCodec::kBlosc, true, true);
+  std::string bytes = contentOf(path);
+  bytes.replace(bytes.find("Tree_float_5_4_3") - 4, 20, std::string("\x16\0\0\0", 4) + "Tree_ptdataidx32_5_4_3");
+  EXPECT_TRUE(contains(refusal(scratch.write("points.vdb", bytes), Exit::kUnsupported), "holds points"));
+  writeVdb(path, {ball("words", "float", ""), ball("v", "vec3s", "")});
+  bytes = contentOf(path);
+  bytes.replace(bytes.find("Tree_float_5_4_3"), 16, "Tree_strng_5_4_3");
+  EXPECT_TRUE(contains(refusal(scratch.write("words.vdb", bytes), Exit::kUnsupported), "'words' (strng"));
+  VdbSpec frustum = ball("a", "float", "level set", 2);
+  frustum.frustum = true;
+  writeVdb(path, {frustum});
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported), "frustum"));
+  VdbSpec flat = ball("a", "float", "level set", 2);
+  flat.to_world = glm::dmat4(0.5);
+  flat.to_world[3][3] = 1;
+  writeVdb(path, {flat});
+  for (const double scale : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    bytes = contentOf(path);
+    std::memcpy(bytes.data() + bytes.find("UniformScaleMap") + 15, &scale, sizeof(scale));
+    EXPECT_TRUE(contains(refusal(scratch.write("flat.vdb", bytes), Exit::kInvalid), "transform"));
+  }
+  refusal(scratch.write("not.vdb", "v 0 0 0"), Exit::kInvalid);
+  KELP_ASSET(smoke, "vdb/openusd_smoke_000001.vdb");
+  const std::string said = refusal(smoke, Exit::kUnsupported);
+  EXPECT_TRUE(contains(said, "all its grids are empty")) << said;
+  EXPECT_TRUE(contains(said, "'obstacles' (int32")) << said;
+}
+
+TEST(VdbChoice, GridsThatShareATreeAreReadTwice) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "shared.vdb";
+  VdbSpec first = ball("a", "float", "fog volume"), second = first;
+  second.name = "b";
+  second.same_tree_as = 0;
+  second.to_world = glm::dmat4(3.0);
+  second.to_world[3] = glm::dvec4(0, 0, 0, 1);
+  for (const bool stream : {false, true}) {
+    writeVdb(path, {first, second}, VdbCodec::kBlosc, true, stream);
+    const SourceModel a = importFile(path, with([](Settings& s) { s.grid = "a"; })), b = importFile(path, with([](Settings& s) { s.grid = "b"; }));
+    EXPECT_EQ(a.parts[0].fog->density, b.parts[0].fog->density);
+    EXPECT_NEAR(b.parts[0].fog->extinction, 3 * a.parts[0].fog->extinction, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

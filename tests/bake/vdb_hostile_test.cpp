@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// Files that were cut, changed or made up: refused as invalid or read as what they now say, in bounded time and memory.
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "import_scratch.h"
+#include "support/assets.h"
+#include "vdb_peer.h"
+
+namespace kelp::bake::test {
+namespace {
+
+VdbSpec small(const std::string& type, const std::string& grid_class) {
+  VdbSpec spec;
+  spec.name = type;
+  spec.type = type;
+  spec.grid_class = grid_class;
+  spec.background = glm::dvec3(grid_class == "level set" ? 2 : 0);
+  spec.low = glm::ivec3(-7);
+  spec.high = glm::ivec3(7);
+  spec.value = [=](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    const double d = glm::length(glm::dvec3(p)) - 4;
+    if (d >= 2) return std::nullopt;
+    return glm::dvec3(grid_class == "level set" ? d : 2 - d);
+  };
+  return spec;
+}
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+// Either a model, or a refusal of one clamped line; nothing else may leave the importer.
+void importHostile(const std::filesystem::path& path, bool must_refuse, std::uint64_t max_memory = std::uint64_t{1} << 30) {
+  Settings settings;
+  settings.max_memory = max_memory;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    importFile(path, settings);
+    EXPECT_FALSE(must_refuse);
+  } catch (const BakeError& error) {
+    EXPECT_LT(std::string(error.what()).size(), 6000u);
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    EXPECT_TRUE(!must_refuse || error.exit == Exit::kInvalid) << error.what();
+  }
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 10.0);
+}
+
+std::vector<std::string> samples(const Scratch& scratch) {
+  std::vector<std::string> files;
+  const auto path = scratch.folder() / "good.vdb";
+  for (const VdbCodec codec : {VdbCodec::kNone, VdbCodec::kZip, VdbCodec::kBlosc})
+    for (const bool stream : {false, true}) {
+      VdbSpec color = small("vec3s", "");
+      color.name = "Cd";
+      writeVdb(path, {small("float", "level set"), color}, codec, true, stream);
+      files.push_back(contentOf(path));
+    }
+  for (const char* type : {"double", "int32", "bool", "mask"}) {
+    VdbSpec spec = small(type, "");
+    spec.half = true;
+    writeVdb(path, {spec}, VdbCodec::kBlosc, false);
+    files.push_back(contentOf(path));
+  }
+  return files;
+}
+
+TEST(VdbHostile, EveryCutIsRefused) {
+  const Scratch scratch;
+  for (const std::string& good : samples(scratch)) {
+    for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 40) importHostile(scratch.write("cut.vdb", good.substr(0, size)), true);
+    importHostile(scratch.write("cut.vdb", good.substr(0, good.size() - 1)), true);
+  }
+  KELP_ASSET(path, "vdb/gaffer_arnold_sphere.vdb");
+  const std::string real = contentOf(path);
+  for (std::size_t size = 0; size < real.size(); size += 1 + real.size() / 60) importHostile(scratch.write("cut.vdb", real.substr(0, size)), true);
+}
+
+TEST(VdbHostile, FlippedBitsDoNoHarm) {
+  const Scratch scratch;
+  std::mt19937 random(20);
+  std::vector<std::string> files = samples(scratch);
+  for (int i = 0; i < 1000; ++i) {
+    std::string bad = files[static_cast<std::size_t>(i) % files.size()];
+    // Headers and counts are few among so many values: half of the flips go to the first bytes.
+    const std::size_t reach = i % 2 == 0 ? std::min<std::size_t>(bad.size(), 1200) : bad.size();
+    for (int flips = 1 + i % 3; flips > 0; --flips) bad[random() % reach] ^= static_cast<char>(1u << random() % 8);
+    importHostile(scratch.write("flipped.vdb", bad), false, std::uint64_t{42} << 20);
+  }
+}
+
+TEST(VdbHostile, CountsThatTheFileDoesNotHoldAllocateNothing) {
+  const Scratch scratch;
+  std::string bytes;
+  const auto put = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  const auto text = [&](const std::string& s) {
+    put(static_cast<std::uint32_t>(s.size()));
+    bytes += s;
+  };
+  put(std::int64_t{0x56444220});
+  put(std::uint32_t{224});
+  put(std::uint32_t{10});
+  put(std::uint32_t{0});
+  put(std::uint8_t{0});
+  bytes += "01234567-89ab-cdef-0123-456789abcdef";
+  const std::string header = bytes;
+  put(std::uint32_t{0xffffffffu});  // metadata
+  importHostile(scratch.write("a.vdb", bytes), true);
+  bytes = header;
+  put(std::uint32_t{1});
+  put(std::uint32_t{0xfffffff0u});  // a name of 4 GiB
+  importHostile(scratch.write("a.vdb", bytes), true);
+  bytes = header;
+  put(std::uint32_t{0});
+  put(std::int32_t{0x7fffffff});    // grids
+  importHostile(scratch.write("a.vdb", bytes), true);
+  bytes = header;
+  put(std::uint32_t{0});
+  put(std::int32_t{1});
+  text("a");
+  text("Tree_float_5_4_3");
+  text("");
+  for (int i = 0; i < 3; ++i) put(std::int64_t{0});
+  put(std::uint32_t{6});            // blosc and masks
+  put(std::uint32_t{0});
+  text("TranslationMap");
+  for (int i = 0; i < 3; ++i) put(0.0);
+  put(std::int32_t{1});
+  put(1.0f);
+  const std::string tree = bytes;
+  put(std::uint32_t{0xffffffffu});  // tiles
+  put(std::uint32_t{0xffffffffu});  // children
+  importHostile(scratch.write("a.vdb", bytes), true);
+  bytes = tree;
+  put(std::uint32_t{0});
+  put(std::uint32_t{1});
+  for (int i = 0; i < 3; ++i) put(std::int32_t{0});
+  bytes += std::string(8192, '\xff');  // every cell a child, of which there is none
+  put(std::int8_t{6});
+  put(std::int64_t{0x7ffffffffffffff0});
+  importHostile(scratch.write("a.vdb", bytes), true);
+  // A block of blosc that claims to be longer than it is.
+  bytes.resize(bytes.size() - 8);
+  put(std::int64_t{16});
+  put(std::uint32_t{0x00001202u | 4u << 24});
+  put(std::uint32_t{131072});
+  put(std::uint32_t{131072});
+  put(std::uint32_t{0x7fffffffu});
+  bytes += std::string(4096, '\0');
+  importHostile(scratch.write("a.vdb", bytes), true);
+  // One node beside its place, two in one place.
+  for (const int at : {1, 4096}) {
+    bytes = tree;
+    put(std::uint32_t{2});
+    put(std::uint32_t{0});
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 3; ++j) put(std::int32_t{at});
+      put(-1.0f);
+      put(std::uint8_t{1});
+    }
+    importHostile(scratch.write("a.vdb", bytes), true);
+  }
+  // Solid from here to there: 60,000 of the largest tiles.
+  bytes = tree;
+  put(std::uint32_t{60000});
+  put(std::uint32_t{0});
+  for (int i = 0; i < 60000; ++i) {
+    for (const int v : {i % 40, i / 40 % 40, i / 1600}) put(std::int32_t{v * 4096});
+    put(-1.0f);
+    put(std::uint8_t{1});
+  }
+  importHostile(scratch.write("a.vdb", bytes), false);
+}
+
+TEST(VdbHostile, OtherFilesAndVersionsAreNamed) {
+  const Scratch scratch;
+  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", ""), Exit::kInvalid), "is empty"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", "NanoVDB0 and so on"), Exit::kInvalid), "signature"));
+  const auto path = scratch.folder() / "b.vdb";
+  writeVdb(path, {small("float", "level set")});
+  std::string bytes = contentOf(path);
+  bytes[8] = static_cast<char>(0xff);
+  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 255 of the format"));
+  bytes[8] = 100;
+  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 100 of the format"));
+}
+
+}  // namespace
+}  // namespace kelp::bake::test

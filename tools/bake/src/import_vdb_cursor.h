@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// A place in a volume file's bytes. Whatever would lead out of them is refused.
+#pragma once
+
+#include <cstring>
+#include <span>
+#include <string>
+
+#include "import_files.h"
+
+namespace kelp::bake {
+
+class VdbCursor {
+ public:
+  VdbCursor(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) : file_(file), bytes_(bytes) {}
+
+  std::size_t at() const { return at_; }
+  std::size_t left() const { return bytes_.size() - at_; }
+  // What errors are about, until the next call.
+  void name(std::string place) { place_ = std::move(place); }
+  void seek(std::uint64_t at) {
+    if (at > bytes_.size()) endsHere();
+    at_ = static_cast<std::size_t>(at);
+  }
+  std::span<const std::uint8_t> take(std::uint64_t size) {
+    if (size > left()) endsHere();
+    const auto taken = bytes_.subspan(at_, static_cast<std::size_t>(size));
+    at_ += taken.size();
+    return taken;
+  }
+  template <class T>
+  T read() {
+    T value;
+    std::memcpy(&value, take(sizeof(T)).data(), sizeof(T));
+    return value;
+  }
+  std::string readText() {
+    const auto text = take(read<std::uint32_t>());
+    return {text.begin(), text.end()};
+  }
+
+  [[noreturn]] void damaged(const std::string& what) const { refuse(Exit::kInvalid, file_, place_, what + " (byte " + std::to_string(at_) + "); the file is damaged: export the volume again"); }
+  [[noreturn]] void refused(Exit code, const std::string& what) const { refuse(code, file_, place_, what); }
+
+ private:
+  [[noreturn]] void endsHere() const { refuse(Exit::kInvalid, file_, place_, "ends in the middle (byte " + std::to_string(at_) + "); it is truncated or damaged: export the volume again"); }
+
+  const std::filesystem::path& file_;
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+  std::string place_;
+};
+
+}  // namespace kelp::bake

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// Volumes of every format: a grid of the file becomes a part. Its own voxels are kept unless others were asked for or its transform is not a uniform scale along
+// the axes.
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "frame.h"
+#include "import_rig.h"
+#include "memory_estimate.h"
+#include "placement.h"
+#include "volume_choice.h"
+#include "volume_fog.h"
+#include "volume_solid.h"
+
+namespace kelp::bake {
+namespace {
+
+class VolumeImport {
+ public:
+  VolumeImport(const InputFiles& files, VolumeFile file, const Settings& settings) : files_(files), file_(std::move(file)), settings_(settings) {}
+
+  SourceModel run() {
+    if (!(settings_.density > 0) || !std::isfinite(settings_.density)) throw BakeError(Exit::kUsage, fmt::format("--density {}: not a factor above 0", settings_.density));
+    model_.format = file_.format;
+    part_.name = stemOf(files_);
+    giveRig(part_, findOuterRig(files_, settings_), settings_);
+    const VolumeChoice choice = chooseGrids(files_, file_.grids, settings_);
+    const GridHeader& header = file_.grids[choice.grid];
+    place_ = "grid " + describeGrid(header);
+    checkTransform(files_, header);
+    grid_ = file_.load(choice.grid);
+    to_rig_ = glm::dmat4(glm::dmat3(axisRotation(part_.rig.axis.value_or(Axis::kPlusY)))) * grid_.to_world;
+    const VolumeRule rule = volumeRule(files_, header, grid_, settings_, model_.notices);
+    if (file_.grids.size() > 1) model_.notices.push_back(fmt::format("baked grid {} of {}", describeGrid(header), file_.grids.size()));
+    if (rule.fog) makeFog(choice);
+    else makeSolid(choice, rule);
+    model_.parts.push_back(std::move(part_));
+    model_.materials.push_back({});
+    return std::move(model_);
+  }
+
+ private:
+  SparseGrid load(std::size_t index) {
+    checkTransform(files_, file_.grids[index]);
+    return file_.load(index);
+  }
+
+  void makeSolid(const VolumeChoice& choice, const VolumeRule& rule) {
+    if (choice.heat_named) throw BakeError(Exit::kUsage, "--heat-grid " + oneLine(*settings_.heat_grid, 60) + ": only fog glows of heat; leave it out, or give --volume fog");
+    if (settings_.density != 1) throw BakeError(Exit::kUsage, "--density: only fog has one; leave it out, or give --volume fog");
+    std::optional<SparseGrid> color;
+    if (choice.color) color = load(*choice.color);
+    file_.load = nullptr;
+    const SolidBox box = solidBox(files_, place_, grid_, rule);
+    const auto latticeFor = [&](const Settings& settings) { return keepsVoxels(to_rig_, settings) ? ownLattice(box.box, to_rig_) : newLattice(files_, box.box, to_rig_, settings); };
+    if (keepsVoxels(to_rig_, settings_)) checkSides(files_, glm::dvec3(box.box.last) - glm::dvec3(box.box.first) + 1.0);
+    const Lattice lattice = latticeFor(settings_);
+    sayWhatIsResampled(lattice);
+    require(lattice, [&](const Settings& settings) {
+      const Lattice other = latticeFor(settings);
+      const double step = voxelEdge(other.to_index);  // voxels of the grid to one of the part
+      return volumeSize(other.size, paddingOf(part_, settings.pad), box.faces / (step * step), box.solid / (step * step * step));
+    }, color ? color->bytes() : 0);
+    ColorCounts counts;
+    part_.grid = sampleSolid(files_, grid_, rule, lattice, color ? &*color : nullptr, settings_.threads, counts);
+    part_.grid->to_node = toNode(lattice);
+    if (counts.missing > 0) model_.notices.push_back(fmt::format("{} of {} surface voxels are grey: grid '{}' has no active value there", counts.missing, part_.grid->surface.size(), file_.grids[*choice.color].name));
+    if (counts.clipped > 0) model_.notices.push_back(fmt::format("colours of {} surface voxels were cut to between 0 and 1", counts.clipped));
+  }
+
+  void makeFog(const VolumeChoice& choice) {
+    if (choice.color_named) throw BakeError(Exit::kUsage, "--color-grid " + oneLine(*settings_.color_grid, 60) + ": fog has no colour of its own; leave it out, or give --volume solid");
+    if (choice.color) model_.notices.push_back(fmt::format("grid '{}' is not used: fog has no colour of its own", file_.grids[*choice.color].name));
+    const FogBox box = fogBox(grid_);
+    if (box.voxels == 0) refuse(Exit::kInvalid, files_.input(), place_, "has no density above 0: there is no fog; choose another grid");
+    std::optional<SparseGrid> heat;
+    double most_heat = 0;
+    if (choice.heat) {
+      heat = load(*choice.heat);
+      const FogBox warm = fogBox(*heat);
+      most_heat = warm.most;
+      const std::string& name = file_.grids[*choice.heat].name;
+      sayWhatIsNothing(name, "heat", warm);
+      if (most_heat > 0) model_.notices.push_back(fmt::format("fog glows of grid '{}': its greatest value, {:.6g}, is the ramp's end", name, most_heat));
+      else model_.notices.push_back(fmt::format("grid '{}' has no value above 0: nothing glows", name));
+      if (!(most_heat > 0)) heat.reset();
+    }
+    file_.load = nullptr;
+    sayWhatIsNothing(header(choice).name, "density", box);
+    const Lattice lattice = fogLattice(files_, box, to_rig_, settings_);
+    sayWhatIsResampled(lattice);
+    require(lattice, [&](const Settings& settings) {
+      const Lattice other = fogLattice(files_, box, to_rig_, settings);
+      return fogSize(other.size, paddingOf(part_, settings.pad), heat.has_value());
+    }, heat ? heat->bytes() : 0);
+    part_.fog = sampleFog(files_, place_, grid_, box, lattice, heat ? &*heat : nullptr, most_heat, settings_);
+    part_.fog->to_node = toNode(lattice);
+  }
+
+  const GridHeader& header(const VolumeChoice& choice) const { return file_.grids[choice.grid]; }
+  glm::mat4x3 toNode(const Lattice& lattice) const { return glm::mat4x3(glm::dmat4x3(grid_.to_world * lattice.to_index)); }
+
+  void sayWhatIsNothing(const std::string& name, const char* what, const FogBox& box) {
+    if (box.negative > 0) model_.notices.push_back(fmt::format("{} voxels of grid '{}' are negative and count as no {}", box.negative, name, what));
+    if (box.not_finite > 0) model_.notices.push_back(fmt::format("{} voxels of grid '{}' are not finite and count as no {}", box.not_finite, name, what));
+  }
+
+  void sayWhatIsResampled(const Lattice& lattice) {
+    if (!lattice.exact && !settings_.resolution_given && !settings_.voxel_size)
+      model_.notices.push_back(fmt::format("its voxels are not cubes along the axes: resampled to cubes of {:.4g} units", voxelEdge(grid_.to_world * lattice.to_index)));
+  }
+
+  // The sides that a pack can have, and the memory: before the voxels are made. `bytes`: of a second grid.
+  template <class SizeFor>
+  void require(const Lattice& lattice, const SizeFor& sizeFor, std::uint64_t bytes) const {
+    checkPadded(lattice.size + 2 * paddingOf(part_, settings_.pad), settings_.pad, files_.input().filename().string() + ": part '" + part_.name + "'");
+    // As it was asked for: in metres.
+    Settings in_metres = settings_;
+    if (settings_.voxel_size) in_metres.voxel_size = *settings_.voxel_size * settings_.unit;
+    const auto sizes = [&](Settings changed) {
+      if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings_.unit;
+      PartSize size = sizeFor(changed);
+      size.source_bytes = static_cast<double>(grid_.bytes() + bytes);
+      return std::vector<PartSize>{size};
+    };
+    requireMemory(sizes, 0, in_metres, settings_.resolution_given ? settings_.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files_.input());
+  }
+
+  const InputFiles& files_;
+  VolumeFile file_;
+  const Settings& settings_;
+  SourceModel model_;
+  SourcePart part_;
+  SparseGrid grid_;
+  std::string place_;
+  glm::dmat4 to_rig_{1};
+};
+
+}  // namespace
+
+std::uint64_t readingLimit(const Settings& settings) { return settings.max_memory > 0 ? settings.max_memory : physicalMemory(); }
+
+SourceModel importVolume(const InputFiles& files, const std::function<VolumeFile()>& read, const Settings& settings) {
+  try {
+    return VolumeImport(files, read(), settings).run();
+  } catch (const std::bad_alloc&) {
+    refuse(Exit::kRuntime, files.input(), "", "does not fit into memory; free memory, or export a smaller volume");
+  }
+}
+
+}  // namespace kelp::bake

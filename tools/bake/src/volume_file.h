@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A file of sparse grids, whichever format it has.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "import_files.h"
+#include "sparse_grid.h"
+
+namespace kelp::bake {
+
+struct VolumeFile {
+  std::string format;                                // "OpenVDB", "NanoVDB"
+  std::vector<GridHeader> grids;                     // in the file's order
+  std::function<SparseGrid(std::size_t grid)> load;  // of kinds that can be read; the file's bytes stay until the last copy of it goes
+};
+
+// Memory that reading a file may take, bytes.
+std::uint64_t readingLimit(const Settings& settings);
+
+// Active voxels and their box, and whether the grid is more than its background.
+void countActive(const SparseGrid& grid, GridHeader& header);
+
+// BakeError kInvalid for whatever is damaged. Safe for hostile input: nothing is allocated that the file's own bytes do not account for (at most some 50 times
+// as many), and not beyond the limit.
+VolumeFile readVdb(const InputFiles& files, std::uint64_t limit);
+VolumeFile readNanoVdb(const InputFiles& files, std::uint64_t limit);
+
+// From the file to the model: which grid, solid or fog, on which lattice.
+SourceModel importVolume(const InputFiles& files, const std::function<VolumeFile()>& read, const Settings& settings);
+
+}  // namespace kelp::bake

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "volume_means.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kelp::bake {
+namespace {
+
+// The integral of a tent of width 2 and area 1 about 0, from the left to x.
+double tentBefore(double x) {
+  if (x <= -1) return 0;
+  if (x >= 1) return 1;
+  return x < 0 ? 0.5 * (x + 1) * (x + 1) : 1 - 0.5 * (1 - x) * (1 - x);
+}
+double boxBefore(double x) { return std::clamp(x + 0.5, 0.0, 1.0); }
+
+// Whether a lattice's centres are another's, along an axis: as near as rounding leaves it.
+bool isWhole(double x) { return std::abs(x - std::round(x)) < 1e-4; }
+
+int dominantAxis(const glm::dvec3& v) {
+  const glm::dvec3 a = glm::abs(v);
+  return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+}
+
+}  // namespace
+
+bool alongAxes(const glm::dmat4& m) {
+  int used = 0;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 column(m[i]);
+    const int axis = dominantAxis(column);
+    for (int j = 0; j < 3; ++j)
+      if (j != axis && std::abs(column[j]) > 1e-6 * std::abs(column[axis])) return false;
+    used |= 1 << axis;
+  }
+  return used == 7;
+}
+
+VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size) : sampler_(grid), to_index_(to_index), along_axes_(alongAxes(to_index)) {
+  if (along_axes_) {
+    makeTaps(to_index, size);
+  } else {
+    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, 16.0));
+  }
+}
+
+void VolumeMeans::makeTaps(const glm::dmat4& to_index, const glm::ivec3& size) {
+  for (int i = 0; i < 3; ++i) {
+    const int axis = index_axis_[i] = dominantAxis(glm::dvec3(to_index[i]));
+    const double scale = to_index[i][axis], origin = to_index[3][axis], width = std::abs(scale);
+    auto& all = taps_[static_cast<std::size_t>(i)];
+    for (int voxel = 0; voxel < size[i]; ++voxel) {
+      Taps& taps = all.emplace_back();
+      const double centre = std::clamp(origin + scale * (voxel + 0.5), -1.0 * kMaxCoordinate, 1.0 * kMaxCoordinate), low = centre - width / 2, high = centre + width / 2;
+      if (std::abs(width - 1) < 1e-6 && isWhole(centre)) {
+        taps = {static_cast<int>(std::round(centre)), {1.0}, {0.0, 1.0}};
+        continue;
+      }
+      const auto before = width < 1 - 1e-6 ? tentBefore : boxBefore;
+      taps.first = static_cast<int>(std::floor(low)) - 1;
+      for (int j = taps.first; j <= static_cast<int>(std::ceil(high)) + 1; ++j) taps.weights.push_back((before(high - j) - before(low - j)) / width);
+      while (taps.weights.size() > 1 && taps.weights.back() == 0) taps.weights.pop_back();
+      taps.before.assign(1, 0.0);
+      for (const double weight : taps.weights) taps.before.push_back(taps.before.back() + weight);
+    }
+  }
+}
+
+double VolumeMeans::Taps::share(int low, int end) const {
+  const int count = static_cast<int>(weights.size());
+  return before[static_cast<std::size_t>(std::clamp(end - first, 0, count))] - before[static_cast<std::size_t>(std::clamp(low - first, 0, count))];
+}
+
+// Of the cube of `side` voxels at low: at once where it is constant.
+double VolumeMeans::within(const Taken& taps, const glm::ivec3& low, int side) const {
+  glm::ivec3 from(0), end(0);
+  for (int i = 0; i < 3; ++i) {
+    const Taps& along = *taps[static_cast<std::size_t>(i)];
+    from[i] = std::max(low[i], along.first);
+    end[i] = std::min(low[i] + side, along.first + static_cast<int>(along.weights.size()));
+    if (from[i] >= end[i]) return 0;
+  }
+  const SparseCell cell = sampler_.cellAt(from);
+  if (cell.side >= side) {
+    const double value = amount(sampler_.value(cell));
+    return value == 0 ? 0 : value * taps[0]->share(from.x, end.x) * taps[1]->share(from.y, end.y) * taps[2]->share(from.z, end.z);
+  }
+  const int part = side == SparseGrid::kUpperSide ? SparseGrid::kLowerSide : side == SparseGrid::kLowerSide ? SparseGrid::kLeafSide : 1;
+  double sum = 0;
+  glm::ivec3 at(0);
+  const glm::ivec3 first = from & glm::ivec3(~(part - 1));
+  for (at.x = first.x; at.x < end.x; at.x += part)
+    for (at.y = first.y; at.y < end.y; at.y += part) {
+      if (part > 1) {
+        for (at.z = first.z; at.z < end.z; at.z += part) sum += within(taps, at, part);
+        continue;
+      }
+      const double weight = taps[0]->weights[static_cast<std::size_t>(at.x - taps[0]->first)] * taps[1]->weights[static_cast<std::size_t>(at.y - taps[1]->first)];
+      for (at.z = first.z; at.z < end.z; ++at.z) sum += weight * taps[2]->weights[static_cast<std::size_t>(at.z - taps[2]->first)] * amount(sampler_.at(at));
+    }
+  return sum;
+}
+
+double VolumeMeans::at(const glm::ivec3& voxel) const {
+  if (!along_axes_) return sampled(voxel);
+  Taken taps{};
+  glm::ivec3 first(0), end(0);
+  for (int i = 0; i < 3; ++i) {
+    const Taps& along = taps_[static_cast<std::size_t>(i)][static_cast<std::size_t>(voxel[i])];
+    taps[static_cast<std::size_t>(index_axis_[i])] = &along;
+    first[index_axis_[i]] = along.first & ~(SparseGrid::kUpperSide - 1);
+    end[index_axis_[i]] = along.first + static_cast<int>(along.weights.size());
+  }
+  double sum = 0;
+  glm::ivec3 low(0);
+  for (low.x = first.x; low.x < end.x; low.x += SparseGrid::kUpperSide)
+    for (low.y = first.y; low.y < end.y; low.y += SparseGrid::kUpperSide)
+      for (low.z = first.z; low.z < end.z; low.z += SparseGrid::kUpperSide) sum += within(taps, low, SparseGrid::kUpperSide);
+  return sum;
+}
+
+double VolumeMeans::sampled(const glm::ivec3& voxel) const {
+  double sum = 0;
+  for (int z = 0; z < samples_.z; ++z)
+    for (int y = 0; y < samples_.y; ++y)
+      for (int x = 0; x < samples_.x; ++x) {
+        const glm::dvec3 inside = (glm::dvec3(x, y, z) + 0.5) / glm::dvec3(samples_);
+        const glm::dvec3 place = glm::dvec3(to_index_ * glm::dvec4(glm::dvec3(voxel) + inside, 1));
+        if (!onLattice(place)) continue;
+        const glm::dvec3 floor = glm::floor(place), f = place - floor;
+        for (int corner = 0; corner < 8; ++corner) {
+          const glm::ivec3 step(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+          const double weight = (step.x ? f.x : 1 - f.x) * (step.y ? f.y : 1 - f.y) * (step.z ? f.z : 1 - f.z);
+          sum += weight * amount(sampler_.at(glm::ivec3(floor) + step));
+        }
+      }
+  return sum / (static_cast<double>(samples_.x) * samples_.y * samples_.z);
+}
+
+}  // namespace kelp::bake
