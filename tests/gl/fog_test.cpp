@@ -58,6 +58,13 @@ std::vector<glm::vec4> drawFog(gl::Renderer& renderer, const FloatCanvas& canvas
   return canvas.pixels();
 }
 
+double greatest(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(double{a[i][c]} - double{b[i][c]}));
+  return most;
+}
+
 gl::View dark(gl::View view) {
   view.sun_color = view.sky_color = view.ground_color = glm::vec3(0);
   view.pixels_per_voxel = 0;
@@ -128,6 +135,150 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
         EXPECT_LT(worst_glow, 2.0 / 255);
       }
     }
+  }
+}
+
+// Solid parts hide what of the fog is behind them, and are seen through what is before them; the depth buffer stays as it was.
+TEST_P(Fog, EndsAtTheDepthSoFar) {
+  if (!desktop()) GTEST_SKIP() << "reads floats";
+  const FloatCanvas canvas({48, 64});
+  const float extinction = 0.05f;
+  const RawPack pack = fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction);
+  const LoadedAsset fog(pack), wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
+  const auto renderer = makeRenderer(*fog.asset);
+  ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
+  const gl::View view = dark(orthographic(canvas.size(), {0, 0.5f, 3}, {0, 0.5f, 0}, 0.45f));
+  const float voxel = 1.0f / 56;
+  for (const float z : {-0.6f, -8 * voxel, 0.0f, 12 * voxel, 0.6f}) {
+    Instance both[2] = {{fog.asset.get(), nullptr}, {wall.asset.get(), nullptr}};
+    both[1].to_world[3].z = z;
+    canvas.clear();
+    ASSERT_TRUE(renderer->draw(view, both));
+    const std::vector<glm::vec4> solid = canvas.pixels();
+    std::vector<float> depth(solid.size()), depth_after(solid.size());
+    glReadPixels(0, 0, canvas.size().x, canvas.size().y, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+    ASSERT_TRUE(renderer->draw(view, both, gl::Pass::kFog));
+    const std::vector<glm::vec4> drawn = canvas.pixels();
+    glReadPixels(0, 0, canvas.size().x, canvas.size().y, GL_DEPTH_COMPONENT, GL_FLOAT, depth_after.data());
+    EXPECT_EQ(depth, depth_after);
+    // The wall's front; fog between it and the fog's own.
+    const double before = std::clamp(18.0 - (double{z} / voxel + 2.0), 0.0, 36.0);
+    const std::size_t middle = static_cast<std::size_t>(24 + 48 * 32);
+    ASSERT_EQ(solid[middle].a, 1.0f);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(drawn[middle][c], double{solid[middle][c]} * std::exp(-double{extinction} * before), 2e-4) << z;
+    EXPECT_NEAR(drawn[middle].a, 1.0f, 1e-6);
+  }
+  // A host's own texture of the depth, and reversed depths, take the same way as for solids: composition_test.cpp. Multisampled, the depth test decides.
+  const FloatCanvas multisampled(canvas.size(), 4);
+  Instance both[2] = {{fog.asset.get(), nullptr}, {wall.asset.get(), nullptr}};
+  both[1].to_world[3].z = 0.6f;
+  multisampled.clear();
+  ASSERT_TRUE(renderer->draw(view, both));
+  EXPECT_TRUE(renderer->draw(view, both, gl::Pass::kFog));
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
+// Two clouds, one behind the other, in either order of the list.
+TEST_P(Fog, IsBlendedFarToNear) {
+  const Canvas canvas({24, 24});
+  const LoadedAsset loaded(fogPack(fogOf({16, 16, 16}, [](const glm::dvec3&) { return 1.0; }), 0.1f));
+  const auto renderer = makeRenderer(*loaded.asset);
+  ASSERT_TRUE(renderer);
+  const gl::View view = orthographic(canvas, {0, 0.5f, 5}, {0, 0.5f, 0}, 0.4f);
+  Instance near{loaded.asset.get(), nullptr}, far = near;
+  near.to_world[3].z = 1.5f;
+  near.tint = {1, 0, 0, 1};
+  far.tint = {0, 1, 0, 1};
+  std::vector<Pixel> pictures[2];
+  for (int order = 0; order < 2; ++order) {
+    canvas.clear();
+    const Instance both[2] = {order == 0 ? near : far, order == 0 ? far : near};
+    const auto drawn = renderer->draw(view, both, gl::Pass::kFog);
+    ASSERT_TRUE(drawn);
+    EXPECT_EQ(drawn->draws, 1u);
+    EXPECT_EQ(drawn->instances, 2u);
+    pictures[order] = canvas.pixels();
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  // exp(-1.6) of the far one's light comes through the near one.
+  const Pixel& middle = pictures[0][12 * 24 + 12];
+  EXPECT_GT(middle[0], 0);
+  EXPECT_NEAR(middle[1] / std::exp(-1.6) * 0.9 / 0.8, middle[0], 6.0);
+  EXPECT_NEAR(middle[3], 255 * (1 - std::exp(-3.2)), 1.0);
+  // The other passes do not draw fog.
+  canvas.clear();
+  const Instance both[2] = {near, far};
+  const auto solid = renderer->draw(view, both);
+  ASSERT_TRUE(solid);
+  EXPECT_EQ(solid->instances, 0u);
+}
+
+// While finer pages are missing, the coarser ones are drawn in their place: the mass is there from the first level on.
+TEST_P(Fog, IsCoarserUntilItsPagesAreThere) {
+  if (!desktop()) GTEST_SKIP() << "reads floats";
+  const FloatCanvas canvas({40, 48});
+  const LoadedAsset loaded(fogPack(fogOf({70, 90, 66}, puffs), 0.1f));
+  const auto renderer = makeRenderer(*loaded.asset);
+  ASSERT_TRUE(renderer);
+  const Instance instance{loaded.asset.get(), nullptr};
+  const gl::View view = dark(framing(canvas.size(), instance));
+  const std::vector<glm::vec4> whole = drawFog(*renderer, canvas, view, instance);
+  const auto massOf = [](const std::vector<glm::vec4>& picture) {
+    double sum = 0;
+    for (const glm::vec4& pixel : picture) sum -= std::log(1 - std::min(double{pixel.a}, 0.9999));
+    return sum;
+  };
+  gl::Config config;
+  config.getProcAddress = EglContext::getProcAddress;
+  const auto slow = gl::Renderer::create(config);
+  ASSERT_TRUE(slow && (*slow)->add(*loaded.asset));
+  int seen = 0;
+  for (std::uint32_t pending = 1; pending > 0;) {
+    const auto uploaded = (*slow)->upload(32768);
+    ASSERT_TRUE(uploaded);
+    pending = uploaded->pending;
+    const std::vector<glm::vec4> now = drawFog(**slow, canvas, view, instance);
+    const double mass = massOf(now);
+    if (mass == 0) continue;  // the first level is not there yet
+    ++seen;
+    EXPECT_NEAR(mass / massOf(whole), 1, 0.05);
+    if (pending == 0) {
+      EXPECT_LT(greatest(now, whole), 1e-6);
+    }
+  }
+  EXPECT_GT(seen, 5);
+}
+
+// One text for both: but for the rounding of eight bits.
+TEST_P(Fog, IsTheSameInBothApis) {
+  static std::vector<Pixel> first;
+  const Canvas canvas({40, 48});
+  const LoadedAsset loaded(fogPack(fogOf(kSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
+  gl::Config config;
+  config.secondary_rays = true;
+  const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
+  ASSERT_TRUE(renderer);
+  const Instance instance{loaded.asset.get(), nullptr};
+  gl::View view = framing(canvas.size(), instance);
+  view.self_shadow = true;
+  ASSERT_TRUE(renderer->draw(view, {&instance, 1}, gl::Pass::kFog));
+  const std::vector<Pixel> shaded = canvas.pixels();
+  canvas.clear();
+  view.self_shadow = false;
+  ASSERT_TRUE(renderer->draw(view, {&instance, 1}, gl::Pass::kFog));
+  const std::vector<Pixel> lit = canvas.pixels();
+  double sums[2] = {};
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    EXPECT_EQ(lit[i][3], shaded[i][3]);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_LE(shaded[i][c], lit[i][c] + 1);  // a shadow takes light, and gives none
+    sums[0] += lit[i][0];
+    sums[1] += shaded[i][0];
+  }
+  EXPECT_LT(sums[1], 0.99 * sums[0]);
+  if (first.empty()) {
+    first = shaded;
+  } else {
+    EXPECT_EQ(first, shaded);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "awkward_state.h"
 #include "depth_canvas.h"
+#include "support/fog_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using runtime::Instance;
 
 // The calls of the public interface, as README.md groups them.
-enum Call : unsigned { kCreate = 1, kAdd = 2, kUpload = 4, kDraw = 8, kDrawDepth = 16, kRemove = 32, kDestroy = 64 };
+enum Call : unsigned { kCreate = 1, kAdd = 2, kUpload = 4, kDraw = 8, kDrawDepth = 16, kRemove = 32, kDestroy = 64, kDrawFog = 128 };
 
 class StateTest : public GlTest {
  protected:
@@ -43,6 +44,23 @@ class StateTest : public GlTest {
         ASSERT_TRUE(uploaded);
         pending = uploaded->pending;
         after(kUpload, "upload");
+      }
+      EXPECT_TRUE(renderer.add(*fog_.asset));
+      after(kAdd, "add, fog");
+      for (std::uint32_t pending = 1; pending > 0;) {
+        const auto uploaded = renderer.upload(~std::uint64_t{0});
+        ASSERT_TRUE(uploaded);
+        pending = uploaded->pending;
+      }
+      after(kUpload, "upload, fog");
+      EXPECT_TRUE(renderer.draw(view, {&instance_, 1}));
+      after(kDraw, "draw, first");
+      for (const bool shadow : {false, true}) {
+        gl::View foggy = view;
+        foggy.self_shadow = shadow;
+        const Instance instance{fog_.asset.get(), nullptr};
+        EXPECT_TRUE(renderer.draw(foggy, {&instance, 1}, gl::Pass::kFog));
+        after(kDrawFog, "draw, fog");
       }
       const std::vector<Instance> many(100, instance_);  // more room for records than one asks for
       EXPECT_TRUE(renderer.draw(view, many, gl::Pass::kDepth));
@@ -87,6 +105,8 @@ class StateTest : public GlTest {
   }
 
   const LoadedAsset loaded_{packOf(ballClump({60, 80, 50}, 20, 2))};
+  // Too thin to be seen: the picture is that of the solid.
+  const LoadedAsset fog_{fogPack(fogOf({20, 24, 18}, puffs, puffs), 1e-9f)};
   const Instance instance_{loaded_.asset.get(), nullptr};
 };
 
@@ -177,8 +197,8 @@ struct Touched {
   double left = -1;  // the value that is left behind; -1: a name of kelp's own, or a unit
   int since_es = 30;  // 0: OpenGL only
 };
-constexpr unsigned kUploading = kCreate | kAdd | kUpload | kDraw | kDrawDepth;
-constexpr unsigned kDrawing = kDraw | kDrawDepth;
+constexpr unsigned kUploading = kCreate | kAdd | kUpload | kDraw | kDrawDepth | kDrawFog;
+constexpr unsigned kDrawing = kDraw | kDrawDepth | kDrawFog;
 constexpr Touched kTouched[] = {
     {kUploading, "GL_PIXEL_UNPACK_BUFFER_BINDING", 0},
     {kUploading, "GL_UNPACK_ALIGNMENT", 1},
@@ -191,7 +211,7 @@ constexpr Touched kTouched[] = {
     {kUploading, "GL_UNPACK_LSB_FIRST", 0, 0},
     {kUploading, "GL_TEXTURE_2D of unit A"},
     {kUploading, "GL_TEXTURE_2D_ARRAY of unit A"},
-    {kCreate | kDrawing, "GL_CURRENT_PROGRAM"},
+    {kCreate | kAdd | kDrawing, "GL_CURRENT_PROGRAM"},
     {kCreate | kDrawing, "GL_VERTEX_ARRAY_BINDING"},
     {kDrawing, "GL_ACTIVE_TEXTURE"},
     {kDrawing, "GL_TEXTURE_2D_ARRAY of unit 0"},
@@ -202,10 +222,24 @@ constexpr Touched kTouched[] = {
     {kDrawing, "GL_SAMPLER_BINDING of unit 2"},
     {kDrawing, "GL_DEPTH_TEST", 1},
     {kDrawing, "GL_DEPTH_FUNC", GL_LEQUAL},
-    {kDrawing, "GL_DEPTH_WRITEMASK", 1},
+    {kDraw | kDrawDepth, "GL_DEPTH_WRITEMASK", 1},
+    {kDrawFog, "GL_DEPTH_WRITEMASK", 0},
     {kDrawing, "GL_CULL_FACE", 0},
     {kDrawing, "GL_BLEND", 0},
     {kDrawing, "GL_BLEND *", 0, 32},  // of each draw buffer
+    {kDrawFog, "GL_BLEND_SRC_RGB", GL_ONE},
+    {kDrawFog, "GL_BLEND_SRC_RGB 0", GL_ONE, 32},
+    {kDrawFog, "GL_BLEND_SRC_ALPHA", GL_ONE},
+    {kDrawFog, "GL_BLEND_SRC_ALPHA 0", GL_ONE, 32},
+    {kDrawFog, "GL_BLEND_DST_RGB", GL_ONE_MINUS_SRC_ALPHA},
+    {kDrawFog, "GL_BLEND_DST_RGB 0", GL_ONE_MINUS_SRC_ALPHA, 32},
+    {kDrawFog, "GL_BLEND_DST_ALPHA", GL_ONE_MINUS_SRC_ALPHA},
+    {kDrawFog, "GL_BLEND_DST_ALPHA 0", GL_ONE_MINUS_SRC_ALPHA, 32},
+    {kDrawFog, "GL_BLEND_EQUATION_RGB", GL_FUNC_ADD},
+    {kDrawFog, "GL_BLEND_EQUATION_RGB 0", GL_FUNC_ADD, 32},
+    {kDrawFog, "GL_BLEND_EQUATION_ALPHA", GL_FUNC_ADD},
+    {kDrawFog, "GL_BLEND_EQUATION_ALPHA 0", GL_FUNC_ADD, 32},
+    {kDrawFog, "GL_COLOR_WRITEMASK *", 0, 32},  // of the other draw buffers
     {kDrawing, "GL_POLYGON_MODE", GL_FILL, 0},
     {kDrawDepth, "GL_COLOR_WRITEMASK", 0},
     {kDrawDepth, "GL_COLOR_WRITEMASK *", 0, 32},
