@@ -3,7 +3,7 @@
 //
 // The ray is the same cubic curve q(b) in the volume as in trace.glsl. Clear bricks are left behind in one step, by the box or the ball that their
 // cell promises. Where it is not clear the way is taken cube by cube, from face to face: within a cube the field is trilinear, so along a straight line
-// it is a cubic polynomial, and Simpson's rule integrates it exactly; a curve is bent too little within a cube for the eye to see. What is left to
+// it is a cubic polynomial, and Gauss's rule of two points integrates it exactly; a curve is bent too little within a cube for the eye to see. What is left to
 // choose is nothing: a denser fog needs no smaller steps. Transmittance is exp(-optical depth), so a cube's share of the light is exact too.
 //
 // Positions in level space count from the volume's corner; samples are at voxels' centres, so cube (i, j, k) begins at (i, j, k) + 1/2. Between the outermost
@@ -13,6 +13,7 @@
 // that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for kelp::gl::View::self_shadow.
 
 #define KELP_FOG_CHANNEL 576u     // words of a brick's channel: kelp/runtime/page.h
+#define KELP_GAUSS 0.2113248654   // 1/2 - 1/sqrt(12)
 #define KELP_FOG_DEEP 7.0         // optical depth at which next to nothing comes through
 
 // As in surface.glsl, from kelp::gl::View.
@@ -281,39 +282,38 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
     if (!place.clear) {
       leave = min(leave, end);
       float per_side = 1.0 / float(1 << place.coarser);
-      float extinction = kelpExtinction(kelp_level + place.coarser) / 6.0;
+      float extinction = kelpExtinction(kelp_level + place.coarser);
       vec3 u = per_side * q - 0.5;
       ivec3 cube = kelpCube(u, place.samples);
       inside = b < leave;
       while (inside) {
         ++fog.steps;
-        // From face to face, by Simpson's rule.
+        // From face to face, by Gauss's rule of two points: exact for cubics.
         float x = min(kelpCubeStep(u, per_side * kelpCurveSlope(c, b)), leave - b);
-        float middle = b + 0.5 * x;
         float next = kelpAdvance(b, x);
-        vec3 u_next = per_side * kelpCurveAt(c, next) - 0.5;
+        float b1 = b + KELP_GAUSS * x;
+        float b2 = b + (1.0 - KELP_GAUSS) * x;
+        vec2 way = x * vec2(kelpSpeed(c, b1), kelpSpeed(c, b2));
+        vec3 f1 = kelpWithin(per_side * kelpCurveAt(c, b1) - 0.5, cube, place.samples);
+        vec3 f2 = kelpWithin(per_side * kelpCurveAt(c, b2) - 0.5, cube, place.samples);
         KelpCorners density = kelpSquared(kelpCorners(place.brick, cube));
-        vec3 f0 = kelpWithin(u, cube, place.samples);
-        vec3 f1 = kelpWithin(per_side * kelpCurveAt(c, middle) - 0.5, cube, place.samples);
-        vec3 f2 = kelpWithin(u_next, cube, place.samples);
-        vec3 way = x * vec3(kelpSpeed(c, b), kelpSpeed(c, middle), kelpSpeed(c, next));
-        vec3 rates = extinction * way * vec3(kelpBetween(density, f0), kelpBetween(density, f1), kelpBetween(density, f2));
-        float depth = rates.x + 4.0 * rates.y + rates.z;
+        vec2 rates = extinction * way * vec2(kelpBetween(density, f1), kelpBetween(density, f2));
+        float depth = 0.5 * (rates.x + rates.y);
         if (fog.s == KELP_NEVER && depth > 0.0) fog.s = kelpCurveRay(c, b);
 #ifdef KELP_FOG_HEAT
         if (kelp_fog_ramp_colors > 0) {
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);
           heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
-          // What is given off, dimmed by what is before it; to the middle by the integral of the parabola through the three rates.
-          float half_depth = dot(rates, vec3(1.25, 2.0, -0.25));
-          vec3 glow = (kelpGlow(heat, f0, way.x) + 4.0 * exp(-half_depth) * kelpGlow(heat, f1, way.y) + exp(-depth) * kelpGlow(heat, f2, way.z)) / 6.0;
+          // What is given off, dimmed by what is before it: the integral of the line through the two rates.
+          vec2 dimmed = exp(-vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))));
+          vec3 glow = 0.5 * (dimmed.x * kelpGlow(heat, f1, way.x) + dimmed.y * kelpGlow(heat, f2, way.y));
           fog.light += exp(-fog.depth) * glow;
           if (fog.s == KELP_NEVER && glow != vec3(0.0)) fog.s = kelpCurveRay(c, b);
         }
 #endif
 #ifdef KELP_FOG_SHADOW
         if (depth > 0.0) {
-          float lit = kelpFogSun(o + kelpCurveRay(c, middle) * r, sun_at);
+          float lit = kelpFogSun(o + kelpCurveRay(c, b + 0.5 * x) * r, sun_at);
           // 1 - exp(-d) cancels where d is small.
           float stopped = depth > 1e-2 ? 1.0 - exp(-depth) : depth * (1.0 - 0.5 * depth);
           fog.light += (exp(-fog.depth) * stopped * (lit - 1.0)) * sun;
@@ -321,7 +321,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
 #endif
         fog.depth += depth;
         b = next;
-        u = u_next;
+        u = per_side * kelpCurveAt(c, b) - 0.5;
         cube = kelpCube(u, place.samples);
         inside = b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_MAX_STEPS;
       }

@@ -8,6 +8,7 @@
 //   PAPER_FETCH(v)   float: value of the dense 3D texture at voxel v: the distance to the nearest solid voxel's centre, 0 in a solid voxel
 //   PAPER_STEP       float: the constant step, voxels
 //   PAPER_DENSITY(q) float: optical depth of a length of 1 at q of texture space, trilinear; for paperFog alone, which is there if this is
+//   PAPER_LEAST      float: of what is behind; where less comes through, paperFog ends
 //   PAPER_ARCSINE    defined: S.y = y by arcsine, a shortcut that the paper does not have. Only for tangents without y, or a straight spline
 
 struct PaperRoots {
@@ -219,7 +220,7 @@ KELP_FN PaperFog paperFog(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   PaperSpline g = paperSpline(KELP_SEGMENT(0));
   PaperSpan span = paperEntryExit(KELP_CONTEXT g, o, r);
   float leave = min(span.leave, s_max);
-  for (float s = max(span.entry, s_min) + 0.5f * PAPER_STEP; s <= leave && fog.through > 0.0009765625f; s += PAPER_STEP) {
+  for (float s = max(span.entry, s_min) + 0.5f * PAPER_STEP; s <= leave && fog.through > PAPER_LEAST; s += PAPER_STEP) {
     ++fog.steps;
     PaperMap m = paperMap(KELP_CONTEXT g, o + s * r);
     if (m.inside) fog.through *= exp(-PAPER_STEP * PAPER_DENSITY(m.q));

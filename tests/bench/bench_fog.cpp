@@ -86,6 +86,7 @@ uniform vec3 bench_segment[4];
 uniform vec3 bench_size;
 uniform float bench_extinction;
 uniform float bench_step;
+uniform float bench_least;
 uniform sampler3D bench_density;
 uniform vec3 bench_light;
 out vec4 bench_color;
@@ -107,6 +108,7 @@ out vec4 bench_color;
 #define KELP_CODE(k, brick, v) 0u
 #define PAPER_FETCH(v) 0.0
 #define PAPER_STEP bench_step
+#define PAPER_LEAST bench_least
 #define PAPER_DENSITY(q) (bench_extinction * texture(bench_density, (q) / bench_size).r)
 )";
 constexpr char kMain[] = R"(
@@ -255,7 +257,7 @@ void run(const std::string& path, int frames) {
     };
     const double voxel = glm::length(glm::dvec3(part.to_object[0]));
     const GLuint programs[2] = {build("", double{reach} / voxel), build("#define PAPER_ARCSINE\n", double{reach} / voxel)};
-    const auto drawPaper = [&](int which, double step) {
+    const auto drawPaper = [&](int which, double step, float least = 1.0f / 1024) {
       const GLuint program = programs[which];
       glUseProgram(program);
       glBindVertexArray(vertices);
@@ -267,13 +269,14 @@ void run(const std::string& path, int frames) {
       glUniform3f(at("bench_size"), static_cast<float>(volume.size.x), static_cast<float>(volume.size.y), static_cast<float>(volume.size.z));
       glUniform1f(at("bench_extinction"), volume.extinction);
       glUniform1f(at("bench_step"), static_cast<float>(step));
+      glUniform1f(at("bench_least"), least);
       glUniform1i(at("bench_density"), gl::kFirstHostUnit);
       glUniform3f(at("bench_light"), 0.4f, 0.4f, 0.4f);
       glDisable(GL_DEPTH_TEST);
       glDisable(GL_BLEND);
       glDrawArrays(GL_TRIANGLES, 0, 3);
     };
-    canvas.milliseconds([&] { drawPaper(0, 1.0 / 64); });
+    canvas.milliseconds([&] { drawPaper(0, 1.0 / 64, 0.0f); });
     const std::vector<glm::vec4> truth = canvas.pixels();
     canvas.milliseconds(drawKelp);
     const Error255 ours = difference(canvas.pixels(), truth);
