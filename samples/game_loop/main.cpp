@@ -119,7 +119,8 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
     glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y, now);
     for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)}) glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
-    const auto drawn = (*renderer)->draw(view, {&instance, 1});
+    auto drawn = (*renderer)->draw(view, {&instance, 1});
+    if (drawn) drawn = (*renderer)->draw(view, {&instance, 1}, kelp::gl::Pass::kFog);  // smoke and clouds, over all that is opaque
     if (!sent || (!drawn && view.viewport.x * view.viewport.y > 0)) exit_code = fail(path, sent ? drawn.error() : sent.error());
     if (sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there that are to be seen
     if (frame == frames && picture) exit_code = writePicture(picture, view.viewport);

@@ -87,9 +87,13 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   glEnable(GL_FRAMEBUFFER_SRGB);
   const kelp::runtime::Instance instance = model_->instance();
   const auto drawn = renderer_->draw(view, {&instance, 1});
+  const auto fog = renderer_->draw(view, {&instance, 1}, gl::Pass::kFog);
   glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colours are encoded already
-  if (!drawn) return describe(drawn.error());
+  if (!drawn || !fog) return describe(drawn ? fog.error() : drawn.error());
   stats_ = *drawn;
+  stats_.instances += fog->instances;
+  stats_.culled += fog->culled;
+  stats_.draws += fog->draws;
   stats_.bytes_uploaded = sent->bytes_uploaded;
   stats_.pending = sent->pending;
   complete_ = all_read && sent->pending == 0;
