@@ -87,7 +87,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   glEnable(GL_FRAMEBUFFER_SRGB);
   const kelp::runtime::Instance instance = model_->instance();
   const auto drawn = renderer_->draw(view, {&instance, 1});
-  const auto fog = renderer_->draw(view, {&instance, 1}, gl::Pass::kFog);
+  const auto fog = renderer_->draw(view, {&instance, 1}, kelp::gl::Pass::kFog);
   glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colours are encoded already
   if (!drawn || !fog) return describe(drawn ? fog.error() : drawn.error());
   stats_ = *drawn;
