@@ -14,7 +14,9 @@
 
 #define KELP_FOG_CHANNEL 576u     // words of a brick's channel: kelp/runtime/page.h
 #define KELP_GAUSS 0.2113248654   // 1/2 - 1/sqrt(12)
-#define KELP_FOG_DEEP 7.0         // optical depth at which next to nothing comes through
+#define KELP_FOG_DEEP 9.0         // optical depth at which a ray ends: 1/8000 comes through, and counts as nothing
+#define KELP_FOG_SEEN 0.0009765625  // the sun's shadow is asked for once for so much of the light
+#define KELP_FOG_STEPS 65536      // a guard against the unforeseen: a ray crosses 3 * 8192 cubes at most
 
 // As in surface.glsl, from kelp::gl::View.
 uniform vec3 kelp_sun_direction;
@@ -159,23 +161,25 @@ float kelpCurveUntil(KelpCurve c, float s_max) {
     float excess = kelpCurveRay(c, b) - s_max;
     if (excess > 0.0) { high = b; } else { low = b; }
     float next = b - excess / max(kelpSpeed(c, b), 1e-20);
-    next = next > low && next < high ? next : 0.5 * (low + high);
+    next = next >= low && next <= high ? next : 0.5 * (low + high);
     if (next == b) break;
     b = next;
   }
   return b;
 }
 
-// u is where a point is among a level's samples: q / side - 1/2. How far in b the tangent goes to just beyond the face of the cube that u is in; what the
-// curve bends within a cube is less than the field can tell.
-float kelpCubeStep(vec3 u, vec3 slope) {
+// u is where a point is among a level's samples: q / side - 1/2. How far in b the curve goes at least to just beyond the face of the cube that u is in, and at most
+// `range`. Not by its tangent alone: at a knot the curve may begin with no slope at all.
+float kelpCubeStep(KelpCurve c, float b, vec3 u, float per_side, float range) {
+  vec3 slope = per_side * kelpCurveSlope(c, b);
+  vec3 bend = per_side * (abs(c.c2 + (3.0 * b) * c.c3) + range * abs(c.c3));
   vec3 f = u - floor(u);
   vec3 ahead = mix(f, 1.0 - f, greaterThan(slope, vec3(0.0))) + KELP_ERODE;
-  vec3 x = ahead / max(abs(slope), vec3(1e-20));
-  return min(min(x.x, x.y), x.z);
+  vec3 x = 2.0 * ahead / max(abs(slope) + sqrt(slope * slope + 4.0 * bend * ahead), vec3(1e-20));
+  return min(min(x.x, x.y), min(x.z, range));
 }
-// Where in a cube a point is, 0 to 1 on each axis or a little beyond, and in the rim as at the nearest point between samples.
-vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) { return clamp(u, vec3(0.0), vec3(samples - 1)) - vec3(cube); }
+// Where in a cube a point is, 0 to 1 on each axis, and in the rim as at the nearest point between samples.
+vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) { return clamp(clamp(u, vec3(0.0), vec3(samples - 1)) - vec3(cube), 0.0, 1.0); }
 
 float kelpExtinction(int level) { return kelpFloat(kelp_fog_extinctions + uint(level)) * (1.0 / 65025.0); }
 
@@ -184,8 +188,13 @@ struct KelpFog {
   vec3 light;     // that the fog sends to the eye, times what comes through on the way
   float depth;    // optical
   float s;        // where the fog begins; KELP_NEVER: nowhere
+  float unlit;    // share of the sun's light whose shadow has not been asked for
+  float lit;      // what the shadow left last
   int steps;
 };
+
+// How much of what is behind the fog hides: all of it where the ray ended.
+float kelpHidden(KelpFog fog) { return min((1.0 - exp(-fog.depth)) / (1.0 - exp(-KELP_FOG_DEEP)), 1.0); }
 
 // Given off at a place, on the stretch of ray that counts there.
 vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
@@ -195,19 +204,19 @@ vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
 
 #ifdef KELP_FOG_SHADOW
 // How much of the sun's light reaches a point of part space through the part. At a level four times coarser, by the middle of each cube.
-float kelpFogSun(vec3 o, vec3 r) {
+// Its steps are added to `steps`.
+float kelpFogSun(vec3 o, vec3 r, inout int steps) {
   int level = kelp_level;
   kelpLoadLevel(min(level + 2, level + kelp_coarser));
   vec3 extent = kelp_level_scale * kelp_size;
   float depth = 0.0;
-  int left = KELP_MAX_STEPS;
   KelpWalk walk = kelpEnter(o, r, 0.0, length(kelp_bounds_max - kelp_bounds_min));
-  while (walk.going && depth < KELP_FOG_DEEP && left > 0) {
+  while (walk.going && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
     KelpCurve c = kelpWalkCurve(walk, o, r);
     float end = kelpCurveUntil(c, walk.end);
     float b = 0.0;
-    while (b < end && depth < KELP_FOG_DEEP && left > 0) {
-      --left;
+    while (b < end && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
+      ++steps;
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
       if (max(gap.x, gap.z) > 0.5 * KELP_ERODE) {
@@ -224,9 +233,9 @@ float kelpFogSun(vec3 o, vec3 r) {
       float extinction = kelpExtinction(kelp_level + place.coarser);
       vec3 u = per_side * q - 0.5;
       ivec3 cube = kelpCube(u, place.samples);
-      while (b < leave && cube >> 3 == place.at && depth < KELP_FOG_DEEP && left > 0) {
-        --left;
-        float x = min(kelpCubeStep(u, per_side * kelpCurveSlope(c, b)), leave - b);
+      while (b < leave && cube >> 3 == place.at && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
+        ++steps;
+        float x = kelpCubeStep(c, b, u, per_side, leave - b);
         vec3 f = kelpWithin(per_side * kelpCurveAt(c, b + 0.5 * x) - 0.5, cube, place.samples);
         depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x * kelpSpeed(c, b + 0.5 * x);
         b = kelpAdvance(b, x);
@@ -258,7 +267,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
       ++fog.steps;
       b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
       // A number that is none ends the march too.
-      going = b < end && dot(gap, gap) < KELP_NEVER && fog.steps < KELP_MAX_STEPS;
+      going = b < end && dot(gap, gap) < KELP_NEVER && fog.steps < KELP_FOG_STEPS;
       beside = going;
     }
     KelpFogPlace place;
@@ -276,7 +285,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
       leave = b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance);
       if (!place.clear) break;
       b = kelpAdvance(b, leave - b);
-      going = b < end && fog.steps < KELP_MAX_STEPS;
+      going = b < end && fog.steps < KELP_FOG_STEPS;
       inside = going;
     }
     if (!place.clear) {
@@ -289,7 +298,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
       while (inside) {
         ++fog.steps;
         // From face to face, by Gauss's rule of two points: exact for cubics.
-        float x = min(kelpCubeStep(u, per_side * kelpCurveSlope(c, b)), leave - b);
+        float x = kelpCubeStep(c, b, u, per_side, leave - b);
         float next = kelpAdvance(b, x);
         float b1 = b + KELP_GAUSS * x;
         float b2 = b + (1.0 - KELP_GAUSS) * x;
@@ -297,7 +306,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
         vec3 f1 = kelpWithin(per_side * kelpCurveAt(c, b1) - 0.5, cube, place.samples);
         vec3 f2 = kelpWithin(per_side * kelpCurveAt(c, b2) - 0.5, cube, place.samples);
         KelpCorners density = kelpSquared(kelpCorners(place.brick, cube));
-        vec2 rates = extinction * way * vec2(kelpBetween(density, f1), kelpBetween(density, f2));
+        vec2 rates = min(extinction * way * vec2(kelpBetween(density, f1), kelpBetween(density, f2)), 1e4);
         float depth = 0.5 * (rates.x + rates.y);
         if (fog.s == KELP_NEVER && depth > 0.0) fog.s = kelpCurveRay(c, b);
 #ifdef KELP_FOG_HEAT
@@ -305,28 +314,29 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);
           heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
           // What is given off, dimmed by what is before it: the integral of the line through the two rates.
-          vec2 dimmed = exp(-vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))));
+          vec2 dimmed = exp(-max(vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))), 0.0));
           vec3 glow = 0.5 * (dimmed.x * kelpGlow(heat, f1, way.x) + dimmed.y * kelpGlow(heat, f2, way.y));
           fog.light += exp(-fog.depth) * glow;
           if (fog.s == KELP_NEVER && glow != vec3(0.0)) fog.s = kelpCurveRay(c, b);
         }
 #endif
 #ifdef KELP_FOG_SHADOW
-        if (depth > 0.0) {
-          float lit = kelpFogSun(o + kelpCurveRay(c, b + 0.5 * x) * r, sun_at);
-          // 1 - exp(-d) cancels where d is small.
-          float stopped = depth > 1e-2 ? 1.0 - exp(-depth) : depth * (1.0 - 0.5 * depth);
-          fog.light += (exp(-fog.depth) * stopped * (lit - 1.0)) * sun;
+        // 1 - exp(-d) cancels where d is small.
+        fog.unlit += exp(-fog.depth) * (depth > 1e-2 ? 1.0 - exp(-depth) : depth * (1.0 - 0.5 * depth));
+        if (fog.unlit > KELP_FOG_SEEN) {
+          fog.lit = kelpFogSun(o + kelpCurveRay(c, b + 0.5 * x) * r, sun_at, fog.steps);
+          fog.light += (fog.unlit * (fog.lit - 1.0)) * sun;
+          fog.unlit = 0.0;
         }
 #endif
         fog.depth += depth;
         b = next;
         u = per_side * kelpCurveAt(c, b) - 0.5;
         cube = kelpCube(u, place.samples);
-        inside = b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_MAX_STEPS;
+        inside = b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_FOG_STEPS;
       }
     }
-    going = going && b < end && fog.depth < KELP_FOG_DEEP && fog.steps < KELP_MAX_STEPS;
+    going = going && b < end && fog.depth < KELP_FOG_DEEP && fog.steps < KELP_FOG_STEPS;
   }
   return fog;
 }
@@ -338,6 +348,8 @@ KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
   fog.light = vec3(0.0);
   fog.depth = 0.0;
   fog.s = KELP_NEVER;
+  fog.unlit = 0.0;
+  fog.lit = 1.0;
   fog.steps = 0;
   kelpLoadFog();
 
@@ -361,6 +373,6 @@ KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
     walk = kelpWalkOn(walk, r, c);
   }
   // Even light: what is stopped is turned, wherever on the way. Shadows were taken off above.
-  fog.light += (1.0 - exp(-fog.depth)) * (sun + sky);
+  fog.light += (fog.unlit * (fog.lit - 1.0)) * sun + kelpHidden(fog) * (sun + sky);
   return fog;
 }

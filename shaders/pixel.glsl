@@ -8,8 +8,11 @@ uniform float kelp_clip_low;   // z / w of the lower clip plane: -1, or 0 with c
 uniform int kelp_scene;        // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
 uniform highp sampler2D kelp_scene_depth;  // a texel a pixel: nothing beyond it need be drawn
 
-// Depth buffers round, those of 16 bits by 1/131070: what lies this little beyond theirs is left to the depth test. Of the buffer's own 0..1.
+// Depth buffers round, those of 16 bits by 1/131070: what lies this little beyond theirs is left to the depth test. Of the buffer's own 0..1. Fog, which the
+// depth test knows by its beginning alone, has none.
+#ifndef KELP_SCENE_MARGIN
 #define KELP_SCENE_MARGIN 1.5e-5
+#endif
 
 // kelp_near + s ray, s in range: between near and far plane, and before the scene.
 struct KelpPixelRay {

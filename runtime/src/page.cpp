@@ -20,8 +20,8 @@ namespace {
 
 bool arrangeFog(const PageData& page, std::span<std::uint32_t> words) {
   const std::size_t samples = std::size_t{page.count} * kFogSamples;
-  const std::size_t channels = page.fog.size() / samples;
-  if (page.fog.size() != channels * samples || words.size() != channels * page.count * kFogChannelWords) return false;
+  const std::size_t channels = samples > 0 ? page.fog.size() / samples : 0;
+  if (channels < 1 || channels > 2 || page.fog.size() != channels * samples || words.size() != channels * page.count * kFogChannelWords) return false;
   std::uint32_t* word = words.data();
   for (std::size_t b = 0; b < page.count; ++b) {
     for (std::size_t channel = 0; channel < channels; ++channel) {

@@ -131,7 +131,7 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
           }
         }
         EXPECT_GT(sum, 0.01);
-        EXPECT_LT(worst, 2.5e-4);  // an eighth of what 8 bits tell apart: the tangent stands for the curve within a cube
+        EXPECT_LT(worst, 2.5e-4);  // a sixteenth of what 8 bits tell apart
         EXPECT_LT(worst_glow, 2.0 / 255);
       }
     }

@@ -173,7 +173,6 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
     if (parts[part].kind != frame.kind) continue;
-    has_heat_ = has_heat_ || (parts[part].fog && parts[part].fog->channels() > 1);
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }
@@ -274,6 +273,7 @@ void DrawList::write(const Frame& frame, const Candidate& candidate, const Lanes
   const Part& part = asset.packed[candidate.part];
   const std::span<const Knot> knots = candidate.knots;
   const bool any = frame.rays == Rays::kAny;
+  has_heat_ = has_heat_ || (part.fog && part.fog->channels() > 1);
 
   Ordered& ordered = order_[count_++];
   ordered.key = ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, candidate.head, low, high) : std::max(nearest, 0.0f));

@@ -136,7 +136,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, bool rays, con
 Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,       heat ? "#define KELP_FOG_HEAT\n" : "", shadow ? "#define KELP_FOG_SHADOW\n" : "",
+  const char* const fragment_text[] = {prelude,       heat ? "#define KELP_FOG_HEAT\n" : "", shadow ? "#define KELP_FOG_SHADOW\n" : "", "#define KELP_SCENE_MARGIN 0.0\n",
                                        kInstanceLine, shaders::kInstance, kTraceLine, shaders::kTrace, kFogLine,  shaders::kFog,
                                        kPixelLine,    shaders::kPixel,    kMainLine,  shaders::kFogFragment};
   return build(api, vertex_text, fragment_text, "kelp fog program", log);

@@ -223,9 +223,10 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
-  {
+  const std::span<const Part> parts = asset.pack().parts();
+  if (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.fog != nullptr; })) {
     const DrawGuard draw(self.api, self.restore);
-    if (auto good = self.prepareFog(asset.pack().parts()); !good) return good;
+    if (auto good = self.prepareFog(parts); !good) return good;
   }
   return self.store.add(self.api, asset);
 }

@@ -26,8 +26,9 @@ inline glm::ivec3 latticeSize(PartKind kind, const glm::ivec3& size) { return ki
 
 // Codes are squares, so that thin fog has as many steps as dense: density = (code / 255)^2. Heat is code / 255.
 inline float fogDensity(std::uint8_t code) { return static_cast<float>(code) * static_cast<float>(code) / 65025.0f; }
-// The nearest code; density 0 to 1.
+// The nearest code to a density, cut to 0 .. 1; 0 if it is not a number.
 inline std::uint8_t fogCode(double density) {
+  density = density > 0 ? (density < 1 ? density : 1.0) : 0.0;
   const int code = static_cast<int>(std::sqrt(density) * 255.0);
   // The middle between two squares, not between two roots.
   return static_cast<std::uint8_t>(code < 255 && density * 65025.0 >= 0.5 * (code * code + (code + 1) * (code + 1)) ? code + 1 : code);

@@ -92,7 +92,7 @@ struct View {
   float pixels_per_voxel = 1.0f;
   // Called by draw() just before it draws, with its program in use, for what surface_glsl has of its own: glUniform*, textures and samplers on
   // the units from kFirstHostUnit on, uniform buffers. Changing any other state there is not allowed, but for the active unit; what is bound
-  // there stays bound. In every pass: samplers of two kinds must not be left on one unit. Null: nobody is.
+  // there stays bound. In every pass but kFog: samplers of two kinds must not be left on one unit. Null: nobody is.
   void (*bind)(void* user, std::uint32_t program) = nullptr;
   void* bind_user = nullptr;
   float smallest_pixels = 0.5f;  // parts whose largest side covers less are left out
@@ -104,7 +104,8 @@ enum class Pass : std::uint8_t {
   // Fog parts, which the other passes leave out: blended, premultiplied, into draw buffer 0 alone, over what is there. After everything that is opaque,
   // the host's own included. Rays end at the scene's depth: View::scene_depth or, without, a copy of the depth buffer, made by this call. Where that can not be had
   // (no depth, or multisampled) fog is hidden where it begins behind what is there, and else drawn to its end. No depth is written. Parts that overlap are
-  // blended one over the other, the one that begins farther first.
+  // blended one over the other, the one whose bounds begin farther from the eye first, the later in the list of those around it. In OpenGL ES 3.0 and 3.1, which can not mask
+  // draw buffers one by one, bind a framebuffer with one.
   kFog,
 };
 
@@ -128,7 +129,7 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   // Makes an asset known, which should outlive the renderer or be removed first. Adding twice is kMisuse. kLimit: the coarsest levels of what
-  // was added before leave no room in gpu_budget.
+  // was added before leave no room in gpu_budget. kGraphics: the asset has fog, whose programs, compiled for the first such asset, are refused.
   Result<void> add(const runtime::Asset& asset);
   void remove(const runtime::Asset& asset);
 
