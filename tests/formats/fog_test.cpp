@@ -170,7 +170,10 @@ TEST(Fog, TheWriterRefusesEveryMistakeBeforeItWritesAByte) {
     std::size_t calls = 0;
     const Sink sink{[](void* user, std::span<const std::byte>) { return ++*static_cast<std::size_t*>(user) > 0; }, &calls};
     const Result<void> written = writePack(pack, sink);
-    ASSERT_FALSE(written);
+    if (written) {
+      ADD_FAILURE() << "written";
+      continue;
+    }
     EXPECT_EQ(written.error().code, ErrorCode::kMisuse) << written.error().detail;
     EXPECT_STRNE(written.error().detail, "");
     EXPECT_EQ(calls, 0u);
