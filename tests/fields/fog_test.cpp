@@ -76,19 +76,21 @@ fields::Occupancy bruteCubes(const FogSamples& fog) {
 }
 
 TEST(Fog, CubesAreNotClearWhereACornerIsNot) {
-  for (const auto& [name, fog] : fogs()) {
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
     const fields::Occupancy brute = bruteCubes(fog);
     for (const int threads : {1, 2}) {
       const fields::Occupancy cubes = fields::fogCubes(fog, threads);
-      ASSERT_EQ(cubes.size, brute.size) << name;
-      ASSERT_EQ(cubes.solid, brute.solid) << name;
+      ASSERT_EQ(cubes.size, brute.size) << named.name;
+      ASSERT_EQ(cubes.solid, brute.solid) << named.name;
     }
   }
 }
 
 TEST(Fog, BricksHoldTheSamplesAtTheirCubesCorners) {
-  for (const auto& [name, fog] : fogs()) {
-    SCOPED_TRACE(name);
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
+    SCOPED_TRACE(named.name);
     const fields::Occupancy cubes = bruteCubes(fog);
     const glm::ivec3 grid = (cubes.size + 7) / 8;
     const RawLevel level = fields::buildFogLevel(fog, 1);
@@ -124,8 +126,9 @@ TEST(Fog, BricksHoldTheSamplesAtTheirCubesCorners) {
 
 TEST(Fog, EmptyBricksPromiseWhatIsThere) {
   int empty = 0;
-  for (const auto& [name, fog] : fogs()) {
-    SCOPED_TRACE(name);
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
+    SCOPED_TRACE(named.name);
     const fields::Occupancy cubes = bruteCubes(fog);
     const glm::ivec3 grid = (cubes.size + 7) / 8;
     const RawLevel level = fields::buildFogLevel(fog, 1);
@@ -171,17 +174,19 @@ TEST(Fog, EmptyBricksPromiseWhatIsThere) {
 }
 
 TEST(Fog, SamplesComeBackFromALevel) {
-  for (const auto& [name, fog] : fogs()) {
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
     const FogSamples back = fields::fogSamplesOf(fields::buildFogLevel(fog, 1), fog.size);
     EXPECT_EQ(back.size, fog.size);
-    EXPECT_EQ(back.density, fog.density) << name;
-    EXPECT_EQ(back.heat, fog.heat) << name;
+    EXPECT_EQ(back.density, fog.density) << named.name;
+    EXPECT_EQ(back.heat, fog.heat) << named.name;
   }
 }
 
 TEST(Fog, CoarserLevelsAreMeansOfEight) {
-  for (const auto& [name, fog] : fogs()) {
-    SCOPED_TRACE(name);
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
+    SCOPED_TRACE(named.name);
     constexpr float kExtinction = 0.75f;
     float extinction = kExtinction;
     const FogSamples coarse = fields::coarserFog(fog, extinction, 1);
@@ -218,16 +223,17 @@ TEST(Fog, CoarserLevelsAreMeansOfEight) {
 }
 
 TEST(Fog, ThreadsMakeNoDifference) {
-  for (const auto& [name, fog] : fogs()) {
+  for (const NamedFog& named : fogs()) {
+    const FogSamples& fog = named.fog;
     const RawLevel once = fields::buildFogLevel(fog, 1), twice = fields::buildFogLevel(fog, 2);
-    EXPECT_EQ(once.cells, twice.cells) << name;
-    EXPECT_EQ(once.density, twice.density) << name;
-    EXPECT_EQ(once.heat, twice.heat) << name;
+    EXPECT_EQ(once.cells, twice.cells) << named.name;
+    EXPECT_EQ(once.density, twice.density) << named.name;
+    EXPECT_EQ(once.heat, twice.heat) << named.name;
     float a = 0.3f, b = 0.3f;
     const FogSamples alone = fields::coarserFog(fog, a, 1), together = fields::coarserFog(fog, b, 2);
-    EXPECT_EQ(a, b) << name;
-    EXPECT_EQ(alone.density, together.density) << name;
-    EXPECT_EQ(alone.heat, together.heat) << name;
+    EXPECT_EQ(a, b) << named.name;
+    EXPECT_EQ(alone.density, together.density) << named.name;
+    EXPECT_EQ(alone.heat, together.heat) << named.name;
   }
 }
 
