@@ -245,9 +245,9 @@ const char* toString(IssueId id) {
     case IssueId::kPage:
       return "A page of bricks can not be read. Copy or bake the pack again.";
     case IssueId::kBrickWithoutSolid:
-      return "A stored brick holds no solid voxel. The program that wrote the pack is wrong: report it.";
+      return "A stored brick holds nothing. The program that wrote the pack is wrong: report it.";
     case IssueId::kOutsideVolume:
-      return "A solid voxel lies outside its level. The program that wrote the pack is wrong: report it.";
+      return "A solid voxel, or a sample of fog, lies outside its level. The program that wrote the pack is wrong: report it.";
     case IssueId::kPaletteIndex:
       return "A voxel's palette entry does not exist. The program that wrote the pack is wrong: report it.";
   }

@@ -27,7 +27,11 @@ class KelpBakeReport : public testing::Test {
  protected:
   // The report of a bake that must succeed, checked against the schema.
   json report(const std::string& input, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{KELP_BAKE, input, "-o", folder_ / "out.kelp", "--report", folder_ / "report.json", "--resolution", "32"};
+    return reportAtOwnResolution(input, more, {"--resolution", "32"});
+  }
+  json reportAtOwnResolution(const std::string& input, const std::vector<std::string>& more = {}, const std::vector<std::string>& resolution = {}) {
+    std::vector<std::string> arguments{KELP_BAKE, input, "-o", folder_ / "out.kelp", "--report", folder_ / "report.json"};
+    arguments.insert(arguments.end(), resolution.begin(), resolution.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProcessResult result = runProcess(arguments);
     EXPECT_EQ(result.exit, 0) << result.err;
@@ -50,6 +54,7 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
   const std::string path = write("cube.obj", objOf(kCube));
   const json read = report(path);
   const json& part = read["parts"][0];
+  EXPECT_FALSE(part["fog"]);
   EXPECT_EQ(part["mesh"], json::parse(R"({"vertices":8,"triangles":12,"boundary_edges":0,"boundaries":0,"non_manifold_edges":0,"dropped_triangles":0})"));
   EXPECT_EQ(part["repairs"], json::parse(R"({"components":1,"closed_components":1,"capped_components":0,"sheets":0,"walls":0,"doubled_triangles":0,"turned_triangles":0,
       "cap_triangles":0,"kept_voxels":0})"));
@@ -110,6 +115,29 @@ TEST_F(KelpBakeReport, PartsAndClipsOfATruck) {
   EXPECT_TRUE(read["clips"][0]["moves"]);
   EXPECT_FALSE(read["clips"][0]["bends"]);
   EXPECT_NE(said_.find("clip 'animation 0': 1.25 s, moves 2 parts"), std::string::npos) << said_;
+}
+
+// A block of 5 x 4 x 3 densities within 20 x 16 x 12, as fog and as a solid.
+TEST_F(KelpBakeReport, FogHasVoxelsButNoSurface) {
+  std::string densities(20 * 16 * 12, '\0');
+  for (std::size_t z = 4; z < 7; ++z)
+    for (std::size_t y = 6; y < 10; ++y) densities.replace(8 + 20 * (y + 16 * z), 5, "\x20\x40\x60\x7f\x30");
+  write("block.raw.json", R"({"size": [20, 16, 12], "type": "u8"})");
+  const std::string path = write("block.raw", densities);
+  json part = reportAtOwnResolution(path)["parts"][0];
+  EXPECT_EQ(part["fog"], true);
+  EXPECT_EQ(part["fog_voxels"], 5 * 4 * 3);
+  EXPECT_EQ(part["solid_voxels"], 0);
+  EXPECT_EQ(part["surface_voxels"], 0);
+  EXPECT_EQ(part["bricks"], 1);
+  EXPECT_NE(said_.find("60 voxels of fog"), std::string::npos) << said_;
+  EXPECT_EQ(said_.find("surface voxel"), std::string::npos) << said_;
+  part = reportAtOwnResolution(path, {"--isovalue", "16"})["parts"][0];
+  EXPECT_EQ(part["fog"], false);
+  EXPECT_EQ(part["fog_voxels"], 0);
+  EXPECT_EQ(part["solid_voxels"], 5 * 4 * 3);
+  EXPECT_NE(said_.find("surface voxels, in"), std::string::npos) << said_;
+  EXPECT_EQ(said_.find("of fog"), std::string::npos) << said_;
 }
 
 TEST_F(KelpBakeReport, AVolumeHasNoMesh) {

@@ -32,6 +32,10 @@ inline ReadLevel readLevel(const Pack& pack, int part, int level) {
     if (!out.status) return out;
     out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
     out.level.attributes.insert(out.level.attributes.end(), page.attributes.begin(), page.attributes.end());
+    // Of fog: all densities of a page, then all heats, if there are any.
+    const auto heats = page.fog.begin() + static_cast<std::ptrdiff_t>(info.channels == 2 ? page.fog.size() / 2 : page.fog.size());
+    out.level.density.insert(out.level.density.end(), page.fog.begin(), heats);
+    out.level.heat.insert(out.level.heat.end(), heats, page.fog.end());
   }
   return out;
 }
@@ -59,7 +63,12 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
   for (std::size_t p = 0; p < pack.parts().size(); ++p) {
     const Part& a = pack.parts()[p];
     const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
-    check(a.name == b.name && a.parent == b.parent && a.kind == PartKind::kSolid && a.size == b.size);
+    check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) && a.size == b.size);
+    check((a.fog != nullptr) == b.fog.has_value());
+    if (a.fog && b.fog) {
+      check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy && a.fog->glow == b.fog->glow);
+      check(bytesOf(a.fog->ramp) == bytesOf(b.fog->ramp) && a.fog->extinction.size() == static_cast<std::size_t>(a.levels));
+    }
     check(a.to_object == b.to_object && a.pivot == b.pivot && bytesOf(a.knots) == bytesOf(b.knots));
     check(static_cast<std::size_t>(a.levels) == b.levels.size());
     for (int level = 0; level < a.levels; ++level) {
@@ -69,6 +78,8 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
       const RawLevel want =
           static_cast<std::size_t>(level) < b.levels.size() ? b.levels[static_cast<std::size_t>(level)] : RawLevel();
       check(got.level.cells == want.cells && got.level.codes == want.codes && got.level.attributes == want.attributes);
+      check(got.level.density == want.density && got.level.heat == want.heat);
+      check(!a.fog || a.fog->extinction[static_cast<std::size_t>(level)] == want.extinction);
     }
   }
   if (!out.equal) return out;

@@ -46,7 +46,7 @@ inline Bytes zstdDecode(const std::byte* frame, std::size_t size) {
 struct PackSurgeon {
   struct Chunk {
     std::uint32_t fourcc = 0, flags = 0, level = 0, part = 0;
-    Bytes content;                 // decoded; the pages of a BRCK as they are stored
+    Bytes content;                 // decoded; pages of bricks as they are stored
     std::uint64_t raw_lie = 0;     // stated instead of the decoded size if not 0
     std::uint64_t offset_lie = 0;  // added to the offset stated
     std::size_t gap = 0;           // zeros before it, beyond those that the alignment asks for
@@ -68,6 +68,7 @@ struct PackSurgeon {
       chunk.content = chunk.flags & 2 ? zstdDecode(stored, size) : Bytes(stored, stored + size);
       chunks.push_back(chunk);
     }
+    minor = get<std::uint16_t>(file, 14);
   }
 
   static std::uint32_t fourcc(std::string_view name) {
@@ -85,10 +86,14 @@ struct PackSurgeon {
   }
   Bytes& content(std::string_view name) { return chunks[find(name)].content; }
 
-  // Decodes the only page of the (first) BRCK, lets `edit` change it, and states its new size and checksum in the page table.
+  // Decodes the only page of the first level, lets `edit` change it, and states its new size and checksum in the page table.
   template <class Edit>
   void editPage(Edit edit) {
-    const std::size_t grid = find("GRID");
+    editPage(find("GRID"), edit);
+  }
+  // The same of another level, whose GRID is at this place.
+  template <class Edit>
+  void editPage(std::size_t grid, Edit edit) {
     Bytes& table = chunks[grid].content;
     Bytes& bricks = chunks[grid + 1].content;
     const std::size_t at = table.size() - 32;

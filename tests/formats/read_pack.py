@@ -83,8 +83,8 @@ class Table:
         need(self.at == len(self.data), self.what + " is longer than its counts say")
 
 
-METADATA = ["INFO", "PART", "MATL", "RIGS", "CLIP"]
-REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "RIGS": 1, "CLIP": 0, "GRID": 1, "BRCK": 1}
+METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP"]
+REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "GRID": 1, "BRCK": 1, "FOGB": 1}
 
 
 class Pack:
@@ -128,7 +128,7 @@ class Pack:
             need(flags & 1 == REQUIRED[name], "required flag")
             need(raw >= 1, "empty chunk")
             if flags & 2:
-                need(name != "BRCK" and raw <= 32768 * stored + 32767, "zstd flag")
+                need(name not in ("BRCK", "FOGB") and raw <= 32768 * stored + 32767, "zstd flag")
                 content = self.zstd.decode(content, raw)
             need(len(content) == raw, "raw size")
             if name in METADATA:
@@ -147,6 +147,9 @@ class Pack:
         self.info = Table.text(content["INFO"]) if "INFO" in content else ""
         self.read_parts(Table(content["PART"], "PART"))
         self.read_palette(Table(content["MATL"], "MATL"))
+        need(("FOGS" in content) == any(part["kind"] for part in self.parts), "FOGS is there if a part is fog, and only then")
+        if "FOGS" in content:
+            self.read_fogs(Table(content["FOGS"], "FOGS"))
         self.read_rigs(Table(content["RIGS"], "RIGS"))
         self.clips = []
         if "CLIP" in content:
@@ -160,7 +163,7 @@ class Pack:
             name_bytes, parent, kind, levels, reserved = table.take("IiBBH")
             size, to_object, pivot = table.take("III"), table.take("12f"), table.take("12f")
             need(-1 <= parent < i, "parent")
-            need(kind == 0, "unsupported feature: kind of part")
+            need(kind <= 1, "unsupported feature: kind of part")
             need(1 <= levels <= 16 and reserved == 0, "levels or reserved field")
             need(all(1 <= side <= 32768 for side in size), "size of a part")
             for m in (to_object, pivot):
@@ -169,7 +172,7 @@ class Pack:
                 determinant = sum(x * y for x, y in zip(a, cross))
                 need(math.isfinite(determinant) and determinant != 0, "a matrix can not be inverted")
             sizes.append(name_bytes)
-            self.parts.append({"parent": parent, "levels": levels, "size": size, "to_object": to_object, "pivot": pivot})
+            self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size, "to_object": to_object, "pivot": pivot})
         need(sum(sizes) == text_bytes, "bytes of names")
         for part, name_bytes in zip(self.parts, sizes):
             part["name"] = table.name(name_bytes)
@@ -183,6 +186,23 @@ class Pack:
             entry = table.take("9f")
             need(all(0 <= v <= 1 for v in entry[0:4] + entry[7:9]) and min(entry[4:7]) >= 0, "a material is out of range")
             self.palette.append(entry)
+        table.end()
+
+    def read_fogs(self, table):
+        fogs = [part for part in self.parts if part["kind"]]
+        need(table.one("I") == len(fogs), "fog of another number of parts")
+        for part in fogs:
+            part["fog"] = table.take("5f")
+            red, green, blue, anisotropy, glow = part["fog"]
+            part["ramp"], reserved = table.take("II")
+            need(all(0 <= v <= 1 for v in (red, green, blue)) and -1 < anisotropy < 1 and glow >= 0 and reserved == 0, "a fog is out of range")
+            need(part["ramp"] == 0 or 2 <= part["ramp"] <= 256, "colours of a ramp")
+        for part in fogs:
+            part["extinction"] = table.take("%df" % part["levels"])
+            need(min(part["extinction"]) > 0, "extinction")
+        for part in fogs:
+            part["ramp"] = [table.take("3f") for _ in range(part["ramp"])]
+            need(all(min(colour) >= 0 for colour in part["ramp"]), "colour of a ramp")
         table.end()
 
     def read_rigs(self, table):
@@ -253,20 +273,22 @@ class Pack:
             for index, part in enumerate(self.parts):
                 if level >= part["levels"]:
                     continue
-                need(len(left) >= 2 and left[0][:3] == ("GRID", level, index) and left[1][:3] == ("BRCK", level, index), "order of levels")
+                bricks = "FOGB" if part["kind"] else "BRCK"
+                need(len(left) >= 2 and left[0][:3] == ("GRID", level, index) and left[1][:3] == (bricks, level, index), "order of levels")
                 part["level"][level] = self.read_level(part, level, left.pop(0)[3], left.pop(0)[3])
         need(not left, "more levels than parts have")
 
     def read_level(self, part, level, grid_chunk, bricks_chunk):
         size = [-(-side // (1 << level)) for side in part["size"]]
-        grid = [-(-side // 8) for side in size]
+        grid = [-(-side // 8) for side in (size if part["kind"] == 0 else [max(side - 1, 1) for side in size])]
         count = grid[0] * grid[1] * grid[2]
         table = Table(grid_chunk, "GRID")
         cells = table.take("%dI" % count)
         if count % 2:
             need(table.one("I") == 0, "padding of a grid")
         stored = self.check_cells(cells, grid)
-        codes, attributes, offset, slot = bytearray(), [], 0, 0
+        content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(), "heat": bytearray()}
+        offset = slot = 0
         while table.at < len(grid_chunk):
             page_offset, page_stored, page_raw, checksum, first, bricks = table.take("QIIQII")
             need(page_offset == offset and first == slot, "a page is not where the one before ends")
@@ -275,16 +297,40 @@ class Pack:
             need(len(frame) == page_stored, "a page is beyond its chunk")
             need(xxh3_64(frame) == checksum, "page checksum")
             raw = self.zstd.decode(frame, page_raw)
-            surface = self.check_codes(raw[: 512 * bricks], bricks, stored[slot : slot + bricks], size)
-            need(page_raw == 512 * bricks + 4 * surface, "raw size of a page")
-            values = struct.unpack_from("<%dI" % surface, raw, 512 * bricks)
-            need(all(v & 0xFF < len(self.palette) for v in values), "palette index")
-            codes += raw[: 512 * bricks]
-            attributes += values
+            if part["kind"] == 0:
+                self.take_solid(raw, stored[slot : slot + bricks], size, content)
+            else:
+                self.take_fog(raw, stored[slot : slot + bricks], size, 2 if part["ramp"] else 1, content)
             offset += page_stored
             slot += bricks
         need(offset == len(bricks_chunk) and slot == len(stored) and slot >= 1, "pages do not cover the bricks")
-        return {"cells": cells, "codes": bytes(codes), "attributes": attributes}
+        return content
+
+    def take_solid(self, raw, positions, size, content):
+        bricks = len(positions)
+        surface = self.check_codes(raw[: 512 * bricks], bricks, positions, size)
+        need(len(raw) == 512 * bricks + 4 * surface, "raw size of a page")
+        values = struct.unpack_from("<%dI" % surface, raw, 512 * bricks)
+        need(all(v & 0xFF < len(self.palette) for v in values), "palette index")
+        content["codes"] += raw[: 512 * bricks]
+        content["attributes"] += values
+
+    # Section 6
+    @staticmethod
+    def take_fog(raw, positions, size, channels, content):
+        bricks = len(positions)
+        need(len(raw) == 729 * bricks * channels, "raw size of a page of fog")
+        for brick, position in enumerate(positions):
+            clear = True
+            for channel in range(channels):
+                samples = raw[729 * (bricks * channel + brick) :][:729]
+                clear = clear and not any(samples)
+                for i, sample in enumerate(samples):
+                    place = [8 * p + v for p, v in zip(position, (i % 9, i // 9 % 9, i // 81))]
+                    need(sample == 0 or all(p < side for p, side in zip(place, size)), "a sample beyond the level")
+            need(not clear, "a stored brick is clear")
+        content["density"] += raw[: 729 * bricks]
+        content["heat"] += raw[729 * bricks :]
 
     @staticmethod
     def check_cells(cells, grid):
@@ -325,9 +371,15 @@ def dump(pack):
     out = ["minor %d" % pack.minor, "info " + pack.info]
     out += ["material " + bits(entry) for entry in pack.palette]
     for part in pack.parts:
-        out.append("part %s parent %d size %d %d %d levels %d" % ((part["name"].encode().hex(), part["parent"]) + part["size"] + (part["levels"],)))
+        out.append("part %s parent %d kind %d size %d %d %d levels %d" % ((part["name"].encode().hex(), part["parent"], part["kind"]) + part["size"] + (part["levels"],)))
         out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
         out += ["knot " + bits(knot) for knot in part["knots"]]
+        if part["kind"]:
+            out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
+            for level, extinction in zip(part["level"], part["extinction"]):
+                crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])), zlib.crc32(level["density"]), zlib.crc32(level["heat"])]
+                out.append("fog level bricks %d extinction %s crc %08x %08x %08x" % ((len(level["density"]) // 729, bits([extinction])) + tuple(crc)))
+            continue
         for level in part["level"]:
             crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])), zlib.crc32(level["codes"])]
             crc.append(zlib.crc32(struct.pack("<%dI" % len(level["attributes"]), *level["attributes"])))

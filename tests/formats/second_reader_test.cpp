@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include "pack_compare.h"
 #include "support/random_pack.h"
 #include "support/scratch.h"
+#include "tiny_fog_pack.h"
 #include "tiny_pack.h"
 
 namespace kelp {
@@ -84,14 +86,24 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
 }
 
 std::string dump(const RawPack& pack) {
-  std::string out = "minor 0\ninfo " + pack.info_json + "\n";
+  const bool foggy = std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& part) { return part.fog.has_value(); });
+  std::string out = format("minor %d\ninfo ", foggy) + pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
     out +=
         "part " + hex(part.name) +
-        format(" parent %d size %d %d %d levels %zu\n", part.parent, part.size.x, part.size.y, part.size.z, part.levels.size());
+        format(" parent %d kind %d size %d %d %d levels %zu\n", part.parent, part.fog.has_value(), part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
+    if (part.fog) {
+      out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) + "\n";
+      for (const glm::vec3& color : part.fog->ramp) out += "colour " + bits(color) + "\n";
+      for (const RawLevel& level : part.levels) {
+        out += format("fog level bricks %zu extinction %s crc %08x %08x %08x\n", level.density.size() / 729, bits(level.extinction).c_str(), crc32(level.cells),
+                      crc32(level.density), crc32(level.heat));
+      }
+      continue;
+    }
     for (const RawLevel& level : part.levels) {
       out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512, level.attributes.size(),
                     crc32(level.cells), crc32(withoutRanks(level.codes)), crc32(level.attributes));
@@ -113,7 +125,7 @@ std::string dump(const RawPack& pack) {
 }
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
-  std::vector<RawPack> packs = {test::makeTinyPack()};
+  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack()};
   for (std::uint32_t seed = 50; seed < 54; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
   for (const RawPack& pack : packs) {
     const PackFile file(test::writeToMemory(pack));
@@ -125,10 +137,12 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 }
 
 TEST(SecondReader, SeesEveryChangedByte) {
-  const PackFile file(test::writeToMemory(test::makeTinyPack()));
-  const Outcome damaged = readPack("--damage \"" + file.path.string() + "\"");
-  if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
-  EXPECT_EQ(damaged.code, 0);
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack()}) {
+    const PackFile file(test::writeToMemory(pack));
+    const Outcome damaged = readPack("--damage \"" + file.path.string() + "\"");
+    if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
+    EXPECT_EQ(damaged.code, 0);
+  }
 }
 
 }  // namespace

@@ -43,6 +43,8 @@ Json partJson(const bake::Report::Part& part) {
             {"triangles", part.triangles},
             {"solid_voxels", part.solid_voxels},
             {"surface_voxels", part.surface_voxels},
+            {"fog", part.fog},
+            {"fog_voxels", part.fog_voxels},
             {"bricks", part.bricks}};
   json["mesh"] = {{"vertices", part.mesh.vertices},
                   {"triangles", part.mesh.triangles},

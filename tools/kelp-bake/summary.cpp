@@ -57,7 +57,7 @@ void printParts(const Options& options, const bake::Report& report) {
   for (const bake::Report::Part& part : report.parts)
     if (!part.carrier) parts.push_back(&part);
   const std::size_t shown = std::min(parts.size(), kShown);
-  if (shown < parts.size()) std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) { return a->solid_voxels > b->solid_voxels; });
+  if (shown < parts.size()) std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) { return a->solid_voxels + a->fog_voxels > b->solid_voxels + b->fog_voxels; });
   for (std::size_t i = 0; i < shown; ++i) {
     const bake::Report::Part& part = *parts[i];
     fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, options, report.format), part.rig_origin, part.fill);
@@ -91,11 +91,12 @@ void printEstimate(const Options& options, const bake::Report& report) {
 }
 
 void printSummary(const Options& options, const bake::Report& report, double seconds) {
-  std::uint64_t triangles = 0, surface = 0, peak = 0;
+  std::uint64_t triangles = 0, surface = 0, fog = 0, peak = 0;
   std::size_t parts = 0;
   for (const bake::Report::Part& part : report.parts) {
     triangles += part.triangles;
     surface += part.surface_voxels;
+    fog += part.fog_voxels;
     parts += !part.carrier;
   }
   fmt::print(stderr, "kelp-bake: {}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
@@ -113,7 +114,10 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     peak = std::max(peak, stage.peak_bytes);
     if (!longest || stage.seconds > longest->seconds) longest = &stage;
   }
-  fmt::print(stderr, "kelp-bake: wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), counted(surface, "surface voxel"), seconds);
+  std::vector<std::string> made;
+  if (surface > 0 || fog == 0) made.push_back(counted(surface, "surface voxel"));
+  if (fog > 0) made.push_back(counted(fog, "voxel") + " of fog");
+  fmt::print(stderr, "kelp-bake: wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), fmt::join(made, ", "), seconds);
   if (longest) fmt::print(stderr, " ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds, printBytes(peak));
   std::fputs("\n", stderr);
 }

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "deep_fog.h"
+#include "deep_level.h"
 #include "emptiness.h"
 #include "kelp/fields/fields.h"
 #include "text.h"
@@ -18,28 +20,10 @@ namespace {
 
 using fields::Occupancy;
 
-struct Place {
-  int part = 0;
-  int level = 0;
-};
-
 std::uint64_t physicalMemory() {
   const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGE_SIZE);
   return pages > 0 && bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(bytes) : ~std::uint64_t{0};
 }
-
-glm::ivec3 positionOf(std::uint64_t index, const glm::ivec3& size) {
-  const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
-  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
-}
-
-// A level as it is stored.
-struct StoredLevel {
-  RawLevel raw;
-  glm::ivec3 size{0};
-  glm::ivec3 grid{0};
-  std::vector<glm::ivec3> brick_of_slot;
-};
 
 // In an occupancy, so that one array of all voxels serves for both: solid, and solid with an attribute.
 constexpr std::uint8_t kPlain = 1, kAttributed = 2;
@@ -58,41 +42,6 @@ Occupancy occupancyOf(const StoredLevel& level) {
   return occupancy;
 }
 
-// Counts the places of one kind in one level and remembers the first.
-class Tally {
- public:
-  Tally(DeepIssue issue, const Place& place) : issue_(issue), place_(place) {}
-
-  void add(std::optional<glm::ivec3> brick, std::optional<glm::ivec3> voxel, std::string detail = "") {
-    if (count_++ > 0) return;
-    brick_ = brick;
-    voxel_ = voxel;
-    detail_ = std::move(detail);
-  }
-  std::uint64_t count() const { return count_; }
-
-  void report(VerifyReport& into) const {
-    if (count_ == 0) return;
-    Finding finding;
-    finding.id = static_cast<int>(issue_);
-    finding.message = toString(issue_);
-    finding.detail = detail_;
-    finding.part = place_.part;
-    finding.level = place_.level;
-    finding.brick = brick_;
-    finding.voxel = voxel_;
-    finding.count = count_;
-    into.findings.push_back(finding);
-  }
-
- private:
-  DeepIssue issue_;
-  Place place_;
-  std::uint64_t count_ = 0;
-  std::optional<glm::ivec3> brick_, voxel_;
-  std::string detail_;
-};
-
 class DeepCheck {
  public:
   DeepCheck(PackFile& file, VerifyReport& report)
@@ -106,7 +55,8 @@ class DeepCheck {
     for (std::size_t p = 0; p < pack_.parts().size(); ++p) {
       if (unsound[p]) continue;
       requireMemory(static_cast<int>(p));
-      checkPart(static_cast<int>(p));
+      if (pack_.parts()[p].fog) checkFogDeeply(file_, static_cast<int>(p), threads_, report_);
+      else checkSolid(static_cast<int>(p));
     }
   }
 
@@ -114,18 +64,18 @@ class DeepCheck {
   void requireMemory(int p) const {
     const Part& part = pack_.parts()[static_cast<std::size_t>(p)];
     const std::uint64_t voxels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y) * static_cast<std::uint64_t>(part.size.z);
-    // Beside what buildLevel takes: the occupancy of this level and the finer one, and the stored level.
-    const std::uint64_t needed = fields::peakBytes(part.size, voxels) + 3 * voxels;
+    // Beside what recomputing takes, of solids: the occupancy of this level and the finer one, and the stored level.
+    const std::uint64_t needed = fields::peakBytes(part.size, voxels) + (part.fog ? deepFogBytes(voxels, part.fog->channels()) : 3 * voxels);
     if (const std::uint64_t memory = physicalMemory(); needed > memory)
       throw DumpError(kFailure, fmt::format("{}: part {} '{}': checking {} voxels deeply needs {} of memory, this machine has {}; verify without --deep, or on a larger machine",
                                             file_.path(), p, nameText(part.name), sizeText(part.size), bytesText(needed), bytesText(memory)));
   }
 
-  void checkPart(int part) {
+  void checkSolid(int part) {
     Occupancy finer;
     for (int l = 0; l < pack_.parts()[static_cast<std::size_t>(part)].levels; ++l) {
       const Place place{part, l};
-      const StoredLevel level = readLevel(place);
+      const StoredLevel level = readStored(file_, place);
       Occupancy occupancy = occupancyOf(level);
       if (l > 0) checkOccupancy(place, occupancy, fields::coarser(finer, threads_));
       checkAttributes(place, occupancy, l == 0 ? nullptr : &finer);
@@ -133,30 +83,6 @@ class DeepCheck {
       checkEmptiness(place, level, occupancy);
       finer = std::move(occupancy);
     }
-  }
-
-  StoredLevel readLevel(const Place& place) const {
-    const auto where = [&] {
-      return fmt::format("part {} '{}', level {}", place.part, nameText(pack_.parts()[static_cast<std::size_t>(place.part)].name), place.level);
-    };
-    const Result<LevelGrid> grid = pack_.readGrid(place.part, place.level);
-    if (!grid) file_.fail(grid.error(), where());
-    StoredLevel level;
-    level.size = grid->size;
-    level.grid = grid->grid;
-    level.raw.cells.assign(grid->cells.begin(), grid->cells.end());
-    level.brick_of_slot.resize(grid->bricks);
-    for (std::size_t c = 0; c < level.raw.cells.size(); ++c) {
-      if (level.raw.cells[c] & kCellSolid) level.brick_of_slot[level.raw.cells[c] & kCellSlotMask] = positionOf(c, level.grid);
-    }
-    level.raw.codes.reserve(std::size_t{grid->bricks} * kBrickVoxels);
-    PageData page;
-    for (const PageInfo& info : grid->pages) {
-      if (const Result<void> read = pack_.readPage(info, page); !read) file_.fail(read.error(), where());
-      level.raw.codes.insert(level.raw.codes.end(), page.codes.begin(), page.codes.end());
-      level.raw.attributes.insert(level.raw.attributes.end(), page.attributes.begin(), page.attributes.end());
-    }
-    return level;
   }
 
   void checkOccupancy(const Place& place, const Occupancy& stored, const Occupancy& expected) {
@@ -206,16 +132,14 @@ class DeepCheck {
     const RawLevel exact = fields::buildLevel(occupancy, surface, threads_);
     Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
     for (std::size_t c = 0; c < exact.cells.size(); ++c) {
-      const std::uint32_t stored = level.raw.cells[c], right = exact.cells[c];
-      const glm::ivec3 brick = positionOf(c, level.grid);
+      const std::uint32_t right = exact.cells[c];
       // Both agree on which bricks are stored and on their slots: the occupancy came from the stored cells, every stored brick holds a solid
       // voxel, and slots ascend in Morton order; formats' verify has looked.
       if (right & kCellSolid) {
         const std::size_t codes = std::size_t{right & kCellSlotMask} * kBrickVoxels;
-        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, brick, occupancy, untrue, lesser);
-      } else if (stored != right) {
-        const bool broken = breaksPromise(stored, brick, exact.cells, level.grid, cellClearance(right));
-        (broken ? untrue : lesser).add(brick, std::nullopt, fmt::format("box of {} stored, {} are right", cellText(stored), cellText(right)));
+        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, positionOf(c, level.grid), occupancy, untrue, lesser);
+      } else {
+        compareCell(level.raw.cells[c], c, exact.cells, level.grid, untrue, lesser);
       }
     }
     untrue.report(report_);
@@ -242,7 +166,7 @@ class DeepCheck {
 const char* toString(DeepIssue issue) {
   switch (issue) {
     case DeepIssue::kFalseEmptiness:
-      return "A cell or code promises emptiness where something is solid, so that rays skip voxels. The program that wrote the pack is wrong: bake it again.";
+      return "A cell or code promises emptiness where something is, so that rays skip it. The program that wrote the pack is wrong: bake it again.";
     case DeepIssue::kNotBestEmptiness:
       return "A cell or code promises another emptiness than the best, so that rays take needless steps. Bake the pack again.";
     case DeepIssue::kLacksVoxel:
@@ -253,6 +177,12 @@ const char* toString(DeepIssue issue) {
       return "A voxel of the surface has no colour and normal. Bake the pack again.";
     case DeepIssue::kExtraAttribute:
       return "A voxel that is not of the surface has a colour and normal. Bake the pack again.";
+    case DeepIssue::kFogSample:
+      return "A sample of fog is not the mean of the next finer level's, so that fog changes from afar. Bake the pack again.";
+    case DeepIssue::kFogExtinction:
+      return "A level of fog is not as dense as the next finer one. Bake the pack again.";
+    case DeepIssue::kFogSeam:
+      return "Bricks of fog disagree about a sample that they share, so that a seam shows. The program that wrote the pack is wrong: bake it again.";
   }
   return "Unknown issue.";
 }

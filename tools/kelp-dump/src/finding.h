@@ -21,6 +21,9 @@ enum class DeepIssue : int {
   kExtraVoxel = 503,
   kSurfaceLacksAttribute = 504,
   kExtraAttribute = 505,
+  kFogSample = 506,
+  kFogExtinction = 507,
+  kFogSeam = 508,
 };
 
 // A sentence that explains the id and says what to do. Static storage.
@@ -37,7 +40,7 @@ struct Finding {
   int level = -1;
   std::int64_t page = -1;
   std::optional<glm::ivec3> brick;    // position in the grid, of the first place
-  std::optional<glm::ivec3> voxel;    // of the first place
+  std::optional<glm::ivec3> voxel;    // of the first place; of fog, the sample
   std::uint64_t count = 1;            // how many places of this kind in this level
 };
 

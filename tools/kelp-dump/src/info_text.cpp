@@ -15,8 +15,26 @@ namespace {
 
 constexpr std::size_t kMostParts = 12, kMostClips = 16, kMostColours = 12;
 
+double percent(std::uint64_t some, std::uint64_t all) { return 100.0 * static_cast<double>(some) / static_cast<double>(std::max<std::uint64_t>(all, 1)); }
+
 std::string more(std::size_t total, std::size_t shown, const char* what) {
   return total > shown ? fmt::format("  ... and {} more {} (--format json lists all)\n", total - shown, what) : "";
+}
+
+// What fog does to light, in a line, and how much of each level is there.
+std::string fogText(const PartSummary& p) {
+  const Fog& fog = *p.part->fog;
+  std::string text = fmt::format("    fog of {}{}, anisotropy {:.3g}", swatch({fog.color, 1}), hexColour({fog.color, 1}), fog.anisotropy);
+  if (fog.ramp.empty()) text += "; no heat";
+  else text += fmt::format("; glow {:.4g} in {} from {:.3g} {:.3g} {:.3g} to {:.3g} {:.3g} {:.3g}", fog.glow, plural(fog.ramp.size(), "colour"), fog.ramp.front().r,
+                           fog.ramp.front().g, fog.ramp.front().b, fog.ramp.back().r, fog.ramp.back().g, fog.ramp.back().b);
+  text += fmt::format("\n    {:<6}{:>20}{:>12}{:>12}{:>14}{:>14}{:>12}\n", "level", "voxels", "bricks", "of grid", "not clear", "extinction", "stored");
+  for (std::size_t l = 0; l < p.levels.size(); ++l) {
+    const LevelSummary& level = p.levels[l];
+    text += fmt::format("    {:<6}{:>20}{:>12}{:>10.1f} %{:>12.1f} %{:>14.4g}{:>12}\n", l, sizeText(level.size), countText(level.bricks), percent(level.bricks, level.cells),
+                        percent(level.foggy, level.cubes), fog.extinction[l], bytesText(level.stored));
+  }
+  return text;
 }
 
 std::string partText(const Summary& summary, std::size_t index) {
@@ -30,11 +48,11 @@ std::string partText(const Summary& summary, std::size_t index) {
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k) text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);
+  if (part.fog) return text + "\n" + fogText(p);
   text += fmt::format("\n    {:<6}{:>20}{:>12}{:>12}{:>14}{:>14}{:>12}\n", "level", "voxels", "bricks", "of grid", "solid", "surface", "stored");
   for (std::size_t l = 0; l < p.levels.size(); ++l) {
     const LevelSummary& level = p.levels[l];
-    const double filled = 100.0 * static_cast<double>(level.bricks) / static_cast<double>(std::max<std::uint64_t>(level.cells, 1));
-    text += fmt::format("    {:<6}{:>20}{:>12}{:>10.1f} %{:>14}{:>14}{:>12}\n", l, sizeText(level.size), countText(level.bricks), filled, countText(level.solid),
+    text += fmt::format("    {:<6}{:>20}{:>12}{:>10.1f} %{:>14}{:>14}{:>12}\n", l, sizeText(level.size), countText(level.bricks), percent(level.bricks, level.cells), countText(level.solid),
                         countText(level.surface), bytesText(level.stored));
   }
   return text;

@@ -24,12 +24,14 @@ Json partJson(const PartSummary& p) {
   const Part& part = *p.part;
   Json knots = Json::array(), levels = Json::array(), to_object = Json::array();
   for (const Knot& knot : part.knots) knots.push_back({{"at", knot.at}, {"position", array3(knot.position)}, {"tangent", array3(knot.tangent)}});
-  for (const LevelSummary& level : p.levels) {
+  for (std::size_t l = 0; l < p.levels.size(); ++l) {
+    const LevelSummary& level = p.levels[l];
     levels.push_back({{"size", array3(level.size)}, {"cells", level.cells}, {"bricks", level.bricks}, {"pages", level.pages},
                       {"solid_voxels", level.solid}, {"surface_voxels", level.surface}, {"stored_bytes", level.stored}});
+    if (part.fog) levels.back().update({{"cubes", level.cubes}, {"cubes_not_clear", level.foggy}, {"extinction", part.fog->extinction[l]}});
   }
   for (int column = 0; column < 4; ++column) to_object.push_back(array3(part.to_object[column]));
-  return {{"name", part.name},
+  Json json = {{"name", part.name},
           {"parent", part.parent >= 0 ? Json(part.parent) : Json(nullptr)},
           {"kind", part.kind == PartKind::kFog ? "fog" : "solid"},
           {"size", array3(part.size)},
@@ -37,6 +39,12 @@ Json partJson(const PartSummary& p) {
           {"to_object", to_object},
           {"knots", knots},
           {"levels", levels}};
+  if (part.fog) {
+    Json ramp = Json::array();
+    for (const glm::vec3& color : part.fog->ramp) ramp.push_back(array3(color));
+    json["fog"] = {{"color", array3(part.fog->color)}, {"hex", hexColour({part.fog->color, 1})}, {"anisotropy", part.fog->anisotropy}, {"glow", part.fog->glow}, {"ramp", ramp}};
+  }
+  return json;
 }
 
 Json clipJson(const Clip& clip) {

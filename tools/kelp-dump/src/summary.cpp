@@ -5,12 +5,37 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "deep_level.h"
+#include "kelp/formats/fog.h"
 #include "text.h"
 
 namespace kelp::dump {
 namespace {
+
+// Of the bricks of a page of fog, the cubes within the level that are not clear. positions: of the bricks, by slot.
+std::uint64_t foggyCubes(const PageData& page, int channels, const std::vector<glm::ivec3>& positions, const glm::ivec3& cubes) {
+  std::uint64_t foggy = 0;
+  const std::size_t bricks = page.count;
+  for (std::size_t brick = 0; brick < bricks; ++brick) {
+    const glm::ivec3 room = glm::min(cubes - kBrickSide * positions[page.first_slot + brick], glm::ivec3(kBrickSide));
+    for (int i = 0; i < room.x * room.y * room.z; ++i) {
+      const glm::ivec3 cube(i % room.x, i / room.x % room.y, i / room.x / room.y);
+      bool any = false;
+      for (std::size_t channel = 0; channel < static_cast<std::size_t>(channels); ++channel) {
+        const std::uint8_t* const samples = page.fog.data() + (channel * bricks + brick) * kFogSamples;
+        for (int corner = 0; corner < 8; ++corner) {
+          const glm::ivec3 at = cube + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2);
+          any = any || samples[at.x + kFogSide * (at.y + kFogSide * at.z)] != 0;
+        }
+      }
+      foggy += any;
+    }
+  }
+  return foggy;
+}
 
 LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std::uint64_t, 256>& palette_use) {
   const Pack& pack = file.pack();
@@ -18,7 +43,15 @@ LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std:
   const Result<LevelGrid> grid = pack.readGrid(part, level);
   if (!grid) file.fail(grid.error(), where());
   LevelSummary summary;
-  summary.size = grid->size;
+  const Part& of = pack.parts()[static_cast<std::size_t>(part)];
+  summary.size = levelSize(of.size, level);
+  std::vector<glm::ivec3> positions;
+  if (of.fog) {
+    summary.cubes = static_cast<std::uint64_t>(grid->size.x) * static_cast<std::uint64_t>(grid->size.y) * static_cast<std::uint64_t>(grid->size.z);
+    positions.resize(grid->bricks);
+    for (std::size_t c = 0; c < grid->cells.size(); ++c)
+      if (grid->cells[c] & kCellSolid) positions[grid->cells[c] & kCellSlotMask] = positionOf(c, grid->grid);
+  }
   summary.cells = grid->cells.size();
   summary.bricks = grid->bricks;
   summary.pages = grid->pages.size();
@@ -26,6 +59,7 @@ LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std:
   for (const PageInfo& info : grid->pages) {
     summary.page_bytes += info.raw;
     if (const Result<void> read = pack.readPage(info, page); !read) file.fail(read.error(), where());
+    if (of.fog) summary.foggy += foggyCubes(page, info.channels, positions, grid->size);
     summary.solid += static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));
     summary.surface += page.attributes.size();
     if (level > 0) continue;
@@ -33,14 +67,18 @@ LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std:
   }
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
     const std::string kind = fourccText(chunk.fourcc);
-    if ((kind == "GRID" || kind == "BRCK") && chunk.part == static_cast<std::uint32_t>(part) && chunk.level == static_cast<std::uint32_t>(level))
+    if ((kind == "GRID" || kind == "BRCK" || kind == "FOGB") && chunk.part == static_cast<std::uint32_t>(part) && chunk.level == static_cast<std::uint32_t>(level))
       summary.stored += chunk.stored;
   }
   return summary;
 }
 
-// page_bytes: what the pages of all BRCK chunks decode to; the index counts these chunks as they are stored, each page being a frame of its own.
-std::vector<ChunkSummary> summarizeChunks(const Pack& pack, std::uint64_t page_bytes) {
+// What the pages of all BRCK, and of all FOGB, chunks decode to; the index counts these chunks as they are stored, each page being a frame of its own.
+struct PageBytes {
+  std::uint64_t solid = 0, fog = 0;
+};
+
+std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const PageBytes& pages) {
   std::vector<ChunkSummary> kinds;
   std::uint64_t in_chunks = 0;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
@@ -49,7 +87,7 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, std::uint64_t page_b
     if (same == kinds.end()) same = kinds.insert(same, ChunkSummary{kind, 0, 0, 0});
     ++same->count;
     same->stored += chunk.stored;
-    same->raw = kind == "BRCK" ? page_bytes : same->raw + chunk.raw;
+    same->raw = kind == "BRCK" ? pages.solid : kind == "FOGB" ? pages.fog : same->raw + chunk.raw;
     in_chunks += chunk.stored;
   }
   const std::uint64_t other = pack.fileSize() - std::min(pack.fileSize(), in_chunks);
@@ -79,11 +117,11 @@ Summary summarize(PackFile& file) {
     for (int axis = 0; axis < 3; ++axis) out.voxel[axis] = glm::length(glm::dvec3(part.to_object[axis]));
     for (int level = 0; level < part.levels; ++level) out.levels.push_back(summarizeLevel(file, static_cast<int>(p), level, summary.palette_use));
   }
-  std::uint64_t page_bytes = 0;
+  PageBytes pages;
   for (const PartSummary& part : summary.parts) {
-    for (const LevelSummary& level : part.levels) page_bytes += level.page_bytes;
+    for (const LevelSummary& level : part.levels) (part.part->fog ? pages.fog : pages.solid) += level.page_bytes;
   }
-  summary.chunks = summarizeChunks(pack, page_bytes);
+  summary.chunks = summarizeChunks(pack, pages);
   return summary;
 }
 

@@ -19,6 +19,8 @@ struct LevelSummary {
   std::uint64_t page_bytes = 0;  // decoded
   std::uint64_t solid = 0;     // voxels
   std::uint64_t surface = 0;   // voxels with an attribute
+  std::uint64_t cubes = 0;     // of fog: between its samples
+  std::uint64_t foggy = 0;     // cubes that are not clear
   std::uint64_t stored = 0;    // bytes in the file
 };
 

@@ -16,12 +16,12 @@ enum class IssueId : std::uint16_t {
   kChunkChecksum = 200,     // the bytes of a chunk differ from their checksum
   kPaddingNotZero = 201,    // a byte between chunks, or a reserved field, is not zero
   kUnknownChunk = 202,      // (warning) an optional chunk that this version does not know
-  kMetadata = 300,          // PART, MATL, RIGS, CLIP or INFO contradicts itself
+  kMetadata = 300,          // PART, MATL, FOGS, RIGS, CLIP or INFO contradicts itself
   kNotMonotone = 301,       // the rest rig of a part turns back
   kGrid = 400,              // a grid can not be read
   kPage = 401,              // a page can not be read
-  kBrickWithoutSolid = 402, // a stored brick holds no solid voxel
-  kOutsideVolume = 403,     // a solid voxel lies outside the level's size
+  kBrickWithoutSolid = 402, // a stored brick holds no solid voxel, or no fog
+  kOutsideVolume = 403,     // a solid voxel, or a sample of fog, lies outside the level's size
   kPaletteIndex = 404,      // an attribute names a palette entry that does not exist
 };
 
