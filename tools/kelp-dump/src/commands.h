@@ -21,5 +21,9 @@ int info(const std::string& path, Format format);
 int verify(const std::string& path, bool deep, Format format);
 // `part` is a name or an index; empty: the first.
 int rig(const std::string& path, const std::string& part);
+// `part` is a name or an index; empty: all. `format` is vox, ply, slices, vdb or nvdb.
+int extract(const std::string& path, const std::string& format, const std::string& output, const std::string& part, int level);
+// The formats that this program was built with: "vox, ply, ...".
+std::string extractFormats();
 
 }  // namespace kelp::dump
