@@ -22,7 +22,8 @@ std::string real(float value) { return fmt::format("{}", value); }  // the short
 VoxAttributes lightOf(const Material& m, float& lost) {
   const glm::vec3 base(m.base_color);
   const int brightest = m.emissive.x >= m.emissive.y && m.emissive.x >= m.emissive.z ? 0 : m.emissive.y >= m.emissive.z ? 1 : 2;
-  const float ratio = base[brightest] > 0 ? m.emissive[brightest] / base[brightest] : 5.0f;
+  const float exact = base[brightest] > 0 ? m.emissive[brightest] / base[brightest] : 5.0f, plain = std::round(exact * 1e4f) / 1e4f;
+  const float ratio = base * plain == m.emissive ? plain : exact;  // what somebody chose, without what rounding made of it
   const float kept = std::min(ratio, 5.0f);
   lost = glm::length(m.emissive - base * kept);
   VoxAttributes attributes = {{"_type", "_emit"}, {"_emit", real(std::min(kept, 1.0f))}};
