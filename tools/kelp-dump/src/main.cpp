@@ -29,7 +29,7 @@ int run(int argc, char** argv) {
       "\n"
       "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack, 4 failure at run time, 5 unsupported feature.");
 
-  std::string path, part;
+  std::string path, part, axis = "+y";
   std::string format_name = "text";
   bool deep = false;
   int level = 0;
@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   CLI::App* const rig_command = app.add_subcommand("rig", "Print the rig and clips of a part as rig JSON");
   addPack(rig_command);
   rig_command->add_option("--part", part, "name or index of the part")->option_text("NAME|INDEX [the first]");
+  rig_command->add_option("--axis", axis, "where the spline runs in the file that the rig is for; vectors are in that file's axes")->option_text("+x|-x|+y|-y|+z|-z [+y]");
   CLI::App* const extract_command = app.add_subcommand("extract", "Write the voxels of a pack in another program's format");
   addPack(extract_command);
   std::vector<std::pair<std::string, std::string>> outputs = {{"vox", ""}, {"vdb", ""}, {"nvdb", ""}, {"ply", ""}, {"slices", ""}};
@@ -72,7 +73,7 @@ int run(int argc, char** argv) {
   const Format format = format_name == "json" ? Format::kJson : Format::kText;
   if (info_command->parsed()) return info(path, format);
   if (verify_command->parsed()) return verify(path, deep, format);
-  if (rig_command->parsed()) return rig(path, part);
+  if (rig_command->parsed()) return rig(path, part, axis);
   std::string wanted, output;
   for (const auto& [name, file] : outputs) {
     if (extract_command->count("--" + name) == 0) continue;

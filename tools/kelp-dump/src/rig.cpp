@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,9 @@ std::vector<RawClip> clipsOf(const Pack& pack) {
 
 }  // namespace
 
-int rig(const std::string& path, const std::string& wanted) {
+int rig(const std::string& path, const std::string& wanted, const std::string& axis_name) {
+  const std::optional<Axis> axis = parseAxis(axis_name);
+  if (!axis) throw DumpError(kUsage, fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(axis_name, 40)));
   PackFile file(path);
   const Pack& pack = file.pack();
   const std::uint32_t index = wanted.empty() ? 0 : file.findPart(wanted);
@@ -31,7 +34,7 @@ int rig(const std::string& path, const std::string& wanted) {
   if (wanted.empty() && pack.parts().size() > 1)
     fmt::print(stderr, "kelp-dump: {}: has {} parts, this is part 0 '{}'; choose another with --part\n", path, pack.parts().size(), nameText(part.name));
   try {
-    print(printRig(describeRig(part.knots, clipsOf(pack), index, part.size)));
+    print(printRig(describeRig(part.knots, clipsOf(pack), index, part.size, *axis)));
   } catch (const RigError& error) {
     throw DumpError(kInvalid, fmt::format("{}: part {} '{}': {}", path, index, nameText(part.name), error.what()));
   }
