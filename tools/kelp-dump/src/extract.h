@@ -25,6 +25,9 @@ struct ExtractRequest {
 // A line to stderr, for what the user should know though it went well: "kelp-dump: reed.kelp: ...".
 void note(const ExtractRequest& request, const std::string& text);
 
+// Says how the rigs of the parts that bend come along, where `kelp-dump rig` as such is not the answer. `file_to_object` turns the file's axes to the object's.
+void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& parts, const glm::dmat3& file_to_object);
+
 // The parts that are solid: what surfaces are made of. DumpError (kUnsupported) if none is; says which ones are left out.
 std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format);
 

@@ -20,6 +20,7 @@ void extractNvdb(const ExtractRequest& request) {
     nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles);
     stream.close();
     out.commit();
+    noteRigs(request, request.parts, glm::dmat3(1));
   });
 }
 

@@ -12,6 +12,7 @@ void extractVdb(const ExtractRequest& request) {
     file.write(grids);
     file.close();
     out.commit();
+    noteRigs(request, request.parts, glm::dmat3(1));
   });
 }
 

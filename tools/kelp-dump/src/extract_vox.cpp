@@ -121,6 +121,7 @@ class VoxWriter {
     out.write(rest);
     out.commit();
     for (const std::string& text : palette_.notes) note(request_, text);
+    noteRigs(request_, parts_, glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0)));
     sayWhereItStands();
   }
 
@@ -253,6 +254,8 @@ class VoxWriter {
       }
       first = end;
     }
+    // Of objects in one place the first is seen; the last part is the one on top.
+    std::reverse(tops.begin(), tops.end());
     transform(0, 1, -1, {}, {});
     group(1, tops);
     return nodes;
