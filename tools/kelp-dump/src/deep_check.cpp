@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "deep_check.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <thread>
 #include <utility>
@@ -9,7 +11,6 @@
 
 #include "emptiness.h"
 #include "kelp/fields/fields.h"
-#include "machine.h"
 #include "text.h"
 
 namespace kelp::dump {
@@ -21,6 +22,11 @@ struct Place {
   int part = 0;
   int level = 0;
 };
+
+std::uint64_t physicalMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGE_SIZE);
+  return pages > 0 && bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(bytes) : ~std::uint64_t{0};
+}
 
 glm::ivec3 positionOf(std::uint64_t index, const glm::ivec3& size) {
   const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);

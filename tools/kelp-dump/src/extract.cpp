@@ -68,7 +68,7 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
   }
 }
 
-StoredLevel ExtractRequest::read(std::uint32_t index) const { return StoredLevel(file, index, std::min(level, part(index).levels - 1)); }
+LevelVoxels ExtractRequest::read(std::uint32_t index) const { return LevelVoxels(file, index, std::min(level, part(index).levels - 1)); }
 
 void note(const ExtractRequest& request, const std::string& text) { fmt::print(stderr, "kelp-dump: {}: {}\n", request.file.path(), text); }
 

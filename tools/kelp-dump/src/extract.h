@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pack_file.h"
-#include "stored_level.h"
+#include "level_voxels.h"
 
 namespace kelp::dump {
 
@@ -19,7 +19,7 @@ struct ExtractRequest {
 
   const Part& part(std::uint32_t index) const { return file.pack().parts()[index]; }
   bool fog(std::uint32_t index) const { return part(index).kind == PartKind::kFog; }
-  StoredLevel read(std::uint32_t index) const;
+  LevelVoxels read(std::uint32_t index) const;
 };
 
 // A line to stderr, for what the user should know though it went well: "kelp-dump: reed.kelp: ...".

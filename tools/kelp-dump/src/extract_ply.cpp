@@ -39,7 +39,7 @@ Face faceOf(int side) {
 }
 
 template <class F>
-void eachFace(const StoredLevel& level, F&& f) {
+void eachFace(const LevelVoxels& level, F&& f) {
   Face faces[kFaces];
   for (int side = 0; side < kFaces; ++side) faces[side] = faceOf(side);
   level.eachSolid([&](const glm::ivec3& voxel) {
@@ -48,7 +48,7 @@ void eachFace(const StoredLevel& level, F&& f) {
   });
 }
 
-void writeVertices(const ExtractRequest& request, const StoredLevel& level, OutputFile& out) {
+void writeVertices(const ExtractRequest& request, const LevelVoxels& level, OutputFile& out) {
   const std::span<const Material> palette = request.file.pack().palette();
   const glm::dmat4x3& to_object = level.toObject();
   // Normals go by the inverse transpose; up to a positive factor, that is the matrix of cofactors times the determinant's sign.

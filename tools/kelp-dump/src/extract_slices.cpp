@@ -32,7 +32,7 @@ void writePicture(const std::filesystem::path& path, const glm::ivec2& size, int
   out.commit();
 }
 
-void writeSolid(const ExtractRequest& request, const StoredLevel& level, const std::filesystem::path& stem) {
+void writeSolid(const ExtractRequest& request, const LevelVoxels& level, const std::filesystem::path& stem) {
   const std::span<const Material> palette = request.file.pack().palette();
   std::vector<Rgba> colors;
   for (const Material& material : palette) colors.push_back(displayColor(material));
@@ -44,7 +44,7 @@ void writeSolid(const ExtractRequest& request, const StoredLevel& level, const s
     for (int z = 0; z < size.z; ++z) {
       level.paletteRow(y, z, row);
       for (const std::int16_t entry : row) {
-        const Rgba color = entry == StoredLevel::kEmpty ? Rgba{} : colors[std::min(static_cast<std::size_t>(entry), colors.size() - 1)];
+        const Rgba color = entry == LevelVoxels::kEmpty ? Rgba{} : colors[std::min(static_cast<std::size_t>(entry), colors.size() - 1)];
         pixels.insert(pixels.end(), {color.r, color.g, color.b, color.a});
       }
     }
@@ -52,7 +52,7 @@ void writeSolid(const ExtractRequest& request, const StoredLevel& level, const s
   }
 }
 
-void writeFog(const StoredLevel& level, const std::filesystem::path& stem) {
+void writeFog(const LevelVoxels& level, const std::filesystem::path& stem) {
   const glm::ivec3 size = level.size();
   std::vector<std::uint8_t> density(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.z)), heat(level.hot() ? density.size() : 0);
   for (int y = 0; y < size.y; ++y) {
@@ -72,7 +72,7 @@ void extractSlices(const ExtractRequest& request) {
     throw DumpError(kIo, fmt::format("{}: is no folder and can not be made one{}; name a folder for the pictures", request.output, problem ? ": " + problem.message() : ""));
   std::set<std::string> taken;
   for (const std::uint32_t part : request.parts) {
-    const StoredLevel level = request.read(part);
+    const LevelVoxels level = request.read(part);
     const std::filesystem::path stem = folder / fileName(request.part(part).name, part, taken);
     if (level.fog()) writeFog(level, stem);
     else writeSolid(request, level, stem);

@@ -33,7 +33,7 @@ struct Placement {
 };
 
 // The whole-numbered placement that is nearest to the part's; the voxels of the file have this edge, in metres.
-Placement placementOf(const StoredLevel& level, double edge) {
+Placement placementOf(const LevelVoxels& level, double edge) {
   Placement out;
   const glm::dmat4x3& to_object = level.toObject();
   // Object axes of the file's: x, -z, y.
@@ -128,7 +128,7 @@ class VoxWriter {
  private:
   // A part's models, and which colours its voxels have.
   void countPart(std::uint32_t part, std::array<bool, 256>& used) {
-    const StoredLevel level = request_.read(part);
+    const LevelVoxels level = request_.read(part);
     if (edge_ == 0) edge_ = level.edge();
     Placement placement = placementOf(level, edge_);
     for (const std::int64_t shift : placement.shift)
@@ -176,14 +176,14 @@ class VoxWriter {
   // All models of one part; answers the first of the next.
   std::size_t writeModels(std::size_t first, OutputFile& out) const {
     const std::uint32_t part = models_[first].part;
-    const StoredLevel level = request_.read(part);
+    const LevelVoxels level = request_.read(part);
     const Placement& placement = placements_[static_cast<std::size_t>(std::find(parts_.begin(), parts_.end(), part) - parts_.begin())];
     std::size_t at = first;
     for (; at < models_.size() && models_[at].part == part; ++at) writeModel(models_[at], level, placement, out);
     return at;
   }
 
-  void writeModel(const Model& model, const StoredLevel& level, const Placement& placement, OutputFile& out) const {
+  void writeModel(const Model& model, const LevelVoxels& level, const Placement& placement, OutputFile& out) const {
     out.write(sizeChunk(model));
     out.write(Chunk("XYZI").integer(model.voxels).bytes(std::uint64_t{4} * model.voxels));
     // The model's box in the part, whose rows go along x.
@@ -206,7 +206,7 @@ class VoxWriter {
         bytes[to[2]] = local(2, z);
         for (int x = low.x; x < high.x; ++x) {
           const std::int16_t entry = row[static_cast<std::size_t>(x)];
-          if (entry == StoredLevel::kEmpty) continue;
+          if (entry == LevelVoxels::kEmpty) continue;
           bytes[to[0]] = local(0, x);
           bytes[3] = static_cast<char>(palette_.index_of[static_cast<std::size_t>(entry)]);
           out.write(std::string_view(bytes, 4));

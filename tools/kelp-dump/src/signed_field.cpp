@@ -7,6 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "machine.h"
+#include "text.h"
+
 namespace kelp::dump {
 namespace {
 
@@ -17,7 +22,7 @@ constexpr int kRounds = 32;
 glm::ivec3 floorBrick(const glm::ivec3& voxel) { return (voxel + kBrickSide) / kBrickSide - 1; }  // of voxels from -8 on
 
 // The distance of a surface voxel's centre: as deep as the empty voxels around it allow, and as the solid ones demand.
-float depthOf(const StoredLevel& level, const glm::ivec3& voxel, const glm::vec3& normal) {
+float depthOf(const LevelVoxels& level, const glm::ivec3& voxel, const glm::vec3& normal) {
   float low = -2, high = 0;
   for (int z = -1; z <= 1; ++z)
     for (int y = -1; y <= 1; ++y)
@@ -31,25 +36,33 @@ float depthOf(const StoredLevel& level, const glm::ivec3& voxel, const glm::vec3
 
 }  // namespace
 
-SignedField::SignedField(const StoredLevel& level) : level_(level) {
+SignedField::SignedField(const LevelVoxels& level) : level_(level) {
   std::vector<Sample> samples;
   samples.reserve(level.surfaceVoxels());
   level.eachSurface([&](const glm::ivec3& voxel, std::uint32_t attribute) {
     const glm::vec3 normal = decodeNormal(attributeNormal(attribute));
     samples.push_back({voxel, normal, depthOf(level, voxel, normal)});
   });
+  makeBricks(samples);
   spread(samples);
   keepSides();
   for (int round = 0; round < kRounds; ++round) followNormals(samples);
 }
 
-std::size_t SignedField::makeBrick(const glm::ivec3& brick) {
-  const auto [found, fresh] = index_.try_emplace(keyOf(brick), static_cast<std::uint32_t>(places_.size()));
-  if (fresh) {
-    places_.push_back(brick);
-    values_.resize(values_.size() + kBrickVoxels, 0.0f);
+// All bricks that the samples reach, so that their memory is known before it is taken.
+void SignedField::makeBricks(const std::vector<Sample>& samples) {
+  for (const Sample& sample : samples) {
+    const glm::ivec3 from = floorBrick(sample.voxel - kReach), to = floorBrick(sample.voxel + kReach);
+    for (int z = from.z; z <= to.z; ++z)
+      for (int y = from.y; y <= to.y; ++y)
+        for (int x = from.x; x <= to.x; ++x)
+          if (index_.try_emplace(keyOf({x, y, z}), static_cast<std::uint32_t>(places_.size())).second) places_.push_back({x, y, z});
   }
-  return found->second;
+  // Values and weights here, and a grid made of them.
+  const std::uint64_t needed = std::uint64_t{places_.size()} * kBrickVoxels * 3 * sizeof(float);
+  if (const std::uint64_t memory = physicalMemory(); needed > memory)
+    throw DumpError(kFailure, fmt::format("distances around {} surface voxels need {} of memory, this machine has {}; extract a coarser --level, or one --part", countText(samples.size()), bytesText(needed), bytesText(memory)));
+  values_.assign(places_.size() * kBrickVoxels, 0.0f);
 }
 
 float& SignedField::at(const glm::ivec3& voxel) {
@@ -57,14 +70,13 @@ float& SignedField::at(const glm::ivec3& voxel) {
 }
 
 void SignedField::spread(const std::vector<Sample>& samples) {
-  std::vector<float> weights;
+  std::vector<float> weights(values_.size(), 0.0f);
   for (const Sample& sample : samples) {
     const glm::ivec3 first = sample.voxel - kReach, last = sample.voxel + kReach, from = floorBrick(first), to = floorBrick(last);
     for (int bz = from.z; bz <= to.z; ++bz)
       for (int by = from.y; by <= to.y; ++by)
         for (int bx = from.x; bx <= to.x; ++bx) {
-          const std::size_t base = makeBrick({bx, by, bz}) * kBrickVoxels;
-          weights.resize(values_.size(), 0.0f);
+          const std::size_t base = std::size_t{index_.find(keyOf({bx, by, bz}))->second} * kBrickVoxels;
           const glm::ivec3 low = glm::max(first, glm::ivec3(bx, by, bz) * kBrickSide), high = glm::min(last, glm::ivec3(bx, by, bz) * kBrickSide + (kBrickSide - 1));
           for (int z = low.z; z <= high.z; ++z)
             for (int y = low.y; y <= high.y; ++y)

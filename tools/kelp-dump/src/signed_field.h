@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "stored_level.h"
+#include "level_voxels.h"
 
 namespace kelp::dump {
 
@@ -17,7 +17,8 @@ class SignedField {
  public:
   static constexpr float kHalfWidth = 3;
 
-  explicit SignedField(const StoredLevel& level);
+  // DumpError (kFailure) where this machine has not the memory.
+  explicit SignedField(const LevelVoxels& level);
 
   struct Brick {
     glm::ivec3 at;        // in bricks; may lie beside the level's grid
@@ -36,13 +37,13 @@ class SignedField {
   static std::uint64_t keyOf(const glm::ivec3& brick) {  // sides of a level are below 2^15 bricks
     return static_cast<std::uint64_t>(brick.x + 1) | static_cast<std::uint64_t>(brick.y + 1) << 20 | static_cast<std::uint64_t>(brick.z + 1) << 40;
   }
-  std::size_t makeBrick(const glm::ivec3& brick);
+  void makeBricks(const std::vector<Sample>& samples);
   float& at(const glm::ivec3& voxel);
   void spread(const std::vector<Sample>& samples);
   void followNormals(const std::vector<Sample>& samples);
   void keepSides();
 
-  const StoredLevel& level_;
+  const LevelVoxels& level_;
   std::vector<glm::ivec3> places_;
   std::vector<float> values_;
   std::unordered_map<std::uint64_t, std::uint32_t> index_;

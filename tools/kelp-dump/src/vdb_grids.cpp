@@ -16,7 +16,7 @@ using openvdb::Coord;
 Coord coordOf(const glm::ivec3& voxel) { return Coord(voxel.x, voxel.y, voxel.z); }
 
 // Voxel centres are at whole numbers in OpenVDB. It multiplies row vectors.
-openvdb::math::Transform::Ptr transformOf(const StoredLevel& level) {
+openvdb::math::Transform::Ptr transformOf(const LevelVoxels& level) {
   const glm::dmat4x3& to_object = level.toObject();
   const glm::dvec3 origin = to_object * glm::dvec4(0.5, 0.5, 0.5, 1);
   openvdb::Mat4d rows = openvdb::Mat4d::identity();
@@ -29,7 +29,7 @@ openvdb::math::Transform::Ptr transformOf(const StoredLevel& level) {
 }
 
 template <class Grid>
-typename Grid::Ptr makeGrid(const std::string& name, const StoredLevel& level, const typename Grid::ValueType& background) {
+typename Grid::Ptr makeGrid(const std::string& name, const LevelVoxels& level, const typename Grid::ValueType& background) {
   auto grid = Grid::create(background);
   grid->setName(name);
   grid->setTransform(transformOf(level));
@@ -56,7 +56,7 @@ std::string paletteText(std::span<const Material> palette) {
 // A leaf's voxels are numbered with z fastest, a brick's with x fastest.
 openvdb::Index leafOffset(int code_index) { return static_cast<openvdb::Index>((code_index & 7) << 6 | (code_index & 0x38) | code_index >> 6); }
 
-openvdb::FloatGrid::Ptr levelSet(const std::string& name, const StoredLevel& level) {
+openvdb::FloatGrid::Ptr levelSet(const std::string& name, const LevelVoxels& level) {
   const float edge = static_cast<float>(level.edge()), outside = SignedField::kHalfWidth * edge;
   auto grid = makeGrid<openvdb::FloatGrid>(name, level, outside);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -86,7 +86,7 @@ openvdb::FloatGrid::Ptr levelSet(const std::string& name, const StoredLevel& lev
   return grid;
 }
 
-void addSolid(const std::string& name, const std::string& prefix, const StoredLevel& level, std::span<const Material> palette, openvdb::GridPtrVec& grids) {
+void addSolid(const std::string& name, const std::string& prefix, const LevelVoxels& level, std::span<const Material> palette, openvdb::GridPtrVec& grids) {
   auto surface = levelSet(name, level);
   surface->insertMeta("kelp_palette", openvdb::StringMetadata(paletteText(palette)));
   grids.push_back(surface);
@@ -107,7 +107,7 @@ void addSolid(const std::string& name, const std::string& prefix, const StoredLe
 }
 
 // Densities per metre, as light is stopped; heat from 0 to 1, the ramp's end.
-void addFog(const std::string& prefix, const StoredLevel& level, double level0_edge, const Fog& fog, openvdb::GridPtrVec& grids) {
+void addFog(const std::string& prefix, const LevelVoxels& level, double level0_edge, const Fog& fog, openvdb::GridPtrVec& grids) {
   auto density = makeGrid<openvdb::FloatGrid>(prefix + "density", level, 0.0f);
   density->setGridClass(openvdb::GRID_FOG_VOLUME);
   density->insertMeta("kelp_color", openvdb::Vec3SMetadata(openvdb::Vec3s(fog.color.r, fog.color.g, fog.color.b)));
@@ -141,7 +141,7 @@ openvdb::GridPtrVec vdbGrids(const ExtractRequest& request) {
   for (const std::uint32_t index : request.parts) {
     const Part& part = request.part(index);
     const std::string name(part.name), prefix = request.parts.size() > 1 ? name + "." : "";
-    const StoredLevel level = request.read(index);
+    const LevelVoxels level = request.read(index);
     if (level.fog()) addFog(prefix, level, std::cbrt(std::abs(glm::determinant(glm::dmat3(part.to_object)))), *part.fog, grids);
     else addSolid(name.empty() ? "surface" : name, prefix, level, request.file.pack().palette(), grids);
   }

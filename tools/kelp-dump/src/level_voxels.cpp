@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stored_level.h"
+#include "level_voxels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ std::string levelText(const Pack& pack, std::uint32_t part, int level) {
   return fmt::format("part {} '{}', level {}", part, nameText(pack.parts()[part].name), level);
 }
 
-StoredLevel::StoredLevel(PackFile& file, std::uint32_t part_index, int level) {
+LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   const Pack& pack = file.pack();
   const Part& part = pack.parts()[part_index];
   const auto where = [&] { return levelText(pack, part_index, level); };
@@ -60,15 +60,15 @@ StoredLevel::StoredLevel(PackFile& file, std::uint32_t part_index, int level) {
   computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
 }
 
-double StoredLevel::edge() const { return std::cbrt(std::abs(glm::determinant(glm::dmat3(to_object_)))); }
+double LevelVoxels::edge() const { return std::cbrt(std::abs(glm::determinant(glm::dmat3(to_object_)))); }
 
-std::optional<std::uint32_t> StoredLevel::attribute(const glm::ivec3& voxel) const {
+std::optional<std::uint32_t> LevelVoxels::attribute(const glm::ivec3& voxel) const {
   const std::uint8_t here = code(voxel);
   if (!isSurfaceCode(here)) return std::nullopt;
   return attributeOf(cellOf(voxel) & kCellSlotMask, codeIndex(voxel), here);
 }
 
-void StoredLevel::paletteRow(int y, int z, std::span<std::int16_t> row) const {
+void LevelVoxels::paletteRow(int y, int z, std::span<std::int16_t> row) const {
   std::int16_t last = 0;
   for (int brick = 0; brick < grid_.x; ++brick) {
     const int first = brick * kBrickSide, end = std::min(first + kBrickSide, size_.x);
@@ -82,7 +82,7 @@ void StoredLevel::paletteRow(int y, int z, std::span<std::int16_t> row) const {
   }
 }
 
-void StoredLevel::fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const {
+void LevelVoxels::fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const {
   std::fill(density.begin(), density.end(), std::uint8_t{0});
   std::fill(heat.begin(), heat.end(), std::uint8_t{0});
   for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot) {
@@ -98,7 +98,7 @@ void StoredLevel::fogLayer(int y, std::span<std::uint8_t> density, std::span<std
   }
 }
 
-std::uint64_t StoredLevel::solidVoxels() const {
+std::uint64_t LevelVoxels::solidVoxels() const {
   std::uint64_t count = 0;
   eachSolid([&](const glm::ivec3&) { ++count; });
   return count;

@@ -18,12 +18,12 @@ namespace kelp::dump {
 // "part 0 'reed', level 1".
 std::string levelText(const Pack& pack, std::uint32_t part, int level);
 
-class StoredLevel {
+class LevelVoxels {
  public:
   static constexpr int kEmpty = -1;  // in rows
 
   // Reads all of a level. DumpError if it can not be read, or is larger than this machine's memory (kFailure).
-  StoredLevel(PackFile& file, std::uint32_t part, int level);
+  LevelVoxels(PackFile& file, std::uint32_t part, int level);
 
   bool fog() const { return kind_ == PartKind::kFog; }
   const glm::ivec3& size() const { return size_; }  // voxels; of fog: samples
