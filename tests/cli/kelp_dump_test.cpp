@@ -440,8 +440,8 @@ TEST_F(KelpDump, UsageErrors) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_NE(result.err.find("--help"), std::string::npos);
   }
-  EXPECT_NE(dump({"foo"}).err.find("foo: not a sub-command; use info, verify or rig"), std::string::npos) << dump({"foo"}).err;
-  EXPECT_NE(dump({}).err.find("use info, verify or rig"), std::string::npos) << dump({}).err;
+  EXPECT_NE(dump({"foo"}).err.find("foo: not a sub-command; use info, verify, rig or extract"), std::string::npos) << dump({"foo"}).err;
+  EXPECT_NE(dump({}).err.find("use info, verify, rig or extract"), std::string::npos) << dump({}).err;
   EXPECT_NE(dump({"info", "a", "--format", "yaml"}).err.find("--format yaml: expected text or json"), std::string::npos);
   const ProcessResult help = dump({"--help"});
   EXPECT_EQ(help.exit, 0);

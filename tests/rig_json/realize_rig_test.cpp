@@ -153,6 +153,30 @@ TEST(DescribeRig, IsTheInverseOfRealize) {
   }
 }
 
+// An artist whose file has the spline along another axis gets the rig in that file's axes.
+TEST(DescribeRig, SpeaksOfEveryAxis) {
+  const auto rig = parseRig(R"({"kelp": 1, "axis": "-z", "knots": [{"at": 0}, {"at": 0.25, "offset": [0.125, 0.5, 0.375]}, {"at": 1, "tangent": [0.5, 0.25, -1]}], "clips": {
+    "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3}]},
+    "b": {"interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0.25]}, {"time": 2, "rotation": [0, 0, 0, 1]}]}}})");
+  const glm::ivec3 size(32, 128, 64);
+  const auto knots = realizeKnots(rig, size);
+  const auto clips = realizeClips(rig, size, 0);
+  for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    const RigDescription described = parseRig(printRig(describeRig(knots, clips, 0, size, axis)));
+    EXPECT_EQ(described.axis, axis);
+    const auto again = realizeKnots(described, size);
+    for (std::size_t i = 0; i < knots.size(); ++i) EXPECT_TRUE(again[i].position == knots[i].position && again[i].tangent == knots[i].tangent) << toString(axis);
+    const auto clips_again = realizeClips(described, size, 0);
+    EXPECT_EQ(clips_again[0].waves[0].amplitude, clips[0].waves[0].amplitude);
+    for (std::size_t t = 0; t < clips[1].tracks.size(); ++t)
+      for (std::size_t k = 0; k < clips[1].tracks[t].keys.size(); ++k) {
+        EXPECT_EQ(clips_again[1].tracks[t].keys[k].value, clips[1].tracks[t].keys[k].value);
+        EXPECT_EQ(clips_again[1].tracks[t].keys[k].out, clips[1].tracks[t].keys[k].out);
+      }
+    EXPECT_TRUE(axis != Axis::kMinusZ || described.knots[1].offset == rig.knots[1].offset);
+  }
+}
+
 TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
   std::vector<RawClip> clips;
   for (const char* name : {"", "swim", "swim", ""}) clips.push_back({name, 1, {Wave{0, 1, Target::kKnotOffset, {1, 0, 0}, 1, 0}}, {}});

@@ -19,7 +19,11 @@ enum class Format { kText, kJson };
 
 int info(const std::string& path, Format format);
 int verify(const std::string& path, bool deep, Format format);
-// `part` is a name or an index; empty: the first.
-int rig(const std::string& path, const std::string& part);
+// `part` is a name or an index; empty: the first. `axis`: the spline's, in the file that the rig is for.
+int rig(const std::string& path, const std::string& part, const std::string& axis);
+// `part` is a name or an index; empty: all. `format` is vox, ply, slices, vdb or nvdb.
+int extract(const std::string& path, const std::string& format, const std::string& output, const std::string& part, int level);
+// The formats that this program was built with: "vox, ply, ...".
+std::string extractFormats();
 
 }  // namespace kelp::dump

@@ -2,10 +2,13 @@
 #include "pack_file.h"
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
 
 #include <fmt/format.h>
+
+#include "text.h"
 
 namespace kelp::dump {
 
@@ -35,6 +38,19 @@ const Pack* PackFile::packIfSound() {
     if (Result<Pack> opened = Pack::open(file_.source())) pack_ = *std::move(opened);
   }
   return pack_ ? &*pack_ : nullptr;
+}
+
+std::uint32_t PackFile::findPart(const std::string& wanted) {
+  const std::span<const Part> parts = pack().parts();
+  std::string names;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].name == wanted) return static_cast<std::uint32_t>(i);
+    if (i < 12) names += fmt::format("{}{} '{}'", i ? ", " : "", i, nameText(parts[i].name, 40));
+  }
+  std::uint32_t index = 0;
+  const auto [end, problem] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (problem == std::errc() && end == wanted.data() + wanted.size() && index < parts.size()) return index;
+  throw DumpError(kUsage, fmt::format("{}: there is no part '{}'; parts are {}{}", path_, nameText(wanted), names, parts.size() > 12 ? ", ..." : ""));
 }
 
 void PackFile::fail(const Error& error, const std::string& where) const {

@@ -2,6 +2,7 @@
 // A pack on disk, opened with errors a person can act on.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,9 @@ class PackFile {
   const Pack& pack();
   // The same, or null if it does not open.
   const Pack* packIfSound();
+
+  // The part of this name, or else of this index. DumpError (kUsage) that lists the parts if there is none.
+  std::uint32_t findPart(const std::string& wanted);
 
   // What is wrong, where, and what to do: "reed.kelp: byte 4096: checksum mismatch: ...; ...". `where` may name a part and level.
   [[noreturn]] void fail(const Error& error, const std::string& where = "") const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <charconv>
 #include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -11,19 +11,6 @@
 
 namespace kelp::dump {
 namespace {
-
-std::uint32_t findPart(const PackFile& file, std::span<const Part> parts, const std::string& wanted) {
-  if (wanted.empty()) return 0;
-  std::string names;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i].name == wanted) return static_cast<std::uint32_t>(i);
-    if (i < 12) names += fmt::format("{}{} '{}'", i ? ", " : "", i, nameText(parts[i].name, 40));
-  }
-  std::uint32_t index = 0;
-  const auto [end, problem] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  if (problem == std::errc() && end == wanted.data() + wanted.size() && index < parts.size()) return index;
-  throw DumpError(kUsage, fmt::format("{}: there is no part '{}'; parts are {}{}", file.path(), nameText(wanted), names, parts.size() > 12 ? ", ..." : ""));
-}
 
 std::vector<RawClip> clipsOf(const Pack& pack) {
   std::vector<RawClip> clips;
@@ -37,15 +24,17 @@ std::vector<RawClip> clipsOf(const Pack& pack) {
 
 }  // namespace
 
-int rig(const std::string& path, const std::string& wanted) {
+int rig(const std::string& path, const std::string& wanted, const std::string& axis_name) {
+  const std::optional<Axis> axis = parseAxis(axis_name);
+  if (!axis) throw DumpError(kUsage, fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(axis_name, 40)));
   PackFile file(path);
   const Pack& pack = file.pack();
-  const std::uint32_t index = findPart(file, pack.parts(), wanted);
+  const std::uint32_t index = wanted.empty() ? 0 : file.findPart(wanted);
   const Part& part = pack.parts()[index];
   if (wanted.empty() && pack.parts().size() > 1)
     fmt::print(stderr, "kelp-dump: {}: has {} parts, this is part 0 '{}'; choose another with --part\n", path, pack.parts().size(), nameText(part.name));
   try {
-    print(printRig(describeRig(part.knots, clipsOf(pack), index, part.size)));
+    print(printRig(describeRig(part.knots, clipsOf(pack), index, part.size, *axis)));
   } catch (const RigError& error) {
     throw DumpError(kInvalid, fmt::format("{}: part {} '{}': {}", path, index, nameText(part.name), error.what()));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Voxels of a part -> the artist's units, the inverse of realize_rig.cpp for axis +y.
+// Voxels of a part -> the artist's units, the inverse of realize_rig.cpp.
 #include <map>
 #include <set>
 #include <string>
@@ -29,34 +29,36 @@ class UniqueNames {
 
 }  // namespace
 
-RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part, const glm::ivec3& size) {
+RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part, const glm::ivec3& size, Axis axis) {
   const auto length = static_cast<float>(size.y);
+  const glm::mat3 to_artist = glm::transpose(axisRotation(axis));  // permutes and flips: loses nothing
   RigDescription rig;
-  rig.axis = Axis::kPlusY;
+  rig.axis = axis;
   for (const Knot& knot : knots)
-    rig.knots.push_back({knot.at, (knot.position - glm::vec3(0, knot.at * length, 0)) / length, knot.tangent / length});
+    rig.knots.push_back({knot.at, to_artist * ((knot.position - glm::vec3(0, knot.at * length, 0)) / length), to_artist * (knot.tangent / length)});
 
   UniqueNames names;
   for (const RawClip& clip : clips) {
     RigDescription::Clip described{"", clip.duration, {}, {}};
     for (const Wave& wave : clip.waves) {
       if (wave.part == part)
-        described.waves.push_back({static_cast<int>(wave.knot), wave.target, wave.amplitude / length, wave.period, wave.phase});
+        described.waves.push_back({static_cast<int>(wave.knot), wave.target, to_artist * (wave.amplitude / length), wave.period, wave.phase});
     }
     for (const RawTrack& track : clip.tracks) {
       if (track.part != part) continue;
-      const float unit = rig::movesKnot(track.target) ? length : 1.0f;
+      const bool knot = rig::movesKnot(track.target);
+      const auto described_value = [&](const glm::vec4& value) { return knot ? glm::vec4(to_artist * (glm::vec3(value) / length), value.w) : value; };
       RigDescription::Track& target = described.tracks.emplace_back();
-      target.knot = rig::movesKnot(track.target) ? static_cast<int>(track.knot) : 0;
+      target.knot = knot ? static_cast<int>(track.knot) : 0;
       target.target = track.target;
       target.interpolation = track.interpolation;
       for (const Key& key : track.keys) {
         RigDescription::Key& out = target.keys.emplace_back();
         out.time = key.time;
-        out.value = key.value / unit;
+        out.value = described_value(key.value);
         if (track.interpolation == Interpolation::kCubic) {
-          out.in = key.in / unit;
-          out.out = key.out / unit;
+          out.in = described_value(key.in);
+          out.out = described_value(key.out);
         }
       }
     }

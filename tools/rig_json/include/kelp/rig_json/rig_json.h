@@ -90,8 +90,8 @@ std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size
 // Clips in voxels; their waves and tracks name part `part`. Clips of several parts that share a name are merged with mergeClips.
 std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part);
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
-// The way back, for `kelp-dump rig`: axis +y, explicit tangents.
-RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part, const glm::ivec3& size);
+// The way back, for `kelp-dump rig`: explicit tangents, in the axes of an artist for whom the part's axis is `axis`.
+RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part, const glm::ivec3& size, Axis axis = Axis::kPlusY);
 
 // What a clip does to one part over its whole length.
 struct ClipReport {

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// bake -> extract -> bake: the same pack again, but for what the file's name says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "kelp/fields/fields.h"
+#include "kelp/formats/fog.h"
+#include "kelp/formats/pack.h"
+#include "process.h"
+#include "support/assets.h"
+
+namespace kelp {
+namespace {
+
+struct Contents {
+  std::unique_ptr<FileSource> file;  // the pack reads from where it stands
+  Pack pack;
+};
+
+Contents openPack(const std::filesystem::path& path) {
+  auto file = std::make_unique<FileSource>(*FileSource::open(path.c_str()));
+  Result<Pack> pack = Pack::open(file->source());
+  EXPECT_TRUE(pack) << path;
+  return {std::move(file), *std::move(pack)};
+}
+
+RawLevel readLevel(const Pack& pack, int part, int level) {
+  RawLevel out;
+  const Result<LevelGrid> grid = pack.readGrid(part, level);
+  out.cells.assign(grid->cells.begin(), grid->cells.end());
+  PageData page;
+  for (const PageInfo& info : grid->pages) {
+    EXPECT_TRUE(pack.readPage(info, page));
+    out.codes.insert(out.codes.end(), page.codes.begin(), page.codes.end());
+    out.attributes.insert(out.attributes.end(), page.attributes.begin(), page.attributes.end());
+    const std::size_t samples = page.fog.empty() ? 0 : std::size_t{page.count} * kFogSamples;
+    out.density.insert(out.density.end(), page.fog.begin(), page.fog.begin() + samples);
+    out.heat.insert(out.heat.end(), page.fog.begin() + samples, page.fog.end());
+  }
+  return out;
+}
+
+class RoundTrip : public testing::Test {
+ protected:
+  // Bakes, extracts, and bakes what was extracted; whether all of it went well.
+  bool go(const std::string& input, const std::string& format, std::vector<std::string> options = {}) {
+    const std::string stem = std::filesystem::path(input).stem().string();
+    first_ = folder_ / "first.kelp";
+    second_ = folder_ / "second.kelp";
+    std::filesystem::create_directories(folder_ / "again");
+    const std::string again = folder_ / ("again/" + stem + "." + format);
+    std::vector<std::string> bake{KELP_BAKE, input, "-o", first_, "--progress", "none"};
+    bake.insert(bake.end(), options.begin(), options.end());
+    const test::ProcessResult baked = test::runProcess(bake);
+    EXPECT_EQ(baked.exit, 0) << baked.err;
+    const test::ProcessResult extracted = test::runProcess({KELP_DUMP, "extract", first_, "--" + format, again});
+    EXPECT_EQ(extracted.exit, 0) << extracted.err;
+    bake[1] = again;
+    bake[3] = second_;
+    const test::ProcessResult rebaked = test::runProcess(bake);
+    EXPECT_EQ(rebaked.exit, 0) << rebaked.err;
+    return !HasFailure();
+  }
+
+  // Everything but names and normals: parts, palette entries that voxels have, occupancy and colours of all levels.
+  void expectSameLook(bool exact) {
+    const Contents a = openPack(first_), b = openPack(second_);
+    ASSERT_EQ(a.pack.parts().size(), b.pack.parts().size());
+    for (std::size_t p = 0; p < a.pack.parts().size(); ++p) {
+      const Part &x = a.pack.parts()[p], &y = b.pack.parts()[p];
+      EXPECT_EQ(x.name, y.name);
+      ASSERT_EQ(x.size, y.size);
+      EXPECT_EQ(x.levels, y.levels);
+      EXPECT_TRUE(x.to_object == y.to_object);
+      for (int level = 0; level < std::min(x.levels, y.levels); ++level) {
+        const RawLevel c = readLevel(a.pack, static_cast<int>(p), level), d = readLevel(b.pack, static_cast<int>(p), level);
+        EXPECT_TRUE(c.cells == d.cells && c.codes == d.codes) << "level " << level;
+        ASSERT_EQ(c.attributes.size(), d.attributes.size());
+        EXPECT_TRUE(!exact || c.attributes == d.attributes) << "level " << level;
+        std::size_t other_color = 0;
+        for (std::size_t i = 0; i < c.attributes.size(); ++i) {
+          const Material &m = a.pack.palette()[attributePalette(c.attributes[i])], &n = b.pack.palette()[attributePalette(d.attributes[i])];
+          other_color += m.base_color == n.base_color && m.emissive == n.emissive && m.metallic == n.metallic && m.roughness == n.roughness ? 0 : 1;
+        }
+        EXPECT_EQ(other_color, 0u) << "level " << level;
+      }
+    }
+  }
+
+  test::Scratch folder_;
+  std::filesystem::path first_, second_;
+};
+
+// Level by level to the last bit: MagicaVoxel's normals come of the voxels alone.
+TEST_F(RoundTrip, MagicaVoxel) {
+  for (const char* name : {"vox/vengi/8ontop.vox", "vox/vengi/rgb.vox", "vox/vox-reader/deer.vox", "vox/vox-reader/extended.vox"}) {
+    KELP_ASSET(input, name);
+    SCOPED_TRACE(name);
+    if (go(input, "vox")) expectSameLook(true);
+  }
+}
+
+TEST_F(RoundTrip, MagicaVoxelScenes) {
+  KELP_ASSET(input, "vox/vengi/8ontop.vox");
+  if (go(input, "vox", {"--parts", "nodes"})) expectSameLook(true);
+}
+
+TEST_F(RoundTrip, LevelSets) {
+  KELP_ASSET(input, "vdb/gaffer_sphere.vdb");
+  if (go(input, "vdb")) expectSameLook(false);
+  const Contents a = openPack(first_), b = openPack(second_);
+  const RawLevel c = readLevel(a.pack, 0, 0), d = readLevel(b.pack, 0, 0);
+  double sum = 0, worst = 0;
+  for (std::size_t i = 0; i < c.attributes.size(); ++i) {
+    const glm::dvec3 m(decodeNormal(attributeNormal(c.attributes[i]))), n(decodeNormal(attributeNormal(d.attributes[i])));
+    const double degrees = std::atan2(glm::length(glm::cross(m, n)), glm::dot(m, n)) * 180 / 3.14159265358979;
+    sum += degrees;
+    worst = std::max(worst, degrees);
+  }
+  EXPECT_LT(sum / static_cast<double>(c.attributes.size()), 0.15);
+  EXPECT_LT(worst, 2);
+}
+
+TEST_F(RoundTrip, Fog) {
+  for (const char* name : {"vdb/gaffer_smoke.vdb", "vdb/gaffer_arnold_sphere.vdb"}) {
+    KELP_ASSET(input, name);
+    SCOPED_TRACE(name);
+    if (!go(input, "vdb")) return;
+    const Contents a = openPack(first_), b = openPack(second_);
+    const Part &x = a.pack.parts()[0], &y = b.pack.parts()[0];
+    ASSERT_TRUE(x.fog && y.fog);
+    EXPECT_EQ(x.size, y.size);
+    EXPECT_TRUE(x.to_object == y.to_object);
+    const RawLevel c = readLevel(a.pack, 0, 0), d = readLevel(b.pack, 0, 0);
+    EXPECT_TRUE(c.cells == d.cells && c.density == d.density);
+    EXPECT_FLOAT_EQ(x.fog->extinction[0], y.fog->extinction[0]);
+  }
+}
+
+}  // namespace
+}  // namespace kelp

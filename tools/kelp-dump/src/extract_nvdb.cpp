@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "output_file.h"
+#include "vdb_grids.h"
+
+#include <fstream>
+
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+
+namespace kelp::dump {
+
+void extractNvdb(const ExtractRequest& request) {
+  withOpenVdb(request, [&] {
+    std::vector<nanovdb::GridHandle<nanovdb::HostBuffer>> handles;
+    for (const openvdb::GridBase::Ptr& grid : vdbGrids(request))
+      if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>()) handles.push_back(nanovdb::openToNanoVDB(grid));
+    OutputFile out(request.output);
+    std::ofstream stream(out.temporaryPath(), std::ios::binary);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles);
+    stream.close();
+    out.commit();
+    noteRigs(request, request.parts, glm::dmat3(1));
+  });
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// One level of one part as its bricks hold it, in memory, to be asked voxel by voxel. Nothing outside the level's size is ever answered, whatever the bricks say.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kelp/formats/fog.h"
+#include "kelp/formats/raw_pack.h"
+#include "pack_file.h"
+
+namespace kelp::dump {
+
+// "part 0 'reed', level 1".
+std::string levelText(const Pack& pack, std::uint32_t part, int level);
+
+class LevelVoxels {
+ public:
+  static constexpr int kEmpty = -1;  // in rows
+
+  // Reads all of a level. DumpError if it can not be read, or is larger than this machine's memory (kFailure).
+  LevelVoxels(PackFile& file, std::uint32_t part, int level);
+
+  bool fog() const { return kind_ == PartKind::kFog; }
+  const glm::ivec3& size() const { return size_; }  // voxels; of fog: samples
+  const glm::ivec3& grid() const { return grid_; }  // bricks
+  std::uint64_t bricks() const { return brick_of_slot_.size(); }
+  // This level's voxels -> object, metres. The edge of a cube as large as a voxel.
+  const glm::dmat4x3& toObject() const { return to_object_; }
+  double edge() const;
+
+  // --- solid -----------------------------------------------------------------------------------------------------------------------
+  bool solid(const glm::ivec3& voxel) const { return isSolidCode(code(voxel)); }
+  // The attribute of a surface voxel; none of others.
+  std::optional<std::uint32_t> attribute(const glm::ivec3& voxel) const;
+  // The palette index of each voxel of a row along x, or kEmpty. Inner voxels, which have no colour, get that of the surface before them. `row` holds size().x.
+  void paletteRow(int y, int z, std::span<std::int16_t> row) const;
+  std::uint64_t solidVoxels() const;
+  std::uint64_t surfaceVoxels() const { return raw_.attributes.size(); }
+  // f(voxel, attribute) of every surface voxel; brick by brick, in the file's order.
+  template <class F>
+  void eachSurface(F&& f) const {
+    std::size_t next = 0;
+    for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot)
+      for (int i = 0; i < kBrickVoxels; ++i) {
+        if (!isSurfaceCode(raw_.codes[slot * kBrickVoxels + static_cast<std::size_t>(i)])) continue;
+        const std::uint32_t attribute = raw_.attributes[next++];
+        if (const glm::ivec3 voxel = voxelOf(slot, i); contains(voxel)) f(voxel, attribute);
+      }
+  }
+  // f(voxel) of every solid one.
+  template <class F>
+  void eachSolid(F&& f) const {
+    for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot)
+      for (int i = 0; i < kBrickVoxels; ++i) {
+        if (!isSolidCode(raw_.codes[slot * kBrickVoxels + static_cast<std::size_t>(i)])) continue;
+        if (const glm::ivec3 voxel = voxelOf(slot, i); contains(voxel)) f(voxel);
+      }
+  }
+  const std::vector<glm::ivec3>& storedBricks() const { return brick_of_slot_; }  // by slot
+
+  // --- fog -------------------------------------------------------------------------------------------------------------------------
+  float extinction() const { return extinction_; }
+  bool hot() const { return !raw_.heat.empty(); }
+  // f(sample, density code, heat code) of every sample that is not clear; of those that bricks share, once from each.
+  template <class F>
+  void eachSample(F&& f) const {
+    for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot)
+      for (int i = 0; i < kFogSamples; ++i) {
+        const std::size_t at = slot * kFogSamples + static_cast<std::size_t>(i);
+        const std::uint8_t density = raw_.density[at], heat = hot() ? raw_.heat[at] : std::uint8_t{0};
+        const glm::ivec3 sample = brick_of_slot_[slot] * kBrickSide + glm::ivec3(i % kFogSide, i / kFogSide % kFogSide, i / (kFogSide * kFogSide));
+        if ((density | heat) != 0 && contains(sample)) f(sample, density, heat);
+      }
+  }
+  // Codes of one layer, x + size().x z; heat may be empty.
+  void fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const;
+
+ private:
+  bool contains(const glm::ivec3& v) const { return v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < size_.x && v.y < size_.y && v.z < size_.z; }
+  glm::ivec3 voxelOf(std::size_t slot, int i) const { return brick_of_slot_[slot] * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6); }
+  std::uint32_t cellOf(const glm::ivec3& voxel) const {
+    const glm::ivec3 brick = voxel / kBrickSide;
+    return raw_.cells[static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(grid_.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid_.y) * static_cast<std::size_t>(brick.z))];
+  }
+  std::uint8_t code(const glm::ivec3& voxel) const {
+    if (!contains(voxel)) return 0;
+    const std::uint32_t cell = cellOf(voxel);
+    return cell & kCellSolid ? raw_.codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel))] : std::uint8_t{0};
+  }
+  std::uint32_t attributeOf(std::uint32_t slot, int index, std::uint8_t surface_code) const {
+    return raw_.attributes[slice_base_[std::size_t{slot} * 8 + static_cast<std::size_t>(index >> 6)] + surface_code - kSurfaceCode];
+  }
+
+  PartKind kind_ = PartKind::kSolid;
+  glm::ivec3 size_{0}, grid_{0};
+  glm::dmat4x3 to_object_{1};
+  float extinction_ = 0;
+  RawLevel raw_;
+  std::vector<glm::ivec3> brick_of_slot_;
+  std::vector<std::uint32_t> slice_base_;  // 8 a slot
+};
+
+}  // namespace kelp::dump

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+
+namespace kelp::dump {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "OutputFile::number writes numbers as they are in memory");
+
+constexpr std::size_t kBuffer = std::size_t{1} << 18;
+
+// Through symbolic links, so that a link stays one.
+std::string target(const std::string& path) {
+  std::filesystem::path real = path;
+  std::error_code error;
+  for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
+  return real.string();
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : target(path)) {
+  buffer_.reserve(kBuffer);
+  if (path_ == "-") {
+    file_ = STDOUT_FILENO;
+    return;
+  }
+  struct stat status {};
+  const bool replaces = ::stat(path_.c_str(), &status) == 0;
+  if (replaces && !S_ISREG(status.st_mode)) throw DumpError(kIo, fmt::format("{}: is {}; name a file for the output", path_, S_ISDIR(status.st_mode) ? "a folder" : "no regular file"));
+  temporary_ = fmt::format("{}.{}.tmp", path_, ::getpid());
+  file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file_ < 0) {
+    const int reason = errno;
+    temporary_.clear();  // another's
+    errno = reason;
+    fail("can not be written");
+  }
+  if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
+}
+
+OutputFile::~OutputFile() {
+  if (temporary_.empty()) return;
+  if (file_ >= 0) ::close(file_);
+  ::unlink(temporary_.c_str());
+}
+
+void OutputFile::fail(const char* what) const {
+  throw DumpError(kIo, fmt::format("{}: {}: {}; check that the folder exists, is writable and has room", path_ == "-" ? "standard output" : path_, what, std::strerror(errno)));
+}
+
+void OutputFile::write(std::span<const std::byte> bytes) {
+  if (buffer_.size() + bytes.size() > kBuffer) flush();
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+}
+
+void OutputFile::flush() {
+  std::span<const std::byte> left(buffer_);
+  while (!left.empty()) {
+    const ssize_t count = ::write(file_, left.data(), left.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) errno = ENOSPC;
+    if (count <= 0) fail("can not be written");
+    left = left.subspan(static_cast<std::size_t>(count));
+  }
+  buffer_.clear();
+}
+
+void OutputFile::commit() {
+  flush();
+  if (path_ == "-") return;
+  if (::fsync(file_) != 0) fail("can not be flushed to disk");
+  if (::close(std::exchange(file_, -1)) != 0) fail("can not be written");
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("can not be replaced");
+  temporary_.clear();
+}
+
+}  // namespace kelp::dump

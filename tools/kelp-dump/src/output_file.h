@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Output that is either the old file or the new one, whole.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace kelp::dump {
+
+// A new file in the folder of its final place, removed unless it is committed. DumpError (kIo) from everything that fails.
+class OutputFile {
+ public:
+  // "-" is standard output, which is written as it comes.
+  explicit OutputFile(const std::string& path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+  // Numbers as they are in memory: little-endian, as the formats written here.
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  void number(T value) {
+    write(std::as_bytes(std::span(&value, 1)));
+  }
+
+  // For a library that writes files by name: nothing else may be written then.
+  const std::string& temporaryPath() const { return temporary_; }
+  // Onto the disk, then into place.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+  void flush();
+
+  std::string path_, temporary_;
+  int file_ = -1;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace kelp::dump
