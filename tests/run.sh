@@ -3,7 +3,7 @@
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
 #   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure
-#   tests/run.sh --all              everything, every combination where tests try some (KELP_ALL_TESTS), then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
+#   tests/run.sh --all              everything, all that tests can try (KELP_ALL_TESTS), then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
