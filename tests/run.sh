@@ -3,7 +3,7 @@
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
 #   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure
-#   tests/run.sh --all              everything, then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
+#   tests/run.sh --all              everything, all that tests can try (KELP_ALL_TESTS), then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -18,6 +18,7 @@ for argument in "$@"; do
   esac
 done
 
+[ "$all" -eq 1 ] && export KELP_ALL_TESTS=1
 tools/setup.sh || exit 1
 passed=0 failed=0 skipped=0
 

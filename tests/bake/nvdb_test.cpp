@@ -7,6 +7,7 @@
 
 #include "import_scratch.h"
 #include "nvdb_peer.h"
+#include "support/all_tests.h"
 #include "support/assets.h"
 #include "vdb_peer.h"
 
@@ -100,16 +101,18 @@ TEST(Nvdb, HostileFilesAreRefused) {
   const Scratch scratch;
   const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
   std::mt19937 random(7);
+  const std::size_t cuts = kelp::test::allTests() ? 30 : 10;
+  const int flips = kelp::test::allTests() ? 80 : 24;
   for (const NvdbSum sum : {NvdbSum::kNone, NvdbSum::kHead, NvdbSum::kAll})
     for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
       writeVdb(vdb, {ball("float", "level set")});
       writeNvdb(nvdb, vdb, sum == NvdbSum::kHead ? "fpn" : "", codec, sum);
       std::ifstream in(nvdb, std::ios::binary);
       const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 30) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
+      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
       Settings settings;
       settings.max_memory = std::uint64_t{42} << 20;
-      for (int i = 0; i < 80; ++i) {
+      for (int i = 0; i < flips; ++i) {
         std::string bad = good;
         // Where the places are: the file's head, the grid's, the tree's and the root's.
         const std::size_t reach = i % 4 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 1200);

@@ -41,7 +41,7 @@ std::string refusal(const std::filesystem::path& path, Exit code) {
 TEST(PaletteRules, MaterialsOfOneColourStayApartOnAllLevels) {
   const test::Baked baked = test::voxelizeUnit(twins());
   EXPECT_EQ(bake::choosePalette({&baked.grid()}, 2).entries.size(), 1u);
-  const bake::Palette palette = bake::choosePalette({&baked.grid()}, 2, {{}, true});
+  const bake::Palette palette = bake::choosePalette({&baked.grid()}, 2, {{}, {}, true});
   ASSERT_EQ(palette.entries.size(), 2u);
   EXPECT_EQ(palette.sources, (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(palette.mean_error, 0.0);
@@ -68,7 +68,7 @@ TEST(PaletteRules, CrowdedPalettesAreShared) {
     sample.source = i < 5 ? 3 : 7;
     sample.material.base_color = i < 5 ? glm::vec4(0.1f * static_cast<float>(i), 0, 0, 1) : glm::vec4(0, static_cast<float>(i % 71) / 71.0f, static_cast<float>(i / 71) / 71.0f, 1);
   }
-  const bake::Palette palette = bake::choosePalette({&grid}, 2, {{}, true});
+  const bake::Palette palette = bake::choosePalette({&grid}, 2, {{}, {}, true});
   EXPECT_EQ(palette.entries.size(), 256u);
   EXPECT_EQ(std::count(palette.sources.begin(), palette.sources.end(), 3u), 5);
   for (std::size_t i = 0; i < 5005; ++i) {
@@ -78,7 +78,7 @@ TEST(PaletteRules, CrowdedPalettesAreShared) {
     }
   }
   for (std::uint32_t i = 0; i < 300; ++i) grid.surface[i].source = 100 + i;
-  EXPECT_THROW(bake::choosePalette({&grid}, 2, {{}, true}), bake::BakeError);
+  EXPECT_THROW(bake::choosePalette({&grid}, 2, {{}, {}, true}), bake::BakeError);
 }
 
 TEST(PaletteRules, FixedColoursAreTheEntriesInTheirOrder) {
@@ -95,7 +95,7 @@ TEST(PaletteRules, FixedColoursAreTheEntriesInTheirOrder) {
   model.materials[1].base_color = {0.9f, 0.1f, 0.1f, 1};
   model.materials[1].metallic = 0.5f;
   const test::Baked baked = test::voxelizeUnit(model);
-  const bake::Palette palette = bake::choosePalette({&baked.grid()}, 2, {colors, false});
+  const bake::Palette palette = bake::choosePalette({&baked.grid()}, 2, {{}, colors, false});
   ASSERT_EQ(palette.entries.size(), 3u);
   for (std::size_t e = 0; e < 3; ++e) EXPECT_EQ(glm::vec3(palette.entries[e].base_color), colors[e]);
   EXPECT_FLOAT_EQ(palette.entries[0].metallic, 0.5f);

@@ -129,7 +129,7 @@ TEST(VdbChoice, SettingsThatDoNotGoTogetherAreRefused) {
   endless.background = glm::dvec3(-1);
   writeVdb(path, {endless});
   EXPECT_TRUE(contains(refusal(path, Exit::kInvalid), "inside out"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage, with([](Settings& s) { s.grid = "a"; })), "only volumes"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage, with([](Settings& s) { s.grid = "a"; })), "only .vdb and .nvdb files"));
 }
 
 TEST(VdbChoice, WhatCanNotBeBakedIsSaid) {

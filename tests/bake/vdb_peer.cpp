@@ -97,19 +97,23 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
   }
 }
 
+// Typed once: tests ask for millions of voxels.
 struct VdbPeer::Grid {
   openvdb::GridBase::Ptr any;
+  std::function<glm::dvec3(const openvdb::Coord&)> vector;
+  std::function<bool(const openvdb::Coord&)> active;
 
-  template <class Work>
-  auto visit(const Work& work) const {
-    if (any->isType<openvdb::FloatGrid>()) return work(*openvdb::gridPtrCast<openvdb::FloatGrid>(any));
-    if (any->isType<openvdb::DoubleGrid>()) return work(*openvdb::gridPtrCast<openvdb::DoubleGrid>(any));
-    if (any->isType<openvdb::Int32Grid>()) return work(*openvdb::gridPtrCast<openvdb::Int32Grid>(any));
-    if (any->isType<openvdb::Int64Grid>()) return work(*openvdb::gridPtrCast<openvdb::Int64Grid>(any));
-    if (any->isType<openvdb::BoolGrid>()) return work(*openvdb::gridPtrCast<openvdb::BoolGrid>(any));
-    if (any->isType<openvdb::MaskGrid>()) return work(*openvdb::gridPtrCast<openvdb::MaskGrid>(any));
-    if (any->isType<openvdb::Vec3SGrid>()) return work(*openvdb::gridPtrCast<openvdb::Vec3SGrid>(any));
-    return work(*openvdb::gridPtrCast<openvdb::Vec3DGrid>(any));
+  template <class Typed>
+  bool use() {
+    const auto typed = openvdb::GridBase::grid<Typed>(any);
+    if (!typed) return false;
+    vector = [accessor = typed->getConstAccessor()](const openvdb::Coord& at) {
+      const auto value = accessor.getValue(at);
+      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) return glm::dvec3(static_cast<double>(value));
+      else return glm::dvec3(value[0], value[1], value[2]);
+    };
+    active = [accessor = typed->getConstAccessor()](const openvdb::Coord& at) { return accessor.isValueOn(at); };
+    return true;
   }
 };
 
@@ -120,6 +124,9 @@ VdbPeer::VdbPeer(const std::filesystem::path& path, const std::string& name) : g
   for (const auto& grid : *grids)
     if (grid->getName() == name) grid_->any = grid;
   if (!grid_->any) throw std::invalid_argument("no grid " + name);
+  const bool known = grid_->use<openvdb::FloatGrid>() || grid_->use<openvdb::DoubleGrid>() || grid_->use<openvdb::Int32Grid>() || grid_->use<openvdb::Int64Grid>() ||
+                     grid_->use<openvdb::BoolGrid>() || grid_->use<openvdb::MaskGrid>() || grid_->use<openvdb::Vec3SGrid>() || grid_->use<openvdb::Vec3DGrid>();
+  if (!known) throw std::invalid_argument(name + ": " + grid_->any->type());
   const openvdb::CoordBBox active = grid_->any->evalActiveVoxelBoundingBox();
   low_ = glm::ivec3(active.min().x(), active.min().y(), active.min().z()) - 8;
   high_ = glm::ivec3(active.max().x(), active.max().y(), active.max().z()) + 8;
@@ -127,19 +134,11 @@ VdbPeer::VdbPeer(const std::filesystem::path& path, const std::string& name) : g
 
 VdbPeer::~VdbPeer() = default;
 
-glm::dvec3 VdbPeer::vector(const glm::ivec3& at) const {
-  return grid_->visit([&](const auto& grid) {
-    const auto value = grid.tree().getValue(coord(at));
-    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) return glm::dvec3(static_cast<double>(value));
-    else return glm::dvec3(value[0], value[1], value[2]);
-  });
-}
+glm::dvec3 VdbPeer::vector(const glm::ivec3& at) const { return grid_->vector(coord(at)); }
 
 double VdbPeer::value(const glm::ivec3& at) const { return vector(at).x; }
 
-bool VdbPeer::active(const glm::ivec3& at) const {
-  return grid_->visit([&](const auto& grid) { return grid.tree().isValueOn(coord(at)); });
-}
+bool VdbPeer::active(const glm::ivec3& at) const { return grid_->active(coord(at)); }
 
 std::uint64_t VdbPeer::activeVoxels() const { return grid_->any->activeVoxelCount(); }
 

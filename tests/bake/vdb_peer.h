@@ -41,6 +41,7 @@ enum class VdbCodec { kNone, kZip, kBlosc };
 // mask: leave inactive values out; stream: as io::Stream writes, without offsets.
 void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& grids, VdbCodec codec = VdbCodec::kBlosc, bool mask = true, bool stream = false);
 
+// For one thread: it remembers where it read last.
 class VdbPeer {
  public:
   VdbPeer(const std::filesystem::path& path, const std::string& name);

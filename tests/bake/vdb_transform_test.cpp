@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "import_scratch.h"
+#include "support/all_tests.h"
 #include "vdb_peer.h"
 
 namespace kelp::bake::test {
@@ -78,6 +79,7 @@ TEST(VdbTransform, QuarterTurnsFlipsAndScalesLoseNothing) {
       m[3] = glm::dvec4(5, -2, 0.3, 1);
       writeVdb(path, {solid(m)});
       for (const Axis axis : {Axis::kPlusY, Axis::kMinusX}) {
+        if (!kelp::test::allTests() && (axis == Axis::kMinusX) != (flips % 2 == 0)) continue;
         Settings settings;
         settings.axis = axis;
         const VoxelGrid grid = *importFile(path, settings).parts[0].grid;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "import_scratch.h"
+#include "support/all_tests.h"
 #include "support/assets.h"
 #include "vdb_peer.h"
 
@@ -11,12 +12,19 @@ namespace kelp::bake::test {
 namespace {
 
 // The voxel of the file that a voxel of the part is; the part was not resampled.
-glm::ivec3 indexOf(const VdbPeer& peer, const glm::mat4x3& to_node, const glm::dvec3& centre) {
-  // The peer's transform is affine: its inverse by its columns.
-  const glm::dvec3 o = peer.world(glm::dvec3(0));
-  const glm::dmat3 linear(peer.world({1, 0, 0}) - o, peer.world({0, 1, 0}) - o, peer.world({0, 0, 1}) - o);
-  return glm::ivec3(glm::round(glm::inverse(linear) * (glm::dvec3(glm::dmat4x3(to_node) * glm::dvec4(centre, 1)) - o)));
-}
+class ToIndex {
+ public:
+  ToIndex(const VdbPeer& peer, const glm::mat4x3& to_node) : to_node_(to_node), origin_(peer.world(glm::dvec3(0))) {
+    // The peer's transform is affine: its inverse by its columns.
+    to_index_ = glm::inverse(glm::dmat3(peer.world({1, 0, 0}) - origin_, peer.world({0, 1, 0}) - origin_, peer.world({0, 0, 1}) - origin_));
+  }
+  glm::ivec3 operator()(const glm::dvec3& centre) const { return glm::ivec3(glm::round(to_index_ * (to_node_ * glm::dvec4(centre, 1) - origin_))); }
+
+ private:
+  glm::dmat4x3 to_node_;
+  glm::dvec3 origin_;
+  glm::dmat3 to_index_;
+};
 
 // Every voxel of the file's box and a margin is solid in the part where `solid` holds, and nowhere else; the part's box is not larger than needed.
 void expectSolid(const std::filesystem::path& path, const SourceModel& model, const std::string& name, const std::function<bool(const VdbPeer&, const glm::ivec3&)>& solid) {
@@ -24,13 +32,14 @@ void expectSolid(const std::filesystem::path& path, const SourceModel& model, co
   const SourcePart& part = model.parts.at(0);
   ASSERT_TRUE(part.grid.has_value()) << name;
   const VoxelGrid& grid = *part.grid;
+  const ToIndex index_of(peer, grid.to_node);
   std::uint64_t inside = 0, wrong = 0;
   glm::ivec3 low(std::numeric_limits<int>::max()), high(std::numeric_limits<int>::min());
   for (int z = 0; z < grid.size.z; ++z)
     for (int y = 0; y < grid.size.y; ++y)
       for (int x = 0; x < grid.size.x; ++x) {
         const bool is = grid.solid[static_cast<std::size_t>(x) + static_cast<std::size_t>(grid.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))] != 0;
-        const glm::ivec3 at = indexOf(peer, grid.to_node, glm::dvec3(x, y, z) + 0.5);
+        const glm::ivec3 at = index_of(glm::dvec3(x, y, z) + 0.5);
         if (is != solid(peer, at)) ++wrong;
         if (!is) continue;
         ++inside;
@@ -91,11 +100,16 @@ TEST(VdbValues, EveryTypeClassAndCodec) {
   for (const char* type : {"int32", "int64"})
     for (const char* grid_class : {"level set", "fog volume"}) cases.push_back({type, grid_class, false});
   for (const char* type : {"bool", "mask"}) cases.push_back({type, "", false});
-  for (const Case& c : cases) {
+  // Without all tests, each case meets every codec, and with them masks and streams and neither: pairs of all that there is.
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
     for (const VdbCodec codec : {VdbCodec::kNone, VdbCodec::kZip, VdbCodec::kBlosc})
       for (const bool mask : {false, true})
         for (const bool stream : {false, true}) {
           if (stream && codec == VdbCodec::kNone) continue;
+          const auto turn = static_cast<std::size_t>(codec);
+          const bool paired = mask == ((i + turn) % 2 == 0) && stream == (codec != VdbCodec::kNone && (i / 2 + turn) % 2 == 0);
+          if (!paired && !kelp::test::allTests()) continue;
           SCOPED_TRACE(c.type + " " + c.grid_class + (c.half ? " half" : "") + " codec " + std::to_string(static_cast<int>(codec)) + (mask ? " mask" : "") + (stream ? " stream" : ""));
           VdbSpec spec = lumps(c.type, c.grid_class);
           spec.half = c.half;
@@ -216,10 +230,11 @@ TEST(VdbValues, ColoursAreTheGridsOwnAtTheSurface) {
       const SourceModel model = importFile(path, {});
       const VdbPeer peer(path, "Cd");
       const VoxelGrid& grid = *model.parts[0].grid;
+      const ToIndex index_of(peer, grid.to_node);
       ASSERT_GT(grid.surface.size(), 1000u);
       for (const SurfaceSample& sample : grid.surface) {
         const auto x = static_cast<std::uint64_t>(grid.size.x), y = static_cast<std::uint64_t>(grid.size.y);
-        const glm::ivec3 at = indexOf(peer, grid.to_node, glm::dvec3(sample.index % x, sample.index / x % y, sample.index / (x * y)) + 0.5);
+        const glm::ivec3 at = index_of(glm::dvec3(sample.index % x, sample.index / x % y, sample.index / (x * y)) + 0.5);
         ASSERT_LT(glm::length(glm::dvec3(sample.material.base_color) - peer.vector(at)), 1e-6);
       }
     }

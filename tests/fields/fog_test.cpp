@@ -195,16 +195,17 @@ TEST(Fog, CoarserLevelsAreMeansOfEight) {
     // extinction * density of each, then the greatest, then the nearest code of all 256.
     std::vector<double> means;
     forEach(coarse.size, [&](const glm::ivec3& v) {
-      double sum = 0, heat = 0;
+      double sum = 0, heat = 0, there = 0;
       forEach({2, 2, 2}, [&](const glm::ivec3& child) {
         const glm::ivec3 s = 2 * v + child;
         if (s.x >= fog.size.x || s.y >= fog.size.y || s.z >= fog.size.z) return;
+        ++there;
         sum += double{kExtinction} * std::pow(fog.density[at(fog.size, s)] / 255.0, 2);
         if (!fog.heat.empty()) heat += fog.heat[at(fog.size, s)];
       });
-      means.push_back(sum / 8);
+      means.push_back(sum / there);
       if (fog.heat.empty()) return;
-      const int right = heat == 0 ? 0 : std::max(1, static_cast<int>(std::floor(heat / 8 + 0.5)));
+      const int right = heat == 0 ? 0 : std::max(1, static_cast<int>(std::floor(heat / there + 0.5)));
       ASSERT_EQ(coarse.heat[at(coarse.size, v)], right);
     });
     const double greatest = *std::max_element(means.begin(), means.end());

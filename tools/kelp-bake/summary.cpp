@@ -26,7 +26,7 @@ std::string printLength(double length, const Options& options, const std::string
 
 // Of a volume that nobody asked another resolution of.
 const char* keptVoxels(const std::string& format) {
-  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "the volume's own voxels (--resolution N to change)";
+  return format == "MagicaVoxel" || format == "binvox" ? "the file's own voxels" : "voxels as large as the volume's own (--resolution N to change)";
 }
 
 // What the largest part's longest side has in voxels depends on this; so say where it came from.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -38,6 +39,7 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   const bool has_grids = extension == ".vdb" || extension == ".nvdb", has_density = has_grids || extension == ".raw";
   if (const char* option = gridOption(settings); option && !has_grids) refuse(Exit::kUsage, path, option, "only .vdb and .nvdb files have several grids; leave the option out");
   if (const char* option = densityOption(settings); option && !has_density) refuse(Exit::kUsage, path, option, "only .vdb, .nvdb and .raw files hold densities; leave the option out");
+  if (!(settings.density > 0) || !std::isfinite(settings.density)) refuse(Exit::kUsage, path, "--density " + std::to_string(settings.density), "not a factor above 0; 1 leaves densities as they are");
   if (gltf) return importGltf(path, settings, files_read);
   if (has_grids) return importVdb(path, settings, files_read);
   if (extension == ".vox") return importVox(path, settings, files_read);

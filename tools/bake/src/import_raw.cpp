@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "frame.h"
 #include "import_rig.h"
 #include "import_voxels.h"
@@ -283,7 +285,9 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
 
   const bool solid = settings.volume == VolumeKind::kSolid || settings.isovalue;
   if (solid && !settings.isovalue && !(range.greatest > 0)) refuse(Exit::kUnsupported, path, "", "has no value above 0; give the --isovalue that is the solid's surface");
+  if (solid && settings.density != 1) refuse(Exit::kUsage, path, "--density", "only fog has one; leave it out, or give --volume fog");
   const double isovalue = settings.isovalue.value_or(range.greatest / 2);
+  if (solid && !settings.isovalue) out.notices.push_back(fmt::format("is solid from {:.6g} on, half its greatest value; --isovalue chooses another", isovalue));
   if (solid && isovalue <= std::min(0.0, range.least)) refuse(Exit::kUnsupported, path, "--isovalue", "is at most the least value: all of the volume, and all around it, would be solid; give one between " + std::to_string(range.least) + " and " + std::to_string(range.greatest));
   // Around a scan is air, whatever its number is.
   if (solid) field.limit(std::min(0.0, range.least), -std::numeric_limits<double>::infinity());

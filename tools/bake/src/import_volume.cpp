@@ -2,7 +2,6 @@
 // Volumes of every format: a grid of the file becomes a part. Its own voxels are kept unless others were asked for or its transform is not a uniform scale along
 // the axes.
 #include <algorithm>
-#include <cmath>
 #include <new>
 
 #include <fmt/format.h>
@@ -23,7 +22,6 @@ class VolumeImport {
   VolumeImport(const InputFiles& files, VolumeFile file, const Settings& settings) : files_(files), file_(std::move(file)), settings_(settings) {}
 
   SourceModel run() {
-    if (!(settings_.density > 0) || !std::isfinite(settings_.density)) throw BakeError(Exit::kUsage, fmt::format("--density {}: not a factor above 0", settings_.density));
     model_.format = file_.format;
     part_.name = stemOf(files_);
     giveRig(part_, findOuterRig(files_, settings_), settings_);
@@ -51,6 +49,7 @@ class VolumeImport {
   void makeSolid(const VolumeChoice& choice, const VolumeRule& rule) {
     if (choice.heat_named) throw BakeError(Exit::kUsage, "--heat-grid " + oneLine(*settings_.heat_grid, 60) + ": only fog glows of heat; leave it out, or give --volume fog");
     if (settings_.density != 1) throw BakeError(Exit::kUsage, "--density: only fog has one; leave it out, or give --volume fog");
+    if (settings_.ramp_file) throw BakeError(Exit::kUsage, "--ramp " + oneLine(settings_.ramp_file->string(), 200) + ": only fog glows; leave it out, or give --volume fog");
     std::optional<SparseGrid> color;
     if (choice.color) color = load(*choice.color);
     file_.load = nullptr;
@@ -74,6 +73,8 @@ class VolumeImport {
   void makeFog(const VolumeChoice& choice) {
     if (choice.color_named) throw BakeError(Exit::kUsage, "--color-grid " + oneLine(*settings_.color_grid, 60) + ": fog has no colour of its own; leave it out, or give --volume solid");
     if (choice.color) model_.notices.push_back(fmt::format("grid '{}' is not used: fog has no colour of its own", file_.grids[*choice.color].name));
+    if (settings_.ramp_file && !choice.heat)
+      throw BakeError(Exit::kUsage, "--ramp " + oneLine(settings_.ramp_file->string(), 200) + ": there is no grid that this fog glows of; name one by --heat-grid, or leave the ramp out");
     const FogBox box = fogBox(grid_);
     if (box.voxels == 0) refuse(Exit::kInvalid, files_.input(), place_, "has no density above 0: there is no fog; choose another grid");
     std::optional<SparseGrid> heat;

@@ -129,16 +129,17 @@ FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads) {
   };
   overSlabs([&](const glm::ivec3& at) {
     double sum = 0;
-    int heat = 0;
+    int heat = 0, there = 0;
     for (int child = 0; child < 8; ++child) {
       const glm::ivec3 v = 2 * at + glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
       if (v.x >= fine.size.x || v.y >= fine.size.y || v.z >= fine.size.z) continue;
+      ++there;
       const int code = fine.density[indexOf(fine.size, v)];
       sum += code * code;  // whole numbers: the order of adding is all one
       if (!fine.heat.empty()) heat += fine.heat[indexOf(fine.size, v)];
     }
-    means[indexOf(coarse.size, at)] = sum / 8;
-    if (!fine.heat.empty()) coarse.heat[indexOf(coarse.size, at)] = static_cast<std::uint8_t>(heat > 0 ? std::max(1, (heat + 4) / 8) : 0);
+    means[indexOf(coarse.size, at)] = sum / there;
+    if (!fine.heat.empty()) coarse.heat[indexOf(coarse.size, at)] = static_cast<std::uint8_t>(heat > 0 ? std::max(1, (2 * heat + there) / (2 * there)) : 0);
   });
   const double greatest = *std::max_element(means.begin(), means.end());
   overSlabs([&](const glm::ivec3& at) {

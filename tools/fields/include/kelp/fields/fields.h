@@ -90,7 +90,7 @@ Occupancy fogCubes(const FogSamples& fog, int threads);
 // Cells and samples of one level of fog, but for its extinction. Throws std::invalid_argument if all is clear or sizes do not match.
 RawLevel buildFogLevel(const FogSamples& fog, int threads);
 
-// The next coarser level: means of eight of what is stored, what lies beyond the level being clear. Where anything is, codes are at least 1: what is clear is clear
+// The next coarser level: means over the voxels that each covers, of what is stored. Where anything is, codes are at least 1: what is clear is clear
 // at all finer levels. `extinction` is the finer level's, and becomes the coarser one's: its greatest density has the code 255.
 FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads);
 
