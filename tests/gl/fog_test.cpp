@@ -108,7 +108,10 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
     ASSERT_TRUE(renderer);
     for (const int level : {0, 1}) {
       const FogTruth truth(pack.parts[0], level);
-      for (const FigurePose& figure : kFigure6) {
+      std::vector<FigurePose> poses(kFigure6.begin(), kFigure6.end());
+      poses.push_back({"at rest at both ends", {0, 0, 0}, {0, 0, 0}});  // where a curve begins without a slope
+      poses.push_back({"at rest at one end", {0, 0, 0}, {2, 1, -1}});
+      for (const FigurePose& figure : poses) {
         SCOPED_TRACE(std::string(figure.name) + " level " + std::to_string(level));
         auto pose = runtime::Pose::create(*loaded.asset);
         ASSERT_TRUE(pose);
@@ -176,6 +179,38 @@ TEST_P(Fog, EndsAtTheDepthSoFar) {
   ASSERT_TRUE(renderer->draw(view, both));
   EXPECT_TRUE(renderer->draw(view, both, gl::Pass::kFog));
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
+// Far away, where a step of the depth buffer is long, and in either convention: nothing of the fog behind a wall comes before it.
+TEST_P(Fog, EndsAtTheDepthSoFarFarAway) {
+  if (!desktop()) GTEST_SKIP() << "reads floats";
+  const FloatCanvas canvas({48, 64});
+  const float extinction = 0.3f;
+  const LoadedAsset fog(fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction)), wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
+  const auto renderer = makeRenderer(*fog.asset);
+  ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
+  constexpr float kSide = 20;  // metres
+  for (const bool reversed : {false, true}) {
+    gl::View view = dark(lookAt(canvas.size(), {0, 0.5f * kSide, 100}, {0, 0.5f * kSide, 0}, 0.1f, 1000.0f));
+    view.reversed_depth = reversed;
+    if (reversed) {
+      view.eye_to_clip[2][2] = -view.eye_to_clip[2][2];
+      view.eye_to_clip[3][2] = -view.eye_to_clip[3][2];
+    }
+    Instance both[2] = {{fog.asset.get(), nullptr}, {wall.asset.get(), nullptr}};
+    for (Instance& instance : both) instance.to_world = glm::mat4(glm::mat3(kSide));
+    both[1].to_world[3].z = 0.4f * kSide;  // before the fog
+    glClearDepth(reversed ? 0.0 : 1.0);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glClearDepth(1.0);
+    ASSERT_TRUE(renderer->draw(view, both));
+    const std::vector<glm::vec4> solid = canvas.pixels();
+    ASSERT_EQ(solid[24 + 48 * 32].a, 1.0f);
+    ASSERT_TRUE(renderer->draw(view, both, gl::Pass::kFog));
+    const std::vector<glm::vec4> drawn = canvas.pixels();
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(drawn[24 + 48 * 32][c], solid[24 + 48 * 32][c], 1e-3) << reversed;
+  }
 }
 
 // Two clouds, one behind the other, in either order of the list.

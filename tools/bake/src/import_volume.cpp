@@ -52,6 +52,8 @@ class VolumeImport {
     if (settings_.ramp_file) throw BakeError(Exit::kUsage, "--ramp " + oneLine(settings_.ramp_file->string(), 200) + ": only fog glows; leave it out, or give --volume fog");
     std::optional<SparseGrid> color;
     if (choice.color) color = load(*choice.color);
+    std::optional<SparseGrid> attribute;
+    if (choice.attribute && keepsVoxels(to_rig_, settings_)) attribute = load(*choice.attribute);
     file_.load = nullptr;
     const SolidBox box = solidBox(files_, place_, grid_, rule);
     const auto latticeFor = [&](const Settings& settings) { return keepsVoxels(to_rig_, settings) ? ownLattice(box.box, to_rig_) : newLattice(files_, box.box, to_rig_, settings); };
@@ -62,9 +64,9 @@ class VolumeImport {
       const Lattice other = latticeFor(settings);
       const double step = voxelEdge(other.to_index);  // voxels of the grid to one of the part
       return volumeSize(other.size, paddingOf(part_, settings.pad), box.faces / (step * step), box.solid / (step * step * step));
-    }, color ? color->bytes() : 0);
+    }, (color ? color->bytes() : 0) + (attribute ? attribute->bytes() : 0));
     ColorCounts counts;
-    part_.grid = sampleSolid(files_, grid_, rule, lattice, color ? &*color : nullptr, settings_.threads, counts);
+    part_.grid = sampleSolid(files_, grid_, rule, lattice, {color ? &*color : nullptr, attribute ? &*attribute : nullptr}, settings_.threads, counts);
     part_.grid->to_node = toNode(lattice);
     if (counts.missing > 0) model_.notices.push_back(fmt::format("{} of {} surface voxels are grey: grid '{}' has no active value there", counts.missing, part_.grid->surface.size(), file_.grids[*choice.color].name));
     if (counts.clipped > 0) model_.notices.push_back(fmt::format("colours of {} surface voxels were cut to between 0 and 1", counts.clipped));

@@ -148,6 +148,8 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     for (std::size_t i = 0; i < grids.size() && !choice.color; ++i)
       if (isNamedColor(grids[i]) && usable(grids[i])) choice.color = i;
   }
+  for (std::size_t i = 0; i < grids.size(); ++i)
+    if (grids[i].name == "kelp_attribute" && grids[i].type == "vec3i" && usable(grids[i])) choice.attribute = i;
   if (settings.heat_grid) {
     if (settings.heat_grid->empty()) return choice;
     choice.heat = find(files, grids, "--heat-grid", *settings.heat_grid);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kelp/fields/fields.h"
+#include "kelp/formats/brick.h"
 #include "parallel.h"
 
 namespace kelp::bake {
@@ -130,6 +131,16 @@ bool colorAt(const SparseSampler& color, const glm::dvec3& place, glm::dvec3& re
   return sum > 0;
 }
 
+// The normal that kelp-dump extract has written for a voxel, in the grid's axes; false if it has none.
+bool normalAt(const SparseSampler& attribute, const glm::dvec3& place, glm::vec3& normal) {
+  if (!onLattice(place)) return false;
+  const SparseCell cell = attribute.cellAt(glm::ivec3(glm::round(place)));
+  const double u = attribute.value(cell, 1), v = attribute.value(cell, 2);
+  if (!cell.active || !(u >= 0 && u <= 4095 && v >= 0 && v <= 4095)) return false;
+  normal = decodeNormal(static_cast<std::uint32_t>(u) | static_cast<std::uint32_t>(v) << 12);
+  return true;
+}
+
 }  // namespace
 
 SolidBox solidBox(const InputFiles& files, const std::string& place, const SparseGrid& grid, const VolumeRule& rule) {
@@ -147,7 +158,8 @@ SolidBox solidBox(const InputFiles& files, const std::string& place, const Spars
   return scan.result();
 }
 
-VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice, const SparseGrid* color, int threads, ColorCounts& counts) {
+VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice, const SolidLooks& looks, int threads, ColorCounts& counts) {
+  const SparseGrid* const color = looks.color;
   VoxelGrid out;
   out.size = lattice.size;
   const auto side = glm::u64vec3(lattice.size);
@@ -164,16 +176,23 @@ VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const Vol
   if (surface.empty()) refuse(Exit::kInvalid, files.input(), "", "has no solid voxel at this resolution; give a larger one");
   out.surface.resize(surface.size());
   const glm::dmat4 to_color = color != nullptr ? glm::inverse(color->to_world) * grid.to_world : glm::dmat4(1);
+  const SparseGrid* const attribute = lattice.exact ? looks.attribute : nullptr;
+  const glm::dmat4 to_attribute = attribute != nullptr ? glm::inverse(attribute->to_world) * grid.to_world : glm::dmat4(1);
+  const glm::mat3 to_part(glm::transpose(glm::dmat3(lattice.to_index)));  // of directions, where the lattice is exact
   std::atomic<std::uint64_t> missing{0}, clipped{0};
   parallelRanges(surface.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     const SolidSampler sampler(grid, rule, lattice);
     std::optional<SparseSampler> colors;
     if (color != nullptr) colors.emplace(*color);
+    std::optional<SparseSampler> attributes;
+    if (attribute != nullptr) attributes.emplace(*attribute);
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t index = surface[i];
       const glm::ivec3 voxel(static_cast<int>(index % side.x), static_cast<int>(index / side.x % side.y), static_cast<int>(index / side.x / side.y));
       SurfaceSample& sample = out.surface[i];
       sample = {index, glm::vec3(sampler.normal(voxel)), kStone};
+      glm::vec3 stored;
+      if (attributes && normalAt(*attributes, glm::dvec3(to_attribute * glm::dvec4(lattice.centre(voxel), 1)), stored)) sample.normal = to_part * stored;
       if (!colors) continue;
       const glm::dvec3 place = glm::dvec3(to_color * glm::dvec4(lattice.centre(voxel), 1));
       glm::dvec3 value;

@@ -17,7 +17,12 @@ SolidBox solidBox(const InputFiles& files, const std::string& place, const Spars
 struct ColorCounts {
   std::uint64_t missing = 0, clipped = 0;  // surface voxels that no active value of the colour grid is near; that are brighter than 1 or darker than 0
 };
-// `color` may be null. to_node of the result is the caller's.
-VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice, const SparseGrid* color, int threads, ColorCounts& counts);
+// Grids beside the one that is solid, each of which may be null.
+struct SolidLooks {
+  const SparseGrid* color = nullptr;
+  const SparseGrid* attribute = nullptr;  // VolumeChoice::attribute: the normals of voxels that are the lattice's own
+};
+// to_node of the result is the caller's.
+VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice, const SolidLooks& looks, int threads, ColorCounts& counts);
 
 }  // namespace kelp::bake

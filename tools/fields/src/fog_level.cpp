@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fog: which cubes are not clear, the bricks that hold them, and coarser levels.
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -146,7 +147,7 @@ FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads) {
     const double mean = means[indexOf(coarse.size, at)];
     coarse.density[indexOf(coarse.size, at)] = mean > 0 ? std::max<std::uint8_t>(1, fogCode(mean / greatest)) : std::uint8_t{0};
   });
-  if (greatest > 0) extinction = static_cast<float>(double{extinction} * greatest / 65025.0);
+  if (greatest > 0) extinction = std::max(static_cast<float>(double{extinction} * greatest / 65025.0), std::numeric_limits<float>::min());
   return coarse;
 }
 
