@@ -8,6 +8,7 @@
 
 #include "kelp/formats/fog.h"
 #include "kelp/formats/pack.h"
+#include "kelp/formats/raw_pack.h"
 #include "process.h"
 #include "support/assets.h"
 
