@@ -371,6 +371,7 @@ struct KelpWalk {
   float end;      // of s
   float base;     // height of the spline's low end
   float stretch;  // as in kelpMakeCurve
+  float scale;
 };
 
 // Where o + s r, s in [s_min, s_max], enters the bounds. r is a unit vector, o should be near the volume (the nearer, the more exact).
@@ -390,6 +391,7 @@ KELP_FN KelpWalk kelpEnter(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_ma
   walk.end = s_max;
   walk.base = y_low;
   walk.stretch = KELP_SIZE.y / (y_high - y_low);
+  walk.scale = KELP_LEVEL_SCALE;
 
   // The part of the ray inside the bounds, x and z first: the planes of y are exact, and a ray that enters through one starts at t = 0 or 1.
   float s0 = s_min;
@@ -449,8 +451,8 @@ KELP_FN KelpWalk kelpEnter(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_ma
   return walk;
 }
 
-KELP_FN KelpCurve kelpWalkCurve(KELP_CONTEXT_ KelpWalk walk, vec3 o, vec3 r) {
-  return kelpMakeCurve(walk.g, o, r, walk.s, walk.t0, walk.y, walk.base, walk.stretch, KELP_LEVEL_SCALE);
+KELP_FN KelpCurve kelpWalkCurve(KelpWalk walk, vec3 o, vec3 r) {
+  return kelpMakeCurve(walk.g, o, r, walk.s, walk.t0, walk.y, walk.base, walk.stretch, walk.scale);
 }
 
 // On to the half of a segment that follows the curve; it no longer goes where there is none.
@@ -494,7 +496,7 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   int halves = 2 * KELP_SEGMENTS;
   while (walk.going && halves > 0) {
     --halves;
-    KelpCurve c = kelpWalkCurve(KELP_CONTEXT walk, o, r);
+    KelpCurve c = kelpWalkCurve(walk, o, r);
     hit.segment = walk.segment;
     hit = kelpMarch(KELP_CONTEXT c, walk.end, hit);
     if (hit.found) break;
