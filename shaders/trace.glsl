@@ -493,14 +493,30 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   hit.outside = 0;
   hit.fetches = 0;
   KelpWalk walk = kelpEnter(KELP_CONTEXT o, r, s_min, s_max);
-  int halves = 2 * KELP_SEGMENTS;
-  while (walk.going && halves > 0) {
-    --halves;
-    KelpCurve c = kelpWalkCurve(walk, o, r);
-    hit.segment = walk.segment;
+  if (!walk.going) return hit;
+  // As kelpWalkOn goes on, in variables of their own.
+  KelpSegment g = walk.g;
+  int i = walk.segment;
+  float t0 = walk.t0;
+  float y = walk.y;
+  float s = walk.s;
+  for (int n = 0; n < 2 * KELP_SEGMENTS; ++n) {
+    KelpCurve c = kelpMakeCurve(g, o, r, s, t0, y, walk.base, walk.stretch, walk.scale);
+    hit.segment = i;
     hit = kelpMarch(KELP_CONTEXT c, walk.end, hit);
-    if (hit.found) break;
-    walk = kelpWalkOn(KELP_CONTEXT walk, r, c);
+    if (hit.found || abs(r.y) < 1e-12f) break;
+    s = kelpCurveRay(c, c.end);
+    if (s > walk.end) break;
+    if (r.y > 0.0f ? t0 < 0.5f : t0 > 0.5f) {
+      t0 = 0.5f;
+      y = kelpSplineAt(g, t0).y;
+      continue;
+    }
+    i += r.y > 0.0f ? 1 : -1;
+    if (i < 0 || i >= KELP_SEGMENTS) break;
+    y = r.y > 0.0f ? g.p1.y : g.p0.y;
+    t0 = r.y > 0.0f ? 0.0f : 1.0f;
+    g = KELP_SEGMENT(i);
   }
   return hit;
 }
