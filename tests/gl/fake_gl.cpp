@@ -75,6 +75,7 @@ void* FakeGl::getProcAddress(void*, const char* name) {
   if (wanted == "gl" #function) return reinterpret_cast<void*>(&Nothing<decltype(gl::Api::function)>::call);
   KELP_GL_FUNCTIONS(KELP_FAKE)
   KELP_GL_DESKTOP_FUNCTIONS(KELP_FAKE)
+  KELP_GL_BLEND_FUNCTIONS(KELP_FAKE)
 #undef KELP_FAKE
   return nullptr;
 }

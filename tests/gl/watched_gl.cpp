@@ -45,6 +45,7 @@ void* WatchedGl::getProcAddress(void*, const char* name) {
   if (wanted == "gl" #function) return Watched<&gl::Api::function>::watch(address);
   KELP_GL_FUNCTIONS(KELP_WATCH)
   KELP_GL_DESKTOP_FUNCTIONS(KELP_WATCH)
+  KELP_GL_BLEND_FUNCTIONS(KELP_WATCH)
   KELP_GL_DEBUG_FUNCTIONS(KELP_WATCH)
 #undef KELP_WATCH
 #define KELP_WATCH(result, function, parameters) \
