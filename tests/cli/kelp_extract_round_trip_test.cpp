@@ -111,9 +111,16 @@ TEST_F(RoundTrip, MagicaVoxelScenes) {
 TEST_F(RoundTrip, LevelSets) {
   KELP_ASSET(input, "vdb/gaffer_sphere.vdb");
   if (go(input, "vdb")) expectSameLook(false);
-  // Normals too, of the finest level: coarser ones are means of what was rounded here, and of what was not there.
+  // Normals too, of the finest level: coarser ones are means of what was rounded here, and of what was not there. At the octahedron's edges two codes stand for
+  // one direction, or next to one.
   const Contents a = openPack(first_), b = openPack(second_);
-  EXPECT_EQ(readLevel(a.pack, 0, 0).attributes, readLevel(b.pack, 0, 0).attributes);
+  const RawLevel c = readLevel(a.pack, 0, 0), d = readLevel(b.pack, 0, 0);
+  double worst = 0;
+  for (std::size_t i = 0; i < c.attributes.size(); ++i) {
+    const glm::dvec3 m(decodeNormal(attributeNormal(c.attributes[i]))), n(decodeNormal(attributeNormal(d.attributes[i])));
+    worst = std::max(worst, std::atan2(glm::length(glm::cross(m, n)), glm::dot(m, n)) * 180 / 3.14159265358979);
+  }
+  EXPECT_LT(worst, 0.04) << "degrees; a code's own rounding";
 }
 
 TEST_F(RoundTrip, Fog) {
