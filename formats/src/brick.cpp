@@ -87,7 +87,12 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
       }
     }
   }
-  return best;
+  // On the square's border two codes are one direction: the greater is written.
+  std::uint32_t u = best & 0xfffu, v = best >> 12;
+  constexpr std::uint32_t kEnd = 2 * kOctahedralHalf;
+  if (u == 0 || u == kEnd) v = std::max(v, kEnd - v);
+  if (v == 0 || v == kEnd) u = std::max(u, kEnd - u);
+  return u | v << 12;
 }
 
 glm::vec3 decodeNormal(std::uint32_t bits24) {

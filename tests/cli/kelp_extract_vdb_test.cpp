@@ -55,8 +55,16 @@ class ExtractVdb : public testing::Test {
 void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, const std::string& prefix, const KnownPart& part, const std::vector<Material>& palette) {
   const auto surface = find<openvdb::FloatGrid>(grids, name);
   const auto colors = find<openvdb::Vec3SGrid>(grids, prefix + "Cd");
-  const auto attributes = find<openvdb::Vec3IGrid>(grids, prefix + "kelp_attribute");
-  ASSERT_TRUE(surface && colors && attributes);
+  const auto attributes = find<openvdb::Vec3SGrid>(grids, prefix + "kelp_attribute");
+  const auto entries = find<openvdb::Vec3SGrid>(grids, prefix + "kelp_palette");
+  ASSERT_TRUE(surface && colors && attributes && entries);
+  for (int e = 0; e < static_cast<int>(palette.size()); ++e) {
+    const Material& m = palette[static_cast<std::size_t>(e)];
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 0, 0)), openvdb::Vec3s(m.base_color.r, m.base_color.g, m.base_color.b));
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 1, 0)), openvdb::Vec3s(m.emissive.r, m.emissive.g, m.emissive.b));
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 2, 0)), openvdb::Vec3s(m.base_color.a, m.metallic, m.roughness));
+  }
+  EXPECT_EQ(entries->activeVoxelCount(), 3 * palette.size());
   EXPECT_EQ(surface->getGridClass(), openvdb::GRID_LEVEL_SET);
   const float edge = static_cast<float>(std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object))))));
   EXPECT_FLOAT_EQ(surface->background(), 3 * edge);
@@ -70,14 +78,18 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
     solid += part.solid(v) ? 1 : 0;
     const std::int64_t attribute = part.solid(v) ? part.attribute[part.occupancy.index(v)] : -1;
     openvdb::Vec3s color;
-    openvdb::Vec3i stored;
+    openvdb::Vec3s stored(-1);
     const bool has_color = colors->tree().probeValue(coordOf(v), color), has_attribute = attributes->tree().probeValue(coordOf(v), stored);
-    if (has_color != (attribute >= 0) || has_attribute != (attribute >= 0)) ++wrong_look;
-    if (attribute < 0) return;
+    const bool corner = v == glm::ivec3(0) || v == part.occupancy.size - 1;
+    if (has_color != (attribute >= 0) || has_attribute != (attribute >= 0 || corner)) ++wrong_look;
+    if (attribute < 0) {
+      if (corner && stored != openvdb::Vec3s(-1)) ++wrong_look;
+      return;
+    }
     const auto bits = static_cast<std::uint32_t>(attribute);
     const glm::vec4& expected = palette[attributePalette(bits)].base_color;
     if (color != openvdb::Vec3s(expected.r, expected.g, expected.b)) ++wrong_look;
-    if (stored[0] != attributePalette(bits) || (static_cast<std::uint32_t>(stored[1]) | static_cast<std::uint32_t>(stored[2]) << 12) != attributeNormal(bits)) ++wrong_look;
+    if (stored[0] != static_cast<float>(attributePalette(bits)) || (static_cast<std::uint32_t>(stored[1]) | static_cast<std::uint32_t>(stored[2]) << 12) != attributeNormal(bits)) ++wrong_look;
   });
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(wrong_look, 0u);
@@ -95,7 +107,7 @@ TEST_F(ExtractVdb, LevelSetsAreTheVoxelsAndTheirColours) {
   const std::string pack = test::writePackFile(folder_, "two.kelp", {test::rawPart(parts[0], "one"), test::rawPart(parts[1], "two")}, palette);
   run({pack, "--vdb", folder_ / "two.vdb"});
   const auto both = readVdb(folder_ / "two.vdb");
-  EXPECT_EQ(both->size(), 6u);
+  EXPECT_EQ(both->size(), 8u);
   expectSolid(both, "one", "one.", parts[0], palette);
   expectSolid(both, "two", "two.", parts[1], palette);
   run({pack, "--vdb", folder_ / "two.vdb", "--part", "two"});  // over the file that is there
@@ -199,14 +211,18 @@ TEST_F(ExtractVdb, NanoVdbHoldsTheSame) {
   run({pack, "--nvdb", folder_ / "ball.nvdb"});
   const auto grids = readVdb(folder_ / "ball.vdb");
   const auto handles = nanovdb::io::readGrids((folder_ / "ball.nvdb").string());
-  ASSERT_EQ(handles.size(), 2u);
+  ASSERT_EQ(handles.size(), 4u);
   const glm::ivec3 low(-9), high = part.occupancy.size + 9;
   const auto surface = find<openvdb::FloatGrid>(grids, "ball");
   const auto colors = find<openvdb::Vec3SGrid>(grids, "Cd");
-  ASSERT_TRUE(surface && colors);
+  const auto attributes = find<openvdb::Vec3SGrid>(grids, "kelp_attribute");
+  const auto entries = find<openvdb::Vec3SGrid>(grids, "kelp_palette");
+  ASSERT_TRUE(surface && colors && attributes && entries);
   EXPECT_TRUE(handles[0].grid<float>()->isLevelSet());
   expectSame<float>(handles[0], *surface, low, high);
   expectSame<nanovdb::Vec3f>(handles[1], *colors, low, high);
+  expectSame<nanovdb::Vec3f>(handles[2], *attributes, low, high);
+  expectSame<nanovdb::Vec3f>(handles[3], *entries, low, high);
 }
 
 }  // namespace

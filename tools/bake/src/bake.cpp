@@ -313,6 +313,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
 
   clock.begin("palette");
   rules.entries = model.palette;
+  rules.blends = model.palette_blends;
   Palette palette;
   if (grids.empty()) {
     palette.entries.emplace_back();  // a pack has one

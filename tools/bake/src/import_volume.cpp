@@ -52,10 +52,20 @@ class VolumeImport {
     if (settings_.ramp_file) throw BakeError(Exit::kUsage, "--ramp " + oneLine(settings_.ramp_file->string(), 200) + ": only fog glows; leave it out, or give --volume fog");
     std::optional<SparseGrid> color;
     if (choice.color) color = load(*choice.color);
+    SolidLooks looks;
     std::optional<SparseGrid> attribute;
-    if (choice.attribute && keepsVoxels(to_rig_, settings_)) attribute = load(*choice.attribute);
+    if (choice.attribute && keepsVoxels(to_rig_, settings_)) {
+      attribute = load(*choice.attribute);
+      looks.palette = paintedPalette(load(*choice.palette));
+      looks.attribute = &*attribute;
+    }
+    if (color) looks.color = &*color;
     file_.load = nullptr;
-    const SolidBox box = solidBox(files_, place_, grid_, rule);
+    SolidBox box = solidBox(files_, place_, grid_, rule);
+    if (attribute && attribute->to_world == grid_.to_world) {  // the part's own box, with the empty layers at its sides
+      box.box.first = glm::min(box.box.first, file_.grids[*choice.attribute].low);
+      box.box.last = glm::max(box.box.last, file_.grids[*choice.attribute].high);
+    }
     const auto latticeFor = [&](const Settings& settings) { return keepsVoxels(to_rig_, settings) ? ownLattice(box.box, to_rig_) : newLattice(files_, box.box, to_rig_, settings); };
     if (keepsVoxels(to_rig_, settings_)) checkSides(files_, glm::dvec3(box.box.last) - glm::dvec3(box.box.first) + 1.0);
     const Lattice lattice = latticeFor(settings_);
@@ -66,8 +76,14 @@ class VolumeImport {
       return volumeSize(other.size, paddingOf(part_, settings.pad), box.faces / (step * step), box.solid / (step * step * step));
     }, (color ? color->bytes() : 0) + (attribute ? attribute->bytes() : 0));
     ColorCounts counts;
-    part_.grid = sampleSolid(files_, grid_, rule, lattice, {color ? &*color : nullptr, attribute ? &*attribute : nullptr}, settings_.threads, counts);
+    part_.grid = sampleSolid(files_, grid_, rule, lattice, looks, settings_.threads, counts);
     part_.grid->to_node = toNode(lattice);
+    if (counts.unpainted == 0) {
+      model_.palette = looks.palette;
+      model_.palette_blends = true;
+    } else {
+      for (SurfaceSample& sample : part_.grid->surface) sample.source = 0;
+    }
     if (counts.missing > 0) model_.notices.push_back(fmt::format("{} of {} surface voxels are grey: grid '{}' has no active value there", counts.missing, part_.grid->surface.size(), file_.grids[*choice.color].name));
     if (counts.clipped > 0) model_.notices.push_back(fmt::format("colours of {} surface voxels were cut to between 0 and 1", counts.clipped));
   }

@@ -15,7 +15,8 @@
 namespace kelp::bake {
 namespace {
 
-// A surface voxel of some level. Colours stay unrounded from level to level: only what is stored snaps to the palette.
+// A surface voxel of some level. Coarser levels follow from what level 0 stores, so that a pack that comes back through another format has them again; from
+// there on colours and normals stay unrounded from level to level.
 using Attribute = SurfaceSample;
 
 // The commonest of at most eight sources; the lowest of several.
@@ -115,7 +116,11 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
-        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), encodeNormal(attributes[i].normal))};
+        const std::uint32_t normal = encodeNormal(attributes[i].normal);
+        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal)};
+        if (level > 0) continue;
+        attributes[i].material = palette[entry];
+        attributes[i].normal = decodeNormal(normal);
       }
     });
     built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));

@@ -61,12 +61,12 @@ Palette fixedPalette(const std::vector<const VoxelGrid*>& grids, const std::vect
   return palette;
 }
 
-// The entries are the file's own, and so are the voxels' indices. Each entry is its own source: coarser voxels keep the commonest index of their children, so that
-// whoever paints an entry anew paints the same places on every level.
-Palette givenPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<Material>& entries) {
+// The entries are the file's own, and so are the voxels' indices. Unless they blend each entry is its own source: coarser voxels keep the commonest index of their
+// children, so that whoever paints an entry anew paints the same places on every level.
+Palette givenPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<Material>& entries, bool blends) {
   Palette palette;
   palette.entries = entries;
-  for (std::size_t e = 0; e < entries.size(); ++e) palette.sources.push_back(static_cast<std::uint32_t>(e));
+  for (std::size_t e = 0; !blends && e < entries.size(); ++e) palette.sources.push_back(static_cast<std::uint32_t>(e));
   for (const VoxelGrid* grid : grids) {
     std::vector<std::uint8_t>& indices = palette.indices.emplace_back();
     indices.reserve(grid->surface.size());
@@ -146,7 +146,7 @@ Palette separatePalette(const std::vector<const VoxelGrid*>& grids, int threads)
 
 Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads, const PaletteRules& rules) {
   if (!rules.colors.empty()) return fixedPalette(grids, rules.colors, threads);
-  if (!rules.entries.empty()) return givenPalette(grids, rules.entries);
+  if (!rules.entries.empty()) return givenPalette(grids, rules.entries, rules.blends);
   return rules.keep_materials ? separatePalette(grids, threads) : clusterPalette(grids, kMaxPalette, threads);
 }
 

@@ -25,9 +25,11 @@ bool isOneOf(const std::string& name, const std::array<std::string_view, N>& nam
 }
 
 bool isScalar(const GridHeader& grid) { return grid.kind == GridKind::kScalar || grid.kind == GridKind::kBinary; }
-bool isHeat(const GridHeader& grid) { return grid.kind == GridKind::kScalar && isOneOf(grid.name, std::array<std::string_view, 4>{"flame", "flames", "heat", "temperature"}); }
 bool isColor(const GridHeader& grid) { return grid.kind == GridKind::kVector && grid.type.find("vec3i") == std::string::npos; }
-bool isNamedColor(const GridHeader& grid) { return isColor(grid) && isOneOf(grid.name, std::array<std::string_view, 2>{"cd", "color"}); }
+bool usable(const GridHeader& grid) { return !grid.empty && grid.linear; }
+constexpr std::array<std::string_view, 4> kHeatNames{"flame", "flames", "heat", "temperature"};
+constexpr std::array<std::string_view, 2> kColorNames{"cd", "color"};
+bool isHeat(const GridHeader& grid) { return grid.kind == GridKind::kScalar && isOneOf(grid.name, kHeatNames); }
 
 template <class Wanted>
 std::string list(const std::vector<GridHeader>& grids, const Wanted& wanted) {
@@ -133,11 +135,34 @@ std::string describeGrid(const GridHeader& grid) {
   return text + ")";
 }
 
+namespace {
+
+// Of a file with several parts, as kelp-dump extract writes it: the grids beside "reed" and "steam.density" are "reed.Cd" and "steam.heat".
+std::string nameBeside(const GridHeader& grid, const GridHeader& chosen) {
+  const std::size_t dot = chosen.name.rfind('.');
+  for (const std::string& prefix : {chosen.name + ".", dot == std::string::npos ? std::string() : chosen.name.substr(0, dot + 1)})
+    if (!prefix.empty() && grid.name.starts_with(prefix)) return grid.name.substr(prefix.size());
+  return {};
+}
+
+// The grid with one of these names that is good for something: the chosen one's own, or else the file's first.
+template <std::size_t N, class Wanted>
+std::optional<std::size_t> findNamed(const std::vector<GridHeader>& grids, std::size_t chosen, const std::array<std::string_view, N>& names, const Wanted& wanted) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (i == chosen || !usable(grids[i]) || !wanted(grids[i])) continue;
+    if (isOneOf(nameBeside(grids[i], grids[chosen]), names)) return i;
+    if (!found && isOneOf(grids[i].name, names)) found = i;
+  }
+  return found;
+}
+
+}  // namespace
+
 VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids, const Settings& settings) {
   VolumeChoice choice;
   choice.grid = chooseVolume(files, grids, settings);
   requireVoxels(files, grids[choice.grid]);
-  const auto usable = [](const GridHeader& grid) { return !grid.empty && grid.linear; };
   if (settings.color_grid) {
     choice.color = find(files, grids, "--color-grid", *settings.color_grid);
     choice.color_named = true;
@@ -145,11 +170,11 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     if (!isColor(grid)) refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60), "holds no colours: " + describeGrid(grid) + "; name a grid of vec3s");
     if (!usable(grid)) refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60), std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
   } else {
-    for (std::size_t i = 0; i < grids.size() && !choice.color; ++i)
-      if (isNamedColor(grids[i]) && usable(grids[i])) choice.color = i;
+    choice.color = findNamed(grids, choice.grid, kColorNames, isColor);
+    choice.attribute = findNamed(grids, choice.grid, std::array<std::string_view, 1>{"kelp_attribute"}, isColor);
+    choice.palette = findNamed(grids, choice.grid, std::array<std::string_view, 1>{"kelp_palette"}, isColor);
+    if (!choice.attribute || !choice.palette) choice.attribute = choice.palette = std::nullopt;
   }
-  for (std::size_t i = 0; i < grids.size(); ++i)
-    if (grids[i].name == "kelp_attribute" && grids[i].type == "vec3i" && usable(grids[i])) choice.attribute = i;
   if (settings.heat_grid) {
     if (settings.heat_grid->empty()) return choice;
     choice.heat = find(files, grids, "--heat-grid", *settings.heat_grid);
@@ -158,8 +183,7 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     if (!isScalar(grid)) refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60), "holds no numbers: " + describeGrid(grid) + "; name a grid of float");
     if (!usable(grid)) refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60), std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
   } else {
-    for (std::size_t i = 0; i < grids.size() && !choice.heat; ++i)
-      if (i != choice.grid && isHeat(grids[i]) && usable(grids[i])) choice.heat = i;
+    choice.heat = findNamed(grids, choice.grid, kHeatNames, [](const GridHeader& grid) { return grid.kind == GridKind::kScalar; });
   }
   return choice;
 }

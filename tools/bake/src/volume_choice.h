@@ -11,7 +11,7 @@ namespace kelp::bake {
 struct VolumeChoice {
   std::size_t grid = 0;
   std::optional<std::size_t> color, heat;
-  std::optional<std::size_t> attribute;  // kelp_attribute, as kelp-dump extract writes it: palette index, normal (u, v)
+  std::optional<std::size_t> attribute, palette;  // see volume_paint.h; both or neither
   bool color_named = false, heat_named = false;  // by the settings
 };
 // BakeError kUsage where the settings name what is not there, or name none of several that could be meant: it lists them.

@@ -131,16 +131,6 @@ bool colorAt(const SparseSampler& color, const glm::dvec3& place, glm::dvec3& re
   return sum > 0;
 }
 
-// The normal that kelp-dump extract has written for a voxel, in the grid's axes; false if it has none.
-bool normalAt(const SparseSampler& attribute, const glm::dvec3& place, glm::vec3& normal) {
-  if (!onLattice(place)) return false;
-  const SparseCell cell = attribute.cellAt(glm::ivec3(glm::round(place)));
-  const double u = attribute.value(cell, 1), v = attribute.value(cell, 2);
-  if (!cell.active || !(u >= 0 && u <= 4095 && v >= 0 && v <= 4095)) return false;
-  normal = decodeNormal(static_cast<std::uint32_t>(u) | static_cast<std::uint32_t>(v) << 12);
-  return true;
-}
-
 }  // namespace
 
 SolidBox solidBox(const InputFiles& files, const std::string& place, const SparseGrid& grid, const VolumeRule& rule) {
@@ -176,10 +166,10 @@ VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const Vol
   if (surface.empty()) refuse(Exit::kInvalid, files.input(), "", "has no solid voxel at this resolution; give a larger one");
   out.surface.resize(surface.size());
   const glm::dmat4 to_color = color != nullptr ? glm::inverse(color->to_world) * grid.to_world : glm::dmat4(1);
-  const SparseGrid* const attribute = lattice.exact ? looks.attribute : nullptr;
+  const SparseGrid* const attribute = looks.attribute;
   const glm::dmat4 to_attribute = attribute != nullptr ? glm::inverse(attribute->to_world) * grid.to_world : glm::dmat4(1);
   const glm::mat3 to_part(glm::transpose(glm::dmat3(lattice.to_index)));  // of directions, where the lattice is exact
-  std::atomic<std::uint64_t> missing{0}, clipped{0};
+  std::atomic<std::uint64_t> missing{0}, clipped{0}, unpainted{0};
   parallelRanges(surface.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     const SolidSampler sampler(grid, rule, lattice);
     std::optional<SparseSampler> colors;
@@ -190,22 +180,30 @@ VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const Vol
       const std::uint64_t index = surface[i];
       const glm::ivec3 voxel(static_cast<int>(index % side.x), static_cast<int>(index / side.x % side.y), static_cast<int>(index / side.x / side.y));
       SurfaceSample& sample = out.surface[i];
-      sample = {index, glm::vec3(sampler.normal(voxel)), kStone};
-      glm::vec3 stored;
-      if (attributes && normalAt(*attributes, glm::dvec3(to_attribute * glm::dvec4(lattice.centre(voxel), 1)), stored)) sample.normal = to_part * stored;
-      if (!colors) continue;
-      const glm::dvec3 place = glm::dvec3(to_color * glm::dvec4(lattice.centre(voxel), 1));
+      sample = {index, glm::vec3(0), kStone};
+      PaintedVoxel painted;
+      const bool has_paint = attributes && paintedVoxel(*attributes, glm::dvec3(to_attribute * glm::dvec4(lattice.centre(voxel), 1)), painted);
+      sample.normal = has_paint ? to_part * painted.normal : glm::vec3(sampler.normal(voxel));
       glm::dvec3 value;
-      if (!onLattice(place) || !colorAt(*colors, place, value)) {
-        ++missing;
-        continue;
+      if (colors) {
+        const glm::dvec3 place = glm::dvec3(to_color * glm::dvec4(lattice.centre(voxel), 1));
+        if (onLattice(place) && colorAt(*colors, place, value)) {
+          const glm::dvec3 shown = glm::clamp(value, 0.0, 1.0);
+          if (shown != value) ++clipped;
+          sample.material.base_color = glm::vec4(glm::vec3(shown), 1);
+        } else {
+          ++missing;
+        }
       }
-      const glm::dvec3 shown = glm::clamp(value, 0.0, 1.0);
-      if (shown != value) ++clipped;
-      sample.material.base_color = glm::vec4(glm::vec3(shown), 1);
+      if (has_paint && painted.entry < looks.palette.size() && glm::vec3(sample.material.base_color) == glm::vec3(looks.palette[painted.entry].base_color)) {
+        sample.material = looks.palette[painted.entry];
+        sample.source = static_cast<std::uint32_t>(painted.entry);
+      } else {
+        ++unpainted;
+      }
     }
   });
-  counts = {missing, clipped};
+  counts = {missing, clipped, unpainted};
   return out;
 }
 

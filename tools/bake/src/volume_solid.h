@@ -3,6 +3,7 @@
 #pragma once
 
 #include "volume_lattice.h"
+#include "volume_paint.h"
 #include "volume_rule.h"
 
 namespace kelp::bake {
@@ -16,11 +17,13 @@ SolidBox solidBox(const InputFiles& files, const std::string& place, const Spars
 
 struct ColorCounts {
   std::uint64_t missing = 0, clipped = 0;  // surface voxels that no active value of the colour grid is near; that are brighter than 1 or darker than 0
+  std::uint64_t unpainted = 0;             // that SolidLooks::attribute says nothing of, or whose colour is not the one of its entry: somebody has edited the grids
 };
-// Grids beside the one that is solid, each of which may be null.
+// What lies beside the grid that is solid.
 struct SolidLooks {
-  const SparseGrid* color = nullptr;
-  const SparseGrid* attribute = nullptr;  // VolumeChoice::attribute: the normals of voxels that are the lattice's own
+  const SparseGrid* color = nullptr;      // may be null
+  const SparseGrid* attribute = nullptr;  // may be null; only where the lattice's voxels are the grid's own
+  std::vector<Material> palette;          // what attribute names entries of: materials and SurfaceSample::source of the voxels that are painted
 };
 // to_node of the result is the caller's.
 VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice, const SolidLooks& looks, int threads, ColorCounts& counts);

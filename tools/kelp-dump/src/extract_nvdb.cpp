@@ -13,7 +13,7 @@ void extractNvdb(const ExtractRequest& request) {
   withOpenVdb(request, [&] {
     std::vector<nanovdb::GridHandle<nanovdb::HostBuffer>> handles;
     for (const openvdb::GridBase::Ptr& grid : vdbGrids(request))
-      if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>()) handles.push_back(nanovdb::openToNanoVDB(grid));
+      handles.push_back(nanovdb::openToNanoVDB(grid));
     OutputFile out(request.output);
     std::ofstream stream(out.temporaryPath(), std::ios::binary);
     stream.exceptions(std::ios::failbit | std::ios::badbit);

@@ -34,7 +34,6 @@ typename Grid::Ptr makeGrid(const std::string& name, const LevelVoxels& level, c
   grid->setName(name);
   grid->setTransform(transformOf(level));
   grid->setCreator("kelp-dump " KELP_VERSION);
-  grid->insertMeta("kelp_size", openvdb::Vec3IMetadata(openvdb::Vec3i(level.size().x, level.size().y, level.size().z)));
   return grid;
 }
 
@@ -45,12 +44,17 @@ std::string listText(const Vector& v) {
   return "[" + text + "]";
 }
 
-// The palette's entries as a JSON list: numbers that read back the same.
-std::string paletteText(std::span<const Material> palette) {
-  std::string text;
-  for (const Material& m : palette)
-    text += fmt::format("{}{{\"base_color\": {}, \"emissive\": {}, \"metallic\": {}, \"roughness\": {}}}", text.empty() ? "" : ", ", listText(m.base_color), listText(m.emissive), m.metallic, m.roughness);
-  return "[" + text + "]";
+// Three rows along x, which has the entries: base colour, emitted light, (opacity, metallic, roughness). A grid, since NanoVDB keeps no metadata.
+openvdb::Vec3SGrid::Ptr paletteGrid(const std::string& name, const LevelVoxels& level, std::span<const Material> palette) {
+  auto grid = makeGrid<openvdb::Vec3SGrid>(name, level, openvdb::Vec3s(0));
+  auto at = grid->getAccessor();
+  for (int i = 0; i < static_cast<int>(palette.size()); ++i) {
+    const Material& m = palette[static_cast<std::size_t>(i)];
+    at.setValueOn(Coord(i, 0, 0), openvdb::Vec3s(m.base_color.r, m.base_color.g, m.base_color.b));
+    at.setValueOn(Coord(i, 1, 0), openvdb::Vec3s(m.emissive.r, m.emissive.g, m.emissive.b));
+    at.setValueOn(Coord(i, 2, 0), openvdb::Vec3s(m.base_color.a, m.metallic, m.roughness));
+  }
+  return grid;
 }
 
 // A leaf's voxels are numbered with z fastest, a brick's with x fastest.
@@ -87,12 +91,9 @@ openvdb::FloatGrid::Ptr levelSet(const std::string& name, const LevelVoxels& lev
 }
 
 void addSolid(const std::string& name, const std::string& prefix, const LevelVoxels& level, std::span<const Material> palette, openvdb::GridPtrVec& grids) {
-  auto surface = levelSet(name, level);
-  surface->insertMeta("kelp_palette", openvdb::StringMetadata(paletteText(palette)));
-  grids.push_back(surface);
+  grids.push_back(levelSet(name, level));
   auto colors = makeGrid<openvdb::Vec3SGrid>(prefix + "Cd", level, openvdb::Vec3s(0));
-  auto attributes = makeGrid<openvdb::Vec3IGrid>(prefix + "kelp_attribute", level, openvdb::Vec3i(0));
-  attributes->insertMeta("kelp_components", openvdb::StringMetadata("palette index, octahedral normal u, v (12 bits each)"));
+  auto attributes = makeGrid<openvdb::Vec3SGrid>(prefix + "kelp_attribute", level, openvdb::Vec3s(0));
   auto color_at = colors->getAccessor();
   auto attribute_at = attributes->getAccessor();
   level.eachSurface([&](const glm::ivec3& voxel, std::uint32_t attribute) {
@@ -100,10 +101,14 @@ void addSolid(const std::string& name, const std::string& prefix, const LevelVox
     const glm::vec4& color = palette[std::min(entry, palette.size() - 1)].base_color;
     const std::uint32_t normal = attributeNormal(attribute);
     color_at.setValueOn(coordOf(voxel), openvdb::Vec3s(color.r, color.g, color.b));
-    attribute_at.setValueOn(coordOf(voxel), openvdb::Vec3i(static_cast<int>(entry), static_cast<int>(normal & 0xfffu), static_cast<int>(normal >> 12)));
+    attribute_at.setValueOn(coordOf(voxel), openvdb::Vec3s(static_cast<float>(entry), static_cast<float>(normal & 0xfffu), static_cast<float>(normal >> 12)));
   });
+  // The box of its active voxels is the part's own.
+  for (const glm::ivec3& corner : {glm::ivec3(0), level.size() - 1})
+    if (!attribute_at.isValueOn(coordOf(corner))) attribute_at.setValueOn(coordOf(corner), openvdb::Vec3s(-1));
   grids.push_back(colors);
   grids.push_back(attributes);
+  grids.push_back(paletteGrid(prefix + "kelp_palette", level, palette));
 }
 
 // Densities per metre, as light is stopped; heat from 0 to 1, the ramp's end.

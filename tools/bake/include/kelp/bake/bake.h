@@ -179,10 +179,11 @@ struct PaletteRules {
   std::vector<Material> entries;  // of a file that is painted by index, if it is: kept as they are, each voxel has the one that SurfaceSample::source names. Without `colors`
   std::vector<glm::vec3> colors;  // the entries, in this order, if there are any: each voxel gets the nearest in OKLab. Gloss and glow are means
   bool keep_materials = false;    // samples of two sources never share an entry
+  bool blends = false;            // of `entries`: SourceModel::palette_blends
 };
 struct Palette {
   std::vector<Material> entries;                       // 1 to 256
-  std::vector<std::uint32_t> sources;                  // with keep_materials or given entries, SurfaceSample::source of each entry; else empty
+  std::vector<std::uint32_t> sources;                  // with keep_materials or given entries that do not blend, SurfaceSample::source of each entry; else empty
   std::vector<std::vector<std::uint8_t>> indices;      // one list a grid, one index a surface sample
   double mean_error = 0;                               // OKLab
 };

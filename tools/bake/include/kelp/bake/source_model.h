@@ -114,6 +114,7 @@ struct SourceModel {
   std::vector<SourcePart> parts;
   std::vector<SurfaceMaterial> materials;  // at least one
   std::vector<Material> palette;     // of files that are painted by index: the pack's entries, in this order, up to 256; empty: the baker chooses
+  bool palette_blends = false;       // coarser voxels get the entry nearest to the mean of their children's materials, not their commonest index
   Axis up = Axis::kPlusY;            // what points up in files of this format, unless the user says otherwise
   std::vector<Image> images;
   std::vector<std::string> notices;  // what was skipped or repaired; one line each, for the user
