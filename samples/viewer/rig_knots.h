@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Knots that come and go. Waves and keys name knots by index: theirs follow.
+#pragma once
+
+#include "kelp/rig_json/rig_json.h"
+
+namespace viewer {
+
+// A knot half way between `after` and the next, on the spline, so that nothing looks other than before.
+void insertKnot(kelp::RigDescription& rig, int after);
+// With what moves it; a clip that moves nothing else goes too. Not for the first and the last.
+void removeKnot(kelp::RigDescription& rig, int knot);
+
+}  // namespace viewer
