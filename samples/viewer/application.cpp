@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "write_file.h"
 
@@ -42,6 +43,14 @@ Application::Application(GLFWwindow* window, const Arguments& arguments) : windo
   glfwSetWindowUserPointer(window, this);
   glfwSetDropCallback(window, [](GLFWwindow* dropped_on, int count, const char** paths) {
     if (count > 0) static_cast<Application*>(glfwGetWindowUserPointer(dropped_on))->drop(paths[0]);
+  });
+  next_key_callback_ = glfwSetKeyCallback(window, [](GLFWwindow* in, int key, int scancode, int action, int modifiers) {
+    auto& self = *static_cast<Application*>(glfwGetWindowUserPointer(in));
+    if (self.next_key_callback_) self.next_key_callback_(in, key, scancode, action, modifiers);
+    if (action != GLFW_PRESS) return;
+    const char* const name = glfwGetKeyName(key, scancode);
+    const bool letter = name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0;
+    self.keys_.push_back({letter ? name[0] - 'a' + 'A' : key, modifiers});
   });
   choices_.edit = arguments.edit;
   if (arguments.bake) workshop_ = std::make_unique<Workshop>(*arguments.bake);
@@ -109,6 +118,7 @@ void Application::frame() {
     drawRigPanel(panel_, *editor_, choices_.seconds, [this] { save(panel_.part); });
     if (panel_.path.empty()) panel_.path = defaultPath(panel_.part);
     if (panel_.closed) choices_.edit = false;
+    if (!panel_.play.empty()) playAlone(std::exchange(panel_.play, {}));
   }
   askToSave();
 }
@@ -121,21 +131,27 @@ void Application::fitCamera() {
 }
 
 void Application::useKeys() {
-  const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantCaptureKeyboard || ask_ != Ask::kNothing) return;
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-  if (io.KeyCtrl) {
-    if (!editor_ || !choices_.edit) return;
-    if (pressed(GLFW_KEY_Z)) io.KeyShift ? editor_->redo() : editor_->undo();
-    if (pressed(GLFW_KEY_Y)) editor_->redo();
-    if (pressed(GLFW_KEY_S)) save(panel_.part);
-    return;
+  const std::vector<Key> keys = std::exchange(keys_, {});
+  escaped_ = std::any_of(keys.begin(), keys.end(), [](const Key& key) { return key.key == GLFW_KEY_ESCAPE; });
+  if (ImGui::GetIO().WantCaptureKeyboard || ask_ != Ask::kNothing) return;
+  for (const auto& [key, modifiers] : keys) {
+    if (modifiers & GLFW_MOD_CONTROL) {
+      if (!editor_ || !choices_.edit) continue;
+      if (key == GLFW_KEY_Y || (key == GLFW_KEY_Z && modifiers & GLFW_MOD_SHIFT)) editor_->redo();
+      else if (key == GLFW_KEY_Z) editor_->undo();
+      else if (key == GLFW_KEY_S) save(panel_.part);
+    } else if (key == GLFW_KEY_SPACE) {
+      choices_.play = !choices_.play;
+    } else if (key == GLFW_KEY_H) {
+      choices_.handles = !choices_.handles;
+    } else if (key == GLFW_KEY_E) {
+      choices_.edit = !choices_.edit;
+    } else if (key == GLFW_KEY_F) {
+      fitCamera();
+    } else if (key == GLFW_KEY_R && stage_.model()) {
+      stage_.model()->forgetEdits();
+    }
   }
-  if (pressed(GLFW_KEY_SPACE)) choices_.play = !choices_.play;
-  if (pressed(GLFW_KEY_H)) choices_.handles = !choices_.handles;
-  if (pressed(GLFW_KEY_E)) choices_.edit = !choices_.edit;
-  if (pressed(GLFW_KEY_F)) fitCamera();
-  if (pressed(GLFW_KEY_R) && stage_.model()) stage_.model()->forgetEdits();
 }
 
 void Application::useMouse(const glm::vec2& mouse) {
@@ -247,6 +263,13 @@ void Application::showRig() {
   if (!wrong.empty()) status_.wrong = "the rig can not be shown: " + wrong;
 }
 
+void Application::playAlone(const std::string& clip) {
+  Model& model = *stage_.model();
+  const std::span<const kelp::Clip> clips = model.clips();
+  for (std::size_t i = 0; i < clips.size(); ++i) model.clipWeights()[i] = clips[i].name == clip ? 1.0f : 0.0f;
+  choices_.play = true;
+}
+
 std::string Application::defaultPath(int part) const {
   const std::filesystem::path pack(pack_);
   if (editor_->parts() > 1) return std::filesystem::path(pack).replace_extension("." + forFile(editor_->name(part)) + ".rig.json");
@@ -284,7 +307,7 @@ void Application::askToSave() {
   ImGui::SameLine();
   const bool no = ImGui::Button("Throw away");
   ImGui::SameLine();
-  const bool stay = ImGui::Button("Go on editing") || ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false);
+  const bool stay = ImGui::Button("Go on editing") || escaped_;
   bool saved = yes;
   for (int part = 0; yes && part < editor_->parts(); ++part) saved = (!editor_->unsaved(part) || save(part)) && saved;
   if (saved || no || stay) ImGui::CloseCurrentPopup();

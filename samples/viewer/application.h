@@ -12,8 +12,10 @@ namespace viewer {
 
 class Application {
  public:
-  // Answers drops on the window; the window must outlive it.
+  // Answers drops and keys of the window, which must outlive it; Dear ImGui's callbacks must be set already, and get the keys too.
   Application(GLFWwindow* window, const Arguments& arguments);
+  Application(const Application&) = delete;
+  Application& operator=(const Application&) = delete;
 
   // Shows the pack and answers 0; or says what is wrong, leaves what is shown, and answers the exit code: 2 I/O, 3 the pack, 4 graphics.
   int open(const std::string& path);
@@ -28,6 +30,9 @@ class Application {
 
  private:
   enum class Ask { kNothing, kClose, kOpen };
+  struct Key {
+    int key = 0, modifiers = 0;  // as GLFW has them, letters by what is written on the key
+  };
 
   bool baking() const { return workshop_ && workshop_->baking(); }
   bool unsaved() const { return editor_ && editor_->unsaved(); }
@@ -41,6 +46,7 @@ class Application {
   void showWhatCame();    // once it is all there
   void useEditor();       // opens and follows the editor
   void showRig();         // what the editor has
+  void playAlone(const std::string& clip);
   std::string defaultPath(int part) const;
   bool save(int part);
   void askToSave();
@@ -52,6 +58,9 @@ class Application {
   OrbitCamera camera_;
   Choices choices_;
   Status status_;
+  std::vector<Key> keys_;  // since the last frame: one may come and go between two
+  bool escaped_ = false;    // in this frame
+  void (*next_key_callback_)(GLFWwindow*, int, int, int, int) = nullptr;
   std::optional<Handle> near_, held_;
   glm::vec2 grip_{0};  // where the held handle was taken, pixels from its middle
   std::optional<kelp::runtime::Hit> under_mouse_;

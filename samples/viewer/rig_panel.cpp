@@ -144,7 +144,7 @@ bool drawWave(Draft& draft, RigDescription::Wave& wave, int index) {
   draft.changed |= dragNumber("period", wave.period, 0.01f, 0.05f, 1e3f, "%.2f s");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(96);
-  draft.changed |= ImGui::SliderFloat("phase", &wave.phase, -0.5f, 0.5f, "%.2f turns");
+  draft.changed |= ImGui::SliderFloat("phase", &wave.phase, -1, 1, "%.2f turns");
   tip("A part of the period by which it is ahead.");
   ImGui::PopID();
   return stays;
@@ -249,10 +249,14 @@ void drawClipChoice(Draft& draft, RigPanel& panel) {
   ImGui::SetNextItemWidth(130);
   if (ImGui::BeginCombo("##clips", clips.empty() ? "no clips" : clips[static_cast<std::size_t>(panel.clip)].name.c_str())) {
     for (int i = 0; i < static_cast<int>(clips.size()); ++i) {
-      if (ImGui::Selectable((clips[static_cast<std::size_t>(i)].name + "##" + std::to_string(i)).c_str(), i == panel.clip)) panel.clip = i;
+      if (ImGui::Selectable((clips[static_cast<std::size_t>(i)].name + "##" + std::to_string(i)).c_str(), i == panel.clip)) {
+        panel.clip = i;
+        panel.play = clips[static_cast<std::size_t>(i)].name;
+      }
     }
     ImGui::EndCombo();
   }
+  tip("The clip to edit. Choosing one plays it alone.");
   ImGui::SameLine();
   if (ImGui::SmallButton("new clip")) {
     const glm::vec3 side = toArtist(draft.rig) * glm::vec3(0.1f, 0, 0);

@@ -18,6 +18,7 @@ struct RigPanel {
   bool refused = false;  // whether it is bad news
   TravellingWave wave{{0.02f, 0, 0}, {0.15f, 0, 0}, 2, 1};
   bool closed = false;   // asks to be closed
+  std::string play;      // asks that this clip be played alone
 };
 
 // Draws it; changes go to the editor at once. `save` writes the part's rig to panel.path. `now`: the second that the clips are at.
