@@ -118,7 +118,6 @@ void Application::frame() {
     drawRigPanel(panel_, *editor_, choices_.seconds, [this] { save(panel_.part); });
     if (panel_.path.empty()) panel_.path = defaultPath(panel_.part);
     if (panel_.closed) choices_.edit = false;
-    if (!panel_.play.empty()) playAlone(std::exchange(panel_.play, {}));
   }
   askToSave();
 }
@@ -127,7 +126,13 @@ void Application::fitCamera() {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
   camera_.resize({width, height});
-  if (Model* model = stage_.model()) camera_.frame(bounds(model->instance()));
+  const Model* const model = stage_.model();
+  if (!model) return;
+  kelp::Box box = bounds(model->instance());
+  if (choices_.handles) {
+    for (const Handle& handle : handlesOf(*model)) box.add(position(*model, handle));
+  }
+  camera_.frame(box);
 }
 
 void Application::useKeys() {
@@ -246,6 +251,7 @@ void Application::useEditor() {
   if (!editor_) return;
   if (!ImGui::IsAnyItemActive() && !ImGui::IsMouseDown(0)) editor_->endGesture();
   if (editor_->revision() != shown_revision_) showRig();
+  if (!panel_.play.empty()) playAlone(std::exchange(panel_.play, {}));
 }
 
 void Application::showRig() {

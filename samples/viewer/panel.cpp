@@ -16,7 +16,7 @@ ImVec2 toImGui(const glm::vec2& v) { return {v.x, v.y}; }
 
 void drawClips(Model& model, Choices& choices) {
   const std::span<const kelp::Clip> clips = model.clips();
-  if (clips.empty()) return ImGui::TextDisabled("no clips");
+  if (clips.empty()) return ImGui::TextDisabled("no clips: E, and 'new clip', make one");
   if (ImGui::Button(choices.play ? "Pause" : "Play")) choices.play = !choices.play;
   ImGui::SameLine();
   ImGui::Text("%.2f s", choices.seconds);
@@ -64,8 +64,8 @@ void drawBake(const Workshop& workshop) {
 
 void drawPanel(Stage& stage, Choices& choices, const std::optional<kelp::runtime::Hit>& under_mouse, Status& status) {
   ImGui::SetNextWindowPos({12, 12}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({330, 0}, ImGuiCond_FirstUseEver);
-  ImGui::Begin("kelp");
+  ImGui::SetNextWindowSizeConstraints({330, 0}, {330, 1e4f});  // as high as it needs to be
+  ImGui::Begin("kelp", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushTextWrapPos(0);
   if (status.workshop) drawBake(*status.workshop);
   if (Model* model = stage.model()) {

@@ -8,6 +8,9 @@ namespace {
 
 constexpr std::size_t kMostSteps = 500;
 
+// What a hand can not do finer, so that files stay readable.
+glm::vec3 rounded(const glm::vec3& v) { return glm::round(v * 1e5f) / 1e5f + 0.0f; }
+
 std::vector<std::string> namesOf(const kelp::Pack& pack) {
   std::vector<std::string> names;
   for (const kelp::Part& part : pack.parts()) names.emplace_back(part.name);
@@ -70,9 +73,9 @@ std::string RigEditor::pull(const Handle& handle, const glm::vec3& by) {
     kelp::RigDescription next = rig(handle.part);
     kelp::RigDescription::Knot& moved = next.knots[knot];
     if (handle.kind == Handle::Kind::kKnot) {
-      moved.offset += to_artist * by_voxels;
+      moved.offset = rounded(moved.offset + to_artist * by_voxels);
     } else {
-      moved.tangent = to_artist * (now_.realized.knots[part][knot].tangent + by_voxels);
+      moved.tangent = rounded(to_artist * (now_.realized.knots[part][knot].tangent + by_voxels));
     }
     return change(handle.part, next);
   };

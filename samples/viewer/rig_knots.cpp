@@ -62,4 +62,18 @@ void removeKnot(kelp::RigDescription& rig, int knot) {
   forKnots(rig, [&](int& index) { index -= index > knot ? 1 : 0; });
 }
 
+kelp::RigDescription::Clip swayOf(const kelp::RigDescription& rig, const std::string& name) {
+  const kelp::RigDescription preset = kelp::presetRig("sway", rig.axis.value_or(kelp::Axis::kPlusY)).value();
+  kelp::RigDescription::Clip clip{name, preset.clips[0].duration, {}, {}};
+  for (std::size_t knot = 1; knot < rig.knots.size(); ++knot) {
+    const float at = rig.knots[knot].at;
+    for (kelp::RigDescription::Wave wave : preset.clips[0].waves) {  // of a tip at 1: a at^2 has the slope 2 a at
+      wave.knot = static_cast<int>(knot);
+      wave.amplitude *= wave.target == kelp::Target::kKnotOffset ? at * at : at;
+      clip.waves.push_back(wave);
+    }
+  }
+  return clip;
+}
+
 }  // namespace viewer

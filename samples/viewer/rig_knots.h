@@ -11,4 +11,7 @@ void insertKnot(kelp::RigDescription& rig, int after);
 // With what moves it; a clip that moves nothing else goes too. Not for the first and the last.
 void removeKnot(kelp::RigDescription& rig, int knot);
 
+// The preset "sway" for whatever knots there are: the first stands, the others swing as a beam bends, the more the farther up.
+kelp::RigDescription::Clip swayOf(const kelp::RigDescription& rig, const std::string& name);
+
 }  // namespace viewer

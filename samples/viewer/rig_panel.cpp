@@ -25,8 +25,10 @@ const char* const kInterpolations[] = {"step", "linear", "cubic"};
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
+// Beside the window: it hides no number.
 void tip(const char* text) {
   if (!ImGui::IsItemHovered()) return;
+  ImGui::SetNextWindowPos({ImGui::GetWindowPos().x - 20, ImGui::GetItemRectMin().y}, ImGuiCond_Always, {1, 0});
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(26 * ImGui::GetFontSize());
   ImGui::TextUnformatted(text);
@@ -96,7 +98,7 @@ void drawKnot(Draft& draft, int index) {
   }
   if (index + 1 < count && count < kelp::kMaxKnots) {
     ImGui::SameLine();
-    if (ImGui::SmallButton("add above")) {
+    if (ImGui::SmallButton("add next")) {
       insertKnot(draft.rig, index);
       draft.changed = true;
       ImGui::PopID();
@@ -259,12 +261,12 @@ void drawClipChoice(Draft& draft, RigPanel& panel) {
   tip("The clip to edit. Choosing one plays it alone.");
   ImGui::SameLine();
   if (ImGui::SmallButton("new clip")) {
-    const glm::vec3 side = toArtist(draft.rig) * glm::vec3(0.1f, 0, 0);
-    const int last = static_cast<int>(draft.rig.knots.size()) - 1;
-    clips.push_back({freshName(draft.rig), std::nullopt, {{last, Target::kKnotOffset, side, 3, 0}}, {}});
+    clips.push_back(swayOf(draft.rig, freshName(draft.rig)));
     panel.clip = static_cast<int>(clips.size()) - 1;
+    panel.play = clips.back().name;
     draft.changed = true;
   }
+  tip("Sways as plants do, to begin with.");
   if (clips.empty()) return;
   ImGui::SameLine();
   if (ImGui::SmallButton("remove clip")) {

@@ -212,6 +212,18 @@ TEST(ViewerRig, AKnotThatGoesTakesItsMotionAlong) {
   EXPECT_EQ(rig.clips[0].waves[0].knot, 1);
 }
 
+TEST(ViewerRig, ANewClipSwaysWhateverTheKnots) {
+  RigDescription two = *kelp::presetRig("none", Axis::kMinusZ);
+  two.knots = {{0, {}, {}}, {1, {}, {}}};
+  EXPECT_EQ(swayOf(two, "sway").waves, kelp::presetRig("sway", Axis::kMinusZ)->clips[0].waves) << "of two knots it is the preset";
+  RigDescription five = two;
+  five.knots = {{0, {}, {}}, {0.1f, {}, {}}, {0.5f, {}, {}}, {0.8f, {}, {}}, {1, {}, {}}};
+  five.clips = {swayOf(five, "sway")};
+  EXPECT_EQ(five.clips[0].waves.size(), 16u);
+  const OpenPack open(packWith(five));
+  EXPECT_NO_THROW(prove(rigOf(*open.pack), sizesOf(*open.pack)));
+}
+
 TEST(ViewerRig, ATravellingWaveIsThatWaveAtItsKnots) {
   const TravellingWave wave{{0.02f, 0, 0.05f}, {0.2f, 0, -0.1f}, 1.7f, 1.3f};
   const std::vector<RigDescription::Knot> knots{{0, {}, {}}, {0.3f, {}, {}}, {1, {}, {}}};
