@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+
+#include "sinusoid.h"
 
 namespace viewer {
 namespace {
@@ -17,6 +20,28 @@ void forKnots(kelp::RigDescription& rig, const Each& each) {
     for (kelp::RigDescription::Track& track : clip.tracks) {
       if (movesKnot(track.target)) each(track.knot);
     }
+  }
+}
+
+// What the waves of knots `after` and `after` + 1 do half way between them, which is where `after` + 1 is now: a Hermite curve is linear in its ends.
+void shareWaves(kelp::RigDescription::Clip& clip, int after, float share) {
+  std::map<float, std::pair<Sinusoid, Sinusoid>> middle;  // by period: place, tangent
+  for (const kelp::RigDescription::Wave& wave : clip.waves) {
+    const bool lower = wave.knot == after, upper = wave.knot == after + 2;
+    if (!lower && !upper) continue;
+    auto& [place, tangent] = middle[wave.period];
+    const float side = lower ? 1.0f : -1.0f;
+    if (wave.target == kelp::Target::kKnotOffset) {
+      place.add(0.5f * wave.amplitude, wave.phase);
+      tangent.add(-1.5f * side / share * wave.amplitude, wave.phase);
+    } else {
+      place.add(0.125f * side * share * wave.amplitude, wave.phase);
+      tangent.add(-0.25f * wave.amplitude, wave.phase);
+    }
+  }
+  for (const auto& [period, motion] : middle) {
+    motion.first.appendTo(clip.waves, after + 1, kelp::Target::kKnotOffset, period);
+    motion.second.appendTo(clip.waves, after + 1, kelp::Target::kKnotTangent, period);
   }
 }
 
@@ -49,9 +74,9 @@ void insertKnot(kelp::RigDescription& rig, int after) {
   keep(i + 1, tangent);
   keep(i + 2, to_artist * knots[i + 1].tangent);
   forKnots(made, [&](int& index) { index += index > after ? 1 : 0; });
+  for (kelp::RigDescription::Clip& clip : made.clips) shareWaves(clip, after, share);
   rig = std::move(made);
 }
-
 void removeKnot(kelp::RigDescription& rig, int knot) {
   rig.knots.erase(rig.knots.begin() + knot);
   for (kelp::RigDescription::Clip& clip : rig.clips) {

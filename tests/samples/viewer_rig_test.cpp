@@ -185,8 +185,12 @@ TEST(ViewerRig, AHandleGoesWhereItIsPulled) {
 TEST(ViewerRig, AKnotThatComesBendsNothing) {
   for (const Axis axis : {Axis::kMinusX, Axis::kPlusY, Axis::kPlusZ}) {
     RigDescription rig = reed(axis);
+    rig.clips[0].waves.push_back({1, Target::kKnotTangent, {0.1f, 0.02f, -0.1f}, 3, -0.4f});
+    rig.clips[0].waves.push_back({1, Target::kKnotOffset, {0.03f, 0.02f, 0.05f}, 1.7f, 0.7f});
+    const std::vector<kelp::RawClip> clips = kelp::realizeClips(rig, glm::ivec3(100), 0);
     const std::vector<kelp::Knot> before = kelp::realizeKnots(rig, glm::ivec3(100));
     insertKnot(rig, 1);
+    const std::vector<kelp::RawClip> clips_after = kelp::realizeClips(rig, glm::ivec3(100), 0);
     ASSERT_EQ(rig.knots.size(), 4u);
     EXPECT_EQ(rig.clips[0].waves[0].knot, 3) << "the same knot as before";
     EXPECT_EQ(rig.clips[1].tracks[0].knot, 1);
@@ -197,6 +201,16 @@ TEST(ViewerRig, AKnotThatComesBendsNothing) {
       return kelp::evaluate(kelp::makeSegment(knots[i], knots[i + 1]), (where - knots[i].at) / (knots[i + 1].at - knots[i].at));
     };
     for (float where = 0; where <= 1; where += 0.05f) expectNear(at(after, where), at(before, where), 2e-3f);
+    const auto posed = [](std::vector<kelp::Knot> knots, const kelp::RawClip& clip, double t) {  // waves as the language has them
+      for (const kelp::Wave& wave : clip.waves) {
+        const float value = static_cast<float>(std::sin(2 * 3.14159265358979 * (t / static_cast<double>(wave.period) + static_cast<double>(wave.phase))));
+        (wave.target == Target::kKnotOffset ? knots[wave.knot].position : knots[wave.knot].tangent) += value * wave.amplitude;
+      }
+      return knots;
+    };
+    for (const double t : {0.0, 0.4, 1.9, 2.6}) {
+      for (float where = 0; where <= 1; where += 0.05f) expectNear(at(posed(after, clips_after[0], t), where), at(posed(before, clips[0], t), where), 5e-3f);
+    }
   }
   RigDescription straight = *kelp::presetRig("sway");
   straight.knots = {{0, {}, {}}, {1, {}, {}}};
