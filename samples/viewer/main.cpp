@@ -67,7 +67,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
 int main(int count, char** words) {
   std::string wrong;
   const std::optional<viewer::Arguments> arguments = viewer::parseArguments(count, words, wrong);
-  if (!arguments) return std::fprintf(stderr, "viewer: %s\n%s", wrong.c_str(), viewer::kUsage), 1;
+  if (!arguments) return std::fprintf(stderr, "viewer: wrong usage: %s\n%s", wrong.c_str(), viewer::kUsage), 1;
   if (arguments->help) return std::fputs(viewer::kUsage, stdout), 0;
   if (!glfwInit()) return std::fputs("viewer: no display: set DISPLAY, or use xvfb-run\n", stderr), 4;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
