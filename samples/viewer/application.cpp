@@ -88,13 +88,19 @@ int Application::open(const std::string& path) {
 void Application::drop(const std::string& path) {
   dropped_ = path;
   if (!unsaved()) open(path);
-  else ask_ = Ask::kOpen;
+  else ask(Ask::kOpen);
 }
 
 bool Application::mayClose() {
   if (!unsaved()) return true;
-  ask_ = Ask::kClose;
+  ask(Ask::kClose);
   return false;
+}
+
+void Application::ask(Ask what) {
+  ask_ = what;
+  panel_.said.clear();  // the question shows what hinders the saving, and nothing older
+  panel_.refused = false;
 }
 
 void Application::frame() {

@@ -49,6 +49,7 @@ class Application {
   void playAlone(const std::string& clip);
   std::string defaultPath(int part) const;
   bool save(int part);
+  void ask(Ask what);
   void askToSave();
   void proceed();         // with what the question was about
 
