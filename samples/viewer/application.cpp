@@ -144,7 +144,7 @@ void Application::fitCamera() {
 void Application::useKeys() {
   const std::vector<Key> keys = std::exchange(keys_, {});
   escaped_ = std::any_of(keys.begin(), keys.end(), [](const Key& key) { return key.key == GLFW_KEY_ESCAPE; });
-  if (ImGui::GetIO().WantCaptureKeyboard || ask_ != Ask::kNothing) return;
+  if (ImGui::GetIO().WantTextInput || ask_ != Ask::kNothing) return;  // a slider that is held does not want keys
   for (const auto& [key, modifiers] : keys) {
     if (modifiers & GLFW_MOD_CONTROL) {
       if (!editor_ || !choices_.edit) continue;
