@@ -98,4 +98,5 @@ See it move:            $bin/viewer $out/kelp_plant.kelp
                         $bin/game_loop $out/kelp_plant.kelp
                         $bin/underwater $out
 Bake a model of yours:  $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
+Make a rig for it:      $bin/viewer --watch YOURS.glb      (samples/viewer/FIRST_RIG.md)
 END

@@ -52,14 +52,22 @@ std::optional<Handle> pick(const Model& model, const OrbitCamera& camera, const 
   return best;
 }
 
-void drag(Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse) {
+glm::vec3 pullTo(const Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse) {
   const kelp::Part& of = part(model, handle.part);
   const glm::mat4 to_part = glm::inverse(partToWorld(model.instance(), handle.part));
   const glm::vec3 target = glm::vec3(to_part * glm::vec4(camera.dragTo(position(model, handle), mouse), 1)) - middle(of);
+  const kelp::Knot& knot = model.knot(handle.part, handle.knot);
+  if (handle.kind == Handle::Kind::kKnot) return target - knot.position;
+  return (target - knot.position) / tangentShare(of) - knot.tangent;
+}
+
+void drag(Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse) {
+  const glm::vec3 by = pullTo(model, handle, camera, mouse);
+  const kelp::Knot& knot = model.knot(handle.part, handle.knot);
   if (handle.kind == Handle::Kind::kKnot) {
-    model.moveKnot(handle.part, handle.knot, target);
+    model.moveKnot(handle.part, handle.knot, knot.position + by);
   } else {
-    model.bendKnot(handle.part, handle.knot, (target - model.knot(handle.part, handle.knot).position) / tangentShare(of));
+    model.bendKnot(handle.part, handle.knot, knot.tangent + by);
   }
 }
 

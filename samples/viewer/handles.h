@@ -25,7 +25,9 @@ glm::vec3 position(const Model& model, const Handle& handle);  // world
 
 // The handle within `radius` pixels of the mouse; the nearest, if there are several.
 std::optional<Handle> pick(const Model& model, const OrbitCamera& camera, const glm::vec2& mouse, float radius);
-// Moves the handle to where the mouse is, in the plane that faces the camera. Takes effect with the next Model::pose().
+// How far the handle must go to be where the mouse is, in the plane that faces the camera: of a knot's position, or of its tangent; voxels.
+glm::vec3 pullTo(const Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse);
+// Moves it there. Takes effect with the next Model::pose().
 void drag(Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse);
 
 // The spline of a part as points in the world.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "model.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace viewer {
@@ -17,8 +18,34 @@ kelp::Result<std::unique_ptr<Model>> Model::open(const std::string& path) {
   model->path_ = path;
   kelp::Result<kelp::FileSource> file = kelp::FileSource::open(path.c_str());
   if (!file) return file.error();
-  model->file_ = *std::move(file);
-  auto asset = kelp::runtime::Asset::open(model->file_.source());
+  model->file_ = std::make_shared<kelp::FileSource>(*std::move(file));
+  const kelp::Source source = model->file_->source();
+  auto made = make(std::move(model), source);
+  if (made && !(*made)->weights_.empty()) (*made)->weights_[0] = 1;
+  return made;
+}
+
+kelp::Result<std::unique_ptr<Model>> Model::rerigged(const PackRig& rig) const {
+  std::unique_ptr<Model> model(new Model);
+  model->path_ = path_;
+  model->file_ = file_;
+  model->original_ = original_;
+  if (!model->original_) {
+    auto pack = kelp::Pack::open(file_->source());
+    if (!pack) return pack.error();
+    model->original_ = std::make_shared<const kelp::Pack>(*std::move(pack));
+  }
+  const auto sketch = RigSketch::make(rig);
+  if (!sketch) return sketch.error();
+  model->rerigged_ = std::make_unique<Rerigged>(file_->source(), *model->original_, **sketch);
+  const kelp::Source source = model->rerigged_->source();
+  auto made = make(std::move(model), source);
+  if (made) (*made)->takeWeights(clips(), weights_);
+  return made;
+}
+
+kelp::Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const kelp::Source& source) {
+  auto asset = kelp::runtime::Asset::open(source);
   if (!asset) return asset.error();
   model->asset_ = *std::move(asset);
   kelp::Result<kelp::runtime::Pose> pose = kelp::runtime::Pose::create(*model->asset_);
@@ -27,11 +54,35 @@ kelp::Result<std::unique_ptr<Model>> Model::open(const std::string& path) {
 
   const kelp::Pack& pack = model->asset_->pack();
   model->weights_.assign(pack.clips().size(), 0.0f);
-  if (!model->weights_.empty()) model->weights_[0] = 1;
   for (const kelp::Part& part : pack.parts()) model->edits_.emplace_back(part.knots.size());
   model->pose(0);
   model->loader_ = std::thread([loading = model.get()] { loading->load(); });
   return model;
+}
+
+kelp::Result<void> Model::setRig(const PackRig& rig) {
+  auto sketch = RigSketch::make(rig);
+  if (!sketch) return sketch.error();
+  auto pose = kelp::runtime::Pose::create((*sketch)->asset());
+  if (!pose) return pose.error();
+  if (!pose->fits(*asset_)) return kelp::Error{kelp::ErrorCode::kMisuse, "the rig has other numbers of knots"};
+  const std::vector<float> weights = weights_;
+  const std::unique_ptr<RigSketch> before = std::move(sketch_);
+  const std::span<const kelp::Clip> clips_before = before ? before->asset().pack().clips() : asset_->pack().clips();
+  sketch_ = *std::move(sketch);
+  sketch_pose_ = *std::move(pose);
+  takeWeights(clips_before, weights);
+  return {};
+}
+
+// By name. What is new plays; so does what has a new name, in the place of what went.
+void Model::takeWeights(std::span<const kelp::Clip> before, const std::vector<float>& weights) {
+  weights_.assign(clips().size(), 1.0f);
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    const auto same = std::find_if(before.begin(), before.end(), [&](const kelp::Clip& clip) { return clip.name == clips()[i].name; });
+    if (same != before.end()) weights_[i] = weights[static_cast<std::size_t>(same - before.begin())];
+    else if (before.size() == weights_.size()) weights_[i] = weights[i];
+  }
 }
 
 Model::~Model() {
@@ -58,9 +109,14 @@ std::string Model::loadError() const {
 }
 
 void Model::pose(double seconds) {
-  pose_->reset();
+  kelp::runtime::Pose& rigged = sketch_ ? *sketch_pose_ : *pose_;
+  rigged.reset();
   for (std::size_t clip = 0; clip < weights_.size(); ++clip) {
-    if (weights_[clip] != 0) (void)addClip(*asset_, static_cast<int>(clip), seconds, weights_[clip], *pose_);
+    if (weights_[clip] != 0) (void)addClip(rigAsset(), static_cast<int>(clip), seconds, weights_[clip], rigged);
+  }
+  if (sketch_) {
+    std::copy(rigged.allKnots().begin(), rigged.allKnots().end(), pose_->allKnots().begin());
+    for (int part = 0; part < rigged.parts(); ++part) *pose_->motion(part) = *std::as_const(rigged).motion(part);
   }
   for (std::size_t part = 0; part < edits_.size(); ++part) {
     const std::span<kelp::Knot> knots = pose_->knots(static_cast<int>(part));

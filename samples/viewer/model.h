@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An open pack with its pose: the rest rig, the clips that play, and what the user has dragged.
+// An open pack with its pose: the rig, be it the pack's own or an edited one, the clips that play, and what the user has dragged.
 #pragma once
 
 #include <atomic>
@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "kelp/runtime/instance.h"
+#include "rerigged.h"
+#include "rig_sketch.h"
 
 namespace viewer {
 
@@ -20,20 +22,28 @@ class Model {
  public:
   // Reads all but the voxels, which follow from a thread of the model's own.
   static kelp::Result<std::unique_ptr<Model>> open(const std::string& path);
+  // The same file with other rigs, whatever their number of knots. Clips keep their weights.
+  kelp::Result<std::unique_ptr<Model>> rerigged(const PackRig& rig) const;
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
   const std::string& path() const { return path_; }
   const kelp::runtime::Asset& asset() const { return *asset_; }
+  const kelp::Pack& original() const { return original_ ? *original_ : asset_->pack(); }  // with the rigs that the file has
   kelp::runtime::Instance instance() const { return {asset_.get(), &*pose_}; }
   bool loaded() const { return loaded_; }
   std::string loadError() const;  // empty: none so far
 
-  // Clips add up, each with its weight.
+  // The clips that play: those of the pack, or of the rig that was set. They add up, each with its weight.
+  std::span<const kelp::Clip> clips() const { return rigAsset().pack().clips(); }
   std::vector<float>& clipWeights() { return weights_; }
+  void takeWeights(std::span<const kelp::Clip> clips, const std::vector<float>& weights);  // of another model's clips, by name
 
-  // The pose at a time: rest + clips + edits, kept monotone.
+  // Plays another rig from the next pose() on. kMisuse if the pack has other numbers of knots: rerigged() then.
+  kelp::Result<void> setRig(const PackRig& rig);
+
+  // The pose at a time: rest + clips + what was dragged, kept monotone.
   void pose(double seconds);
 
   // A knot as the pose has it now, and the edit that puts it where the user wants it from the next pose() on. Voxels of the part.
@@ -50,13 +60,19 @@ class Model {
   };
 
   Model() = default;
+  static kelp::Result<std::unique_ptr<Model>> make(std::unique_ptr<Model> model, const kelp::Source& source);
+  const kelp::runtime::Asset& rigAsset() const { return sketch_ ? sketch_->asset() : *asset_; }
   void load();
   Edit& edit(int part, int knot) { return edits_[static_cast<std::size_t>(part)][static_cast<std::size_t>(knot)]; }
 
   std::string path_;
-  kelp::FileSource file_;
+  std::shared_ptr<kelp::FileSource> file_;  // the file that was opened, also when another takes its name
+  std::shared_ptr<const kelp::Pack> original_;  // if asset_ has rigs of its own
+  std::unique_ptr<Rerigged> rerigged_;          // what asset_ reads then
   std::unique_ptr<kelp::runtime::Asset> asset_;
   std::optional<kelp::runtime::Pose> pose_;
+  std::unique_ptr<RigSketch> sketch_;  // whose rig plays, if not asset_'s
+  std::optional<kelp::runtime::Pose> sketch_pose_;
   std::vector<float> weights_;
   std::vector<std::vector<Edit>> edits_;  // of each part, each knot
 

@@ -9,13 +9,14 @@ namespace {
 constexpr ImU32 kSpline = IM_COL32(255, 255, 255, 150);
 constexpr ImU32 kKnot = IM_COL32(255, 200, 60, 255);
 constexpr ImU32 kTangent = IM_COL32(90, 200, 255, 255);
+const ImVec4 kBad{1, 0.45f, 0.4f, 1}, kUnsaved{1, 0.8f, 0.3f, 1};
 constexpr ImU32 kLit = IM_COL32(255, 255, 255, 255);
 
 ImVec2 toImGui(const glm::vec2& v) { return {v.x, v.y}; }
 
 void drawClips(Model& model, Choices& choices) {
-  const std::span<const kelp::Clip> clips = model.asset().pack().clips();
-  if (clips.empty()) return ImGui::TextDisabled("no clips");
+  const std::span<const kelp::Clip> clips = model.clips();
+  if (clips.empty()) return ImGui::TextDisabled("no clips: E, and 'new clip', make one");
   if (ImGui::Button(choices.play ? "Pause" : "Play")) choices.play = !choices.play;
   ImGui::SameLine();
   ImGui::Text("%.2f s", choices.seconds);
@@ -46,26 +47,45 @@ void drawSurface(Stage& stage, Choices& choices, std::string& wrong) {
   ImGui::SliderFloat("pixels/voxel", &choices.pixels_per_voxel, 0, 40, "%.1f", ImGuiSliderFlags_Logarithmic);
 }
 
+void drawBake(const Workshop& workshop) {
+  if (workshop.baking()) {
+    ImGui::ProgressBar(workshop.job().done(), {-1, 0}, workshop.job().stage().c_str());
+    ImGui::TextDisabled("baking %s", workshop.order().source.c_str());
+  } else if (!workshop.error().empty()) {
+    ImGui::TextColored(kBad, "%s", workshop.error().c_str());
+    ImGui::TextDisabled("bakes again when the file changes");
+  } else {
+    ImGui::TextDisabled("watching %s", workshop.order().source.c_str());
+  }
+  ImGui::Separator();
+}
+
 }  // namespace
 
-void drawPanel(Stage& stage, Choices& choices, const std::optional<kelp::runtime::Hit>& under_mouse, std::string& wrong) {
+void drawPanel(Stage& stage, Choices& choices, const std::optional<kelp::runtime::Hit>& under_mouse, Status& status) {
   ImGui::SetNextWindowPos({12, 12}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({330, 0}, ImGuiCond_FirstUseEver);
-  ImGui::Begin("kelp");
+  ImGui::SetNextWindowSizeConstraints({330, 0}, {330, 1e4f});  // as high as it needs to be
+  ImGui::Begin("kelp", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushTextWrapPos(0);
+  if (status.workshop) drawBake(*status.workshop);
   if (Model* model = stage.model()) {
     ImGui::TextUnformatted(model->path().c_str());
     drawParts(*model);
     ImGui::Separator();
     drawClips(*model, choices);
     ImGui::Separator();
-    drawSurface(stage, choices, wrong);
-    ImGui::Checkbox("knots and tangents", &choices.handles);
+    ImGui::Checkbox("edit the rig (E)", &choices.edit);
+    if (status.unsaved) {
+      ImGui::SameLine();
+      ImGui::TextColored(kUnsaved, "not saved");
+    }
+    ImGui::Checkbox("knots and tangents (H)", &choices.handles);
     if (model->edited()) {
       ImGui::SameLine();
       if (ImGui::Button("Let go")) model->forgetEdits();
     }
     ImGui::Separator();
+    drawSurface(stage, choices, status.wrong);
     ImGui::Text("%.1f MiB on the GPU", static_cast<double>(stage.stats().gpu_bytes) / (1 << 20));
     if (under_mouse) {
       const glm::ivec3 v = under_mouse->voxel;
@@ -73,14 +93,14 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<kelp::runtime
     } else {
       ImGui::TextDisabled("no voxel under the mouse");
     }
-    if (const std::string error = model->loadError(); !error.empty())
-      ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", error.c_str());
-  } else {
+    if (const std::string error = model->loadError(); !error.empty()) ImGui::TextColored(kBad, "%s", error.c_str());
+  } else if (!status.workshop) {
     ImGui::TextUnformatted("Drop a .kelp file here.");
   }
-  if (!wrong.empty()) ImGui::TextColored({1, 0.45f, 0.4f, 1}, "%s", wrong.c_str());
-  ImGui::TextDisabled(
-      "drag: turn, or a handle. right drag: move. wheel: nearer. F: all of it. space: play. R: let go. H: handles.");
+  if (!status.notice.empty()) ImGui::TextUnformatted(status.notice.c_str());
+  if (!status.wrong.empty()) ImGui::TextColored(kBad, "%s", status.wrong.c_str());
+  ImGui::TextDisabled("drag: turn, or a handle. right drag: move. wheel: nearer. F: all of it. space: play. %s",
+                      choices.edit ? "ctrl Z, Y: undo, redo. ctrl S: save the rig." : "R: let go of what was dragged.");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }

@@ -50,9 +50,12 @@ const char* toString(Surface surface) {
 }
 
 std::string Stage::show(std::unique_ptr<Model> model) {
-  std::unique_ptr<kelp::gl::Renderer> renderer;
-  if (std::string wrong = makeRenderer(*model, surface_, renderer); !wrong.empty()) return wrong;
-  renderer_ = std::move(renderer);
+  if (renderer_) {  // its programs are made already
+    if (const auto added = renderer_->add(model->asset()); !added) return describe(added.error());
+    renderer_->remove(model_->asset());
+  } else if (std::string wrong = makeRenderer(*model, surface_, renderer_); !wrong.empty()) {
+    return wrong;
+  }
   model_ = std::move(model);
   complete_ = false;
   return {};

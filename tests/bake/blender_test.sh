@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Bakes a file that Blender itself exported. Opt-in, since Blender is large: apt-get install --no-install-recommends blender python3-numpy
+# Bakes files that Blender itself exported. Opt-in, since Blender is large: apt-get install --no-install-recommends blender python3-numpy
 #   tests/bake/blender_test.sh [BUILD_FOLDER]        (default build/dev)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -27,5 +27,38 @@ report = json.load(open(sys.argv[1]))
 assert part["name"] == "Reed" and part["rig"].startswith("3 knot empties"), part
 assert clip["name"] == "sway" and abs(clip["duration"] - 49 / 24) < 0.01, clip
 assert not report["notices"], report["notices"]
+PYTHON
+
+# The steps of tools/rig_json/README.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in lengths of the reed, which is 2 m.
+blender --background --factory-startup --python-exit-code 1 --python "$here/blender_steps.py" -- "$folder" >"$folder/blender.log" 2>&1 ||
+  { cat "$folder/blender.log" >&2; exit 4; }
+for name in empties property; do
+  "$build/bin/kelp-bake" "$folder/$name.glb" -o "$folder/$name.kelp" --resolution 64 --report "$folder/$name.report.json" --progress none
+  "$build/bin/kelp-dump" rig "$folder/$name.kelp" >"$folder/$name.rig.json"
+done
+python3 - "$folder" <<'PYTHON'
+import json
+import math
+import sys
+
+def load(name):
+    return json.load(open(sys.argv[1] + "/" + name))
+
+def near(vector, wanted):
+    assert all(abs(a - b) < 2e-3 for a, b in zip(vector, wanted)), (vector, wanted)
+
+report, rig = load("empties.report.json"), load("empties.rig.json")
+assert len(report["notices"]) == 2 and all("at rest" in notice for notice in report["notices"]), report["notices"]  # it leans as it should
+assert report["parts"][0]["rig"].startswith("3 knot empties"), report["parts"]
+near(rig["knots"][1]["offset"], [0.1, 0, -0.05])
+near([rig["knots"][2]["tangent"][i] for i in range(3)], [math.sin(math.radians(30)), math.cos(math.radians(30)), 0])
+(clip,) = rig["clips"]
+offsets = [key["offset"] for key in rig["clips"][clip]["keys"] if key["knot"] == 2 and "offset" in key]
+assert clip == "sway", clip
+near(max(offsets), [0.2, 0, 0])
+
+report, rig = load("property.report.json"), load("property.rig.json")
+assert not report["notices"], report["notices"]
+near(rig["clips"]["sway"]["waves"][0]["offset"], [0.2, 0, -0.05])
 PYTHON
 echo "blender_test.sh: passed"

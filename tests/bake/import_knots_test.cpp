@@ -292,7 +292,7 @@ TEST(ImportRig, FileBeatsPresetBeatsNeighbourBeatsKnots) {
   EXPECT_EQ(model.parts[0].rig_origin, "reed.rig.json beside the input");
   EXPECT_FALSE(anyContains(model.notices, "reed.rig.json")) << "said twice";
   settings.rig_preset = "sway";
-  EXPECT_TRUE(contains(reed.import(settings).parts[0].rig_origin, "sway"));
+  EXPECT_EQ(reed.import(settings).parts[0].rig_origin, "preset 'sway', not reed.rig.json beside the input");
   settings.rig_file = rig;
   model = reed.import(settings);
   EXPECT_EQ(model.parts[0].rig_origin, "rig file mine.rig.json");
@@ -301,6 +301,9 @@ TEST(ImportRig, FileBeatsPresetBeatsNeighbourBeatsKnots) {
   settings.rig_file.reset();
   settings.rig_preset = "jump";
   refusal(reed.scratch().folder() / "reed.gltf", Exit::kUsage, settings);
+  settings.rig_file = "swya";  // what a typing error in a preset's name comes out as
+  const std::string message = refusal(reed.scratch().folder() / "reed.gltf", Exit::kIo, settings);
+  EXPECT_TRUE(contains(message, "swya: ") && contains(message, "none, sway, swim")) << message;
 }
 
 TEST(ImportRig, AnAxisIsForRigsThatNameNone) {

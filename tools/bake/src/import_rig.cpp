@@ -15,25 +15,34 @@ RigDescription readRigFile(const InputFiles& files, const std::filesystem::path&
   }
 }
 
+std::string presetList() {
+  std::string names;
+  for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
 }  // namespace
 
 std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
 
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& settings) {
-  if (settings.rig_file) return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
-  if (settings.rig_preset) {
-    std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis);
-    if (!preset) {
-      std::string known;
-      for (const std::string& name : presetNames()) known += (known.empty() ? "" : ", ") + name;
-      throw BakeError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) + "'; choose one of " + known);
-    }
-    return OuterRig{*std::move(preset), "preset '" + *settings.rig_preset + "'"};
-  }
   std::filesystem::path beside = files.input();
   beside.replace_extension(".rig.json");
   std::error_code error;
-  if (!std::filesystem::is_regular_file(beside, error)) return std::nullopt;
+  const bool is_beside = std::filesystem::is_regular_file(beside, error);
+  if (settings.rig_file) {
+    if (!std::filesystem::exists(*settings.rig_file, error)) refuse(Exit::kIo, *settings.rig_file, "", "there is no such rig file, nor a preset of that name (" + presetList() + "); check the path");
+    return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
+  }
+  if (settings.rig_preset) {
+    std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis);
+    if (!preset) {
+      throw BakeError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) + "'; choose one of " + presetList());
+    }
+    const std::string unread = is_beside ? ", not " + beside.filename().string() + " beside the input" : "";
+    return OuterRig{*std::move(preset), "preset '" + *settings.rig_preset + "'" + unread};
+  }
+  if (!is_beside) return std::nullopt;
   return OuterRig{readRigFile(files, beside), beside.filename().string() + " beside the input"};
 }
 
