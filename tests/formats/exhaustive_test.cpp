@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// Every small fault of a pack of a few kilobytes: all 255 other values of every byte, every length, every two chunks of the index exchanged, and
+// every byte of what the chunks hold changed under checksums that are right. Each is refused, or reads as the same content, or, under right
+// checksums, as other content that keeps the rules; in memory that the file's size bounds.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+
+#include "kelp/formats/pack.h"
+#include "kelp/formats/verify.h"
+#include "pack_compare.h"
+#include "pack_surgeon.h"
+#include "support/random_pack.h"
+#include "tiny_fog_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::Bytes;
+using test::PackSurgeon;
+
+// Solid parts with several levels and clips, and one of fog with heat.
+const RawPack& specimen() {
+  static const RawPack pack = [] {
+    RawPack raw = test::RandomPack(11, {2, 12, 2, 2}).make();
+    raw.palette.resize(16);
+    for (RawPart& part : raw.parts)
+      for (RawLevel& level : part.levels)
+        for (std::uint32_t& attribute : level.attributes) attribute &= ~std::uint32_t{0xf0};
+    raw.parts.push_back(test::makeTinyFogPack().parts.back());
+    raw.parts.back().parent = -1;
+    return raw;
+  }();
+  return pack;
+}
+const Bytes& specimenBytes() {
+  static const Bytes bytes = test::writeToMemory(specimen());
+  return bytes;
+}
+
+// Counts what a pack takes.
+struct Counter {
+  std::size_t live = 0, peak = 0;
+  Allocator allocator() {
+    Allocator result;
+    result.user = this;
+    result.allocate = [](void* user, std::size_t bytes) {
+      Counter& self = *static_cast<Counter*>(user);
+      self.live += bytes;
+      self.peak = std::max(self.peak, self.live);
+      return std::malloc(bytes);
+    };
+    result.deallocate = [](void* user, void* memory, std::size_t bytes) {
+      static_cast<Counter*>(user)->live -= bytes;
+      std::free(memory);
+    };
+    return result;
+  }
+};
+
+enum class Outcome { kRefused, kSame, kOther };
+struct Trial {
+  Outcome outcome;
+  std::size_t peak;
+};
+Trial tryPack(const Bytes& bytes) {
+  MemorySource memory(bytes);
+  Counter counter;
+  Outcome outcome = Outcome::kRefused;
+  {
+    const Result<Pack> pack = Pack::open(memory.source(), {}, counter.allocator());
+    if (pack) {
+      const test::Comparison all = test::compare(*pack, specimen());
+      if (all.status) outcome = all.equal ? Outcome::kSame : Outcome::kOther;
+    }
+  }
+  EXPECT_EQ(counter.live, 0u);
+  return {outcome, counter.peak};
+}
+
+// Of the reader, for a file of this size whose chunks unpack to no more than it does when it is sound.
+std::size_t mostMemory() {
+  static const std::size_t most = 4 * tryPack(specimenBytes()).peak;
+  return most;
+}
+
+TEST(Exhaustive, TheSpecimenIsSoundAndLargeEnough) {
+  EXPECT_GE(specimenBytes().size(), 4096u);
+  EXPECT_EQ(tryPack(specimenBytes()).outcome, Outcome::kSame);
+  EXPECT_EQ(tryPack(PackSurgeon(specimenBytes()).build()).outcome, Outcome::kSame);
+}
+
+// In eight shares, for machines with several cores.
+class ExhaustiveBytes : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Eighth, ExhaustiveBytes, testing::Range(0, 8));
+
+TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
+  Bytes bytes = specimenBytes();
+  const std::size_t most = mostMemory();
+  std::size_t tried = 0, harmless = 0;
+  for (std::size_t at = static_cast<std::size_t>(GetParam()); at < bytes.size(); at += 8) {
+    const std::byte right = bytes[at];
+    for (unsigned value = 0; value < 256; ++value) {
+      if (static_cast<std::byte>(value) == right) continue;
+      bytes[at] = static_cast<std::byte>(value);
+      const Trial trial = tryPack(bytes);
+      ++tried;
+      ASSERT_NE(trial.outcome, Outcome::kOther) << "byte " << at << " = " << value;
+      ASSERT_LE(trial.peak, most) << "byte " << at << " = " << value;
+      harmless += trial.outcome == Outcome::kSame ? 1 : 0;
+      // The reader looks at no padding between chunks; verify does.
+      if (trial.outcome == Outcome::kSame && value % 51 == 0) {
+        MemorySource memory(bytes);
+        std::size_t issues = 0;
+        verify(memory.source(), {}, [](void* user, const Issue&) { ++*static_cast<std::size_t*>(user); }, &issues);
+        ASSERT_GT(issues, 0u) << "byte " << at << " = " << value;
+      }
+    }
+    bytes[at] = right;
+  }
+  EXPECT_EQ(tried, (bytes.size() + 7 - static_cast<std::size_t>(GetParam())) / 8 * 255);
+  EXPECT_LT(harmless, 255 * 64 * PackSurgeon(bytes).chunks.size() / 8);
+}
+
+TEST(Exhaustive, EveryLengthIsRefused) {
+  const Bytes& bytes = specimenBytes();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const Trial trial = tryPack(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+    ASSERT_EQ(trial.outcome, Outcome::kRefused) << size;
+    ASSERT_LE(trial.peak, mostMemory()) << size;
+  }
+}
+
+// As they are, which the index's checksum gives away; under a new checksum; and the chunks themselves in that order.
+TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
+  const Bytes& bytes = specimenBytes();
+  const PackSurgeon sound(bytes);
+  const std::size_t count = sound.chunks.size();
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = i + 1; j < count; ++j) {
+      Bytes changed = bytes;
+      std::swap_ranges(changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * i), changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * (i + 1)),
+                       changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * j));
+      EXPECT_EQ(tryPack(changed).outcome, Outcome::kRefused) << i << " and " << j;
+      test::set(changed, 56, std::uint64_t{0});
+      test::set(changed, 56, static_cast<std::uint64_t>(XXH3_64bits(changed.data(), 64 + 48 * count)));
+      EXPECT_EQ(tryPack(changed).outcome, Outcome::kRefused) << i << " and " << j << ", stamped";
+      PackSurgeon moved = sound;
+      std::swap(moved.chunks[i], moved.chunks[j]);
+      const Trial trial = tryPack(moved.build());
+      EXPECT_LE(trial.peak, mostMemory()) << i << " and " << j;
+      other += trial.outcome == Outcome::kRefused ? 0 : 1;
+    }
+  }
+  EXPECT_LE(other, count);
+}
+
+// What checksums can not find: each byte of what a chunk holds, with five other values.
+TEST(Exhaustive, EveryByteBehindTheChecksums) {
+  const PackSurgeon sound(specimenBytes());
+  std::size_t refused = 0, other = 0;
+  for (std::size_t c = 0; c < sound.chunks.size(); ++c) {
+    for (std::size_t at = 0; at < sound.chunks[c].content.size(); ++at) {
+      for (const unsigned change : {0x01u, 0x10u, 0x80u, 0x7fu, 0xffu}) {
+        PackSurgeon surgeon = sound;
+        surgeon.chunks[c].content[at] ^= static_cast<std::byte>(change);
+        const Bytes bytes = surgeon.build();
+        const Trial trial = tryPack(bytes);
+        ASSERT_LE(trial.peak, mostMemory()) << "chunk " << c << ", byte " << at;
+        MemorySource memory(bytes);
+        verify(memory.source(), {}, [](void*, const Issue&) {}, nullptr);
+        (trial.outcome == Outcome::kRefused ? refused : other) += 1;
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000u);
+  EXPECT_GT(other, 1000u);
+  std::printf("  %zu refused, %zu other content\n", refused, other);
+}
+
+}  // namespace
+}  // namespace kelp
