@@ -43,6 +43,14 @@ inline Bytes zstdDecode(const std::byte* frame, std::size_t size) {
   return raw;
 }
 
+// Whether bytes are one whole zstd frame that says how large its content is: at most 1 MiB.
+inline bool isFrame(const Bytes& bytes) {
+  const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  if (size > (1u << 20)) return false;
+  Bytes raw(static_cast<std::size_t>(size));
+  return ZSTD_decompress(raw.data(), raw.size(), bytes.data(), bytes.size()) == size;
+}
+
 struct PackSurgeon {
   struct Chunk {
     std::uint32_t fourcc = 0, flags = 0, level = 0, part = 0;

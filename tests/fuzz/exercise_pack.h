@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Any bytes as a pack: verify it, open it, decode all of it, cast rays through it, play its clips. Must not crash, hang or take more memory than the
+// limits say.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+void exercisePack(std::span<const std::byte> bytes);
