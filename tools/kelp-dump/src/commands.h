@@ -23,9 +23,9 @@ int info(const std::string& path, bool count, Format format);
 int verify(const std::string& path, bool deep, Format format);
 // kDifference if the packs differ. `tolerance`: share of the full range, 0 to 1, that numbers may be apart (diff.h).
 int diff(const std::string& a, const std::string& b, double tolerance, Format format);
-// `part` is a name or an index; empty: the first. `axis`: the spline's, in the file that the rig is for.
+// `part` is a name or an index; empty: the first. `axis`: the spline's, in the file that the rig is for; empty: as baked.
 int rig(const std::string& path, const std::string& part, const std::string& axis);
-// Gives a part another rig, which is a file or a preset's name. `part` as above, but it must be given where there are several. `axis`: of a rig that names none; empty: as baked.
+// Gives a part another rig, which is a file or a preset's name. `part` as above, but it must be given where there are several. `axis`: of a rig that names none; empty: what kelp-bake would take.
 // `output` empty: the pack itself is replaced.
 int setRig(const std::string& path, const std::string& part, const std::string& rig, const std::string& axis, const std::string& output);
 // `part` is a name or an index; empty: all. `format` is vox, ply, slices, vdb or nvdb.

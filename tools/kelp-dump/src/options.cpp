@@ -65,7 +65,7 @@ int runRig(const CLI::App& command, const Shared& shared, const std::string& axi
     return setRig(shared.path, shared.part, new_rig, axis, output);
   }
   if (command.count("-o") > 0) throw DumpError(kUsage, "-o: the rig is printed to standard output; -o goes with --set, see kelp-dump rig --help");
-  return rig(shared.path, shared.part, axis.empty() ? "+y" : axis);
+  return rig(shared.path, shared.part, axis);
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ int runCommandLine(int argc, char** argv) {
                                            "--set takes what kelp-bake --rig takes and refuses what it refuses. Voxels stay as they are, so the axis must be the one that the part was baked along.\n");
   shared.addPack(rig_command);
   shared.addPart(rig_command, "the first");
-  rig_command->add_option("--axis", axis, "where the spline runs in the file that the rig is for, which vectors are in the axes of; with --set, of a rig that names none")->option_text("+x|-x|+y|-y|+z|-z [+y; with --set, as kelp-bake had it]");
+  rig_command->add_option("--axis", axis, "where the spline runs in the file that the rig is for; vectors are in that file's axes. With --set: of a preset, or of a rig that names none")->option_text("+x|-x|+y|-y|+z|-z [as baked; with --set, as kelp-bake]");
   rig_command->add_option("--set", new_rig, "give the part this rig, and its clips in place of those that move it")->option_text("FILE|PRESET");
   rig_command->add_option("-o,--output", output, "with --set: where the pack goes; - is standard output")->option_text("OUT [PACK itself]");
 
@@ -138,8 +138,9 @@ int runCommandLine(int argc, char** argv) {
   CLI::App* const slice_command = addCommand(app, "slice", "Write a picture of one layer of voxels",
                                              "Examples:\n  kelp-dump slice reed.kelp -o reed.png                       the middle layer across the spline: black where solid\n"
                                              "  kelp-dump slice reed.kelp -o reed.png --axis z --what clearance --scale 4\n  kelp-dump slice reed.kelp -o reed.png --what normals --at 12\n\n"
-                                             "occupancy  grey where solid, dark at the surface; clearance  the further from solid, the brighter, 4 grey steps a voxel; normals  (n + 1) / 2 as red, green, blue;\n"
-                                             "colour  as in the palette; density, heat  of fog, their codes. What is empty is transparent (clearance: what is solid).\n");
+                                             "occupancy  dark at the surface, grey inside, white where empty; clearance  of empty voxels, 4 grey steps a voxel, the farther from solid the brighter; solid is orange;\n"
+                                             "normals  (n + 1) / 2 as red, green, blue, grey inside; colour  as in the palette; density, heat  of fog, their codes. Where normals and colours have nothing, the\n"
+                                             "picture is transparent. Across y: x to the right, z down; across z: x to the right, y up; across x: z to the right, y up.\n");
   shared.addPack(slice_command);
   slice_command->add_option("-o,--output", output, "the PNG; - is standard output")->required()->option_text("OUT.png REQUIRED");
   slice_command->add_option("--axis", across, "across the layer, in the part's axes; y runs along the spline")->option_text("x|y|z [y]");
