@@ -2,6 +2,8 @@
 // What every sub-command makes of its input: pipes, files that are no packs, packs with each small fault, contradictory options. And what they promise of
 // their output: schemas, help, how little info reads.
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -254,6 +256,62 @@ TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
   std::fill(bytes.begin() + 65536, bytes.end(), '\x55');
   folder_.write("large.kelp", bytes);
   EXPECT_EQ(test::dump({"info", path, "--format", "json"}).out, before);
+}
+
+// Exit code 4: what no machine can do. 0 to 3, 5 and 7 are elsewhere in these tests, 130 in kelp_dump_rig_test.cpp.
+TEST_F(Input, WhatDoesNotFitIntoMemoryIsAFailureAtRunTime) {
+  if (!png_) GTEST_SKIP() << "this kelp-dump was built without libpng";
+  RawPack pack;
+  pack.palette.resize(1);
+  RawPart& part = pack.parts.emplace_back();
+  const auto memory = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  part.size = {1024, std::min(32768, static_cast<int>(memory / 12 / 1024 / 1024) + 64), 1024};
+  if (part.size.y > 8192) GTEST_SKIP() << "this machine has more memory than a pack can ask for";
+  part.knots = test::figureKnots(test::kFigure6[0], part.size);
+  const glm::ivec3 grid = brickGrid(part.size);
+  RawLevel& level = part.levels.emplace_back();
+  level.cells.resize(static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(grid.z));
+  level.cells[0] = kCellSolid;
+  level.codes.assign(kBrickVoxels, 0);
+  level.codes[0] = kInnerCode;
+  const std::string path = folder_.write("vast.kelp", std::span<const std::byte>(test::writeToMemory(pack)));
+  EXPECT_LT(std::filesystem::file_size(path), 100000u);
+  const ProcessResult result = test::dump({"slice", path, "-o", "-", "--what", "clearance"});
+  EXPECT_EQ(result.exit, 4) << result.err;
+  EXPECT_NE(result.err.find("this machine has"), std::string::npos) << result.err;
+  EXPECT_EQ(test::dump({"slice", path, "-o", folder_ / "ok.png", "--axis", "y", "--at", "0"}).exit, 0);
+}
+
+// What a program prints to a terminal.
+std::string onTerminal(const char* setting, const std::vector<std::string>& arguments) {
+  int terminal = -1;
+  const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    ::setenv("TERM", "xterm", 1);
+    ::unsetenv("NO_COLOR");
+    if (setting) ::putenv(const_cast<char*>(setting));
+    std::vector<char*> argv{const_cast<char*>(KELP_DUMP)};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    ::execv(KELP_DUMP, argv.data());
+    ::_exit(99);
+  }
+  std::string out;
+  char block[4096];
+  for (ssize_t got = 0; (got = ::read(terminal, block, sizeof block)) > 0;) out.append(block, static_cast<std::size_t>(got));
+  ::close(terminal);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status << out;
+  return out;
+}
+
+TEST_F(Input, ColoursOnATerminalOnly) {
+  EXPECT_NE(onTerminal(nullptr, {"info", good_}).find("\x1b[1mpalette\x1b[0m"), std::string::npos);
+  EXPECT_EQ(onTerminal("NO_COLOR=1", {"info", good_}).find('\x1b'), std::string::npos);
+  EXPECT_EQ(onTerminal("TERM=dumb", {"info", good_}).find('\x1b'), std::string::npos);
+  EXPECT_EQ(onTerminal(nullptr, {"info", good_, "--format", "json"}).find('\x1b'), std::string::npos);
+  EXPECT_EQ(test::dump({"info", good_}).out.find('\x1b'), std::string::npos);
 }
 
 }  // namespace

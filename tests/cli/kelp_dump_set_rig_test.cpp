@@ -30,14 +30,14 @@ class SetRigAgainstBake : public testing::Test {
     const std::string set = folder_ / "set.kelp", baked = folder_ / "baked.kelp";
     bake(first, set);
     bake(second, baked);
-    EXPECT_NE(readWhole(set), readWhole(baked)) << "the rigs are the same";
+    EXPECT_TRUE(readWhole(set) != readWhole(baked)) << "the rigs are the same";
     for (int part = 0; part < parts; ++part) {
       std::vector<std::string> command{KELP_DUMP, "rig", set, "--part", std::to_string(part), "--set"};
       command.insert(command.end(), second.begin() + 1, second.end());
       run(command);
     }
     run({KELP_DUMP, "diff", set, baked});
-    EXPECT_EQ(readWhole(set), readWhole(baked));
+    EXPECT_TRUE(readWhole(set) == readWhole(baked)) << input << " with " << second[1];
   }
 
   Scratch folder_;
@@ -50,8 +50,8 @@ TEST_F(SetRigAgainstBake, AMesh) {
   check(cube, {"--resolution", "24"}, {"--rig", bend_}, {"--rig", "none"});
   check(cube, {"--resolution", "24", "--pad", "2"}, {"--rig", "sway"}, {"--rig", bend_});
   check(cube, {"--resolution", "24"}, {"--rig", along_x_}, {"--rig", "swim", "--axis", "-x"});
-  check(cube, {"--voxel-size", "0.123", "--up", "+z", "--unit", "0.01"}, {"--rig", "sway"}, {"--rig", "none"});
-  check(cube, {"--resolution", "24", "--up", "-x"}, {"--rig", "sway"}, {"--rig", along_x_});
+  check(cube, {"--voxel-size", "0.123", "--up", "+z", "--unit", "0.01"}, {"--rig", bend_}, {"--rig", "none"});
+  check(cube, {"--resolution", "24", "--up", "-x"}, {"--rig", bend_}, {"--rig", along_x_});
   // Another axis would be other voxels.
   run({KELP_BAKE, cube, "-o", folder_ / "a.kelp", "--rig", bend_});
   const ProcessResult other = runProcess({KELP_DUMP, "rig", folder_ / "a.kelp", "--set", along_x_});
