@@ -6,7 +6,8 @@ set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
 runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
-         libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev)
+         libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
+         python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libwebp-dev libhwy-dev
        libopenmesh-dev)  # tests only: reads the same meshes for comparison

@@ -88,7 +88,7 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   RawPack pack = test::fogPack(fog, 0.5f);
   pack.parts[0].fog->anisotropy = 0.25f;
   write(pack);
-  const json info = dumpJson({"info"}, 0);
+  const json info = dumpJson({"info", "--count"}, 0);
   EXPECT_EQ(info["format"], json({{"major", 1}, {"minor", 1}}));
   const json& part = info["parts"][0];
   EXPECT_EQ(part["kind"], "fog");
@@ -117,7 +117,7 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   }
   EXPECT_EQ(stored, std::filesystem::file_size(path()));
 
-  const ProcessResult text = dump({"info"});
+  const ProcessResult text = dump({"info", "--count"});
   for (const char* words : {"format 1.1", "part (fog): 61 x 70 x 47 voxels", "fog of #f3e7da, anisotropy 0.25; glow 0.5 in 3 colours from 0 0 0 to 1 0.8 0.3", "not clear", "FOGB"})
     EXPECT_NE(text.out.find(words), std::string::npos) << "'" << words << "' is not in:\n" << text.out;
 

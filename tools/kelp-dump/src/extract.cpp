@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kelp/rig_json/rig_json.h"
+#include "part_axis.h"
 #include "text.h"
 
 namespace kelp::dump {
@@ -62,7 +63,7 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
       // kelp-bake makes the part's axes of the file's by this rotation.
       const glm::dmat3 apart = file_to_object - part_to_object / edge * glm::dmat3(axisRotation(axis));
       if (std::max({glm::length(apart[0]), glm::length(apart[1]), glm::length(apart[2])}) > 1e-3) continue;
-      text = axis == Axis::kPlusY ? "" : fmt::format("bake {} with the rig that kelp-dump rig --part {} --axis {} prints", it, index, toString(axis));
+      text = axis == bakedAxis(request.part(index)).value_or(Axis::kPlusY) ? "" : fmt::format("bake {} with the rig that kelp-dump rig --part {} --axis {} prints", it, index, toString(axis));
     }
     if (!text.empty()) note(request, text);
   }

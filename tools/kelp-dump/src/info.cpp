@@ -7,9 +7,9 @@
 
 namespace kelp::dump {
 
-int info(const std::string& path, Format format) {
+int info(const std::string& path, bool count, Format format) {
   PackFile file(path);
-  const Summary summary = summarize(file);
+  const Summary summary = summarize(file, count);
   if (format == Format::kJson) print(infoJson(summary));
   else printInfoText(summary);
   return kOk;

@@ -26,9 +26,11 @@ Json partJson(const PartSummary& p) {
   for (const Knot& knot : part.knots) knots.push_back({{"at", knot.at}, {"position", array3(knot.position)}, {"tangent", array3(knot.tangent)}});
   for (std::size_t l = 0; l < p.levels.size(); ++l) {
     const LevelSummary& level = p.levels[l];
-    levels.push_back({{"size", array3(level.size)}, {"cells", level.cells}, {"bricks", level.bricks}, {"pages", level.pages},
-                      {"solid_voxels", level.solid}, {"surface_voxels", level.surface}, {"stored_bytes", level.stored}});
-    if (part.fog) levels.back().update({{"cubes", level.cubes}, {"cubes_not_clear", level.foggy}, {"extinction", part.fog->extinction[l]}});
+    levels.push_back({{"size", array3(level.size)}, {"cells", level.cells}, {"pages", level.pages}, {"stored_bytes", level.stored}});
+    if (part.fog) levels.back()["extinction"] = part.fog->extinction[l];
+    if (!level.counted) continue;
+    levels.back().update({{"bricks", level.counted->bricks}, {"solid_voxels", level.counted->solid}, {"surface_voxels", level.counted->surface}});
+    if (part.fog) levels.back().update({{"cubes", level.counted->cubes}, {"cubes_not_clear", level.counted->foggy}});
   }
   for (int column = 0; column < 4; ++column) to_object.push_back(array3(part.to_object[column]));
   Json json = {{"name", part.name},
@@ -82,22 +84,26 @@ std::string infoJson(const Summary& summary) {
                        {"hex", hexColour(m.base_color)},
                        {"emissive", array3(m.emissive)},
                        {"metallic", m.metallic},
-                       {"roughness", m.roughness},
-                       {"surface_voxels", summary.palette_use[i]}});
+                       {"roughness", m.roughness}});
+    if (summary.counted) palette.back()["surface_voxels"] = summary.palette_use[i];
   }
-  for (const ChunkSummary& c : summary.chunks) chunks.push_back({{"kind", c.kind}, {"count", c.count}, {"stored_bytes", c.stored}, {"decoded_bytes", c.raw}});
+  for (const ChunkSummary& c : summary.chunks) {
+    chunks.push_back({{"kind", c.kind}, {"count", c.count}, {"stored_bytes", c.stored}});
+    if (c.raw) chunks.back()["decoded_bytes"] = *c.raw;
+  }
   const auto info = parseSafely(pack.infoJson());
-  const Json json = {{"schema", kSchema},
+  Json json = {{"schema", kSchema},
                      {"command", "info"},
                      {"file", summary.path},
                      {"file_bytes", pack.fileSize()},
-                     {"decoded_bytes", summary.rawBytes()},
+                     {"counted", summary.counted},
                      {"format", {{"major", kFormatMajor}, {"minor", pack.minorVersion()}}},
                      {"info", info ? *info : Json(nullptr)},
                      {"parts", parts},
                      {"clips", clips},
                      {"palette", palette},
                      {"chunks", chunks}};
+  if (const std::optional<std::uint64_t> decoded = summary.rawBytes()) json["decoded_bytes"] = *decoded;
   return printed(json);
 }
 

@@ -5,8 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <bit>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -21,6 +23,30 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "OutputFile::number writes numbers as they are in memory");
 
 constexpr std::size_t kBuffer = std::size_t{1} << 18;
+
+// The temporary file, for a signal: Ctrl-C leaves none behind. Empty if there is none.
+char g_temporary[4096];
+
+void removeAndExit(int signal) {
+  if (g_temporary[0] != 0) ::unlink(g_temporary);
+  ::_exit(128 + signal);
+}
+
+void guard(const std::string& path) {
+  if (path.size() >= sizeof g_temporary) return;
+  std::memcpy(g_temporary + 1, path.c_str() + 1, path.size());
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  g_temporary[0] = path[0];  // the name is there, whole
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    ::sigaction(signal, nullptr, &action);
+    if (action.sa_handler != SIG_DFL) continue;  // nohup, and shells for jobs in the background, have them ignored
+    action.sa_handler = &removeAndExit;
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void unguard() { g_temporary[0] = 0; }
 
 // Through symbolic links, so that a link stays one.
 std::string target(const std::string& path) {
@@ -49,6 +75,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : tar
     errno = reason;
     fail("can not be written");
   }
+  guard(temporary_);
   if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
 }
 
@@ -56,6 +83,7 @@ OutputFile::~OutputFile() {
   if (temporary_.empty()) return;
   if (file_ >= 0) ::close(file_);
   ::unlink(temporary_.c_str());
+  unguard();
 }
 
 void OutputFile::fail(const char* what) const {
@@ -86,6 +114,7 @@ void OutputFile::commit() {
   if (::close(std::exchange(file_, -1)) != 0) fail("can not be written");
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("can not be replaced");
   temporary_.clear();
+  unguard();
 }
 
 }  // namespace kelp::dump

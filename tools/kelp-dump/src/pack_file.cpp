@@ -13,6 +13,11 @@
 namespace kelp::dump {
 
 PackFile::PackFile(const std::string& path) : path_(path) {
+  if (path == "-") {
+    path_ = "standard input";
+    piped_.emplace();
+    return;
+  }
   errno = 0;
   Result<FileSource> opened = FileSource::open(path.c_str());
   if (!opened) {
@@ -26,7 +31,7 @@ PackFile::PackFile(const std::string& path) : path_(path) {
 
 const Pack& PackFile::pack() {
   if (!pack_) {
-    Result<Pack> opened = Pack::open(file_.source());
+    Result<Pack> opened = Pack::open(source());
     if (!opened) fail(opened.error());
     pack_ = *std::move(opened);
   }
@@ -35,22 +40,26 @@ const Pack& PackFile::pack() {
 
 const Pack* PackFile::packIfSound() {
   if (!pack_) {
-    if (Result<Pack> opened = Pack::open(file_.source())) pack_ = *std::move(opened);
+    if (Result<Pack> opened = Pack::open(source())) pack_ = *std::move(opened);
   }
   return pack_ ? &*pack_ : nullptr;
 }
 
-std::uint32_t PackFile::findPart(const std::string& wanted) {
+std::string PackFile::partList() {
   const std::span<const Part> parts = pack().parts();
   std::string names;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size() && i < 12; ++i) names += fmt::format("{}{} '{}'", i ? ", " : "", i, nameText(parts[i].name, 40));
+  return names + (parts.size() > 12 ? ", ..." : "");
+}
+
+std::uint32_t PackFile::findPart(const std::string& wanted) {
+  const std::span<const Part> parts = pack().parts();
+  for (std::size_t i = 0; i < parts.size(); ++i)
     if (parts[i].name == wanted) return static_cast<std::uint32_t>(i);
-    if (i < 12) names += fmt::format("{}{} '{}'", i ? ", " : "", i, nameText(parts[i].name, 40));
-  }
   std::uint32_t index = 0;
   const auto [end, problem] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
   if (problem == std::errc() && end == wanted.data() + wanted.size() && index < parts.size()) return index;
-  throw DumpError(kUsage, fmt::format("{}: there is no part '{}'; parts are {}{}", path_, nameText(wanted), names, parts.size() > 12 ? ", ..." : ""));
+  throw DumpError(kUsage, fmt::format("{}: there is no part '{}'; parts are {}; choose one of them", path_, nameText(wanted), partList()));
 }
 
 void PackFile::fail(const Error& error, const std::string& where) const {

@@ -37,48 +37,62 @@ std::uint64_t foggyCubes(const PageData& page, int channels, const std::vector<g
   return foggy;
 }
 
-LevelSummary summarizeLevel(PackFile& file, int part, int level, std::array<std::uint64_t, 256>& palette_use) {
-  const Pack& pack = file.pack();
-  const auto where = [&] { return fmt::format("part {} '{}', level {}", part, nameText(pack.parts()[static_cast<std::size_t>(part)].name), level); };
-  const Result<LevelGrid> grid = pack.readGrid(part, level);
-  if (!grid) file.fail(grid.error(), where());
-  LevelSummary summary;
+std::uint64_t product(const glm::ivec3& v) { return static_cast<std::uint64_t>(v.x) * static_cast<std::uint64_t>(v.y) * static_cast<std::uint64_t>(v.z); }
+
+// Grids keep their cells first, then 32 bytes for each page (SPEC.md, 5.2): their number is known before the grid is read.
+std::uint64_t pagesOf(const Pack::ChunkInfo& grid, std::uint64_t cells) {
+  const std::uint64_t table_at = (cells * sizeof(std::uint32_t) + 7) / 8 * 8;
+  return grid.raw > table_at ? (grid.raw - table_at) / 32 : 0;
+}
+
+LevelSummary summarizeTables(const Pack& pack, int part, int level) {
   const Part& of = pack.parts()[static_cast<std::size_t>(part)];
+  LevelSummary summary;
   summary.size = levelSize(of.size, level);
-  std::vector<glm::ivec3> positions;
-  if (of.fog) {
-    summary.cubes = static_cast<std::uint64_t>(grid->size.x) * static_cast<std::uint64_t>(grid->size.y) * static_cast<std::uint64_t>(grid->size.z);
-    positions.resize(grid->bricks);
-    for (std::size_t c = 0; c < grid->cells.size(); ++c)
-      if (grid->cells[c] & kCellSolid) positions[grid->cells[c] & kCellSlotMask] = positionOf(c, grid->grid);
-  }
-  summary.cells = grid->cells.size();
-  summary.bricks = grid->bricks;
-  summary.pages = grid->pages.size();
-  PageData page;
-  for (const PageInfo& info : grid->pages) {
-    summary.page_bytes += info.raw;
-    if (const Result<void> read = pack.readPage(info, page); !read) file.fail(read.error(), where());
-    if (of.fog) summary.foggy += foggyCubes(page, info.channels, positions, grid->size);
-    summary.solid += static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));
-    summary.surface += page.attributes.size();
-    if (level > 0) continue;
-    for (const std::uint32_t attribute : page.attributes) ++palette_use[attributePalette(attribute)];
-  }
+  summary.cells = product(brickGrid(latticeSize(of.kind, summary.size)));
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
+    if (chunk.part != static_cast<std::uint32_t>(part) || chunk.level != static_cast<std::uint32_t>(level)) continue;
     const std::string kind = fourccText(chunk.fourcc);
-    if ((kind == "GRID" || kind == "BRCK" || kind == "FOGB") && chunk.part == static_cast<std::uint32_t>(part) && chunk.level == static_cast<std::uint32_t>(level))
-      summary.stored += chunk.stored;
+    if (kind == "GRID") summary.pages = pagesOf(chunk, summary.cells);
+    if (kind == "GRID" || kind == "BRCK" || kind == "FOGB") summary.stored += chunk.stored;
   }
   return summary;
 }
 
-// What the pages of all BRCK, and of all FOGB, chunks decode to; the index counts these chunks as they are stored, each page being a frame of its own.
+LevelSummary::Counted countLevel(PackFile& file, int part, int level, std::array<std::uint64_t, 256>& palette_use) {
+  const Pack& pack = file.pack();
+  const auto where = [&] { return fmt::format("part {} '{}', level {}", part, nameText(pack.parts()[static_cast<std::size_t>(part)].name), level); };
+  const Result<LevelGrid> grid = pack.readGrid(part, level);
+  if (!grid) file.fail(grid.error(), where());
+  LevelSummary::Counted counted;
+  const Part& of = pack.parts()[static_cast<std::size_t>(part)];
+  std::vector<glm::ivec3> positions;
+  if (of.fog) {
+    counted.cubes = product(grid->size);
+    positions.resize(grid->bricks);
+    for (std::size_t c = 0; c < grid->cells.size(); ++c)
+      if (grid->cells[c] & kCellSolid) positions[grid->cells[c] & kCellSlotMask] = positionOf(c, grid->grid);
+  }
+  counted.bricks = grid->bricks;
+  PageData page;
+  for (const PageInfo& info : grid->pages) {
+    counted.page_bytes += info.raw;
+    if (const Result<void> read = pack.readPage(info, page); !read) file.fail(read.error(), where());
+    if (of.fog) counted.foggy += foggyCubes(page, info.channels, positions, grid->size);
+    counted.solid += static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));
+    counted.surface += page.attributes.size();
+    if (level > 0) continue;
+    for (const std::uint32_t attribute : page.attributes) ++palette_use[attributePalette(attribute)];
+  }
+  return counted;
+}
+
+// What pages of solids and of fog decode to; the index counts chunks of pages as they are stored, each page being a frame of its own.
 struct PageBytes {
   std::uint64_t solid = 0, fog = 0;
 };
 
-std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const PageBytes& pages) {
+std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<PageBytes>& pages) {
   std::vector<ChunkSummary> kinds;
   std::uint64_t in_chunks = 0;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
@@ -87,7 +101,8 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const PageBytes& pag
     if (same == kinds.end()) same = kinds.insert(same, ChunkSummary{kind, 0, 0, 0});
     ++same->count;
     same->stored += chunk.stored;
-    same->raw = kind == "BRCK" ? pages.solid : kind == "FOGB" ? pages.fog : same->raw + chunk.raw;
+    if (kind == "BRCK" || kind == "FOGB") same->raw = pages ? std::optional(kind == "BRCK" ? pages->solid : pages->fog) : std::nullopt;
+    else same->raw = *same->raw + chunk.raw;
     in_chunks += chunk.stored;
   }
   const std::uint64_t other = pack.fileSize() - std::min(pack.fileSize(), in_chunks);
@@ -97,31 +112,47 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const PageBytes& pag
 
 }  // namespace
 
-std::uint64_t Summary::rawBytes() const {
-  return std::accumulate(chunks.begin(), chunks.end(), std::uint64_t{0}, [](std::uint64_t sum, const ChunkSummary& c) { return sum + c.raw; });
+std::uint64_t PartSummary::stored() const {
+  return std::accumulate(levels.begin(), levels.end(), std::uint64_t{0}, [](std::uint64_t sum, const LevelSummary& l) { return sum + l.stored; });
+}
+
+std::optional<std::uint64_t> Summary::rawBytes() const {
+  std::uint64_t sum = 0;
+  for (const ChunkSummary& chunk : chunks) {
+    if (!chunk.raw) return std::nullopt;
+    sum += *chunk.raw;
+  }
+  return sum;
+}
+
+std::uint64_t Summary::voxels() const {
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [](std::uint64_t sum, const PartSummary& p) { return sum + product(p.part->size); });
 }
 
 std::uint64_t Summary::surfaceVoxels() const {
-  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [](std::uint64_t sum, const PartSummary& p) { return sum + p.levels[0].surface; });
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [](std::uint64_t sum, const PartSummary& p) { return sum + (p.levels[0].counted ? p.levels[0].counted->surface : 0); });
 }
 
-Summary summarize(PackFile& file) {
+Summary summarize(PackFile& file, bool count) {
   const Pack& pack = file.pack();
   Summary summary;
   summary.path = file.path();
   summary.pack = &pack;
+  summary.counted = count;
+  PageBytes pages;
   for (std::size_t p = 0; p < pack.parts().size(); ++p) {
     const Part& part = pack.parts()[p];
     PartSummary& out = summary.parts.emplace_back();
     out.part = &part;
     for (int axis = 0; axis < 3; ++axis) out.voxel[axis] = glm::length(glm::dvec3(part.to_object[axis]));
-    for (int level = 0; level < part.levels; ++level) out.levels.push_back(summarizeLevel(file, static_cast<int>(p), level, summary.palette_use));
+    for (int l = 0; l < part.levels; ++l) {
+      LevelSummary& level = out.levels.emplace_back(summarizeTables(pack, static_cast<int>(p), l));
+      if (!count) continue;
+      level.counted = countLevel(file, static_cast<int>(p), l, summary.palette_use);
+      (part.fog ? pages.fog : pages.solid) += level.counted->page_bytes;
+    }
   }
-  PageBytes pages;
-  for (const PartSummary& part : summary.parts) {
-    for (const LevelSummary& level : part.levels) (part.part->fog ? pages.fog : pages.solid) += level.page_bytes;
-  }
-  summary.chunks = summarizeChunks(pack, pages);
+  summary.chunks = summarizeChunks(pack, count ? std::optional(pages) : std::nullopt);
   return summary;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,46 +12,53 @@
 
 namespace kelp::dump {
 
+// What is known of a level from the pack's tables, and, if it was counted, from its voxels.
 struct LevelSummary {
-  glm::ivec3 size{0};          // voxels
-  std::uint64_t cells = 0;     // bricks of the grid, stored or empty
-  std::uint64_t bricks = 0;    // stored ones
+  glm::ivec3 size{0};            // voxels
+  std::uint64_t cells = 0;       // bricks of the grid, stored or empty
   std::uint64_t pages = 0;
-  std::uint64_t page_bytes = 0;  // decoded
-  std::uint64_t solid = 0;     // voxels
-  std::uint64_t surface = 0;   // voxels with an attribute
-  std::uint64_t cubes = 0;     // of fog: between its samples
-  std::uint64_t foggy = 0;     // cubes that are not clear
-  std::uint64_t stored = 0;    // bytes in the file
+  std::uint64_t stored = 0;      // bytes in the file
+  struct Counted {
+    std::uint64_t bricks = 0;      // stored ones
+    std::uint64_t page_bytes = 0;  // decoded
+    std::uint64_t solid = 0;       // voxels
+    std::uint64_t surface = 0;     // voxels with an attribute
+    std::uint64_t cubes = 0;       // of fog: between its samples
+    std::uint64_t foggy = 0;       // cubes that are not clear
+  };
+  std::optional<Counted> counted;
 };
 
 struct PartSummary {
   const Part* part = nullptr;  // of the PackFile's pack
   glm::dvec3 voxel{0};         // edges of a voxel in metres
   std::vector<LevelSummary> levels;
+  std::uint64_t stored() const;
 };
 
 struct ChunkSummary {
   std::string kind;            // fourcc; "other" for header, index and padding
   std::uint64_t count = 0;
-  std::uint64_t stored = 0;    // bytes in the file
-  std::uint64_t raw = 0;       // bytes decoded
+  std::uint64_t stored = 0;         // bytes in the file
+  std::optional<std::uint64_t> raw; // bytes decoded; of pages, if they were counted
 };
 
 struct Summary {
   std::string path;
   const Pack* pack = nullptr;
+  bool counted = false;
   std::vector<PartSummary> parts;
-  std::array<std::uint64_t, 256> palette_use{};  // surface voxels of level 0 that name the entry
+  std::array<std::uint64_t, 256> palette_use{};  // if counted: surface voxels of level 0 that name the entry
   std::vector<ChunkSummary> chunks;              // in the order of first appearance, "other" last
 
   std::uint64_t storedBytes() const { return pack->fileSize(); }
-  std::uint64_t rawBytes() const;
-  std::uint64_t surfaceVoxels() const;           // of level 0 of all parts
+  std::optional<std::uint64_t> rawBytes() const;
+  std::uint64_t voxels() const;                  // of the boxes of all parts at level 0, empty ones too
+  std::uint64_t surfaceVoxels() const;           // of level 0 of all parts, if counted
 };
 
-// Reads every grid and page. DumpError if one can not be read.
-Summary summarize(PackFile& file);
+// From the pack's tables alone, which are in memory; `count`: reads every grid and page. DumpError if one can not be read.
+Summary summarize(PackFile& file, bool count);
 
 void printInfoText(const Summary& summary);
 

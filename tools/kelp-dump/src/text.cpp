@@ -97,6 +97,26 @@ std::string swatch(const glm::vec4& linear) {
 
 std::string bold(const std::string& text) { return colours() ? fmt::format("\x1b[1m{}\x1b[0m", text) : text; }
 
+std::string faint(const std::string& text) { return colours() ? fmt::format("\x1b[2m{}\x1b[0m", text) : text; }
+
+std::string bar(double share, int longest) {
+  if (!(share > 0)) return "";
+  return std::string(static_cast<std::size_t>(std::clamp(static_cast<int>(std::lround(share * longest)), 1, longest)), '#');
+}
+
+namespace {
+
+// Of UTF-8 text, one for each character: wide ones are not told apart.
+std::string spaces(const std::string& text, std::size_t columns) {
+  const auto width = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return std::string(columns > width ? columns - width : 0, ' ');
+}
+
+}  // namespace
+
+std::string padRight(const std::string& text, std::size_t columns) { return text + spaces(text, columns); }
+std::string padLeft(const std::string& text, std::size_t columns) { return spaces(text, columns) + text; }
+
 void print(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     throw DumpError(kIo, fmt::format("standard output can not be written: {}; free space or choose another file", std::strerror(errno)));

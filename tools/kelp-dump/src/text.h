@@ -28,8 +28,14 @@ std::string plural(std::uint64_t count, std::string_view word);
 std::string hexColour(const glm::vec4& linear);
 // Two cells of the colour, if stdout is a terminal that shows colours; else empty.
 std::string swatch(const glm::vec4& linear);
-// Emphasis on a terminal, else the text as it is.
+// Emphasis, and the opposite, on a terminal, else the text as it is.
 std::string bold(const std::string& text);
+std::string faint(const std::string& text);
+// A share, 0 to 1, as a bar of up to `longest` signs; what is there at all has one.
+std::string bar(double share, int longest = 20);
+// To that many columns on the left or on the right, counting characters, not bytes; longer text stays as it is.
+std::string padRight(const std::string& text, std::size_t columns);
+std::string padLeft(const std::string& text, std::size_t columns);
 
 // Writes all of `text` to stdout; DumpError (kIo) if that fails.
 void print(std::string_view text);

@@ -84,7 +84,7 @@ std::uint64_t VerifyReport::errors() const {
 int verify(const std::string& path, bool deep, Format format) {
   PackFile file(path);
   VerifyReport report;
-  report.path = path;
+  report.path = file.path();
   report.deep = deep;
   kelp::verify(
       file.source(), {}, [](void* user, const Issue& issue) { static_cast<VerifyReport*>(user)->findings.push_back(findingOf(issue)); }, &report);

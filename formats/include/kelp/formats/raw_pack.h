@@ -11,6 +11,7 @@
 #include "kelp/formats/brick.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
+#include "kelp/formats/pack.h"
 
 namespace kelp {
 
@@ -77,5 +78,18 @@ struct Sink {
 // (all that the reader would refuse), kIo if the sink does, kOutOfMemory. Nothing is written before the data were checked.
 // threads: how many compress pages at once, at least 1.
 Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
+
+// What can be replaced in a pack that stays as it is otherwise.
+struct RawRigs {
+  std::string info_json;
+  std::vector<std::vector<Knot>> knots;  // one list a part
+  std::vector<RawClip> clips;
+};
+
+// Writes the pack in `source` once more with other information, rest knots and clips. Every other chunk, voxels and chunks of unknown kinds among them, is
+// copied byte by byte and compared with its checksum on the way: where nothing else differs, the bytes are those that writePack would give. kMisuse with a
+// word if the rigs break the rules of SPEC.md; what Pack::open answers for a source that is no sound pack; kChecksum, kIo. The source is not trusted; what
+// the sink got before an error is of no use. Memory: the metadata and a block of 64 KiB.
+Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits = {});
 
 }  // namespace kelp

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// A pack once more with other rigs: new tables where INFO, RIGS and CLIP stood, all other chunks as they are.
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "checksum.h"
+#include "container.h"
+#include "kelp/formats/raw_pack.h"
+#include "layout.h"
+#include "metadata.h"
+#include "metadata_writer.h"
+#include "page_writer.h"
+
+namespace kelp {
+namespace {
+
+const Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
+
+// A chunk to be: new bytes, or those of the source.
+struct ChunkPlan {
+  Pack::ChunkInfo info;      // offset: in the new file
+  std::uint64_t from = 0;    // in the source, if it is copied
+  const Packed* own = nullptr;
+};
+
+class RigWriter {
+ public:
+  RigWriter(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits) : source_(source), rigs_(rigs), sink_(sink), limits_(limits) {}
+
+  Result<void> run() {
+    if (const Result<void> r = readContainer(source_, limits_, Allocator(), container_); !r) return r;
+    const Result<MetadataChunks> found = findMetadata(container_.chunks.span(), limits_);
+    if (!found) return found.error();
+    if (const Result<void> r = readParts(*found); !r) return r;
+    if (const Result<void> r = packTables(); !r) return r;
+    if (const Result<void> r = plan(*found); !r) return r;
+    return write();
+  }
+
+ private:
+  // What the new tables are judged by. A source whose parts and levels do not fit together is refused.
+  Result<void> readParts(const MetadataChunks& found) {
+    const auto readTable = [&](std::size_t index, auto parse) -> Result<void> {
+      Buffer<std::byte> bytes;
+      const Pack::ChunkInfo& chunk = container_.chunks[index];
+      if (const Result<void> r = readChunk(source_, chunk, limits_, bytes, Allocator()); !r) return r;
+      if (const Result<void> r = parse(std::span<const std::byte>(bytes.span())); !r) return inFile(r.error(), chunk);
+      return {};
+    };
+    using Bytes = std::span<const std::byte>;
+    if (const Result<void> r = readTable(found.part, [&](Bytes b) { return parseParts(b, limits_, parsed_); }); !r) return r;
+    if (found.fogs == MetadataChunks::kNone) {
+      if (const Result<void> r = parseFogs({}, parsed_); !r) return r;
+    } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); }); !r) {
+      return r;
+    }
+    LevelChunks levels{Allocator()};
+    return findLevels(container_.chunks.span(), parsed_.parts.span(), levels);
+  }
+
+  static Result<void> judged(const Result<void>& verdict) {
+    if (verdict || verdict.error().code == ErrorCode::kOutOfMemory) return verdict;
+    return Error{ErrorCode::kMisuse, verdict.error().detail};
+  }
+
+  // The reader's own rules judge the new tables.
+  Result<void> packTables() {
+    if (rigs_.knots.size() != parsed_.parts.size()) return Error{ErrorCode::kMisuse, "there must be knots for each part"};
+    for (const std::vector<Knot>& knots : rigs_.knots)
+      if (knots.size() > static_cast<std::size_t>(kMaxKnots)) return Error{ErrorCode::kMisuse, "a part has more than 64 knots"};
+    std::size_t entries = rigs_.clips.size();
+    for (const RawClip& clip : rigs_.clips) {
+      if (clip.name.size() > layout::kMaxNameBytes) return Error{ErrorCode::kMisuse, "a clip's name is longer than 255 bytes"};
+      entries += clip.waves.size() + clip.tracks.size();
+      for (const RawTrack& track : clip.tracks) entries += track.keys.size();
+    }
+    if (entries > ~std::uint32_t{0} / 256) return Error{ErrorCode::kMisuse, "too many clips, waves, tracks or keys"};  // names too fit 32 bits then
+
+    RawPack pack;  // of which these functions look at knots and clips alone
+    pack.parts.resize(rigs_.knots.size());
+    for (std::size_t i = 0; i < pack.parts.size(); ++i) pack.parts[i].knots = rigs_.knots[i];
+    pack.clips = rigs_.clips;
+    Buffer<std::byte> table;
+    if (!rigs_.info_json.empty()) {
+      if (!table.reset(rigs_.info_json.size())) return kNoMemory;
+      std::memcpy(table.data(), rigs_.info_json.data(), rigs_.info_json.size());
+      if (const Result<void> r = judged(parseInfo(table.span(), parsed_)); !r) return r;
+      if (!packBytes(table.span(), info_)) return kNoMemory;
+    }
+    if (!buildRigs(pack, table)) return kNoMemory;
+    if (const Result<void> r = judged(parseRigs(table.span(), parsed_)); !r) return r;
+    if (!packBytes(table.span(), knots_)) return kNoMemory;
+    if (pack.clips.empty()) return {};
+    if (!buildClips(pack, table)) return kNoMemory;
+    if (const Result<void> r = judged(parseClips(table.span(), parsed_)); !r) return r;
+    return packBytes(table.span(), clips_) ? Result<void>() : kNoMemory;
+  }
+
+  void add(std::uint32_t fourcc, std::uint32_t flags, const Packed& own) {
+    ChunkPlan& chunk = chunks_[count_++];
+    chunk.own = &own;
+    chunk.info.fourcc = fourcc;
+    chunk.info.flags = flags | (own.compressed ? layout::kFlagZstd : 0);
+    chunk.info.stored = own.stored.size();
+    chunk.info.raw = own.raw;
+    chunk.info.checksum = own.checksum;
+  }
+
+  Result<void> plan(const MetadataChunks& found) {
+    chunks_.reset(new (std::nothrow) ChunkPlan[container_.chunks.size() + 2]);
+    if (!chunks_) return kNoMemory;
+    if (!rigs_.info_json.empty()) add(layout::kInfo, 0, info_);
+    for (std::size_t i = 0; i < container_.chunks.size(); ++i) {
+      if (i == found.info || i == found.clip) continue;
+      if (i == found.rigs) {
+        add(layout::kRigs, layout::kFlagRequired, knots_);
+        if (!rigs_.clips.empty()) add(layout::kClip, 0, clips_);
+        continue;
+      }
+      chunks_[count_].info = container_.chunks[i];
+      chunks_[count_++].from = container_.chunks[i].offset;
+    }
+    return {};
+  }
+
+  Result<void> write() {
+    Buffer<std::byte> head;
+    if (!head.reset(layout::kHeaderBytes + count_ * layout::kIndexEntryBytes) || !block_.reset(std::size_t{1} << 16)) return kNoMemory;
+    std::uint64_t end = head.size();
+    for (std::size_t i = 0; i < count_; ++i) {
+      chunks_[i].info.offset = layout::align(end, layout::kAlignment);
+      end = chunks_[i].info.offset + chunks_[i].info.stored;
+      layout::storeIndexEntry(head.span(), layout::kHeaderBytes + i * layout::kIndexEntryBytes, chunks_[i].info);
+    }
+    layout::store(head.span(), 0, layout::kIdentifier);
+    layout::store(head.span(), 12, kFormatMajor);
+    layout::store(head.span(), 14, container_.minor);
+    layout::store(head.span(), 16, end);
+    layout::store(head.span(), 24, static_cast<std::uint32_t>(count_));
+    layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
+    if (const Result<void> r = send(head.span()); !r) return r;
+    for (std::size_t i = 0; i < count_; ++i) {
+      static constexpr std::byte kZeros[layout::kAlignment] = {};
+      if (const Result<void> r = send(std::span(kZeros).first(static_cast<std::size_t>(chunks_[i].info.offset - written_))); !r) return r;
+      if (const Result<void> r = chunks_[i].own ? send(chunks_[i].own->stored.span()) : copy(chunks_[i]); !r) return r;
+    }
+    return {};
+  }
+
+  Result<void> copy(const ChunkPlan& chunk) {
+    RunningChecksum running;
+    for (std::uint64_t done = 0; done < chunk.info.stored;) {
+      const auto block = block_.span().first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.info.stored - done)));
+      if (const Result<void> r = readBytes(source_, chunk.from + done, block); !r) return r;
+      running.add(block);
+      if (const Result<void> r = send(block); !r) return r;
+      done += block.size();
+    }
+    if (running.value() != chunk.info.checksum) return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.from};
+    return {};
+  }
+
+  Result<void> send(std::span<const std::byte> bytes) {
+    if (!bytes.empty() && !sink_.write(sink_.user, bytes)) return Error{ErrorCode::kIo, "the sink did not take the bytes", written_};
+    written_ += bytes.size();
+    return {};
+  }
+
+  const Source& source_;
+  const RawRigs& rigs_;
+  const Sink& sink_;
+  const Limits& limits_;
+  Container container_{Allocator()};
+  Metadata parsed_{Allocator()};
+  Packed info_, knots_, clips_;
+  std::unique_ptr<ChunkPlan[]> chunks_;
+  std::size_t count_ = 0;
+  Buffer<std::byte> block_;
+  std::uint64_t written_ = 0;
+};
+
+}  // namespace
+
+Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits) {
+  if (!sink.write) return Error{ErrorCode::kMisuse, "the sink has no write function"};
+  return RigWriter(source, rigs, sink, limits).run();
+}
+
+}  // namespace kelp

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// writeRigs: the same bytes as a pack written with those rigs in the first place, whatever else is in the file, and nothing that a reader would refuse.
+#include <gtest/gtest.h>
+
+#include "kelp/formats/pack.h"
+#include "kelp/formats/raw_pack.h"
+#include "pack_surgeon.h"
+#include "support/random_pack.h"
+#include "tiny_fog_pack.h"
+#include "tiny_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::Bytes;
+
+RawRigs rigsOf(const RawPack& pack) {
+  RawRigs rigs;
+  rigs.info_json = pack.info_json;
+  rigs.clips = pack.clips;
+  for (const RawPart& part : pack.parts) rigs.knots.push_back(part.knots);
+  return rigs;
+}
+
+Result<void> rewrite(const Bytes& pack, const RawRigs& rigs, Bytes& out) {
+  MemorySource source(pack);
+  out.clear();
+  const auto take = [](void* user, std::span<const std::byte> bytes) {
+    auto& all = *static_cast<Bytes*>(user);
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    return true;
+  };
+  return writeRigs(source.source(), rigs, {take, &out});
+}
+
+// Another rig for each part, and clips of its own.
+RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
+  RawPack other = pack;
+  other.info_json = seed % 3 == 0 ? "" : R"({"other": true})";
+  for (RawPart& part : other.parts) {
+    const auto height = static_cast<float>(part.size.y);
+    part.knots = {{0, {1, 0, 2}, {3, height, 0}}, {0.5f, {0, 0.4f * height, 0}, {0, height, 1}}, {1, {2, height, 0}, {0, height, 1}}};
+  }
+  other.clips.clear();
+  if (seed % 2 == 0) other.clips = {{"nod", 2, {{0, 2, Target::kKnotOffset, {1, 0, 0}, 2, 0}}, {}}};
+  return other;
+}
+
+TEST(RigWriter, GivesTheBytesOfAPackWrittenThatWay) {
+  Bytes out;
+  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
+    RawPack pack = test::makeRandomPack(seed);
+    if (seed % 4 == 0) pack.clips.clear();
+    if (seed % 5 == 0) pack.info_json.clear();
+    const RawPack other = otherRigs(pack, seed);
+    ASSERT_TRUE(rewrite(test::writeToMemory(pack), rigsOf(other), out)) << seed;
+    EXPECT_EQ(out, test::writeToMemory(other)) << seed;
+    ASSERT_TRUE(rewrite(Bytes(out), rigsOf(pack), out)) << seed;
+    EXPECT_EQ(out, test::writeToMemory(pack)) << seed;
+  }
+  const RawPack fog = test::makeTinyFogPack();
+  ASSERT_TRUE(rewrite(test::writeToMemory(fog), rigsOf(otherRigs(fog, 2)), out));
+  EXPECT_EQ(out, test::writeToMemory(otherRigs(fog, 2)));
+}
+
+TEST(RigWriter, KeepsChunksThatItDoesNotKnow) {
+  const RawPack pack = test::makeTinyPack();
+  const auto withNotes = [](const RawPack& of) {
+    test::PackSurgeon surgeon(test::writeToMemory(of));
+    test::PackSurgeon::Chunk note;
+    note.fourcc = test::PackSurgeon::fourcc("NOTE");
+    note.content = Bytes(70000, std::byte{7});
+    surgeon.chunks.insert(surgeon.chunks.begin() + static_cast<std::ptrdiff_t>(surgeon.find("GRID")), note);
+    surgeon.chunks.push_back(note);
+    surgeon.minor = 5;  // of a later kelp
+    return surgeon.build();
+  };
+  Bytes out;
+  ASSERT_TRUE(rewrite(withNotes(pack), rigsOf(otherRigs(pack, 2)), out));
+  const test::PackSurgeon was(withNotes(pack)), is(out);
+  EXPECT_EQ(is.minor, 5);
+  ASSERT_EQ(is.chunks.size(), was.chunks.size());
+  for (std::size_t i = 0; i < is.chunks.size(); ++i) {
+    EXPECT_EQ(is.chunks[i].fourcc, was.chunks[i].fourcc);
+    const auto name = is.chunks[i].fourcc;
+    const bool replaced = name == test::PackSurgeon::fourcc("INFO") || name == test::PackSurgeon::fourcc("RIGS") || name == test::PackSurgeon::fourcc("CLIP");
+    EXPECT_EQ(is.chunks[i].content == was.chunks[i].content, !replaced) << i;
+  }
+}
+
+TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
+  const RawPack pack = test::makeTinyPack();
+  const Bytes bytes = test::writeToMemory(pack);
+  Bytes out;
+  const auto code = [&](auto change) {
+    RawRigs rigs = rigsOf(pack);
+    change(rigs);
+    const Result<void> written = rewrite(bytes, rigs, out);
+    EXPECT_FALSE(written);
+    EXPECT_TRUE(out.empty()) << "written before the rigs were judged";
+    return written ? ErrorCode::kIo : written.error().code;
+  };
+  EXPECT_EQ(code([](RawRigs& r) { r.knots.pop_back(); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].resize(1); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].back().position.y = -5; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].resize(65); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.clips[0].waves[0].knot = 9; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.clips[0].name = std::string(256, 'a'); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.info_json = "\xff"; }), ErrorCode::kMisuse);
+  MemorySource source(bytes);
+  EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {}).error().code, ErrorCode::kMisuse);
+}
+
+TEST(RigWriter, TrustsNoSource) {
+  const RawPack pack = test::makeTinyPack();
+  const Bytes bytes = test::writeToMemory(pack);
+  const test::PackSurgeon surgeon(bytes);
+  Bytes out;
+  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(rewrite(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)), rigsOf(pack), out)) << size;
+  // Only gaps and what is replaced may be damaged without an error.
+  int taken = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    Bytes flipped = bytes;
+    flipped[i] ^= std::byte{1};
+    if (!rewrite(flipped, rigsOf(pack), out)) continue;
+    EXPECT_EQ(out, bytes) << i;
+    ++taken;
+  }
+  EXPECT_LT(taken, static_cast<int>(bytes.size()) / 2);
+  MemorySource source(bytes);
+  int calls = 0;
+  const auto refuse = [](void* user, std::span<const std::byte>) { return ++*static_cast<int*>(user) < 4; };
+  EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {refuse, &calls}).error().code, ErrorCode::kIo);
+  EXPECT_EQ(calls, 4);
+}
+
+}  // namespace
+}  // namespace kelp

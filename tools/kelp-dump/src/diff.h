@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// `diff`: what two packs differ in, as a list; text and JSON are two ways to print it. How a pack is compressed, and the order of its parts, clips, palette
+// entries, waves and tracks, are no differences. Parts and clips are the same if they have the same name.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "pack_file.h"
+
+namespace kelp::dump {
+
+// kelp-dump.schema.json says what the kinds and the members mean.
+struct Difference {
+  std::string kind, text;
+  std::string only_in = {};  // "a", "b" or empty
+  std::string name = {};
+  int level = -1;
+  std::optional<std::uint64_t> count = {}, only_a = {}, only_b = {};
+  std::optional<glm::ivec3> first = {};
+  std::optional<double> largest = {};
+  std::string a = {}, b = {};
+};
+
+// How far numbers may be apart, as a share of their full range. 0: not at all.
+class Tolerance {
+ public:
+  explicit Tolerance(double share) : share_(share) {}
+  double share() const { return share_; }
+  bool allows(double difference, double range) const { return difference <= share_ * range; }
+  // Of numbers whose range is their own size, seconds for example.
+  bool alike(double a, double b) const { return std::abs(a - b) <= share_ * std::max(std::abs(a), std::abs(b)); }
+
+ private:
+  double share_;
+};
+
+// The places of one kind in one level.
+struct Places {
+  std::uint64_t count = 0;
+  glm::ivec3 first{0};
+  double largest = 0;
+  void add(const glm::ivec3& at, double difference = 0) {
+    if (count++ == 0) first = at;
+    largest = std::max(largest, difference);
+  }
+};
+
+// Which part of B is which of A; -1: none.
+struct PartPairs {
+  std::vector<int> b_of_a, a_of_b;
+};
+PartPairs pairParts(const Pack& a, const Pack& b);
+
+// Whether entry i of A's palette and entry j of B's are apart, and how far their colours are.
+struct PaletteDistances {
+  std::array<std::array<float, 256>, 256> apart{};  // 0: within the tolerance
+};
+PaletteDistances comparePalettes(const Pack& a, const Pack& b, const Tolerance& tolerance);
+
+void diffInfo(const Pack& a, const Pack& b, std::vector<Difference>& out);
+void diffPalettes(const Pack& a, const Pack& b, const PaletteDistances& distances, std::vector<Difference>& out);
+// All but their voxels. Answers whether those can be compared.
+bool diffPart(const Pack& a, const Pack& b, int part_a, const PartPairs& pairs, const Tolerance& tolerance, std::vector<Difference>& out);
+void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance, std::vector<Difference>& out);
+
+// A level of parts of the same size and kind. In memory: the grid and a page of each.
+void diffVoxels(PackFile& a, PackFile& b, int part_a, int part_b, int level, const PaletteDistances& palette, const Tolerance& tolerance, std::vector<Difference>& out);
+void diffFog(PackFile& a, PackFile& b, int part_a, int part_b, int level, const Tolerance& tolerance, std::vector<Difference>& out);
+
+struct DiffReport {
+  std::string a, b;
+  double tolerance = 0;
+  std::uint64_t parts = 0, levels = 0, clips = 0;  // of A
+  std::vector<Difference> differences;
+};
+std::string diffText(const DiffReport& report);
+std::string diffJson(const DiffReport& report);
+
+}  // namespace kelp::dump

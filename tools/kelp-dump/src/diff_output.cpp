@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "diff.h"
+#include "safe_json.h"
+#include "text.h"
+
+namespace kelp::dump {
+namespace {
+
+constexpr std::size_t kMostLines = 40;
+
+// Whether it is said under the heading of its part.
+bool ofPart(const Difference& d) { return d.kind != "info" && d.kind != "palette" && d.kind != "part" && d.kind != "clip" && d.kind != "motion"; }
+
+}  // namespace
+
+std::string diffText(const DiffReport& report) {
+  const std::string within = report.tolerance > 0 ? fmt::format(" within {:g} of the full range", report.tolerance) : "";
+  if (report.differences.empty())
+    return fmt::format("{} and {} are the same{} ({}, {}, {})\n", report.a, report.b, within, plural(report.parts, "part"), plural(report.levels, "level"), plural(report.clips, "clip"));
+  std::string text = fmt::format("A is {}, B is {}: {}{}\n", bold(report.a), bold(report.b), plural(report.differences.size(), "difference"), report.tolerance > 0 ? " not" + within : "");
+  const std::string* part = nullptr;
+  std::size_t said = 0;
+  for (; said < report.differences.size() && said < kMostLines; ++said) {
+    const Difference& d = report.differences[said];
+    if (ofPart(d) && (!part || *part != d.name)) text += fmt::format("  part '{}'\n", bold(nameText(d.name)));
+    part = ofPart(d) ? &d.name : nullptr;
+    text += (ofPart(d) ? "    " : "  ") + d.text + "\n";
+  }
+  if (said < report.differences.size()) text += fmt::format("  ... and {} more (--format json lists all)\n", report.differences.size() - said);
+  return text;
+}
+
+std::string diffJson(const DiffReport& report) {
+  using Json = nlohmann::ordered_json;
+  Json differences = Json::array();
+  for (const Difference& d : report.differences) {
+    Json& json = differences.emplace_back(Json{{"kind", d.kind}, {"text", d.text}});
+    const auto text = [&](const char* key, const std::string& value) {
+      if (!value.empty()) json[key] = value;
+    };
+    const auto number = [&](const char* key, const auto& value) {
+      if (value) json[key] = *value;
+    };
+    text("only_in", d.only_in);
+    text("name", d.name);
+    if (d.level >= 0) json["level"] = d.level;
+    number("count", d.count);
+    number("only_a", d.only_a);
+    number("only_b", d.only_b);
+    if (d.first) json["first"] = Json::array({d.first->x, d.first->y, d.first->z});
+    number("largest", d.largest);
+    text("a", d.a);
+    text("b", d.b);
+  }
+  const Json json = {{"schema", "kelp-dump/1"}, {"command", "diff"}, {"a", report.a}, {"b", report.b}, {"tolerance", report.tolerance}, {"same", report.differences.empty()}, {"differences", differences}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kelp::dump

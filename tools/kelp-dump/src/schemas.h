@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// The published JSON schemas as text, embedded at build time from the files in the source tree. Static storage, NUL-terminated.
+#pragma once
+
+namespace kelp::dump {
+
+extern const char* const kDumpSchema;    // tools/kelp-dump/kelp-dump.schema.json
+extern const char* const kRigSchema;     // tools/rig_json/rig.schema.json
+extern const char* const kReportSchema;  // tools/kelp-bake/kelp-bake-report.schema.json
+
+}  // namespace kelp::dump

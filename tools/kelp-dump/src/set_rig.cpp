@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+// `rig --set`: another rig for a part as kelp-bake would have given it, without baking. Voxels are copied as they stand in the file.
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "kelp/rig_json/rig_json.h"
+#include "output_file.h"
+#include "pack_file.h"
+#include "part_axis.h"
+#include "raw_clips.h"
+#include "set_rig_info.h"
+#include "text.h"
+
+namespace kelp::dump {
+namespace {
+
+constexpr std::size_t kMostText = (std::size_t{16} << 20) + 1;  // one more than parseRig takes: its error says the rest
+
+std::string readText(const std::string& path) {
+  const auto fail = [&]() { throw DumpError(kIo, fmt::format("{}: can not be read: {}; check the path and its permissions", path, std::strerror(errno))); };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) fail();
+  std::string text;
+  char block[1 << 16];
+  while (text.size() < kMostText) {
+    const std::size_t got = std::fread(block, 1, std::min(sizeof block, kMostText - text.size()), file.get());
+    if (got == 0 && std::ferror(file.get())) fail();
+    if (got == 0) break;
+    text.append(block, got);
+  }
+  return text;
+}
+
+bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
+
+bool touches(const RawClip& clip, std::uint32_t part) {
+  return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == part; }) ||
+         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part; });
+}
+
+// As kelp-bake asks it of a rig before it adds empty layers at the ends of a part.
+bool bendable(const RigDescription& rig) {
+  return std::any_of(rig.knots.begin(), rig.knots.end(), [](const RigDescription::Knot& knot) { return knot.tangent || knot.offset != glm::vec3(0); }) ||
+         std::any_of(rig.clips.begin(), rig.clips.end(), [](const RigDescription::Clip& clip) {
+           return !clip.waves.empty() || std::any_of(clip.tracks.begin(), clip.tracks.end(), [](const RigDescription::Track& track) { return movesKnot(track.target); });
+         });
+}
+
+// Of a rig in the pack: straight to the last bit, as every straight rig is, and moved by nothing.
+bool bends(const Part& part, const std::vector<RawClip>& clips, std::uint32_t index) {
+  const auto height = static_cast<float>(part.size.y);
+  const bool straight = std::all_of(part.knots.begin(), part.knots.end(), [&](const Knot& k) { return k.position == glm::vec3(0, k.at * height, 0) && k.tangent == glm::vec3(0, height, 0); });
+  return !straight || std::any_of(clips.begin(), clips.end(), [&](const RawClip& clip) {
+    return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == index; }) ||
+           std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == index && movesKnot(track.target); });
+  });
+}
+
+struct NewRig {
+  RigDescription rig;
+  std::string origin;   // for messages
+  std::string preset;   // or
+  std::string content;  // of the file
+};
+
+NewRig readRig(const std::string& wanted, std::optional<Axis> axis) {
+  const std::vector<std::string> presets = presetNames();
+  if (std::find(presets.begin(), presets.end(), wanted) != presets.end()) return {*presetRig(wanted, axis), "preset '" + wanted + "'", wanted, ""};
+  NewRig read{{}, wanted, "", readText(wanted)};
+  try {
+    read.rig = parseRig(read.content);
+  } catch (const RigError& error) {
+    throw DumpError(kInvalid, fmt::format("{}: {}", wanted, error.what()));
+  }
+  return read;
+}
+
+class RigSetter {
+ public:
+  RigSetter(PackFile& file, std::uint32_t part) : file_(file), pack_(file.pack()), part_(part), old_clips_(rawClips(pack_)) {}
+
+  void read(const std::string& wanted, std::optional<Axis> given) {
+    const BakeOptions options = bakeOptions(pack_.infoJson());
+    new_ = readRig(wanted, given ? given : options.axis);
+    if (given && new_.rig.axis && *given != *new_.rig.axis)
+      throw DumpError(kUsage, fmt::format("--axis {}: {} names the axis {} itself; leave --axis out, or take \"axis\" out of the rig", toString(*given), new_.origin, toString(*new_.rig.axis)));
+    const bool named = new_.rig.axis.has_value();
+    if (!new_.rig.axis) new_.rig.axis = given ? given : options.axis ? options.axis : options.up;
+    checkAxis(new_.rig.axis.value_or(Axis::kPlusY), named, given);
+    if (options.pad > 0 && bendable(new_.rig) && !bends(part(), old_clips_, part_))
+      throw DumpError(kInvalid, fmt::format("{}: {} was baked with --pad {} and a rig that does not bend, so that empty layers lie at the ends of its spline; bake it again with this rig: kelp-bake --rig {}",
+                                            new_.origin, what(), options.pad, wanted));
+    given_axis_ = given;
+  }
+
+  RawRigs make() {
+    RawRigs rigs;
+    for (const Part& each : pack_.parts()) rigs.knots.emplace_back(each.knots.begin(), each.knots.end());
+    try {
+      rigs.knots[part_] = realizeKnots(new_.rig, part().size);
+      for (std::uint32_t p = 0; p < pack_.parts().size(); ++p) mergeClips(rigs.clips, p == part_ ? realizeClips(new_.rig, part().size, p) : clipsOfPart(old_clips_, p));
+    } catch (const RigError& error) {
+      refuse(error.what());
+    }
+    if (const Result<void> sound = checkKnots(rigs.knots[part_]); !sound)
+      refuse(fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset", sound.error().offset, sound.error().detail));
+    for (const RawClip& clip : rigs.clips) prove(clip, rigs);
+    rigs.info_json = infoWithRig(pack_.infoJson(), new_.preset, std::filesystem::path(new_.origin).filename().string(), new_.content, given_axis_);
+    return rigs;
+  }
+
+  std::string summary() const { return fmt::format("{} has the rig of {}: {}, {}", what(), new_.origin, plural(std::max<std::size_t>(new_.rig.knots.size(), 2), "knot"), plural(new_.rig.clips.size(), "clip")); }
+
+ private:
+  const Part& part() const { return pack_.parts()[part_]; }
+  std::string what() const { return fmt::format("part {} '{}'", part_, nameText(part().name, 40)); }
+  [[noreturn]] void refuse(const std::string& why) const { throw DumpError(kInvalid, fmt::format("{}: {}: {}", new_.origin, what(), why)); }
+
+  void checkAxis(Axis axis, bool named, const std::optional<Axis>& given) const {
+    const std::optional<Axis> baked = bakedAxis(part());
+    if (!baked && !given)
+      throw DumpError(kUsage, fmt::format("{}: does not say along which axis of its file {} was baked; say it with --axis", file_.path(), what()));
+    if (!baked || *baked == axis) return;
+    std::string hint;
+    if (!given && !new_.preset.empty()) hint = fmt::format(", or turn the preset with --axis {}", toString(*baked));
+    else if (!named) hint = fmt::format(", or give --axis {} if that is what its vectors mean", toString(*baked));
+    refuse(fmt::format("the rig bends along {}{}; the voxels were baked along {}: bake again with this rig{}", toString(axis), named ? "" : ", as it names no axis", toString(*baked), hint));
+  }
+
+  // The part, and others where the clip repeats at another time than it did: their keys may turn them back then.
+  void prove(const RawClip& clip, const RawRigs& rigs) const {
+    const auto old = std::find_if(old_clips_.begin(), old_clips_.end(), [&](const RawClip& c) { return c.name == clip.name; });
+    const bool changed = old == old_clips_.end() || old->duration != clip.duration;
+    for (std::uint32_t p = 0; p < pack_.parts().size(); ++p) {
+      if (!touches(clip, p) || (p != part_ && !changed)) continue;
+      try {
+        proveClip(clip, p, rigs.knots[p], pack_.parts()[p].size);
+      } catch (const RigError& error) {
+        throw DumpError(kInvalid, fmt::format("{}: part {} '{}': {}", new_.origin, p, nameText(pack_.parts()[p].name, 40), error.what()));
+      }
+    }
+  }
+
+  PackFile& file_;
+  const Pack& pack_;
+  const std::uint32_t part_;
+  const std::vector<RawClip> old_clips_;
+  NewRig new_;
+  std::optional<Axis> given_axis_;
+};
+
+// Through a library without exceptions: what the output throws waits here until the library is done.
+struct Output {
+  OutputFile& file;
+  std::exception_ptr problem;
+
+  static bool write(void* user, std::span<const std::byte> bytes) {
+    auto& self = *static_cast<Output*>(user);
+    try {
+      self.file.write(bytes);
+      return true;
+    } catch (...) {
+      self.problem = std::current_exception();
+      return false;
+    }
+  }
+};
+
+}  // namespace
+
+int setRig(const std::string& path, const std::string& wanted_part, const std::string& new_rig, const std::string& axis_name, const std::string& output) {
+  const std::optional<Axis> axis = parseAxis(axis_name);
+  if (!axis_name.empty() && !axis) throw DumpError(kUsage, fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(axis_name, 40)));
+  if (path == "-" && output.empty()) throw DumpError(kUsage, "-: standard input can not be replaced; name the new pack with -o");
+  PackFile file(path);
+  if (wanted_part.empty() && file.pack().parts().size() > 1) throw DumpError(kUsage, fmt::format("{}: has several parts; choose one of {} with --part", path, file.partList()));
+  RigSetter setter(file, wanted_part.empty() ? 0 : file.findPart(wanted_part));
+  setter.read(new_rig, axis);
+  const RawRigs rigs = setter.make();
+
+  OutputFile out(output.empty() ? path : output);
+  Output to{out, nullptr};
+  const Result<void> written = writeRigs(file.source(), rigs, {&Output::write, &to});
+  if (to.problem) std::rethrow_exception(to.problem);
+  if (!written) file.fail(written.error());
+  out.commit();
+  fmt::print(stderr, "kelp-dump: {}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, setter.summary());
+  return kOk;
+}
+
+}  // namespace kelp::dump

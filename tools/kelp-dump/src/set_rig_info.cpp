@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "set_rig_info.h"
+
+#include <fmt/format.h>
+
+#include "safe_json.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace kelp::dump {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const Json* optionsOf(const std::optional<Json>& info) {
+  if (!info || !info->is_object() || !info->contains("options") || !info->at("options").is_object()) return nullptr;
+  return &info->at("options");
+}
+
+// kelp-bake's members of "options" have an order, so that the same options are the same bytes: these come before it.
+bool beforeAxis(const std::string& key) { return key == "voxel_size" || key == "resolution"; }
+bool beforeRig(const std::string& key) { return beforeAxis(key) || key == "axis" || key == "up" || key == "unit" || key == "pad"; }
+
+template <class Before>
+Json with(const Json& options, const char* key, const Json& value, Before before) {
+  Json out = Json::object();
+  bool there = false;
+  for (const auto& [name, member] : options.items()) {
+    if (!there && (name == key || !before(name))) {
+      out[key] = value;
+      there = true;
+    }
+    if (name != key) out[name] = member;
+  }
+  if (!there) out[key] = value;
+  return out;
+}
+
+}  // namespace
+
+BakeOptions bakeOptions(std::string_view text) {
+  BakeOptions read;
+  const std::optional<Json> info = parseSafely(text);
+  const Json* const options = optionsOf(info);
+  if (!options) return read;
+  const auto axis = [&](const char* key) { return options->contains(key) && options->at(key).is_string() ? parseAxis(options->at(key).get_ref<const std::string&>()) : std::nullopt; };
+  read.axis = axis("axis");
+  read.up = axis("up");
+  if (options->contains("pad") && options->at("pad").is_number_integer()) read.pad = options->at("pad").get<std::int64_t>();
+  return read;
+}
+
+std::string infoWithRig(std::string_view text, const std::string& preset, const std::string& file_name, std::string_view file_content, std::optional<Axis> axis) {
+  std::optional<Json> info = parseSafely(text);
+  const Json* const options = optionsOf(info);
+  if (!options) return std::string(text);
+  const Json rig = preset.empty() ? Json{{"name", file_name}, {"xxh3", fmt::format("{:016x}", XXH3_64bits(file_content.data(), file_content.size()))}} : Json(preset);
+  Json changed = *options;
+  if (axis) changed = with(changed, "axis", toString(*axis), beforeAxis);
+  (*info)["options"] = with(changed, "rig", rig, beforeRig);
+  return info->dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// `slice`: one layer of voxels as a picture. Across y: x to the right, z down, as `extract --slices`; across z: x to the right, y up; across x: z to the right, y up.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "extract.h"
+#include "kelp/fields/fields.h"
+#include "level_voxels.h"
+#include "machine.h"
+#include "output_file.h"
+#include "png_file.h"
+#include "text.h"
+
+namespace kelp::dump {
+namespace {
+
+constexpr int kMostScale = 64;
+constexpr std::int64_t kMostPixels = std::int64_t{1} << 27;
+constexpr Rgba kNothing{0, 0, 0, 0}, kSolid{205, 92, 40, 255};
+
+// The voxel at a pixel of the layer, before any scale.
+class Layer {
+ public:
+  Layer(const glm::ivec3& size, char axis, int at) : size_(size), axis_(axis), at_(at) {}
+
+  glm::ivec2 pixels() const { return axis_ == 'y' ? glm::ivec2(size_.x, size_.z) : axis_ == 'z' ? glm::ivec2(size_.x, size_.y) : glm::ivec2(size_.z, size_.y); }
+  glm::ivec3 voxel(int column, int row) const {
+    if (axis_ == 'y') return {column, at_, row};
+    const int y = size_.y - 1 - row;
+    return axis_ == 'z' ? glm::ivec3(column, y, at_) : glm::ivec3(at_, y, column);
+  }
+
+ private:
+  glm::ivec3 size_;
+  char axis_;
+  int at_;
+};
+
+Rgba grey(int value) {
+  const auto g = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
+  return {g, g, g, 255};
+}
+
+using Pixel = std::function<Rgba(const glm::ivec3& voxel)>;
+
+Pixel occupancyOf(const LevelVoxels& level) {
+  return [&level](const glm::ivec3& v) { return !level.solid(v) ? grey(255) : level.attribute(v) ? grey(40) : grey(150); };
+}
+
+Pixel normalsOf(const LevelVoxels& level) {
+  return [&level](const glm::ivec3& v) {
+    const std::optional<std::uint32_t> attribute = level.attribute(v);
+    if (!attribute) return level.solid(v) ? grey(128) : kNothing;
+    const glm::vec3 n = decodeNormal(attributeNormal(*attribute)) * 127.5f + 127.5f;
+    return Rgba{static_cast<std::uint8_t>(std::lround(n.x)), static_cast<std::uint8_t>(std::lround(n.y)), static_cast<std::uint8_t>(std::lround(n.z)), 255};
+  };
+}
+
+Pixel coloursOf(const LevelVoxels& level, const Pack& pack) {
+  return [&level, palette = pack.palette(), row = std::vector<std::int16_t>(static_cast<std::size_t>(level.size().x)), last = glm::ivec2(-1)](const glm::ivec3& v) mutable {
+    if (last != glm::ivec2(v.y, v.z)) level.paletteRow(v.y, v.z, row);
+    last = {v.y, v.z};
+    const std::int16_t entry = row[static_cast<std::size_t>(v.x)];
+    return entry == LevelVoxels::kEmpty ? kNothing : displayColor(palette[static_cast<std::size_t>(entry)]);
+  };
+}
+
+// Exact distances between closed cubes; a pack holds boxes in their place.
+Pixel clearanceOf(const LevelVoxels& level, PackFile& file, std::uint32_t part) {
+  const glm::ivec3 size = level.size();
+  const std::uint64_t voxels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) * static_cast<std::uint64_t>(size.z);
+  if (const std::uint64_t needed = 12 * voxels, memory = physicalMemory(); needed > memory)
+    throw DumpError(kFailure, fmt::format("{}: part {}: the clearance of {} voxels needs {} of memory, this machine has {}; take a coarser --level, or a larger machine", file.path(), part,
+                                          sizeText(size), bytesText(needed), bytesText(memory)));
+  fields::Occupancy occupancy{size, std::vector<std::uint8_t>(static_cast<std::size_t>(voxels))};
+  level.eachSolid([&](const glm::ivec3& v) { occupancy.solid[occupancy.index(v)] = 1; });
+  const int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 64u));
+  return [&level, size, squared = fields::squaredClearance(occupancy, threads)](const glm::ivec3& v) {
+    if (level.solid(v)) return kSolid;
+    const std::size_t at = static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
+    return squared[at] == fields::kNoFeature ? grey(255) : grey(static_cast<int>(std::min(fields::quantizedClearance(squared[at], 4), 255u)));
+  };
+}
+
+// Dense codes of fog: bricks say each sample up to eight times.
+Pixel fogOf(const LevelVoxels& level, const Layer& layer, bool heat) {
+  const glm::ivec3 low = glm::min(layer.voxel(0, 0), layer.voxel(layer.pixels().x - 1, layer.pixels().y - 1));
+  const glm::ivec3 high = glm::max(layer.voxel(0, 0), layer.voxel(layer.pixels().x - 1, layer.pixels().y - 1));
+  const glm::ivec3 extent = high - low + 1;
+  const auto index = [low, extent](const glm::ivec3& v) {
+    const glm::ivec3 d = v - low;
+    return static_cast<std::size_t>(d.x) + static_cast<std::size_t>(extent.x) * (static_cast<std::size_t>(d.y) + static_cast<std::size_t>(extent.y) * static_cast<std::size_t>(d.z));
+  };
+  std::vector<std::uint8_t> codes(static_cast<std::size_t>(extent.x) * static_cast<std::size_t>(extent.y) * static_cast<std::size_t>(extent.z));
+  level.eachSample([&](const glm::ivec3& v, std::uint8_t density_code, std::uint8_t heat_code) {
+    if (glm::all(glm::greaterThanEqual(v, low)) && glm::all(glm::lessThanEqual(v, high))) codes[index(v)] = heat ? heat_code : density_code;
+  });
+  return [codes = std::move(codes), index](const glm::ivec3& v) { return grey(codes[index(v)]); };
+}
+
+Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& layer, PackFile& file, std::uint32_t part) {
+  const bool for_fog = what == "density" || what == "heat", for_solids = what == "occupancy" || what == "clearance" || what == "normals" || what == "colour";
+  if (!for_fog && !for_solids) throw DumpError(kUsage, fmt::format("--what {}: expected occupancy, clearance, normals or colour; of fog, density or heat", nameText(what, 40)));
+  const std::string of = fmt::format("{}: part {} '{}'", file.path(), part, nameText(file.pack().parts()[part].name, 40));
+  if (for_fog && !level.fog()) throw DumpError(kUsage, fmt::format("{} is no fog: it has no {}; choose occupancy, clearance, normals or colour", of, what));
+  if (for_solids && level.fog()) throw DumpError(kUsage, fmt::format("{} is fog: it has no {}; choose density{}", of, what, level.hot() ? " or heat" : ""));
+  if (what == "heat" && !level.hot()) throw DumpError(kUsage, of + " has no heat; choose density");
+  if (for_fog) return fogOf(level, layer, what == "heat");
+  if (what == "clearance") return clearanceOf(level, file, part);
+  return what == "occupancy" ? occupancyOf(level) : what == "normals" ? normalsOf(level) : coloursOf(level, file.pack());
+}
+
+}  // namespace
+
+int slice(const std::string& path, const SliceOptions& options, const std::string& output) {
+  if (options.scale < 1 || options.scale > kMostScale) throw DumpError(kUsage, fmt::format("--scale {}: expected 1 to {} pixels a voxel", options.scale, kMostScale));
+  PackFile file(path);
+  const std::uint32_t index = options.part.empty() ? 0 : file.findPart(options.part);
+  const Part& part = file.pack().parts()[index];
+  if (options.part.empty() && file.pack().parts().size() > 1)
+    fmt::print(stderr, "kelp-dump: {}: has {} parts, this is part 0 '{}'; choose another with --part\n", file.path(), file.pack().parts().size(), nameText(part.name));
+  if (options.level < 0 || options.level >= part.levels) throw DumpError(kUsage, fmt::format("{}: --level {}: there are levels 0 to {}; choose one of them", file.path(), options.level, part.levels - 1));
+  const glm::ivec3 size = levelSize(part.size, options.level);
+  const int along = size[options.axis - 'x'], at = options.at.value_or(along / 2);
+  if (at < 0 || at >= along) throw DumpError(kUsage, fmt::format("{}: --at {}: there are layers 0 to {} across {}; choose one of them", file.path(), at, along - 1, options.axis));
+  const Layer layer(size, options.axis, at);
+  const glm::ivec2 pixels = layer.pixels() * options.scale;
+  if (static_cast<std::int64_t>(pixels.x) * pixels.y > kMostPixels) throw DumpError(kUsage, fmt::format("--scale {}: makes {} x {} pixels, too many for a picture; scale less", options.scale, pixels.x, pixels.y));
+
+  const LevelVoxels level(file, index, options.level);
+  const Pixel pixel = pixelOf(options.what.empty() ? level.fog() ? "density" : "occupancy" : options.what, level, layer, file, index);
+  const auto width = static_cast<std::size_t>(pixels.x) * 4;
+  std::vector<std::uint8_t> image;
+  image.reserve(width * static_cast<std::size_t>(pixels.y));
+  for (int row = 0; row < layer.pixels().y; ++row) {
+    const std::size_t begin = image.size();
+    for (int column = 0; column < layer.pixels().x; ++column) {
+      const Rgba color = pixel(layer.voxel(column, row));
+      for (int i = 0; i < options.scale; ++i) image.insert(image.end(), {color.r, color.g, color.b, color.a});
+    }
+    for (int i = 1; i < options.scale; ++i) image.insert(image.end(), image.begin() + static_cast<std::ptrdiff_t>(begin), image.begin() + static_cast<std::ptrdiff_t>(begin + width));
+  }
+  OutputFile out(output);
+  out.write(encodePng(pixels, 4, image));
+  out.commit();
+  return kOk;
+}
+
+}  // namespace kelp::dump
