@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies.
+# Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies, and the programs where they are built.
+# Two components, each useful without the other: `dev` (libraries, headers, the CMake package) and `tools` (the programs).
 include(CMakePackageConfigHelpers)
 set(kelp_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kelp)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake.in ${PROJECT_BINARY_DIR}/kelpConfig.cmake
@@ -7,6 +8,11 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kelpConfig.cmake ${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpZstd.cmake ${PROJECT_SOURCE_DIR}/tools/cmake/FindKelpXxhash.cmake
-  DESTINATION ${kelp_config_dir})
-install(EXPORT kelpTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/formats/SPEC.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  ${PROJECT_SOURCE_DIR}/tools/cmake/kelp_add_pack.cmake
+  DESTINATION ${kelp_config_dir} COMPONENT dev)
+install(EXPORT kelpTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT dev)
+if(KELP_BAKER OR KELP_TOOLS)
+  install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/formats/SPEC.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
+include(kelp_add_pack)  # for those who have kelp as a subdirectory

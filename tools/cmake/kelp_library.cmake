@@ -30,18 +30,19 @@ function(kelp_add_library name)
     target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti)
   endif()
   if(arg_INSTALL)
-    install(TARGETS ${target} EXPORT kelpTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-            FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+    install(TARGETS ${target} EXPORT kelpTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+            FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
   endif()
 endfunction()
 
-# kelp_add_tool(NAME SOURCES ... DEPENDS ...): an installed program.
+# kelp_add_tool(NAME SOURCES ... DEPENDS ...): an installed program, and the target kelp::NAME for those who run it in their builds.
 function(kelp_add_tool name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
+  add_executable(kelp::${name} ALIAS ${name})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
   target_compile_definitions(${name} PRIVATE KELP_VERSION="${PROJECT_VERSION}")
   kelp_target_defaults(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${name} EXPORT kelpToolTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 endfunction()
