@@ -168,7 +168,7 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
         self.assertIn(b"Examples:", result.stdout)
         self.assertEqual(result.stderr, b"")
-        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+\n$")
+        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, Draco \d+\..*, Highway (yes|no), TBB (yes|no), \w+ \d+\..*\)\n$")
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])

@@ -14,5 +14,9 @@ install(EXPORT kelpTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPO
 if(KELP_BAKER OR KELP_TOOLS)
   install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
 endif()
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/formats/SPEC.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/formats/SPEC.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
 include(kelp_add_pack)  # for those who have kelp as a subdirectory
+if(PROJECT_IS_TOP_LEVEL)
+  include(kelp_package)
+endif()

@@ -108,7 +108,7 @@ std::optional<std::uint64_t> parseBytes(const std::string& text) {
 
 std::optional<Options> parseOptions(int argc, const char* const* argv) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
-  app.set_version_flag("--version", "kelp-bake " KELP_VERSION);
+  app.set_version_flag("--version", "kelp-bake " KELP_VERSION " (" KELP_BUILD ")");
   app.footer(kExamples);
   std::string input, output, resolution, voxel_size, rig, axis, up, unit, pad, fill = "auto", parts = "one", at, palette, grid, volume = "auto", isovalue, color_grid, heat_grid, density, ramp, levels, threads, max_memory, scene, frame, progress = "auto", report, deps;
   bool write_deps = false;
@@ -150,7 +150,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     std::fputs(app.help().c_str(), stdout);
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
-    std::fputs("kelp-bake " KELP_VERSION "\n", stdout);
+    std::fputs("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\n", stdout);
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     throw BakeError(Exit::kUsage, std::string(error.what()) + "; see kelp-bake --help");

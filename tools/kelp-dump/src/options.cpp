@@ -72,7 +72,7 @@ int runRig(const CLI::App& command, const Shared& shared, const std::string& axi
 
 int runCommandLine(int argc, char** argv) {
   CLI::App app("Says what is in a .kelp pack and whether it is sound, gives its voxels back and its rigs anew. Data goes to stdout, everything else to stderr.", "kelp-dump");
-  app.set_version_flag("--version", "kelp-dump " KELP_VERSION " (extract: " + extractFormats() + ")");
+  app.set_version_flag("--version", "kelp-dump " KELP_VERSION " (" KELP_BUILD ", extract: " + extractFormats() + ")");
   app.require_subcommand(1);
   app.footer(
       std::string("Examples:\n"

@@ -175,7 +175,7 @@ constexpr char kFooter[] =
 
 std::optional<Options> parseOptions(int argc, char** argv) {
   CLI::App app("Renders .kelp packs to PNG, without a window.", "kelp-render");
-  app.set_version_flag("--version", "kelp-render " KELP_VERSION);
+  app.set_version_flag("--version", "kelp-render " KELP_VERSION " (" KELP_BUILD ")");
   app.footer(kFooter);
   Options options;
   ItemText first;

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# kelp elsewhere than on the machine that builds it. Opt-in: tests/run.sh needs nothing of this.
+#   tests/ports.sh debian    both Debian packages, looked at by lintian, installed into a fresh Debian and used there   (as root; downloads some 500 MB)
+#   tests/ports.sh windows   the runtime, cross-compiled by mingw-w64, its tests under wine
+#   tests/ports.sh web       the runtime, compiled by emscripten, its tests under node; links a program with WebGL 2
+# Says which packages to install where one is missing. Everything goes to build/.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+fail() { echo "ports.sh: $*" >&2; exit 1; }
+
+# need PACKAGE...: what must be installed.
+need() {
+  local missing=()
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] || fail "first: apt-get install --no-install-recommends ${missing[*]}"
+}
+
+# Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages, zstd and GoogleTest from the sources that
+# Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...
+prepare() {
+  local system=$1 work=$PWD/build/ports
+  shift
+  local prefix=$work/$system/prefix
+  need libglm-dev libxxhash-dev nlohmann-json3-dev libgtest-dev dpkg-dev cmake ninja-build
+  [ -e "$prefix/complete" ] && return 0
+  mkdir -p "$prefix/include" "$prefix/share/cmake"
+  cp -r /usr/include/glm /usr/include/nlohmann /usr/include/xxhash.h "$prefix/include/"
+  cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json "$prefix/share/cmake/"
+  fetch_zstd
+  build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
+  build_dependency /usr/src/googletest "$work/$system/googletest" "$prefix" -DBUILD_GMOCK=OFF "$@"
+  touch "$prefix/complete"
+}
+
+build_dependency() {
+  local source=$1 build=$2 prefix=$3
+  shift 3
+  cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DKELP_PORT_PREFIX="$prefix" "$@" >"$build.log" 2>&1 &&
+    cmake --build "$build" >>"$build.log" 2>&1 && cmake --install "$build" >>"$build.log" 2>&1 || { tail -20 "$build.log" >&2; fail "$source did not build, see $build.log"; }
+}
+
+# zstd's source as Debian has it: the version that libzstd-dev is of, with apt's own signatures, without a change to this machine's lists.
+fetch_zstd() {
+  local work=$PWD/build/ports suite
+  [ -d "$work/zstd" ] && return 0
+  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  rm -rf "$work/apt" "$work/source" && mkdir -p "$work/apt/lists/partial" "$work/source"
+  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $suite main" >"$work/apt/sources.list"
+  (cd "$work/source" && apt() { apt-get -qq -o Dir::Etc::SourceList="$work/apt/sources.list" -o Dir::Etc::SourceParts=/nonexistent -o Dir::State::Lists="$work/apt/lists" \
+      -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root "$@"; }
+    apt update && apt source --download-only libzstd && dpkg-source --no-check -x libzstd_*.dsc "$work/zstd") >"$work/source.log" 2>&1 ||
+    { tail -5 "$work/source.log" >&2; fail "no source of zstd from Debian, see $work/source.log"; }
+}
+
+port_debian() {
+  [ "$(id -u)" -eq 0 ] || fail "debian: needs root, to make a fresh Debian in a folder"
+  need lintian debootstrap dpkg-dev gzip
+  rm -f build/package/*.deb
+  cmake --workflow --preset package
+  # No manual pages: --help has it all. Static libraries are not stripped of debugging symbols that they do not have.
+  lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs build/package/*.deb
+  local root=build/debian-root
+  [ -x "$root/usr/bin/apt-get" ] || { rm -rf "$root"; debootstrap --variant=minbase bookworm "$root" >build/debian-root.log || { tail -5 build/debian-root.log >&2; exit 1; }; }
+  rm -rf "$root/kelp" && mkdir "$root/kelp"
+  cp build/package/*.deb "$root/kelp"
+  cp -r tests/install/consumer tests/install/packs "$root/kelp"
+  cp tests/install/fresh_debian.sh "$root/kelp"
+  cp /etc/resolv.conf "$root/etc/resolv.conf"
+  chroot "$root" bash /kelp/fresh_debian.sh
+}
+
+port_windows() {
+  need g++-mingw-w64-x86-64-posix wine64
+  prepare windows -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cmake/toolchain_windows.cmake"
+  cmake --preset windows
+  cmake --build --preset windows
+  WINEPREFIX="$PWD/build/ports/wine" WINEDEBUG=-all ctest --preset windows
+}
+
+port_web() {
+  need emscripten nodejs
+  prepare web -DCMAKE_TOOLCHAIN_FILE=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
+  cmake --preset web
+  cmake --build --preset web
+  # Without threads, those that start some can not run.
+  GTEST_FILTER='-*ThreadsAtOnce:Asset.*Thread*' ctest --preset web
+  # A page, against what is installed; without exceptions, as pages are.
+  cmake --install build/web --prefix "$PWD/build/ports/web/kelp" >build/ports/web/install.log
+  cmake -S tests/install/web -B build/ports/web/page -G Ninja -DCMAKE_TOOLCHAIN_FILE=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake \
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_ROOT_PATH="$PWD/build/ports/web/kelp;$PWD/build/ports/web/prefix"
+  cmake --build build/ports/web/page
+  local said
+  said=$(node build/ports/web/page/draw.js tests/formats/golden/v1_tiny.kelp 2>&1 || true)
+  echo "$said"
+  [[ "$said" == *"parts loaded"*"no WebGL 2 here"* ]] || fail "the page did not load its pack"
+}
+
+case "${1:-}" in
+  debian|windows|web) "port_$1" ;;
+  -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+  *) fail "give one of debian, windows, web; see --help" ;;
+esac

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+# Debian packages of the two components: kelp-tools (the programs) and libkelp-dev (libraries, headers, the CMake package). `cmake --workflow --preset package`
+# makes both as they ship, in build/package.
+set(KELP_PACKAGE_CONTACT "The kelp authors <kelp@kelp.invalid>" CACHE STRING "Who answers for the packages that this build makes: Name <mail address>")
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME kelp)
+set(CPACK_PACKAGE_VENDOR kelp)
+set(CPACK_PACKAGE_CONTACT "${KELP_PACKAGE_CONTACT}")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # CPack would put it before the components' own
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_COMPONENTS_ALL dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkelp-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libglm-dev, libzstd-dev, libxxhash-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "kelp-tools (= ${PROJECT_VERSION}-1), cmake (>= 3.25)")
+set(CPACK_DEBIAN_DEV_DESCRIPTION "voxel models that bend - development files of the runtime
+Static libraries, headers and the CMake package of the kelp runtime: packs
+read from files that need not be trusted, poses and clips, ray casts, and a
+renderer for OpenGL 3.3 core and OpenGL ES 3.0 with its shaders embedded.")
+
+if(KELP_BAKER OR KELP_TOOLS)
+  list(APPEND CPACK_COMPONENTS_ALL tools)
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME kelp-tools)
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION graphics)
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS libgl1-mesa-dri)  # kelp-render, where there is no other OpenGL
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "libkelp-dev (= ${PROJECT_VERSION}-1)")
+  set(CPACK_DEBIAN_TOOLS_DESCRIPTION "voxel models that bend - baker, inspector and renderer
+kelp-bake turns meshes and volumes into voxel packs that bend by splines in
+real time, kelp-dump says what is in a pack and whether it is sound, and
+kelp-render draws pictures of packs without a display.")
+endif()
+
+# A package's papers: the licence, with those of what is compiled into it (Debian's own packages carry them), and the changes.
+function(kelp_package_papers component package)
+  set(papers ${PROJECT_BINARY_DIR}/papers/${package})
+  file(READ ${PROJECT_SOURCE_DIR}/LICENSE copyright)
+  foreach(part IN LISTS ARGN)
+    if(EXISTS /usr/share/doc/${part}/copyright)
+      file(READ /usr/share/doc/${part}/copyright text)
+      string(APPEND copyright "\n\nThis package contains code of ${part}:\n\n${text}")
+    endif()
+  endforeach()
+  file(WRITE ${papers}/copyright "${copyright}")
+  string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, if set
+  file(WRITE ${papers}/changelog.Debian "${package} (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See changelog.gz.\n\n -- ${KELP_PACKAGE_CONTACT}  ${now}\n")
+  configure_file(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${papers}/changelog COPYONLY)
+  execute_process(COMMAND ${KELP_GZIP} -9nf ${papers}/changelog.Debian ${papers}/changelog COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${papers}/copyright ${papers}/changelog.gz ${papers}/changelog.Debian.gz
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
+endfunction()
+find_program(KELP_GZIP gzip)
+mark_as_advanced(KELP_GZIP)
+if(KELP_GZIP)
+  kelp_package_papers(dev libkelp-dev libglm-dev libxxhash-dev)
+  kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libstb-dev libnanovdb-dev)
+endif()
+include(CPack)
