@@ -103,7 +103,7 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
   if (index_bytes > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "the index is larger than the limits allow", 24};
 
   Buffer<std::byte> index(allocator);
-  if (!index.reset(static_cast<std::size_t>(index_bytes)) || !out.chunks.reset(count)) {
+  if (!index.reset(index_bytes) || !out.chunks.reset(count)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for the index"};
   }
   if (const Result<void> read = readBytes(source, kHeaderBytes, index.span()); !read) return read;
@@ -126,7 +126,7 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
   Buffer<std::byte> frame(allocator);
   Buffer<std::byte>& stored = compressed ? frame : out;
-  if (!stored.reset(static_cast<std::size_t>(chunk.stored)))
+  if (!stored.reset(chunk.stored))
     return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
   if (const Result<void> read = readBytes(source, chunk.offset, stored.span()); !read) return read;
   if (checksum(stored.span()) != chunk.checksum)
@@ -134,7 +134,7 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
   if (!compressed) return {};
 
   Buffer<std::byte> workspace(allocator);
-  if (!out.reset(static_cast<std::size_t>(chunk.raw)) || !workspace.reset(decodeWorkspaceBytes())) {
+  if (!out.reset(chunk.raw) || !workspace.reset(decodeWorkspaceBytes())) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
   }
   if (!decodeFrame(frame.span(), out.span(), workspace.span())) {

@@ -49,7 +49,7 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
     return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", 0};
   }
   const std::uint64_t pages = (chunk.size() - table_at) / layout::kPageEntryBytes;
-  if (!out.cells.reset(static_cast<std::size_t>(cells)) || !out.pages.reset(static_cast<std::size_t>(pages))) {
+  if (!out.cells.reset(cells) || !out.pages.reset(pages)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
   }
   std::memcpy(out.cells.data(), chunk.data(), static_cast<std::size_t>(cells) * sizeof(std::uint32_t));

@@ -49,6 +49,18 @@ TEST(Buffer, ResetZeroesAndGivesBackExactlyWhatItTook) {
   EXPECT_EQ(counter.live_bytes, 0u);
 }
 
+// A chunk's size in a file has 64 bits: where a pointer has 32, 2^32 + 8 is not 8.
+TEST(Buffer, SizesKeepTheir64Bits) {
+  Allocator small;
+  small.allocate = [](void*, std::size_t bytes) -> void* { return bytes <= 1024 ? std::malloc(bytes) : nullptr; };
+  Buffer<std::byte> buffer(small);
+  ASSERT_TRUE(buffer.reset(16));
+  EXPECT_FALSE(buffer.reset((std::uint64_t{1} << 32) + 8));
+  EXPECT_FALSE(buffer.reuse((std::uint64_t{1} << 32) + 8));
+  EXPECT_FALSE(buffer.reset(std::uint64_t{1} << 32));
+  EXPECT_EQ(buffer.size(), 16u);
+}
+
 TEST(Buffer, ReuseAllocatesOnlyToGrow) {
   Counter counter;
   {

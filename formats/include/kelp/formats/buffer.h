@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -40,9 +41,11 @@ class Buffer {
     if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * sizeof(T));
   }
 
-  // Replaces the content by `size` zeroed values. False, with the content unchanged, when memory is short.
-  [[nodiscard]] bool reset(std::size_t size) {
-    if (size > std::numeric_limits<std::size_t>::max() / sizeof(T)) return false;
+  // Replaces the content by `count` zeroed values. False, with the content unchanged, when memory is short. 64 bits everywhere: a size that comes from a
+  // file may be more than a machine of 32 bits can address.
+  [[nodiscard]] bool reset(std::uint64_t count) {
+    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) return false;
+    const std::size_t size = static_cast<std::size_t>(count);
     T* fresh = nullptr;
     if (size > 0) {
       fresh = static_cast<T*>(allocator_.allocate(allocator_.user, size * sizeof(T)));
@@ -54,11 +57,11 @@ class Buffer {
     size_ = capacity_ = size;
     return true;
   }
-  // Gives room for `size` values of unspecified content. Allocates only beyond the largest size so far: for buffers that are used again
+  // Gives room for `count` values of unspecified content. Allocates only beyond the largest size so far: for buffers that are used again
   // and again. False, with the content unchanged, when memory is short.
-  [[nodiscard]] bool reuse(std::size_t size) {
-    if (size > capacity_) return reset(size);
-    size_ = size;
+  [[nodiscard]] bool reuse(std::uint64_t count) {
+    if (count > capacity_) return reset(count);
+    size_ = static_cast<std::size_t>(count);
     return true;
   }
 
