@@ -61,7 +61,7 @@ port_debian() {
   need lintian debootstrap dpkg-dev gzip
   rm -f build/package/*.deb
   cmake --workflow --preset package
-  # No manual pages: --help has it all. Static libraries are not stripped of debugging symbols that they do not have.
+  # No manual pages: --help has it all. No bug of Debian's asks for the packages.
   lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs build/package/*.deb
   local root=build/debian-root
   [ -x "$root/usr/bin/apt-get" ] || { rm -rf "$root"; debootstrap --variant=minbase bookworm "$root" >build/debian-root.log || { tail -5 build/debian-root.log >&2; exit 1; }; }
@@ -83,6 +83,8 @@ port_windows() {
 
 port_web() {
   need emscripten nodejs
+  export NODE_PATH=/usr/share/nodejs  # where Debian's modules are; a node that is not Debian's does not look there
+  export NODE_OPTIONS=--no-experimental-fetch  # emscripten 3.1.6 takes a node with fetch() for a browser
   prepare web -DCMAKE_TOOLCHAIN_FILE=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
   cmake --preset web
   cmake --build --preset web

@@ -7,6 +7,10 @@
 #include <cstdlib>
 #include <new>
 
+#ifdef _WIN32
+#define malloc_usable_size _msize
+#endif
+
 namespace {
 std::atomic<std::size_t> now{0}, peak{0};
 }  // namespace

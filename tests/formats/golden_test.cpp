@@ -40,7 +40,7 @@ const Golden kGoldens[] = {{"v1_tiny.kelp", 0, test::makeTinyPack}, {"v1_fog.kel
 TEST(Golden, VersionOneReadsAsItWasWritten) {
   for (const Golden& golden : kGoldens) {
     SCOPED_TRACE(golden.name);
-    Result<FileSource> file = FileSource::open((kFolder / golden.name).c_str());
+    Result<FileSource> file = FileSource::open((kFolder / golden.name).string().c_str());
     ASSERT_TRUE(file);
     Result<Pack> pack = Pack::open(file->source());
     ASSERT_TRUE(pack) << pack.error().detail;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -49,17 +50,43 @@ TEST(MemorySource, ReadsWithinItsBytesOnly) {
 TEST(FileSource, ReadsWithinItsBytesOnly) {
   const std::vector<std::byte> bytes = counting(1000);
   const TemporaryFile file(bytes);
-  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  Result<FileSource> opened = FileSource::open(file.path.string().c_str());
   ASSERT_TRUE(opened);
   FileSource moved;
   moved = *std::move(opened);
   expectReads(moved.source(), bytes);
 }
 
+TEST(FileSource, TakesPathsAsUtf8) {
+  const std::vector<std::byte> bytes = counting(1000);
+  const test::Scratch scratch;
+  const std::filesystem::path path = scratch.folder() / u8"s\u00f6-\u6d77\u85fb-\U0001f33f.kelp";
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const std::u8string name = path.u8string();
+  Result<FileSource> opened = FileSource::open(reinterpret_cast<const char*>(name.c_str()));
+  ASSERT_TRUE(opened) << errno;
+  expectReads(opened->source(), bytes);
+#ifdef _WIN32
+  EXPECT_FALSE(FileSource::open("\xff\xfe.kelp"));
+  EXPECT_EQ(errno, EILSEQ);
+#endif
+}
+
+TEST(FileSource, LetsOthersReplaceTheFile) {
+  const std::vector<std::byte> bytes = counting(1000);
+  const TemporaryFile file(bytes);
+  Result<FileSource> opened = FileSource::open(file.path.string().c_str());
+  ASSERT_TRUE(opened);
+  const std::filesystem::path newer = file.scratch.write("newer.bin", counting(10)), aside = file.scratch / "aside.bin";
+  std::filesystem::rename(file.path, aside);
+  std::filesystem::rename(newer, file.path);
+  expectReads(opened->source(), bytes);
+}
+
 TEST(FileSource, ReadsFromManyThreadsAtOnce) {
   const std::vector<std::byte> bytes = counting(100000);
   const TemporaryFile file(bytes);
-  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  Result<FileSource> opened = FileSource::open(file.path.string().c_str());
   ASSERT_TRUE(opened);
   const Source source = opened->source();
   std::array<int, 4> wrong{};
@@ -80,7 +107,7 @@ TEST(FileSource, ReadsFromManyThreadsAtOnce) {
 
 TEST(FileSource, AnswersFalseWhenTheFileShrinks) {
   const TemporaryFile file(counting(1000));
-  Result<FileSource> opened = FileSource::open(file.path.c_str());
+  Result<FileSource> opened = FileSource::open(file.path.string().c_str());
   ASSERT_TRUE(opened);
   std::filesystem::resize_file(file.path, 10);
   std::array<std::byte, 64> got;
@@ -93,7 +120,8 @@ TEST(FileSource, RefusesWhatIsNoRegularFile) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(errno, ENOENT);
   EXPECT_EQ(missing.error().code, ErrorCode::kIo);
-  const Result<FileSource> folder = FileSource::open(test::Scratch().folder().c_str());
+  const test::Scratch scratch;  // removing it may touch errno
+  const Result<FileSource> folder = FileSource::open(scratch.folder().string().c_str());
   ASSERT_FALSE(folder);
   EXPECT_EQ(errno, EISDIR);
   EXPECT_EQ(folder.error().code, ErrorCode::kIo);

@@ -29,8 +29,8 @@ void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, 
 
   // x and y, slice by slice: the slice is still in the cache when the y pass begins.
   parallelFor(size.z, grainOf(static_cast<std::int64_t>(slice)), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto row_scratch = std::make_unique_for_overwrite<std::uint16_t[]>(rowScratch(size.x));
-    const auto scratch = std::make_unique_for_overwrite<std::int32_t[]>(envelopeScratch(size.y));
+    const std::unique_ptr<std::uint16_t[]> row_scratch(new std::uint16_t[rowScratch(size.x)]);
+    const std::unique_ptr<std::int32_t[]> scratch(new std::int32_t[envelopeScratch(size.y)]);
     for (std::int64_t z = begin; z < end; ++z) {
       const std::size_t first = static_cast<std::size_t>(z) * slice;
       kernels.rows(set.data() + first, size.x, size.y, row_scratch.get(), squared.data() + first);
@@ -41,7 +41,7 @@ void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, 
   // z, over tiles of the whole xy plane.
   const auto tiles = static_cast<std::int64_t>((slice + kTileWidth - 1) / kTileWidth);
   parallelFor(tiles, grainOf(std::int64_t{kTileWidth} * size.z), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto scratch = std::make_unique_for_overwrite<std::int32_t[]>(envelopeScratch(size.z));
+    const std::unique_ptr<std::int32_t[]> scratch(new std::int32_t[envelopeScratch(size.z)]);
     const std::int64_t first = begin * kTileWidth;
     const std::int64_t last = std::min(end * kTileWidth, static_cast<std::int64_t>(slice));
     envelopePass(kernels, squared.data() + first, slice, size.z, last - first, scratch.get());

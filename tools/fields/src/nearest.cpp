@@ -91,7 +91,7 @@ void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size,
   const auto grain = grainOf(1);
   const auto voxels = static_cast<std::int64_t>(set.size());
   if (spacing.x == spacing.y && spacing.y == spacing.z) {
-    const auto squared = std::make_unique_for_overwrite<std::uint32_t[]>(set.size());
+    const std::unique_ptr<std::uint32_t[]> squared(new std::uint32_t[set.size()]);
     squaredDistance(set, size, {squared.get(), set.size()}, threads);
     parallelFor(voxels, grain, threads, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -123,7 +123,7 @@ std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const g
   const auto row = static_cast<std::size_t>(size.x), slice = row * static_cast<std::size_t>(size.y);
   std::vector<std::uint32_t> nearest(set.size());
   parallelFor(size.z, grainOf(static_cast<std::int64_t>(slice)), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto stack = std::make_unique_for_overwrite<Parabola[]>(static_cast<std::size_t>(size.y));
+    const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.y)]);
     for (auto z = static_cast<int>(begin); z < end; ++z) {
       const std::size_t first = slice * static_cast<std::size_t>(z);
       for (std::size_t at = first; at < first + slice; at += row) nearestInRow(set.data() + at, size.x, static_cast<std::uint32_t>(at), nearest.data() + at);
@@ -131,7 +131,7 @@ std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const g
     }
   });
   parallelFor(size.y, grainOf(std::int64_t{size.x} * size.z), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto stack = std::make_unique_for_overwrite<Parabola[]>(static_cast<std::size_t>(size.z));
+    const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.z)]);
     for (auto y = static_cast<int>(begin); y < end; ++y) {
       for (int x = 0; x < size.x; ++x) nearestInPencil(lattice, 2, {x, y, 0}, nearest.data() + row * static_cast<std::size_t>(y) + static_cast<std::size_t>(x), slice, stack.get());
     }

@@ -29,7 +29,7 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads) {
   const glm::ivec3 size = occupancy.size;
   const Kernels& kernels = fastKernels();
   parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto scratch = std::make_unique_for_overwrite<std::uint8_t[]>(neighbourScratch(size.x));
+    const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
     const std::uint8_t* rows[9];
     for (int z = static_cast<int>(begin); z < end; ++z) {
       for (int y = 0; y < size.y; ++y) {
@@ -47,7 +47,7 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
   const Kernels& kernels = fastKernels();
   std::vector<std::vector<std::uint64_t>> slices(static_cast<std::size_t>(size.z));
   parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto scratch = std::make_unique_for_overwrite<std::uint8_t[]>(neighbourScratch(size.x));
+    const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
     std::vector<std::uint8_t> inner(static_cast<std::size_t>(size.x));
     const std::uint8_t* rows[9];
     for (int z = static_cast<int>(begin); z < end; ++z) {

@@ -30,7 +30,7 @@ class MemorySource {
   std::span<const std::byte> bytes_;
 };
 
-// A file, read with pread: any number of threads. Movable; must stay where it is while a Source of it is in use.
+// A file, read at places (pread, on Windows ReadFile): any number of threads. Movable; must stay where it is while a Source of it is in use.
 class FileSource {
  public:
   FileSource() = default;
@@ -38,7 +38,7 @@ class FileSource {
   FileSource& operator=(FileSource&& other) noexcept;
   ~FileSource();
 
-  // kIo if the file can not be opened or is not a regular file (errno is left as the system set it).
+  // The path is as the system has it, on Windows UTF-8. kIo if the file can not be opened or is not a regular file (errno says why).
   static Result<FileSource> open(const char* path);
   Source source() { return {&FileSource::read, this, size_}; }
 
