@@ -29,6 +29,8 @@ int main(int count, char** words) {
   if (!renderer) return std::fprintf(stderr, "draw: %s\n", renderer.error().detail), 4;
   if (const auto added = (*renderer)->add(**asset); !added) return 4;
   const kelp::runtime::Instance instance{&**asset, &*pose};
-  const auto drawn = (*renderer)->draw({}, {&instance, 1});
+  kelp::gl::View view;
+  view.viewport = {300, 150};  // of a canvas that says nothing else
+  const auto drawn = (*renderer)->draw(view, {&instance, 1});
   return drawn ? 0 : 4;
 }
