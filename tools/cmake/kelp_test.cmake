@@ -5,6 +5,7 @@ include(GoogleTest)
 
 # kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...]): one GoogleTest program, every case a ctest entry.
 # Built for another system, a program is one entry: its emulator takes longer to start than most cases to run.
+# KELP_TEST_ARGUMENTS (preset web) leaves out what can not run there: cases that start threads of their own.
 # Tests that need the shared assets use tests/support/assets.h, which skips (and says so) where they are absent.
 function(kelp_add_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
@@ -16,7 +17,7 @@ function(kelp_add_test name)
     list(APPEND properties LABELS "${arg_LABELS}")
   endif()
   if(CMAKE_CROSSCOMPILING)
-    add_test(NAME ${name} COMMAND ${name})
+    add_test(NAME ${name} COMMAND ${name} ${KELP_TEST_ARGUMENTS})
     set_tests_properties(${name} PROPERTIES ${properties})
   else()
     gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
