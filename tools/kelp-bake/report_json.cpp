@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "report_json.h"
 
-#include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -11,14 +9,6 @@ namespace kelp::bake_cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-void writeText(const std::filesystem::path& path, const std::string& text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw bake::BakeError(bake::Exit::kIo, path.string() + ": can not be written: " + std::generic_category().message(errno) + "; choose a folder that exists and that you may write to");
-}
 
 // Make reads spaces as separators, $ as variables and # as comments.
 std::string escapeForMake(const std::filesystem::path& path) {
@@ -70,10 +60,10 @@ Json partJson(const bake::Report::Part& part) {
 
 Json filesJson(const bake::Report& report) {
   Json files = Json::array();
-  for (const std::filesystem::path& file : report.files_read) {
+  for (const bake::FilesUsed::File& file : report.files.read) {
     std::error_code error;
-    const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-    files.push_back({{"name", file.string()}, {"bytes", error ? Json() : Json(bytes)}});
+    const std::uintmax_t bytes = std::filesystem::file_size(file.path, error);
+    files.push_back({{"name", file.path.string()}, {"bytes", error ? Json() : Json(bytes)}});
   }
   return files;
 }
@@ -104,13 +94,13 @@ void writeReport(const std::filesystem::path& path, const Options& options, cons
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;
   json["seconds"] = seconds;
-  writeText(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  bake::writeTextFile(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report) {
   std::string rule = escapeForMake(options.output) + ":";
-  for (const std::filesystem::path& file : report.files_read) rule += " \\\n  " + escapeForMake(file);
-  writeText(path, rule + "\n");
+  for (const bake::FilesUsed::File& file : report.files.read) rule += " \\\n  " + escapeForMake(file.path);
+  bake::writeTextFile(path, rule + "\n");
 }
 
 }  // namespace kelp::bake_cli

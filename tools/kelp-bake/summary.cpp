@@ -14,11 +14,6 @@
 namespace kelp::bake_cli {
 namespace {
 
-std::string printBytes(std::uint64_t bytes) {
-  const double kib = static_cast<double>(bytes) / 1024.0;
-  return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
-}
-
 // What a length of 1 means only glTF says, or whoever gives the unit.
 std::string printLength(double length, const Options& options, const std::string& format) {
   return fmt::format("{:.4g} {}", length, options.unit_given || format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
@@ -85,6 +80,16 @@ void printClips(const bake::Report& report) {
 }
 
 }  // namespace
+
+std::string oneLine(std::string text) {
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
+std::string printBytes(std::uint64_t bytes) {
+  const double kib = static_cast<double>(bytes) / 1024.0;
+  return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
+}
 
 void printEstimate(const Options& options, const bake::Report& report) {
   fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));

@@ -2,9 +2,17 @@
 // What was baked, for people.
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "options.h"
 
 namespace kelp::bake_cli {
+
+// One line whatever the text holds.
+std::string oneLine(std::string text);
+// "1.5 MiB".
+std::string printBytes(std::uint64_t bytes);
 
 // A line on stderr, before the work: what it will take.
 void printEstimate(const Options& options, const bake::Report& report);

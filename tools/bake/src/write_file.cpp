@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <fstream>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -112,6 +114,21 @@ bool receive(void* user, std::span<const std::byte> bytes) {
 }  // namespace
 
 void checkOutput(const std::filesystem::path& path) { const TempFile probe(target(path)); }
+
+void writeTextFile(const std::filesystem::path& path, std::string_view text) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error)) {
+    errno = 0;
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) fail(path, "can not be written", errno, "free some space or choose another file");
+    return;
+  }
+  TempFile file(target(path));
+  if (!file.write(std::as_bytes(std::span(text.data(), text.size())))) fail(path, "can not be written", file.error(), "free some space or choose another disk");
+  file.commit();
+}
 
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report, const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// A pack says what it was made of. What it would say if it were made now is compared with that, letter by letter: one rule for both.
+#include <optional>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "hash_file.h"
+#include "info_json.h"
+#include "kelp/formats/pack.h"
+#include "kelp/formats/source.h"
+
+namespace kelp::bake {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxInfoBytes = std::size_t{16} << 20;
+
+const Json* member(const Json& object, const char* name) {
+  const auto found = object.is_object() ? object.find(name) : object.end();
+  return object.is_object() && found != object.end() ? &*found : nullptr;
+}
+
+// The files as they are now.
+class FilesNow {
+ public:
+  void look(const std::filesystem::path& path) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(path, error)) {
+      used_.read.push_back({path, hashFile(path)});
+    } else {
+      used_.missing.push_back(path);
+    }
+  }
+  const FilesUsed& used() const { return used_; }
+
+ private:
+  FilesUsed used_;
+};
+
+// A name below the source's folder; a pack may be hostile.
+bool staysBelow(const std::filesystem::path& name) {
+  const std::filesystem::path normal = name.lexically_normal();
+  return !normal.empty() && normal.is_relative() && *normal.begin() != "..";
+}
+
+std::optional<std::string> infoNow(const Json& info, const std::filesystem::path& input, const Settings& settings) {
+  const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr, *options = member(info, "options"), *files = member(info, "files");
+  if (!format || !format->is_string() || !options || (files && !files->is_object())) return std::nullopt;
+  FilesNow now;
+  now.look(input);
+  for (const auto& file : {settings.rig_file, settings.palette_file, settings.ramp_file})
+    if (file) now.look(*file);
+  if (!settings.rig_file && !settings.rig_preset) now.look(rigBeside(input));
+  if (files) {
+    for (const auto& [name, hash] : files->items()) {
+      if (!staysBelow(name)) return std::nullopt;
+      now.look(input.parent_path() / name);
+    }
+  }
+  // Whether it is a volume with voxels of its own, the file tells: by the resolution that was taken where none was asked for.
+  const bool volume = !settings.voxel_size && !settings.resolution_given && !member(*options, "resolution");
+  return makeInfo(input, format->get<std::string>(), volume, settings, now.used());
+}
+
+// The bytes and their checksums, not what they mean: a pack that bake() wrote means well.
+bool isWhole(const Source& source, const Pack& pack) {
+  std::vector<std::byte> block(std::size_t{1} << 20);
+  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
+    HashStream hash;
+    for (std::uint64_t at = 0; at < chunk.stored; at += block.size()) {
+      const std::span<std::byte> piece(block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), chunk.stored - at)));
+      if (!source.read(source.user, chunk.offset + at, piece)) return false;
+      hash.add(piece);
+    }
+    if (hash.value() != chunk.checksum) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input, const Settings& settings) {
+  try {
+    Result<FileSource> file = FileSource::open(pack_path.c_str());
+    if (!file) return false;
+    FileSource opened = *std::move(file);
+    const Source source = opened.source();
+    const Result<Pack> pack = Pack::open(source);
+    if (!pack || pack->infoJson().size() > kMaxInfoBytes) return false;
+    const std::string said(pack->infoJson());
+    const Json info = Json::parse(said, nullptr, false);
+    const std::optional<std::string> now = infoNow(info, input, settings);
+    return now && *now == said && isWhole(source, *pack);
+  } catch (const std::exception&) {
+    return false;  // a file that can not be read now: the bake itself will say which, and why
+  }
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "batch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <new>
+#include <system_error>
+
+#include "bake_one.h"
+#include "batch_report.h"
+#include "batch_summary.h"
+#include "interrupt.h"
+#include "summary.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::BakeError;
+using bake::Exit;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// The folders of packs, reports and rules; and whether anything could be written there.
+void prepareOutputs(const Jobs& jobs) {
+  for (const Job& job : jobs.jobs) {
+    const Options& options = job.options;
+    for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) {
+      std::error_code error;
+      if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+      if (error) throw BakeError(Exit::kIo, job.asset.place.prefix() + file.parent_path().string() + ": the folder can not be made: " + error.message() + "; choose another, or mend its permissions");
+    }
+    bake::checkOutput(options.output);
+  }
+}
+
+bool isThere(const std::optional<fs::path>& file) {
+  std::error_code error;
+  return !file || fs::exists(*file, error);
+}
+
+// An error says where the batch names the asset, unless it does already.
+std::string withPlace(const Place& place, const std::string& what) {
+  const std::string prefix = place.prefix();
+  return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
+}
+
+AssetResult runOne(const Job& job, bool force, ProgressDisplay& display) {
+  AssetResult result;
+  const auto start = Clock::now();
+  const auto fail = [&](Exit exit, const std::string& what) {
+    result.status = Status::kFailed;
+    result.exit = exit;
+    result.error = oneLine(withPlace(job.asset.place, what));
+  };
+  const Options& options = job.options;
+  try {
+    if (!force && isThere(options.report_file) && isThere(options.dependency_file) && bake::isCurrent(options.output, options.input, options.settings)) {
+      result.status = Status::kCurrent;
+      result.pack_bytes = fs::file_size(options.output);
+    } else {
+      const Baked baked = bakeOne(options, job.asset.place, display, false);
+      result.status = Status::kBaked;
+      result.pack_bytes = baked.report.pack_bytes;
+      result.notices = baked.report.notices;
+    }
+  } catch (const BakeError& error) {
+    if (error.exit != Exit::kInterrupted) fail(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(Exit::kRuntime, options.input.string() + ": out of memory; lower --resolution");
+  } catch (const std::exception& error) {
+    fail(Exit::kRuntime, options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
+  }
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+}  // namespace
+
+Exit runBatch(const Command& command) {
+  const auto start = Clock::now();
+  const Jobs jobs = prepareJobs(command);
+  if (command.plan) {
+    std::fputs(planJson(command, jobs).c_str(), stdout);
+    if (std::fflush(stdout) != 0) throw BakeError(Exit::kIo, "the plan can not be written to stdout; choose a disk with space left");
+    return Exit::kOk;
+  }
+  prepareOutputs(jobs);
+  catchInterrupts();
+  ProgressDisplay display(jobs.jobs.empty() ? ProgressStyle::kNone : jobs.jobs.front().options.progress);
+  BatchResult result;
+  result.assets.resize(jobs.jobs.size());
+  for (std::size_t i = 0; i < jobs.jobs.size() && !interrupted(); ++i) {
+    AssetResult& asset = result.assets[i];
+    asset = runOne(jobs.jobs[i], command.force, display);
+    display.clear();
+    result.exit = std::max(result.exit, asset.exit);
+    printAsset(jobs, i, asset);
+  }
+  if (result.count(Status::kPending) > 0) result.exit = Exit::kInterrupted;
+  result.seconds = secondsSince(start);
+  if (jobs.report_file) writeBatchReport(*jobs.report_file, command, jobs, result);
+  printBatch(jobs, result);
+  return result.exit;
+}
+
+}  // namespace kelp::bake_cli

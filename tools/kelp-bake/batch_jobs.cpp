@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "batch_jobs.h"
+
+#include <system_error>
+
+#include "clashes.h"
+#include "shard.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What is the batch's own and no asset's.
+Values optionsOfAssets(Values values) {
+  for (const char* own : {"output", "report"}) values.erase(own);
+  return values;
+}
+
+void checkFiles(const Options& options, const Values& values) {
+  const auto check = [&](const fs::path& file, const char* name) {
+    std::error_code error;
+    if (!fs::exists(file, error)) throw bake::BakeError(bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + ": no such file; check the name");
+  };
+  check(options.input, "input");
+  if (options.settings.rig_file) check(*options.settings.rig_file, "rig");
+  if (options.settings.palette_file) check(*options.settings.palette_file, "palette");
+  if (options.settings.ramp_file) check(*options.settings.ramp_file, "ramp");
+}
+
+}  // namespace
+
+Jobs prepareJobs(const Command& command) {
+  const auto given = [&](const char* name) {
+    const auto found = command.options.find(name);
+    return found == command.options.end() ? fs::path() : fs::path(found->second.text);
+  };
+  AssetList list = command.manifest ? readManifest(*command.manifest, given("output")) : readList(*command.list, given("output"));
+  const Values over = optionsOfAssets(command.options);
+
+  Jobs out;
+  out.all = list.assets.size();
+  if (!given("report").empty()) out.report_file = given("report");
+  FileRoles roles;
+  for (const fs::path& file : list.files) roles.addRead(file);
+  if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
+  std::vector<Job> jobs;
+  std::vector<bake::BakeError> faults;
+  for (Asset& asset : list.assets) {
+    try {
+      asset.values = overlay(std::move(asset.values), over);
+      const Options options = readOptions(asset.values);
+      checkFiles(options, asset.values);
+      addRoles(roles, options, {}, asset.values["output"].place);
+      jobs.push_back({std::move(asset), options});
+    } catch (const bake::BakeError& fault) {
+      faults.push_back(fault);
+    }
+  }
+  if (!faults.empty()) throw BatchFaults(std::move(faults));
+
+  std::vector<Options> options;
+  for (const Job& job : jobs) options.push_back(job.options);
+  out.indices = chooseShard(options, command.shard.value_or(Shard{}));
+  for (const std::size_t index : out.indices) out.jobs.push_back(std::move(jobs[index]));
+  return out;
+}
+
+}  // namespace kelp::bake_cli
