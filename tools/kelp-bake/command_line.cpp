@@ -110,7 +110,7 @@ void checkCommand(const Command& command) {
     return;
   }
   for (const auto& [name, is_given] : {std::pair("--shard", command.shard.has_value()), std::pair("--plan", command.plan), std::pair("--force", command.force)})
-    if (is_given) misuse(std::string(name) + " without a batch: give a --manifest or an @LIST, or leave it out");
+    if (is_given) misuse(std::string(name) + " without a batch: it is of many assets; give --manifest FILE or @LIST, or leave it out");
   if (!given("input")) misuse("input is required: give a file to bake, @LIST, or --manifest FILE; see kelp-bake --help");
   if (!given("output")) misuse("-o is required: name the pack to write, such as -o model.kelp; see kelp-bake --help");
 }
@@ -143,9 +143,11 @@ std::optional<Command> parseCommandLine(int argc, const char* const* argv) {
   for (const auto& [name, value] : command.options)
     if (value.text.empty()) misuse((name == "input" ? name : "--" + name) + ": is empty; give a value, or leave it out");
   if (manifest_option->count() > 0) command.manifest = manifest;
+  if (command.manifest && manifest.empty()) misuse("--manifest: is empty; name a file");
   if (shard_option->count() > 0) command.shard = parseShard(shard);
   if (const auto input = command.options.find("input"); input != command.options.end() && input->second.text.front() == '@') {
     command.list = input->second.text.substr(1);
+    if (command.list->empty()) misuse("@: names no list; give @FILE");
     command.options.erase(input);
   }
   checkCommand(command);

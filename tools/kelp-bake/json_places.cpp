@@ -98,6 +98,7 @@ class Builder : public nlohmann::json_sax<Json> {
     // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while parsing ..."
     std::string what = error.what();
     if (const std::size_t colon = what.find(": "); colon != std::string::npos) what.erase(0, colon + 2);
+    std::replace_if(what.begin(), what.end(), [](unsigned char c) { return c >= 0x80; }, '?');  // it may quote bytes that are no text
     throw faultAt(placeAt(file_, text_, position > 0 ? position - 1 : 0), "not valid JSON: " + shown(what) + "; mend it there, or in the line before");
   }
 

@@ -13,18 +13,4 @@ std::string hashFile(const std::filesystem::path& path);
 // The same of bytes in memory.
 std::string hashBytes(std::span<const std::uint8_t> bytes);
 
-// XXH3-64 of bytes that come in pieces.
-class HashStream {
- public:
-  HashStream();
-  ~HashStream();
-  HashStream(const HashStream&) = delete;
-  HashStream& operator=(const HashStream&) = delete;
-  void add(std::span<const std::byte> bytes);
-  std::uint64_t value() const;
-
- private:
-  void* state_;  // of xxHash
-};
-
 }  // namespace kelp::bake

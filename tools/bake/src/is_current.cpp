@@ -9,6 +9,7 @@
 #include "info_json.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
+#include "kelp/formats/verify.h"
 
 namespace kelp::bake {
 namespace {
@@ -64,21 +65,6 @@ std::optional<std::string> infoNow(const Json& info, const std::filesystem::path
   return makeInfo(input, format->get<std::string>(), volume, settings, now.used());
 }
 
-// The bytes and their checksums, not what they mean: a pack that bake() wrote means well.
-bool isWhole(const Source& source, const Pack& pack) {
-  std::vector<std::byte> block(std::size_t{1} << 20);
-  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
-    HashStream hash;
-    for (std::uint64_t at = 0; at < chunk.stored; at += block.size()) {
-      const std::span<std::byte> piece(block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), chunk.stored - at)));
-      if (!source.read(source.user, chunk.offset + at, piece)) return false;
-      hash.add(piece);
-    }
-    if (hash.value() != chunk.checksum) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input, const Settings& settings) {
@@ -92,7 +78,7 @@ bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::pa
     const std::string said(pack->infoJson());
     const Json info = Json::parse(said, nullptr, false);
     const std::optional<std::string> now = infoNow(info, input, settings);
-    return now && *now == said && isWhole(source, *pack);
+    return now && *now == said && verify(source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
   } catch (const std::exception&) {
     return false;  // a file that can not be read now: the bake itself will say which, and why
   }
