@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <new>
 #include <system_error>
 
@@ -83,8 +82,7 @@ Exit runBatch(const Command& command) {
   const auto start = Clock::now();
   const Jobs jobs = prepareJobs(command);
   if (command.plan) {
-    std::fputs(planJson(command, jobs).c_str(), stdout);
-    if (std::fflush(stdout) != 0) throw BakeError(Exit::kIo, "the plan can not be written to stdout; choose a disk with space left");
+    writeStdout(planJson(command, jobs));
     return Exit::kOk;
   }
   prepareOutputs(jobs);

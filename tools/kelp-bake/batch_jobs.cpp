@@ -31,28 +31,31 @@ void checkFiles(const Options& options, const Values& values) {
 }  // namespace
 
 Jobs prepareJobs(const Command& command) {
+  const Values run = overlay(command.config, command.options);
   const auto given = [&](const char* name) {
-    const auto found = command.options.find(name);
-    return found == command.options.end() ? fs::path() : fs::path(found->second.text);
+    const auto found = run.find(name);
+    return found == run.end() ? fs::path() : fs::path(found->second.text);
   };
   AssetList list = command.manifest ? readManifest(*command.manifest, given("output")) : readList(*command.list, given("output"));
-  const Values over = optionsOfAssets(command.options);
+  const Values under = optionsOfAssets(command.config), over = optionsOfAssets(command.options);
+  std::vector<fs::path> option_files = command.option_files;
+  option_files.insert(option_files.end(), list.files.begin(), list.files.end());
 
   Jobs out;
   out.all = list.assets.size();
   if (!given("report").empty()) out.report_file = given("report");
   FileRoles roles;
-  for (const fs::path& file : list.files) roles.addRead(file);
   if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
   std::vector<Job> jobs;
   std::vector<bake::BakeError> faults;
   for (Asset& asset : list.assets) {
     try {
-      asset.values = overlay(std::move(asset.values), over);
-      const Options options = readOptions(asset.values);
+      asset.values = overlay(overlay(under, asset.values), over);
+      Options options = readOptions(asset.values);
+      options.option_files = option_files;
       checkFiles(options, asset.values);
       addRoles(roles, options, {}, asset.values["output"].place);
-      jobs.push_back({std::move(asset), options});
+      jobs.push_back({std::move(asset), std::move(options)});
     } catch (const bake::BakeError& fault) {
       faults.push_back(fault);
     }

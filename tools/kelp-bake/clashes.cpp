@@ -58,6 +58,7 @@ void addRoles(FileRoles& roles, const Options& options, const std::vector<fs::pa
   roles.addRead(options.input);
   for (const auto& file : {options.settings.rig_file, options.settings.palette_file, options.settings.ramp_file})
     if (file) roles.addRead(*file);
+  for (const fs::path& file : options.option_files) roles.addRead(file);
   for (const fs::path& file : read) roles.addRead(file);
   roles.addWritten(options.output, "-o", place);
   if (options.report_file) roles.addWritten(*options.report_file, "--report", place);

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "config_file.h"
 #include "option_table.h"
 
 namespace kelp::bake_cli {
@@ -29,6 +30,7 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
   kelp-bake --manifest assets.json --report done.json many assets; what is up to date is not baked again
   kelp-bake --manifest assets.json --shard 2/4        the second of four shares, for four machines
+  kelp-bake --print-config > all.toml                 every option, for kelp-bake --config all.toml
   kelp-bake @models.txt -o packs --resolution 64      the files that a text names, one on each line
 
 A rig comes from --rig, from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from empties named
@@ -102,9 +104,13 @@ Shard parseShard(const std::string& text) {
 // What of a command line makes no sense together.
 void checkCommand(const Command& command) {
   const auto given = [&](const char* name) { return command.options.count(name) > 0; };
+  if (command.print_config) {
+    if (command.plan) misuse("--print-config and --plan at once: both write to stdout; choose one");
+    return;
+  }
   if (command.isBatch()) {
     if (command.manifest && (given("input") || command.list)) misuse("--manifest and an input at once; put the input into the manifest, or bake it by itself");
-    if (given("deps-file")) misuse("-MF and a batch at once: one file can not name what each pack was made of; use -MD, which writes OUT.d for each, or \"deps-file\" at an asset");
+    if (given("deps-file") || command.config.count("deps-file") > 0) misuse("-MF and a batch at once: one file can not name what each pack was made of; use -MD, which writes OUT.d for each, or \"deps-file\" at an asset");
     if (command.plan && given("report")) misuse("--plan and --report at once: a plan bakes nothing that could be reported; leave one out");
     if (command.plan && command.force) misuse("--plan and --force at once: a plan names all assets anyway; leave --force out");
     return;
@@ -123,9 +129,11 @@ std::optional<Command> parseCommandLine(int argc, const char* const* argv) {
   app.footer(kExamples);
   const SharedOptions shared(app, true);
   Command command;
-  std::string manifest, shard;
+  std::string manifest, shard, config;
   CLI::Option* const manifest_option = app.add_option("--manifest", manifest, "bake the assets that a JSON file lists")->type_name("FILE");
   CLI::Option* const shard_option = app.add_option("--shard", shard, "of a batch, bake the I-th of N shares; each asset is in one of them")->type_name("I/N");
+  CLI::Option* const config_option = app.add_option("--config", config, "options from a file; the command line and manifests rule over it")->type_name("FILE");
+  app.add_flag("--print-config", command.print_config, "write every option with its meaning to stdout, as --config reads it, and bake nothing");
   app.add_flag("--plan", command.plan, "of a batch, write what would be baked to stdout, as JSON, and bake nothing");
   app.add_flag("--force", command.force, "of a batch, bake what is up to date too");
   try {
@@ -144,6 +152,11 @@ std::optional<Command> parseCommandLine(int argc, const char* const* argv) {
     if (value.text.empty()) misuse((name == "input" ? name : "--" + name) + ": is empty; give a value, or leave it out");
   if (manifest_option->count() > 0) command.manifest = manifest;
   if (command.manifest && manifest.empty()) misuse("--manifest: is empty; name a file");
+  if (config_option->count() > 0) {
+    if (config.empty()) misuse("--config: is empty; name a file");
+    command.config = readConfig(config);
+    command.option_files.push_back(config);
+  }
   if (shard_option->count() > 0) command.shard = parseShard(shard);
   if (const auto input = command.options.find("input"); input != command.options.end() && input->second.text.front() == '@') {
     command.list = input->second.text.substr(1);

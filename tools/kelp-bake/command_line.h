@@ -17,9 +17,12 @@ struct Shard {
 
 struct Command {
   Values options;                                // as given; "input" is of a single bake alone, "output" then its pack, else a folder
+  Values config;                                 // of --config
+  std::vector<std::filesystem::path> option_files;  // that it came from
   std::optional<std::filesystem::path> manifest;
   std::optional<std::filesystem::path> list;     // of @LIST
   std::optional<Shard> shard;
+  bool print_config = false;                     // say what the options are, and bake nothing
   bool plan = false;                             // say what would be baked, and bake nothing
   bool force = false;                            // bake what is up to date too
 

@@ -10,6 +10,7 @@
 #include "batch_jobs.h"
 #include "clashes.h"
 #include "command_line.h"
+#include "config_file.h"
 #include "interrupt.h"
 #include "summary.h"
 
@@ -20,7 +21,8 @@ using kelp::bake::Exit;
 using namespace kelp::bake_cli;
 
 void runSingle(const Command& command) {
-  const Options options = readOptions(command.options);
+  Options options = readOptions(overlay(command.config, command.options));
+  options.option_files = command.option_files;
   std::error_code error;
   if (!std::filesystem::exists(options.input, error)) throw BakeError(Exit::kIo, options.input.string() + ": no such file; check the name");
   // Before the work: what is known of the files without reading them.
@@ -44,6 +46,12 @@ int main(int argc, char** argv) {
   try {
     const std::optional<Command> command = parseCommandLine(argc, argv);
     if (!command) return static_cast<int>(Exit::kOk);
+    if (command->print_config) {
+      const Values values = overlay(command->config, command->options);
+      readOptions(values);  // what can not be is no reference
+      writeStdout(printConfig(values));
+      return static_cast<int>(Exit::kOk);
+    }
     if (command->isBatch()) return static_cast<int>(runBatch(*command));
     runSingle(*command);
     return static_cast<int>(Exit::kOk);

@@ -4,9 +4,7 @@
 #include <system_error>
 
 #include "assets.h"
-#include "json_places.h"
-#include "kelp/rig_json/rig_json.h"
-#include "option_table.h"
+#include "option_json.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -20,15 +18,6 @@ using Kind = JsonValue::Kind;
 [[noreturn]] void fail(const Place& place, const std::string& what) { throw faultAt(place, what); }
 
 std::string quoted(const std::string& name) { return "\"" + (name.size() > 60 ? name.substr(0, 60) + "..." : name) + "\""; }
-
-void expect(const JsonValue& value, Kind kind, const std::string& name, const char* wanted) {
-  if (value.kind != kind) fail(value.place, quoted(name) + " is " + value.kindName() + "; give " + wanted);
-}
-
-bool isPreset(const std::string& name) {
-  const std::vector<std::string> presets = presetNames();
-  return std::find(presets.begin(), presets.end(), name) != presets.end();
-}
 
 class ManifestReader {
  public:
@@ -67,7 +56,7 @@ class ManifestReader {
       } else if (member.name == "defaults") {
         defaults = &member.value;
       } else if (member.name == "output") {
-        expect(member.value, Kind::kString, "output", "the folder for the packs");
+        expectKind(member.value, Kind::kString, "output", "the folder for the packs");
         if (output_folder_.empty()) output = folder / member.value.text;
       } else if (member.name != "$schema") {  // for editors
         fail(member.place, quoted(member.name) + " is not known; a manifest has include, output, defaults and assets");
@@ -77,21 +66,21 @@ class ManifestReader {
     if (includes) readIncludes(*includes, folder);
     Values base;
     if (defaults) {
-      expect(*defaults, Kind::kObject, "defaults", "an object of options");
-      for (const JsonValue::Member& member : defaults->members) base[member.name] = {readOption(member, folder), member.value.place};
+      expectKind(*defaults, Kind::kObject, "defaults", "an object of options");
+      for (const JsonValue::Member& member : defaults->members) base[member.name] = optionOf(member, folder, false);
       for (const char* own : {"report", "deps-file"})
         if (const auto found = base.find(own); found != base.end()) fail(found->second.place, quoted(own) + " can not be one file for all assets; give it at each of them");
     }
     if (!assets) return;
-    expect(*assets, Kind::kArray, "assets", "a list of assets");
+    expectKind(*assets, Kind::kArray, "assets", "a list of assets");
     for (const JsonValue& asset : assets->items) readAsset(asset, folder, output, base);
   }
 
   void readIncludes(const JsonValue& value, const fs::path& folder) {
     if (value.kind == Kind::kString) return read(folder / value.text, value.place);
-    expect(value, Kind::kArray, "include", "the name of a manifest, or a list of them");
+    expectKind(value, Kind::kArray, "include", "the name of a manifest, or a list of them");
     for (const JsonValue& name : value.items) {
-      expect(name, Kind::kString, "include", "names of manifests");
+      expectKind(name, Kind::kString, "include", "names of manifests");
       read(folder / name.text, name.place);
     }
   }
@@ -112,7 +101,7 @@ class ManifestReader {
           pack = nameOf(member.value, "output");
           pack_place = member.value.place;
         } else {
-          own[member.name] = {readOption(member, folder), member.value.place};
+          own[member.name] = optionOf(member, folder, false);
         }
       }
       if (own.count("input") == 0) fail(value.place, "this asset has no \"input\"; name the file to bake");
@@ -122,30 +111,9 @@ class ManifestReader {
   }
 
   static std::string nameOf(const JsonValue& value, const std::string& name) {
-    expect(value, Kind::kString, name, "the name of a file");
+    expectKind(value, Kind::kString, name, "the name of a file");
     if (value.text.empty()) fail(value.place, quoted(name) + " is empty; give the name of a file");
     return value.text;
-  }
-
-  static std::string readOption(const JsonValue::Member& member, const fs::path& folder) {
-    const OptionInfo* option = findOption(member.name);
-    if (!option) fail(member.place, quoted(member.name) + " is not an option; see kelp-bake --help, and leave the dashes out");
-    if (option->scope == OptionScope::kRun) fail(member.place, quoted(member.name) + " is of the whole run; give it on the command line or in a configuration");
-    const JsonValue& value = member.value;
-    const bool text = value.kind == Kind::kString, number = value.kind == Kind::kNumber;
-    switch (option->type) {
-      case OptionType::kText:
-        if (!text) expect(value, Kind::kString, member.name, "a text");
-        break;
-      case OptionType::kNumber: expect(value, Kind::kNumber, member.name, "a number"); break;
-      case OptionType::kTextOrNumber:
-        if (!text && !number) expect(value, Kind::kString, member.name, "a text or a number");
-        break;
-      case OptionType::kFlag: expect(value, Kind::kBool, member.name, "true or false"); break;
-    }
-    if (text && value.text.empty()) fail(value.place, quoted(member.name) + " is empty; leave it out for the default");
-    const bool is_file = option->path == OptionPath::kFile || (option->path == OptionPath::kFileOrPreset && !isPreset(value.text));
-    return is_file ? (folder / value.text).string() : value.text;
   }
 
   const fs::path& output_folder_;

@@ -18,7 +18,8 @@ struct OptionInfo {
   OptionType type;
   OptionScope scope;
   OptionPath path;
-  const char* fallback;  // as it would be written in a configuration; empty where there is no such word
+  bool has_fallback;     // `shown` is what it is where nothing is said; else there is no such word, and it is an example
+  const char* shown;     // as written in a configuration
   const char* help;
 };
 

@@ -18,6 +18,7 @@ struct Options {
   bake::Settings settings;
   bool unit_given = false;  // so that lengths are known to be metres whatever the file's format
   ProgressStyle progress = ProgressStyle::kAuto;
+  std::vector<std::filesystem::path> option_files;  // that all this came from: configuration, manifest
   std::optional<std::filesystem::path> report_file;
   std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja
 };

@@ -100,6 +100,7 @@ void writeReport(const std::filesystem::path& path, const Options& options, cons
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report) {
   std::string rule = escapeForMake(options.output) + ":";
   for (const bake::FilesUsed::File& file : report.files.read) rule += " \\\n  " + escapeForMake(file.path);
+  for (const std::filesystem::path& file : options.option_files) rule += " \\\n  " + escapeForMake(file);
   bake::writeTextFile(path, rule + "\n");
 }
 

@@ -91,6 +91,11 @@ std::string printBytes(std::uint64_t bytes) {
   return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
 }
 
+void writeStdout(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  if (std::fflush(stdout) != 0) throw bake::BakeError(bake::Exit::kIo, "stdout can not be written; choose a file on a disk with space left");
+}
+
 void printEstimate(const Options& options, const bake::Report& report) {
   fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
 }

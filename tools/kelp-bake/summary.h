@@ -14,6 +14,9 @@ std::string oneLine(std::string text);
 // "1.5 MiB".
 std::string printBytes(std::uint64_t bytes);
 
+// BakeError kIo if not all of it could be written.
+void writeStdout(const std::string& text);
+
 // A line on stderr, before the work: what it will take.
 void printEstimate(const Options& options, const bake::Report& report);
 // Lines on stderr: what was understood, warnings, clips, what was written.
