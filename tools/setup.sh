@@ -11,6 +11,8 @@ baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-
        libmeshoptimizer-dev libstb-dev libwebp-dev libhwy-dev
        libopenmesh-dev)  # tests only: reads the same meshes for comparison
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
+       libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
+samples=(libglfw3-dev libimgui-dev xvfb xauth)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;

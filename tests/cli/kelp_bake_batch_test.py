@@ -169,7 +169,7 @@ class Batches(Case):
         report = self.report("--manifest", "m.json")
         self.assertEqual([(asset["status"], asset["exit"]) for asset in report["assets"]], [("baked", 0), ("failed", 3), ("baked", 0), ("failed", 5), ("baked", 0)])
         self.assertEqual(report["exit"], 5)
-        self.assertEqual(report["counts"], {"baked": 3, "current": 0, "failed": 2, "pending": 0})
+        self.assertEqual(report["counts"], {"baked": 3, "cached": 0, "current": 0, "failed": 2, "pending": 0})
         self.assertIn("m.json:1:", report["assets"][1]["error"])
         self.assertEqual(self.kelps(), ["1.kelp", "2.kelp", "3.kelp"])
         # A second run tries those that failed again, and no others.

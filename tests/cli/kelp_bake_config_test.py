@@ -12,7 +12,7 @@ from kelp_bake_case import Case
 # Every option of --print-config, with a value that is not the default and can be had together with the others.
 GIVEN = [("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2), ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"),
          ("frame", 3), ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25), ("color-grid", "Cd"), ("heat-grid", "none"),
-         ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2), ("threads", 1), ("max-memory", "1.5 GiB"), ("progress", "none"), ("report", "out.json"), ("write-deps", True), ("deps-file", "x.d")]
+         ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2), ("threads", 1), ("max-memory", "1.5 GiB"), ("progress", "none"), ("cache", "r/cache"), ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True), ("deps-file", "x.d")]
 
 
 class Configurations(Case):
@@ -54,7 +54,7 @@ class Configurations(Case):
             arguments += ["--" + name] + ([] if value is True else [str(value)])
         reference = self.printed(*arguments)
         read = tomllib.loads(reference)
-        self.assertEqual({name: os.path.relpath(value, os.path.realpath(self.folder)) if name in ("rig", "palette", "ramp", "report", "deps-file") else value for name, value in read.items()}, dict(GIVEN))
+        self.assertEqual({name: os.path.relpath(value, os.path.realpath(self.folder)) if name in ("rig", "palette", "ramp", "cache", "report", "deps-file") else value for name, value in read.items()}, dict(GIVEN))
         self.write("sub/c.toml", reference)
         self.assertEqual(self.printed("--config", "sub/c.toml"), reference)
         self.assertEqual(tomllib.loads(self.printed("--voxel-size", ".5", "--keep-materials")), {"voxel-size": 0.5, "keep-materials": True})

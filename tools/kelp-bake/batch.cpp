@@ -10,6 +10,7 @@
 #include "batch_report.h"
 #include "batch_summary.h"
 #include "interrupt.h"
+#include "shard.h"
 #include "summary.h"
 
 namespace kelp::bake_cli {
@@ -46,7 +47,26 @@ std::string withPlace(const Place& place, const std::string& what) {
   return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
 }
 
-AssetResult runOne(const Job& job, bool force, ProgressDisplay& display) {
+// By the voxels of what was baked so far.
+class TimeLeft {
+ public:
+  explicit TimeLeft(const Jobs& jobs) {
+    for (const Job& job : jobs.jobs) left_ += voxelsOf(job.options);
+  }
+  void add(const Job& job, const AssetResult& result) {
+    left_ -= voxelsOf(job.options);
+    if (result.status != Status::kBaked) return;
+    baked_ += voxelsOf(job.options);
+    seconds_ += result.seconds;
+  }
+  // Less than 0 while nothing is known.
+  double seconds() const { return baked_ > 0 ? seconds_ / baked_ * left_ : -1; }
+
+ private:
+  double left_ = 0, baked_ = 0, seconds_ = 0;
+};
+
+AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
   AssetResult result;
   const auto start = Clock::now();
   const auto fail = [&](Exit exit, const std::string& what) {
@@ -60,10 +80,10 @@ AssetResult runOne(const Job& job, bool force, ProgressDisplay& display) {
       result.status = Status::kCurrent;
       result.pack_bytes = fs::file_size(options.output);
     } else {
-      const Baked baked = bakeOne(options, job.asset.place, display, false);
-      result.status = Status::kBaked;
-      result.pack_bytes = baked.report.pack_bytes;
-      result.notices = baked.report.notices;
+      const Baked baked = bakeOne(options, job.asset.place, cache, display, false);
+      result.status = baked.cached ? Status::kCached : Status::kBaked;
+      result.pack_bytes = baked.pack_bytes;
+      result.notices = baked.notices;
     }
   } catch (const BakeError& error) {
     if (error.exit != Exit::kInterrupted) fail(error.exit, error.what());
@@ -85,17 +105,21 @@ Exit runBatch(const Command& command) {
     writeStdout(planJson(command, jobs));
     return Exit::kOk;
   }
-  prepareOutputs(jobs);
   catchInterrupts();
+  prepareOutputs(jobs);
+  const std::optional<Cache> cache = jobs.jobs.empty() ? std::nullopt : openCache(jobs.jobs.front().options);
   ProgressDisplay display(jobs.jobs.empty() ? ProgressStyle::kNone : jobs.jobs.front().options.progress);
   BatchResult result;
   result.assets.resize(jobs.jobs.size());
+  TimeLeft time_left(jobs);
   for (std::size_t i = 0; i < jobs.jobs.size() && !interrupted(); ++i) {
     AssetResult& asset = result.assets[i];
-    asset = runOne(jobs.jobs[i], command.force, display);
+    display.beginAsset(i + 1, jobs.jobs.size(), jobs.jobs[i].options.output.string(), time_left.seconds());
+    asset = runOne(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
     display.clear();
     result.exit = std::max(result.exit, asset.exit);
     printAsset(jobs, i, asset);
+    time_left.add(jobs.jobs[i], asset);
   }
   if (result.count(Status::kPending) > 0) result.exit = Exit::kInterrupted;
   result.seconds = secondsSince(start);

@@ -51,7 +51,7 @@ Json filesOf(const Options& options) {
 }  // namespace
 
 const char* toString(Status status) {
-  constexpr const char* kNames[] = {"pending", "baked", "current", "failed"};
+  constexpr const char* kNames[] = {"pending", "baked", "cached", "current", "failed"};
   return kNames[static_cast<int>(status)];
 }
 
@@ -88,7 +88,7 @@ void writeBatchReport(const std::filesystem::path& path, const Command& command,
                               {"pack_bytes", asset.pack_bytes},
                               {"seconds", asset.seconds}});
   }
-  for (const Status status : {Status::kBaked, Status::kCurrent, Status::kFailed, Status::kPending}) json["counts"][toString(status)] = result.count(status);
+  for (const Status status : {Status::kBaked, Status::kCached, Status::kCurrent, Status::kFailed, Status::kPending}) json["counts"][toString(status)] = result.count(status);
   json["exit"] = static_cast<int>(result.exit);
   json["seconds"] = result.seconds;
   bake::writeTextFile(path, print(json));

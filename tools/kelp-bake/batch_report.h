@@ -9,7 +9,7 @@
 
 namespace kelp::bake_cli {
 
-enum class Status { kPending, kBaked, kCurrent, kFailed };
+enum class Status { kPending, kBaked, kCached, kCurrent, kFailed };
 const char* toString(Status status);
 
 struct AssetResult {

@@ -29,6 +29,7 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
   kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
   kelp-bake --manifest assets.json --report done.json many assets; what is up to date is not baked again
+  kelp-bake reed.glb -o reed.kelp -MD --cache ~/.cache/kelp  as a step of a build: a rule for make and ninja, and no bake twice
   kelp-bake --manifest assets.json --shard 2/4        the second of four shares, for four machines
   kelp-bake --print-config > all.toml                 every option, for kelp-bake --config all.toml
   kelp-bake @models.txt -o packs --resolution 64      the files that a text names, one on each line

@@ -28,11 +28,16 @@ void runSingle(const Command& command) {
   // Before the work: what is known of the files without reading them.
   FileRoles roles;
   addRoles(roles, options, {}, {});
-  kelp::bake::checkOutput(options.output);
   catchInterrupts();
+  kelp::bake::checkOutput(options.output);
+  const std::optional<Cache> cache = openCache(options);
   ProgressDisplay display(options.progress);
-  const Baked baked = bakeOne(options, {}, display, true);
-  printSummary(options, baked.report, baked.seconds);
+  const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
+  if (baked.cached) {
+    printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
+  } else {
+    printSummary(options, baked.report, baked.seconds);
+  }
 }
 
 int complain(Exit code, const std::string& message) {

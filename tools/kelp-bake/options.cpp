@@ -184,6 +184,8 @@ Options readOptions(const Values& values) {
   read.positiveNumber("threads", settings.threads);
   read.bytes("max-memory", settings.max_memory);
   read.choice("progress", options.progress, {{"auto", ProgressStyle::kAuto}, {"bar", ProgressStyle::kBar}, {"json", ProgressStyle::kJson}, {"none", ProgressStyle::kNone}}, "auto, bar, json or none");
+  read.text("cache", options.cache_folder);
+  read.bytes("cache-size", options.cache_bytes);
   read.text("report", options.report_file);
   read.text("deps-file", options.dependency_file);
   if (!options.dependency_file && read.flag("write-deps")) options.dependency_file = options.output.string() + ".d";

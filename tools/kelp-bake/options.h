@@ -17,6 +17,8 @@ struct Options {
   std::filesystem::path input, output;
   bake::Settings settings;
   bool unit_given = false;  // so that lengths are known to be metres whatever the file's format
+  std::optional<std::filesystem::path> cache_folder;
+  std::uint64_t cache_bytes = std::uint64_t{10} << 30;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::vector<std::filesystem::path> option_files;  // that all this came from: configuration, manifest
   std::optional<std::filesystem::path> report_file;

@@ -7,6 +7,11 @@
 
 namespace kelp::bake_cli {
 
+double voxelsOf(const Options& options) {
+  const double side = options.settings.resolution;
+  return side * side * side;
+}
+
 std::vector<std::size_t> chooseShard(const std::vector<Options>& assets, const Shard& shard) {
   std::vector<std::size_t> order(assets.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -24,8 +29,7 @@ std::vector<std::size_t> chooseShard(const std::vector<Options>& assets, const S
     Load load = loads.top();
     loads.pop();
     if (load.index == shard.index) chosen.push_back(asset);
-    const double side = assets[asset].settings.resolution;
-    load.voxels += side * side * side;
+    load.voxels += voxelsOf(assets[asset]);
     loads.push(load);
   }
   std::sort(chosen.begin(), chosen.end());

@@ -132,4 +132,9 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   std::fputs("\n", stderr);
 }
 
+void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes, double seconds) {
+  for (const std::string& notice : notices) fmt::print(stderr, "kelp-bake: warning: {}\n", oneLine(notice));
+  fmt::print(stderr, "kelp-bake: wrote {} from the cache: {}, in {:.2f} s\n", options.output.string(), printBytes(pack_bytes), seconds);
+}
+
 }  // namespace kelp::bake_cli

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "options.h"
 
@@ -21,5 +22,8 @@ void writeStdout(const std::string& text);
 void printEstimate(const Options& options, const bake::Report& report);
 // Lines on stderr: what was understood, warnings, clips, what was written.
 void printSummary(const Options& options, const bake::Report& report, double seconds);
+
+// The same of a pack that came from the cache.
+void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes, double seconds);
 
 }  // namespace kelp::bake_cli

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "kelp/bake/bake.h"
+#include "kelp/bake/hash.h"
 
 namespace kelp::bake {
 namespace {
@@ -22,6 +23,20 @@ std::string hexadecimal(std::uint64_t hash) {
 }
 
 }  // namespace
+
+Hash::Hash() : state_(XXH3_createState()) {
+  if (!state_) throw std::bad_alloc();
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_));
+}
+
+Hash::~Hash() { XXH3_freeState(static_cast<XXH3_state_t*>(state_)); }
+
+void Hash::add(std::span<const std::byte> bytes) { XXH3_128bits_update(static_cast<XXH3_state_t*>(state_), bytes.data(), bytes.size()); }
+
+std::string Hash::text() const {
+  const XXH128_hash_t hash = XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_));
+  return hexadecimal(hash.high64) + hexadecimal(hash.low64);
+}
 
 std::string hashBytes(std::span<const std::uint8_t> bytes) { return hexadecimal(XXH3_64bits(bytes.data(), bytes.size())); }
 

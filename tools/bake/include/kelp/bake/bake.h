@@ -147,6 +147,7 @@ struct Report {
   double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
   std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
+  std::string pack_hash;                // of the pack's bytes, by Hash (kelp/bake/hash.h)
 };
 
 // --- 1. import -------------------------------------------------------------------------------------------------------------------
@@ -214,6 +215,16 @@ std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, cons
 void checkSettings(const Settings& settings);
 // Bakes a file to a pack in memory.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress = {});
+// What a pack says of its making (INFO), and the files that were asked for it.
+struct Recipe {
+  std::string info;
+  FilesUsed files;
+};
+// What is known before anything but the named files is read: two bakes of one input with the same answer read the same files, as far as those are the same.
+Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
+// What a pack that says `info` would say if it were baked from the files as they are now: the same text, if none of them changed. It decides the pack's bytes.
+// nullopt if it is not what bake() writes. Safe for hostile text. BakeError kIo for a file that can not be read.
+std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input, const Settings& settings);
 // Whether `pack` is what bake() would make of the input: whole, and baked by this version with these options from files whose content, by their hashes,
 // is still the same; names that were looked for in vain must still be absent. Reads all of it. Never throws; a pack that is absent, damaged or hostile is not current.
 bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& input, const Settings& settings);

@@ -40,20 +40,34 @@ class FilesNow {
   FilesUsed used_;
 };
 
-// A name below the source's folder; a pack may be hostile.
+// A name below the source's folder, in its one spelling; a pack may be hostile.
 bool staysBelow(const std::filesystem::path& name) {
   const std::filesystem::path normal = name.lexically_normal();
-  return !normal.empty() && normal.is_relative() && *normal.begin() != "..";
+  return normal == name && !normal.empty() && normal.is_relative() && *normal.begin() != "..";
 }
 
-std::optional<std::string> infoNow(const Json& info, const std::filesystem::path& input, const Settings& settings) {
-  const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr, *options = member(info, "options"), *files = member(info, "files");
-  if (!format || !format->is_string() || !options || (files && !files->is_object())) return std::nullopt;
+FilesNow namedFiles(const std::filesystem::path& input, const Settings& settings) {
   FilesNow now;
   now.look(input);
   for (const auto& file : {settings.rig_file, settings.palette_file, settings.ramp_file})
     if (file) now.look(*file);
   if (!settings.rig_file && !settings.rig_preset) now.look(rigBeside(input));
+  return now;
+}
+
+}  // namespace
+
+Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings) {
+  const FilesNow now = namedFiles(input, settings);
+  return {makeInfo(input, "", true, settings, now.used()), now.used()};  // as of a volume: so a resolution stands there if it was asked for
+}
+
+std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input, const Settings& settings) {
+  if (text.size() > kMaxInfoBytes) return std::nullopt;
+  const Json info = Json::parse(text, nullptr, false);
+  const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr, *options = member(info, "options"), *files = member(info, "files");
+  if (!format || !format->is_string() || !options || (files && !files->is_object())) return std::nullopt;
+  FilesNow now = namedFiles(input, settings);
   if (files) {
     for (const auto& [name, hash] : files->items()) {
       if (!staysBelow(name)) return std::nullopt;
@@ -62,10 +76,8 @@ std::optional<std::string> infoNow(const Json& info, const std::filesystem::path
   }
   // Whether it is a volume with voxels of its own, the file tells: by the resolution that was taken where none was asked for.
   const bool volume = !settings.voxel_size && !settings.resolution_given && !member(*options, "resolution");
-  return makeInfo(input, format->get<std::string>(), volume, settings, now.used());
+  return Recipe{makeInfo(input, format->get<std::string>(), volume, settings, now.used()), now.used()};
 }
-
-}  // namespace
 
 bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input, const Settings& settings) {
   try {
@@ -74,11 +86,10 @@ bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::pa
     FileSource opened = *std::move(file);
     const Source source = opened.source();
     const Result<Pack> pack = Pack::open(source);
-    if (!pack || pack->infoJson().size() > kMaxInfoBytes) return false;
+    if (!pack) return false;
     const std::string said(pack->infoJson());
-    const Json info = Json::parse(said, nullptr, false);
-    const std::optional<std::string> now = infoNow(info, input, settings);
-    return now && *now == said && verify(source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
+    const std::optional<Recipe> now = recipeNow(said, input, settings);
+    return now && now->info == said && verify(source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
   } catch (const std::exception&) {
     return false;  // a file that can not be read now: the bake itself will say which, and why
   }
