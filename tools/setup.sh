@@ -9,10 +9,8 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev)
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libwebp-dev libhwy-dev
-       libopenmesh-dev)  # tests only: reads the same meshes for comparison
-samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
        libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
-samples=(libglfw3-dev libimgui-dev xvfb xauth)
+samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;

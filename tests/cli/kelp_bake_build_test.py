@@ -148,6 +148,10 @@ class Caches(BuildFolder):
         self.once(*bake, "--up", "+z")
         self.once(*bake, "--rig", "sway")
         self.once("1.obj")
+        self.write("1.rig.json", {"kelp": 1})
+        self.once("1.obj", "--rig", "sway")  # its report tells of a rig that is not read
+        os.remove(self.path("1.rig.json"))
+        self.once("1.obj", "--rig", "sway")
         self.assertTrue(self.cached(*bake, "--threads", "1", "--max-memory", "1G"))
         self.once("in/box.obj", "--voxel-size", "0.25")
         # By content, not by name or time, of every file.

@@ -20,7 +20,8 @@ Values optionsOfAssets(Values values) {
 void checkFiles(const Options& options, const Values& values) {
   const auto check = [&](const fs::path& file, const char* name) {
     std::error_code error;
-    if (!fs::exists(file, error)) throw bake::BakeError(bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + ": no such file; check the name");
+    const std::string what = std::string(name) == "rig" ? ": no such file, nor a preset of that name; check the name, or see kelp-bake --help for presets" : ": no such file; check the name";
+    if (!fs::exists(file, error)) throw bake::BakeError(bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + what);
   };
   check(options.input, "input");
   if (options.settings.rig_file) check(*options.settings.rig_file, "rig");

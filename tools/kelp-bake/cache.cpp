@@ -51,10 +51,13 @@ fs::path Cache::namesFile(const Options& options) const {
   return fileOf(hash.text(), kNames);
 }
 
-fs::path Cache::packFile(const std::string& info) const {
+fs::path Cache::packFile(const Options& options, const std::string& info) const {
   bake::Hash hash;
   hash.add(program_);
   hash.add(info);
+  // Of a rig beside the input that a preset keeps from being read, the report tells.
+  std::error_code error;
+  if (options.settings.rig_preset && fs::exists(fs::path(options.input).replace_extension(".rig.json"), error)) hash.add("beside");
   return fileOf(hash.text(), kPack);
 }
 
@@ -65,14 +68,14 @@ std::optional<bake::Recipe> Cache::find(const Options& options) const try {
   info.resize(static_cast<std::size_t>(file.gcount()));
   std::optional<bake::Recipe> recipe = bake::recipeNow(info, options.input, options.settings);
   std::error_code error;
-  if (recipe && !fs::exists(packFile(recipe->info), error)) recipe.reset();
+  if (recipe && !fs::exists(packFile(options, recipe->info), error)) recipe.reset();
   return recipe;
 } catch (const bake::BakeError&) {
   return std::nullopt;  // a file that can not be read: the bake will say which, and why
 }
 
 std::optional<Cache::Hit> Cache::copyTo(const Options& options, bake::Recipe recipe) const {
-  const fs::path place = packFile(recipe.info);
+  const fs::path place = packFile(options, recipe.info);
   bake::OutputFile output(options.output);
   std::optional<Entry> entry = readEntry(place, output);
   if (!entry) {
@@ -89,7 +92,7 @@ std::optional<Cache::Hit> Cache::copyTo(const Options& options, bake::Recipe rec
 
 bool Cache::store(const Options& options, const std::string& info, const std::string& report, const std::string& pack_hash) const noexcept {
   try {
-    const fs::path names = namesFile(options), pack = packFile(info);
+    const fs::path names = namesFile(options), pack = packFile(options, info);
     fs::create_directories(names.parent_path());
     fs::create_directories(pack.parent_path());
     writeEntry(pack, report, options.output, pack_hash);

@@ -41,7 +41,7 @@ class Cache {
   std::optional<bake::Recipe> find(const Options& options) const;
   std::optional<Hit> copyTo(const Options& options, bake::Recipe recipe) const;
   std::filesystem::path namesFile(const Options& options) const;
-  std::filesystem::path packFile(const std::string& info) const;
+  std::filesystem::path packFile(const Options& options, const std::string& info) const;
   std::filesystem::path fileOf(const std::string& key, const char* extension) const;
   void trim() const;
 
