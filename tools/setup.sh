@@ -10,7 +10,7 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libwebp-dev libhwy-dev
-       libopenmesh-dev)  # tests only: reads the same meshes for comparison
+       libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
 
 case "${1:-all}" in

@@ -77,10 +77,10 @@ TEST(ImportGltf, FoxStandsWhereItsBindPoseSays) {
 
 TEST(ImportGltf, TruckInstancesItsWheels) {
   KELP_ASSET(path, "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf");
-  std::vector<std::filesystem::path> read;
-  const SourceModel model = importFile(path, {}, &read);
+  FilesUsed used;
+  const SourceModel model = importFile(path, {}, &used);
   EXPECT_EQ(model.parts[0].soup.triangles.size(), 5232u / 3 + 168u / 3 + 864u / 3 + 2u * 2304u / 3);  // the wheels twice
-  EXPECT_EQ(read.size(), 3u);
+  EXPECT_EQ(used.read.size(), 3u);
 }
 
 TEST(ImportGltf, EveryPrimitiveModeAndIndexTypeMakesTheSameSquare) {

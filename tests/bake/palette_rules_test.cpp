@@ -84,9 +84,10 @@ TEST(PaletteRules, CrowdedPalettesAreShared) {
 TEST(PaletteRules, FixedColoursAreTheEntriesInTheirOrder) {
   const Scratch scratch;
   const auto path = scratch.write("p.gpl", "GIMP Palette\r\nName: three\r\nColumns: 3\r\n# red\r\n255   0   0\tred\r\n  0 255 0 green\r\n128 128 128 grey\r\n");
-  std::vector<std::filesystem::path> read;
-  const std::vector<glm::vec3> colors = bake::readPalette(path, &read);
-  EXPECT_EQ(read, std::vector<std::filesystem::path>{path});
+  bake::FilesUsed used;
+  const std::vector<glm::vec3> colors = bake::readPalette(path, &used);
+  ASSERT_EQ(used.read.size(), 1u);
+  EXPECT_EQ(used.read[0].path, path);
   ASSERT_EQ(colors.size(), 3u);
   EXPECT_EQ(colors[0], glm::vec3(1, 0, 0));
   EXPECT_NEAR(colors[2].x, 0.2158605f, 1e-6f);  // sRGB 128

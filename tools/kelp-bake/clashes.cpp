@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "clashes.h"
 
-#include <string>
 #include <system_error>
+
+#include <sys/stat.h>
 
 namespace kelp::bake_cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Written {
-  std::string option;
-  fs::path path;
-};
 
 // Where a file is or would be: links are followed to their end, even where nothing is there yet.
 fs::path placeOf(const fs::path& path) {
@@ -23,29 +19,50 @@ fs::path placeOf(const fs::path& path) {
   return error ? real : place;
 }
 
-bool sameFile(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  if (fs::exists(a, error) && !fs::is_regular_file(a, error)) return false;
-  return fs::equivalent(a, b, error) || placeOf(a) == placeOf(b);
+// What two names of one file have in common; nothing for what is no regular file.
+std::vector<std::string> keysOf(const fs::path& path) {
+  struct stat status {};
+  const bool there = ::stat(path.c_str(), &status) == 0;
+  if (there && !S_ISREG(status.st_mode)) return {};
+  std::vector<std::string> keys{placeOf(path).string()};
+  if (there) keys.push_back("#" + std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino));
+  return keys;
+}
+
+[[noreturn]] void failOverwrite(const Place& place, const std::string& name, const fs::path& read) {
+  throw faultAt(place, name + ": would overwrite " + read.string() + ", which the bake reads; write to another name");
 }
 
 }  // namespace
 
-void checkClashes(const Options& options, const std::vector<fs::path>& files_read) {
-  std::vector<Written> files{{"-o", options.output}};
-  if (options.report_file) files.push_back({"--report", *options.report_file});
-  if (options.dependency_file) files.push_back({"-MF", *options.dependency_file});
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string name = files[i].option + " " + files[i].path.string();
-    for (std::size_t k = 0; k < i; ++k) {
-      if (sameFile(files[i].path, files[k].path)) {
-        throw bake::BakeError(bake::Exit::kUsage, name + ": is the same file as " + files[k].option + " " + files[k].path.string() + "; give each file a name of its own");
-      }
-    }
-    for (const fs::path& read : files_read) {
-      if (sameFile(files[i].path, read)) throw bake::BakeError(bake::Exit::kUsage, name + ": would overwrite " + read.string() + ", which the bake reads; write to another name");
-    }
+void FileRoles::addRead(const fs::path& path) {
+  for (const std::string& key : keysOf(path)) {
+    if (const auto writer = written_.find(key); writer != written_.end()) failOverwrite(writer->second.place, writer->second.name, path);
+    read_.emplace(key, path);
   }
+}
+
+void FileRoles::addWritten(const fs::path& path, const std::string& option, const Place& place) {
+  const std::string name = option + " " + path.string();
+  for (const std::string& key : keysOf(path)) {
+    if (const auto reader = read_.find(key); reader != read_.end()) failOverwrite(place, name, reader->second);
+    const auto [other, is_new] = written_.emplace(key, Writer{name, place});
+    if (is_new) continue;
+    std::string where = other->second.place.prefix();
+    if (!where.empty()) where = " of " + where.substr(0, where.size() - 2);
+    throw faultAt(place, name + ": is the same file as " + other->second.name + where + "; give each file a name of its own");
+  }
+}
+
+void addRoles(FileRoles& roles, const Options& options, const std::vector<fs::path>& read, const Place& place) {
+  roles.addRead(options.input);
+  for (const auto& file : {options.settings.rig_file, options.settings.palette_file, options.settings.ramp_file})
+    if (file) roles.addRead(*file);
+  for (const fs::path& file : options.option_files) roles.addRead(file);
+  for (const fs::path& file : read) roles.addRead(file);
+  roles.addWritten(options.output, "-o", place);
+  if (options.report_file) roles.addWritten(*options.report_file, "--report", place);
+  if (options.dependency_file) roles.addWritten(*options.dependency_file, "-MF", place);
 }
 
 }  // namespace kelp::bake_cli

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 // kelp-bake: a thin main over kelp::bake. Every exception ends here, as an exit code and one line.
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
-#include <vector>
 
+#include "bake_one.h"
+#include "batch.h"
+#include "batch_jobs.h"
 #include "clashes.h"
+#include "command_line.h"
+#include "config_file.h"
 #include "interrupt.h"
-#include "options.h"
-#include "progress_display.h"
-#include "report_json.h"
 #include "summary.h"
 
 namespace {
@@ -21,46 +20,28 @@ using kelp::bake::BakeError;
 using kelp::bake::Exit;
 using namespace kelp::bake_cli;
 
-// Before the work: what is known of the files without reading them.
-void checkPaths(const Options& options) {
+void runSingle(const Command& command) {
+  Options options = readOptions(overlay(command.config, command.options));
+  options.option_files = command.option_files;
   std::error_code error;
   if (!std::filesystem::exists(options.input, error)) throw BakeError(Exit::kIo, options.input.string() + ": no such file; check the name");
-  std::vector<std::filesystem::path> read{options.input};
-  if (options.settings.rig_file) read.push_back(*options.settings.rig_file);
-  checkClashes(options, read);
-  kelp::bake::checkOutput(options.output);
-}
-
-void run(const Options& options) {
-  const auto start = std::chrono::steady_clock::now();
-  checkPaths(options);
+  // Before the work: what is known of the files without reading them.
+  FileRoles roles;
+  addRoles(roles, options, {}, {});
   catchInterrupts();
-  kelp::bake::Report report;
+  kelp::bake::checkOutput(options.output);
+  const std::optional<Cache> cache = openCache(options);
   ProgressDisplay display(options.progress);
-  bool announced = false;
-  const auto progress = [&](std::string_view stage, double done) {
-    if (!announced && report.estimated_bytes > 0) {
-      display.clear();
-      printEstimate(options, report);
-      announced = true;
-    }
-    display.show(stage, done);
-    return !interrupted();
-  };
-  const kelp::RawPack pack = kelp::bake::bake(options.input, options.settings, report, progress);
-  checkClashes(options, report.files_read);
-  kelp::bake::writePackFile(pack, options.output, options.settings.threads, report, progress);
-  display.clear();
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (options.report_file) writeReport(*options.report_file, options, report, seconds);
-  if (options.dependency_file) writeDependencies(*options.dependency_file, options, report);
-  printSummary(options, report, seconds);
+  const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
+  if (baked.cached) {
+    printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
+  } else {
+    printSummary(options, baked.report, baked.seconds);
+  }
 }
 
-// One line whatever the message holds.
-int complain(Exit code, std::string message) {
-  std::replace_if(message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  std::fprintf(stderr, "kelp-bake: %s\n", message.c_str());
+int complain(Exit code, const std::string& message) {
+  std::fprintf(stderr, "kelp-bake: %s\n", oneLine(message).c_str());
   return static_cast<int>(code);
 }
 
@@ -68,8 +49,21 @@ int complain(Exit code, std::string message) {
 
 int main(int argc, char** argv) {
   try {
-    if (const std::optional<Options> options = parseOptions(argc, argv)) run(*options);
+    const std::optional<Command> command = parseCommandLine(argc, argv);
+    if (!command) return static_cast<int>(Exit::kOk);
+    if (command->print_config) {
+      const Values values = overlay(command->config, command->options);
+      readOptions(values);  // what can not be is no reference
+      writeStdout(printConfig(values));
+      return static_cast<int>(Exit::kOk);
+    }
+    if (command->isBatch()) return static_cast<int>(runBatch(*command));
+    runSingle(*command);
     return static_cast<int>(Exit::kOk);
+  } catch (const BatchFaults& several) {
+    for (const BakeError& fault : several.faults) complain(fault.exit, fault.what());
+    if (several.faults.size() > 1) std::fprintf(stderr, "kelp-bake: %zu faults, and nothing was baked\n", several.faults.size());
+    return static_cast<int>(several.exit);
   } catch (const BakeError& error) {
     return complain(error.exit, error.what());
   } catch (const std::bad_alloc&) {

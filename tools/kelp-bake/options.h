@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The command line of kelp-bake.
+// What one bake is told to do.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kelp/bake/bake.h"
+#include "values.h"
 
 namespace kelp::bake_cli {
 
@@ -16,13 +17,16 @@ struct Options {
   std::filesystem::path input, output;
   bake::Settings settings;
   bool unit_given = false;  // so that lengths are known to be metres whatever the file's format
+  std::optional<std::filesystem::path> cache_folder;
+  std::uint64_t cache_bytes = std::uint64_t{10} << 30;
   ProgressStyle progress = ProgressStyle::kAuto;
+  std::vector<std::filesystem::path> option_files;  // that all this came from: configuration, manifest
   std::optional<std::filesystem::path> report_file;
   std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja
 };
 
-// nullopt when --help or --version was all that was asked; they are on stdout then. BakeError kUsage for what can not be understood.
-std::optional<Options> parseOptions(int argc, const char* const* argv);
+// BakeError for what can not be understood or contradicts itself, with the place where it was written (see faultAt).
+Options readOptions(const Values& values);
 
 // "4G", "512M", "1.5 GiB", "1000000": bytes. nullopt if it is none of these.
 std::optional<std::uint64_t> parseBytes(const std::string& text);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "report_json.h"
 
-#include <cerrno>
-#include <fstream>
+#include <set>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -12,21 +11,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void writeText(const std::filesystem::path& path, const std::string& text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw bake::BakeError(bake::Exit::kIo, path.string() + ": can not be written: " + std::generic_category().message(errno) + "; choose a folder that exists and that you may write to");
-}
-
-// Make reads spaces as separators, $ as variables and # as comments.
+// Make reads spaces as separators, $ as variables, # as comments and : as the end of targets; ninja reads what compilers write for make. A backslash is
+// one by itself, and to be doubled before what has one for its own sake.
 std::string escapeForMake(const std::filesystem::path& path) {
   std::string escaped;
+  std::size_t backslashes = 0;
   for (const char c : path.string()) {
-    if (c == ' ' || c == '#' || c == '\\') escaped += '\\';
+    if (c == ' ' || c == '\t') escaped += std::string(backslashes + 1, '\\');
+    if (c == '#' || c == ':') escaped += '\\';
     if (c == '$') escaped += '$';
     escaped += c;
+    backslashes = c == '\\' ? backslashes + 1 : 0;
   }
   return escaped;
 }
@@ -68,26 +63,26 @@ Json partJson(const bake::Report::Part& part) {
   return json;
 }
 
-Json filesJson(const bake::Report& report) {
+Json filesJson(const bake::FilesUsed& used) {
   Json files = Json::array();
-  for (const std::filesystem::path& file : report.files_read) {
+  for (const bake::FilesUsed::File& file : used.read) {
     std::error_code error;
-    const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-    files.push_back({{"name", file.string()}, {"bytes", error ? Json() : Json(bytes)}});
+    const std::uintmax_t bytes = std::filesystem::file_size(file.path, error);
+    files.push_back({{"name", file.path.string()}, {"bytes", error ? Json() : Json(bytes)}});
   }
   return files;
 }
 
 }  // namespace
 
-void writeReport(const std::filesystem::path& path, const Options& options, const bake::Report& report, double seconds) {
+std::string reportJson(const Options& options, const bake::Report& report, double seconds) {
   Json json;
   json["schema"] = "kelp-bake-report/1";
   json["kelp-bake"] = KELP_VERSION;
   json["input"] = options.input.string();
   json["output"] = options.output.string();
   json["format"] = report.format;
-  json["files"] = filesJson(report);
+  json["files"] = filesJson(report.files);
   json["materials"] = report.materials;
   json["images"] = report.images;
   json["parts"] = Json::array();
@@ -103,14 +98,36 @@ void writeReport(const std::filesystem::path& path, const Options& options, cons
   json["palette_error"] = report.palette_error;
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;
+  json["pack_xxh128"] = report.pack_hash;
+  json["cached"] = false;
   json["seconds"] = seconds;
-  writeText(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report) {
+std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files, double seconds) {
+  Json json = Json::parse(report);
+  json["input"] = options.input.string();
+  json["output"] = options.output.string();
+  json["files"] = filesJson(files);
+  json["stages"] = Json::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
+  json["cached"] = true;
+  json["seconds"] = seconds;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<std::string> noticesOf(const std::string& report) { return Json::parse(report)["notices"].get<std::vector<std::string>>(); }
+
+std::string inputOf(const std::string& report) { return Json::parse(report)["input"].get<std::string>(); }
+
+void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::FilesUsed& files) {
   std::string rule = escapeForMake(options.output) + ":";
-  for (const std::filesystem::path& file : report.files_read) rule += " \\\n  " + escapeForMake(file);
-  writeText(path, rule + "\n");
+  std::set<std::filesystem::path> others;  // in one order, whether they were read or looked up
+  for (const bake::FilesUsed::File& file : files.read)
+    if (file.path != options.input) others.insert(file.path);
+  rule += " \\\n  " + escapeForMake(options.input);
+  for (const std::filesystem::path& file : others) rule += " \\\n  " + escapeForMake(file);
+  for (const std::filesystem::path& file : options.option_files) rule += " \\\n  " + escapeForMake(file);
+  bake::writeTextFile(path, rule + "\n");
 }
 
 }  // namespace kelp::bake_cli

@@ -2,13 +2,20 @@
 // What was baked, for programs.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "options.h"
 
 namespace kelp::bake_cli {
 
-// Writes --report, as kelp-bake-report.schema.json beside this file describes it. BakeError kIo if it can not be written.
-void writeReport(const std::filesystem::path& path, const Options& options, const bake::Report& report, double seconds);
+// What --report writes, as kelp-bake-report.schema.json beside this file describes it.
+std::string reportJson(const Options& options, const bake::Report& report, double seconds);
+// The same of a pack that comes from the cache, where `report` is that of its bake.
+std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files, double seconds);
+std::vector<std::string> noticesOf(const std::string& report);
+std::string inputOf(const std::string& report);
 // Writes a make rule: the pack depends on all files that were read. BakeError kIo.
-void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::Report& report);
+void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::FilesUsed& files);
 
 }  // namespace kelp::bake_cli

@@ -14,11 +14,6 @@
 namespace kelp::bake_cli {
 namespace {
 
-std::string printBytes(std::uint64_t bytes) {
-  const double kib = static_cast<double>(bytes) / 1024.0;
-  return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
-}
-
 // What a length of 1 means only glTF says, or whoever gives the unit.
 std::string printLength(double length, const Options& options, const std::string& format) {
   return fmt::format("{:.4g} {}", length, options.unit_given || format.rfind("glTF", 0) == 0 ? "m" : length == 1 ? "unit" : "units");
@@ -86,6 +81,21 @@ void printClips(const bake::Report& report) {
 
 }  // namespace
 
+std::string oneLine(std::string text) {
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
+std::string printBytes(std::uint64_t bytes) {
+  const double kib = static_cast<double>(bytes) / 1024.0;
+  return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));
+}
+
+void writeStdout(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  if (std::fflush(stdout) != 0) throw bake::BakeError(bake::Exit::kIo, "stdout can not be written; choose a file on a disk with space left");
+}
+
 void printEstimate(const Options& options, const bake::Report& report) {
   fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
 }
@@ -120,6 +130,11 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   fmt::print(stderr, "kelp-bake: wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), fmt::join(made, ", "), seconds);
   if (longest) fmt::print(stderr, " ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds, printBytes(peak));
   std::fputs("\n", stderr);
+}
+
+void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes, double seconds) {
+  for (const std::string& notice : notices) fmt::print(stderr, "kelp-bake: warning: {}\n", oneLine(notice));
+  fmt::print(stderr, "kelp-bake: wrote {} from the cache: {}, in {:.2f} s\n", options.output.string(), printBytes(pack_bytes), seconds);
 }
 
 }  // namespace kelp::bake_cli

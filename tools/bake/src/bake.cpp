@@ -44,22 +44,6 @@ class StageClock {
   std::chrono::steady_clock::time_point start_;
 };
 
-void checkSettings(const Settings& settings) {
-  if (settings.voxel_size && !(*settings.voxel_size >= kSmallestVoxel && *settings.voxel_size <= kLargestVoxel)) {
-    throw BakeError(Exit::kUsage, fmt::format("--voxel-size {}: not a length above 0 that a pack can hold; give the edge of a voxel in metres, such as 0.01", *settings.voxel_size));
-  }
-  if (!settings.voxel_size && (settings.resolution < 1 || settings.resolution > kMaxResolution)) {
-    throw BakeError(Exit::kUsage, fmt::format("--resolution {}: not between 1 and {}; 128 is the default, 256 shows fine detail", settings.resolution, kMaxResolution));
-  }
-  if (settings.levels < 0 || settings.levels > kMaxLevels) throw BakeError(Exit::kUsage, fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
-  if (settings.threads < 0 || settings.threads > 1024) throw BakeError(Exit::kUsage, fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
-  if (settings.palette_file && settings.keep_materials) throw BakeError(Exit::kUsage, "--palette and --keep-materials at once: fixed colours may serve several materials; choose one");
-  if (!(settings.unit >= kSmallestUnit && settings.unit <= kLargestUnit))
-    throw BakeError(Exit::kUsage, fmt::format("--unit {}: not between {:g} and {:g} metres; give the length of a unit of the file, such as cm or 0.01", settings.unit, kSmallestUnit, kLargestUnit));
-  if (settings.pad < 0 || settings.pad > kMaxPad) throw BakeError(Exit::kUsage, fmt::format("--pad {}: not between 0 and {} voxels; 1 or 2 is usual", settings.pad, kMaxPad));
-  if (settings.rig_file && settings.rig_preset) throw BakeError(Exit::kUsage, "a rig file and a preset at once; choose one");
-}
-
 Axis axisOf(const SourcePart& part) { return part.rig.axis.value_or(Axis::kPlusY); }
 
 // Object metres to a metre of the part's node, in the mean over its axes.
@@ -204,21 +188,37 @@ std::uint64_t usedMaterials(const SourceModel& model) {
 
 }  // namespace
 
+void checkSettings(const Settings& settings) {
+  if (settings.voxel_size && !(*settings.voxel_size >= kSmallestVoxel && *settings.voxel_size <= kLargestVoxel)) {
+    throw BakeError(Exit::kUsage, fmt::format("--voxel-size {}: not a length above 0 that a pack can hold; give the edge of a voxel in metres, such as 0.01", *settings.voxel_size));
+  }
+  if (!settings.voxel_size && (settings.resolution < 1 || settings.resolution > kMaxResolution)) {
+    throw BakeError(Exit::kUsage, fmt::format("--resolution {}: not between 1 and {}; 128 is the default, 256 shows fine detail", settings.resolution, kMaxResolution));
+  }
+  if (settings.levels < 0 || settings.levels > kMaxLevels) throw BakeError(Exit::kUsage, fmt::format("--levels {}: not between 1 and {}; leave it out for all", settings.levels, kMaxLevels));
+  if (settings.threads < 0 || settings.threads > 1024) throw BakeError(Exit::kUsage, fmt::format("--threads {}: not between 1 and 1024; leave it out for all", settings.threads));
+  if (settings.palette_file && settings.keep_materials) throw BakeError(Exit::kUsage, "--palette and --keep-materials at once: fixed colours may serve several materials; choose one");
+  if (!(settings.unit >= kSmallestUnit && settings.unit <= kLargestUnit))
+    throw BakeError(Exit::kUsage, fmt::format("--unit {}: not between {:g} and {:g} metres; give the length of a unit of the file, such as cm or 0.01", settings.unit, kSmallestUnit, kLargestUnit));
+  if (settings.pad < 0 || settings.pad > kMaxPad) throw BakeError(Exit::kUsage, fmt::format("--pad {}: not between 0 and {} voxels; 1 or 2 is usual", settings.pad, kMaxPad));
+  if (settings.rig_file && settings.rig_preset) throw BakeError(Exit::kUsage, "a rig file and a preset at once; choose one");
+}
+
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress) {
   checkSettings(settings);
   const int threads = threadCount(settings.threads);
   StageClock clock(report, progress);
 
   PaletteRules rules;
-  if (settings.palette_file) rules.colors = readPalette(*settings.palette_file, &report.files_read);
+  if (settings.palette_file) rules.colors = readPalette(*settings.palette_file, &report.files);
   rules.keep_materials = settings.keep_materials;
   std::vector<glm::vec3> ramp;
-  if (settings.ramp_file) ramp = readPalette(*settings.ramp_file, &report.files_read);
+  if (settings.ramp_file) ramp = readPalette(*settings.ramp_file, &report.files);
 
   clock.begin("import");
   Settings in_file_units = settings;
   if (settings.voxel_size) in_file_units.voxel_size = *settings.voxel_size / settings.unit;
-  SourceModel model = importFile(input, in_file_units, &report.files_read);
+  SourceModel model = importFile(input, in_file_units, &report.files);
   report.format = model.format;
   report.notices = model.notices;
   report.materials = usedMaterials(model);
@@ -345,7 +345,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   }
   places.moveTo(report.notices);
   pack.palette = std::move(palette.entries);
-  pack.info_json = makeInfo(input, model.format, volume, settings, report.files_read);
+  pack.info_json = makeInfo(input, model.format, volume, settings, report.files);
   clock.end();
   return pack;
 }

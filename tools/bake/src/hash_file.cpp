@@ -4,14 +4,41 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <vector>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "kelp/bake/bake.h"
+#include "kelp/bake/hash.h"
 
 namespace kelp::bake {
+namespace {
+
+std::string hexadecimal(std::uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace
+
+Hash::Hash() : state_(XXH3_createState()) {
+  if (!state_) throw std::bad_alloc();
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_));
+}
+
+Hash::~Hash() { XXH3_freeState(static_cast<XXH3_state_t*>(state_)); }
+
+void Hash::add(std::span<const std::byte> bytes) { XXH3_128bits_update(static_cast<XXH3_state_t*>(state_), bytes.data(), bytes.size()); }
+
+std::string Hash::text() const {
+  const XXH128_hash_t hash = XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_));
+  return hexadecimal(hash.high64) + hexadecimal(hash.low64);
+}
+
+std::string hashBytes(std::span<const std::uint8_t> bytes) { return hexadecimal(XXH3_64bits(bytes.data(), bytes.size())); }
 
 std::string hashFile(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -24,9 +51,7 @@ std::string hashFile(const std::filesystem::path& path) {
     file.read(block.data(), static_cast<std::streamsize>(block.size()));
     XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
   }
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(state.get())));
-  return text;
+  return hexadecimal(XXH3_64bits_digest(state.get()));
 }
 
 }  // namespace kelp::bake

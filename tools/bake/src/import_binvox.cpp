@@ -80,8 +80,8 @@ void visitRuns(const InputFiles& files, const Binvox& box, const Visit& visit) {
 
 }  // namespace
 
-SourceModel importBinvox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importBinvox(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   if (settings.resolution_given)
     refuse(Exit::kUsage, path, "--resolution " + std::to_string(settings.resolution), "voxels of binvox files are kept as they are; leave the option out (--voxel-size says how large a voxel is)");
   SourceModel out;

@@ -27,7 +27,7 @@ const char* densityOption(const Settings& settings) {
 
 }  // namespace
 
-SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
+SourceModel importFile(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) refuse(Exit::kIo, path, "", "is a folder; name the file in it that is to be baked");
   const std::string extension = lowerExtension(path);
@@ -40,12 +40,12 @@ SourceModel importFile(const std::filesystem::path& path, const Settings& settin
   if (const char* option = gridOption(settings); option && !has_grids) refuse(Exit::kUsage, path, option, "only .vdb and .nvdb files have several grids; leave the option out");
   if (const char* option = densityOption(settings); option && !has_density) refuse(Exit::kUsage, path, option, "only .vdb, .nvdb and .raw files hold densities; leave the option out");
   if (!(settings.density > 0) || !std::isfinite(settings.density)) refuse(Exit::kUsage, path, "--density " + std::to_string(settings.density), "not a factor above 0; 1 leaves densities as they are");
-  if (gltf) return importGltf(path, settings, files_read);
-  if (has_grids) return importVdb(path, settings, files_read);
-  if (extension == ".vox") return importVox(path, settings, files_read);
-  if (extension == ".binvox") return importBinvox(path, settings, files_read);
-  if (extension == ".raw") return importRaw(path, settings, files_read);
-  if (mesh) return importMesh(path, settings, files_read);
+  if (gltf) return importGltf(path, settings, used);
+  if (has_grids) return importVdb(path, settings, used);
+  if (extension == ".vox") return importVox(path, settings, used);
+  if (extension == ".binvox") return importBinvox(path, settings, used);
+  if (extension == ".raw") return importRaw(path, settings, used);
+  if (mesh) return importMesh(path, settings, used);
   // A path that does not exist is that first: the name may be the mistake, not the type.
   if (!std::filesystem::exists(path, error)) refuse(Exit::kIo, path, "", "no such file; check the path");
   refuse(Exit::kUnsupported, path, "",

@@ -9,6 +9,8 @@
 #include <optional>
 #include <system_error>
 
+#include "hash_file.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -102,23 +104,39 @@ std::vector<std::uint8_t> InputFiles::readFile(const std::filesystem::path& path
 }
 
 std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& path, std::uintmax_t most) const {
+  const auto fail = [&](const std::string& what) {
+    noteMissing(path);
+    refuse(Exit::kIo, path, "", what);
+  };
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) refuse(Exit::kIo, path, "", "no such file; check the path");
-  if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
-  if (std::filesystem::is_directory(status)) refuse(Exit::kIo, path, "", "is a folder; name a file");
-  if (!std::filesystem::is_regular_file(status)) refuse(Exit::kIo, path, "", "is not a regular file; name a file");
-  const std::uintmax_t size = std::min(std::filesystem::file_size(path, error), most);
-  if (error) refuse(Exit::kIo, path, "", "can not be read: " + error.message());
+  if (status.type() == std::filesystem::file_type::not_found) fail("no such file; check the path");
+  if (error) fail("can not be read: " + error.message());
+  if (std::filesystem::is_directory(status)) fail("is a folder; name a file");
+  if (!std::filesystem::is_regular_file(status)) fail("is not a regular file; name a file");
+  const std::uintmax_t whole = std::filesystem::file_size(path, error), size = std::min(whole, most);
+  if (error) fail("can not be read: " + error.message());
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) refuse(Exit::kIo, path, "", std::string("can not be opened: ") + std::strerror(errno));
+  if (!in) fail(std::string("can not be opened: ") + std::strerror(errno));
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::uintmax_t>(in.gcount()) != size) refuse(Exit::kIo, path, "", "could not be read to its end");
+  if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("could not be read to its end");
   if (counted_.insert(path).second) bytes_read_ += size;
-  if (read_ && std::find(read_->begin(), read_->end(), path) == read_->end()) read_->push_back(path);
+  const auto is_this = [&](const FilesUsed::File& file) { return file.path == path; };
+  if (used_ && std::none_of(used_->read.begin(), used_->read.end(), is_this)) used_->read.push_back({path, size < whole ? hashFile(path) : hashBytes(bytes)});
   return bytes;
+}
+
+void InputFiles::noteMissing(const std::filesystem::path& path) const {
+  if (used_ && std::find(used_->missing.begin(), used_->missing.end(), path) == used_->missing.end()) used_->missing.push_back(path);
+}
+
+bool InputFiles::isThere(const std::filesystem::path& path) const {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return true;
+  noteMissing(path);
+  return false;
 }
 
 std::filesystem::path InputFiles::resolve(std::string_view reference, Reference kind) const {

@@ -39,8 +39,8 @@ std::string lowerExtension(const std::filesystem::path& path);
 
 class InputFiles {
  public:
-  // `read` may be null; every file opened is appended to it once.
-  InputFiles(std::filesystem::path input, std::vector<std::filesystem::path>* read) : input_(std::move(input)), read_(read) {}
+  // `used` may be null; every file opened, or found missing, is appended to it once.
+  InputFiles(std::filesystem::path input, FilesUsed* used) : input_(std::move(input)), used_(used) {}
 
   const std::filesystem::path& input() const { return input_; }
   // The whole input. kIo when it can not be read or is larger than 4 GiB.
@@ -55,14 +55,18 @@ class InputFiles {
   std::vector<std::uint8_t> readReference(std::string_view reference, Reference kind) const;
   // Any other file that the user named (a rig).
   std::vector<std::uint8_t> readFile(const std::filesystem::path& path) const;
+  // Whether it is there, which the bake depends on.
+  bool isThere(const std::filesystem::path& path) const;
   // What was read so far, each file once: what a model may ask of memory is measured by it.
   std::uint64_t bytesRead() const { return bytes_read_; }
 
  private:
   std::vector<std::uint8_t> readFirst(const std::filesystem::path& path, std::uintmax_t most) const;
 
+  void noteMissing(const std::filesystem::path& path) const;
+
   std::filesystem::path input_;
-  std::vector<std::filesystem::path>* read_;
+  FilesUsed* used_;
   mutable std::set<std::filesystem::path> counted_;
   mutable std::uint64_t bytes_read_ = 0;
 };

@@ -241,8 +241,8 @@ class GltfImporter {
 
 }  // namespace
 
-SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   try {
     return GltfImporter(files, settings).import();
   } catch (const BakeError&) {

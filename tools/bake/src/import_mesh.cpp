@@ -112,8 +112,8 @@ void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<cons
   }
 }
 
-SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   try {
     return readMesh(files, settings);
   } catch (const BakeError&) {

@@ -265,8 +265,8 @@ void checkLength(const InputFiles& files, const RawVolume& volume, std::uint64_t
 
 }  // namespace
 
-SourceModel importRaw(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importRaw(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   const std::vector<std::uint8_t> bytes = files.readInput();
   const RawVolume volume = readRawSidecar(files);
   checkLength(files, volume, bytes.size());

@@ -21,8 +21,7 @@ class Sidecar {
     for (const char* extension : {".raw.json", ".json"}) {
       path_ = files.input();
       path_.replace_extension(extension);
-      std::error_code error;
-      if (std::filesystem::is_regular_file(path_, error)) return;
+      if (files.isThere(path_)) return;
     }
     std::filesystem::path wanted = files.input().filename();
     wanted.replace_extension(".raw.json");

@@ -29,7 +29,6 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& se
   std::filesystem::path beside = files.input();
   beside.replace_extension(".rig.json");
   std::error_code error;
-  const bool is_beside = std::filesystem::is_regular_file(beside, error);
   if (settings.rig_file) {
     if (!std::filesystem::exists(*settings.rig_file, error)) refuse(Exit::kIo, *settings.rig_file, "", "there is no such rig file, nor a preset of that name (" + presetList() + "); check the path");
     return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
@@ -39,10 +38,10 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& se
     if (!preset) {
       throw BakeError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) + "'; choose one of " + presetList());
     }
-    const std::string unread = is_beside ? ", not " + beside.filename().string() + " beside the input" : "";
+    const std::string unread = std::filesystem::is_regular_file(beside, error) ? ", not " + beside.filename().string() + " beside the input" : "";
     return OuterRig{*std::move(preset), "preset '" + *settings.rig_preset + "'" + unread};
   }
-  if (!is_beside) return std::nullopt;
+  if (!files.isThere(beside)) return std::nullopt;
   return OuterRig{readRigFile(files, beside), beside.filename().string() + " beside the input"};
 }
 

@@ -211,8 +211,8 @@ VolumeFile readVdb(const InputFiles& files, std::uint64_t limit) {
   return {"OpenVDB", file->headers(), [file](std::size_t grid) { return file->load(grid); }};
 }
 
-SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   const auto read = lowerExtension(path) == ".nvdb" ? readNanoVdb : readVdb;
   return importVolume(files, [&] { return read(files, readingLimit(settings)); }, settings);
 }

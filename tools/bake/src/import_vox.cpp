@@ -146,8 +146,8 @@ class VoxImporter {
 
 }  // namespace
 
-SourceModel importVox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read) {
-  const InputFiles files(path, files_read);
+SourceModel importVox(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
   return VoxImporter(files, settings).import();
 }
 

@@ -2,6 +2,7 @@
 #include "info_json.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -12,19 +13,49 @@ namespace kelp::bake {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
+const std::string* findHash(const FilesUsed& used, const std::filesystem::path& path) {
+  const auto file = std::find_if(used.read.begin(), used.read.end(), [&](const FilesUsed::File& f) { return f.path == path; });
+  return file == used.read.end() ? nullptr : &file->xxh3;
+}
+
+std::string hashOf(const FilesUsed& used, const std::filesystem::path& path) {
+  const std::string* hash = findHash(used, path);
+  return hash ? *hash : hashFile(path);
+}
+
+Json fileJson(const FilesUsed& used, const std::filesystem::path& path) { return {{"name", path.filename().string()}, {"xxh3", hashOf(used, path)}}; }
+
 // The rig from outside the input, if it came from a file.
-std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
+std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
   if (settings.rig_file) return settings.rig_file;
-  std::filesystem::path beside = input;
-  beside.replace_extension(".rig.json");
-  if (std::find(files_read.begin(), files_read.end(), beside) == files_read.end()) return std::nullopt;
+  const std::filesystem::path beside = rigBeside(input);
+  if (!findHash(used, beside)) return std::nullopt;
   return beside;
+}
+
+// What neither the source nor the options name: pictures, buffers, materials. Sorted, whatever the order in which they were read.
+std::map<std::string, Json> otherFiles(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
+  std::map<std::string, Json> files;
+  const auto add = [&](const std::filesystem::path& path, const Json& value) {
+    if (path == input || path == settings.rig_file || path == settings.palette_file || path == settings.ramp_file || path == rigBeside(input)) return;
+    files[path.lexically_relative(input.parent_path()).generic_string()] = value;
+  };
+  for (const std::filesystem::path& path : used.missing) add(path, nullptr);
+  for (const FilesUsed::File& file : used.read) add(file.path, file.xxh3);
+  return files;
 }
 
 }  // namespace
 
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const std::vector<std::filesystem::path>& files_read) {
-  nlohmann::ordered_json options;
+std::filesystem::path rigBeside(const std::filesystem::path& input) {
+  std::filesystem::path beside = input;
+  return beside.replace_extension(".rig.json");
+}
+
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const FilesUsed& used) {
+  Json options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
   } else if (settings.resolution_given || !volume) {  // a volume keeps its own voxels unless told otherwise
@@ -34,14 +65,14 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.up) options["up"] = toString(*settings.up);
   if (settings.unit != 1) options["unit"] = settings.unit;
   if (settings.pad > 0) options["pad"] = settings.pad;
-  if (const auto rig = rigFile(input, settings, files_read)) options["rig"] = {{"name", rig->filename().string()}, {"xxh3", hashFile(*rig)}};
+  if (const auto rig = rigFile(input, settings, used)) options["rig"] = fileJson(used, *rig);
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
   if (settings.scene) options["scene"] = *settings.scene;
   options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
   if (settings.frame) options["frame"] = *settings.frame;
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
-  if (settings.palette_file) options["palette"] = {{"name", settings.palette_file->filename().string()}, {"xxh3", hashFile(*settings.palette_file)}};
+  if (settings.palette_file) options["palette"] = fileJson(used, *settings.palette_file);
   if (settings.keep_materials) options["keep_materials"] = true;
   if (settings.grid) options["grid"] = *settings.grid;
   if (settings.volume != VolumeKind::kAuto) options["volume"] = settings.volume == VolumeKind::kSolid ? "solid" : "fog";
@@ -49,13 +80,14 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.color_grid) options["color_grid"] = *settings.color_grid;
   if (settings.heat_grid) options["heat_grid"] = *settings.heat_grid;
   if (settings.density != 1) options["density"] = settings.density;
-  if (settings.ramp_file) options["ramp"] = {{"name", settings.ramp_file->filename().string()}, {"xxh3", hashFile(*settings.ramp_file)}};
+  if (settings.ramp_file) options["ramp"] = fileJson(used, *settings.ramp_file);
   if (settings.levels > 0) options["levels"] = settings.levels;
-  const nlohmann::ordered_json info = {{"tool", "kelp-bake " KELP_VERSION},
-                                       {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashFile(input)}}},
-                                       {"options", options}};
+  Json info = {{"tool", "kelp-bake " KELP_VERSION},
+               {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
+               {"options", options}};
+  for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   // A name that is not UTF-8 must not stop the bake.
-  return info.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return info.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace kelp::bake

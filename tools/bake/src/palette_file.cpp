@@ -59,8 +59,8 @@ std::vector<glm::vec3> readPicture(const Image& image, const std::filesystem::pa
 
 }  // namespace
 
-std::vector<glm::vec3> readPalette(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
-  const std::vector<std::uint8_t> bytes = InputFiles(path, files_read).readInput();
+std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed* used) {
+  const std::vector<std::uint8_t> bytes = InputFiles(path, used).readInput();
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::vector<glm::vec3> colors;
   if (text.starts_with("GIMP Palette")) {

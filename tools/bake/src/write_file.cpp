@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <fstream>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +14,8 @@
 #include <unistd.h>
 
 #include "kelp/bake/bake.h"
+#include "kelp/bake/hash.h"
+#include "kelp/bake/output_file.h"
 #include "memory_estimate.h"
 #include "parallel.h"
 
@@ -31,92 +35,98 @@ std::filesystem::path target(const std::filesystem::path& path) {
   return real;
 }
 
-// A new file in the folder of its final place, removed unless it was moved there.
-class TempFile {
- public:
-  explicit TempFile(const std::filesystem::path& final_path) : final_(final_path), folder_(final_path.has_parent_path() ? final_path.parent_path() : ".") {
-    struct stat status {};
-    const bool replaces = ::stat(final_.c_str(), &status) == 0;
-    if (replaces && !S_ISREG(status.st_mode)) {
-      fail(final_, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", 0, "name a file for the output");
-    }
-    static std::atomic<unsigned> counter{0};
-    for (int attempt = 0; attempt < 100; ++attempt) {
-      const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-      path_ = folder_ / ("." + final_.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + "-" + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
-      file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (file_ >= 0) {
-        // A pack that others may not read stays so. Where a file system knows no modes there is none to keep.
-        if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
-        return;
-      }
-      if (errno != EEXIST) break;
-    }
-    fail(final_, "can not be written", errno, "choose a folder that exists and that you may write to");
-  }
-  TempFile(const TempFile&) = delete;
-  TempFile& operator=(const TempFile&) = delete;
-  ~TempFile() {
-    if (file_ >= 0) ::close(file_);
-    if (!path_.empty()) ::unlink(path_.c_str());
-  }
-
-  bool write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) {
-        error_ = written < 0 ? errno : ENOSPC;
-        return false;
-      }
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
-    return true;
-  }
-  int error() const { return error_; }
-
-  // Onto the disk, then into place; the folder too, or a crash might forget the name.
-  void commit() {
-    if (::fsync(file_) != 0) fail(final_, "can not be flushed to disk", errno, "free some space or choose another disk");
-    const int closed = ::close(std::exchange(file_, -1));
-    if (closed != 0) fail(final_, "can not be written", errno, "free some space or choose another disk");
-    if (::rename(path_.c_str(), final_.c_str()) != 0) fail(final_, "can not be replaced", errno, "choose another name");
-    path_.clear();
-    const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder >= 0) {
-      ::fsync(folder);  // some file systems have no such call for folders: the file itself is safe
-      ::close(folder);
-    }
-  }
-
- private:
-  std::filesystem::path final_, folder_, path_;
-  int file_ = -1;
-  int error_ = 0;
-};
-
 struct Output {
-  TempFile& file;
+  OutputFile& file;
   const Progress& progress;
   std::uint64_t bytes = 0;
+  Hash hash;
   bool interrupted = false;
 };
 
 bool receive(void* user, std::span<const std::byte> bytes) {
   Output& output = *static_cast<Output*>(user);
   output.bytes += bytes.size();
+  output.hash.add(bytes);
   if (output.progress && !output.progress("write", 0.5)) output.interrupted = true;
   return !output.interrupted && output.file.write(bytes);
 }
 
 }  // namespace
 
-void checkOutput(const std::filesystem::path& path) { const TempFile probe(target(path)); }
+OutputFile::OutputFile(const std::filesystem::path& path) : final_(target(path)), folder_(final_.has_parent_path() ? final_.parent_path() : ".") {
+  struct stat status {};
+  const bool replaces = ::stat(final_.c_str(), &status) == 0;
+  if (replaces && !S_ISREG(status.st_mode)) {
+    fail(final_, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", 0, "name a file for the output");
+  }
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+    path_ = folder_ / ("." + final_.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + "-" + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
+    file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file_ >= 0) {
+      // A pack that others may not read stays so. Where a file system knows no modes there is none to keep.
+      if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
+      return;
+    }
+    if (errno != EEXIST) break;
+  }
+  fail(final_, "can not be written", errno, "choose a folder that exists and that you may write to");
+}
+
+OutputFile::~OutputFile() {
+  if (file_ >= 0) ::close(file_);
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+bool OutputFile::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      error_ = written < 0 ? errno : ENOSPC;
+      return false;
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+void OutputFile::commit() {
+  if (error_ != 0) fail(final_, "can not be written", error_, "free some space or choose another disk");
+  if (::fsync(file_) != 0) fail(final_, "can not be flushed to disk", errno, "free some space or choose another disk");
+  const int closed = ::close(std::exchange(file_, -1));
+  if (closed != 0) fail(final_, "can not be written", errno, "free some space or choose another disk");
+  if (::rename(path_.c_str(), final_.c_str()) != 0) fail(final_, "can not be replaced", errno, "choose another name");
+  path_.clear();
+  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder >= 0) {
+    ::fsync(folder);  // some file systems have no such call for folders: the file itself is safe
+    ::close(folder);
+  }
+}
+
+void checkOutput(const std::filesystem::path& path) { const OutputFile probe(path); }
+
+void writeTextFile(const std::filesystem::path& path, std::string_view text) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error)) {
+    errno = 0;
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) fail(path, "can not be written", errno, "free some space or choose another file");
+    return;
+  }
+  OutputFile file(path);
+  file.write(std::as_bytes(std::span(text.data(), text.size())));
+  file.commit();
+}
 
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report, const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  TempFile file(target(path));
-  Output output{file, progress};
+  OutputFile file(path);
+  Output output{file, progress, 0, {}, false};
   const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads));
   if (output.interrupted || (progress && !progress("write", 1.0))) throw BakeError(Exit::kInterrupted, "interrupted");
   if (!written) {
@@ -126,6 +136,7 @@ void writePackFile(const RawPack& pack, const std::filesystem::path& path, int t
   }
   file.commit();
   report.pack_bytes = output.bytes;
+  report.pack_hash = output.hash.text();
   report.stages.push_back({"write", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), peakMemory()});
 }
 

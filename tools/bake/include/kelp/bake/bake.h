@@ -73,6 +73,16 @@ struct Settings {
 // Called with a stage's name and its progress 0..1; answers false to stop (BakeError kInterrupted). Called from the baking thread only.
 using Progress = std::function<bool(std::string_view stage, double done)>;
 
+// The files that a pack was made of.
+struct FilesUsed {
+  struct File {
+    std::filesystem::path path;
+    std::string xxh3;  // of its bytes as they were read, or were just before a library read them: XXH3-64, 16 hexadecimal digits
+  };
+  std::vector<File> read;                      // each once
+  std::vector<std::filesystem::path> missing;  // looked for in vain, or not to be read: otherwise they would have been
+};
+
 // A mesh as the file has it, corners in equal places being one.
 struct MeshCounts {
   std::uint64_t vertices = 0, triangles = 0;
@@ -130,24 +140,25 @@ struct Report {
   std::vector<Part> parts;
   std::vector<Clip> clips;
   std::vector<std::string> notices;
-  std::vector<std::filesystem::path> files_read;
+  FilesUsed files;
   std::uint64_t materials = 0, images = 0;  // that triangles use; pictures that could be had
   std::uint64_t palette_entries = 0;
   std::vector<std::string> palette_materials;  // with Settings::keep_materials, the material of each palette entry
   double palette_error = 0;             // mean distance in OKLab between a surface voxel's colour and its palette entry
   std::uint64_t estimated_bytes = 0;    // of memory, announced before the work
   std::uint64_t pack_bytes = 0;
+  std::string pack_hash;                // of the pack's bytes, by Hash (kelp/bake/hash.h)
 };
 
 // --- 1. import -------------------------------------------------------------------------------------------------------------------
-// Picks the importer by the file's extension and checks the content against it. files_read, if given, gets every file opened.
-SourceModel importFile(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importVox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importBinvox(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
-SourceModel importRaw(const std::filesystem::path& path, const Settings& settings, std::vector<std::filesystem::path>* files_read = nullptr);
+// Picks the importer by the file's extension and checks the content against it. `used`, if given, gets every file opened or looked for.
+SourceModel importFile(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importGltf(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importMesh(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importVdb(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importVox(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importBinvox(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
+SourceModel importRaw(const std::filesystem::path& path, const Settings& settings, FilesUsed* used = nullptr);
 
 // --- 2. voxelize -----------------------------------------------------------------------------------------------------------------
 // The frame a part is voxelized in: `size` voxels of edge voxel_size; voxel = node_to_voxel * node.
@@ -173,7 +184,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
 // --- 3. palette ------------------------------------------------------------------------------------------------------------------
 // Base colours, linear, 1 to 256, of a palette that somebody painted: a GIMP palette (.gpl, in its order), or a picture (row by row from the top left, each
 // colour once; what is transparent is no colour). BakeError kIo and kInvalid. Safe for hostile input.
-std::vector<glm::vec3> readPalette(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read = nullptr);
+std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed* used = nullptr);
 
 struct PaletteRules {
   std::vector<Material> entries;  // of a file that is painted by index, if it is: kept as they are, each voxel has the one that SurfaceSample::source names. Without `colors`
@@ -200,12 +211,30 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
 std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
 
 // --- all of it -------------------------------------------------------------------------------------------------------------------
+// BakeError kUsage that names the option whose value can not be. bake() asks itself.
+void checkSettings(const Settings& settings);
 // Bakes a file to a pack in memory.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress = {});
+// What a pack says of its making (INFO), and the files that were asked for it.
+struct Recipe {
+  std::string info;
+  FilesUsed files;
+};
+// What is known before anything but the named files is read: two bakes of one input with the same answer read the same files, as far as those are the same.
+Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
+// What a pack that says `info` would say if it were baked from the files as they are now: the same text, if none of them changed. It decides the pack's bytes.
+// nullopt if it is not what bake() writes. Safe for hostile text. BakeError kIo for a file that can not be read.
+std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input, const Settings& settings);
+// Whether `pack` is what bake() would make of the input: whole, and baked by this version with these options from files whose content, by their hashes,
+// is still the same; names that were looked for in vain must still be absent. Reads all of it. Never throws; a pack that is absent, damaged or hostile is not current.
+bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& input, const Settings& settings);
 // Whether writePackFile could write `path`, asked before the long work: BakeError kIo that says why not. Leaves nothing behind.
 void checkOutput(const std::filesystem::path& path);
 // Writes the pack beside `path`, flushes it to disk and renames it over `path`: an existing file is whole at every moment, and whatever
 // goes wrong leaves nothing behind.
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report, const Progress& progress = {});
+
+// Writes a text, such as a report, in the same way. What is no regular file (/dev/stdout) is written as it is. BakeError kIo.
+void writeTextFile(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace kelp::bake

@@ -1,0 +1,263 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""kelp-bake -MD as make and ninja understand it, and --cache. Usage: kelp_bake_build_test.py KELP_BAKE [unittest options]"""
+import json
+import os
+import random
+import shlex
+import shutil
+import subprocess
+import unittest
+
+from kelp_bake_case import KELP_BAKE, PIXEL, Case, box, textured_box
+
+# Names that build files have other uses for.
+ODD = ["plain", "a b", "d$x", "$(d)", "h#i", "#h", "b\\s", "e\\ f", "p%q", "t'u", "(v)", "a  b", "w:x"]
+
+
+class BuildFolder(Case):
+    def textured(self, folder, name="box"):
+        """A box whose material and picture lie beside it."""
+        self.write(folder + "/%s.obj" % name, textured_box().replace("box.mtl", "the box.mtl"))
+        self.write(folder + "/the box.mtl", "newmtl skin\nmap_Kd the $kin.tga\n")
+        self.write(folder + "/the $kin.tga", PIXEL)
+
+
+class BuildSteps(BuildFolder):
+    def rule(self, name):
+        """The names in a rule, as written but without its escapes."""
+        text = self.read(name).decode().replace("\\\n", "").replace("$$", "$")
+        for c in " #:":
+            text = text.replace("\\" + c, chr(1 + " #:".index(c)))
+        target, files = text.split(":", 1)
+        plain = lambda word: word.replace("\1", " ").replace("\2", "#").replace("\3", ":")
+        return plain(target), sorted(plain(word) for word in files.split())
+
+    def test_every_file_that_is_read_is_named(self):
+        self.textured("in")
+        self.write("in/box.rig.json", {"kelp": 1})
+        self.write("colors.gpl", "GIMP Palette\n255 0 0 red\n")
+        self.write("c.toml", "resolution = 8")
+        read = ["in/box.obj", "in/box.rig.json", "in/the $kin.tga", "in/the box.mtl"]
+        self.passes("in/box.obj", "-o", "out.kelp", "-MD", "--resolution", "8")
+        self.assertEqual(self.rule("out.kelp.d"), ("out.kelp", read))
+        self.write("m.json", {"include": "n.json", "assets": [{"input": "in/box.obj", "output": "out.kelp", "palette": "colors.gpl", "write-deps": True}]})
+        self.write("n.json", {"assets": ["1.obj"]})
+        self.passes("--manifest", "m.json", "--config", "c.toml")
+        self.assertEqual(self.rule("out.kelp.d"), ("out.kelp", sorted(read + ["c.toml", "colors.gpl", "m.json", "n.json"])))
+
+    def test_buffers_and_pictures_of_gltf(self):
+        points = bytes.fromhex("000000000000000000000000" "0000803f0000000000000000" "000000000000803f00000000" "00000000000000000000803f")
+        uvs = bytes(32)
+        faces = bytes([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2])
+        self.write("in/b u.bin", points + uvs + faces)
+        self.write("in/skin.tga", PIXEL)
+        self.write("in/m.gltf", {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"uri": "b%20u.bin", "byteLength": 92}],
+                                 "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32}, {"buffer": 0, "byteOffset": 80, "byteLength": 12}], "images": [{"uri": "skin.tga"}], "textures": [{"source": 0}],
+                                 "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+                                 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}, {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"}, {"bufferView": 2, "componentType": 5121, "count": 12, "type": "SCALAR"}],
+                                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}]})
+        result = self.bake("in/m.gltf", "-o", "out.kelp", "-MD", "--resolution", "8")
+        self.assertEqual(result.returncode, 0, result.stderr.decode())
+        self.assertEqual(self.rule("out.kelp.d"), ("out.kelp", ["in/b u.bin", "in/m.gltf", "in/skin.tga"]))
+
+    def check_builds(self, build, folder, output):
+        """Builds once, then not at all, then whenever a file is touched, then not at all."""
+        self.assertTrue(build(), output)
+        self.assertFalse(build(), output)
+        for name in os.listdir(self.path(folder)):
+            os.utime(self.path(os.path.join(folder, name)))
+            self.assertTrue(build(), (output, name))
+            self.assertFalse(build(), (output, name))
+
+    @unittest.skipUnless(shutil.which("ninja"), "ninja is not installed: apt-get install ninja-build")
+    def test_ninja(self):
+        for odd in ODD:
+            if "'" in odd:
+                continue  # has no way to be in a rule that ninja reads
+            self.textured(odd, odd)
+            output = odd + ".kelp"
+            escape = lambda name: name.replace("$", "$$").replace(" ", "$ ").replace(":", "$:")
+            command = " ".join(shlex.quote(word) for word in (KELP_BAKE, "%s/%s.obj" % (odd, odd), "-o", output, "--resolution", "4", "-MD")).replace("$", "$$")
+            self.write("build.ninja", "rule bake\n  command = %s\n  depfile = %s\nbuild %s: bake %s\n" % (command, output.replace("$", "$$") + ".d", escape(output), escape("%s/%s.obj" % (odd, odd))))
+
+            def build():
+                result = subprocess.run(["ninja"], cwd=self.folder, capture_output=True)
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                return b"no work to do" not in result.stdout
+
+            self.check_builds(build, odd, output)
+
+    @unittest.skipUnless(shutil.which("make"), "make is not installed: apt-get install make")
+    def test_make(self):
+        for odd in ODD:
+            if "%" in odd:
+                continue  # has no way to be a target of make
+            self.textured(odd, odd)
+            output = odd + ".kelp"
+            target = self.escaped_target(odd)
+            command = " ".join(shlex.quote(word) for word in (KELP_BAKE, "%s/%s.obj" % (odd, odd), "-o", output, "--resolution", "4", "-MF", "deps.d")).replace("$", "$$")
+            self.write("Makefile", ".PHONY: all\nall: %s\n-include deps.d\n%s:\n\t%s\n" % (target, target, command))
+            if os.path.exists(self.path("deps.d")):
+                os.remove(self.path("deps.d"))
+
+            def build():
+                result = subprocess.run(["make"], cwd=self.folder, capture_output=True)
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                return b"Nothing to be done" not in result.stdout
+
+            self.check_builds(build, odd, output)
+
+    def escaped_target(self, odd):
+        """As make wants it, written by hand: what the program writes is what is tested."""
+        by_hand = {"a b": "a\\ b", "d$x": "d$$x", "$(d)": "$$(d)", "h#i": "h\\#i", "#h": "\\#h", "e\\ f": "e\\\\\\ f", "a  b": "a\\ \\ b", "w:x": "w\\:x"}
+        return by_hand.get(odd, odd) + ".kelp"
+
+
+class Caches(BuildFolder):
+    def cached(self, *arguments, notice=False):
+        """Whether a bake came from the cache; its pack, report and rule are checked against those of a bake without one."""
+        result = self.bake(*arguments, "-o", "c.kelp", "--report", "c.json", "-MF", "c.d", "--cache", "cache")
+        self.assertEqual(result.returncode, 0, result.stderr.decode())
+        self.passes(*arguments, "-o", "n.kelp", "--report", "n.json", "-MF", "n.d")
+        self.assertEqual(self.read("c.kelp"), self.read("n.kelp"))
+        self.assertEqual(self.read("c.d").replace(b"c.kelp", b"n.kelp"), self.read("n.d"), "the rule")
+        with_cache, without = json.loads(self.read("c.json")), json.loads(self.read("n.json"))
+        came = with_cache["cached"]
+        self.assertEqual(b"from the cache" in result.stderr, came)
+        for json_of in (with_cache, without):
+            for member in ("seconds", "stages", "output", "cached", "estimated_bytes"):
+                del json_of[member]
+            json_of["files"].sort(key=lambda file: file["name"])
+        self.assertEqual(with_cache, without)
+        return came
+
+    def once(self, *arguments):
+        """Not there, and there from then on."""
+        self.assertFalse(self.cached(*arguments), arguments)
+        self.assertTrue(self.cached(*arguments), arguments)
+
+    def entries(self, kind=".kelp-pack"):
+        return sorted(os.path.join(where, name) for where, _, names in os.walk(self.path("cache")) for name in names if name.endswith(kind))
+
+    def test_hits_and_misses(self):
+        self.textured("in")
+        bake = ["in/box.obj", "--resolution", "8"]
+        self.once(*bake)
+        self.once(*bake[:1], "--resolution", "9")
+        self.once(*bake, "--up", "+z")
+        self.once(*bake, "--rig", "sway")
+        self.once("1.obj")
+        self.write("1.rig.json", {"kelp": 1})
+        self.once("1.obj", "--rig", "sway")  # its report tells of a rig that is not read
+        os.remove(self.path("1.rig.json"))
+        self.once("1.obj", "--rig", "sway")
+        self.assertTrue(self.cached(*bake, "--threads", "1", "--max-memory", "1G"))
+        self.once("in/box.obj", "--voxel-size", "0.25")
+        # By content, not by name or time, of every file.
+        shutil.copytree(self.path("in"), self.path("elsewhere/in"))
+        self.assertTrue(self.cached("elsewhere/in/box.obj", "--resolution", "8"))
+        os.rename(self.path("elsewhere/in/box.obj"), self.path("elsewhere/in/other.obj"))
+        self.once("elsewhere/in/other.obj", "--resolution", "8")  # a pack names its source
+        self.write("in/the $kin.tga", PIXEL[:-3] + b"\xff\0\0")
+        self.once(*bake)
+        self.write("in/the $kin.tga", PIXEL)
+        self.assertTrue(self.cached(*bake), "back to what it was")
+        self.write("in/the box.mtl", "newmtl skin\nmap_Kd other.tga\n")
+        self.once(*bake)
+        self.write("in/other.tga", PIXEL)
+        self.once(*bake)
+        # What was not there and is now, and is gone again.
+        self.write("in/box.rig.json", {"kelp": 1, "axis": "+x"})
+        self.once(*bake)
+        self.write("in/box.rig.json", {"kelp": 1, "axis": "+z"})
+        self.once(*bake)
+        os.remove(self.path("in/box.rig.json"))
+        self.assertTrue(self.cached(*bake))
+        self.write("colors.gpl", "GIMP Palette\n255 0 0 red\n0 0 255 blue\n")
+        self.once(*bake, "--palette", "colors.gpl")
+        self.write("colors.gpl", "GIMP Palette\n255 0 0 red\n0 255 255 blue\n")
+        self.once(*bake, "--palette", "colors.gpl")
+        self.write("r.rig.json", {"kelp": 1})
+        self.once(*bake, "--rig", "r.rig.json")
+        self.write("r.rig.json", {"kelp": 1, "axis": "+x"})
+        self.once(*bake, "--rig", "r.rig.json")
+
+    def test_damaged_entries_are_baked_anew(self):
+        chance = random.Random(2)
+        bake = ["1.obj", "--resolution", "8"]
+        self.once(*bake)
+        for entry in self.entries() + self.entries(".kelp-names"):
+            whole = self.read(entry)
+            for step in range(18):
+                at = chance.randrange(len(whole))
+                damaged = whole[:at] + bytes([whole[at] ^ 1 << chance.randrange(8)]) + whole[at + 1:] if step % 3 else (whole[:at], whole + b"x", b"")[step % 9 // 3]
+                self.write(entry, damaged)
+                self.passes(*bake, "-o", "c.kelp", "--cache", "cache")
+                self.assertEqual(self.read("c.kelp"), self.read("n.kelp"))
+                self.assertIn("from the cache", self.passes(*bake, "-o", "c.kelp", "--cache", "cache"))
+                self.assertEqual(self.read("c.kelp"), self.read("n.kelp"))
+                whole = self.read(entry)
+            os.remove(entry)
+            self.once(*bake)
+
+    def test_many_at_once(self):
+        chance = random.Random(5)
+        for turn in range(4):
+            bakes = [subprocess.Popen([KELP_BAKE, "%d.obj" % (i % 3 + 1), "-o", "out%d.kelp" % i, "--resolution", "12", "--threads", "1", "--cache", "cache", *(["--cache-size", "3000"] if turn % 2 else [])],
+                                      cwd=self.folder, stderr=subprocess.PIPE) for i in range(12)]
+            if turn == 2:
+                chance.choice(bakes).kill()
+            for process in bakes:
+                text = process.communicate(timeout=120)[1]
+                self.assertIn(process.returncode, (0, -9), text)
+            for i in range(3):
+                self.passes("%d.obj" % (i + 1), "-o", "single.kelp", "--resolution", "12")
+                for same in range(i, 12, 3):
+                    if bakes[same].returncode == 0:
+                        self.assertEqual(self.read("out%d.kelp" % same), self.read("single.kelp"))
+
+    def test_its_size_is_bounded(self):
+        self.write("cache/mine.txt", "x" * 100000)
+        for resolution in range(8, 30):
+            self.passes("1.obj", "-o", "c.kelp", "--resolution", str(resolution), "--cache", "cache", "--cache-size", "20K")
+            self.assertLessEqual(sum(os.path.getsize(entry) for entry in self.entries() + self.entries(".kelp-names")), 20 << 10)
+        self.assertTrue(os.path.exists(self.path("cache/mine.txt")), "what is not the cache's own stays")
+        self.assertTrue(self.cached("1.obj", "--resolution", "29"), "the last is still there")
+        self.assertFalse(self.cached("1.obj", "--resolution", "8"))
+
+    def test_a_cache_that_can_not_be_used(self):
+        self.fails(2, "1.obj", "-o", "c.kelp", "--cache", "2.obj", says=["--cache 2.obj"])
+        self.fails(1, "1.obj", "-o", "c.kelp", "--cache", "cache", "--cache-size", "lots", says=["--cache-size"])
+        if os.geteuid() != 0:
+            os.makedirs(self.path("cache"))
+            os.chmod(self.path("cache"), 0o500)
+            self.assertIn("could not be kept", self.passes("1.obj", "-o", "c.kelp", "--cache", "cache"))
+        self.write("blocked/x", "")
+        self.passes("1.obj", "-o", "c.kelp", "--resolution", "8", "--cache", "cache")
+        for entry in self.entries() + self.entries(".kelp-names"):
+            folder = os.path.dirname(entry)
+            if os.path.isdir(folder):
+                shutil.rmtree(folder)
+            with open(folder, "w"):
+                pass
+        text = self.passes("1.obj", "-o", "c.kelp", "--resolution", "8", "--cache", "cache")
+        self.assertIn("warning: --cache cache: the pack could not be kept there", text)
+
+    def test_batches_use_it(self):
+        self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
+        status = lambda *more: [asset["status"] for asset in self.batch_report("--manifest", "m.json", "--cache", "cache", *more)["assets"]]
+        self.assertEqual(status(), ["baked", "baked"])
+        self.assertEqual(status(), ["current", "current"])
+        os.remove(self.path("1.kelp"))
+        self.assertEqual(status(), ["cached", "current"])
+        self.assertEqual(status("-o", "other"), ["cached", "cached"])
+        self.assertEqual(self.read("other/2.kelp"), self.read("2.kelp"))
+
+    def batch_report(self, *arguments):
+        self.passes(*arguments, "--report", "report.json")
+        return json.loads(self.read("report.json"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""kelp-bake's progress on a terminal and elsewhere, and Ctrl-C at any moment. Usage: kelp_bake_progress_test.py KELP_BAKE [unittest options]
+KELP_ALL_TESTS=1 interrupts more often."""
+import fcntl
+import json
+import os
+import pty
+import random
+import re
+import signal
+import struct
+import subprocess
+import termios
+import time
+import unittest
+
+from kelp_bake_case import KELP_BAKE, Case, box
+
+TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 16
+
+
+def lump(n):
+    """A box whose sides have n x n quads: something to do for a while."""
+    corners, faces = {}, []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        p = [0, 0, 0]
+                        p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, i + di, j + dj
+                        quad.append(corners.setdefault(tuple(p), len(corners) + 1))
+                    faces.append("f %d %d %d %d" % tuple(quad if side else quad[::-1]))
+    return "".join("v %d %d %d\n" % p for p in corners) + "\n".join(faces) + "\n"
+
+
+class Progress(Case):
+    def on_terminal(self, *arguments, columns=80, kind="xterm"):
+        """What a terminal gets."""
+        primary, secondary = pty.openpty()
+        fcntl.ioctl(secondary, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=secondary, env=dict(os.environ, TERM=kind))
+        os.close(secondary)
+        text = b""
+        while True:
+            try:
+                piece = os.read(primary, 65536)
+            except OSError:  # as Linux says that the other end is closed
+                break
+            if not piece:
+                break
+            text += piece
+        os.close(primary)
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=60), 0, text)
+        return text.decode().replace("\r\n", "\n")
+
+    def bars(self, text):
+        """All bars that were drawn; none stays."""
+        shown = [bar for bar in re.findall(r"\r\x1b\[K([^\r\n\x1b]*)", text) if bar.startswith("[") or " [" in bar[:30]]
+        for line in text.split("\n"):
+            self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", "a bar stays")
+        return shown
+
+    def test_a_bar_on_a_terminal(self):
+        self.write("lump.obj", lump(60))
+        text = self.on_terminal("lump.obj", "-o", "out.kelp", "--resolution", "260", "--threads", "1")
+        bars = self.bars(text)
+        self.assertTrue(any(re.fullmatch(r"voxelize +\[#*\.*\] +\d+ %(, [0-9.e+]+ %/s, \d+:\d\d left)?", bar) for bar in bars), bars)
+        self.assertTrue(any(re.search(r"%/s, \d+:\d\d left", bar) for bar in bars), bars)
+        self.assertIn("kelp-bake: wrote out.kelp", text)
+        for columns in (20, 1):
+            for bar in self.bars(self.on_terminal("1.obj", "-o", "out.kelp", "--resolution", "60", columns=columns)):
+                self.assertLess(len(bar), max(columns, 2))
+
+    def test_a_bar_of_a_batch(self):
+        self.write("m.json", {"defaults": {"resolution": 40}, "assets": ["1.obj", "2.obj", "3.obj"]})
+        bars = self.bars(self.on_terminal("--manifest", "m.json"))
+        self.assertTrue(any(bar.startswith("[1/3] ") for bar in bars) and any(bar.startswith("[3/3] ") for bar in bars), bars)
+        self.assertTrue(any(re.search(r"; \d+:\d\d left of all$", bar) for bar in bars), bars)
+
+    def test_silence_elsewhere(self):
+        for arguments, kind in ((("--progress", "none"), "xterm"), ((), "dumb")):
+            self.assertNotIn("\x1b", self.on_terminal("1.obj", "-o", "out.kelp", "--resolution", "20", *arguments, kind=kind))
+        self.assertNotIn("\x1b", self.passes("1.obj", "-o", "out.kelp", "--resolution", "20"))
+        self.assertIn("\x1b", self.passes("1.obj", "-o", "out.kelp", "--resolution", "20", "--progress", "bar"))
+
+    def test_lines_of_json(self):
+        steps = lambda text: [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+        done = {}
+        for step in steps(self.passes("1.obj", "-o", "out.kelp", "--resolution", "60", "--progress", "json")):
+            self.assertLessEqual(set(step), {"stage", "done", "seconds", "seconds_left"})
+            self.assertGreaterEqual(step["done"], done.get(step["stage"], 0))
+            done[step["stage"]] = step["done"]
+        self.assertLessEqual({"import", "voxelize", "palette", "levels", "write"}, set(done))
+        self.assertEqual(done["write"], 1)
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": [{"input": "1.obj", "output": 'a "b".kelp'}, "2.obj"]})
+        of_batch = steps(self.passes("--manifest", "m.json", "--progress", "json"))
+        self.assertEqual({(step["asset"], step["assets"], step["output"]) for step in of_batch}, {(1, 2, 'a "b".kelp'), (2, 2, "2.kelp")})
+        self.assertTrue(all(("batch_seconds_left" in step) == (step["asset"] == 2) for step in of_batch))
+
+    def interrupt(self, arguments, signals=(signal.SIGINT, signal.SIGTERM, signal.SIGHUP)):
+        """At any moment of a bake: 130, the old output and nothing else, or all done. Answers how many were cut short."""
+        self.write("out.kelp", b"the pack that was there")
+        before = sorted(os.walk(self.folder))
+        heard = lambda: [signal.signal(each, signal.SIG_DFL) for each in signals]
+        start = time.monotonic()
+        self.assertEqual(self.bake(*arguments, "-o", "whole.kelp").returncode, 0)
+        duration = time.monotonic() - start
+        whole = self.read("whole.kelp")
+        os.remove(self.path("whole.kelp"))
+        chance = random.Random(11)
+        cut = 0
+        for turn in range(TRIES):
+            process = subprocess.Popen([KELP_BAKE, *arguments, "-o", "out.kelp", "--progress", "json"], cwd=self.folder, stderr=subprocess.PIPE, preexec_fn=heard)
+            process.stderr.readline()  # it listens
+            time.sleep(chance.uniform(0, 1.1 * duration))
+            process.send_signal(chance.choice(signals))
+            rest = process.communicate(timeout=120)[1]
+            self.assertIn(process.returncode, (0, 130), rest)
+            if process.returncode == 130:
+                self.assertIn(b"kelp-bake: interrupted", rest)
+                self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+                cut += 1
+            else:
+                self.assertEqual(self.read("out.kelp"), whole)
+                self.write("out.kelp", b"the pack that was there")
+            self.assertEqual([(where, sorted(folders), sorted(name for name in names if not name.endswith((".kelp-pack", ".kelp-names")))) for where, folders, names in sorted(os.walk(self.folder)) if "/cache" not in where],
+                             [(where, sorted(folders), sorted(names)) for where, folders, names in before if "/cache" not in where])
+            self.assertEqual([name for where, _, names in os.walk(self.path("cache")) for name in names if name.endswith(".tmp")], [])
+        return cut
+
+    def test_interrupted_at_any_moment(self):
+        self.write("lump.obj", lump(40))
+        self.assertGreater(self.interrupt(["lump.obj", "--resolution", "150"]), TRIES // 4)
+
+    def test_interrupted_with_a_cache(self):
+        self.write("lump.obj", lump(20))
+        os.makedirs(self.path("cache"))
+        self.interrupt(["lump.obj", "--resolution", "100", "--cache", "cache", "--cache-size", "1"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "bake_one.h"
+
+#include <chrono>
+
+#include "clashes.h"
+#include "interrupt.h"
+#include "report_json.h"
+#include "summary.h"
+
+namespace kelp::bake_cli {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// What is read may have been found only by reading it.
+void checkRoles(const Options& options, const bake::FilesUsed& files, const Place& place) {
+  std::vector<std::filesystem::path> read;
+  for (const bake::FilesUsed::File& file : files.read) read.push_back(file.path);
+  FileRoles roles;
+  addRoles(roles, options, read, place);
+}
+
+std::optional<Baked> takeFromCache(const Options& options, const Place& place, const Cache& cache) {
+  const auto start = Clock::now();
+  const std::optional<Cache::Hit> hit = cache.fetch(options, [&](const bake::FilesUsed& files) { checkRoles(options, files, place); });
+  if (!hit) return std::nullopt;
+  Baked baked;
+  baked.cached = true;
+  baked.pack_bytes = hit->pack_bytes;
+  baked.notices = noticesOf(hit->report);
+  baked.seconds = secondsSince(start);
+  if (options.report_file) bake::writeTextFile(*options.report_file, cachedReport(hit->report, options, hit->files, baked.seconds));
+  if (options.dependency_file) writeDependencies(*options.dependency_file, options, hit->files);
+  return baked;
+}
+
+}  // namespace
+
+Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display, bool announce) {
+  if (cache) {
+    if (std::optional<Baked> cached = takeFromCache(options, place, *cache)) return *std::move(cached);
+  }
+  const auto start = Clock::now();
+  Baked baked;
+  bake::Report& report = baked.report;
+  const auto progress = [&](std::string_view stage, double done) {
+    if (announce && report.estimated_bytes > 0) {
+      display.clear();
+      printEstimate(options, report);
+      announce = false;
+    }
+    display.show(stage, done);
+    return !interrupted();
+  };
+  const RawPack pack = bake::bake(options.input, options.settings, report, progress);
+  checkRoles(options, report.files, place);
+  bake::writePackFile(pack, options.output, options.settings.threads, report, progress);
+  display.clear();
+  baked.seconds = secondsSince(start);
+  const std::string report_text = reportJson(options, report, baked.seconds);
+  if (cache && !cache->store(options, pack.info_json, report_text, report.pack_hash))
+    report.notices.push_back("--cache " + options.cache_folder->string() + ": the pack could not be kept there; see that there is space, and that you may write to it");
+  if (options.report_file) bake::writeTextFile(*options.report_file, report_text);
+  if (options.dependency_file) writeDependencies(*options.dependency_file, options, report.files);
+  baked.notices = report.notices;
+  baked.pack_bytes = report.pack_bytes;
+  return baked;
+}
+
+}  // namespace kelp::bake_cli

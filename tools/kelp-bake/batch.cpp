@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "batch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <system_error>
+
+#include "bake_one.h"
+#include "batch_report.h"
+#include "batch_summary.h"
+#include "interrupt.h"
+#include "shard.h"
+#include "summary.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::BakeError;
+using bake::Exit;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// The folders of packs, reports and rules; and whether anything could be written there.
+void prepareOutputs(const Jobs& jobs) {
+  for (const Job& job : jobs.jobs) {
+    const Options& options = job.options;
+    for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) {
+      std::error_code error;
+      if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+      if (error) throw BakeError(Exit::kIo, job.asset.place.prefix() + file.parent_path().string() + ": the folder can not be made: " + error.message() + "; choose another, or mend its permissions");
+    }
+    bake::checkOutput(options.output);
+  }
+}
+
+bool isThere(const std::optional<fs::path>& file) {
+  std::error_code error;
+  return !file || fs::exists(*file, error);
+}
+
+// An error says where the batch names the asset, unless it does already.
+std::string withPlace(const Place& place, const std::string& what) {
+  const std::string prefix = place.prefix();
+  return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
+}
+
+// By the voxels of what was baked so far.
+class TimeLeft {
+ public:
+  explicit TimeLeft(const Jobs& jobs) {
+    for (const Job& job : jobs.jobs) left_ += voxelsOf(job.options);
+  }
+  void add(const Job& job, const AssetResult& result) {
+    left_ -= voxelsOf(job.options);
+    if (result.status != Status::kBaked) return;
+    baked_ += voxelsOf(job.options);
+    seconds_ += result.seconds;
+  }
+  // Less than 0 while nothing is known.
+  double seconds() const { return baked_ > 0 ? seconds_ / baked_ * left_ : -1; }
+
+ private:
+  double left_ = 0, baked_ = 0, seconds_ = 0;
+};
+
+AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
+  AssetResult result;
+  const auto start = Clock::now();
+  const auto fail = [&](Exit exit, const std::string& what) {
+    result.status = Status::kFailed;
+    result.exit = exit;
+    result.error = oneLine(withPlace(job.asset.place, what));
+  };
+  const Options& options = job.options;
+  try {
+    if (!force && isThere(options.report_file) && isThere(options.dependency_file) && bake::isCurrent(options.output, options.input, options.settings)) {
+      result.status = Status::kCurrent;
+      result.pack_bytes = fs::file_size(options.output);
+    } else {
+      const Baked baked = bakeOne(options, job.asset.place, cache, display, false);
+      result.status = baked.cached ? Status::kCached : Status::kBaked;
+      result.pack_bytes = baked.pack_bytes;
+      result.notices = baked.notices;
+    }
+  } catch (const BakeError& error) {
+    if (error.exit != Exit::kInterrupted) fail(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(Exit::kRuntime, options.input.string() + ": out of memory; lower --resolution");
+  } catch (const std::exception& error) {
+    fail(Exit::kRuntime, options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
+  }
+  result.seconds = secondsSince(start);
+  return result;
+}
+
+}  // namespace
+
+Exit runBatch(const Command& command) {
+  const auto start = Clock::now();
+  const Jobs jobs = prepareJobs(command);
+  if (command.plan) {
+    writeStdout(planJson(command, jobs));
+    return Exit::kOk;
+  }
+  catchInterrupts();
+  prepareOutputs(jobs);
+  const std::optional<Cache> cache = jobs.jobs.empty() ? std::nullopt : openCache(jobs.jobs.front().options);
+  ProgressDisplay display(jobs.jobs.empty() ? ProgressStyle::kNone : jobs.jobs.front().options.progress);
+  BatchResult result;
+  result.assets.resize(jobs.jobs.size());
+  TimeLeft time_left(jobs);
+  for (std::size_t i = 0; i < jobs.jobs.size() && !interrupted(); ++i) {
+    AssetResult& asset = result.assets[i];
+    display.beginAsset(i + 1, jobs.jobs.size(), jobs.jobs[i].options.output.string(), time_left.seconds());
+    asset = runOne(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
+    display.clear();
+    result.exit = std::max(result.exit, asset.exit);
+    printAsset(jobs, i, asset);
+    time_left.add(jobs.jobs[i], asset);
+  }
+  if (result.count(Status::kPending) > 0) result.exit = Exit::kInterrupted;
+  result.seconds = secondsSince(start);
+  if (jobs.report_file) writeBatchReport(*jobs.report_file, command, jobs, result);
+  printBatch(jobs, result);
+  return result.exit;
+}
+
+}  // namespace kelp::bake_cli

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "batch_jobs.h"
+
+#include <system_error>
+
+#include "clashes.h"
+#include "shard.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What is the batch's own and no asset's.
+Values optionsOfAssets(Values values) {
+  for (const char* own : {"output", "report"}) values.erase(own);
+  return values;
+}
+
+void checkFiles(const Options& options, const Values& values) {
+  const auto check = [&](const fs::path& file, const char* name) {
+    std::error_code error;
+    const std::string what = std::string(name) == "rig" ? ": no such file, nor a preset of that name; check the name, or see kelp-bake --help for presets" : ": no such file; check the name";
+    if (!fs::exists(file, error)) throw bake::BakeError(bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + what);
+  };
+  check(options.input, "input");
+  if (options.settings.rig_file) check(*options.settings.rig_file, "rig");
+  if (options.settings.palette_file) check(*options.settings.palette_file, "palette");
+  if (options.settings.ramp_file) check(*options.settings.ramp_file, "ramp");
+}
+
+}  // namespace
+
+Jobs prepareJobs(const Command& command) {
+  const Values run = overlay(command.config, command.options);
+  const auto given = [&](const char* name) {
+    const auto found = run.find(name);
+    return found == run.end() ? fs::path() : fs::path(found->second.text);
+  };
+  AssetList list = command.manifest ? readManifest(*command.manifest, given("output")) : readList(*command.list, given("output"));
+  const Values under = optionsOfAssets(command.config), over = optionsOfAssets(command.options);
+  std::vector<fs::path> option_files = command.option_files;
+  option_files.insert(option_files.end(), list.files.begin(), list.files.end());
+
+  Jobs out;
+  out.all = list.assets.size();
+  if (!given("report").empty()) out.report_file = given("report");
+  FileRoles roles;
+  if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
+  std::vector<Job> jobs;
+  std::vector<bake::BakeError> faults;
+  for (Asset& asset : list.assets) {
+    try {
+      asset.values = overlay(overlay(under, asset.values), over);
+      Options options = readOptions(asset.values);
+      options.option_files = option_files;
+      checkFiles(options, asset.values);
+      addRoles(roles, options, {}, asset.values["output"].place);
+      jobs.push_back({std::move(asset), std::move(options)});
+    } catch (const bake::BakeError& fault) {
+      faults.push_back(fault);
+    }
+  }
+  if (!faults.empty()) throw BatchFaults(std::move(faults));
+
+  std::vector<Options> options;
+  for (const Job& job : jobs) options.push_back(job.options);
+  out.indices = chooseShard(options, command.shard.value_or(Shard{}));
+  for (const std::size_t index : out.indices) out.jobs.push_back(std::move(jobs[index]));
+  return out;
+}
+
+}  // namespace kelp::bake_cli

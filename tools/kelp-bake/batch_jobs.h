@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "assets.h"
+#include "command_line.h"
+#include "options.h"
+
+namespace kelp::bake_cli {
+
+// One asset of a batch, understood and checked.
+struct Job {
+  Asset asset;      // with what the command line says
+  Options options;
+};
+
+struct Jobs {
+  std::vector<Job> jobs;                               // those of the shard
+  std::vector<std::size_t> indices;                    // of each in the whole batch, from 0
+  std::size_t all = 0;                                 // in the whole batch
+  std::optional<std::filesystem::path> report_file;    // of the batch
+};
+
+// All that is wrong with a batch; at least one. what() is the first.
+struct BatchFaults : bake::BakeError {
+  explicit BatchFaults(std::vector<bake::BakeError> all) : bake::BakeError(all.front()), faults(std::move(all)) {}
+  std::vector<bake::BakeError> faults;
+};
+
+// Reads the manifest or list, and checks every asset of it, of other shards too: options, files that are not there, files that would be overwritten.
+// BakeError for a file that can not be understood, BatchFaults for the assets.
+Jobs prepareJobs(const Command& command);
+
+}  // namespace kelp::bake_cli

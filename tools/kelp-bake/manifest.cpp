@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+#include "assets.h"
+#include "option_json.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxIncludes = 16;  // within each other
+
+using Kind = JsonValue::Kind;
+
+[[noreturn]] void fail(const Place& place, const std::string& what) { throw faultAt(place, what); }
+
+std::string quoted(const std::string& name) { return "\"" + (name.size() > 60 ? name.substr(0, 60) + "..." : name) + "\""; }
+
+class ManifestReader {
+ public:
+  explicit ManifestReader(const fs::path& output_folder) : output_folder_(output_folder) {}
+
+  void read(const fs::path& file, const Place& named_at) {
+    const std::string text = readTextFile(file, named_at);
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(file, error), error);
+    if (const auto first = std::find(open_.begin(), open_.end(), real); first != open_.end()) {
+      std::string circle;
+      for (auto step = first; step != open_.end(); ++step) circle += step->filename().string() + " > ";
+      fail(named_at, "this include goes round in a circle: " + circle + real.filename().string() + "; take one of them out");
+    }
+    if (open_.size() >= kMaxIncludes) fail(named_at, "more than " + std::to_string(kMaxIncludes) + " manifests include each other; put them side by side");
+    if (!done_.insert(real).second) return;  // whoever includes it twice wants it once
+    out.files.push_back(file);
+    open_.push_back(real);
+    readObject(file, parseJson(file, text));
+    open_.pop_back();
+  }
+
+  AssetList out;
+
+ private:
+  void readObject(const fs::path& file, const JsonValue& root) {
+    if (root.kind != Kind::kObject) fail(root.place, std::string("a manifest is an object, this is ") + root.kindName() + "; write {\"assets\": [...]}");
+    const JsonValue *includes = nullptr, *assets = nullptr, *defaults = nullptr;
+    const fs::path folder = file.parent_path();
+    fs::path output = output_folder_.empty() ? folder : output_folder_;
+    for (const JsonValue::Member& member : root.members) {
+      if (member.name == "include") {
+        includes = &member.value;
+      } else if (member.name == "assets") {
+        assets = &member.value;
+      } else if (member.name == "defaults") {
+        defaults = &member.value;
+      } else if (member.name == "output") {
+        expectKind(member.value, Kind::kString, "output", "the folder for the packs");
+        if (output_folder_.empty()) output = folder / member.value.text;
+      } else if (member.name != "$schema") {  // for editors
+        fail(member.place, quoted(member.name) + " is not known; a manifest has include, output, defaults and assets");
+      }
+    }
+    if (!includes && !assets) fail(root.place, "this manifest has neither assets nor includes; write {\"assets\": [...]}");
+    if (includes) readIncludes(*includes, folder);
+    Values base;
+    if (defaults) {
+      expectKind(*defaults, Kind::kObject, "defaults", "an object of options");
+      for (const JsonValue::Member& member : defaults->members) base[member.name] = optionOf(member, folder, false);
+      for (const char* own : {"report", "deps-file"})
+        if (const auto found = base.find(own); found != base.end()) fail(found->second.place, quoted(own) + " can not be one file for all assets; give it at each of them");
+    }
+    if (!assets) return;
+    expectKind(*assets, Kind::kArray, "assets", "a list of assets");
+    for (const JsonValue& asset : assets->items) readAsset(asset, folder, output, base);
+  }
+
+  void readIncludes(const JsonValue& value, const fs::path& folder) {
+    if (value.kind == Kind::kString) return read(folder / value.text, value.place);
+    expectKind(value, Kind::kArray, "include", "the name of a manifest, or a list of them");
+    for (const JsonValue& name : value.items) {
+      expectKind(name, Kind::kString, "include", "names of manifests");
+      read(folder / name.text, name.place);
+    }
+  }
+
+  void readAsset(const JsonValue& value, const fs::path& folder, const fs::path& output, const Values& base) {
+    if (out.assets.size() >= kMaxAssets) fail(value.place, "more than " + std::to_string(kMaxAssets) + " assets; divide the manifest");
+    Values own;
+    std::string pack;
+    Place pack_place = value.place;
+    if (value.kind == Kind::kString) {
+      own["input"] = {(folder / nameOf(value, "an asset")).string(), value.place};
+    } else {
+      if (value.kind != Kind::kObject) fail(value.place, std::string("an asset is ") + value.kindName() + "; give the name of a file, or an object with \"input\"");
+      for (const JsonValue::Member& member : value.members) {
+        if (member.name == "input") {
+          own["input"] = {(folder / nameOf(member.value, "input")).string(), member.value.place};
+        } else if (member.name == "output") {
+          pack = nameOf(member.value, "output");
+          pack_place = member.value.place;
+        } else {
+          own[member.name] = optionOf(member, folder, false);
+        }
+      }
+      if (own.count("input") == 0) fail(value.place, "this asset has no \"input\"; name the file to bake");
+    }
+    own["output"] = {(output / (pack.empty() ? packName(own["input"].text) : pack)).string(), pack_place};
+    out.assets.push_back({overlay(base, own), value.place});
+  }
+
+  static std::string nameOf(const JsonValue& value, const std::string& name) {
+    expectKind(value, Kind::kString, name, "the name of a file");
+    if (value.text.empty()) fail(value.place, quoted(name) + " is empty; give the name of a file");
+    return value.text;
+  }
+
+  const fs::path& output_folder_;
+  std::vector<fs::path> open_;
+  std::set<fs::path> done_;
+};
+
+}  // namespace
+
+std::string packName(const std::string& input) { return fs::path(input).stem().string() + ".kelp"; }
+
+AssetList readManifest(const fs::path& file, const fs::path& folder) {
+  ManifestReader reader(folder);
+  reader.read(file, {});
+  if (reader.out.assets.empty()) throw bake::BakeError(bake::Exit::kInvalid, file.string() + ": names no asset; put the files to bake into \"assets\"");
+  return std::move(reader.out);
+}
+
+}  // namespace kelp::bake_cli
