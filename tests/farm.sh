@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# 200 assets by the workflow of samples/farm: on this machine, and on a Slurm of this machine alone, where one job is killed midway and another is
+# cancelled; the packs must be those of one kelp-bake, byte for byte. Opt-in, minutes: tests/run.sh needs nothing of this.
+#   tests/farm.sh [KELP_BAKE]   default: build/dev/bin/kelp-bake, which is built if it is not there
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+case "${1:-}" in
+  -h|--help) sed -n '3,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+missing=()
+for package in snakemake munge slurm-wlm; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] || { echo "farm.sh: not here: ${missing[*]}; first: tools/setup.sh farm" >&2; exit 1; }
+
+kelp_bake=${1:-build/dev/bin/kelp-bake}
+if [ $# -eq 0 ] && [ ! -x "$kelp_bake" ]; then
+  cmake --preset dev && cmake --build --preset dev --target kelp-bake
+fi
+for where in Local Slurm; do
+  python3 -B tests/samples/check_farm.py "$where" "$kelp_bake" samples/farm -v
+done
