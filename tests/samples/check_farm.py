@@ -112,7 +112,7 @@ class Farm(unittest.TestCase):
         """The packs of one kelp-bake, in a copy of the folder."""
         with tempfile.TemporaryDirectory() as other:
             copy = os.path.join(other, "copy")
-            shutil.copytree(self.folder, copy, ignore=shutil.ignore_patterns("packs", ".snakemake", ".cache"))
+            shutil.copytree(self.folder, copy, ignore=shutil.ignore_patterns("packs", "packs in stock", ".snakemake", ".cache"))
             subprocess.run([KELP_BAKE, "--manifest", "assets.json"], cwd=copy, check=True, capture_output=True)
             return self.packs(copy)
 
@@ -129,6 +129,7 @@ class Farm(unittest.TestCase):
 class Local(Farm):
     def test_the_same_bytes_and_nothing_in_vain(self):
         # A bad asset stops no other.
+        self.CONFIG = ["cache=packs in stock"]
         self.edit("plain/lump002.ply", lambda content: content[:200])
         done, text = self.farm(code=1)
         self.assertEqual(len(done), self.COUNT)
@@ -142,6 +143,7 @@ class Local(Farm):
         self.assertEqual(done, self.baked("plain/lump002.kelp"))
         self.assertIn("farm: %d of %d packs are there" % (self.COUNT, self.COUNT), text)
         self.assertEqual(self.packs(), self.truth())
+        self.assertTrue(os.listdir(self.path("packs in stock")))
 
         # A texture that many share and that no manifest names, a rig that appears, an option that changes, an asset that is new.
         self.edit("textured/skin.png", lambda content: content)
