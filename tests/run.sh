@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
 #   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
-#   tests/run.sh --require-assets   the same, and every skipped test is a failure
+#   tests/run.sh --require-assets   the same, and every skipped test is a failure, but for those of opt-in packages (samples.farm)
 #   tests/run.sh --all              everything, all that tests can try (KELP_ALL_TESTS), then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
