@@ -140,6 +140,15 @@ class Batches(Case):
         for report in ("m.json", "1.obj", "1.kelp"):
             self.fails(3 if report == "1.kelp" else 1, "--manifest", "m.json", "--report", report, says=[report])
 
+    def test_a_complaint_is_made_once(self):
+        self.write("l.txt", "1.obj\n2.obj\n3.obj\n")
+        for code, arguments, says in ((1, ["--report", "l.txt"], "would overwrite l.txt"), (1, ["--resolution", "9999"], "--resolution 9999")):
+            result = self.bake("@l.txt", "-o", "lo", *arguments)
+            self.assertEqual(result.returncode, code)
+            self.assertEqual(result.stderr.decode().count("\n"), 1, result.stderr)
+            self.assertIn(says, result.stderr.decode())
+        self.assertEqual(self.kelps(), [])
+
     def test_circles_depth_and_size(self):
         self.write("a.json", {"include": ["sub/b.json"], "assets": ["1.obj"]})
         self.write("sub/b.json", '{"include":\n   "../a.json"}')

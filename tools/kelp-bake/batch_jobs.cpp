@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "batch_jobs.h"
 
+#include <set>
 #include <system_error>
 
 #include "clashes.h"
@@ -49,6 +50,7 @@ Jobs prepareJobs(const Command& command) {
   if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
   std::vector<Job> jobs;
   std::vector<bake::BakeError> faults;
+  std::set<std::string> complaints;  // what is wrong with the command line is so for every asset: once is enough
   for (Asset& asset : list.assets) {
     try {
       asset.values = overlay(overlay(under, asset.values), over);
@@ -58,7 +60,7 @@ Jobs prepareJobs(const Command& command) {
       addRoles(roles, options, {}, asset.values["output"].place);
       jobs.push_back({std::move(asset), std::move(options)});
     } catch (const bake::BakeError& fault) {
-      faults.push_back(fault);
+      if (complaints.insert(fault.what()).second) faults.push_back(fault);
     }
   }
   if (!faults.empty()) throw BatchFaults(std::move(faults));
