@@ -248,10 +248,11 @@ class NinjaPacks(Packs, unittest.TestCase):
         self.assertIn("kelp/bin/kelp-bake", text)
 
     def test_configurations(self):
-        """Several configurations in one build: one pack for all, or one for each."""
+        """Several configurations in one build: one pack for all, or one for each; and files that OPTIONS name from the source folder, behind a =."""
         self.__class__.generator, build = "Ninja Multi-Config", f"{self.work}/multi"
+        palette = f"--palette={os.path.relpath(self.models, f'{HERE}/packs')}/fish.gpl"
         try:
-            code, text = self.configure(f'-DEXTRA=kelp_add_pack(TARGET own SOURCE "{self.models}/reed.gltf" OUTPUT $<CONFIG>/own.kelp OPTIONS --resolution $<IF:$<CONFIG:Debug>,8,16>)',
+            code, text = self.configure(f'-DEXTRA=kelp_add_pack(TARGET own SOURCE "{self.models}/reed.gltf" OUTPUT $<CONFIG>/own.kelp OPTIONS --resolution $<IF:$<CONFIG:Debug>,8,16> "{palette}")',
                                         build=build)
         finally:
             self.__class__.generator = "Ninja"

@@ -7,7 +7,7 @@
 #   SOURCE   the model or volume, from the current source folder; or a file that another rule of the same folder makes, by its whole path.
 #   RIG      a rig file, from the current source folder, or a preset of kelp-bake. Without it, STEM.rig.json beside the source where there is one; one that is
 #            added later is seen when CMake runs again.
-#   OPTIONS  what else `kelp-bake --help` has. --palette, --ramp and --config name files from the current source folder. Generator expressions are fine.
+#   OPTIONS  what else `kelp-bake --help` has. --palette, --ramp and --config name files from the current source folder, behind a space or a =. Generator expressions are fine.
 #   OUTPUT   default STEM.kelp, from CMAKE_RUNTIME_OUTPUT_DIRECTORY if that is set, or else from the current binary folder: beside the folder's programs.
 #            With several configurations in one build, $<CONFIG>/STEM.kelp is beside each one's.
 #
@@ -128,6 +128,12 @@ macro(kelp_pack_options_)
     elseif(previous MATCHES "^--(palette|ramp|config)$")
       cmake_path(ABSOLUTE_PATH option BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
       list(APPEND depends "${option}")
+    elseif(option MATCHES "^(--(palette|ramp|config))=(.+)$")
+      set(name "${CMAKE_MATCH_1}")
+      set(file "${CMAKE_MATCH_3}")
+      cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" NORMALIZE)
+      list(APPEND depends "${file}")
+      set(option "${name}=${file}")
     endif()
     list(APPEND options "${option}")
     set(previous "${option}")
