@@ -149,6 +149,26 @@ class Batches(Case):
             self.assertIn(says, result.stderr.decode())
         self.assertEqual(self.kelps(), [])
 
+    def test_reports_and_rules_are_checked_before_the_work(self):
+        self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
+        self.write("blocked/x", "")
+        self.fails(2, "--manifest", "m.json", "--report", "3.obj/report.json", says=["3.obj: the folder can not be made"])
+        self.fails(2, "--manifest", "m.json", "--report", "blocked", says=["blocked: is a folder"])
+        for name in ("report", "deps-file"):
+            self.wrong(2, {"assets": ["1.obj", {"input": "2.obj", name: "3.obj/x"}]}, "m.json:1:", "3.obj: the folder can not be made")
+            self.wrong(2, {"assets": ["1.obj", {"input": "2.obj", name: "blocked"}]}, "blocked: is a folder")
+        self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
+        self.passes("--manifest", "m.json", "--report", "made/deep/report.json")
+        self.assertEqual(json.loads(self.read("made/deep/report.json"))["counts"]["baked"], 2)
+        # One that fails for all that hides nothing.
+        self.write("2.obj", "f 1 2 3\n")
+        for code, assets, says in ((2, ["1.obj"], "1 of 1 assets done"), (3, ["1.obj", "2.obj"], "1 of 2 assets done")):
+            self.write("m.json", {"defaults": {"resolution": 8}, "assets": assets})
+            result = self.bake("--manifest", "m.json", "--report", "/dev/full")
+            self.assertEqual(result.returncode, code)
+            self.assertIn(says, result.stderr.decode())
+            self.assertIn("--report /dev/full: can not be written", result.stderr.decode())
+
     def test_circles_depth_and_size(self):
         self.write("a.json", {"include": ["sub/b.json"], "assets": ["1.obj"]})
         self.write("sub/b.json", '{"include":\n   "../a.json"}')

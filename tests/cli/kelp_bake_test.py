@@ -240,6 +240,11 @@ class KelpBake(unittest.TestCase):
         self.fails(2, self.cube, "-o", "/proc/out.kelp", says=["/proc/out.kelp"])
         self.fails(2, self.cube, "-o", self.out, "--rig", self.path("absent.rig.json"), says=["absent.rig.json"])
 
+    def test_reports_and_rules_are_checked_before_the_bake(self):
+        for option in ("--report", "-MF"):
+            self.fails(2, self.cube, "-o", self.out, option, self.path("none/x"), says=["none/x", "No such file or directory"])
+            self.fails(2, self.cube, "-o", self.out, option, self.folder.name, says=["is a folder"])
+
     def test_a_full_disk_leaves_the_old_pack(self):
         lump = self.write("lump.obj", wavy_obj(20))
         self.write("out.kelp", b"the pack that was there")

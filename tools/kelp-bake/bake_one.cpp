@@ -2,6 +2,7 @@
 #include "bake_one.h"
 
 #include <chrono>
+#include <system_error>
 
 #include "clashes.h"
 #include "interrupt.h"
@@ -39,6 +40,18 @@ std::optional<Baked> takeFromCache(const Options& options, const Place& place, c
 }
 
 }  // namespace
+
+void checkTextFile(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) || std::filesystem::is_directory(status)) bake::checkOutput(file);
+}
+
+void checkDestinations(const Options& options) {
+  bake::checkOutput(options.output);
+  if (options.report_file) checkTextFile(*options.report_file);
+  if (options.dependency_file) checkTextFile(*options.dependency_file);
+}
 
 Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display, bool announce) {
   if (cache) {

@@ -16,6 +16,11 @@ struct Baked {
   double seconds = 0;
 };
 
+// Whether the pack, the report and the rule could be written, asked before the work: BakeError kIo that says why not. Leaves nothing behind.
+void checkDestinations(const Options& options);
+// The same of a report or a rule alone. What is no regular file (/dev/null) is written as it is.
+void checkTextFile(const std::filesystem::path& file);
+
 // `cache` may be null. `place`: where the batch names the asset, or nothing. `announce`: say before the work what memory it will take.
 // BakeError; kInterrupted as soon as interrupted() says so.
 Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display, bool announce);

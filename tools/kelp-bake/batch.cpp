@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <new>
 #include <system_error>
 
@@ -23,16 +24,32 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+void makeFolderOf(const fs::path& file, const Place& place) {
+  std::error_code error;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+  if (error) throw BakeError(Exit::kIo, place.prefix() + file.parent_path().string() + ": the folder can not be made: " + error.message() + "; choose another, or mend its permissions");
+}
+
 // The folders of packs, reports and rules; and whether anything could be written there.
 void prepareOutputs(const Jobs& jobs) {
+  if (jobs.report_file) {
+    makeFolderOf(*jobs.report_file, {});
+    checkTextFile(*jobs.report_file);
+  }
   for (const Job& job : jobs.jobs) {
     const Options& options = job.options;
-    for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) {
-      std::error_code error;
-      if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-      if (error) throw BakeError(Exit::kIo, job.asset.place.prefix() + file.parent_path().string() + ": the folder can not be made: " + error.message() + "; choose another, or mend its permissions");
-    }
-    bake::checkOutput(options.output);
+    for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) makeFolderOf(file, job.asset.place);
+    checkDestinations(options);
+  }
+}
+
+// After all the work a report that can not be written is one more failure, and hides none of the others.
+void tryToReport(const Command& command, const Jobs& jobs, BatchResult& result) {
+  try {
+    writeBatchReport(*jobs.report_file, command, jobs, result);
+  } catch (const BakeError& error) {
+    std::fprintf(stderr, "kelp-bake: --report %s\n", oneLine(error.what()).c_str());
+    result.exit = std::max(result.exit, error.exit);
   }
 }
 
@@ -123,8 +140,8 @@ Exit runBatch(const Command& command) {
   }
   if (result.count(Status::kPending) > 0) result.exit = Exit::kInterrupted;
   result.seconds = secondsSince(start);
-  if (jobs.report_file) writeBatchReport(*jobs.report_file, command, jobs, result);
   printBatch(jobs, result);
+  if (jobs.report_file) tryToReport(command, jobs, result);
   return result.exit;
 }
 

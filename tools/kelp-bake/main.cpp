@@ -29,7 +29,7 @@ void runSingle(const Command& command) {
   FileRoles roles;
   addRoles(roles, options, {}, {});
   catchInterrupts();
-  kelp::bake::checkOutput(options.output);
+  checkDestinations(options);
   const std::optional<Cache> cache = openCache(options);
   ProgressDisplay display(options.progress);
   const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
