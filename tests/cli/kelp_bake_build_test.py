@@ -244,6 +244,20 @@ class Caches(BuildFolder):
         text = self.passes("1.obj", "-o", "c.kelp", "--resolution", "8", "--cache", "cache")
         self.assertIn("warning: --cache cache: the pack could not be kept there", text)
 
+    def test_its_folder_is_no_output(self):
+        self.write("m.json", {"assets": [{"input": "1.obj", "output": "x.kelp"}, {"input": "2.obj", "report": "r"}]})
+        self.write("c.toml", 'cache = "x.kelp"\nresolution = 8')
+        for cache in ("x.kelp", "x.kelp/", "./x.kelp/below/it", self.path("x.kelp")):
+            self.fails(1, "1.obj", "-o", "x.kelp", "--cache", cache, says=["-o x.kelp", "--cache " + cache])
+            self.fails(1, "1.obj", "-o", "y.kelp", "--report", "x.kelp", "--cache", cache, says=["--report x.kelp", "--cache " + cache])
+            self.fails(3, "--manifest", "m.json", "--cache", cache, says=["m.json:1:", "-o x.kelp", "--cache " + cache])
+        self.fails(1, "1.obj", "-o", "x.kelp", "--config", "c.toml", says=["--cache x.kelp"])
+        self.fails(3, "--manifest", "m.json", "--cache", "r", says=["m.json:1:", "--report r", "--cache r"])
+        self.fails(1, "--manifest", "m.json", "--report", "all", "--cache", "all", says=["--report all", "--cache all"])
+        # Beside it, or in it, is as good as anywhere.
+        self.passes("1.obj", "-o", "x.kelp", "--resolution", "8", "--cache", "x.kelp.d", "--report", "x.json")
+        self.passes("--manifest", "m.json", "-o", "x.kelp.d", "--resolution", "8", "--cache", "x.kelp.d")
+
     def test_batches_use_it(self):
         self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
         status = lambda *more: [asset["status"] for asset in self.batch_report("--manifest", "m.json", "--cache", "cache", *more)["assets"]]

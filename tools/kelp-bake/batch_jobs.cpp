@@ -48,6 +48,7 @@ Jobs prepareJobs(const Command& command) {
   if (!given("report").empty()) out.report_file = given("report");
   FileRoles roles;
   if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
+  if (!given("cache").empty()) roles.addFolder(given("cache"), "--cache");
   std::vector<Job> jobs;
   std::vector<bake::BakeError> faults;
   std::set<std::string> complaints;  // what is wrong with the command line is so for every asset: once is enough

@@ -33,6 +33,10 @@ std::vector<std::string> keysOf(const fs::path& path) {
   throw faultAt(place, name + ": would overwrite " + read.string() + ", which the bake reads; write to another name");
 }
 
+[[noreturn]] void failFolder(const Place& place, const std::string& name, const std::string& folder) {
+  throw faultAt(place, name + ": is a file where " + folder + " needs a folder; write to another name");
+}
+
 }  // namespace
 
 void FileRoles::addRead(const fs::path& path) {
@@ -45,12 +49,21 @@ void FileRoles::addRead(const fs::path& path) {
 void FileRoles::addWritten(const fs::path& path, const std::string& option, const Place& place) {
   const std::string name = option + " " + path.string();
   for (const std::string& key : keysOf(path)) {
+    if (const auto folder = folders_.find(key); folder != folders_.end()) failFolder(place, name, folder->second);
     if (const auto reader = read_.find(key); reader != read_.end()) failOverwrite(place, name, reader->second);
     const auto [other, is_new] = written_.emplace(key, Writer{name, place});
     if (is_new) continue;
     std::string where = other->second.place.prefix();
     if (!where.empty()) where = " of " + where.substr(0, where.size() - 2);
     throw faultAt(place, name + ": is the same file as " + other->second.name + where + "; give each file a name of its own");
+  }
+}
+
+void FileRoles::addFolder(const fs::path& path, const std::string& option) {
+  const std::string name = option + " " + path.string();
+  for (fs::path folder = placeOf(path); folder.has_relative_path(); folder = folder.parent_path()) {
+    if (const auto writer = written_.find(folder.string()); writer != written_.end()) failFolder(writer->second.place, writer->second.name, name);
+    folders_.emplace(folder.string(), name);
   }
 }
 

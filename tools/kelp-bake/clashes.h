@@ -18,6 +18,8 @@ class FileRoles {
   void addRead(const std::filesystem::path& path);
   // BakeError if the file is read, or written by somebody else. `option`: "-o", "--report"; the error is one of its place.
   void addWritten(const std::filesystem::path& path, const std::string& option, const Place& place);
+  // A folder that is made if need be, and those above it: BakeError if one of them is to be a file that is written.
+  void addFolder(const std::filesystem::path& path, const std::string& option);
 
  private:
   struct Writer {
@@ -26,6 +28,7 @@ class FileRoles {
   };
   std::unordered_map<std::string, Writer> written_;                 // by each of a file's keys
   std::unordered_map<std::string, std::filesystem::path> read_;
+  std::unordered_map<std::string, std::string> folders_;             // by their places: "--cache packs"
 };
 
 // Adds all that `options` write and, beside `read`, all that they name to be read; `place` is where they were written.

@@ -28,6 +28,7 @@ void runSingle(const Command& command) {
   // Before the work: what is known of the files without reading them.
   FileRoles roles;
   addRoles(roles, options, {}, {});
+  if (options.cache_folder) roles.addFolder(*options.cache_folder, "--cache");
   catchInterrupts();
   checkDestinations(options);
   const std::optional<Cache> cache = openCache(options);
