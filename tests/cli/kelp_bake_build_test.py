@@ -7,6 +7,7 @@ import random
 import shlex
 import shutil
 import subprocess
+import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, PIXEL, Case, box, textured_box
@@ -107,6 +108,47 @@ class BuildSteps(BuildFolder):
                 return b"Nothing to be done" not in result.stdout
 
             self.check_builds(build, odd, output)
+
+    def test_a_pack_that_is_up_to_date_gets_its_rule(self):
+        self.textured("in")
+        self.write("c.toml", "levels = 1")
+        for name in ("A.json", "B.json"):
+            self.write(name, {"output": "o", "defaults": {"resolution": 8, "levels": 1, "write-deps": True}, "assets": ["in/box.obj"]})
+        self.passes("--manifest", "A.json")
+        read = ["in/box.obj", "in/the $kin.tga", "in/the box.mtl"]
+        self.assertEqual(self.rule("o/box.kelp.d"), ("o/box.kelp", sorted(read + ["A.json"])))
+        pack = self.read("o/box.kelp")
+        self.assertIn("up to date", self.passes("--manifest", "B.json", "--config", "c.toml"))
+        self.assertEqual(self.rule("o/box.kelp.d"), ("o/box.kelp", sorted(read + ["B.json", "c.toml"])))
+        os.remove(self.path("o/box.kelp.d"))
+        self.assertIn("1 up to date", self.passes("--manifest", "A.json"))
+        self.assertEqual(self.rule("o/box.kelp.d"), ("o/box.kelp", sorted(read + ["A.json"])))
+        self.assertEqual(self.read("o/box.kelp"), pack)
+        # Its time is a build's affair alone.
+        os.utime(self.path("o/box.kelp"), (7, 7))
+        self.assertIn("1 up to date", self.passes("@" + self.write("l.txt", "in/box.obj --resolution 8 --levels 1"), "-o", "o"))
+        self.assertEqual(os.stat(self.path("o/box.kelp")).st_mtime, 7)
+        self.passes("--manifest", "A.json")
+        self.assertGreater(os.stat(self.path("o/box.kelp")).st_mtime, 7)
+
+    @unittest.skipUnless(shutil.which("make"), "make is not installed: apt-get install make")
+    def test_make_asks_once_for_a_manifest_that_is_newer(self):
+        self.write("A.json", {"output": "o", "defaults": {"resolution": 8, "write-deps": True}, "assets": ["1.obj"]})
+        self.write("Makefile", ".PHONY: all\nall: o/1.kelp\n-include o/1.kelp.d\no/1.kelp:\n\t%s --manifest A.json\n" % shlex.quote(KELP_BAKE))
+
+        def make():
+            result = subprocess.run(["make"], cwd=self.folder, capture_output=True)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return b"Nothing to be done" not in result.stdout, b"up to date" in result.stderr
+
+        self.assertEqual(make()[0], True)
+        self.assertEqual(make()[0], False)
+        status = os.stat(self.path("o/1.kelp"))
+        time.sleep(0.02)  # file times may be a clock tick apart
+        os.utime(self.path("A.json"))
+        self.assertEqual(make(), (True, True))
+        self.assertEqual(os.stat(self.path("o/1.kelp")).st_ino, status.st_ino)
+        self.assertEqual(make()[0], False)
 
     def escaped_target(self, odd):
         """As make wants it, written by hand: what the program writes is what is tested."""

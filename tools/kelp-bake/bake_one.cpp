@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "bake_one.h"
 
+#include <cerrno>
 #include <chrono>
 #include <system_error>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include "clashes.h"
 #include "interrupt.h"
+#include "kelp/formats/pack.h"
+#include "kelp/formats/source.h"
 #include "report_json.h"
 #include "summary.h"
 
@@ -39,6 +45,18 @@ std::optional<Baked> takeFromCache(const Options& options, const Place& place, c
   return baked;
 }
 
+// What the pack was made of, by its own words. Nothing if another has taken its place meanwhile.
+std::optional<bake::FilesUsed> filesOfPack(const Options& options) {
+  Result<FileSource> file = FileSource::open(options.output.c_str());
+  if (!file) return std::nullopt;
+  FileSource opened = *std::move(file);
+  const Result<Pack> pack = Pack::open(opened.source());
+  if (!pack) return std::nullopt;
+  std::optional<bake::Recipe> recipe = bake::recipeNow(std::string(pack->infoJson()), options.input, options.settings);
+  if (!recipe) return std::nullopt;
+  return std::move(recipe->files);
+}
+
 }  // namespace
 
 void checkTextFile(const std::filesystem::path& file) {
@@ -51,6 +69,22 @@ void checkDestinations(const Options& options) {
   bake::checkOutput(options.output);
   if (options.report_file) checkTextFile(*options.report_file);
   if (options.dependency_file) checkTextFile(*options.dependency_file);
+}
+
+std::optional<Baked> takeCurrent(const Options& options, const Place& place) {
+  if (!bake::isCurrent(options.output, options.input, options.settings)) return std::nullopt;
+  Baked baked;
+  baked.pack_bytes = std::filesystem::file_size(options.output);
+  if (!options.dependency_file) return baked;
+  const std::optional<bake::FilesUsed> files = filesOfPack(options);
+  if (!files) return std::nullopt;
+  checkRoles(options, *files, place);
+  writeDependencies(*options.dependency_file, options, *files);
+  if (::utimensat(AT_FDCWD, options.output.c_str(), nullptr, 0) != 0) {
+    const int error = errno;
+    baked.notices.push_back(options.output.string() + ": its time can not be renewed: " + std::generic_category().message(error) + "; builds will ask for it again; see that you may write to it");
+  }
+  return baked;
 }
 
 Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display, bool announce) {

@@ -2,6 +2,8 @@
 // One asset, from its input to its pack and what is written beside it: the same by itself and in a batch.
 #pragma once
 
+#include <optional>
+
 #include "cache.h"
 #include "options.h"
 #include "progress_display.h"
@@ -20,6 +22,11 @@ struct Baked {
 void checkDestinations(const Options& options);
 // The same of a report or a rule alone. What is no regular file (/dev/null) is written as it is.
 void checkTextFile(const std::filesystem::path& file);
+
+// The pack that is there, if it is what a bake would write (bake::isCurrent). Where a rule is asked for it is written, as others may have asked for this pack before,
+// and the pack's time is renewed: a build asks again for as long as its target is older than what the rule names. No byte of the pack changes, and no report is written.
+// BakeError if the rule can not be written.
+std::optional<Baked> takeCurrent(const Options& options, const Place& place);
 
 // `cache` may be null. `place`: where the batch names the asset, or nothing. `announce`: say before the work what memory it will take.
 // BakeError; kInterrupted as soon as interrupted() says so.

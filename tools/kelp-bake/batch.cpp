@@ -93,15 +93,16 @@ AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDispl
   };
   const Options& options = job.options;
   try {
-    if (!force && isThere(options.report_file) && isThere(options.dependency_file) && bake::isCurrent(options.output, options.input, options.settings)) {
+    std::optional<Baked> done;
+    if (!force && isThere(options.report_file)) done = takeCurrent(options, job.asset.place);
+    if (done) {
       result.status = Status::kCurrent;
-      result.pack_bytes = fs::file_size(options.output);
     } else {
-      const Baked baked = bakeOne(options, job.asset.place, cache, display, false);
-      result.status = baked.cached ? Status::kCached : Status::kBaked;
-      result.pack_bytes = baked.pack_bytes;
-      result.notices = baked.notices;
+      done = bakeOne(options, job.asset.place, cache, display, false);
+      result.status = done->cached ? Status::kCached : Status::kBaked;
     }
+    result.pack_bytes = done->pack_bytes;
+    result.notices = done->notices;
   } catch (const BakeError& error) {
     if (error.exit != Exit::kInterrupted) fail(error.exit, error.what());
   } catch (const std::bad_alloc&) {
