@@ -64,23 +64,45 @@ std::string withPlace(const Place& place, const std::string& what) {
   return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
 }
 
-// By the voxels of what was baked so far.
+// By what was baked so far. Assets with a resolution of their own count by their voxels; of others only the input knows how large they are, by a voxel's size or by the voxels
+// it has already, and each counts as one: a kind by itself, as nothing is known of how the two compare.
 class TimeLeft {
  public:
   explicit TimeLeft(const Jobs& jobs) {
-    for (const Job& job : jobs.jobs) left_ += voxelsOf(job.options);
+    for (const Job& job : jobs.jobs) {
+      Kind& kind = kindOf(job);
+      kind.left += weightOf(job);
+      ++kind.assets_left;
+    }
   }
   void add(const Job& job, const AssetResult& result) {
-    left_ -= voxelsOf(job.options);
+    Kind& kind = kindOf(job);
+    kind.left -= weightOf(job);
+    --kind.assets_left;
     if (result.status != Status::kBaked) return;
-    baked_ += voxelsOf(job.options);
-    seconds_ += result.seconds;
+    kind.baked += weightOf(job);
+    kind.seconds += result.seconds;
   }
-  // Less than 0 while nothing is known.
-  double seconds() const { return baked_ > 0 ? seconds_ / baked_ * left_ : -1; }
+  // Less than 0 while too little is known.
+  double seconds() const {
+    double sum = 0;
+    for (const Kind& kind : kinds_) {
+      if (kind.assets_left == 0) continue;
+      if (kind.baked == 0) return -1;
+      sum += kind.seconds / kind.baked * kind.left;
+    }
+    return sum;
+  }
 
  private:
-  double left_ = 0, baked_ = 0, seconds_ = 0;
+  struct Kind {
+    double left = 0, baked = 0, seconds = 0;
+    std::size_t assets_left = 0;
+  };
+  static double weightOf(const Job& job) { return job.options.settings.resolution_given ? voxelsOf(job.options) : 1; }
+  Kind& kindOf(const Job& job) { return kinds_[job.options.settings.resolution_given ? 0 : 1]; }
+
+  Kind kinds_[2];
 };
 
 AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {

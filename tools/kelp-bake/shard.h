@@ -8,7 +8,7 @@
 
 namespace kelp::bake_cli {
 
-// What an asset is taken to cost, by its options alone.
+// What an asset is taken to cost, by its options alone: where they give no resolution, that of the default one.
 double voxelsOf(const Options& options);
 
 // The indices of the assets in a share, ascending. Each asset is in exactly one of N shares. It depends on the options alone and on no file: runs that
