@@ -34,7 +34,7 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const Settings& se
     return OuterRig{readRigFile(files, *settings.rig_file), "rig file " + settings.rig_file->filename().string()};
   }
   if (settings.rig_preset) {
-    std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis);
+    std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis, settings.up);
     if (!preset) {
       throw BakeError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) + "'; choose one of " + presetList());
     }

@@ -64,7 +64,7 @@ int diff(const std::string& path_a, const std::string& path_b, double share, For
   }
   diffClips(a, b, pairs, tolerance, out);
   print(format == Format::kJson ? diffJson(report) : diffText(report));
-  return out.empty() ? kOk : kDifference;
+  return report.same() ? kOk : kDifference;
 }
 
 }  // namespace kelp::dump

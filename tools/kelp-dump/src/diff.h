@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// `diff`: what two packs differ in, as a list; text and JSON are two ways to print it. How a pack is compressed, and the order of its parts, clips, palette
+// `diff`: what two packs differ in, as a list; text and JSON are two ways to print it. What INFO says of how they were made is listed, but makes no difference. How a pack is compressed, and the order of its parts, clips, palette
 // entries, waves and tracks, are no differences. Parts and clips are the same if they have the same name.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -78,6 +79,10 @@ struct DiffReport {
   double tolerance = 0;
   std::uint64_t parts = 0, levels = 0, clips = 0;  // of A
   std::vector<Difference> differences;
+  // Nothing differs but how they were made.
+  bool same() const {
+    return std::all_of(differences.begin(), differences.end(), [](const Difference& difference) { return difference.kind == "info"; });
+  }
 };
 std::string diffText(const DiffReport& report);
 std::string diffJson(const DiffReport& report);

@@ -118,7 +118,7 @@ class PartDiff {
   void say(const char* kind, const std::string& a, const std::string& b) { add(kind, a + " and " + b, a, b); }
 
  private:
-  static std::string voxel(const Part& part) { return metresText(std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object)))))); }
+  static std::string voxel(const Part& part) { return fmt::format("{:.9g} m", std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object)))))); }
   static std::string lookText(const Fog& fog) {
     return fmt::format("{}, anisotropy {:.3g}, {}", hexColour({fog.color, 1}), fog.anisotropy, fog.ramp.empty() ? "no heat" : fmt::format("glow {:.4g} in {}", fog.glow, plural(fog.ramp.size(), "colour")));
   }

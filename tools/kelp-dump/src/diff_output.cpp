@@ -19,9 +19,15 @@ bool ofPart(const Difference& d) { return d.kind != "info" && d.kind != "palette
 
 std::string diffText(const DiffReport& report) {
   const std::string within = report.tolerance > 0 ? fmt::format(" within {:g} of the full range", report.tolerance) : "";
-  if (report.differences.empty())
-    return fmt::format("{} and {} are the same{} ({}, {}, {})\n", report.a, report.b, within, plural(report.parts, "part"), plural(report.levels, "level"), plural(report.clips, "clip"));
-  std::string text = fmt::format("A is {}, B is {}: {}{}\n", bold(report.a), bold(report.b), plural(report.differences.size(), "difference"), report.tolerance > 0 ? " not" + within : "");
+  std::string text;
+  if (report.same()) {
+    text = fmt::format("{} and {} are the same{} ({}, {}, {})\n", report.a, report.b, within, plural(report.parts, "part"), plural(report.levels, "level"), plural(report.clips, "clip"));
+    if (!report.differences.empty()) text += "They were made differently; A is the first:\n";
+  } else {
+    const auto made = static_cast<std::uint64_t>(std::count_if(report.differences.begin(), report.differences.end(), [](const Difference& d) { return d.kind == "info"; }));
+    text = fmt::format("A is {}, B is {}: {}{}{}\n", bold(report.a), bold(report.b), plural(report.differences.size() - made, "difference"), report.tolerance > 0 ? " not" + within : "",
+                       made > 0 ? ", and how they were made" : "");
+  }
   const std::string* part = nullptr;
   std::size_t said = 0;
   for (; said < report.differences.size() && said < kMostLines; ++said) {
@@ -56,7 +62,7 @@ std::string diffJson(const DiffReport& report) {
     text("a", d.a);
     text("b", d.b);
   }
-  const Json json = {{"schema", "kelp-dump/1"}, {"command", "diff"}, {"a", report.a}, {"b", report.b}, {"tolerance", report.tolerance}, {"same", report.differences.empty()}, {"differences", differences}};
+  const Json json = {{"schema", "kelp-dump/1"}, {"command", "diff"}, {"a", report.a}, {"b", report.b}, {"tolerance", report.tolerance}, {"same", report.same()}, {"differences", differences}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -73,11 +73,11 @@ std::string partText(const Summary& summary, std::size_t index) {
 
 // One line a part, and the levels of all of them together.
 std::string partsTable(const Summary& summary) {
-  std::string text = fmt::format("  {:<4}{:<28}{:>20}{:>12}{:>8}{:>7}{:>12}{:>10}\n", "part", "name", "voxels", "voxel", "levels", "knots", "stored", "of file");
+  std::string text = fmt::format("  {:<6}{:<28}{:>20}{:>12}{:>8}{:>7}{:>12}{:>10}\n", "part", "name", "voxels", "voxel", "levels", "knots", "stored", "of file");
   for (std::size_t i = 0; i < summary.parts.size() && i < kMostParts; ++i) {
     const PartSummary& p = summary.parts[i];
     const std::string name = nameText(p.part->name, 20) + (p.part->fog ? " (fog)" : "");
-    text += fmt::format("  {:<4}{}{:>20}{:>12}{:>8}{:>7}{:>12}{}\n", i, padRight(name, 28), sizeText(p.part->size), metresText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})), p.part->levels,
+    text += fmt::format("  {:<6}{}{:>20}{:>12}{:>8}{:>7}{:>12}{}\n", i, padRight(name, 28), sizeText(p.part->size), metresText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})), p.part->levels,
                         p.part->knots.size(), bytesText(p.stored()), shareText(p.stored(), summary.storedBytes()));
   }
   text += more(summary.parts.size(), kMostParts, "parts");

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kCommands = "use info, verify, diff, rig, extract, slice or schema, see kelp-dump --help";
 constexpr const char* kExits =
-    "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or rig, 4 failure at run time, 5 unsupported feature, 7 difference found.";
+    "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or rig, 4 failure at run time, 5 unsupported feature, 7 difference found, 130 interrupted.";
 
 CLI::App* addCommand(CLI::App& app, const char* name, const char* what, const char* examples) {
   CLI::App* const command = app.add_subcommand(name, what);

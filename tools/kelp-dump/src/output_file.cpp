@@ -58,6 +58,13 @@ std::string target(const std::string& path) {
 
 }  // namespace
 
+void refuseToOverwrite(const std::string& output, const std::string& input) {
+  if (output == "-" || input == "-") return;
+  struct stat out {}, in {};
+  if (::stat(output.c_str(), &out) != 0 || ::stat(input.c_str(), &in) != 0 || out.st_dev != in.st_dev || out.st_ino != in.st_ino) return;
+  throw DumpError(kUsage, fmt::format("{}: would overwrite {}, which is read; name another file", output, input));
+}
+
 OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : target(path)) {
   buffer_.reserve(kBuffer);
   if (path_ == "-") {

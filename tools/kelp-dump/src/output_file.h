@@ -12,6 +12,9 @@
 
 namespace kelp::dump {
 
+// DumpError (kUsage) if writing `output` would replace `input`, which is read; by whatever names. "-" is no file.
+void refuseToOverwrite(const std::string& output, const std::string& input);
+
 // A new file in the folder of its final place, removed unless it is committed. DumpError (kIo) from everything that fails.
 class OutputFile {
  public:

@@ -71,9 +71,9 @@ struct NewRig {
   std::string content;  // of the file
 };
 
-NewRig readRig(const std::string& wanted, std::optional<Axis> axis) {
+NewRig readRig(const std::string& wanted, std::optional<Axis> axis, std::optional<Axis> up) {
   const std::vector<std::string> presets = presetNames();
-  if (std::find(presets.begin(), presets.end(), wanted) != presets.end()) return {*presetRig(wanted, axis), "preset '" + wanted + "'", wanted, ""};
+  if (std::find(presets.begin(), presets.end(), wanted) != presets.end()) return {*presetRig(wanted, axis, up), "preset '" + wanted + "'", wanted, ""};
   NewRig read{{}, wanted, "", readText(wanted)};
   try {
     read.rig = parseRig(read.content);
@@ -89,7 +89,7 @@ class RigSetter {
 
   void read(const std::string& wanted, std::optional<Axis> given) {
     const BakeOptions options = bakeOptions(pack_.infoJson());
-    new_ = readRig(wanted, given ? given : options.axis);
+    new_ = readRig(wanted, given ? given : options.axis, options.up);
     if (given && new_.rig.axis && *given != *new_.rig.axis)
       throw DumpError(kUsage, fmt::format("--axis {}: {} names the axis {} itself; leave --axis out, or take \"axis\" out of the rig", toString(*given), new_.origin, toString(*new_.rig.axis)));
     const bool named = new_.rig.axis.has_value();
@@ -113,7 +113,8 @@ class RigSetter {
     if (const Result<void> sound = checkKnots(rigs.knots[part_]); !sound)
       refuse(fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset", sound.error().offset, sound.error().detail));
     for (const RawClip& clip : rigs.clips) prove(clip, rigs);
-    rigs.info_json = infoWithRig(pack_.infoJson(), new_.preset, std::filesystem::path(new_.origin).filename().string(), new_.content, given_axis_);
+    const std::string of_several = pack_.parts().size() > 1 ? std::string(part().name) : "";
+    rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, std::filesystem::path(new_.origin).filename().string(), new_.content, given_axis_);
     return rigs;
   }
 
@@ -180,6 +181,7 @@ int setRig(const std::string& path, const std::string& wanted_part, const std::s
   const std::optional<Axis> axis = parseAxis(axis_name);
   if (!axis_name.empty() && !axis) throw DumpError(kUsage, fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(axis_name, 40)));
   if (path == "-" && output.empty()) throw DumpError(kUsage, "-: standard input can not be replaced; name the new pack with -o");
+  if (!output.empty()) refuseToOverwrite(output, new_rig);
   PackFile file(path);
   if (wanted_part.empty() && file.pack().parts().size() > 1) throw DumpError(kUsage, fmt::format("{}: has several parts; choose one of {} with --part", path, file.partList()));
   RigSetter setter(file, wanted_part.empty() ? 0 : file.findPart(wanted_part));

@@ -47,15 +47,24 @@ BakeOptions bakeOptions(std::string_view text) {
   const auto axis = [&](const char* key) { return options->contains(key) && options->at(key).is_string() ? parseAxis(options->at(key).get_ref<const std::string&>()) : std::nullopt; };
   read.axis = axis("axis");
   read.up = axis("up");
+  // MagicaVoxel's files have z up, unless the user said otherwise.
+  const Json* const source = info->contains("source") && info->at("source").is_object() ? &info->at("source") : nullptr;
+  if (!read.up && source && source->value("format", Json()) == "MagicaVoxel") read.up = Axis::kPlusZ;
   if (options->contains("pad") && options->at("pad").is_number_integer()) read.pad = options->at("pad").get<std::int64_t>();
   return read;
 }
 
-std::string infoWithRig(std::string_view text, const std::string& preset, const std::string& file_name, std::string_view file_content, std::optional<Axis> axis) {
+std::string infoWithRig(std::string_view text, const std::string& part, const std::string& preset, const std::string& file_name, std::string_view file_content, std::optional<Axis> axis) {
   std::optional<Json> info = parseSafely(text);
   const Json* const options = optionsOf(info);
   if (!options) return std::string(text);
   const Json rig = preset.empty() ? Json{{"name", file_name}, {"xxh3", fmt::format("{:016x}", XXH3_64bits(file_content.data(), file_content.size()))}} : Json(preset);
+  if (!part.empty()) {
+    Json set = rig.is_object() ? rig : Json{{"preset", rig}};
+    if (axis) set["axis"] = toString(*axis);
+    (*info)["rigs"][part] = set;
+    return info->dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
   Json changed = *options;
   if (axis) changed = with(changed, "axis", toString(*axis), beforeAxis);
   (*info)["options"] = with(changed, "rig", rig, beforeRig);

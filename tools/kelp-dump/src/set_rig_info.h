@@ -17,8 +17,9 @@ struct BakeOptions {
 };
 BakeOptions bakeOptions(std::string_view info);
 
-// The document that kelp-bake would have written with another --rig, and --axis if it is given; as it is if it holds no options.
+// The document that kelp-bake would have written with another --rig, and --axis if it is given; as it is if it holds no options. Of one of several parts, whose name is
+// `part` then, kelp-bake takes no --rig: a member "rigs" says by part what was set, and no bake has it.
 // `preset`: its name, or empty for a rig file of that name and content.
-std::string infoWithRig(std::string_view info, const std::string& preset, const std::string& file_name, std::string_view file_content, std::optional<Axis> axis);
+std::string infoWithRig(std::string_view info, const std::string& part, const std::string& preset, const std::string& file_name, std::string_view file_content, std::optional<Axis> axis);
 
 }  // namespace kelp::dump

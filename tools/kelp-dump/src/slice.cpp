@@ -119,6 +119,7 @@ Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& la
 
 int slice(const std::string& path, const SliceOptions& options, const std::string& output) {
   if (options.scale < 1 || options.scale > kMostScale) throw DumpError(kUsage, fmt::format("--scale {}: expected 1 to {} pixels a voxel", options.scale, kMostScale));
+  refuseToOverwrite(output, path);
   PackFile file(path);
   const std::uint32_t index = options.part.empty() ? 0 : file.findPart(options.part);
   const Part& part = file.pack().parts()[index];

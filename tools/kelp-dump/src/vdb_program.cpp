@@ -23,7 +23,7 @@ void becomeVdbProgram(std::vector<std::string> arguments) {
     if (errno == ENOENT) continue;
     throw DumpError(kFailure, (folder / place).string() + ": can not be run: " + std::generic_category().message(errno) + "; install kelp's programs anew");
   }
-  throw DumpError(kFailure, "--vdb and --nvdb are the work of kelp-dump-vdb, which is neither in " + folder.string() + " nor in libexec/kelp beside it; install kelp's programs anew");
+  throw DumpError(kUnsupported, "--vdb and --nvdb are the work of kelp-dump-vdb, which is neither in " + folder.string() + " nor in libexec/kelp beside it; install kelp's programs anew");
 }
 
 }  // namespace kelp::dump

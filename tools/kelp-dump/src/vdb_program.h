@@ -8,7 +8,7 @@
 namespace kelp::dump {
 
 // Becomes kelp-dump-vdb, which is this program with OpenVDB: the same process, standard input and output, and these arguments. It stands beside this program, or in
-// ../libexec/kelp. DumpError (kFailure) if it can not be run.
+// ../libexec/kelp. DumpError: kUnsupported if it is not there, kFailure if it can not be run.
 [[noreturn]] void becomeVdbProgram(std::vector<std::string> arguments);
 
 }  // namespace kelp::dump

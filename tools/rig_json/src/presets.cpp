@@ -57,8 +57,8 @@ RigDescription swim(Axis axis) {
 
 }  // namespace
 
-std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis) {
-  if (name == "sway") return sway(axis.value_or(Axis::kPlusY));
+std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis, std::optional<Axis> up) {
+  if (name == "sway") return sway(axis.value_or(up.value_or(Axis::kPlusY)));
   if (name == "swim") return swim(axis.value_or(Axis::kMinusZ));
   if (name == "none") {
     RigDescription rig;

@@ -82,7 +82,8 @@ std::string printRig(const RigDescription& rig);
 // The presets: "none" (straight, no clips), "sway" (a plant: the upper end moves), "swim" (a fish: a wave runs down three knots). nullopt: no such preset.
 // Presets move at right angles to the axis they are made for: pass the axis here rather than changing it afterwards. Absent: the preset's own
 // (+y; swim: -z, from the head to the tail of a fish that faces +z, as glTF's models do).
-std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis = std::nullopt);
+// `up`: the file's axis that points up, +y if none is given: without `axis`, what sways bends along it.
+std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis = std::nullopt, std::optional<Axis> up = std::nullopt);
 std::vector<std::string> presetNames();
 
 // Rest knots in voxels of a part whose axis is size.y voxels long.
