@@ -48,6 +48,23 @@ void guard(const std::string& path) {
 
 void unguard() { g_temporary[0] = 0; }
 
+// Signals wait until the file that is being made is guarded.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t waiting;
+    ::sigemptyset(&waiting);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&waiting, signal);
+    ::pthread_sigmask(SIG_BLOCK, &waiting, &before_);
+  }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+  ~SignalsWait() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
 // Through symbolic links, so that a link stays one.
 std::string target(const std::string& path) {
   std::filesystem::path real = path;
@@ -75,6 +92,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : tar
   const bool replaces = ::stat(path_.c_str(), &status) == 0;
   if (replaces && !S_ISREG(status.st_mode)) throw DumpError(kIo, fmt::format("{}: is {}; name a file for the output", path_, S_ISDIR(status.st_mode) ? "a folder" : "no regular file"));
   temporary_ = fmt::format("{}.{}.tmp", path_, ::getpid());
+  const SignalsWait wait;
   file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file_ < 0) {
     const int reason = errno;
