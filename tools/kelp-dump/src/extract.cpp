@@ -123,7 +123,7 @@ int extract(const std::string& path, const std::string& format, const std::strin
   if (!writer.built())
     throw DumpError(kUnsupported, fmt::format("--{}: this kelp-dump was built without {}; it has {} (see --version), or build it where {} is installed", format, writer.needs, extractFormats(), writer.needs));
   if (output == "-" && !writer.to_stdout) throw DumpError(kUsage, fmt::format("--{} -: standard output can not take it; name a {}", format, format == "slices" ? "folder" : "file"));
-  refuseToOverwrite(output, path);
+  if (format != "slices") refuseToOverwrite(output, path);  // pictures go into a folder, which no pack is
 #ifdef KELP_DUMP_VDB_PROGRAM
   if (writer.in_vdb_program) {
     std::vector<std::string> arguments{"extract", "--" + format, output, "--level", std::to_string(level)};
