@@ -2,6 +2,7 @@
 // The nearest point of a mesh, exactly: the same answer for the same question, however it is asked.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -29,6 +30,11 @@ class TriangleBvh {
   // The same among the triangles that `accept(index)` lets pass.
   template <class Accept>
   Nearest nearest(const glm::dvec3& p, double bound, const Accept& accept) const;
+
+  // The first triangle that `accept(index)` lets pass on the way from p along `axis` (0 to 2), towards its end (`sign` 1) or its beginning (-1), within
+  // `length` voxels; of several at the same distance the one with the lowest index. kCap: none. `squared` and `weights` mean nothing.
+  template <class Accept>
+  Nearest first(const glm::dvec3& p, int axis, int sign, double length, const Accept& accept) const;
 
  private:
   struct Node {
@@ -87,6 +93,41 @@ Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& ac
     // The tree is balanced: its depth, hence the stack, is some 32 for any mesh that has 32-bit indices.
     if (far.squared <= best.squared) stack[top++] = far;
     if (near.squared <= best.squared) stack[top++] = near;
+  }
+  return best;
+}
+
+template <class Accept>
+Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double length, const Accept& accept) const {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  Nearest best;
+  double way = length;
+  std::uint32_t stack[128];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    const double near = sign > 0 ? static_cast<double>(node.low[axis]) - p[axis] : p[axis] - static_cast<double>(node.high[axis]);
+    const double far = sign > 0 ? static_cast<double>(node.high[axis]) - p[axis] : p[axis] - static_cast<double>(node.low[axis]);
+    if (near > way || far < 0 || p[u] < node.low[u] || p[u] > node.high[u] || p[v] < node.low[v] || p[v] > node.high[v]) continue;
+    if (node.count == 0) {
+      stack[top++] = node.first;
+      stack[top++] = node.first + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Corners& t = corners_[i];
+      // Twice the areas of the three triangles that p makes with the sides, as seen along the axis.
+      const auto area = [&](const glm::dvec3& a, const glm::dvec3& b) { return (a[u] - p[u]) * (b[v] - p[v]) - (a[v] - p[v]) * (b[u] - p[u]); };
+      const double a = area(t.b, t.c), b = area(t.c, t.a), c = area(t.a, t.b), sum = a + b + c;
+      if (sum == 0 || (sum > 0 ? std::min({a, b, c}) < 0 : std::max({a, b, c}) > 0)) continue;
+      const double at = (a * t.a[axis] + b * t.b[axis] + c * t.c[axis]) / sum, distance = (at - p[axis]) * sign;
+      if (distance < 0 || distance > way || (distance == way && best.triangle != kCap && order_[i] > best.triangle) || !accept(order_[i])) continue;
+      way = distance;
+      best.triangle = order_[i];
+      best.point = p;
+      best.point[axis] = at;
+    }
   }
   return best;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "surface_samples.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,10 +20,14 @@ constexpr double kAside = 0.5;
 // A sheet in the open has as many empty voxels before it as behind, but for the noise of its steps; one that lies on a body has 9 more on the
 // open side. Beyond this mean difference it is known which side is seen.
 constexpr double kHiddenSide = 2.0;
-// How far a plate's far side may be from the middle of a voxel that stands for both of its sides.
-constexpr double kPlate = 1.5;
-// Of plates of which both sides are seen, the one that looks this way is shown: upwards, and no plate along the grid is undecided.
-const glm::dvec3 kShown(0.31, 0.87, 0.39);
+// How far into a voxel is looked from the middle of its neighbour.
+constexpr double kDeep = 1.5;
+// Surfaces of one body that look this way alike may stand for each other.
+constexpr double kAlike = 0.3;
+// Plates whose normal is no higher than this stand upright.
+constexpr double kUpright = 0.25;
+// Past the edges of models that lie on the lattice.
+const glm::dvec3 kAskew(0.0137, -0.0071, 0.0113);
 
 // What a voxel says about the sheet that it belongs to.
 struct SheetVote {
@@ -32,20 +37,12 @@ struct SheetVote {
   int visible = 0;                 // 1: seen from outside only from before, -1: only from behind
 };
 
-// What a voxel says about the plate whose both sides it stands for. Which one is nearer changes from voxel to voxel, and would make stripes.
-struct PlateVote {
-  std::uint32_t component = kCap;  // kCap: the voxel has one side
-  std::uint8_t axis = 0;           // that the plate lies across, most nearly
-  bool hidden = false;             // seen from outside only from the side that looks away from kShown
-};
-
 class Sampler {
  public:
   Sampler(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
       : look_(look), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size) {}
 
-  // Without `turned` a voxel of a plate only votes. With it: whether its plate shows the side that looks away from kShown.
-  SurfaceSample sample(std::uint64_t index, SheetVote& vote, PlateVote& plate, const bool* turned = nullptr) const {
+  SurfaceSample sample(std::uint64_t index, SheetVote& vote) const {
     const std::uint64_t x = static_cast<std::uint64_t>(size_.x), y = static_cast<std::uint64_t>(size_.y);
     const glm::ivec3 voxel(static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / (x * y)));
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
@@ -61,40 +58,24 @@ class Sampler {
       nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(), [&](std::uint32_t i) { return !mesh_.triangles[i].wall; });
     }
     glm::dvec3 normal = outward(nearest, centre, index, open);
+    // The nearest surface may be hidden: inside a body, under a roof, in a crack.
+    const Sides sides = sidesOf(centre);
+    if (sides.count > 0 && !isSeen(sides, nearest, normal)) {
+      const Side& seen = *std::min_element(sides.side, sides.side + sides.count, [](const Side& a, const Side& b) { return a.nearest.squared < b.nearest.squared; });
+      nearest = seen.nearest;
+      normal = isSolid(nearest.triangle) || voxels_[index] == kInside ? seen.normal : faceNormal(nearest.triangle);
+    }
     if (!isSolid(nearest.triangle) && voxels_[index] != kInside) {
       // A sheet has no inside, and in the open its voxels' steps say nothing about its sides: its winding decides, for all of it alike.
       vote.component = mesh_.triangles[nearest.triangle].component;
       vote.turned = mesh_.triangles[nearest.triangle].swapped;
       vote.open = static_cast<float>(glm::dot(normal, open));
       vote.visible = static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
-    } else if (const Nearest far = farSide(nearest, normal, centre); far.triangle != kCap) {
-      const glm::dvec3 beyond = faceNormal(far.triangle), across = glm::abs(normal - beyond);
-      const bool away = glm::dot(normal - beyond, kShown) < 0;
-      if (turned == nullptr) {
-        const bool near_seen = leadsOutside(centre, normal), far_seen = leadsOutside(centre, beyond);
-        plate.component = mesh_.triangles[nearest.triangle].component;
-        plate.axis = across.x >= across.y && across.x >= across.z ? 0 : across.y >= across.z ? 1 : 2;
-        plate.hidden = away ? near_seen && !far_seen : far_seen && !near_seen;
-        return {};
-      }
-      if (*turned != away) {
-        nearest = far;
-        normal = beyond;
-      }
-    } else {
-      // The nearest triangle may be hidden inside another body: look for one that faces the open.
-      const double along = glm::dot(normal, open), length = glm::length(open);
-      const bool backward = along < -0.1 * length;
-      if (backward || (along < kAside * length && leadsInside(nearest))) {
-        const double least = backward ? 0.0 : kAside * length;
-        const Nearest facing = bvh_.nearest(centre, 3.0, [&](std::uint32_t i) { return isSolid(i) && glm::dot(faceNormal(i), open) > least; });
-        if (facing.triangle != kCap) {
-          nearest = facing;
-          normal = faceNormal(facing.triangle);
-        } else if (backward) {
-          normal = glm::normalize(open);
-        }
-      }
+    } else if (const Side* far = farSide(sides, nearest, normal); far != nullptr && showsFar(centre, normal, far->normal)) {
+      nearest = far->nearest;
+      normal = far->normal;
+    } else if (sides.count == 0 && glm::dot(normal, open) < -0.1 * glm::length(open)) {
+      normal = glm::normalize(open);
     }
     if (mesh_.triangles[nearest.triangle].source == kCap) {
       nearest = bvh_.nearest(centre, std::numeric_limits<double>::infinity(), [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
@@ -139,26 +120,82 @@ class Sampler {
     }
   }
 
-  // The far side of a plate if this voxel is all of it there; kCap if not.
-  Nearest farSide(const Nearest& nearest, const glm::dvec3& normal, const glm::dvec3& centre) const {
-    if (!isSolid(nearest.triangle) || !isEmpty(centre - normal) || !isEmpty(centre + normal)) return {};
-    const std::uint32_t component = mesh_.triangles[nearest.triangle].component;
-    return bvh_.nearest(centre, kPlate, [&](std::uint32_t i) {
-      return mesh_.triangles[i].component == component && mesh_.triangles[i].source != kCap && glm::dot(faceNormal(i), normal) < -kAside;
+  // Whether some way within 60 degrees of a surface's normal leads out of the box.
+  bool isSeenFrom(const glm::dvec3& centre, const glm::dvec3& normal) const {
+    if (leadsOutside(centre, normal)) return true;
+    for (int cell = 0; cell < 27; ++cell) {
+      const glm::dvec3 way(cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1);
+      if (cell != 13 && glm::dot(way, normal) > 0.5 * glm::length(way) && leadsOutside(centre, glm::normalize(way))) return true;
+    }
+    return false;
+  }
+
+  // What is seen of a voxel through its faces.
+  struct Side {
+    Nearest nearest;    // on the way to the voxel's middle, near it
+    glm::dvec3 normal;  // towards who looks
+  };
+  struct Sides {
+    Side side[6];
+    int count = 0;
+  };
+  Sides sidesOf(const glm::dvec3& centre) const {
+    Sides sides;
+    for (int face = 0; face < 6; ++face) {
+      const int axis = face / 2, sign = face % 2 ? 1 : -1;
+      glm::dvec3 way(0);
+      way[axis] = sign;
+      if (!isEmpty(centre + way)) continue;
+      const Nearest seen = bvh_.first(centre + way + kAskew * (1.0 - glm::abs(way)), axis, -sign, kDeep, [&](std::uint32_t i) { return !isSolid(i) || glm::dot(faceNormal(i), way) > 0; });
+      if (seen.triangle == kCap) continue;
+      const Nearest at = on(seen.triangle, centre);
+      if (look_.isCutOut(at)) continue;
+      const glm::dvec3 across = faceNormal(seen.triangle);
+      sides.side[sides.count++] = {at, glm::dot(across, way) < 0 ? -across : across};
+    }
+    return sides;
+  }
+
+  // The point of a triangle nearest to a voxel's middle.
+  Nearest on(std::uint32_t triangle, const glm::dvec3& centre) const {
+    const auto& v = mesh_.triangles[triangle].vertex;
+    Nearest nearest;
+    nearest.triangle = triangle;
+    nearest.point = nearestOnTriangle(centre, mesh_.position(v[0]), mesh_.position(v[1]), mesh_.position(v[2]), nearest.weights);
+    nearest.squared = glm::dot(nearest.point - centre, nearest.point - centre);
+    return nearest;
+  }
+
+  // Whether what is nearest is among what is seen.
+  bool isSeen(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
+    const SolidTriangle& triangle = mesh_.triangles[nearest.triangle];
+    return std::any_of(sides.side, sides.side + sides.count, [&](const Side& side) {
+      return mesh_.triangles[side.nearest.triangle].component == triangle.component && (!isSolid(nearest.triangle) || glm::dot(side.normal, normal) > kAlike);
     });
+  }
+
+  // Of a voxel that is all of a plate there, the side that is farther away; null if it is seen from one side.
+  const Side* farSide(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
+    if (!isSolid(nearest.triangle)) return nullptr;
+    const Side* const far = std::find_if(sides.side, sides.side + sides.count, [&](const Side& side) {
+      return mesh_.triangles[side.nearest.triangle].component == mesh_.triangles[nearest.triangle].component && glm::dot(side.normal, normal) < -kAside;
+    });
+    return far == sides.side + sides.count ? nullptr : far;
+  }
+
+  // Whether a plate is seen from its far side alone, or, if from both or from neither, that is its upper side; of one that stands upright, the side
+  // towards the end of the axis it lies across. Which side is nearer changes from voxel to voxel, and would make stripes.
+  bool showsFar(const glm::dvec3& centre, const glm::dvec3& normal, const glm::dvec3& far) const {
+    const bool near_seen = isSeenFrom(centre, normal), far_seen = isSeenFrom(centre, far);
+    if (near_seen != far_seen) return far_seen;
+    const glm::dvec3 across = far - normal, size = glm::abs(across);
+    return across[size.y > kUpright * glm::length(across) ? 1 : size.x >= size.z ? 0 : 2] > 0;
   }
 
   bool isEmpty(const glm::dvec3& p) const {
     const glm::ivec3 v(glm::floor(p));
     if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return true;
     return voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z))] == kEmpty;
-  }
-
-  // Whether a voxel beyond a body's skin is inside of another body.
-  bool leadsInside(const Nearest& nearest) const {
-    const glm::ivec3 v(glm::floor(nearest.point + faceNormal(nearest.triangle)));
-    if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return false;
-    return voxels_[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size_.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(v.z))] == kInside;
   }
 
   glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index, const glm::dvec3& open) const {
@@ -206,17 +243,6 @@ void turnHiddenSheets(const std::vector<SheetVote>& votes, std::size_t component
   }
 }
 
-// Which plates show the side that looks away from kShown, by component and axis: those that are mostly seen from there alone.
-std::vector<std::uint8_t> turnedPlates(const std::vector<PlateVote>& votes, std::size_t components) {
-  std::vector<std::int64_t> balance(3 * components, 0);
-  for (const PlateVote& vote : votes) {
-    if (vote.component != kCap) balance[3 * static_cast<std::size_t>(vote.component) + vote.axis] += vote.hidden ? 1 : -1;
-  }
-  std::vector<std::uint8_t> turned(balance.size());
-  for (std::size_t i = 0; i < balance.size(); ++i) turned[i] = balance[i] > 0 ? 1 : 0;
-  return turned;
-}
-
 }  // namespace
 
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
@@ -224,17 +250,8 @@ std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   std::vector<SheetVote> votes(surface.size());
-  std::vector<PlateVote> plates(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i], plates[i]);
-  });
-  const std::vector<std::uint8_t> turned_plates = turnedPlates(plates, mesh.components.size());
-  parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (plates[i].component == kCap) continue;
-      const bool turned = turned_plates[3 * static_cast<std::size_t>(plates[i].component) + plates[i].axis] != 0;
-      samples[i] = sampler.sample(surface[i], votes[i], plates[i], &turned);
-    }
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
   });
   turnHiddenSheets(votes, mesh.components.size(), samples);
   return samples;
