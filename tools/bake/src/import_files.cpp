@@ -94,6 +94,8 @@ void refuse(Exit code, const std::filesystem::path& file, std::string_view place
   throw BakeError(code, line);
 }
 
+bool isOfTheMachine(const BakeError& error) { return error.exit == Exit::kRuntime || dynamic_cast<const UnreadableFile*>(&error) != nullptr; }
+
 std::vector<std::uint8_t> InputFiles::readHead(std::size_t most) const { return readFirst(input_, most); }
 
 std::vector<std::uint8_t> InputFiles::readFile(const std::filesystem::path& path) const {
@@ -108,20 +110,24 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
     noteMissing(path);
     refuse(Exit::kIo, path, "", what);
   };
+  const auto failToRead = [&](const std::string& what) {
+    noteMissing(path);
+    throw UnreadableFile(Exit::kIo, oneLine(path.string(), 4096) + ": " + what + "; check the file's permissions and the disk");
+  };
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) fail("no such file; check the path");
-  if (error) fail("can not be read: " + error.message());
+  if (error) failToRead("can not be read: " + error.message());
   if (std::filesystem::is_directory(status)) fail("is a folder; name a file");
   if (!std::filesystem::is_regular_file(status)) fail("is not a regular file; name a file");
   const std::uintmax_t whole = std::filesystem::file_size(path, error), size = std::min(whole, most);
-  if (error) fail("can not be read: " + error.message());
+  if (error) failToRead("can not be read: " + error.message());
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) fail(std::string("can not be opened: ") + std::strerror(errno));
+  if (!in) failToRead(std::string("can not be opened: ") + std::strerror(errno));
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::uintmax_t>(in.gcount()) != size) fail("could not be read to its end");
+  if (static_cast<std::uintmax_t>(in.gcount()) != size) failToRead("could not be read to its end");
   if (counted_.insert(path).second) bytes_read_ += size;
   const auto is_this = [&](const FilesUsed::File& file) { return file.path == path; };
   if (used_ && std::none_of(used_->read.begin(), used_->read.end(), is_this)) used_->read.push_back({path, size < whole ? hashFile(path) : hashBytes(bytes)});

@@ -17,6 +17,14 @@ namespace kelp::bake {
 // Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. `what` ends in "; " and the remedy, or gets the general one. Control characters and overlong texts are made harmless.
 [[noreturn]] void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what);
 
+// A file that is there and can not be read: no reason to bake as if it were not there.
+struct UnreadableFile : BakeError {
+  using BakeError::BakeError;
+};
+
+// Whether an error says nothing of the file it is about: too little memory, a disk that fails.
+bool isOfTheMachine(const BakeError& error);
+
 class InputFiles;
 
 // An error about what `place` in the input names, as one of that place: "INPUT: PLACE: " and the error's text, which may begin with another file.

@@ -80,6 +80,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
     try {
       bytes = loadBuffer(files, buffer, index, container.chunk, place);
     } catch (const BakeError& error) {
+      if (isOfTheMachine(error)) throw;
       // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
       const std::string* uri = buffer["uri"].get_ptr<const std::string*>();
       if (!uri || uri->rfind("data:", 0) == 0) throw;

@@ -84,7 +84,7 @@ Image GltfImages::decode(std::size_t index) {
     model_.note(place + ": " + std::get<std::string>(image) + ": the colour factor alone is used");
   } catch (const BakeError& error) {
     // A path that leaves the folder is refused; what lies on the web, or is damaged, is done without.
-    if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
+    if (isOfTheMachine(error)) throw;
     const bool is_reference = !source.uri.empty() && !data_uri;
     const BakeError placed = is_reference ? inPlace(*model_.files, place, error) : error;
     if (error.exit == Exit::kInvalid && is_reference && !isOnTheWeb(source.uri)) throw placed;

@@ -198,7 +198,7 @@ class MtlReader {
       if (std::holds_alternative<Image>(image)) return std::get<Image>(std::move(image));
       out_.notices.push_back(name_ + ": texture " + oneLine(reference, 80) + " " + std::get<std::string>(image) + ": the colour alone is used");
     } catch (const BakeError& error) {
-      if (error.exit == Exit::kRuntime) throw;  // not the picture's fault
+      if (isOfTheMachine(error)) throw;
       out_.notices.push_back(std::string(error.what()) + ": the colour alone is used");
     }
     return std::nullopt;

@@ -152,7 +152,7 @@ class ObjReader {
       for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_)) by_name_[material] = index;
       return true;
     } catch (const BakeError& error) {
-      if (error.exit == Exit::kRuntime) throw;  // its pictures are too many
+      if (isOfTheMachine(error)) throw;
       failure = error.what();
       return false;
     }

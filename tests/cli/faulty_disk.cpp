@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the folder KELP_FAULTY_FOLDER, the one of a kind
+// with a number fails. KELP_FAULT="write 3 28": the third write answers errno 28; "read short": every read gives at most three bytes, and so for
+// write. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end.
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace {
+
+constexpr const char* kKinds[] = {"open", "read", "write", "fsync", "close", "rename"};
+enum Kind { kOpen, kRead, kWrite, kSync, kClose, kRename, kKindCount };
+constexpr std::size_t kShort = 3;
+
+struct Plan {
+  const char* folder = std::getenv("KELP_FAULTY_FOLDER");
+  int kind = -1, error = 0;
+  long number = 0;  // 0: every one is short
+  std::atomic<long> count[kKindCount] = {};
+
+  Plan() {
+    const char* const text = std::getenv("KELP_FAULT");
+    char name[16] = {}, number_text[16] = {};
+    if (text == nullptr || std::sscanf(text, "%15s %15s %d", name, number_text, &error) < 2) return;
+    for (int k = 0; k < kKindCount; ++k) {
+      if (std::strcmp(name, kKinds[k]) == 0) kind = k;
+    }
+    number = std::atol(number_text);
+  }
+  ~Plan() {
+    const char* const path = std::getenv("KELP_FAULTY_COUNTS");
+    std::FILE* const file = path == nullptr ? nullptr : std::fopen(path, "w");
+    if (file == nullptr) return;
+    for (int k = 0; k < kKindCount; ++k) std::fprintf(file, "%s %ld\n", kKinds[k], count[k].load());
+    std::fclose(file);
+  }
+};
+
+Plan& plan() {
+  static Plan it;
+  return it;
+}
+
+bool isIn(const char* path) { return plan().folder != nullptr && std::strncmp(path, plan().folder, std::strlen(plan().folder)) == 0; }
+
+bool isIn(int file) {
+  char link[32], path[4096];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t size = readlink(link, path, sizeof path - 1);
+  if (size <= 0) return false;
+  path[size] = 0;
+  return isIn(path);
+}
+
+// Whether this call fails; errno is set then.
+bool fails(Kind kind) {
+  const long number = ++plan().count[kind];
+  if (plan().kind != kind || plan().number != number) return false;
+  errno = plan().error;
+  return true;
+}
+
+std::size_t atMost(Kind kind, std::size_t size) { return plan().kind == kind && plan().number == 0 ? std::min(size, kShort) : size; }
+
+template <class Function>
+Function next(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+int openAt(const char* name, const char* path, int flags, mode_t mode) {
+  // A relative path is one of the folder that the test runs in.
+  if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return -1;
+  return next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
+}
+
+}  // namespace
+
+extern "C" {
+
+int open(const char* path, int flags, ...) {
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? static_cast<mode_t>(va_arg(rest, int)) : 0;
+  va_end(rest);
+  return openAt("open", path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? static_cast<mode_t>(va_arg(rest, int)) : 0;
+  va_end(rest);
+  return openAt("open64", path, flags, mode);
+}
+
+FILE* fopen64(const char* path, const char* mode) {
+  if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return nullptr;
+  return next<FILE* (*)(const char*, const char*)>("fopen64")(path, mode);
+}
+
+ssize_t read(int file, void* bytes, size_t size) {
+  const bool in = isIn(file);
+  if (in && fails(kRead)) return -1;
+  return next<ssize_t (*)(int, void*, size_t)>("read")(file, bytes, in ? atMost(kRead, size) : size);
+}
+
+ssize_t pread(int file, void* bytes, size_t size, off_t at) {
+  const bool in = isIn(file);
+  if (in && fails(kRead)) return -1;
+  return next<ssize_t (*)(int, void*, size_t, off_t)>("pread")(file, bytes, in ? atMost(kRead, size) : size, at);
+}
+
+ssize_t write(int file, const void* bytes, size_t size) {
+  const bool in = isIn(file);
+  if (in && fails(kWrite)) return -1;
+  return next<ssize_t (*)(int, const void*, size_t)>("write")(file, bytes, in ? atMost(kWrite, size) : size);
+}
+
+int fsync(int file) {
+  if (isIn(file) && fails(kSync)) return -1;
+  return next<int (*)(int)>("fsync")(file);
+}
+
+int close(int file) {
+  const bool failed = isIn(file) && fails(kClose);
+  const int error = errno, result = next<int (*)(int)>("close")(file);  // closed all the same, as Linux does
+  if (!failed) return result;
+  errno = error;
+  return -1;
+}
+
+int rename(const char* from, const char* to) {
+  if ((from[0] != '/' || isIn(from)) && fails(kRename)) return -1;
+  return next<int (*)(const char*, const char*)>("rename")(from, to);
+}
+
+}  // extern "C"

@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Every call on a file fails once: kelp-bake and kelp-dump answer with exit code 2 and a line that names the file, or the call did not matter
+and the result is whole. What stood at the output stands there still, and no temporary file is left.
+Usage: faulty_disk_test.py KELP_BAKE|none KELP_DUMP LIBRARY GOLDEN_PACK"""
+import errno
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+KELP_BAKE, KELP_DUMP, LIBRARY, GOLDEN = (path if path == "none" else os.path.abspath(path) for path in sys.argv[1:5])
+KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync": errno.EIO, "close": errno.ENOSPC, "rename": errno.EIO}
+OLD = b"the old one"
+AT_MOST = 24  # calls of a kind that are tried, spread over all there are
+
+CUBE = "".join("v %d %d %d\n" % (i & 1, i >> 1 & 1, i >> 2) for i in range(8)) + "".join(
+    "f " + " ".join(str(i + 1) for i in quad) + "\n" for quad in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)))
+# A TGA of one red pixel.
+PIXEL = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 0, 0, 255])
+
+
+class FaultyDisk(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="kelp_faulty_")
+        self.addCleanup(folder.cleanup)
+        self.folder = os.path.join(folder.name, "disk")
+        self.counts = os.path.join(folder.name, "counts")
+
+    def run_in_fresh_folder(self, inputs, outputs, command, fault=""):
+        shutil.rmtree(self.folder, ignore_errors=True)
+        os.makedirs(self.folder)
+        for name, content in inputs.items():
+            with open(os.path.join(self.folder, name), "wb") as file:
+                file.write(content)
+        for name in outputs:
+            if name not in inputs:
+                with open(os.path.join(self.folder, name), "wb") as file:
+                    file.write(OLD)
+        environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder, KELP_FAULTY_COUNTS=self.counts, KELP_FAULT=fault)
+        result = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, timeout=60)
+        found = {}
+        for name in os.listdir(self.folder):
+            with open(os.path.join(self.folder, name), "rb") as file:
+                found[name] = file.read()
+            if name.endswith(".json") and found[name] != OLD and name not in inputs:
+                found[name] = sorted(json.loads(found[name]))  # times and memory differ
+        return result, found
+
+    def tries_every_fault(self, inputs, outputs, command, kinds):
+        result, whole = self.run_in_fresh_folder(inputs, outputs, command)
+        self.assertEqual(result.returncode, 0, result.stderr.decode())
+        self.assertEqual(sorted(whole), sorted({*inputs, *outputs}))
+        with open(self.counts, encoding="utf-8") as file:
+            counts = {kind: int(count) for kind, count in (line.split() for line in file)}
+        for kind in kinds:
+            self.assertGreater(counts[kind], 0, f"{command}: no {kind} was seen")
+        refused = 0
+        for kind, error in KINDS.items():
+            step = max(1, counts[kind] // AT_MOST)
+            for number in [*range(1, counts[kind] + 1, step), counts[kind]]:
+                if number < 1:
+                    continue
+                what = f"{os.path.basename(command[0])} {command[1]}, {kind} {number} of {counts[kind]} fails"
+                result, found = self.run_in_fresh_folder(inputs, outputs, command, f"{kind} {number} {error}")
+                text = (result.stderr + result.stdout).decode()  # verify reports what it can not read
+                self.assertEqual(sorted(found), sorted(whole), what + ": " + text)
+                if result.returncode == 0:
+                    self.assertEqual(found, whole, what)
+                    continue
+                refused += 1
+                self.assertEqual(result.returncode, 2, what + ": " + text)
+                self.assertRegex(text, r"; |\. (Check|Copy) ", what + ": names no remedy")
+                self.assertTrue(any(name in text for name in whole), what + ": names no file: " + text)
+                for name in outputs:
+                    # Several outputs are replaced one after the other: each is the old or the new one.
+                    self.assertIn(found[name], (inputs.get(name, OLD), whole[name]), what)
+        self.assertGreater(refused, len(kinds))
+        for kind in ("read", "write"):
+            result, found = self.run_in_fresh_folder(inputs, outputs, command, f"{kind} short")
+            self.assertEqual(result.returncode, 0, f"{command}, short {kind}s: {result.stderr.decode()}")
+            self.assertEqual(found, whole, f"{command}, short {kind}s")
+
+    @unittest.skipIf(KELP_BAKE == "none", "no kelp-bake in this build")
+    def test_bake(self):
+        inputs = {"box.obj": b"mtllib box.mtl\nusemtl skin\n" + CUBE.encode(), "box.mtl": b"newmtl skin\nmap_Kd red.tga\n", "red.tga": PIXEL}
+        self.tries_every_fault(inputs, ["box.kelp"], [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress", "none"], ["open", "read", "write", "fsync", "close", "rename"])
+
+    @unittest.skipIf(KELP_BAKE == "none", "no kelp-bake in this build")
+    def test_bake_with_report_and_rules(self):
+        inputs = {"box.obj": CUBE.encode(), "box.rig.json": b'{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}'}
+        self.tries_every_fault(inputs, ["box.kelp", "box.json", "box.d"],
+                               [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress", "none", "--report", "box.json", "-MD", "-MF", "box.d"], ["write", "rename"])
+
+    def golden(self):
+        with open(GOLDEN, "rb") as file:
+            return file.read()
+
+    def test_dump_reads(self):
+        for words in (["info"], ["verify"], ["rig", "--part", "0"]):
+            self.tries_every_fault({"a.kelp": self.golden()}, [], [KELP_DUMP, *words, "a.kelp"], ["open", "read"])
+        self.tries_every_fault({"a.kelp": self.golden(), "b.kelp": self.golden()}, [], [KELP_DUMP, "diff", "a.kelp", "b.kelp"], ["open", "read"])
+
+    def test_dump_writes(self):
+        self.tries_every_fault({"a.kelp": self.golden()}, ["a.vox"], [KELP_DUMP, "extract", "a.kelp", "--vox", "a.vox"], ["open", "read", "write", "rename"])
+        self.tries_every_fault({"a.kelp": self.golden()}, ["a.ply"], [KELP_DUMP, "extract", "a.kelp", "--ply", "a.ply"], ["open", "read", "write", "rename"])
+        self.tries_every_fault({"a.kelp": self.golden()}, ["a.png"], [KELP_DUMP, "slice", "a.kelp", "-o", "a.png"], ["open", "read", "write", "rename"])
+
+    def test_dump_replaces_a_rig(self):
+        rig = subprocess.run([KELP_DUMP, "rig", GOLDEN, "--part", "0"], capture_output=True, check=True).stdout
+        self.tries_every_fault({"a.kelp": self.golden(), "a.rig.json": rig}, ["b.kelp"], [KELP_DUMP, "rig", "a.kelp", "--part", "0", "--set", "a.rig.json", "-o", "b.kelp"], ["open", "read", "write", "rename"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
