@@ -9,6 +9,17 @@ function(kelp_target_defaults target)
   # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off
     -ffunction-sections -fdata-sections $<$<BOOL:${KELP_WERROR}>:-Werror>)
+  # What ships is hardened as Debian hardens: overrun stacks and buffers end the program, jumps land where they may, and tables of addresses are read-only.
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    set(ships $<CONFIG:Release,RelWithDebInfo,MinSizeRel>)
+    target_compile_options(${target} PRIVATE $<${ships}:-fstack-protector-strong;-fstack-clash-protection;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>
+      $<$<AND:${ships},$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:-fcf-protection>)
+    get_target_property(type ${target} TYPE)
+    if(type STREQUAL "EXECUTABLE")
+      set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+      target_link_options(${target} PRIVATE $<${ships}:-pie;LINKER:-z,relro,-z,now,-z,noexecstack>)
+    endif()
+  endif()
   # GCC 12 sees overlapping copies in "text" + std::string() at -O3 (GCC bug 105651, mended in 13).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${target} PRIVATE $<$<AND:$<BOOL:${KELP_WERROR}>,$<CONFIG:Release>>:-Wno-error=restrict>)
