@@ -25,8 +25,8 @@ struct Filling {
   void addBlock(std::span<const Wave* const> waves, std::span<const float> period_of) {
     WaveBlock block;
     for (std::size_t i = 0; i < period_of.size(); ++i) block.frequencies[i] = 1.0 / double{period_of[i]};
-
     block.periods = period_of.size();
+
     const std::size_t first_sum = sums;
     const auto isSame = [](const Wave& a, const Wave& b) { return a.part == b.part && a.knot == b.knot && a.target == b.target; };
     // From the last number down: four that end with one that moves never reach beyond the knots, and overlap others only at the very first.

@@ -179,7 +179,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     posed.to_world[k] = &instance.to_world;
     posed.to_object[k] = &parts[part].to_object;
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
-      if (!isAffine(instance.to_world)) return &kBadMatrix;
+      if (!isAffine(instance.to_world)) return &kBadMatrix;  // of the others, placeParts sees it
       moved_[i] = runtime::partToWorld(instance, static_cast<int>(part));
       posed.to_world[k] = &moved_[i];
       posed.to_object[k] = &kSame;
