@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kelp/formats/rig_lanes.h"
+#include "bound_knots.h"
 
 namespace kelp {
 namespace {
@@ -33,9 +33,6 @@ Power powerOf(const glm::vec3& p0, const glm::vec3& m0, const glm::vec3& p1, con
 // From the end that is nearer to t, so that both are met exactly.
 bool fromEnd(float t) { return t > 0.5f; }
 Power powerFrom(const Segment& s, bool end) { return end ? powerOf(s.p1, -s.m1, s.p0, -s.m0) : powerOf(s.p0, s.m0, s.p1, s.m1); }
-
-// Above this, squares of coefficients near the end of float.
-constexpr float kMostSquared = 1e15f;
 
 // Parameters where the cubic may turn, ascending: 0, the roots of its derivative inside (0, 1), 1. Answers how many, 2 to 4.
 int turningPoints(const Cubic& f, double (&t)[4]) {
@@ -174,107 +171,20 @@ void straightKnots(const glm::ivec3& size, Knot (&knots)[2]) {
   knots[1] = {1.0f, glm::vec3(0.0f, height, 0.0f), glm::vec3(0.0f, height, 0.0f)};
 }
 
-namespace {
-
-// What four rigs have in one of their knots each.
-struct KnotLanes {
-  Lanes at, position[3], tangent[3];
-  KnotLanes(const Knot& k0, const Knot& k1, const Knot& k2, const Knot& k3) {
-    at = positionOf(k0), position[0] = positionOf(k1), position[1] = positionOf(k2), position[2] = positionOf(k3);
-    transpose(at, position[0], position[1], position[2]);
-    Lanes z = tangentOf(k0);
-    tangent[0] = tangentOf(k1), tangent[1] = tangentOf(k2), tangent[2] = tangentOf(k3);
-    transpose(z, tangent[0], tangent[1], tangent[2]);
-  }
-};
-
-constexpr Knot kStraight[2] = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
-
-}  // namespace
-
-// Coordinates turn where the derivative 3a t^2 + 2b t + c vanishes. A place that is no turn, or lies outside and is moved to an end, is on the curve
-// too, so none makes the box too large. y does not turn.
-// The roots are those of a quadratic whose coefficients differ by at most 8 roundings from the derivative's; the cubic that belongs to it
-// is at most 2^-21 (3|a| + 2|b| + |c|) away from the given one, which counts twice. Evaluation here costs 8 roundings of the largest partial
-// sum, and whoever evaluates the segment in float may be off by another 8. All of it is below 2^-18 (|a| + |b| + |c| + |d|).
-unsigned boundSoundKnots(const RigLanes& rigs, float margin, BoxLanes& boxes) {
-  unsigned sound = 15;
-  const Knot* knots[4];
-  std::size_t last[4];
-  for (unsigned rig = 0; rig < 4; ++rig) {
-    const std::span<const Knot> given = rigs.knots[rig];
-    const bool fine = given.size() >= 2 && given.size() <= static_cast<std::size_t>(kMaxKnots) && given.front().at == 0.0f && given.back().at == 1.0f;
-    sound &= ~(fine ? 0u : 1u << rig);
-    knots[rig] = fine ? given.data() : kStraight;
-    last[rig] = fine ? given.size() - 1 : 1;
-  }
-  const std::size_t most = std::max(std::max(last[0], last[1]), std::max(last[2], last[3]));
-  const auto lastOf = [&last](int rig) { return static_cast<float>(last[rig]); };
-  const Lanes end = Lanes::of(lastOf(0), lastOf(1), lastOf(2), lastOf(3));
-  const auto knotsAt = [&](std::size_t i) {  // a rig that has no more stays at its last one
-    const auto at = [&](int rig) -> const Knot& { return knots[rig][std::min(i, last[rig])]; };
-    return KnotLanes(at(0), at(1), at(2), at(3));
-  };
-  KnotLanes k0 = knotsAt(0);
-  Lanes low[3], high[3], sizes[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = high[axis] = k0.position[axis];
-    sizes[axis] = 0.0f;
-  }
-  Lanes least_rise = kSafe, least_room = kSafe, sum = 0.0f;
-  for (std::size_t i = 0; i < most; ++i) {
-    const KnotLanes k1 = knotsAt(i + 1);
-    const Lanes here(static_cast<float>(i));  // < end: the rig has this segment
-    const Lanes share = k1.at - k0.at;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Lanes p0 = k0.position[axis], p1 = k1.position[axis];
-      const Lanes rise = p1 - p0, c = share * k0.tangent[axis], m1 = share * k1.tangent[axis];
-      const Lanes both = c + m1, room = 3.0f * rise - both;
-      const Lanes a = both - (rise + rise), b = room - c;
-      const Lanes size = selectLess(here, end, (abs(a) + abs(b)) + (abs(c) + abs(p0)), 0.0f);
-      sizes[axis] = max(size, sizes[axis]);
-      sum = sum + size;
-      if (axis == 1) {
-        // Slopes that are not negative and add up to at most 3 times the rise: monotone (Fritsch and Carlson 1980).
-        least_rise = min(selectLess(here, end, min(share, rise), kSafe), least_rise);
-        least_room = min(selectLess(here, end, min(min(c, m1), room), kSafe), least_room);
-        high[1] = max(p1, high[1]);
-        continue;
-      }
-      // The form that does not cancel. A division by zero ends at an end of the segment.
-      const Lanes qa = 3.0f * a, q = 0.0f - (b + copysign(sqrt(max(b * b - qa * c, 0.0f)), b));
-      const Lanes u = min(max(q / qa, 0.0f), 1.0f), v = min(max(c / q, 0.0f), 1.0f);
-      const Lanes at_u = p0 + u * (c + u * (b + u * a)), at_v = p0 + v * (c + v * (b + v * a));
-      low[axis] = min(min(min(at_u, at_v), p1), low[axis]);
-      high[axis] = max(max(max(at_u, at_v), p1), high[axis]);
-    }
-    k0 = k1;
-  }
-  // Minima and maxima pass over what is not a number; sums do not.
-  sound &= lessBits(sum, kMostSquared) & lessBits(0.0f, least_rise) & ~lessBits(least_room, 0.0f);
-  for (int axis = 0; axis < 3; ++axis) {
-    // The constants: 2^-18 of the margin for its own rounding, and room for squares too small for float.
-    const Lanes slack = 0x1p-18f * sizes[axis] + ((1.0f + 0x1p-18f) * margin + 1e-15f);
-    boxes.min[axis] = low[axis] - slack;
-    boxes.max[axis] = high[axis] + slack;
-  }
-  // Every copy of the base spans [0, X] x [0, Z] from the spline.
-  boxes.max[0] = boxes.max[0] + rigs.size_x;
-  boxes.max[2] = boxes.max[2] + rigs.size_z;
-  return sound;
-}
-
 Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
   Box box;
   if (knots.size() < 2) return box;
-  const RigLanes rigs{{knots, knots, knots, knots}, static_cast<float>(size.x), static_cast<float>(size.z)};
+  const std::span<const Knot> rigs[8] = {knots, knots, knots, knots};
   BoxLanes boxes;
-  if (boundSoundKnots(rigs, 0.0f, boxes) & 1) {
-    box.min = {boxes.min[0].first(), boxes.min[1].first(), boxes.min[2].first()};
-    box.max = {boxes.max[0].first(), boxes.max[1].first(), boxes.max[2].first()};
-    return box;
+  if (four::boundSoundKnots(rigs, 0, 0.0f, boxes) & 1) {
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] = boxes.min[axis].of[0];
+      box.max[axis] = boxes.max[axis].of[0];
+    }
+  } else {
+    for (std::size_t i = 0; i + 1 < knots.size(); ++i) addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
   }
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
+  // Every copy of the base spans [0, X] x [0, Z] from the spline.
   box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
   return box;
 }

@@ -6,14 +6,14 @@
 #include <numbers>
 #include <tuple>
 
-#include "kelp/formats/lanes.h"
+#include "add_waves.h"
 #include "metadata.h"
 
 namespace kelp {
 namespace {
 
 constexpr std::size_t kPeriods = std::size(WaveBlock{}.frequencies);
-constexpr std::size_t kLanes = std::size(WaveSums{}.number);
+constexpr std::uint32_t kLanes = std::size(WaveSums{}.of[0].sine);
 
 // The tables while they fill up.
 struct Filling {
@@ -25,25 +25,25 @@ struct Filling {
   void addBlock(std::span<const Wave* const> waves, std::span<const float> period_of) {
     WaveBlock block;
     for (std::size_t i = 0; i < period_of.size(); ++i) block.frequencies[i] = 1.0 / double{period_of[i]};
+    block.periods = period_of.size();
 
     const std::size_t first_sum = sums;
-    std::size_t lane = kLanes;  // the next free one of the last sums
     const auto isSame = [](const Wave& a, const Wave& b) { return a.part == b.part && a.knot == b.knot && a.target == b.target; };
-    for (std::size_t from = 0, to = 0; from < waves.size(); from = to) {
-      while (to < waves.size() && isSame(*waves[from], *waves[to])) ++to;
-      const std::uint32_t knot = first_knot[waves[from]->part] + waves[from]->knot;
-      const std::uint32_t vector = 7 * knot + (waves[from]->target == Target::kKnotTangent ? 4u : 1u);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto moving = waves.subspan(from, to - from);
+    // From the last number down: four that end with one that moves never reach beyond the knots, and overlap others only at the very first.
+    std::uint32_t least = ~0u;  // the first number that has a sum
+    for (std::size_t to = waves.size(), from = to; to > 0; to = from) {
+      while (from > 0 && isSame(*waves[from - 1], *waves[to - 1])) --from;
+      const auto moving = waves.subspan(from, to - from);
+      const std::uint32_t knot = first_knot[moving[0]->part] + moving[0]->knot;
+      const std::uint32_t vector = 7 * knot + (moving[0]->target == Target::kKnotTangent ? 4u : 1u);
+      for (int axis = 2; axis >= 0; --axis) {
         if (std::all_of(moving.begin(), moving.end(), [axis](const Wave* wave) { return wave->amplitude[axis] == 0; })) continue;
-        if (lane == kLanes) {
-          // Lanes that stay free add nothing to what the first one moves.
-          out.wave_sums[sums++] = {};
-          std::fill_n(out.wave_sums[sums - 1].number, kLanes, vector + static_cast<std::uint32_t>(axis));
-          lane = 0;
+        const std::uint32_t number = vector + static_cast<std::uint32_t>(axis);
+        if (number < least) {
+          least = number < kLanes ? 0 : number - (kLanes - 1);
+          out.wave_sums[sums++] = {least, {}};
         }
-        addSum(moving, axis, period_of, lane, out.wave_sums[sums - 1]);
-        out.wave_sums[sums - 1].number[lane++] = vector + static_cast<std::uint32_t>(axis);
+        addSum(moving, axis, period_of, number - least, out.wave_sums[sums - 1]);
       }
     }
     block.sums = out.wave_sums.span().subspan(first_sum, sums - first_sum);
@@ -55,57 +55,68 @@ struct Filling {
     for (const Wave* wave : waves) {
       const auto period = static_cast<std::size_t>(std::find(period_of.begin(), period_of.end(), wave->period) - period_of.begin());
       const double phase = 2 * std::numbers::pi * (double{wave->phase} - std::floor(double{wave->phase}));
-      to.sine[period][lane] += static_cast<float>(std::cos(phase) * double{wave->amplitude[axis]});
-      to.cosine[period][lane] += static_cast<float>(std::sin(phase) * double{wave->amplitude[axis]});
+      to.of[period].sine[lane] += static_cast<float>(std::cos(phase) * double{wave->amplitude[axis]});
+      to.of[period].cosine[lane] += static_cast<float>(std::sin(phase) * double{wave->amplitude[axis]});
     }
   }
 };
 
-// sin(2 pi x) for x within a quarter to both sides, by the polynomial of least error of that degree: 3.4e-9, and 2e-7 with the rounding of floats.
-Lanes quarterSine(const Lanes& x) {
-  const Lanes xx = x * x;
-  return x * (6.28318501f + xx * (-41.3416557f + xx * (81.6010056f + xx * (-76.5497818f + xx * 39.536705f))));
-}
+// Adding and subtracting 1.5 * 2^52 rounds a double to a whole number.
+constexpr double kRound = 0x1.8p52;
+
+// Loaded in one; and the numbers of knots are counted through.
+static_assert(sizeof(WaveSums{}.of[0]) == 8 * sizeof(float));
+static_assert(sizeof(Knot) == 7 * sizeof(float) && offsetof(Knot, position) == sizeof(float) && offsetof(Knot, tangent) == 4 * sizeof(float));
 
 }  // namespace
 
+namespace four {
+struct Floats8 {
+  Lanes a, b;
+  Floats8(float all) : a(all), b(all) {}
+  Floats8(Lanes first, Lanes last) : a(first), b(last) {}
+  static Floats8 of(Lanes first, Lanes last) { return {first, last}; }
+  static Floats8 load(const float* eight) { return {Lanes::load(eight), Lanes::load(eight + 4)}; }
+  Lanes low() const { return a; }
+  Lanes high() const { return b; }
+  template <int kLane>
+  Floats8 all() const { return {a.all<kLane>(), b.all<kLane>()}; }
+};
+inline Floats8 operator+(const Floats8& x, const Floats8& y) { return {x.a + y.a, x.b + y.b}; }
+inline Floats8 operator*(const Floats8& x, const Floats8& y) { return {x.a * y.a, x.b * y.b}; }
+inline Lanes restOfTurns(double seconds, const double* frequencies) {
+  const DoubleLanes low = seconds * DoubleLanes::load(frequencies), high = seconds * DoubleLanes::load(frequencies + 2);
+  return rounded(low - ((low + kRound) - kRound), high - ((high + kRound) - kRound));
+}
+#include "add_waves.inl"
+}  // namespace four
+
+#if defined(KELP_EIGHT_LANES)
+KELP_EIGHT_LANES_BEGIN
+namespace eight {
+using Floats8 = Lanes8;
+inline Lanes restOfTurns(double seconds, const double* frequencies) {
+  const DoubleLanes4 all = seconds * DoubleLanes4::load(frequencies);
+  return rounded(all - ((all + kRound) - kRound));
+}
+#include "add_waves.inl"
+}  // namespace eight
+KELP_EIGHT_LANES_END
+#endif
+
 void addWaves(const WaveBlock& block, double seconds, float weight, std::span<Knot> knots) {
-  // What is left of whole turns: adding and subtracting 1.5 * 2^52 rounds to a whole number. From 2^51 on a double has no phase.
-  constexpr double kRound = 0x1.8p52;
-  Lanes turns = 0.0f;
-  if (std::abs(seconds * block.frequencies[0]) < 0x1p51) {
-    const auto rest = [&](std::size_t period) {
-      const double all = seconds * block.frequencies[period];
-      return static_cast<float>(all - ((all + kRound) - kRound));
-    };
-    turns = Lanes::of(rest(0), rest(1), rest(2), rest(3));
-  }
-  // Within half a turn to both sides: sin(x) = sin(1/2 - x), cos(x) = sin(1/4 - |x|).
-  const Lanes size = abs(turns);
-  const Lanes sine = weight * quarterSine(copysign(min(size, 0.5f - size), turns));
-  const Lanes cosine = weight * quarterSine(0.25f - size);
-  const Lanes s0 = sine.all<0>(), s1 = sine.all<1>(), s2 = sine.all<2>(), s3 = sine.all<3>();
-  const Lanes c0 = cosine.all<0>(), c1 = cosine.all<1>(), c2 = cosine.all<2>(), c3 = cosine.all<3>();
-  static_assert(sizeof(Knot) == 7 * sizeof(float) && offsetof(Knot, position) == sizeof(float) && offsetof(Knot, tangent) == 4 * sizeof(float));
-  float* const numbers = reinterpret_cast<float*>(knots.data());
-  for (const WaveSums& sums : block.sums) {
-    const Lanes from_sines =
-        (s0 * Lanes::load(sums.sine[0]) + s1 * Lanes::load(sums.sine[1])) + (s2 * Lanes::load(sums.sine[2]) + s3 * Lanes::load(sums.sine[3]));
-    const Lanes from_cosines =
-        (c0 * Lanes::load(sums.cosine[0]) + c1 * Lanes::load(sums.cosine[1])) + (c2 * Lanes::load(sums.cosine[2]) + c3 * Lanes::load(sums.cosine[3]));
-    float by[kLanes];
-    (from_sines + from_cosines).store(by);
-    for (std::size_t i = 0; i < kLanes; ++i) numbers[sums.number[i]] += by[i];
-  }
+#if defined(KELP_EIGHT_LANES)
+  if (hasEightLanes()) return eight::addWaves(block, seconds, weight, knots);
+#endif
+  four::addWaves(block, seconds, weight, knots);
 }
 
 Result<void> sumWaves(Metadata& out) {
   const std::size_t count = out.waves.size();
-  // A wave moves at most three numbers, and what is left of four lanes is wasted once a block: never more than one and a half sums a wave.
-  const std::size_t most_sums = count + (count + 1) / 2;
   Buffer<const Wave*> order(out.allocator);
   Buffer<std::uint32_t> first_knot(out.allocator);
-  if (!out.wave_blocks.reset(count) || !out.wave_sums.reset(most_sums) || !order.reset(count) || !first_knot.reset(out.parts.size())) {
+  // Four sums begin only where a wave moves a number that has none, and hold what else it moves.
+  if (!out.wave_blocks.reset(count) || !out.wave_sums.reset(count) || !order.reset(count) || !first_knot.reset(out.parts.size())) {
     return Error{ErrorCode::kOutOfMemory, "no memory for the clips"};
   }
   for (std::size_t i = 0; i < count; ++i) order[i] = &out.waves[i];

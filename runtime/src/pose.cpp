@@ -21,7 +21,6 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
   pose.knots_ = static_cast<std::uint32_t>(total);
   pose.knot_data_ = reinterpret_cast<Knot*>(pose.motionData() + parts.size());
-  pose.first_knots_ = reinterpret_cast<std::uint32_t*>(pose.restKnots() + total);
   std::fill_n(pose.restMotions(), parts.size(), Motion{});
   std::uint32_t n = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -36,7 +35,6 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
 Pose& Pose::operator=(Pose&& other) noexcept {
   memory_ = std::move(other.memory_);
   knot_data_ = std::exchange(other.knot_data_, nullptr);
-  first_knots_ = std::exchange(other.first_knots_, nullptr);
   parts_ = std::exchange(other.parts_, 0u);
   knots_ = std::exchange(other.knots_, 0u);
   return *this;
@@ -55,11 +53,21 @@ bool Pose::sameShape(const Pose& other) const {
   return other.parts_ == parts_ && other.knots_ == knots_ && std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
 }
 
-void Pose::reset() { std::copy_n(memory_.begin() + stateBytes(), stateBytes(), memory_.begin()); }
+void Pose::reset() {
+  if (parts_ == 0) return;
+  // Some hundred bytes, of thousands of poses a frame: memmove takes longer to choose its way than this. The last step overlaps the one before.
+  constexpr std::size_t kStep = 16;
+  static_assert(sizeof(Motion) >= kStep);
+  std::byte* const to = state();
+  const std::byte* const from = restState();
+  const std::size_t last = stateBytes() - kStep;
+  for (std::size_t i = 0; i < last; i += kStep) std::memcpy(to + i, from + i, kStep);
+  std::memcpy(to + last, from + last, kStep);
+}
 
 bool Pose::assign(const Pose& other) {
   if (!sameShape(other)) return false;
-  std::copy_n(other.memory_.begin(), stateBytes(), memory_.begin());
+  std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
   return true;
 }
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "kelp/formats/rig_lanes.h"
+#include "bound_knots.h"
 
 namespace kelp {
 namespace {
@@ -310,29 +310,35 @@ TEST(Spline, BoundsAreTheExactRangeUpToRounding) {
   EXPECT_LT(worst, 1e-4);
 }
 
-// What a renderer asks each frame: true only for knots that are sound, and then the exact range with the margin; whatever the other three rigs are.
-TEST(Spline, SoundRigsAreBoundFourAtATime) {
+// What a renderer asks each frame: true only for knots that are sound, and then the exact range with the margin; whatever the other seven rigs are, and
+// however many lanes there are.
+TEST(Spline, SoundRigsAreBoundEightAtATime) {
   std::mt19937 random(24);
   std::uniform_real_distribution<float> unit(-1, 1);
-  const glm::ivec3 size(3, 5, 7);
   const float margin = 0.25f;
-  const auto boundsOf = [&](const std::vector<Knot> (&rigs)[4], unsigned& sound) {
-    BoxLanes lanes;
-    sound = boundSoundKnots({{rigs[0], rigs[1], rigs[2], rigs[3]}, static_cast<float>(size.x), static_cast<float>(size.z)}, margin, lanes);
-    std::array<Box, 4> boxes;
-    for (int axis = 0; axis < 3; ++axis) {
-      float low[4], high[4];
-      lanes.min[axis].store(low);
-      lanes.max[axis].store(high);
-      for (std::size_t rig = 0; rig < 4; ++rig) boxes[rig].min[axis] = low[rig], boxes[rig].max[axis] = high[rig];
+  const auto boundsOf = [&](const std::array<std::span<const Knot>, 8>& rigs, unsigned& sound) {
+    std::span<const Knot> lanes[8];
+    std::copy(rigs.begin(), rigs.end(), lanes);
+    BoxLanes boxes, by_four;
+    sound = boundSoundKnots(lanes, margin, boxes);
+    EXPECT_EQ(sound, four::boundSoundKnots(lanes, 0, margin, by_four) | four::boundSoundKnots(lanes, 4, margin, by_four) << 4);
+    std::array<Box, 8> out;
+    for (std::size_t rig = 0; rig < 8; ++rig) {
+      for (int axis = 0; axis < 3; ++axis) {
+        out[rig].min[axis] = boxes.min[axis].of[rig];
+        out[rig].max[axis] = boxes.max[axis].of[rig];
+        if (!(sound >> rig & 1)) continue;
+        EXPECT_EQ(out[rig].min[axis], by_four.min[axis].of[rig]);
+        EXPECT_EQ(out[rig].max[axis], by_four.max[axis].of[rig]);
+      }
     }
-    return boxes;
+    return out;
   };
   int bound = 0;
-  std::vector<Knot> rigs[4];
+  std::array<std::vector<Knot>, 8> rigs;
   for (int n = 0; n < 100000; ++n) {
     const float scale = std::pow(10.0f, 3 * unit(random)), slope = scale * std::pow(10.0f, 2 * unit(random));
-    std::vector<Knot>& knots = rigs[n % 4];
+    std::vector<Knot>& knots = rigs[static_cast<std::size_t>(n) % 8];
     knots.clear();
     const int last = 1 + n % 3;
     for (int i = 0; i <= last; ++i) knots.push_back(randomKnot(random, i == last ? 1.0f : 0.3f * static_cast<float>(i), scale));
@@ -345,13 +351,17 @@ TEST(Spline, SoundRigsAreBoundFourAtATime) {
     if (n % 50 == 1) knots[some].tangent[n / 150 % 3] = n % 100 == 1 ? NAN : -INFINITY;
     if (n % 50 == 2) knots[some].at = n % 100 == 2 ? NAN : 1;
     if (n % 50 == 3) knots.resize(n % 100 == 3 ? 0 : n % 150 == 3 ? 1 : kMaxKnots + 1);
-    if (n % 4 != 3) continue;
+    if (n % 8 != 7) continue;
     unsigned sound;
-    const auto boxes = boundsOf(rigs, sound);
-    for (unsigned rig = 0; rig < 4; ++rig) {
+    std::array<std::span<const Knot>, 8> eight;
+    std::copy(rigs.begin(), rigs.end(), eight.begin());
+    const auto boxes = boundsOf(eight, sound);
+    for (unsigned rig = 0; rig < 8; ++rig) {
       unsigned alone;
-      const auto box_alone = boundsOf({rigs[rig], rigs[rig], rigs[rig], rigs[rig]}, alone)[0];
-      ASSERT_EQ(alone, sound >> rig & 1 ? 15u : 0u) << n;
+      std::array<std::span<const Knot>, 8> same;
+      same.fill(rigs[rig]);
+      const auto box_alone = boundsOf(same, alone)[0];
+      ASSERT_EQ(alone, sound >> rig & 1 ? 255u : 0u) << n;
       if (!alone) continue;
       ++bound;
       const Box& box = boxes[rig];
@@ -367,11 +377,10 @@ TEST(Spline, SoundRigsAreBoundFourAtATime) {
           const long double share = k1.at - k0.at;
           sizes = std::max({sizes, std::abs(least), std::abs(most), share * std::abs(k0.tangent[i]), share * std::abs(k1.tangent[i])});
         }
-        const long double base = i == 0 ? size.x : i == 2 ? size.z : 0;
         ASSERT_LE(box.min[i], low - margin) << n;
-        ASSERT_GE(box.max[i], high + base + margin - 1e-6L) << n;
+        ASSERT_GE(box.max[i], high + margin - 1e-6L) << n;
         ASSERT_GE(box.min[i], low - margin - 1e-4L * (sizes + margin)) << n;
-        ASSERT_LE(box.max[i], high + base + margin + 1e-4L * (sizes + base + margin)) << n;
+        ASSERT_LE(box.max[i], high + margin + 1e-4L * (sizes + margin)) << n;
       }
     }
   }

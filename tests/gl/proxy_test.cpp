@@ -33,6 +33,21 @@ bool meets(const dvec3 (&corners)[3], const dvec3& d) {
   return glm::dot(normal, corners[0]) * glm::dot(normal, d) > 0;  // before the eye
 }
 
+// That of one of eight parts; the others have their eyes elsewhere.
+std::uint32_t outlineOf(const glm::vec4& eye, const Box& bounds, std::size_t which) {
+  gl::PlacedParts placed;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t part = 0; part < 8; ++part) {
+      placed.bounds.min[axis].of[part] = bounds.min[axis];
+      placed.bounds.max[axis].of[part] = bounds.max[axis];
+      placed.eye[axis].of[part] = part == which ? eye[axis] : static_cast<float>(part) * bounds.max[axis];
+    }
+  }
+  std::uint32_t outlines[8];
+  gl::outlineParts(eye.w == 0, placed, outlines);
+  return outlines[which];
+}
+
 TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -46,7 +61,7 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
     const float far = n % 3 == 0 ? 30.0f : 1.5f;
     glm::vec4 eye(middle + far * glm::vec3(unit(random), unit(random), unit(random)) * half, 1);
     if (orthographic) eye = glm::vec4(glm::normalize(glm::vec3(unit(random), unit(random), unit(random))), 0);
-    const std::uint32_t outline = gl::outlineOf(eye, Lanes::of(bounds.min.x, bounds.min.y, bounds.min.z, 0), Lanes::of(bounds.max.x, bounds.max.y, bounds.max.z, 0));
+    const std::uint32_t outline = outlineOf(eye, bounds, static_cast<std::size_t>(n) % 8);
     const dvec3 low(bounds.min), high(bounds.max);
     if (outline == 0) {
       ASSERT_FALSE(orthographic);

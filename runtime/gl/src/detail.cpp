@@ -48,22 +48,6 @@ Result<Camera> makeCamera(const View& view) {
   return camera;
 }
 
-namespace {
-
-// The base-2 logarithm of positive numbers, to 0.00013: the exponent, and a polynomial in the fraction, exact at both ends.
-Lanes logarithm(const Lanes& x) {
-  const Lanes f = fractionOf(x) - 1.0f;
-  return exponentOf(x) + f * (1.4383793f + f * (-0.6758807f + f * (0.3181545f - 0.0806531f * f)));
-}
-
-}  // namespace
-
-Lanes chooseDetail(const Lanes& pixels, float wanted, int finest, const Lanes& levels) {
-  // As many levels up as the voxels are too small, by powers of two.
-  const Lanes coarsest = levels - 1.0f;
-  return min(max(logarithm(min(max(wanted / pixels, 1.0f), 0x1p30f)), min(static_cast<float>(finest), coarsest)), coarsest);
-}
-
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel) {
   const int x = pixel.x ^ pixel.y;
   const int y = pixel.y;

@@ -2,7 +2,6 @@
 // Which level of detail is drawn: a number between two levels, and a pattern of pixels that draw the one or the other.
 #pragma once
 
-#include "kelp/formats/lanes.h"
 #include "kelp/gl/renderer.h"
 
 namespace kelp::gl {
@@ -23,14 +22,10 @@ struct Detail {
   int coarser = 0;  // 64ths of the pixels that draw level + 1
 
   static Detail of(float level) {
-    const int whole = static_cast<int>(level);
-    return {whole, static_cast<int>(64.0f * (level - static_cast<float>(whole)))};
+    const int parts = static_cast<int>(64.0f * level);  // not below 0
+    return {parts >> 6, parts & 63};
   }
 };
-// For four parts at once: the finest level is `finest`, the coarsest the part's `levels` - 1; between them one whose voxels cover about `wanted`
-// pixels where those of level 0 cover `pixels`. Detail::of takes one of the answers.
-Lanes chooseDetail(const Lanes& pixels, float wanted, int finest, const Lanes& levels);
-
 // Whether that pixel draws the coarser level.
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel);
 

@@ -16,10 +16,10 @@
 namespace kelp::gl {
 namespace {
 
-constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
-// What is not seen is worth this much of what is: it may be seen next.
-constexpr float kHiddenWorth = 0.125;
+// Of a record: what is the same in all, and what comes before the segments of the frame before.
+constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4), kMotionTexels = 4;
 
+constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
 // Doubles the room of `buffer` until it holds `size`, keeping what is there.
 template <class T>
 [[nodiscard]] bool grow(Buffer<T>& buffer, std::size_t size) {
@@ -66,21 +66,14 @@ class FoundAssets {
   One places_[kPlaces];
 };
 
-// As runtime::partToWorld, for the many parts that do not move as a whole.
-glm::mat4 toWorld(const runtime::Instance& instance, std::span<const Part> parts, int part) {
-  if (instance.pose) {
-    for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-      if (!runtime::isRest(*instance.pose->motion(i))) return runtime::partToWorld(instance, part);
-    }
+// Whether a part moves as a whole, by its motion or an ancestor's.
+bool moves(const runtime::Pose& pose, std::span<const Part> parts, int part) {
+  for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
+    if (!runtime::isRest(*pose.motion(i))) return true;
   }
-  const glm::mat4x3& m = parts[static_cast<std::size_t>(part)].to_object;
-  const Lanes x = Lanes::load(&instance.to_world[0][0]), y = Lanes::load(&instance.to_world[1][0]), z = Lanes::load(&instance.to_world[2][0]);
-  const auto turned = [&](int column) { return (x * m[column][0] + y * m[column][1]) + z * m[column][2]; };
-  glm::mat4 out;
-  for (int column = 0; column < 3; ++column) turned(column).store(&out[column][0]);
-  (turned(3) + Lanes::load(&instance.to_world[3][0])).store(&out[3][0]);
-  return out;
+  return false;
 }
+constexpr glm::mat4x3 kSame(1);
 
 // Puts world -> part space in place of part -> clip space.
 void worldToPart(RecordHead& head) {
@@ -90,18 +83,6 @@ void worldToPart(RecordHead& head) {
   for (int row = 0; row < 4; ++row) head.to_clip[row] = inverse_rows[row];
 }
 
-glm::uvec4 bitsOf(const glm::vec4& v) {
-  glm::uvec4 bits;
-  std::memcpy(&bits, &v, sizeof bits);
-  return bits;
-}
-// Three floats and a number, written in place: a texel put together elsewhere would be read before its parts have arrived there.
-void put(const Lanes& xyz, std::uint32_t w, glm::uvec4& out) {
-  static_assert(sizeof out == 4 * sizeof(float));
-  xyz.store(reinterpret_cast<float*>(&out));
-  out.w = w;
-}
-
 // Ascends with a number, whatever its sign, below 2^31.
 std::uint32_t ascending(float number) {
   std::uint32_t bits;
@@ -109,14 +90,12 @@ std::uint32_t ascending(float number) {
   return (bits >> 31 ? ~bits : bits | 0x80000000u) >> 1;
 }
 
-// How far along the view's direction a box of part space begins: of an orthographic view, where clip w says nothing of it.
-float alongView(const glm::dvec4& direction, const RecordHead& head, const Lanes& low, const Lanes& high) {
-  glm::vec4 from, to, along(0);
-  low.store(&from.x);
-  high.store(&to.x);
+// How far along the view's direction a part's bounds begin: of an orthographic view, where clip w says nothing of it.
+float alongView(const glm::dvec4& direction, const RecordHead& head) {
+  glm::vec4 along(0);
   for (int row = 0; row < 3; ++row) along += static_cast<float>(direction[row]) * head.to_world[row];
-  const glm::vec3 slope(along), middle = 0.5f * (glm::vec3(from) + glm::vec3(to));
-  return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), glm::vec3(to) - middle);
+  const glm::vec3 slope(along), middle = 0.5f * (head.low + head.high);
+  return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), head.high - middle);
 }
 
 // As makeSegment. Writes one number more: what comes next lies over it.
@@ -136,6 +115,17 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
     out += 3;
   }
   return out;
+}
+
+// Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments.
+glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance, std::uint32_t part, glm::uvec4* out) {
+  const int index = static_cast<int>(part);
+  runtime::Instance before = instance;
+  if (instance.previous_pose) before.pose = instance.previous_pose;
+  if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
+  const glm::mat4 rows(glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
+  std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
+  return writeSegments(out + kMotionTexels, before.pose ? before.pose->knots(index) : before.asset->pack().parts()[part].knots);
 }
 
 }  // namespace
@@ -163,7 +153,6 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
 
 const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index) {
   const std::span<const Part> parts = asset.packed;
-  if (!isAffine(instance.to_world)) return &kBadMatrix;
   if (instance.pose && static_cast<std::size_t>(instance.pose->parts()) != parts.size()) return &kForeignPose;
   if (instance.previous_pose) {
     if (!instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
@@ -176,12 +165,25 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }
-    Candidate& candidate = block_[waiting_++];
-    candidate.asset = &asset;
+    const std::size_t i = waiting_++;
+    Candidate& candidate = block_[i];
     candidate.instance = &instance;
-    candidate.knots = knots;
+    candidate.asset = &asset;
+    candidate.resident = &asset.parts[part];
     candidate.index = index;
     candidate.part = part;
+    PosedParts& posed = posed_[i / 8];
+    const std::size_t k = i % 8;
+    posed.knots[k] = knots;
+    posed.extents[k] = &candidate.resident->extent;
+    posed.to_world[k] = &instance.to_world;
+    posed.to_object[k] = &parts[part].to_object;
+    if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
+      if (!isAffine(instance.to_world)) return &kBadMatrix;  // of the others, placeParts sees it
+      moved_[i] = runtime::partToWorld(instance, static_cast<int>(part));
+      posed.to_world[k] = &moved_[i];
+      posed.to_object[k] = &kSame;
+    }
   }
   return nullptr;
 }
@@ -189,119 +191,96 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
 const Error* DrawList::addBlock(const Frame& frame) {
   const std::size_t count = std::exchange(waiting_, 0);
   if (count == 0) return nullptr;
-  const std::size_t fours = (count + 3) / 4;
-  for (std::size_t i = count; i < 4 * fours; ++i) block_[i] = block_[count - 1];  // company for the last ones
-  const auto four = [this](std::size_t i) { return std::span<Candidate, 4>(block_ + 4 * i, 4); };
-  const auto countOf = [count](std::size_t i) { return std::min<std::size_t>(count - 4 * i, 4); };
+  const std::size_t eights = (count + 7) / 8;
+  for (std::size_t i = count; i < 8 * eights; ++i) posed_[i / 8].repeat(i % 8);  // company for the last ones
+  const auto countOf = [count](std::size_t eight) { return std::min<std::size_t>(count - 8 * eight, 8); };
   std::size_t segments = 0;
-  for (std::size_t i = 0; i < fours; ++i) {
-    const auto c = four(i);
-    const auto sizeOf = [](const Candidate& candidate) { return &candidate.asset->packed[candidate.part].size; };
-    for (const Candidate& candidate : c) segments += candidate.knots.size() - 1;
-    if (boundParts({c[0].knots, c[1].knots, c[2].knots, c[3].knots}, {sizeOf(c[0]), sizeOf(c[1]), sizeOf(c[2]), sizeOf(c[3])}, placed_[i]) != 15) return &kBadPose;
+  for (std::size_t i = 0; i < eights; ++i) {
+    for (const std::span<const Knot>& knots : posed_[i].knots) segments += knots.size() - 1;
+    if (boundParts(posed_[i], placed_[i]) != 255) return &kBadPose;
   }
-  for (std::size_t i = 0; i < fours; ++i) {
-    if (const Error* const error = place(frame, four(i), countOf(i), placed_[i])) return error;
+  for (std::size_t i = 0; i < eights; ++i) {
+    if (const Error* const error = place(frame, i, countOf(i))) return error;
   }
-  for (std::size_t i = 0; i < fours; ++i) choose(frame, four(i), countOf(i), placed_[i]);
+  for (std::size_t i = 0; i < eights; ++i) choose(frame, i, countOf(i));
   // One texel more for the number that writeSegments writes too much.
-  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kRecordTexels + 4) + 6 * segments + 1)) return &kNoMemory;
-  for (std::size_t i = 0; i < fours; ++i) {
-    // Boxes of one part each, from those of four.
-    const BoxLanes& boxes = placed_[i].bounds;
-    Lanes low[4] = {boxes.min[0], boxes.min[1], boxes.min[2], 0.0f}, high[4] = {boxes.max[0], boxes.max[1], boxes.max[2], 0.0f};
-    transpose(low[0], low[1], low[2], low[3]);
-    transpose(high[0], high[1], high[2], high[3]);
-    float nearest[4];
-    placed_[i].nearest.store(nearest);
-    for (std::size_t k = 0; k < countOf(i); ++k) {
-      if (four(i)[k].drawn) write(frame, four(i)[k], low[k], high[k], nearest[k]);
-    }
-  }
+  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1)) return &kNoMemory;
+  for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
 }
 
-const Error* DrawList::place(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, PlacedParts& placed) {
-  glm::mat4 to_world[4];
-  for (std::size_t k = 0; k < 4; ++k) to_world[k] = toWorld(*four[k].instance, four[k].asset->packed, static_cast<int>(four[k].part));
-  placeParts(frame.camera, to_world, placed, {&four[0].head, &four[1].head, &four[2].head, &four[3].head});
-  if (placed.invertible == 15) return nullptr;
+const Error* DrawList::place(const Frame& frame, std::size_t eight, std::size_t count) {
+  placeParts(frame.camera, posed_[eight], placed_[eight]);
+  if (placed_[eight].affine != 255) return &kBadMatrix;
+  if (placed_[eight].invertible == 255) return nullptr;
   for (std::size_t k = 0; k < count; ++k) {
     // A part may be scaled to nothing by its motion: it has no voxel to show.
-    if (!(placed.invertible >> k & 1) && !isInvertible(four[k].instance->to_world)) return &kBadMatrix;
+    if (!(placed_[eight].invertible >> k & 1) && !isInvertible(block_[8 * eight + k].instance->to_world)) return &kBadMatrix;
   }
   return nullptr;
 }
 
-void DrawList::choose(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, const PlacedParts& placed) {
-  const View& view = frame.view;
-  const auto& [low, high] = placed.bounds;
-  const Lanes side = max(max(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-  // A part behind the eye counts as if it were as far before it.
-  Lanes away = 0.0f;
-  if (frame.camera.eye.w != 0) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Lanes beside = max(max(low[axis] - placed.eye[axis], placed.eye[axis] - high[axis]), 0.0f);
-      away = away + beside * beside;
-    }
-  }
-  const Lanes around = min(frame.camera.pixel_scale / sqrt(away), placed.pixels);
-  const bool any = frame.rays == Rays::kAny;
-  const Lanes covered = (any ? around : placed.pixels) * side;
-  const unsigned seen = placed.invertible & ~lessBits(covered, view.smallest_pixels) & (any ? 15 : ~placed.outside);
-  const auto levelsOf = [&](std::size_t k) { return static_cast<float>(four[k].asset->parts[four[k].part].levels); };
-  const auto isSeen = [seen](int k) { return seen >> k & 1 ? 1.0f : 0.0f; };
-  const Lanes wanted_pixels = selectLess(0.0f, Lanes::of(isSeen(0), isSeen(1), isSeen(2), isSeen(3)), any ? around : placed.pixels, kHiddenWorth * around);
-  float pixels[4], level[4];
-  wanted_pixels.store(pixels);
-  chooseDetail(wanted_pixels, view.pixels_per_voxel, view.finest_level, Lanes::of(levelsOf(0), levelsOf(1), levelsOf(2), levelsOf(3))).store(level);
+void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) {
+  JudgedParts judged;
+  judgeParts(frame.camera, frame.view, frame.rays, placed_[eight], judged);
   for (std::size_t k = 0; k < count; ++k) {
-    ResidentPart& resident = four[k].asset->parts[four[k].part];
-    const bool is_seen = seen >> k & 1;
-    const Detail wanted = Detail::of(level[k]);
-    if (placed.invertible >> k & 1) Residency::want(resident, wanted.level, std::min(pixels[k], 1e4f));
-    four[k].detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
-    four[k].drawn = is_seen && resident.finest != resident.levels;
+    Candidate& candidate = block_[8 * eight + k];
+    ResidentPart& resident = *candidate.resident;
+    const bool is_seen = judged.seen >> k & 1;
+    const Detail wanted = Detail::of(judged.level.of[k]);
+    if (placed_[eight].invertible >> k & 1) Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
+    candidate.detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
+    candidate.drawn = is_seen && resident.finest != resident.levels;
     culled_ += !is_seen;
   }
 }
 
-void DrawList::write(const Frame& frame, const Candidate& candidate, const Lanes& low, const Lanes& high, float nearest) {
-  const runtime::Instance& instance = *candidate.instance;
+void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
+  const PosedParts& posed = posed_[eight];
+  const bool motion = frame.rays == Rays::kView && frame.view.previous_world_to_clip;
+  RecordHead unused;
+  RecordHead* heads[8];
+  // Segments first, since each writes over what comes behind it.
+  glm::uvec4* const begin = &records_[texels_];
+  glm::uvec4* out = begin;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Candidate& candidate = block_[8 * eight + k];
+    heads[k] = &unused;
+    if (k >= count || !candidate.drawn) continue;
+    heads[k] = reinterpret_cast<RecordHead*>(out);
+    out = writeSegments(out + kHeadTexels, posed.knots[k]);
+    if (motion) out = writeMotion(*frame.view.previous_world_to_clip, *candidate.instance, candidate.part, out);
+  }
+  if (out == begin) return;
+  texels_ += static_cast<std::size_t>(out - begin);
+  writeHeads(frame.camera, placed_[eight], heads);
+  std::uint32_t outlines[8] = {};
+  if (frame.rays == Rays::kView) outlineParts(frame.camera.eye.w == 0, placed_[eight], outlines);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (heads[k] == &unused) continue;
+    heads[k]->segments = static_cast<std::uint32_t>(posed.knots[k].size() - 1);
+    heads[k]->outline = outlines[k];
+    finish(frame, block_[8 * eight + k], placed_[eight].nearest.of[k], *heads[k]);
+  }
+}
+
+void DrawList::finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head) {
   const ResidentAsset& asset = *candidate.asset;
-  const ResidentPart& resident = asset.parts[candidate.part];
-  const Part& part = asset.packed[candidate.part];
-  const std::span<const Knot> knots = candidate.knots;
-  const bool any = frame.rays == Rays::kAny;
-  has_heat_ = has_heat_ || (part.fog && part.fog->channels() > 1);
+  const ResidentPart& resident = *candidate.resident;
+  if (frame.kind == PartKind::kFog) has_heat_ = has_heat_ || asset.packed[candidate.part].fog->channels() > 1;
 
   Ordered& ordered = order_[count_++];
-  ordered.key = ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, candidate.head, low, high) : std::max(nearest, 0.0f));
-  ordered.texel = static_cast<std::uint32_t>(texels_);
+  ordered.key = ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, head) : std::max(nearest, 0.0f));
+  ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
 
-  glm::uvec4* out = &records_[texels_];
-  auto* const head = reinterpret_cast<RecordHead*>(out);
-  *head = candidate.head;
-  if (any) worldToPart(*head);
-  out += sizeof *head / sizeof *out;
-  *out++ = bitsOf(instance.tint);
-  put(low, static_cast<std::uint32_t>(knots.size() - 1), *out++);
-  put(high, asset.palette() + asset.levels[resident.first_level]->table, *out++);
-  const glm::vec3 size(part.size);
-  put(Lanes::of(size.x, size.y, size.z, 0), static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16),
-      *out++);
-  *out++ = glm::uvec4(asset.palette(), candidate.index, candidate.part, any ? 0 : outlineOf(candidate.head.eye, low, high));
-  out = writeSegments(out, knots);
-  if (!any && frame.view.previous_world_to_clip) {
-    const int index = static_cast<int>(candidate.part);
-    runtime::Instance before = instance;
-    if (instance.previous_pose) before.pose = instance.previous_pose;
-    if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
-    const glm::mat4 rows(glm::transpose(glm::dmat4(*frame.view.previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
-    for (int row = 0; row < 4; ++row) *out++ = bitsOf(rows[row]);
-    out = writeSegments(out, before.pose ? before.pose->knots(index) : part.knots);
-  }
-  texels_ = static_cast<std::size_t>(out - records_.data());
+  const bool any = frame.rays == Rays::kAny;
+  if (any) worldToPart(head);
+  head.tint = candidate.instance->tint;
+  head.levels_at = asset.palette() + resident.table;
+  head.detail = static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16);
+  head.palette = asset.palette();
+  head.instance = candidate.index;
+  head.part = candidate.part;
 }
 
 // Sorts the parts, and writes the numbers of their records behind the records. The order serves speed, and that of fog what can be told apart: 15 bits of the depths' fractions do,

@@ -12,11 +12,6 @@ namespace kelp::gl {
 class DrawList {
  public:
   static constexpr std::size_t kRecordWidth = 1024;  // texels
-  static constexpr std::size_t kRecordTexels = 13;   // of a record, without its segments
-
-  // What the records are for: the view's own rays, or those of a host's shader, which come from anywhere. Then nothing is culled for not being
-  // before the eye, and the records have world -> part space in place of part -> clip space.
-  enum class Rays : std::uint8_t { kView, kAny };
 
   explicit DrawList(const Allocator& allocator) : order_(allocator), sorted_(allocator), records_(allocator) {}
 
@@ -44,31 +39,34 @@ class DrawList {
     PartKind kind;
     Rays rays;
   };
-  // A posed part on its way into the list.
+  // A posed part on its way into the list, and what lanes do not compute with.
   struct Candidate {
-    ResidentAsset* asset;
     const runtime::Instance* instance;
-    std::span<const Knot> knots;
+    ResidentAsset* asset;
+    ResidentPart* resident;
     std::uint32_t index;  // of the instance
     std::uint32_t part;
-    RecordHead head;
     Detail detail;
     bool drawn;
   };
-  // Candidates are computed four side by side, and all of a block take each step before the next one: the processor works on several fours at
+  // Candidates are computed eight side by side, and all of a block take each step before the next one: the processor works on several eights at
   // once, where a step is a chain of results that wait for each other. README.md has what that is worth.
-  static constexpr std::size_t kBlock = 32;
+  static constexpr std::size_t kBlock = 32, kEights = kBlock / 8;
 
   // Null, or what is wrong.
   const Error* addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index);
   const Error* addBlock(const Frame& frame);
-  const Error* place(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, PlacedParts& placed);
-  void choose(const Frame& frame, std::span<Candidate, 4> four, std::size_t count, const PlacedParts& placed);
-  void write(const Frame& frame, const Candidate& candidate, const Lanes& low, const Lanes& high, float nearest);
+  const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
+  void choose(const Frame& frame, std::size_t eight, std::size_t count);
+  void write(const Frame& frame, std::size_t eight, std::size_t count);
+  // What of a record is not in lanes.
+  void finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head);
   Result<void> writeOrder(PartKind kind);
 
   Candidate block_[kBlock];      // the first waiting_
-  PlacedParts placed_[kBlock / 4];
+  glm::mat4 moved_[kBlock];      // part -> world, of those that move as a whole
+  PosedParts posed_[kEights];
+  PlacedParts placed_[kEights];
   std::size_t waiting_ = 0;
   Buffer<Ordered> order_;        // the first count_
   Buffer<Ordered> sorted_;

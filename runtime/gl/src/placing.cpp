@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "placing.h"
+#include "placing_steps.h"
 
 #include <array>
 #include <cmath>
@@ -8,6 +8,8 @@
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include "kelp/formats/lanes8.h"
 
 namespace kelp::gl {
 namespace {
@@ -25,137 +27,92 @@ bool eyeThoroughly(const glm::dvec3& r0, const glm::dvec3& r1, const glm::dvec3&
   return true;
 }
 
-// Four numbers of type float, one by one.
-struct Numbers {
-  float of[4];
-  explicit Numbers(const Lanes& lanes) { lanes.store(of); }
-  operator Lanes() const { return Lanes::load(of); }
-};
-
-Lanes cross(const Lanes (&a)[4], const Lanes (&b)[4], int axis) {
-  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-  return a[next] * b[last] - b[next] * a[last];
-}
-
-void storeRow(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w, glm::vec4* const (&to)[4]) {
-  Lanes rows[4] = {x, y, z, w};
-  transpose(rows[0], rows[1], rows[2], rows[3]);
-  for (int part = 0; part < 4; ++part) rows[part].store(&to[part]->x);
-}
+// What is not seen is worth this much of what is: it may be seen next.
+constexpr float kHiddenWorth = 0.125f;
 
 }  // namespace
 
-unsigned boundParts(const std::span<const Knot> (&knots)[4], const glm::ivec3* const (&sizes)[4], PlacedParts& placed) {
-  const auto all = [&](int axis) {
-    const auto of = [&](int part) { return static_cast<float>((*sizes[part])[axis]); };
-    return Lanes::of(of(0), of(1), of(2), of(3));
-  };
-  const unsigned sound = boundSoundKnots({{knots[0], knots[1], knots[2], knots[3]}, all(0), all(2)}, kMargin, placed.bounds);
-  if (sound == 15) return sound;
-  unsigned good = sound;
-  for (unsigned part = 0; part < 4; ++part) {
-    if ((sound >> part & 1) || !checkKnots(knots[part])) continue;
+namespace four {
+using Floats = Lanes;
+#include "placing.inl"
+constexpr PlacingSteps kSteps{Floats::kCount, placeParts, judgeParts, findSides, writeHeads};
+}  // namespace four
+
+#if defined(KELP_EIGHT_LANES)
+KELP_EIGHT_LANES_BEGIN
+namespace eight {
+using Floats = Lanes8;
+#include "placing.inl"
+constexpr PlacingSteps kSteps{Floats::kCount, placeParts, judgeParts, findSides, writeHeads};
+}  // namespace eight
+KELP_EIGHT_LANES_END
+#endif
+
+const PlacingSteps& fourLanes() { return four::kSteps; }
+const PlacingSteps& widestLanes() {
+#if defined(KELP_EIGHT_LANES)
+  if (hasEightLanes()) return eight::kSteps;
+#endif
+  return four::kSteps;
+}
+
+unsigned boundParts(const PosedParts& parts, PlacedParts& placed) {
+  unsigned good = boundSoundKnots(parts.knots, kMargin, placed.bounds);
+  for (unsigned part = 0; good != 255 && part < 8; ++part) {
+    if ((good >> part & 1) || !checkKnots(parts.knots[part])) continue;
     good |= 1u << part;
-    const Box box = deformedBounds(knots[part], *sizes[part]);
+    const Box box = deformedBounds(parts.knots[part], glm::ivec3(0));
     for (int axis = 0; axis < 3; ++axis) {
-      Numbers low(placed.bounds.min[axis]), high(placed.bounds.max[axis]);
-      low.of[part] = box.min[axis] - kMargin;
-      high.of[part] = box.max[axis] + kMargin;
-      placed.bounds.min[axis] = low;
-      placed.bounds.max[axis] = high;
+      placed.bounds.min[axis].of[part] = box.min[axis] - kMargin;
+      placed.bounds.max[axis].of[part] = box.max[axis] + kMargin;
     }
   }
   return good;
 }
 
-void placeParts(const Camera& camera, const glm::mat4 (&to_world)[4], PlacedParts& placed, RecordHead* const (&heads)[4]) {
-  Lanes world[4][4];  // [row][column]
-  for (int column = 0; column < 4; ++column) {
-    for (int part = 0; part < 4; ++part) world[part][column] = Lanes::load(&to_world[part][column][0]);
-    transpose(world[0][column], world[1][column], world[2][column], world[3][column]);
-  }
-  Lanes clip[4][4];
-  const auto both = [](const auto& function) { return rounded(function(&lowHalf), function(&highHalf)); };
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      clip[row][column] = camera.linear[0][row] * world[0][column] + camera.linear[1][row] * world[1][column] + camera.linear[2][row] * world[2][column];
-    }
-    // A sum that may be small beside its terms, so it is of doubles.
-    const glm::dmat4& m = camera.world_to_clip;
-    clip[row][3] = both([&](DoubleLanes (*half)(Lanes)) {
-      return (m[0][row] * half(world[0][3]) + m[1][row] * half(world[1][3])) + (m[2][row] * half(world[2][3]) + m[3][row]);
-    });
-  }
+namespace {
 
-  // A linear function over a box is greatest where every term is: its value at the centre, and |term| times half a side for each. The planes'
-  // functions are w + x, w - x and so on, and w itself. Roundings must not make a part that is seen lie outside.
-  Lanes centre[3], reach[4][3], at[4];
-  for (int axis = 0; axis < 3; ++axis) {
-    centre[axis] = 0.5f * (placed.bounds.min[axis] + placed.bounds.max[axis]);
-    const Lanes half = placed.bounds.max[axis] - centre[axis];
-    for (int row = 0; row < 4; ++row) reach[row][axis] = half * clip[row][axis];
-  }
-  for (int row = 0; row < 4; ++row) at[row] = (clip[row][0] * centre[0] + clip[row][1] * centre[1]) + (clip[row][2] * centre[2] + clip[row][3]);
-  const Lanes at_w = at[3], spread = abs(reach[3][0]) + abs(reach[3][1]) + abs(reach[3][2]);
-  placed.nearest = at_w - spread;
-  placed.outside = lessBits(at_w + spread + 2e-6f * (spread + abs(at_w)), 0.0f);
-  for (int row = 0; row < 3; ++row) {
-    Lanes above = 0.0f, below = 0.0f;
-    for (int axis = 0; axis < 3; ++axis) {
-      above = above + abs(reach[3][axis] + reach[row][axis]);
-      below = below + abs(reach[3][axis] - reach[row][axis]);
-    }
-    const Lanes slack = 1e-6f * (above + below + (abs(at_w) + abs(at[row])));
-    placed.outside |= lessBits(min(at_w + at[row] + above, at_w - at[row] + below) + slack, 0.0f);
-  }
-  // A number that is not finite anywhere in to_world is in this one.
-  placed.invertible = lessBits(abs(placed.nearest), std::numeric_limits<float>::infinity());
-
-  // Rays leave the bounds at a point and go to the eye, so that an error of the eye's by a part of its distance moves a hit by that part of the box: float
-  // does, but for determinants near the ends of its range. `away`: from the part's origin to the eye, in the world.
-  Lanes away[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    away[axis] = both([&](DoubleLanes (*half)(Lanes)) { return camera.eye[axis] - camera.eye.w * half(world[axis][3]); });
-  }
-  Lanes r12[3], determinant = 0.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    r12[axis] = cross(world[1], world[2], axis);
-    determinant = determinant + world[0][axis] * r12[axis];
-  }
-  const Lanes per = 1.0f / determinant;
-  for (int axis = 0; axis < 3; ++axis) {
-    placed.eye[axis] = per * ((away[0] * r12[axis] + away[1] * cross(world[2], world[0], axis)) + away[2] * cross(world[0], world[1], axis));
-  }
-  const unsigned ordinary = lessBits(1e-24f, abs(determinant)) & lessBits(abs(determinant), 1e24f);
-  const bool orthographic = camera.eye.w == 0;
-  if (orthographic || (placed.invertible & ~ordinary)) {
-    Numbers x(placed.eye[0]), y(placed.eye[1]), z(placed.eye[2]);
-    for (unsigned part = 0; part < 4; ++part) {
-      glm::vec4 eye(x.of[part], y.of[part], z.of[part], 0);
-      if (!(ordinary >> part & 1)) {
-        const glm::mat4 rows = glm::transpose(to_world[part]);
-        const glm::dvec3 d = glm::dvec3(camera.eye) - camera.eye.w * glm::dvec3(to_world[part][3]);
-        if (!eyeThoroughly(glm::vec3(rows[0]), glm::vec3(rows[1]), glm::vec3(rows[2]), d, eye)) placed.invertible &= ~(1u << part);
+// What lanes of floats do not settle: matrices of odd size, and that a direction has length 1.
+void settleEyes(const Camera& camera, PlacedParts& placed) {
+  for (unsigned part = 0; part < 8; ++part) {
+    glm::vec4 eye(placed.eye[0].of[part], placed.eye[1].of[part], placed.eye[2].of[part], 0);
+    if (!(placed.ordinary >> part & 1)) {
+      glm::dvec3 rows[3], away;
+      for (int row = 0; row < 3; ++row) {
+        const EightFloats(&r)[4] = placed.to_world[row];
+        rows[row] = glm::dvec3(r[0].of[part], r[1].of[part], r[2].of[part]);
+        away[row] = camera.eye[row] - camera.eye.w * double{r[3].of[part]};
       }
-      if (orthographic) eye = glm::vec4(glm::normalize(glm::dvec3(eye)), 0);
-      x.of[part] = eye.x, y.of[part] = eye.y, z.of[part] = eye.z;
+      if (!eyeThoroughly(rows[0], rows[1], rows[2], away, eye)) placed.invertible &= ~(1u << part);
     }
-    placed.eye[0] = x, placed.eye[1] = y, placed.eye[2] = z;
+    if (camera.eye.w == 0) eye = glm::vec4(glm::normalize(glm::dvec3(eye)), 0);
+    for (int axis = 0; axis < 3; ++axis) placed.eye[axis].of[part] = eye[axis];
   }
+}
 
-  Lanes side = 0.0f;
-  for (int column = 0; column < 3; ++column) {
-    side = max(world[0][column] * world[0][column] + world[1][column] * world[1][column] + world[2][column] * world[2][column], side);
-  }
-  placed.pixels = sqrt(side) * camera.pixel_scale / max(placed.nearest, 1e-20f);
+}  // namespace
 
-  for (int row = 0; row < 4; ++row) {
-    storeRow(clip[row][0], clip[row][1], clip[row][2], clip[row][3], {&heads[0]->to_clip[row], &heads[1]->to_clip[row], &heads[2]->to_clip[row], &heads[3]->to_clip[row]});
-  }
-  for (int row = 0; row < 3; ++row) {
-    storeRow(world[row][0], world[row][1], world[row][2], world[row][3], {&heads[0]->to_world[row], &heads[1]->to_world[row], &heads[2]->to_world[row], &heads[3]->to_world[row]});
-  }
-  storeRow(placed.eye[0], placed.eye[1], placed.eye[2], static_cast<float>(camera.eye.w), {&heads[0]->eye, &heads[1]->eye, &heads[2]->eye, &heads[3]->eye});
+void placeParts(const Camera& camera, const PosedParts& parts, PlacedParts& placed) {
+  placed.affine = placed.invertible = placed.ordinary = 0;
+  const PlacingSteps& steps = widestLanes();
+  for (int first = 0; first < 8; first += steps.lanes) steps.place(camera, parts, first, placed);
+  if (camera.eye.w == 0 || (placed.invertible & ~placed.ordinary)) settleEyes(camera, placed);
+}
+
+void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedParts& placed, JudgedParts& judged) {
+  judged.seen = 0;
+  const PlacingSteps& steps = widestLanes();
+  for (int first = 0; first < 8; first += steps.lanes) steps.judge(camera, view, rays, first, placed, judged);
+  judged.seen &= placed.invertible;
+}
+
+void writeHeads(const Camera& camera, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
+  const PlacingSteps& steps = widestLanes();
+  for (int first = 0; first < 8; first += steps.lanes) steps.writeHeads(camera, first, placed, heads);
+}
+
+Detail detailAt(const View& view, float pixels, int levels) {
+  return Detail::of(four::chooseLevel(pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(levels)).first());
 }
 
 bool isInvertible(const glm::mat4& m) {
@@ -195,13 +152,11 @@ constexpr std::array<std::uint32_t, 64> kOutlines = makeOutlines();
 
 }  // namespace
 
-std::uint32_t outlineOf(const glm::vec4& eye, const Lanes& low, const Lanes& high) {
-  const Lanes at = Lanes::load(&eye.x);
-  if (eye.w == 0) return kOutlines[(lessBits(0.0f, at) & 7) | (lessBits(at, 0.0f) & 7) << 3];
-  const Lanes extent = high - low;
-  const Lanes close = (1.0f / 16.0f) * max(max(extent.all<0>(), extent.all<1>()), extent.all<2>());
-  if (((lessBits(at, low - close) | lessBits(high + close, at)) & 7) == 0) return 0;
-  return kOutlines[(lessBits(at, low) & 7) | (lessBits(high, at) & 7) << 3];
+void outlineParts(bool orthographic, const PlacedParts& placed, std::uint32_t (&outlines)[8]) {
+  EightFloats sides;
+  const PlacingSteps& steps = widestLanes();
+  for (int first = 0; first < 8; first += steps.lanes) steps.findSides(orthographic, placed, first, sides);
+  for (int part = 0; part < 8; ++part) outlines[part] = kOutlines[static_cast<std::size_t>(sides.of[part])];
 }
 
 }  // namespace kelp::gl

@@ -310,7 +310,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   stats.pending = self.pending;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
-  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, DrawList::Rays::kAny); !good) return good.error();
+  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, Rays::kAny); !good) return good.error();
   stats.culled = self.traced.culled();
   stats.instances = self.traced.parts();
   const DebugGroup group(api, "kelp trace");
@@ -355,13 +355,17 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
   if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  PlacedParts placed;
-  if (knots.size() != of.knots.size() || !boundParts({knots, knots, knots, knots}, {&of.size, &of.size, &of.size, &of.size}, placed)) return -1;
+  if (knots.size() != of.knots.size()) return -1;
   const glm::mat4 to_world = runtime::partToWorld(instance, part);
-  RecordHead head;
-  placeParts(*camera, {to_world, to_world, to_world, to_world}, placed, {&head, &head, &head, &head});
+  constexpr glm::mat4x3 kSame(1);
+  const glm::vec4 extent(glm::vec3(of.size), static_cast<float>(of.levels));
+  PosedParts parts;
+  for (int i = 0; i < 8; ++i) parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame, parts.extents[i] = &extent;
+  PlacedParts placed;
+  if (!boundParts(parts, placed)) return -1;
+  placeParts(*camera, parts, placed);
   if (!placed.invertible) return -1;
-  const Detail detail = Detail::of(chooseDetail(placed.pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(of.levels)).first());
+  const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 

@@ -122,7 +122,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
   }
   std::uint32_t next = 0, table = palette_words;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    fresh->parts[p] = {next, parts[p].levels, parts[p].levels, {}};
+    fresh->parts[p] = {next, parts[p].levels, parts[p].levels, {}, glm::vec4(glm::vec3(parts[p].size), static_cast<float>(parts[p].levels)), table};
     for (int l = 0; l < parts[p].levels; ++l, ++next) {
       auto* const level = new (std::nothrow) ResidentLevel;
       if (!level) return kNoMemory;

@@ -48,6 +48,8 @@ struct ResidentPart {
   std::int32_t levels = 0;
   std::int32_t finest = 0;        // whose grid, and those of all coarser ones, are in the pool; equal to `levels`: the part can not be drawn
   Want want;
+  glm::vec4 extent{0};            // size, level-0 voxels; levels
+  std::uint32_t table = 0;        // that of its finest level
 };
 
 struct ResidentAsset {

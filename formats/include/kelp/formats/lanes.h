@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Four floats, or two doubles, at once, for the little that is computed for thousands of instances a frame: SSE2 where there is, plain C++
-// elsewhere. Both round alike. Minimum and maximum answer their second argument where one is not a number. For kelp's libraries; hosts need none of it.
+// elsewhere. Both round alike. Minimum and maximum answer their second argument where one is not a number. lanes8.h has eight at once, by the same names.
+// For kelp's libraries; hosts need none of it.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
 #if defined(__SSE2__) || defined(_M_X64)
@@ -13,9 +15,15 @@
 
 namespace kelp {
 
+// One number each of eight things that are computed side by side, in eight lanes or twice in four.
+struct EightFloats {
+  alignas(32) float of[8];
+};
+
 #if defined(KELP_LANES_SSE2)
 
 struct Lanes {
+  static constexpr int kCount = 4;
   __m128 v;
   Lanes() = default;
   Lanes(__m128 lanes) : v(lanes) {}
@@ -74,6 +82,7 @@ inline Lanes rounded(DoubleLanes low, DoubleLanes high) { return _mm_movelh_ps(_
 #else
 
 struct Lanes {
+  static constexpr int kCount = 4;
   float v[4];
   Lanes() = default;
   Lanes(float all) : v{all, all, all, all} {}
@@ -142,5 +151,15 @@ inline Lanes rounded(DoubleLanes low, DoubleLanes high) {
 }
 
 #endif
+
+// Four numbers in a row, `offset` numbers behind each of the places: the first ones to a, the second to b, and so on.
+inline void loadFours(const float* const* places, std::ptrdiff_t offset, Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  a = Lanes::load(places[0] + offset), b = Lanes::load(places[1] + offset), c = Lanes::load(places[2] + offset), d = Lanes::load(places[3] + offset);
+  transpose(a, b, c, d);
+}
+inline void storeFours(Lanes a, Lanes b, Lanes c, Lanes d, float* const* places, std::ptrdiff_t offset) {
+  transpose(a, b, c, d);
+  a.store(places[0] + offset), b.store(places[1] + offset), c.store(places[2] + offset), d.store(places[3] + offset);
+}
 
 }  // namespace kelp

@@ -2,6 +2,7 @@
 // What a pack holds besides voxels: parts, palette, rigs, clips. The reader hands these out as views into memory that the Pack owns.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -86,12 +87,15 @@ struct Track {
 // The waves of a clip once more, added up so that they are cheap to evaluate: sin(a + b) = sin a cos b + cos a sin b, so all waves of one period share a
 // sine and a cosine, and all waves that move one number are one sum. The reader makes this of `waves`.
 struct WaveSums {
-  std::uint32_t number[4] = {};  // what four sums move: which float of an array of the knots of all parts
-  float sine[4][4] = {};         // for each of the block's periods, for each sum: times sin(2 pi t / period)
-  float cosine[4][4] = {};       // times cos(2 pi t / period)
+  std::uint32_t first = 0;  // four sums, for as many numbers in a row, from this one of an array of the knots of all parts
+  struct {
+    float sine[4] = {};     // for each sum: times sin(2 pi t / period)
+    float cosine[4] = {};   // times cos(2 pi t / period)
+  } of[4];                  // each of the block's periods
 };
 struct WaveBlock {
-  double frequencies[4] = {};  // 1 / period, falling; 0: not used
+  double frequencies[4] = {};  // 1 / period, falling
+  std::size_t periods = 0;     // as many of them
   std::span<const WaveSums> sums;
 };
 // Adds `weight` times what the waves do at `seconds` to the knots, which are those of all parts, one part after the other. Sines are within 1e-6 of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Four rigs side by side, for the thousands of a frame. For kelp's libraries; hosts have spline.h.
+// Eight rigs side by side, for the thousands of a frame. For kelp's libraries; hosts have spline.h.
 #pragma once
 
 #include <span>
@@ -9,16 +9,13 @@
 
 namespace kelp {
 
-struct RigLanes {
-  std::span<const Knot> knots[4];
-  Lanes size_x, size_z;  // of the volumes, voxels
-};
 struct BoxLanes {
-  Lanes min[3], max[3];  // voxels
+  EightFloats min[3], max[3];  // voxels
 };
 
-// In one pass, whether checkKnots finds nothing wrong with a rig, and deformedBounds with `margin` voxels on every side. What comes of a rig does not
-// depend on the other three. Bit i: rig i is sound and has its bounds. Without it nothing is said of them, and it takes a closer look.
-[[nodiscard]] unsigned boundSoundKnots(const RigLanes& rigs, float margin, BoxLanes& boxes);
+// In one pass, whether checkKnots finds nothing wrong with a rig, and deformedBounds of a volume of no size with `margin` voxels on every side. What comes of
+// a rig depends neither on the other seven nor on the processor. Bit i: rig i is sound and has its bounds. Without it nothing is said of them, and it takes a
+// closer look.
+[[nodiscard]] unsigned boundSoundKnots(const std::span<const Knot> (&rigs)[8], float margin, BoxLanes& boxes);
 
 }  // namespace kelp

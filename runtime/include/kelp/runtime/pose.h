@@ -68,19 +68,21 @@ class Pose {
  private:
   Pose() = default;
   bool sameShape(const Pose& other) const;
-  // One block, because thousands of poses are walked each frame: motions and knots now, motions and knots at rest, the first knot of each part and
-  // the end of the last one's.
+  // One block, because thousands of poses are walked each frame: the first knot of each part and the end of the last one's, motions and knots now, motions and
+  // knots at rest. What a frame reads lies side by side.
+  std::size_t firstKnotBytes() const { return (parts_ + 1) * sizeof(std::uint32_t); }
   std::size_t stateBytes() const { return parts_ * sizeof(Motion) + knots_ * sizeof(Knot); }
-  Motion* motionData() { return reinterpret_cast<Motion*>(memory_.data()); }
+  std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(memory_.data()); }
+  const std::uint32_t* firstKnots() const { return const_cast<Pose*>(this)->firstKnots(); }
+  std::byte* state() { return memory_.data() + firstKnotBytes(); }
+  Motion* motionData() { return reinterpret_cast<Motion*>(state()); }
   Knot* knotData() { return knot_data_; }
-  Motion* restMotions() { return reinterpret_cast<Motion*>(memory_.data() + stateBytes()); }
+  std::byte* restState() { return state() + stateBytes(); }
+  Motion* restMotions() { return reinterpret_cast<Motion*>(restState()); }
   Knot* restKnots() { return reinterpret_cast<Knot*>(restMotions() + parts_); }
-  std::uint32_t* firstKnots() { return first_knots_; }
-  const std::uint32_t* firstKnots() const { return first_knots_; }
 
   Buffer<std::byte> memory_;
-  Knot* knot_data_ = nullptr;             // in memory_
-  std::uint32_t* first_knots_ = nullptr;  // in memory_
+  Knot* knot_data_ = nullptr;  // in memory_
   std::uint32_t parts_ = 0;
   std::uint32_t knots_ = 0;
 };
