@@ -5,12 +5,16 @@
 #include <new>
 
 #include "commands.h"
+#include "kelp/console/console.h"
 #include "options.h"
+#include "system.h"
 
 int main(int argc, char** argv) {
   using namespace kelp::dump;
+  kelp::console::prepareStreams();
+  catchInterrupts();
   try {
-    return runCommandLine(argc, argv);
+    return runCommandLine(kelp::console::arguments(argc, argv));
   } catch (const DumpError& error) {
     std::fprintf(stderr, "kelp-dump: %s\n", error.what());
     return error.exit;

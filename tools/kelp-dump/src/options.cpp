@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "options.h"
 
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "text.h"
 
 namespace kelp::dump {
 namespace {
@@ -70,7 +72,7 @@ int runRig(const CLI::App& command, const Shared& shared, const std::string& axi
 
 }  // namespace
 
-int runCommandLine(int argc, char** argv) {
+int runCommandLine(const std::vector<std::string>& words) {
   CLI::App app("Says what is in a .kelp pack and whether it is sound, gives its voxels back and its rigs anew. Data goes to stdout, everything else to stderr.", "kelp-dump");
   app.set_version_flag("--version", "kelp-dump " KELP_VERSION " (" KELP_BUILD ", extract: " + extractFormats() + ")");
   app.require_subcommand(1);
@@ -156,14 +158,21 @@ int runCommandLine(int argc, char** argv) {
       ->option_text("info|verify|diff|rig|bake-report [all of kelp-dump]");
 
   // CLI11 says of a sub-command that does not exist only that one is missing.
-  const auto named = [&](const char* name) { return app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; }); };
-  if (argc > 1 && argv[1][0] != '-' && named(argv[1]).empty()) throw DumpError(kUsage, std::string(argv[1]) + ": not a sub-command; " + kCommands);
+  const std::string first = words.size() > 1 ? words[1] : "";
+  const bool is_option = first.rfind('-', 0) == 0;
+  if (words.size() > 1 && !is_option && app.get_subcommands([&](const CLI::App* command) { return command->get_name() == first; }).empty())
+    throw DumpError(kUsage, nameText(first, 40) + ": not a sub-command; " + kCommands);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));  // CLI11 takes the last first
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    if (argc == 1) throw DumpError(kUsage, std::string("no sub-command; ") + kCommands);
-    throw DumpError(kUsage, std::string(error.what()) + "; see kelp-dump " + (argv[1][0] == '-' ? "" : std::string(argv[1]) + " ") + "--help");
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      app.exit(error, text);
+      print(text.str());
+      return kOk;
+    }
+    if (words.size() <= 1) throw DumpError(kUsage, std::string("no sub-command; ") + kCommands);
+    throw DumpError(kUsage, std::string(error.what()) + "; see kelp-dump " + (is_option ? "" : first + " ") + "--help");
   }
   if (info_command->parsed()) return info(shared.path, count, shared.form());
   if (verify_command->parsed()) return verify(shared.path, deep, shared.form());
