@@ -55,17 +55,12 @@ struct ExtractOutputs {
       wanted = &file;
     }
     if (!wanted) throw DumpError(kUsage, "extract: no format; name one with --vox, --vdb, --nvdb, --ply or --slices, see kelp-dump extract --help");
-    if (wanted->second.empty()) throw DumpError(kUsage, "--" + wanted->first + ": no name for the output; see kelp-dump extract --help");
     return extract(shared.path, wanted->first, wanted->second, shared.part, shared.level);
   }
 };
 
 int runRig(const CLI::App& command, const Shared& shared, const std::string& axis, const std::string& new_rig, const std::string& output) {
-  if (command.count("--set") > 0) {
-    if (new_rig.empty()) throw DumpError(kUsage, "--set: no rig; name a file or a preset, see kelp-dump rig --help");
-    if (command.count("-o") > 0 && output.empty()) throw DumpError(kUsage, "-o: no name for the output; see kelp-dump rig --help");
-    return setRig(shared.path, shared.part, new_rig, axis, output);
-  }
+  if (command.count("--set") > 0) return setRig(shared.path, shared.part, new_rig, axis, output);
   if (command.count("-o") > 0) throw DumpError(kUsage, "-o: the rig is printed to standard output; -o goes with --set, see kelp-dump rig --help");
   return rig(shared.path, shared.part, axis);
 }
@@ -154,8 +149,8 @@ int runCommandLine(const std::vector<std::string>& words) {
 
   CLI::App* const schema_command = addCommand(app, "schema", "Print the JSON schema of what kelp's programs write and read",
                                               "Examples:\n  kelp-dump schema info > info.schema.json\n  kelp-dump schema rig > rig.schema.json              for an editor that completes and checks rigs\n");
-  schema_command->add_option("NAME", schema_name, "info, verify, diff: what --format json prints; rig: what kelp-bake --rig reads; bake-report: what kelp-bake --report writes")
-      ->option_text("info|verify|diff|rig|bake-report [all of kelp-dump]");
+  schema_command->add_option("NAME", schema_name, "info, verify, diff: what --format json prints; rig: what kelp-bake --rig reads; bake-report: what kelp-bake --report writes, of a batch bake-batch; bake-plan, bake-progress: --plan and --progress json")
+      ->option_text("info|verify|diff|rig|bake-report|bake-batch|bake-plan|bake-progress [all of kelp-dump]");
 
   // CLI11 says of a sub-command that does not exist only that one is missing.
   const std::string first = words.size() > 1 ? words[1] : "";
@@ -172,15 +167,21 @@ int runCommandLine(const std::vector<std::string>& words) {
       return kOk;
     }
     if (words.size() <= 1) throw DumpError(kUsage, std::string("no sub-command; ") + kCommands);
-    throw DumpError(kUsage, std::string(error.what()) + "; see kelp-dump " + (is_option ? "" : first + " ") + "--help");
+    if (is_option) throw DumpError(kUsage, nameText(first, 40) + ": no option of kelp-dump itself, which begins with a sub-command; " + kCommands);
+    // What is missing may be missing because of what is there and is not known.
+    const std::vector<std::string> unknown = app.remaining(true);
+    throw DumpError(kUsage, (unknown.empty() ? std::string(error.what()) : nameText(unknown.front()) + ": is not expected here") + "; see kelp-dump " + first + " --help");
   }
+  for (const CLI::App* command : app.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& value : option->results())
+        if (value.empty()) throw DumpError(kUsage, option->get_name() + ": is empty; give a value, or leave it out; see kelp-dump " + first + " --help");
   if (info_command->parsed()) return info(shared.path, count, shared.form());
   if (verify_command->parsed()) return verify(shared.path, deep, shared.form());
   if (diff_command->parsed()) return diff(shared.path, other, tolerance, shared.form());
   if (rig_command->parsed()) return runRig(*rig_command, shared, axis, new_rig, output);
   if (extract_command->parsed()) return outputs.run(*extract_command, shared);
   if (schema_command->parsed()) return schema(schema_name);
-  if (output.empty()) throw DumpError(kUsage, "-o: no name for the output; see kelp-dump slice --help");
   if (across != "x" && across != "y" && across != "z") throw DumpError(kUsage, "--axis " + across + ": expected x, y or z; see kelp-dump slice --help");
   slicing.axis = across[0];
   slicing.part = shared.part;

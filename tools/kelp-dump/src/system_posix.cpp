@@ -17,6 +17,7 @@ namespace kelp::dump {
 namespace {
 
 constexpr int kInterrupted = 130;
+constexpr std::size_t kMostOfName = 200;  // of the 255 bytes that a name may have
 
 // The name of the NewFile that there is, for a signal. Empty if there is none.
 char g_temporary[4096];
@@ -83,7 +84,9 @@ NewFile::~NewFile() {
 std::string NewFile::create(const std::string& path) {
   struct stat status {};
   const bool replaces = ::stat(path.c_str(), &status) == 0;
-  const std::string name = path + "." + std::to_string(::getpid()) + ".tmp";
+  if (!replaces && errno == ENAMETOOLONG) return std::strerror(errno);  // the file beside it has a shorter one
+  const std::size_t name_at = path.rfind('/') + 1;
+  const std::string name = path.substr(0, name_at) + "." + path.substr(name_at, kMostOfName) + "." + std::to_string(::getpid()) + ".tmp";
   const SignalsWait wait;
   file_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file_ < 0) return std::strerror(errno);
