@@ -20,10 +20,10 @@ constexpr std::size_t kBuffer = std::size_t{1} << 18;
 
 // Through symbolic links, so that a link stays one.
 std::string target(const std::string& path) {
-  fs::path real = path;
+  fs::path real = console::pathOf(path);
   std::error_code error;
   for (int hops = 0; hops < 40 && fs::is_symlink(real, error); ++hops) real = real.parent_path() / fs::read_symlink(real, error);
-  return real.string();
+  return console::nameOf(real);
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ void checkOutput(const std::string& output, const std::string& input, const char
     throw DumpError(kUsage, fmt::format("-: {} is nothing that a terminal can show; redirect it (> FILE, or | PROGRAM), or name a file", what));
   }
   std::error_code error;
-  if (input == "-" || !fs::equivalent(output, input, error)) return;
+  if (input == "-" || !fs::equivalent(console::pathOf(output), console::pathOf(input), error)) return;
   throw DumpError(kUsage, fmt::format("{}: would overwrite {}, which is read; name another file", output, input));
 }
 
@@ -42,7 +42,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : tar
   buffer_.reserve(kBuffer);
   if (path_ == "-") return;
   std::error_code error;
-  const fs::file_status status = fs::status(path_, error);
+  const fs::file_status status = fs::status(console::pathOf(path_), error);
   if (fs::exists(status) && !fs::is_regular_file(status)) throw DumpError(kIo, fmt::format("{}: is {}; name a file for the output", path_, fs::is_directory(status) ? "a folder" : "no regular file"));
   check("can not be written", file_.create(path_));
 }

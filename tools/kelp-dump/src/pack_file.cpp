@@ -24,7 +24,7 @@ PackFile::PackFile(const std::string& path) : path_(path) {
   if (!opened) {
     const int reason = errno;
     std::error_code ignored;
-    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+    const std::filesystem::file_status status = std::filesystem::status(console::pathOf(path), ignored);
     if (std::filesystem::is_directory(status)) throw DumpError(kIo, fmt::format("{}: is a folder; name a .kelp file", path));
     if (std::filesystem::is_other(status)) throw DumpError(kIo, fmt::format("{}: is a device, no file; name a .kelp file, or - for standard input", path));
     throw DumpError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, reason ? std::strerror(reason) : opened.error().detail));

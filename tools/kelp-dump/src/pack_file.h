@@ -29,6 +29,9 @@ class PackFile {
 
   // The part of this name, or else of this index. DumpError (kUsage) that lists the parts if there is none.
   std::uint32_t findPart(const std::string& wanted);
+  // Nothing of the pack can be read any more.
+  void close() { file_ = FileSource(); }
+
   // "0 'reed', 1 'leaf', ...".
   std::string partList();
 

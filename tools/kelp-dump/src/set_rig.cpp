@@ -111,7 +111,7 @@ class RigSetter {
       refuse(fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset", sound.error().offset, sound.error().detail));
     for (const RawClip& clip : rigs.clips) prove(clip, rigs);
     const std::string of_several = pack_.parts().size() > 1 ? std::string(part().name) : "";
-    rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, std::filesystem::path(new_.origin).filename().string(), new_.content, given_axis_);
+    rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, console::nameOf(console::pathOf(new_.origin).filename()), new_.content, given_axis_);
     return rigs;
   }
 
@@ -191,8 +191,10 @@ int setRig(const std::string& path, const std::string& wanted_part, const std::s
   const Result<void> written = writeRigs(file.source(), rigs, {&Output::write, &to});
   if (to.problem) std::rethrow_exception(to.problem);
   if (!written) file.fail(written.error());
+  const std::string summary = setter.summary();
+  file.close();  // what is open can not be replaced on every system
   out.commit();
-  fmt::print(stderr, "kelp-dump: {}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, setter.summary());
+  fmt::print(stderr, "kelp-dump: {}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, summary);
   return kOk;
 }
 

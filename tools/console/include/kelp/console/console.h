@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,6 +44,13 @@ class Reading {
   bool own_ = false, begun_ = false;
   std::string problem_;
 };
+
+// Names of files are UTF-8 in kelp's programs on Windows, and bytes elsewhere; std::filesystem takes narrow text for another coding there.
+inline std::filesystem::path pathOf(std::string_view name) { return std::u8string(name.begin(), name.end()); }
+inline std::string nameOf(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
 
 // Whether the file is a pipe, which Reading reads and nothing that must know a size can.
 bool isPipe(const std::string& path);
