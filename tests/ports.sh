@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # kelp elsewhere than on the machine that builds it. Opt-in: tests/run.sh needs nothing of this.
 #   tests/ports.sh debian    both Debian packages, looked at by lintian, installed into a fresh Debian and used there   (as root; downloads some 500 MB)
-#   tests/ports.sh windows   the runtime, cross-compiled by mingw-w64, its tests under wine
+#   tests/ports.sh windows   the runtime and kelp-dump, cross-compiled by mingw-w64, their tests under wine
 #   tests/ports.sh web       the runtime, compiled by emscripten, its tests under node; links a program with WebGL 2
 # Says which packages to install where one is missing. Everything goes to build/.
 set -euo pipefail
@@ -25,11 +25,14 @@ prepare() {
   local system=$1 work=$PWD/build/ports
   shift
   local prefix=$work/$system/prefix
-  need libglm-dev libxxhash-dev nlohmann-json3-dev libgtest-dev dpkg-dev cmake ninja-build
+  need libglm-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev dpkg-dev cmake ninja-build
   [ -e "$prefix/complete" ] && return 0
   mkdir -p "$prefix/include" "$prefix/share/cmake"
-  cp -r /usr/include/glm /usr/include/nlohmann /usr/include/xxhash.h "$prefix/include/"
-  cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json "$prefix/share/cmake/"
+  cp -r /usr/include/glm /usr/include/nlohmann /usr/include/CLI /usr/include/fmt /usr/include/xxhash.h "$prefix/include/"
+  cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json /usr/share/cmake/CLI11 "$prefix/share/cmake/"
+  mkdir -p "$prefix/share/cmake/fmt"  # its headers alone, in place of this machine's library
+  printf 'add_library(fmt::fmt INTERFACE IMPORTED)\ntarget_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)\ntarget_include_directories(fmt::fmt INTERFACE "%s")\n' \
+    "$prefix/include" >"$prefix/share/cmake/fmt/fmt-config.cmake"
   fetch_zstd
   build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
   build_dependency /usr/src/googletest "$work/$system/googletest" "$prefix" -DBUILD_GMOCK=OFF "$@"

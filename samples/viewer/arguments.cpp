@@ -25,7 +25,7 @@ std::string takeOrder(int count, const char* const* words, int i, BakeOrder& ord
   for (; i < count; ++i) {
     const std::string_view word = words[i];
     if (takeValue(count, words, i, "-o", "--output", order.output) || takeValue(count, words, i, "", "--rig", order.rig)) continue;
-    for (const std::string_view own : {"--progress", "-MF", "-MD", "--write-deps", "--deps-file", "--help", "--version"}) {
+    for (const std::string_view own : {"--progress", "-MF", "-MD", "-MP", "-MT", "--write-deps", "--deps-file", "--deps-phony", "--deps-target", "--help", "--version"}) {
       if (word == own || (word.starts_with(own) && word.substr(own.size()).starts_with("="))) return std::string(word) + ": the viewer sets this itself; leave it out";
     }
     for (const std::string_view viewers : {"--frames", "--edit", "--watch"}) {
@@ -48,6 +48,7 @@ const char* const kUsage =
     "  --watch   shows the pack anew when it changes. Of a model (reed.glb): bakes it, and again whenever it, its rig or a texture changes. The pack is\n"
     "            SOURCE with .kelp in place of its extension, unless -o says otherwise.\n"
     "  --frames  ends after N frames and saves the last as a picture\n"
+    "  --version says which version of kelp this is\n"
     "Example: viewer --watch reed.glb --rig sway --resolution 256\n";
 
 std::optional<Arguments> parseArguments(int count, const char* const* words, std::string& wrong) {
@@ -56,6 +57,10 @@ std::optional<Arguments> parseArguments(int count, const char* const* words, std
     const std::string_view word = words[i];
     if (word == "--help" || word == "-h") {
       arguments.help = true;
+      return arguments;
+    }
+    if (word == "--version") {
+      arguments.version = true;
       return arguments;
     }
     if (word == "--edit") {

@@ -14,7 +14,7 @@ struct Arguments {
   bool edit = false;  // begin with the rig editor open
   bool watch = false;
   std::optional<BakeOrder> bake;  // what makes the pack
-  bool help = false;
+  bool help = false, version = false;
 };
 
 extern const char* const kUsage;

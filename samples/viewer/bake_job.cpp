@@ -8,10 +8,11 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+
+#include <nlohmann/json.hpp>
 
 extern char** environ;
 
@@ -98,18 +99,19 @@ bool BakeJob::poll() {
   return true;
 }
 
-// {"stage":"voxelize","done":0.25}, or a line for people.
+// Lines are JSON (kelp-bake-progress.schema.json): {"kind": "progress", "stage": "voxelize", "done": 0.25, ...}, or with a text for people.
 void BakeJob::take(const std::string& line) {
-  char stage[64];
-  float done = 0;
-  if (std::sscanf(line.c_str(), "{\"stage\":\"%63[^\"]\",\"done\":%f}", stage, &done) == 2) {
-    stage_ = stage;
-    done_ = done;
+  if (line.empty()) return;
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+  const auto text = [&](const char* member) { return json.is_object() && json.contains(member) && json[member].is_string() ? json[member].get<std::string>() : std::string(); };
+  const std::string kind = text("kind");
+  if (kind == "progress") {
+    stage_ = text("stage");
+    done_ = json.contains("done") && json["done"].is_number() ? json["done"].get<float>() : 0;
     return;
   }
-  if (line.empty()) return;
-  if (text_.size() + line.size() < kMostText) text_ += line + "\n";
-  last_line_ = line;
+  last_line_ = kind.empty() ? line : (kind == "detail" ? "  " : kind == "warning" ? "kelp-bake: warning: " : "kelp-bake: ") + text("text");
+  if (text_.size() + last_line_.size() < kMostText) text_ += last_line_ + "\n";
 }
 
 void BakeJob::interrupt() {

@@ -4,7 +4,9 @@
 #define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -29,6 +31,13 @@ bool writePicture(const std::string& path, GLFWwindow* window) {
   file << "P6\n" << width << " " << height << "\n255\n";
   for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
   return file.flush().good();
+}
+
+// The exit code.
+int print(const char* text) {
+  if (std::fputs(text, stdout) >= 0 && std::fflush(stdout) == 0) return 0;
+  std::fprintf(stderr, "viewer: standard output can not be written: %s\n", std::strerror(errno));
+  return 2;
 }
 
 int run(GLFWwindow* window, const Arguments& arguments) {
@@ -68,7 +77,8 @@ int main(int count, char** words) {
   std::string wrong;
   const std::optional<viewer::Arguments> arguments = viewer::parseArguments(count, words, wrong);
   if (!arguments) return std::fprintf(stderr, "viewer: wrong usage: %s\n%s", wrong.c_str(), viewer::kUsage), 1;
-  if (arguments->help) return std::fputs(viewer::kUsage, stdout), 0;
+  if (arguments->help) return viewer::print(viewer::kUsage);
+  if (arguments->version) return viewer::print("viewer " KELP_VERSION "\n");
   if (!glfwInit()) return std::fputs("viewer: no display: set DISPLAY, or use xvfb-run\n", stderr), 4;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

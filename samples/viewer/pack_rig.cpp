@@ -17,20 +17,6 @@ using kelp::RigDescription;
 constexpr float kAlike = 1e-4f;   // of a part's height
 constexpr float kTurned = 1e-3f;  // between directions that count as one
 
-// The file's axes -> the object's: what kelp-bake --up does.
-glm::mat3 upright(Axis up) {
-  const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-  switch (up) {  // where the file's x, y and z go
-    case Axis::kPlusX: return {y, -x, z};
-    case Axis::kMinusX: return {-y, x, z};
-    case Axis::kPlusY: break;
-    case Axis::kMinusY: return {x, -y, -z};
-    case Axis::kPlusZ: return {x, -z, y};
-    case Axis::kMinusZ: return {x, z, -y};
-  }
-  return glm::mat3(1);
-}
-
 bool near(const glm::vec3& a, const glm::vec3& b, float tolerance) { return glm::all(glm::lessThanEqual(glm::abs(a - b), glm::vec3(tolerance))); }
 bool near(const glm::vec4& a, const glm::vec4& b, float tolerance) { return glm::all(glm::lessThanEqual(glm::abs(a - b), glm::vec4(tolerance))); }
 bool near(float a, float b) { return std::abs(a - b) <= 1e-4f * std::max(1.0f, std::abs(a)); }
@@ -119,7 +105,7 @@ RigAxes axesOf(const kelp::Pack& pack, int index) {
   const kelp::Part& part = pack.parts()[static_cast<std::size_t>(index)];
   RigAxes axes;
   // The part's directions in the file, each of unit length: units and scales do not turn anything.
-  glm::mat3 in_file = glm::transpose(upright(upAxisOf(pack.infoJson()))) * glm::mat3(part.to_object);
+  glm::mat3 in_file = glm::transpose(kelp::axisRotation(upAxisOf(pack.infoJson()))) * glm::mat3(part.to_object);
   for (int column = 0; column < 3; ++column) in_file[column] = glm::normalize(in_file[column]);
   std::optional<Axis> along;
   for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {

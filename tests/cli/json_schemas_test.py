@@ -16,7 +16,7 @@ except ImportError:
 def main():
     dump, golden = sys.argv[1], pathlib.Path(sys.argv[2]) / "tests/formats/golden"
     run = lambda *arguments: json.loads(subprocess.run([dump, *arguments], stdout=subprocess.PIPE).stdout)
-    schemas = {name: run("schema", name) for name in ("info", "verify", "diff", "rig", "bake-report")}
+    schemas = {name: run("schema", name) for name in ("info", "verify", "diff", "rig", "bake-report", "bake-batch", "bake-plan", "bake-progress")}
     schemas["all"] = run("schema")
     for name, schema in schemas.items():
         jsonschema.Draft202012Validator.check_schema(schema)

@@ -125,6 +125,44 @@ class Batches(Case):
         self.fails(2, "--manifest", "absent.json", says=["absent.json"])
         self.fails(2, "--manifest", self.folder, says=["folder"])
 
+    def test_all_faults_are_told_at_once(self):
+        self.write("sub/b.json", '{"include": ["../m.json", "no.json"], "defaults": {"up": 3},\n"assets": [{"inptu": "../2.obj"}]}')
+        self.wrong(3, '{"include": ["sub/b.json", 7], "oops": 1, "output": 2,\n"defaults": {"resolution": "many", "levels": 99},\n"assets": [\n'
+                      '{"input": "1.obj", "fill": "hollow", "pad": 1e9, "up": "q", "threads": 1},\n{"output": "x.kelp"},\n7,\n"no.obj",\n'
+                      '{"input": "2.obj", "output": "same.kelp", "unit": true},\n{"input": "3.obj", "output": "same.kelp", "rig": "no.rig.json"},\n"a\\u0000b", {"input": "4.obj", "pad": 1, "pad": 2}]}',
+                   "sub/b.json:1:14: ", "goes round in a circle", "sub/b.json:1:27: ", "sub/b.json:1:58: ", "sub/b.json:2:12: ", "sub/b.json:2:13: ", "m.json:1:28: ", "m.json:1:32: ", "m.json:1:53: ",
+                   "m.json:2:28: ", "m.json:2:46: ", "m.json:4:28: ", "m.json:4:45: ", "m.json:4:56: ", "m.json:4:61: ", "m.json:5:1: ", "m.json:6:1: ", "m.json:7:1: no.obj", "m.json:8:51: ",
+                   "m.json:9:30: -o same.kelp: is the same file as -o same.kelp of m.json:8:30", "m.json:9:50: no.rig.json", "m.json:10:1: ", "m.json:10:42: ", " faults, and nothing was baked")
+        text = self.bake("--manifest", "m.json").stderr.decode()
+        for line in text.splitlines():
+            self.assertRegex(line, r"^kelp-bake: ((sub/|sub/../)?[bm].json:\d+:\d+: .*; .*|\d+ faults, and nothing was baked)$")
+        self.write("l.txt", "1.obj --fill\n'2.obj\nno.obj\n3.obj --up q --pad -3\n4.obj -o same.kelp\n1.obj -o same.kelp\n")
+        self.fails(3, "@l.txt", "-o", "packs", says=["l.txt:1:1: ", "l.txt:2:1: ", "l.txt:3:1: no.obj", "l.txt:4:1: --up q", "l.txt:4:1: --pad -3", "l.txt:6:1: ", "same file", "6 faults"])
+        self.write("blocked/x", "")
+        self.wrong(2, {"assets": [{"input": "1.obj", "report": "blocked"}, {"input": "2.obj", "deps-file": "3.obj/x"}]}, "blocked: is a folder", "3.obj: the folder can not be made", "2 faults")
+        self.fails(1, "1.obj", "-o", "x.kelp", "--resolution", "0", "--up", "q", "--levels", "0", says=["--resolution 0", "--up q", "--levels 0", "3 faults"])
+        # No more than can be read.
+        result = self.bake("--manifest", self.write("m.json", {"assets": list(range(90000))}))
+        self.assertEqual(result.returncode, 3)
+        self.assertEqual(result.stderr.count(b"\n"), 1001)
+        self.assertTrue(result.stderr.endswith(b"kelp-bake: 90000 faults, of which the first 1000 are told, and nothing was baked\n"), result.stderr[-200:])
+
+    def test_lists_and_manifests_come_through_pipes(self):
+        shell = lambda command: subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, timeout=60, env=dict(os.environ, kelp_bake=KELP_BAKE))
+        for command in ("$kelp_bake @<(ls *.obj) -o packs --resolution 4", "ls *.obj | $kelp_bake @/dev/stdin -o packs --resolution 5", "$kelp_bake 1.obj -o x.kelp --config <(echo 'resolution = 4')"):
+            result = shell(command)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.kelps(), ["packs/%d.kelp" % i for i in range(1, 5)] + ["x.kelp"])
+        os.mkfifo(self.path("pipe.obj"))
+        start = time.monotonic()
+        for code, arguments, says in ((2, ["@pipe.obj", "-o", "x"], "nobody writes"), (2, ["1.obj", "-o", "x.kelp", "--config", "pipe.obj"], "nobody writes"), (2, ["pipe.obj", "-o", "x.kelp"], "write it to a file first"),
+                                      (2, ["1.obj", "-o", "x.kelp", "--rig", "pipe.obj"], "write it to a file first"), (1, ["-", "-o", "x.kelp"], "-: standard input"), (1, ["1.obj", "-o", "-"], "-o -: ")):
+            self.fails(code, *arguments, says=[says])
+        self.assertLess(time.monotonic() - start, 10)
+        result = shell("$kelp_bake <(cat 1.obj) -o x.kelp")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn(b"is a pipe or a device; write it to a file first", result.stderr)
+
     def test_no_output_is_another_or_an_input(self):
         os.symlink(".", self.path("here"))
         os.symlink("later.kelp", self.path("link.kelp"))

@@ -47,6 +47,41 @@ class BuildSteps(BuildFolder):
         self.passes("--manifest", "m.json", "--config", "c.toml")
         self.assertEqual(self.rule("out.kelp.d"), ("out.kelp", sorted(read + ["c.toml", "colors.gpl", "m.json", "n.json"])))
 
+    def test_targets_and_phony_targets(self):
+        """-MT and -MP as compilers have them."""
+        self.textured("in")
+        self.write("c.toml", "resolution = 8")
+        self.passes("in/box.obj", "-o", "out.kelp", "-MD", "-MP", "-MT", "$(packs)/out.kelp other", "--config", "c.toml")
+        self.assertEqual(self.read("out.kelp.d").decode(), "$(packs)/out.kelp other: \\\n  in/box.obj \\\n  in/the\\ $$kin.tga \\\n  in/the\\ box.mtl \\\n  c.toml\n\nin/the\\ $$kin.tga:\n\nin/the\\ box.mtl:\n\nc.toml:\n")
+        self.write("m.json", {"output": "o", "defaults": {"resolution": 8, "write-deps": True, "deps-phony": True}, "assets": [{"input": "in/box.obj", "deps-target": "it"}, "1.obj"]})
+        self.passes("--manifest", "m.json")
+        self.assertTrue(self.read("o/box.kelp.d").startswith(b"it: "))
+        self.assertTrue(self.read("o/1.kelp.d").endswith(b"\n\nm.json:\n"))
+        for arguments, says in ((["-MP"], "--deps-phony"), (["-MT", "x"], "--deps-target"), (["-MD", "-MT", ""], "--deps-target: is empty")):
+            self.fails(1, "1.obj", "-o", "x.kelp", *arguments, says=[says])
+        self.fails(1, "--manifest", "m.json", "-MT", "x", says=["-MT"])
+        self.write("m.json", {"defaults": {"write-deps": True, "deps-target": "x"}, "assets": ["1.obj"]})
+        self.fails(3, "--manifest", "m.json", says=["m.json:1:50: ", "deps-target"])
+
+    @unittest.skipUnless(shutil.which("make") and shutil.which("ninja"), "make or ninja is not installed: apt-get install make ninja-build")
+    def test_a_file_that_is_gone_stops_no_build_with_phony_targets(self):
+        self.textured("in")
+        command = "%s in/box.obj -o out.kelp --resolution 4 -MD" % shlex.quote(KELP_BAKE)
+        for phony in ("", " -MP"):
+            self.write("in/the box.mtl", "newmtl skin\nmap_Kd the $kin.tga\n")
+            self.write("Makefile", "all: out.kelp\n-include out.kelp.d\nout.kelp:\n\t%s\n" % (command + phony))
+            self.write("build.ninja", "rule bake\n  command = %s\n  depfile = out.kelp.d\nbuild out.kelp: bake in/box.obj\n" % (command + phony))
+            for builder in ("make", "ninja"):
+                self.write("in/the $kin.tga", PIXEL)
+                self.assertEqual(subprocess.run([builder], cwd=self.folder, capture_output=True).returncode, 0, builder + phony)
+                self.write("in/the box.mtl", "newmtl skin\n")
+                os.remove(self.path("in/the $kin.tga"))
+                result = subprocess.run([builder], cwd=self.folder, capture_output=True)
+                self.assertEqual(result.returncode == 0, builder == "ninja" or bool(phony), result.stderr)
+                self.write("in/the box.mtl", "newmtl skin\nmap_Kd the $kin.tga\n")
+                if os.path.exists(self.path("out.kelp.d")):
+                    os.remove(self.path("out.kelp.d"))
+
     def test_buffers_and_pictures_of_gltf(self):
         points = bytes.fromhex("000000000000000000000000" "0000803f0000000000000000" "000000000000803f00000000" "00000000000000000000803f")
         uvs = bytes(32)

@@ -16,6 +16,22 @@ def box(x, y, z):
     return "".join("v %g %g %g\n" % c for c in corners) + "".join("f %s\n" % f for f in faces)
 
 
+def lump(n, place=lambda *corner: corner):
+    """A box whose sides have n x n quads, its corners from 0 to n put where `place` says: something to do for a while."""
+    corners, faces = {}, []
+    for axis in range(3):
+        for side in (0, n):
+            for i in range(n):
+                for j in range(n):
+                    quad = []
+                    for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        p = [0, 0, 0]
+                        p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, i + di, j + dj
+                        quad.append(corners.setdefault(tuple(p), len(corners) + 1))
+                    faces.append("f %d %d %d %d" % tuple(quad if side else quad[::-1]))
+    return "\n".join(["v %r %r %r" % place(*p) for p in corners] + faces) + "\n"
+
+
 def textured_box():
     return "mtllib box.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n" + box(1, 1, 1).replace("f 1 3 4 2\n", "f 1/1 3/2 4/3\nf 1/1 4/3 2/2\n")
 

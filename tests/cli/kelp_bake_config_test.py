@@ -12,7 +12,7 @@ from kelp_bake_case import Case
 # Every option of --print-config, with a value that is not the default and can be had together with the others.
 GIVEN = [("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2), ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"),
          ("frame", 3), ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25), ("color-grid", "Cd"), ("heat-grid", "none"),
-         ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2), ("threads", 1), ("max-memory", "1.5 GiB"), ("progress", "none"), ("cache", "r/cache"), ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True), ("deps-file", "x.d")]
+         ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2), ("threads", 1), ("max-memory", "1.5 GiB"), ("progress", "none"), ("cache", "r/cache"), ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True), ("deps-phony", True), ("deps-target", "a b"), ("deps-file", "x.d")]
 
 
 class Configurations(Case):
@@ -75,28 +75,34 @@ class Configurations(Case):
         self.assertIn("sub/r.rig.json", self.read("x.d").decode())
 
     def test_faults_have_line_and_column(self):
-        self.wrong("resolution = 8\n\n  resolutoin = 3\n", "c.toml:3:3: ", "resolutoin")
-        self.wrong("resolution = many", "c.toml:1:14: ", "quotes")
-        self.wrong("resolution = inf", "c.toml:1:14: ", "quotes")
-        self.wrong('resolution = "8"', "c.toml:1:14: ", "give a number")
-        self.wrong("resolution = 9999", "c.toml:1:14: ", "8192")
-        self.wrong("up = +z", "c.toml:1:6: ", "quotes")
-        self.wrong("up = 3", "c.toml:1:6: ", "give a text")
-        self.wrong('up = ""', "c.toml:1:6: ", "empty")
-        self.wrong('up = "\u00fc', "c.toml:1:8: ", "quote")
-        self.wrong('up = "+z" "+x"', "c.toml:1:11: ")
-        self.wrong('grid = "\\n"', "c.toml:1:10: ", "backslash")
-        self.wrong('grid = "\t"', "c.toml:1:9: ", "control")
-        self.wrong("keep-materials = 1", "c.toml:1:18: ", "true or false")
-        self.wrong("pad = 1\npad = 1", "c.toml:2:1: ", "line 1")
-        self.wrong("resolution = 8\nvoxel-size = 1", "c.toml:2:14: ", "excludes")
-        self.wrong("[table]", "c.toml:1:1: ", "tables")
-        self.wrong("pad 3", "c.toml:1:5: ", "=")
-        self.wrong("pad =", "c.toml:1:6: ")
-        self.wrong("= 3", "c.toml:1:1: ")
-        self.wrong('input = "1.obj"', "c.toml:1:1: ")
-        self.wrong(b"\xff\xfe\0", "c.toml:1:1: ".strip())
-        self.wrong(" " * 17000000, "16 MiB")
+        for content, *says in (
+            ("resolution = 8\n\n  resolutoin = 3\n", "c.toml:3:3: ", "resolutoin"),
+            ("resolution = many", "c.toml:1:14: ", "quotes"),
+            ("resolution = inf", "c.toml:1:14: ", "quotes"),
+            ('resolution = "8"', "c.toml:1:14: ", "give a number"),
+            ("resolution = 9999", "c.toml:1:14: ", "8192"),
+            ("up = +z", "c.toml:1:6: ", "quotes"),
+            ("up = 3", "c.toml:1:6: ", "give a text"),
+            ('up = ""', "c.toml:1:6: ", "empty"),
+            ('up = "\u00fc', "c.toml:1:8: ", "quote"),
+            ('up = "+z" "+x"', "c.toml:1:11: "),
+            ('grid = "\\n"', "c.toml:1:10: ", "backslash"),
+            ('grid = "\t"', "c.toml:1:9: ", "control"),
+            ("keep-materials = 1", "c.toml:1:18: ", "true or false"),
+            ("pad = 1\npad = 1", "c.toml:2:1: ", "line 1"),
+            ("resolution = 8\nvoxel-size = 1", "c.toml:2:14: ", "excludes"),
+            ("[table]", "c.toml:1:1: ", "tables"),
+            ("pad 3", "c.toml:1:5: ", "="),
+            ("pad =", "c.toml:1:6: "),
+            ("= 3", "c.toml:1:1: "),
+            ('input = "1.obj"', "c.toml:1:1: "),
+            (b"\xff\xfe\0", "c.toml:1:1:"),
+            (" " * 17000000, "16 MiB"),
+        ):
+            self.wrong(content, *says)
+        # All of them at once.
+        self.wrong('up = 3\nresolution = "8"\n[table]\n\npad =', "c.toml:1:6: ", "c.toml:2:14: ", "c.toml:3:1: ", "c.toml:5:6: ", "4 faults")
+        self.wrong("resolution = 9999\nup = 'q'\npad = -1\nunit = 'ell'", "c.toml:1:14: ", "c.toml:2:6: ", "c.toml:3:7: ", "c.toml:4:8: ", "4 faults")
         self.fails(2, "--config", "absent.toml", "1.obj", "-o", "x.kelp", says=["absent.toml"])
         self.fails(2, "--config", ".", "1.obj", "-o", "x.kelp", says=["folder"])
         self.fails(1, "--config", "", "1.obj", "-o", "x.kelp", says=["--config"])

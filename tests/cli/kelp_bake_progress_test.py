@@ -15,25 +15,9 @@ import termios
 import time
 import unittest
 
-from kelp_bake_case import KELP_BAKE, Case, box
+from kelp_bake_case import KELP_BAKE, Case, box, lump
 
 TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 16
-
-
-def lump(n):
-    """A box whose sides have n x n quads: something to do for a while."""
-    corners, faces = {}, []
-    for axis in range(3):
-        for side in (0, n):
-            for i in range(n):
-                for j in range(n):
-                    quad = []
-                    for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                        p = [0, 0, 0]
-                        p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, i + di, j + dj
-                        quad.append(corners.setdefault(tuple(p), len(corners) + 1))
-                    faces.append("f %d %d %d %d" % tuple(quad if side else quad[::-1]))
-    return "".join("v %d %d %d\n" % p for p in corners) + "\n".join(faces) + "\n"
 
 
 class Progress(Case):
@@ -87,11 +71,55 @@ class Progress(Case):
         self.assertNotIn("\x1b", self.passes("1.obj", "-o", "out.kelp", "--resolution", "20"))
         self.assertIn("\x1b", self.passes("1.obj", "-o", "out.kelp", "--resolution", "20", "--progress", "bar"))
 
+    def lines(self, text):
+        """Every line there is."""
+        lines = [json.loads(line) for line in text.splitlines()]
+        for line in lines:
+            self.assertIn(line["kind"], ("progress", "note", "detail", "warning", "error", "asset"))
+            self.assertEqual("text" in line, line["kind"] != "progress")
+        return lines
+
+    def test_every_line_is_json(self):
+        said = lambda *arguments: (lambda result: (result.returncode, self.lines(result.stderr.decode())))(self.bake(*arguments))
+        self.write("open.obj", box(1, 1, 1).replace("f 1 3 4 2\n", "") + "v 0 0 nan\nmtllib no.mtl\n")
+        code, lines = said("open.obj", "-o", "out.kelp", "--resolution", "20", "--progress", "json")
+        self.assertEqual(code, 0)
+        self.assertEqual({line["kind"] for line in lines}, {"progress", "note", "detail", "warning"})
+        self.assertTrue(any(line["text"].startswith("wrote out.kelp: ") for line in lines if line["kind"] == "note"), lines)
+        self.write("bad.obj", "f 1 2 3\n")
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "open.obj", "bad.obj", {"input": "bad.obj", "output": "other.kelp"}]})
+        self.write("c.toml", 'progress = "json"')
+        code, lines = said("--manifest", "m.json", "--config", "c.toml")
+        self.assertEqual(code, 3)
+        self.assertEqual([(line["asset"], line["assets"], line["output"], line["status"], line["exit"]) for line in lines if line["kind"] == "asset"],
+                         [(1, 4, "1.kelp", "baked", 0), (2, 4, "open.kelp", "baked", 0), (3, 4, "bad.kelp", "failed", 3), (4, 4, "other.kelp", "failed", 3)])
+        self.assertEqual({line["asset"] for line in lines if line["kind"] == "warning"}, {2})
+        for code, arguments in ((3, ["bad.obj", "-o", "x.kelp"]), (1, ["1.obj", "-o", "x.kelp", "--nonsense"]), (1, ["1.obj"]), (2, ["no\n.obj", "-o", "x.kelp"]), (2, ["--manifest", "no.json"]), (1, ["1.obj", "-o", "x.kelp", "--up", "q", "--pad", "-1"])):
+            for style in (["--progress", "json"], ["--progress=json"]):
+                got, lines = said(*arguments, *style)
+                self.assertEqual((got, lines[-1]["kind"], lines[-1]["exit"]), (code, "error", code), lines)
+        self.assertEqual(lines[-1]["text"], "2 faults, and nothing was baked")
+
+    def test_they_follow_the_schema(self):
+        try:
+            import jsonschema
+        except ImportError:
+            self.skipTest("Python's jsonschema is absent: apt install python3-jsonschema")
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tools/kelp-bake/kelp-bake-progress.schema.json")) as file:
+            schema = json.load(file)
+        jsonschema.Draft202012Validator.check_schema(schema)
+        self.write("bad.obj", "f 1 2 3\n")
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "bad.obj"]})
+        for arguments in (["--manifest", "m.json"], ["3.obj", "-o", "3.kelp"], ["bad.obj", "-o", "bad.kelp"], ["--manifest", "m.json"]):
+            for line in self.lines(self.bake(*arguments, "--progress", "json").stderr.decode()):
+                jsonschema.Draft202012Validator(schema).validate(line)
+                self.assertFalse(jsonschema.Draft202012Validator(schema).is_valid({member: value for member, value in line.items() if member != ("done" if line["kind"] == "progress" else "text")}))
+
     def test_lines_of_json(self):
-        steps = lambda text: [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+        steps = lambda text: [line for line in self.lines(text) if line["kind"] == "progress"]
         done = {}
         for step in steps(self.passes("1.obj", "-o", "out.kelp", "--resolution", "60", "--progress", "json")):
-            self.assertLessEqual(set(step), {"stage", "done", "seconds", "seconds_left"})
+            self.assertLessEqual(set(step), {"kind", "stage", "done", "seconds", "seconds_left"})
             self.assertGreaterEqual(step["done"], done.get(step["stage"], 0))
             done[step["stage"]] = step["done"]
         self.assertLessEqual({"import", "voxelize", "palette", "levels", "write"}, set(done))
@@ -108,7 +136,7 @@ class Progress(Case):
         text = self.passes("--manifest", "m.json", "--progress", "json", "--report", "report.json")
         seconds = [asset["seconds"] for asset in json.loads(self.read("report.json"))["assets"]]
         known = [None, None, seconds[0] / 8 + 2 * seconds[1], seconds[0] / 8 + (seconds[1] + seconds[2]) / 2, seconds[0] / 8]
-        for step in (json.loads(line) for line in text.splitlines() if line.startswith("{")):
+        for step in (line for line in self.lines(text) if line["kind"] == "progress"):
             expected = known[step["asset"] - 1]
             if expected is None:
                 self.assertNotIn("batch_seconds_left", step)
@@ -135,7 +163,7 @@ class Progress(Case):
             rest = process.communicate(timeout=120)[1]
             self.assertIn(process.returncode, (0, 130), rest)
             if process.returncode == 130:
-                self.assertIn(b"kelp-bake: interrupted", rest)
+                self.assertEqual(json.loads(rest.splitlines()[-1]), {"kind": "error", "exit": 130, "text": "interrupted"})
                 self.assertEqual(self.read("out.kelp"), b"the pack that was there")
                 cut += 1
             else:

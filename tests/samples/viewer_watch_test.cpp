@@ -91,14 +91,14 @@ class WorkshopTest : public ::testing::Test {
     program_ = scratch_.write("tools/kelp-bake", R"(#!/bin/sh
 here=$(dirname "$1")
 echo "$@" >> "$here/log"
-echo '{"stage":"voxelize","done":0.25}' >&2
+echo '{"kind":"progress","stage":"voxelize","done":0.25,"seconds":1}' >&2
 case $(cat "$1") in
-  bad) echo "kelp-bake: $1: is bad; mend it" >&2; exit 3;;
+  bad) echo '{"kind":"error","exit":3,"text":"'"$1"': is bad; mend it"}' >&2; exit 3;;
   slow) trap 'exit 130' TERM; i=0; while [ $i -lt 200 ]; do sleep 0.05; i=$((i + 1)); done;;
 esac
 echo packed > "$3"
 printf '%s: \\\n  %s \\\n  %s\n' "$3" "$1" "$here/texture.png" > "$7"
-echo "baked $3" >&2
+echo '{"kind":"note","text":"wrote '"$3"'"}' >&2
 )").string();
     std::filesystem::permissions(program_, std::filesystem::perms::owner_all);
   }
@@ -134,7 +134,7 @@ TEST_F(WorkshopTest, BakesAtOnceAndAgainWhenAnythingItReadChanges) {
   EXPECT_TRUE(log()[0].starts_with(source_ + " -o " + (scratch_ / "reed.kelp").string() + " --progress json -MF ")) << log()[0];
   EXPECT_TRUE(log()[0].ends_with(" --resolution 64"));
   EXPECT_EQ(workshop.job().stage(), "voxelize");
-  EXPECT_EQ(workshop.job().text(), "baked " + (scratch_ / "reed.kelp").string() + "\n") << "progress left out";
+  EXPECT_EQ(workshop.job().text(), "kelp-bake: wrote " + (scratch_ / "reed.kelp").string() + "\n") << "progress left out";
   EXPECT_EQ(wait(workshop, 40), Workshop::News::kNothing);
 
   scratch_.write("texture.png", "brown");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command_line.h"
+#include "faults.h"
 
 namespace kelp::bake_cli {
 
@@ -22,12 +23,12 @@ struct AssetList {
 inline constexpr std::size_t kMaxAssets = 100000;
 
 // A manifest and all that it includes. `folder`, if it is not empty, takes the place of every manifest's "output".
-// BakeError with file, line and column; kIo for a manifest that can not be read. Safe for hostile files.
-AssetList readManifest(const std::filesystem::path& file, const std::filesystem::path& folder);
+// What is wrong goes to `faults`, with file, line and column (kIo for a manifest that can not be read), and the rest is read all the same. Safe for hostile files.
+AssetList readManifest(const std::filesystem::path& file, const std::filesystem::path& folder, Faults& faults);
 
 // A text with an input on each line, and options of its pack behind it, words and quotes as in a shell; what follows a # is a remark. Names are taken
 // as on the command line, from the working folder. The same errors.
-AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder);
+AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder, Faults& faults);
 
 // The pack's name where none is given.
 std::string packName(const std::string& input);

@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <new>
 #include <system_error>
 
 #include "bake_one.h"
 #include "batch_report.h"
 #include "batch_summary.h"
+#include "faults.h"
 #include "interrupt.h"
+#include "messages.h"
 #include "shard.h"
 #include "summary.h"
 
@@ -32,15 +33,20 @@ void makeFolderOf(const fs::path& file, const Place& place) {
 
 // The folders of packs, reports and rules; and whether anything could be written there.
 void prepareOutputs(const Jobs& jobs) {
-  if (jobs.report_file) {
+  Faults faults;
+  faults.keep([&] {
+    if (!jobs.report_file) return;
     makeFolderOf(*jobs.report_file, {});
     checkTextFile(*jobs.report_file);
-  }
+  });
   for (const Job& job : jobs.jobs) {
-    const Options& options = job.options;
-    for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) makeFolderOf(file, job.asset.place);
-    checkDestinations(options);
+    faults.keep([&] {
+      const Options& options = job.options;
+      for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) makeFolderOf(file, job.asset.place);
+      checkDestinations(options);
+    });
   }
+  faults.throwIfAny();
 }
 
 // After all the work a report that can not be written is one more failure, and hides none of the others.
@@ -48,7 +54,7 @@ void tryToReport(const Command& command, const Jobs& jobs, BatchResult& result) 
   try {
     writeBatchReport(*jobs.report_file, command, jobs, result);
   } catch (const BakeError& error) {
-    std::fprintf(stderr, "kelp-bake: --report %s\n", oneLine(error.what()).c_str());
+    sayError(error.exit, std::string("--report ") + error.what());
     result.exit = std::max(result.exit, error.exit);
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batch_jobs.h"
 
-#include <set>
 #include <system_error>
 
 #include "clashes.h"
@@ -18,16 +17,20 @@ Values optionsOfAssets(Values values) {
   return values;
 }
 
-void checkFiles(const Options& options, const Values& values) {
+bool checkFiles(const Options& options, const Values& values, Faults& faults) {
+  bool all_there = true;
   const auto check = [&](const fs::path& file, const char* name) {
     std::error_code error;
     const std::string what = std::string(name) == "rig" ? ": no such file, nor a preset of that name; check the name, or see kelp-bake --help for presets" : ": no such file; check the name";
-    if (!fs::exists(file, error)) throw bake::BakeError(bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + what);
+    if (fs::exists(file, error)) return;
+    all_there = false;
+    faults.add({bake::Exit::kIo, values.find(name)->second.place.prefix() + file.string() + what});
   };
   check(options.input, "input");
   if (options.settings.rig_file) check(*options.settings.rig_file, "rig");
   if (options.settings.palette_file) check(*options.settings.palette_file, "palette");
   if (options.settings.ramp_file) check(*options.settings.ramp_file, "ramp");
+  return all_there;
 }
 
 }  // namespace
@@ -38,7 +41,8 @@ Jobs prepareJobs(const Command& command) {
     const auto found = run.find(name);
     return found == run.end() ? fs::path() : fs::path(found->second.text);
   };
-  AssetList list = command.manifest ? readManifest(*command.manifest, given("output")) : readList(*command.list, given("output"));
+  Faults faults;
+  AssetList list = command.manifest ? readManifest(*command.manifest, given("output"), faults) : readList(*command.list, given("output"), faults);
   const Values under = optionsOfAssets(command.config), over = optionsOfAssets(command.options);
   std::vector<fs::path> option_files = command.option_files;
   option_files.insert(option_files.end(), list.files.begin(), list.files.end());
@@ -50,21 +54,17 @@ Jobs prepareJobs(const Command& command) {
   if (out.report_file) roles.addWritten(*out.report_file, "--report", {});
   if (!given("cache").empty()) roles.addFolder(given("cache"), "--cache");
   std::vector<Job> jobs;
-  std::vector<bake::BakeError> faults;
-  std::set<std::string> complaints;  // what is wrong with the command line is so for every asset: once is enough
   for (Asset& asset : list.assets) {
-    try {
+    faults.keep([&] {
       asset.values = overlay(overlay(under, asset.values), over);
-      Options options = readOptions(asset.values);
+      Options options = readOptions(asset.values, faults);
       options.option_files = option_files;
-      checkFiles(options, asset.values);
+      const bool there = checkFiles(options, asset.values, faults);
       addRoles(roles, options, {}, asset.values["output"].place);
-      jobs.push_back({std::move(asset), std::move(options)});
-    } catch (const bake::BakeError& fault) {
-      if (complaints.insert(fault.what()).second) faults.push_back(fault);
-    }
+      if (there) jobs.push_back({std::move(asset), std::move(options)});
+    });
   }
-  if (!faults.empty()) throw BatchFaults(std::move(faults));
+  faults.throwIfAny();
 
   std::vector<Options> options;
   for (const Job& job : jobs) options.push_back(job.options);

@@ -22,14 +22,8 @@ struct Jobs {
   std::optional<std::filesystem::path> report_file;    // of the batch
 };
 
-// All that is wrong with a batch; at least one. what() is the first.
-struct BatchFaults : bake::BakeError {
-  explicit BatchFaults(std::vector<bake::BakeError> all) : bake::BakeError(all.front()), faults(std::move(all)) {}
-  std::vector<bake::BakeError> faults;
-};
-
 // Reads the manifest or list, and checks every asset of it, of other shards too: options, files that are not there, files that would be overwritten.
-// BakeError for a file that can not be understood, BatchFaults for the assets.
+// BakeError or SeveralFaults: all that is wrong.
 Jobs prepareJobs(const Command& command);
 
 }  // namespace kelp::bake_cli

@@ -5,6 +5,8 @@
 
 #include <sys/stat.h>
 
+#include "faults.h"
+
 namespace kelp::bake_cli {
 namespace {
 
@@ -73,9 +75,11 @@ void addRoles(FileRoles& roles, const Options& options, const std::vector<fs::pa
     if (file) roles.addRead(*file);
   for (const fs::path& file : options.option_files) roles.addRead(file);
   for (const fs::path& file : read) roles.addRead(file);
-  roles.addWritten(options.output, "-o", place);
-  if (options.report_file) roles.addWritten(*options.report_file, "--report", place);
-  if (options.dependency_file) roles.addWritten(*options.dependency_file, "-MF", place);
+  Faults faults;
+  faults.keep([&] { roles.addWritten(options.output, "-o", place); });
+  if (options.report_file) faults.keep([&] { roles.addWritten(*options.report_file, "--report", place); });
+  if (options.dependency_file) faults.keep([&] { roles.addWritten(*options.dependency_file, "-MF", place); });
+  faults.throwIfAny();
 }
 
 }  // namespace kelp::bake_cli

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <list>
 
 #include <CLI/CLI.hpp>
 
 #include "config_file.h"
 #include "option_table.h"
+#include "summary.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -41,7 +41,10 @@ one stops at once; an existing output stays as it was in either case). A batch g
 
 // The compilers' spelling: a single dash and two letters, which CLI11 would take apart. CLI11 takes the last first.
 std::vector<std::string> reversed(std::vector<std::string> arguments) {
-  for (std::string& argument : arguments) argument = argument == "-MD" ? "--write-deps" : argument == "-MF" ? "--deps-file" : argument;
+  for (std::string& argument : arguments) {
+    for (const auto& [brief, full] : {std::pair("-MD", "--write-deps"), std::pair("-MF", "--deps-file"), std::pair("-MP", "--deps-phony"), std::pair("-MT", "--deps-target")})
+      if (argument == brief) argument = full;
+  }
   std::reverse(arguments.begin(), arguments.end());
   return arguments;
 }
@@ -111,6 +114,7 @@ void checkCommand(const Command& command) {
   }
   if (command.isBatch()) {
     if (command.manifest && (given("input") || command.list)) misuse("--manifest and an input at once; put the input into the manifest, or bake it by itself");
+    if (given("deps-target") || command.config.count("deps-target") > 0) misuse("-MT and a batch at once: one target can not be each pack; leave it out, or give \"deps-target\" at an asset");
     if (given("deps-file") || command.config.count("deps-file") > 0) misuse("-MF and a batch at once: one file can not name what each pack was made of; use -MD, which writes OUT.d for each, or \"deps-file\" at an asset");
     if (command.plan && given("report")) misuse("--plan and --report at once: a plan bakes nothing that could be reported; leave one out");
     if (command.plan && command.force) misuse("--plan and --force at once: a plan names all assets anyway; leave --force out");
@@ -118,13 +122,16 @@ void checkCommand(const Command& command) {
   }
   for (const auto& [name, is_given] : {std::pair("--shard", command.shard.has_value()), std::pair("--plan", command.plan), std::pair("--force", command.force)})
     if (is_given) misuse(std::string(name) + " without a batch: it is of many assets; give --manifest FILE or @LIST, or leave it out");
+  const auto isDash = [&](const char* name) { return given(name) && command.options.find(name)->second.text == "-"; };
+  if (isDash("input")) misuse("-: standard input has no name, and an input's says what it is; write it to a file first");
+  if (isDash("output")) misuse("-o -: a pack is not written to standard output, but in place of a file when it is complete; name the file");
   if (!given("input")) misuse("input is required: give a file to bake, @LIST, or --manifest FILE; see kelp-bake --help");
   if (!given("output")) misuse("-o is required: name the pack to write, such as -o model.kelp; see kelp-bake --help");
 }
 
 }  // namespace
 
-std::optional<Command> parseCommandLine(int argc, const char* const* argv) {
+std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
   app.set_version_flag("--version", "kelp-bake " KELP_VERSION " (" KELP_BUILD ")");
   app.footer(kExamples);
@@ -138,12 +145,12 @@ std::optional<Command> parseCommandLine(int argc, const char* const* argv) {
   app.add_flag("--plan", command.plan, "of a batch, write what would be baked to stdout, as JSON, and bake nothing");
   app.add_flag("--force", command.force, "of a batch, bake what is up to date too");
   try {
-    app.parse(reversed({argv + 1, argv + argc}));
+    app.parse(reversed({words.begin() + 1, words.end()}));
   } catch (const CLI::CallForHelp&) {
-    std::fputs(app.help().c_str(), stdout);
+    writeStdout(app.help());
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
-    std::fputs("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\n", stdout);
+    writeStdout("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\n");
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     misuse(std::string(error.what()) + "; see kelp-bake --help");

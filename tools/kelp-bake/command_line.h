@@ -29,8 +29,8 @@ struct Command {
   bool isBatch() const { return manifest || list; }
 };
 
-// nullopt when --help or --version was all that was asked; they are on stdout then. BakeError kUsage for what can not be understood.
-std::optional<Command> parseCommandLine(int argc, const char* const* argv);
+// words[0] is the program. nullopt when --help or --version was all that was asked; they are on stdout then. BakeError kUsage for what can not be understood.
+std::optional<Command> parseCommandLine(const std::vector<std::string>& words);
 
 // A line of a list: an input and the options of its pack. Errors have the place.
 Values parseAssetLine(const std::vector<std::string>& words, const Place& place);

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "faults.h"
 #include "option_json.h"
 #include "option_table.h"
 
@@ -129,6 +130,7 @@ Values readConfig(const std::filesystem::path& file) {
   std::string text = readTextFile(file, {});
   if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);
   Values values;
+  Faults faults;
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -136,12 +138,15 @@ Values readConfig(const std::filesystem::path& file) {
     if (!content.empty() && content.back() == '\r') content.remove_suffix(1);
     begin = end + 1;
     Line line(file, content, ++number);
-    if (line.isDone()) continue;
-    const JsonValue::Member member = line.read();
-    const Value value = optionOf(member, file.parent_path(), true);
-    const auto [other, is_new] = values.emplace(member.name, value);
-    if (!is_new) throw faultAt(member.place, member.name + " is there already, in line " + std::to_string(other->second.place.line) + "; give it once");
+    faults.keep([&] {
+      if (line.isDone()) return;
+      const JsonValue::Member member = line.read();
+      const Value value = optionOf(member, file.parent_path(), true);
+      const auto [other, is_new] = values.emplace(member.name, value);
+      if (!is_new) throw faultAt(member.place, member.name + " is there already, in line " + std::to_string(other->second.place.line) + "; give it once");
+    });
   }
+  faults.throwIfAny();
   return values;
 }
 

@@ -6,7 +6,7 @@
 
 namespace kelp::bake_cli {
 
-// Names of files in it are relative to its folder. BakeError with line and column for what is not understood, kIo if it can not be read.
+// Names of files in it are relative to its folder. BakeError, SeveralFaults with line and column for what is not understood, kIo if it can not be read.
 // Safe for hostile files.
 Values readConfig(const std::filesystem::path& file);
 

@@ -2,12 +2,13 @@
 #include "json_places.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
 #include <iterator>
+#include <span>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
+
+#include "kelp/console/console.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -65,7 +66,7 @@ class Cursor {
 // Builds the tree while nlohmann reads.
 class Builder : public nlohmann::json_sax<Json> {
  public:
-  Builder(const std::filesystem::path& file, std::string_view text) : file_(file), text_(text), cursor_(file, text), reached_(text.data()) {}
+  Builder(const std::filesystem::path& file, std::string_view text, Faults& faults) : file_(file), text_(text), faults_(faults), cursor_(file, text), reached_(text.data()) {}
 
   const char** reached() { return &reached_; }
   JsonValue& root() { return root_; }
@@ -76,8 +77,11 @@ class Builder : public nlohmann::json_sax<Json> {
   bool number_unsigned(number_unsigned_t value) override { return leaf(JsonValue::Kind::kNumber, std::to_string(value)); }
   bool number_float(number_float_t, const string_t& text) override { return leaf(JsonValue::Kind::kNumber, text); }
   bool string(string_t& text) override {
+    const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    const bool wrong = std::any_of(text.begin(), text.end(), control);
+    std::replace_if(text.begin(), text.end(), control, '?');
     const bool added = leaf(JsonValue::Kind::kString, text);
-    if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; })) throw faultAt(last_, "this text holds a control character; take it out");
+    if (wrong) faults_.add(last_, "this text holds a control character; take it out");
     return added;
   }
   bool binary(binary_t&) override { return false; }
@@ -89,7 +93,7 @@ class Builder : public nlohmann::json_sax<Json> {
     const Place place = tokenPlace();
     std::vector<JsonValue::Member>& members = open_.back()->members;
     const auto twice = std::find_if(members.begin(), members.end(), [&](const JsonValue::Member& member) { return member.name == name; });
-    if (twice != members.end()) throw faultAt(place, "\"" + shown(name) + "\" is there already, in line " + std::to_string(twice->place.line) + "; give it once");
+    if (twice != members.end()) faults_.add(place, "\"" + shown(name) + "\" is there already, in line " + std::to_string(twice->place.line) + "; give it once");
     if (members.size() >= kMaxMembers) throw faultAt(place, "more than " + std::to_string(kMaxMembers) + " members; is it the right file?");
     members.push_back({name, place, {}});
     return true;
@@ -142,6 +146,7 @@ class Builder : public nlohmann::json_sax<Json> {
 
   const std::filesystem::path& file_;
   std::string_view text_;
+  Faults& faults_;
   Cursor cursor_;
   const char* reached_;
   std::size_t token_ = 0;  // from here on the next token is to be found
@@ -158,8 +163,8 @@ const char* JsonValue::kindName() const {
   return kNames[static_cast<int>(kind)];
 }
 
-JsonValue parseJson(const std::filesystem::path& file, std::string_view text) {
-  Builder builder(file, text);
+JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Faults& faults) {
+  Builder builder(file, text, faults);
   const char* end_reached = nullptr;
   Json::sax_parse(Reading(text.data(), builder.reached()), Reading(text.data() + text.size(), &end_reached), &builder);
   return std::move(builder.root());
@@ -169,14 +174,13 @@ std::string readTextFile(const std::filesystem::path& file, const Place& named_a
   const auto fail = [&](bake::Exit code, const std::string& what) { throw bake::BakeError(code, named_at.prefix() + file.string() + ": " + what); };
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) fail(bake::Exit::kIo, "is a folder; name a file");
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  if (!in) fail(bake::Exit::kIo, "can not be opened: " + std::generic_category().message(errno) + "; check the name and its permissions");
+  console::Reading in(file.string());
   std::string text(kMaxBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad()) fail(bake::Exit::kIo, "can not be read; check the disk");
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kMaxBytes) fail(bake::Exit::kInvalid, "is larger than 16 MiB; is it the right file? Else divide it");
+  std::size_t size = 0;
+  while (const std::size_t got = in.read(std::as_writable_bytes(std::span(text).subspan(size)))) size += got;
+  if (!in.problem().empty()) fail(bake::Exit::kIo, "can not be read: " + in.problem() + "; check the name and its permissions");
+  if (size > kMaxBytes) fail(bake::Exit::kInvalid, "is larger than 16 MiB; is it the right file? Else divide it");
+  text.resize(size);
   return text;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "faults.h"
 #include "values.h"
 
 namespace kelp::bake_cli {
@@ -16,7 +17,7 @@ struct JsonValue {
   Kind kind = Kind::kNull;
   std::string text;                // of a string; of a number or truth value as it was written
   std::vector<JsonValue> items;    // of an array
-  std::vector<Member> members;     // of an object, in the file's order; no name twice
+  std::vector<Member> members;     // of an object, in the file's order
   Place place;
 
   const char* kindName() const;    // "a number", ...
@@ -27,10 +28,11 @@ struct JsonValue::Member {
   JsonValue value;
 };
 
-// Safe for hostile text: bounds depth, values and members. BakeError kInvalid with line and column, for names that are there twice too.
-JsonValue parseJson(const std::filesystem::path& file, std::string_view text);
+// Safe for hostile text: bounds depth, values and members. BakeError kInvalid with line and column for what can not be read on from; what can goes to `faults`: names that are
+// there twice, control characters.
+JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Faults& faults);
 
-// The text of a file that the user named: at most 16 MiB. BakeError kIo or kInvalid; `named_at` is who named it.
+// The text of a file that the user named, a pipe perhaps: at most 16 MiB. BakeError kIo or kInvalid; `named_at` is who named it.
 std::string readTextFile(const std::filesystem::path& file, const Place& named_at);
 
 }  // namespace kelp::bake_cli

@@ -38,26 +38,29 @@ std::vector<std::string> splitWords(std::string_view line, const Place& place) {
 
 }  // namespace
 
-AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder) {
+AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder, Faults& faults) {
   const std::string text = readTextFile(file, {});
   AssetList out;
   out.files.push_back(file);
   std::size_t line_number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const Place place{file, ++line_number, 1};
-    const std::vector<std::string> words = splitWords(std::string_view(text).substr(begin, end - begin), place);
+    const std::string_view line = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
-    if (words.empty()) continue;
+    const Place place{file, ++line_number, 1};
     if (out.assets.size() >= kMaxAssets) throw faultAt(place, "more than " + std::to_string(kMaxAssets) + " assets; divide the list");
-    Values values = parseAssetLine(words, place);
-    if (values.count("input") == 0) throw faultAt(place, "this line names no input; begin it with the file to bake");
-    if (values["input"].text.empty() || (values.count("output") > 0 && values["output"].text.empty())) throw faultAt(place, "a name is empty; name a file");
-    Value& output = values["output"];
-    output = {(folder / (output.text.empty() ? packName(values["input"].text) : output.text)).string(), place};
-    out.assets.push_back({std::move(values), place});
+    faults.keep([&] {
+      const std::vector<std::string> words = splitWords(line, place);
+      if (words.empty()) return;
+      Values values = parseAssetLine(words, place);
+      if (values.count("input") == 0) throw faultAt(place, "this line names no input; begin it with the file to bake");
+      if (values["input"].text.empty() || (values.count("output") > 0 && values["output"].text.empty())) throw faultAt(place, "a name is empty; name a file");
+      Value& output = values["output"];
+      output = {(folder / (output.text.empty() ? packName(values["input"].text) : output.text)).string(), place};
+      out.assets.push_back({std::move(values), place});
+    });
   }
-  if (out.assets.empty()) throw bake::BakeError(bake::Exit::kInvalid, file.string() + ": names no asset; write an input on each line");
+  if (out.assets.empty() && !faults.any()) throw bake::BakeError(bake::Exit::kInvalid, file.string() + ": names no asset; write an input on each line");
   return out;
 }
 

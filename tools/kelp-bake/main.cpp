@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// kelp-bake: a thin main over kelp::bake. Every exception ends here, as an exit code and one line.
-#include <cstdio>
+// kelp-bake: a thin main over kelp::bake. Every exception ends here, as an exit code and a line for each fault.
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "bake_one.h"
 #include "batch.h"
@@ -11,7 +11,10 @@
 #include "clashes.h"
 #include "command_line.h"
 #include "config_file.h"
+#include "faults.h"
 #include "interrupt.h"
+#include "kelp/console/console.h"
+#include "messages.h"
 #include "summary.h"
 
 namespace {
@@ -42,18 +45,29 @@ void runSingle(const Command& command) {
 }
 
 int complain(Exit code, const std::string& message) {
-  std::fprintf(stderr, "kelp-bake: %s\n", oneLine(message).c_str());
+  sayError(code, message);
   return static_cast<int>(code);
+}
+
+// Before anything is understood: what can go wrong from the first word on is told as it was asked for.
+bool asksForJson(const std::vector<std::string>& words) {
+  for (std::size_t i = 1; i < words.size(); ++i)
+    if (words[i] == "--progress=json" || (words[i] == "json" && words[i - 1] == "--progress")) return true;
+  return false;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  kelp::console::prepareStreams();
   try {
-    const std::optional<Command> command = parseCommandLine(argc, argv);
+    const std::vector<std::string> words = kelp::console::arguments(argc, argv);
+    if (asksForJson(words)) speakJson();
+    const std::optional<Command> command = parseCommandLine(words);
     if (!command) return static_cast<int>(Exit::kOk);
+    const Values values = overlay(command->config, command->options);
+    if (const auto progress = values.find("progress"); progress != values.end() && progress->second.text == "json") speakJson();
     if (command->print_config) {
-      const Values values = overlay(command->config, command->options);
       readOptions(values);  // what can not be is no reference
       writeStdout(printConfig(values));
       return static_cast<int>(Exit::kOk);
@@ -61,10 +75,10 @@ int main(int argc, char** argv) {
     if (command->isBatch()) return static_cast<int>(runBatch(*command));
     runSingle(*command);
     return static_cast<int>(Exit::kOk);
-  } catch (const BatchFaults& several) {
+  } catch (const SeveralFaults& several) {
     for (const BakeError& fault : several.faults) complain(fault.exit, fault.what());
-    if (several.faults.size() > 1) std::fprintf(stderr, "kelp-bake: %zu faults, and nothing was baked\n", several.faults.size());
-    return static_cast<int>(several.exit);
+    const std::string told = several.faults.size() < several.count ? ", of which the first " + std::to_string(several.faults.size()) + " are told" : "";
+    return complain(several.exit, std::to_string(several.count) + " faults" + told + ", and nothing was baked");
   } catch (const BakeError& error) {
     return complain(error.exit, error.what());
   } catch (const std::bad_alloc&) {

@@ -37,11 +37,13 @@ constexpr OptionInfo kOptions[] = {
     {"levels", "N", T::kNumber, S::kPack, P::kNone, false, "4", "levels of detail (default: down to one brick)"},
     {"threads", "N", T::kNumber, S::kRun, P::kNone, false, "4", "threads (default: all); the pack does not depend on it"},
     {"max-memory", "SIZE", T::kText, S::kRun, P::kNone, false, "\"4G\"", "refuse to start a bake that needs more, e.g. 4G (default: the machine's memory; pictures get 1G and 256 bytes for each of the files' own)"},
-    {"progress", "auto|bar|json|none", T::kText, S::kRun, P::kNone, true, "\"auto\"", "auto: a bar on a terminal; bar; json: a line a step on stderr; none"},
+    {"progress", "auto|bar|json|none", T::kText, S::kRun, P::kNone, true, "\"auto\"", "auto: a bar on a terminal; bar; json: every line on stderr is JSON (kelp-dump schema bake-progress); none"},
     {"cache", "FOLDER", T::kText, S::kRun, P::kFile, false, "\"cache\"", "keep packs in a folder, by the content of all that they are made of, and take them from there; any number of processes may share it"},
     {"cache-size", "SIZE", T::kText, S::kRun, P::kNone, true, "\"10G\"", "what that folder may hold; beyond this, what was used longest ago is removed (default 10G)"},
     {"report", "FILE", T::kText, S::kPack, P::kFile, false, "\"report.json\"", "write what was done and how long it took, as JSON; of a batch, what became of each asset"},
     {"write-deps", "", T::kFlag, S::kPack, P::kNone, true, "false", "write the files that were read as a make rule to OUT.d (also -MD)"},
+    {"deps-phony", "", T::kFlag, S::kPack, P::kNone, true, "false", "add an empty rule for every file in that rule, so that make goes on when one is gone (also -MP)"},
+    {"deps-target", "NAME", T::kText, S::kPack, P::kNone, false, "\"packs/reed.kelp\"", "the target of that rule, exactly so, in place of the output (also -MT)"},
     {"deps-file", "FILE", T::kText, S::kPack, P::kFile, false, "\"pack.d\"", "where to write that rule instead (also -MF)"},
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+
 namespace kelp::bake_cli {
 namespace {
 
@@ -18,20 +19,21 @@ std::optional<Number> parseNumber(const std::string& text) {
   return value;
 }
 
-// The values of one bake, read one by one. What can not be is refused with its place.
+// The values of one bake, read one by one. What can not be is noted with its place.
 class Reader {
  public:
-  explicit Reader(const Values& values) : values_(values) {}
+  Reader(const Values& values, Faults& faults) : values_(values), faults_(faults) {}
 
   const std::string* find(const char* name) const {
     const auto found = values_.find(name);
     if (found == values_.end()) return nullptr;
-    if (found->second.text.empty()) fail(name, "is empty; leave it out for the default");
-    return &found->second.text;
+    if (!found->second.text.empty()) return &found->second.text;
+    fail(name, "is empty; leave it out for the default");
+    return nullptr;
   }
-  [[noreturn]] void fail(const char* name, const std::string& what) const {
+  void fail(const char* name, const std::string& what) const {
     const Value& value = values_.find(name)->second;
-    throw faultAt(value.place, std::string("--") + name + " " + value.text + ": " + what);
+    faults_.add(value.place, std::string("--") + name + " " + value.text + ": " + what);
   }
 
   template <class Text>
@@ -43,7 +45,7 @@ class Reader {
     const std::string* given = find(name);
     if (!given) return false;
     const std::optional<int> value = parseNumber<int>(*given);
-    if (!value) fail(name, "not a whole number; see kelp-bake --help");
+    if (!value) return fail(name, "not a whole number; see kelp-bake --help"), false;
     out = *value;
     return true;
   }
@@ -56,7 +58,7 @@ class Reader {
     const std::string* given = find(name);
     if (!given) return;
     const std::optional<double> value = parseNumber<double>(*given);
-    if (!value || !std::isfinite(*value)) fail(name, "not a number; see kelp-bake --help");
+    if (!value || !std::isfinite(*value)) return fail(name, "not a number; see kelp-bake --help");
     out = *value;
   }
   void axis(const char* name, std::optional<Axis>& out) const {
@@ -71,7 +73,7 @@ class Reader {
     const std::string* given = find(name);
     if (!given) return;
     const auto found = choices.find(*given);
-    if (found == choices.end()) fail(name, std::string("unknown; use ") + names);
+    if (found == choices.end()) return fail(name, std::string("unknown; use ") + names);
     out = found->second;
   }
   bool flag(const char* name) const {
@@ -85,7 +87,7 @@ class Reader {
     if (!given) return false;
     const auto known = kUnits.find(*given);
     const std::optional<double> metres = known != kUnits.end() ? known->second : parseNumber<double>(*given);
-    if (!metres) fail(name, "not a unit; use m, cm, mm, in, ft, or the length of one in metres, such as 0.01");
+    if (!metres) return fail(name, "not a unit; use m, cm, mm, in, ft, or the length of one in metres, such as 0.01"), false;
     out = *metres;
     return true;
   }
@@ -95,19 +97,20 @@ class Reader {
     if (!given) return;
     const std::size_t colon = given->rfind(':');
     const std::optional<double> seconds = colon == std::string::npos ? std::nullopt : parseNumber<double>(given->substr(colon + 1));
-    if (!seconds || colon == 0 || !std::isfinite(*seconds) || *seconds < 0) fail(name, "not a moment; give an animation's name and a time in seconds from 0 on, such as Walk:0.3");
+    if (!seconds || colon == 0 || !std::isfinite(*seconds) || *seconds < 0) return fail(name, "not a moment; give an animation's name and a time in seconds from 0 on, such as Walk:0.3");
     out = bake::Moment{given->substr(0, colon), *seconds};
   }
   void bytes(const char* name, std::uint64_t& out) const {
     const std::string* given = find(name);
     if (!given) return;
     const std::optional<std::uint64_t> value = parseBytes(*given);
-    if (!value) fail(name, "not a size; use a number with K, M, G or T, such as 4G");
+    if (!value) return fail(name, "not a size; use a number with K, M, G or T, such as 4G");
     out = *value;
   }
 
  private:
   const Values& values_;
+  Faults& faults_;
 };
 
 void readRig(const Reader& read, bake::Settings& settings) {
@@ -122,15 +125,13 @@ void readRig(const Reader& read, bake::Settings& settings) {
 }
 
 // What the library finds wrong with the settings names the option first; so its place is known.
-void check(const Values& values, const bake::Settings& settings) {
-  try {
-    bake::checkSettings(settings);
-  } catch (const bake::BakeError& error) {
-    const std::string what = error.what();
+void check(const Values& values, const bake::Settings& settings, Faults& faults) {
+  for (const bake::BakeError& fault : bake::settingsFaults(settings)) {
+    const std::string what = fault.what();
     const std::size_t end = what.find_first_of(": ", 2);
     const auto value = what.rfind("--", 0) == 0 ? values.find(what.substr(2, end - 2)) : values.end();
-    if (value == values.end()) throw;
-    throw faultAt(value->second.place, what);
+    if (value == values.end()) faults.add(fault);
+    else faults.add(value->second.place, what);
   }
 }
 
@@ -152,7 +153,14 @@ std::optional<std::uint64_t> parseBytes(const std::string& text) {
 }
 
 Options readOptions(const Values& values) {
-  const Reader read(values);
+  Faults faults;
+  Options options = readOptions(values, faults);
+  faults.throwIfAny();
+  return options;
+}
+
+Options readOptions(const Values& values, Faults& faults) {
+  const Reader read(values, faults);
   Options options;
   bake::Settings& settings = options.settings;
   if (const std::string* input = read.find("input")) options.input = *input;
@@ -189,7 +197,11 @@ Options readOptions(const Values& values) {
   read.text("report", options.report_file);
   read.text("deps-file", options.dependency_file);
   if (!options.dependency_file && read.flag("write-deps")) options.dependency_file = options.output.string() + ".d";
-  check(values, settings);
+  options.phony_deps = read.flag("deps-phony");
+  read.text("deps-target", options.deps_target);
+  for (const auto& [of_rule, given] : {std::pair("deps-phony", options.phony_deps), std::pair("deps-target", options.deps_target.has_value())})
+    if (given && !options.dependency_file) read.fail(of_rule, "is of a rule that is not written; add -MD or -MF FILE, or leave it out");
+  check(values, settings, faults);
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "faults.h"
 #include "kelp/bake/bake.h"
 #include "values.h"
 
@@ -23,10 +24,14 @@ struct Options {
   std::vector<std::filesystem::path> option_files;  // that all this came from: configuration, manifest
   std::optional<std::filesystem::path> report_file;
   std::optional<std::filesystem::path> dependency_file;  // a rule for make and ninja
+  std::optional<std::string> deps_target;  // of that rule, as it stands; else the output
+  bool phony_deps = false;                 // and an empty rule for every file that it names
 };
 
-// BakeError for what can not be understood or contradicts itself, with the place where it was written (see faultAt).
+// BakeError, SeveralFaults for what can not be understood or contradicts itself, with the place where it was written (see faultAt).
 Options readOptions(const Values& values);
+// The same, with what is wrong as faults: the rest is as it was understood.
+Options readOptions(const Values& values, Faults& faults);
 
 // "4G", "512M", "1.5 GiB", "1000000": bytes. nullopt if it is none of these.
 std::optional<std::uint64_t> parseBytes(const std::string& text);

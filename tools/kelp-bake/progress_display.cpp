@@ -93,7 +93,7 @@ void ProgressDisplay::drawBar(double done, double seconds) {
 }
 
 void ProgressDisplay::printJson(double done, double seconds) {
-  nlohmann::ordered_json json;
+  nlohmann::ordered_json json{{"kind", "progress"}};
   if (count_ > 0) {
     json["asset"] = number_;
     json["assets"] = count_;

@@ -120,14 +120,20 @@ std::vector<std::string> noticesOf(const std::string& report) { return Json::par
 std::string inputOf(const std::string& report) { return Json::parse(report)["input"].get<std::string>(); }
 
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::FilesUsed& files) {
-  std::string rule = escapeForMake(options.output) + ":";
   std::set<std::filesystem::path> others;  // in one order, whether they were read or looked up
   for (const bake::FilesUsed::File& file : files.read)
     if (file.path != options.input) others.insert(file.path);
-  rule += " \\\n  " + escapeForMake(options.input);
-  for (const std::filesystem::path& file : others) rule += " \\\n  " + escapeForMake(file);
-  for (const std::filesystem::path& file : options.option_files) rule += " \\\n  " + escapeForMake(file);
-  bake::writeTextFile(path, rule + "\n");
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : others) names.push_back(escapeForMake(file));
+  for (const std::filesystem::path& file : options.option_files) names.push_back(escapeForMake(file));
+  const std::string input = escapeForMake(options.input);
+  std::string rule = options.deps_target.value_or(escapeForMake(options.output)) + ": \\\n  " + input;
+  for (const std::string& name : names) rule += " \\\n  " + name;
+  rule += "\n";
+  // As compilers write them: all but the input, whose absence is an error.
+  if (options.phony_deps)
+    for (const std::string& name : names) rule += "\n" + name + ":\n";
+  bake::writeTextFile(path, rule);
 }
 
 }  // namespace kelp::bake_cli

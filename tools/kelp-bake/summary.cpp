@@ -2,7 +2,6 @@
 #include "summary.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
@@ -10,6 +9,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "kelp/console/console.h"
+#include "messages.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -55,10 +57,10 @@ void printParts(const Options& options, const bake::Report& report) {
   if (shown < parts.size()) std::stable_sort(parts.begin(), parts.end(), [](const auto* a, const auto* b) { return a->solid_voxels + a->fog_voxels > b->solid_voxels + b->fog_voxels; });
   for (std::size_t i = 0; i < shown; ++i) {
     const bake::Report::Part& part = *parts[i];
-    fmt::print(stderr, "  part '{}': {} x {} x {} voxels of {}; rig: {}; {}\n", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, options, report.format), part.rig_origin, part.fill);
-    if (const std::string repairs = printRepairs(part); !repairs.empty()) fmt::print(stderr, "    {}\n", repairs);
+    sayDetail(fmt::format("part '{}': {} x {} x {} voxels of {}; rig: {}; {}", part.name, part.size.x, part.size.y, part.size.z, printLength(part.voxel_size, options, report.format), part.rig_origin, part.fill));
+    if (const std::string repairs = printRepairs(part); !repairs.empty()) sayDetail("  " + repairs);
   }
-  if (shown < parts.size()) fmt::print(stderr, "  and {} smaller parts; --report FILE.json tells of each\n", parts.size() - shown);
+  if (shown < parts.size()) sayDetail(fmt::format("and {} smaller parts; --report FILE.json tells of each", parts.size() - shown));
 }
 
 // A clip that only moves parts as wholes is one line; one that bends is a line for each part that it bends.
@@ -68,14 +70,10 @@ void printClips(const bake::Report& report) {
   std::set<std::string> told;
   for (const bake::Report::Clip& clip : report.clips) {
     if (clip.bends) {
-      fmt::print(stderr, "  clip '{}' of '{}': {:.3g} s, ", clip.name, clip.part, clip.duration);
-      if (clip.leaves_box > 0) {
-        fmt::print(stderr, "leaves the box at rest by up to {:.0f} % of the part's length\n", std::max(1.0, 100.0 * static_cast<double>(clip.leaves_box)));
-      } else {
-        std::fputs("stays within the box\n", stderr);
-      }
+      const std::string where = clip.leaves_box > 0 ? fmt::format("leaves the box at rest by up to {:.0f} % of the part's length", std::max(1.0, 100.0 * static_cast<double>(clip.leaves_box))) : "stays within the box";
+      sayDetail(fmt::format("clip '{}' of '{}': {:.3g} s, {}", clip.name, clip.part, clip.duration, where));
     }
-    if (clip.moves && told.insert(clip.name).second) fmt::print(stderr, "  clip '{}': {:.3g} s, moves {}\n", clip.name, clip.duration, counted(moved[clip.name], "part"));
+    if (clip.moves && told.insert(clip.name).second) sayDetail(fmt::format("clip '{}': {:.3g} s, moves {}", clip.name, clip.duration, counted(moved[clip.name], "part")));
   }
 }
 
@@ -92,12 +90,11 @@ std::string printBytes(std::uint64_t bytes) {
 }
 
 void writeStdout(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
-  if (std::fflush(stdout) != 0) throw bake::BakeError(bake::Exit::kIo, "stdout can not be written; choose a file on a disk with space left");
+  if (const std::string problem = console::writeOut(text); !problem.empty()) throw bake::BakeError(bake::Exit::kIo, "standard output can not be written: " + problem + "; free space or choose another file");
 }
 
 void printEstimate(const Options& options, const bake::Report& report) {
-  fmt::print(stderr, "kelp-bake: {}: baking needs about {} of memory\n", options.input.filename().string(), printBytes(report.estimated_bytes));
+  sayNote(fmt::format("{}: baking needs about {} of memory", options.input.filename().string(), printBytes(report.estimated_bytes)));
 }
 
 void printSummary(const Options& options, const bake::Report& report, double seconds) {
@@ -109,15 +106,15 @@ void printSummary(const Options& options, const bake::Report& report, double sec
     fog += part.fog_voxels;
     parts += !part.carrier;
   }
-  fmt::print(stderr, "kelp-bake: {}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
-  if (triangles > 0) fmt::print(stderr, ", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
-  if (report.images > 0) fmt::print(stderr, ", {}", counted(report.images, "picture"));
-  fmt::print(stderr, ", {}\n", triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : keptVoxels(report.format));
+  std::string line = fmt::format("{}: {}, {}", options.input.filename().string(), report.format, counted(parts, "part"));
+  if (triangles > 0) line += fmt::format(", {}, {}", counted(triangles, "triangle"), counted(report.materials, "material"));
+  if (report.images > 0) line += fmt::format(", {}", counted(report.images, "picture"));
+  sayNote(line + ", " + (triangles > 0 || options.settings.voxel_size || options.settings.resolution_given ? printGrain(options, report.format) : keptVoxels(report.format)));
   printParts(options, report);
   printClips(report);
-  for (const std::string& notice : report.notices) fmt::print(stderr, "kelp-bake: warning: {}\n", notice);
+  for (const std::string& notice : report.notices) sayWarning(notice);
   if (report.palette_error > 0) {
-    fmt::print(stderr, "  {}: the palette is off by {:.4f} in the mean (OKLab)\n", options.settings.palette_file ? options.settings.palette_file->filename().string() : "more than 256 materials", report.palette_error);
+    sayDetail(fmt::format("{}: the palette is off by {:.4f} in the mean (OKLab)", options.settings.palette_file ? options.settings.palette_file->filename().string() : "more than 256 materials", report.palette_error));
   }
   const bake::Report::Stage* longest = nullptr;
   for (const bake::Report::Stage& stage : report.stages) {
@@ -127,14 +124,14 @@ void printSummary(const Options& options, const bake::Report& report, double sec
   std::vector<std::string> made;
   if (surface > 0 || fog == 0) made.push_back(counted(surface, "surface voxel"));
   if (fog > 0) made.push_back(counted(fog, "voxel") + " of fog");
-  fmt::print(stderr, "kelp-bake: wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), fmt::join(made, ", "), seconds);
-  if (longest) fmt::print(stderr, " ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds, printBytes(peak));
-  std::fputs("\n", stderr);
+  line = fmt::format("wrote {}: {}, {}, in {:.2f} s", options.output.string(), printBytes(report.pack_bytes), fmt::join(made, ", "), seconds);
+  if (longest) line += fmt::format(" ({} {:.2f} s) and at most {} of memory", longest->name, longest->seconds, printBytes(peak));
+  sayNote(line);
 }
 
 void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes, double seconds) {
-  for (const std::string& notice : notices) fmt::print(stderr, "kelp-bake: warning: {}\n", oneLine(notice));
-  fmt::print(stderr, "kelp-bake: wrote {} from the cache: {}, in {:.2f} s\n", options.output.string(), printBytes(pack_bytes), seconds);
+  for (const std::string& notice : notices) sayWarning(notice);
+  sayNote(fmt::format("wrote {} from the cache: {}, in {:.2f} s", options.output.string(), printBytes(pack_bytes), seconds));
 }
 
 }  // namespace kelp::bake_cli

@@ -30,6 +30,7 @@ const char* densityOption(const Settings& settings) {
 SourceModel importFile(const std::filesystem::path& path, const Settings& settings, FilesUsed* used) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) refuse(Exit::kIo, path, "", "is a folder; name the file in it that is to be baked");
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) refuse(Exit::kIo, path, "", "is a pipe or a device; write it to a file first, as inputs are read more than once");
   const std::string extension = lowerExtension(path);
   const bool gltf = extension == ".gltf" || extension == ".glb";
   if (settings.scene && !gltf) refuse(Exit::kUsage, path, "--scene " + oneLine(*settings.scene, 60), "only glTF files have scenes; leave the option out");

@@ -23,6 +23,19 @@ int hexDigit(char c) {
   return -1;
 }
 
+// The bytes of the first letter of a text that is not empty; none if they are no UTF-8.
+std::string_view firstLetter(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t length = byte(0) < 0x80 ? 1 : byte(0) < 0xc2 ? 0 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : byte(0) < 0xf5 ? 4 : 0;
+  if (text.size() < length) return {};
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return {};
+  // Overlong forms, surrogates, beyond the last code point.
+  const unsigned char second = length > 1 ? byte(1) : 0;
+  if ((byte(0) == 0xe0 && second < 0xa0) || (byte(0) == 0xed && second > 0x9f) || (byte(0) == 0xf0 && second < 0x90) || (byte(0) == 0xf4 && second > 0x8f)) return {};
+  return text.substr(0, length);
+}
+
 // What helps where the place and the fault are said and nothing more particular is known.
 const char* remedyOf(Exit code) {
   switch (code) {
@@ -37,10 +50,16 @@ const char* remedyOf(Exit code) {
 
 std::string oneLine(std::string_view text, std::size_t limit) {
   std::string out;
-  for (char c : text.substr(0, limit)) {
-    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    if (!control) {
-      out += c;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::string_view letter = firstLetter(text.substr(at));
+    if (at + std::max<std::size_t>(letter.size(), 1) > limit) break;  // no half of a letter
+    at += std::max<std::size_t>(letter.size(), 1);
+    const auto first = static_cast<unsigned char>(letter.empty() ? '?' : letter[0]);
+    const bool control = first < 0x20 || first == 0x7f || (first == 0xc2 && static_cast<unsigned char>(letter[1]) < 0xa0);
+    if (letter.empty()) {
+      out += '?';
+    } else if (!control) {
+      out += letter;
     } else if (!out.empty() && out.back() != ' ') {
       out += ' ';
     }
@@ -119,7 +138,7 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
   if (status.type() == std::filesystem::file_type::not_found) fail("no such file; check the path");
   if (error) failToRead("can not be read: " + error.message());
   if (std::filesystem::is_directory(status)) fail("is a folder; name a file");
-  if (!std::filesystem::is_regular_file(status)) fail("is not a regular file; name a file");
+  if (!std::filesystem::is_regular_file(status)) fail("is a pipe or a device; write it to a file first, as inputs are read more than once");
   const std::uintmax_t whole = std::filesystem::file_size(path, error), size = std::min(whole, most);
   if (error) failToRead("can not be read: " + error.message());
   errno = 0;

@@ -6,20 +6,6 @@
 namespace kelp::bake {
 namespace {
 
-// The file's axes -> the object's. A quarter turn about x or z, as exporters turn; a half turn about x for -y.
-glm::dmat3 upright(Axis up) {
-  const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-  switch (up) {  // where the file's x, y and z go
-    case Axis::kPlusX: return {y, -x, z};
-    case Axis::kMinusX: return {-y, x, z};
-    case Axis::kPlusY: break;
-    case Axis::kMinusY: return {x, -y, -z};
-    case Axis::kPlusZ: return {x, -z, y};
-    case Axis::kMinusZ: return {x, z, -y};
-  }
-  return glm::dmat3(1);
-}
-
 glm::mat4x3 placed(const glm::dmat3& outer, const glm::mat4x3& inner) {
   return {glm::vec3(outer * glm::dvec3(inner[0])), glm::vec3(outer * glm::dvec3(inner[1])), glm::vec3(outer * glm::dvec3(inner[2])), glm::vec3(outer * glm::dvec3(inner[3]))};
 }
@@ -57,7 +43,8 @@ struct Padding {
 void placeInObject(SourceModel& model, const Settings& settings) {
   const Axis up = settings.up.value_or(model.up);
   if (up == Axis::kPlusY && settings.unit == 1) return;
-  const glm::dmat3 outer = settings.unit * upright(up);
+  // As exporters turn: a quarter turn about x or z, for -y half a turn about x.
+  const glm::dmat3 outer = settings.unit * glm::dmat3(axisRotation(up));
   for (SourcePart& part : model.parts) {
     part.to_object = placed(outer, part.to_object);
     part.pivot = placed(outer, part.pivot);

@@ -28,7 +28,7 @@ namespace {
 
 // Where the bytes go: through symbolic links, so that a link stays one.
 std::filesystem::path target(const std::filesystem::path& path) {
-  if (path.filename().empty()) fail(path, "is not a file name", 0, "give -o a name such as model.kelp");
+  if (path.filename().empty()) fail(path, "is the name of a folder", 0, "name a file in it");
   std::filesystem::path real = path;
   std::error_code error;
   for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
@@ -59,6 +59,7 @@ OutputFile::OutputFile(const std::filesystem::path& path) : final_(target(path))
   if (replaces && !S_ISREG(status.st_mode)) {
     fail(final_, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", 0, "name a file for the output");
   }
+  if (!replaces && errno == ENAMETOOLONG) fail(final_, "can not be written", errno, "choose a shorter name");  // the file beside it has one
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
     const auto now = std::chrono::steady_clock::now().time_since_epoch().count();

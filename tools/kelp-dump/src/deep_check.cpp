@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "deep_check.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <thread>
 #include <utility>
@@ -13,17 +11,13 @@
 #include "deep_level.h"
 #include "emptiness.h"
 #include "kelp/fields/fields.h"
+#include "system.h"
 #include "text.h"
 
 namespace kelp::dump {
 namespace {
 
 using fields::Occupancy;
-
-std::uint64_t physicalMemory() {
-  const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGE_SIZE);
-  return pages > 0 && bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(bytes) : ~std::uint64_t{0};
-}
 
 // In an occupancy, so that one array of all voxels serves for both: solid, and solid with an attribute.
 constexpr std::uint8_t kPlain = 1, kAttributed = 2;

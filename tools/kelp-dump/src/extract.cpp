@@ -10,52 +10,11 @@
 #include "output_file.h"
 #include "part_axis.h"
 #include "text.h"
-#ifdef KELP_DUMP_VDB_PROGRAM
-#include "vdb_program.h"
-#endif
 
 namespace kelp::dump {
 namespace {
 
-struct Writer {
-  const char* name;
-  void (*write)(const ExtractRequest&);  // null: not built, or not into this program
-  const char* needs;
-  bool to_stdout;             // whether "-" can be its output
-  bool in_vdb_program = false;  // becomeVdbProgram
-  bool built() const { return write != nullptr || in_vdb_program; }
-};
-
-#ifdef KELP_DUMP_VDB_PROGRAM
-constexpr Writer kVdb{"vdb", nullptr, "", false, true}, kNanoVdb{"nvdb", nullptr, "", false, true};
-#else
-#ifdef KELP_DUMP_VDB
-constexpr Writer kVdb{"vdb", extractVdb, "", false};
-#endif
-#ifdef KELP_DUMP_NVDB
-constexpr Writer kNanoVdb{"nvdb", extractNvdb, "", false};
-#endif
-#endif
-
-constexpr Writer kWriters[] = {
-    {"vox", extractVox, "", true},
-    {"ply", extractPly, "", true},
-#ifdef KELP_DUMP_PNG
-    {"slices", extractSlices, "", false},
-#else
-    {"slices", nullptr, "libpng", false},
-#endif
-#ifdef KELP_DUMP_VDB
-    kVdb,
-#else
-    {"vdb", nullptr, "OpenVDB", false},
-#endif
-#ifdef KELP_DUMP_NVDB
-    kNanoVdb,
-#else
-    {"nvdb", nullptr, "OpenVDB and NanoVDB", false},
-#endif
-};
+const Writer* const kWriters[] = {&kVoxWriter, &kPlyWriter, &kSlicesWriter, &kVdbWriter, &kNanoVdbWriter};
 
 bool bends(const Pack& pack, std::uint32_t part) {
   for (const Clip& clip : pack.clips())
@@ -113,25 +72,23 @@ Rgba displayColor(const Material& material) {
 
 std::string extractFormats() {
   std::string text;
-  for (const Writer& writer : kWriters)
-    if (writer.built()) text += fmt::format("{}{}", text.empty() ? "" : ", ", writer.name);
+  for (const Writer* writer : kWriters)
+    if (writer->write || (writer->isThere && writer->isThere())) text += fmt::format("{}{}", text.empty() ? "" : ", ", writer->name);
   return text;
 }
 
 int extract(const std::string& path, const std::string& format, const std::string& output, const std::string& wanted, int level) {
-  const Writer& writer = *std::find_if(std::begin(kWriters), std::end(kWriters), [&](const Writer& one) { return format == one.name; });
-  if (!writer.built())
+  const Writer& writer = **std::find_if(std::begin(kWriters), std::end(kWriters), [&](const Writer* one) { return format == one->name; });
+  if (!writer.write && !writer.handOver)
     throw DumpError(kUnsupported, fmt::format("--{}: this kelp-dump was built without {}; it has {} (see --version), or build it where {} is installed", format, writer.needs, extractFormats(), writer.needs));
-  if (output == "-" && !writer.to_stdout) throw DumpError(kUsage, fmt::format("--{} -: standard output can not take it; name a {}", format, format == "slices" ? "folder" : "file"));
-  if (format != "slices") refuseToOverwrite(output, path);  // pictures go into a folder, which no pack is
-#ifdef KELP_DUMP_VDB_PROGRAM
-  if (writer.in_vdb_program) {
+  if (output == "-" && !writer.shown_as) throw DumpError(kUsage, fmt::format("--{} -: standard output can not take it; name a {}", format, format == "slices" ? "folder" : "file"));
+  if (format != "slices") checkOutput(output, path, writer.shown_as);  // pictures go into a folder, which no pack is
+  if (writer.handOver) {
     std::vector<std::string> arguments{"extract", "--" + format, output, "--level", std::to_string(level)};
     if (!wanted.empty()) arguments.insert(arguments.end(), {"--part", wanted});
     arguments.insert(arguments.end(), {"--", path});
-    becomeVdbProgram(std::move(arguments));
+    writer.handOver(std::move(arguments));
   }
-#endif
   PackFile file(path);
   const std::span<const Part> parts = file.pack().parts();
   ExtractRequest request{file, {}, level, output};

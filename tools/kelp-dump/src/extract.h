@@ -31,13 +31,24 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
 // The parts that are solid: what surfaces are made of. DumpError (kUnsupported) if none is; says which ones are left out.
 std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format);
 
+// A format, and what writes it. Which of several sources defines a writer says what this program was built with: extract_vdb.cpp, vdb_program.cpp, without_vdb.cpp.
+struct Writer {
+  const char* name;                                           // of the option, too
+  const char* needs;                                          // the libraries that were missing, where nothing below is there
+  const char* shown_as = nullptr;                             // what goes to standard output ("a binary PLY"); null: it can not go there
+  void (*write)(const ExtractRequest&) = nullptr;
+  void (*handOver)(std::vector<std::string> arguments) = nullptr;  // in place of `write`: another program does it; does not come back
+  bool (*isThere)() = nullptr;                                // whether that one is
+};
+extern const Writer kVoxWriter, kPlyWriter, kSlicesWriter, kVdbWriter, kNanoVdbWriter;
+
 // MagicaVoxel, version 200: a model for each part, or several of 256 voxels a side, placed by the scene graph; z up.
 void extractVox(const ExtractRequest& request);
 // Binary PLY: the faces between solid and empty voxels as quads, in the object's space, metres.
 void extractPly(const ExtractRequest& request);
 // A folder of PNGs, one for each layer across the spline.
 void extractSlices(const ExtractRequest& request);
-// OpenVDB, NanoVDB: level sets and densities as grids. Built where these libraries are (KELP_DUMP_VDB, KELP_DUMP_NVDB).
+// OpenVDB, NanoVDB: level sets and densities as grids. Built into kelp-dump-vdb alone.
 void extractVdb(const ExtractRequest& request);
 void extractNvdb(const ExtractRequest& request);
 

@@ -24,4 +24,6 @@ void extractNvdb(const ExtractRequest& request) {
   });
 }
 
+constinit const Writer kNanoVdbWriter{.name = "nvdb", .needs = "OpenVDB and NanoVDB", .write = extractNvdb};
+
 }  // namespace kelp::dump

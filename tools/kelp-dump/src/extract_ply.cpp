@@ -94,4 +94,6 @@ void extractPly(const ExtractRequest& request) {
   out.commit();
 }
 
+constinit const Writer kPlyWriter{.name = "ply", .needs = "", .shown_as = "a binary PLY", .write = extractPly};
+
 }  // namespace kelp::dump

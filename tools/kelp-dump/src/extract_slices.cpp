@@ -79,4 +79,6 @@ void extractSlices(const ExtractRequest& request) {
   }
 }
 
+constinit const Writer kSlicesWriter{.name = "slices", .needs = "libpng", .write = extractSlices};
+
 }  // namespace kelp::dump

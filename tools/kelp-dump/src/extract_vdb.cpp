@@ -16,4 +16,6 @@ void extractVdb(const ExtractRequest& request) {
   });
 }
 
+constinit const Writer kVdbWriter{.name = "vdb", .needs = "OpenVDB", .write = extractVdb};
+
 }  // namespace kelp::dump

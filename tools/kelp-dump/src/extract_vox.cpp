@@ -288,4 +288,6 @@ class VoxWriter {
 
 void extractVox(const ExtractRequest& request) { VoxWriter(request).write(); }
 
+constinit const Writer kVoxWriter{.name = "vox", .needs = "", .shown_as = "a MagicaVoxel model", .write = extractVox};
+
 }  // namespace kelp::dump

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "options.h"
 
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "text.h"
 
 namespace kelp::dump {
 namespace {
@@ -53,24 +55,19 @@ struct ExtractOutputs {
       wanted = &file;
     }
     if (!wanted) throw DumpError(kUsage, "extract: no format; name one with --vox, --vdb, --nvdb, --ply or --slices, see kelp-dump extract --help");
-    if (wanted->second.empty()) throw DumpError(kUsage, "--" + wanted->first + ": no name for the output; see kelp-dump extract --help");
     return extract(shared.path, wanted->first, wanted->second, shared.part, shared.level);
   }
 };
 
 int runRig(const CLI::App& command, const Shared& shared, const std::string& axis, const std::string& new_rig, const std::string& output) {
-  if (command.count("--set") > 0) {
-    if (new_rig.empty()) throw DumpError(kUsage, "--set: no rig; name a file or a preset, see kelp-dump rig --help");
-    if (command.count("-o") > 0 && output.empty()) throw DumpError(kUsage, "-o: no name for the output; see kelp-dump rig --help");
-    return setRig(shared.path, shared.part, new_rig, axis, output);
-  }
+  if (command.count("--set") > 0) return setRig(shared.path, shared.part, new_rig, axis, output);
   if (command.count("-o") > 0) throw DumpError(kUsage, "-o: the rig is printed to standard output; -o goes with --set, see kelp-dump rig --help");
   return rig(shared.path, shared.part, axis);
 }
 
 }  // namespace
 
-int runCommandLine(int argc, char** argv) {
+int runCommandLine(const std::vector<std::string>& words) {
   CLI::App app("Says what is in a .kelp pack and whether it is sound, gives its voxels back and its rigs anew. Data goes to stdout, everything else to stderr.", "kelp-dump");
   app.set_version_flag("--version", "kelp-dump " KELP_VERSION " (" KELP_BUILD ", extract: " + extractFormats() + ")");
   app.require_subcommand(1);
@@ -152,26 +149,39 @@ int runCommandLine(int argc, char** argv) {
 
   CLI::App* const schema_command = addCommand(app, "schema", "Print the JSON schema of what kelp's programs write and read",
                                               "Examples:\n  kelp-dump schema info > info.schema.json\n  kelp-dump schema rig > rig.schema.json              for an editor that completes and checks rigs\n");
-  schema_command->add_option("NAME", schema_name, "info, verify, diff: what --format json prints; rig: what kelp-bake --rig reads; bake-report: what kelp-bake --report writes")
-      ->option_text("info|verify|diff|rig|bake-report [all of kelp-dump]");
+  schema_command->add_option("NAME", schema_name, "info, verify, diff: what --format json prints; rig: what kelp-bake --rig reads; bake-report: what kelp-bake --report writes, of a batch bake-batch; bake-plan, bake-progress: --plan and --progress json")
+      ->option_text("info|verify|diff|rig|bake-report|bake-batch|bake-plan|bake-progress [all of kelp-dump]");
 
   // CLI11 says of a sub-command that does not exist only that one is missing.
-  const auto named = [&](const char* name) { return app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; }); };
-  if (argc > 1 && argv[1][0] != '-' && named(argv[1]).empty()) throw DumpError(kUsage, std::string(argv[1]) + ": not a sub-command; " + kCommands);
+  const std::string first = words.size() > 1 ? words[1] : "";
+  const bool is_option = first.rfind('-', 0) == 0;
+  if (words.size() > 1 && !is_option && app.get_subcommands([&](const CLI::App* command) { return command->get_name() == first; }).empty())
+    throw DumpError(kUsage, nameText(first, 40) + ": not a sub-command; " + kCommands);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));  // CLI11 takes the last first
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    if (argc == 1) throw DumpError(kUsage, std::string("no sub-command; ") + kCommands);
-    throw DumpError(kUsage, std::string(error.what()) + "; see kelp-dump " + (argv[1][0] == '-' ? "" : std::string(argv[1]) + " ") + "--help");
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      app.exit(error, text);
+      print(text.str());
+      return kOk;
+    }
+    if (words.size() <= 1) throw DumpError(kUsage, std::string("no sub-command; ") + kCommands);
+    if (is_option) throw DumpError(kUsage, nameText(first, 40) + ": no option of kelp-dump itself, which begins with a sub-command; " + kCommands);
+    // What is missing may be missing because of what is there and is not known.
+    const std::vector<std::string> unknown = app.remaining(true);
+    throw DumpError(kUsage, (unknown.empty() ? std::string(error.what()) : nameText(unknown.front()) + ": is not expected here") + "; see kelp-dump " + first + " --help");
   }
+  for (const CLI::App* command : app.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& value : option->results())
+        if (value.empty()) throw DumpError(kUsage, option->get_name() + ": is empty; give a value, or leave it out; see kelp-dump " + first + " --help");
   if (info_command->parsed()) return info(shared.path, count, shared.form());
   if (verify_command->parsed()) return verify(shared.path, deep, shared.form());
   if (diff_command->parsed()) return diff(shared.path, other, tolerance, shared.form());
   if (rig_command->parsed()) return runRig(*rig_command, shared, axis, new_rig, output);
   if (extract_command->parsed()) return outputs.run(*extract_command, shared);
   if (schema_command->parsed()) return schema(schema_name);
-  if (output.empty()) throw DumpError(kUsage, "-o: no name for the output; see kelp-dump slice --help");
   if (across != "x" && across != "y" && across != "z") throw DumpError(kUsage, "--axis " + across + ": expected x, y or z; see kelp-dump slice --help");
   slicing.axis = across[0];
   slicing.part = shared.part;

@@ -1,118 +1,56 @@
 // SPDX-License-Identifier: MIT
 #include "output_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <atomic>
 #include <bit>
-#include <cerrno>
-#include <csignal>
-#include <cstring>
 #include <filesystem>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "kelp/console/console.h"
 
 namespace kelp::dump {
 namespace {
+
+namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "OutputFile::number writes numbers as they are in memory");
 
 constexpr std::size_t kBuffer = std::size_t{1} << 18;
 
-// The temporary file, for a signal: Ctrl-C leaves none behind. Empty if there is none.
-char g_temporary[4096];
-
-void removeAndExit(int signal) {
-  if (g_temporary[0] != 0) ::unlink(g_temporary);
-  ::_exit(128 + signal);
-}
-
-void guard(const std::string& path) {
-  if (path.size() >= sizeof g_temporary) return;
-  std::memcpy(g_temporary + 1, path.c_str() + 1, path.size());
-  std::atomic_signal_fence(std::memory_order_seq_cst);
-  g_temporary[0] = path[0];  // the name is there, whole
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction action {};
-    ::sigaction(signal, nullptr, &action);
-    if (action.sa_handler != SIG_DFL) continue;  // nohup, and shells for jobs in the background, have them ignored
-    action.sa_handler = &removeAndExit;
-    ::sigaction(signal, &action, nullptr);
-  }
-}
-
-void unguard() { g_temporary[0] = 0; }
-
-// Signals wait until the file that is being made is guarded.
-class SignalsWait {
- public:
-  SignalsWait() {
-    sigset_t waiting;
-    ::sigemptyset(&waiting);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaddset(&waiting, signal);
-    ::pthread_sigmask(SIG_BLOCK, &waiting, &before_);
-  }
-  SignalsWait(const SignalsWait&) = delete;
-  SignalsWait& operator=(const SignalsWait&) = delete;
-  ~SignalsWait() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_;
-};
-
 // Through symbolic links, so that a link stays one.
 std::string target(const std::string& path) {
-  std::filesystem::path real = path;
+  fs::path real = console::pathOf(path);
   std::error_code error;
-  for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
-  return real.string();
+  for (int hops = 0; hops < 40 && fs::is_symlink(real, error); ++hops) real = real.parent_path() / fs::read_symlink(real, error);
+  return console::nameOf(real);
 }
 
 }  // namespace
 
-void refuseToOverwrite(const std::string& output, const std::string& input) {
-  if (output == "-" || input == "-") return;
-  struct stat out {}, in {};
-  if (::stat(output.c_str(), &out) != 0 || ::stat(input.c_str(), &in) != 0 || out.st_dev != in.st_dev || out.st_ino != in.st_ino) return;
+void checkOutput(const std::string& output, const std::string& input, const char* what) {
+  if (output == "-") {
+    if (!console::isTerminal(console::Stream::kOut)) return;
+    throw DumpError(kUsage, fmt::format("-: {} is nothing that a terminal can show; redirect it (> FILE, or | PROGRAM), or name a file", what));
+  }
+  std::error_code error;
+  if (input == "-" || !fs::equivalent(console::pathOf(output), console::pathOf(input), error)) return;
   throw DumpError(kUsage, fmt::format("{}: would overwrite {}, which is read; name another file", output, input));
 }
 
 OutputFile::OutputFile(const std::string& path) : path_(path == "-" ? path : target(path)) {
   buffer_.reserve(kBuffer);
-  if (path_ == "-") {
-    file_ = STDOUT_FILENO;
-    return;
-  }
-  struct stat status {};
-  const bool replaces = ::stat(path_.c_str(), &status) == 0;
-  if (replaces && !S_ISREG(status.st_mode)) throw DumpError(kIo, fmt::format("{}: is {}; name a file for the output", path_, S_ISDIR(status.st_mode) ? "a folder" : "no regular file"));
-  temporary_ = fmt::format("{}.{}.tmp", path_, ::getpid());
-  const SignalsWait wait;
-  file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file_ < 0) {
-    const int reason = errno;
-    temporary_.clear();  // another's
-    errno = reason;
-    fail("can not be written");
-  }
-  guard(temporary_);
-  if (replaces) static_cast<void>(::fchmod(file_, status.st_mode & 0777));
+  if (path_ == "-") return;
+  std::error_code error;
+  const fs::file_status status = fs::status(console::pathOf(path_), error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) throw DumpError(kIo, fmt::format("{}: is {}; name a file for the output", path_, fs::is_directory(status) ? "a folder" : "no regular file"));
+  check("can not be written", file_.create(path_));
 }
 
-OutputFile::~OutputFile() {
-  if (temporary_.empty()) return;
-  if (file_ >= 0) ::close(file_);
-  ::unlink(temporary_.c_str());
-  unguard();
-}
-
-void OutputFile::fail(const char* what) const {
-  throw DumpError(kIo, fmt::format("{}: {}: {}; check that the folder exists, is writable and has room", path_ == "-" ? "standard output" : path_, what, std::strerror(errno)));
+void OutputFile::check(const char* what, const std::string& problem) const {
+  if (problem.empty()) return;
+  if (path_ == "-") throw DumpError(kIo, fmt::format("standard output {}: {}; free space or choose another file", what, problem));
+  throw DumpError(kIo, fmt::format("{}: {}: {}; check that the folder exists, is writable and has room", path_, what, problem));
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {
@@ -121,25 +59,17 @@ void OutputFile::write(std::span<const std::byte> bytes) {
 }
 
 void OutputFile::flush() {
-  std::span<const std::byte> left(buffer_);
-  while (!left.empty()) {
-    const ssize_t count = ::write(file_, left.data(), left.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count == 0) errno = ENOSPC;
-    if (count <= 0) fail("can not be written");
-    left = left.subspan(static_cast<std::size_t>(count));
+  if (path_ == "-") {
+    check("can not be written", console::writeOut({reinterpret_cast<const char*>(buffer_.data()), buffer_.size()}));
+  } else {
+    check("can not be written", file_.write(buffer_));
   }
   buffer_.clear();
 }
 
 void OutputFile::commit() {
   flush();
-  if (path_ == "-") return;
-  if (::fsync(file_) != 0) fail("can not be flushed to disk");
-  if (::close(std::exchange(file_, -1)) != 0) fail("can not be written");
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("can not be replaced");
-  temporary_.clear();
-  unguard();
+  if (path_ != "-") check("can not be put in place", file_.commit());
 }
 
 }  // namespace kelp::dump

@@ -10,10 +10,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "system.h"
+
 namespace kelp::dump {
 
-// DumpError (kUsage) if writing `output` would replace `input`, which is read; by whatever names. "-" is no file.
-void refuseToOverwrite(const std::string& output, const std::string& input);
+// To be asked before the work. DumpError (kUsage) if writing `output` would replace `input`, which is read, by whatever names; or if it is "-" and standard output a
+// terminal, which can not show `what` ("a PNG").
+void checkOutput(const std::string& output, const std::string& input, const char* what);
 
 // A new file in the folder of its final place, removed unless it is committed. DumpError (kIo) from everything that fails.
 class OutputFile {
@@ -22,7 +25,6 @@ class OutputFile {
   explicit OutputFile(const std::string& path);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  ~OutputFile();
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
@@ -34,16 +36,16 @@ class OutputFile {
   }
 
   // For a library that writes files by name: nothing else may be written then.
-  const std::string& temporaryPath() const { return temporary_; }
+  const std::string& temporaryPath() const { return file_.name(); }
   // Onto the disk, then into place.
   void commit();
 
  private:
-  [[noreturn]] void fail(const char* what) const;
+  void check(const char* what, const std::string& problem) const;
   void flush();
 
-  std::string path_, temporary_;
-  int file_ = -1;
+  std::string path_;
+  NewFile file_;
   std::vector<std::byte> buffer_;
 };
 

@@ -8,14 +8,15 @@
 
 #include <fmt/format.h>
 
+#include "kelp/console/console.h"
 #include "text.h"
 
 namespace kelp::dump {
 
 PackFile::PackFile(const std::string& path) : path_(path) {
-  if (path == "-") {
-    path_ = "standard input";
-    piped_.emplace();
+  if (path == "-" || console::isPipe(path)) {
+    if (path == "-") path_ = "standard input";
+    piped_.emplace(path);
     return;
   }
   errno = 0;
@@ -23,7 +24,9 @@ PackFile::PackFile(const std::string& path) : path_(path) {
   if (!opened) {
     const int reason = errno;
     std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) throw DumpError(kIo, fmt::format("{}: is a folder; name a .kelp file", path));
+    const std::filesystem::file_status status = std::filesystem::status(console::pathOf(path), ignored);
+    if (std::filesystem::is_directory(status)) throw DumpError(kIo, fmt::format("{}: is a folder; name a .kelp file", path));
+    if (std::filesystem::is_other(status)) throw DumpError(kIo, fmt::format("{}: is a device, no file; name a .kelp file, or - for standard input", path));
     throw DumpError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, reason ? std::strerror(reason) : opened.error().detail));
   }
   file_ = *std::move(opened);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pack on disk or from standard input, opened with errors a person can act on.
+// A pack on disk or from a pipe, opened with errors a person can act on.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,13 @@ namespace kelp::dump {
 
 class PackFile {
  public:
-  // Opens the file only; of "-", reads standard input to its end. DumpError (kIo) if it can not be read.
+  // Opens the file only; of "-", and of a pipe, reads to its end. DumpError (kIo) if it can not be read.
   explicit PackFile(const std::string& path);
   PackFile(const PackFile&) = delete;
   PackFile& operator=(const PackFile&) = delete;
 
   // As given; "standard input" for "-".
   const std::string& path() const { return path_; }
-  bool piped() const { return piped_.has_value(); }
   Source source() { return piped_ ? piped_->source() : file_.source(); }
   // Opens the pack on first use. DumpError if it is none, or unsound.
   const Pack& pack();
@@ -30,6 +29,9 @@ class PackFile {
 
   // The part of this name, or else of this index. DumpError (kUsage) that lists the parts if there is none.
   std::uint32_t findPart(const std::string& wanted);
+  // Nothing of the pack can be read any more.
+  void close() { file_ = FileSource(); }
+
   // "0 'reed', 1 'leaf', ...".
   std::string partList();
 

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "piped_source.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "kelp/console/console.h"
 #include "kelp/formats/pack.h"
 #include "text.h"
 
 namespace kelp::dump {
 
-PipedSource::PipedSource() {
-  if (::isatty(STDIN_FILENO) == 1) throw DumpError(kUsage, "-: standard input is a terminal; pipe a .kelp file into it");
+PipedSource::PipedSource(const std::string& path) {
+  const std::string name = path == "-" ? "standard input" : path;
+  if (path == "-" && console::isTerminal(console::Stream::kIn)) throw DumpError(kUsage, "-: standard input is a terminal; pipe a .kelp file into it");
+  console::Reading pipe(path);
   for (;;) {
     const std::size_t at = size_ % kBlock;
     if (at == 0) {
@@ -27,12 +27,11 @@ PipedSource::PipedSource() {
       }
       blocks_.push_back(std::make_unique<std::byte[]>(kBlock));
     }
-    const ssize_t got = ::read(STDIN_FILENO, blocks_.back().get() + at, kBlock - at);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw DumpError(kIo, fmt::format("standard input: can not be read: {}; name the file instead", std::strerror(errno)));
+    const std::size_t got = pipe.read({blocks_.back().get() + at, kBlock - at});
+    if (!pipe.problem().empty()) throw DumpError(kIo, fmt::format("{}: can not be read: {}; name a file instead", name, pipe.problem()));
     if (got == 0) return;
-    size_ += static_cast<std::uint64_t>(got);
-    if (size_ > kMost) throw DumpError(kUnsupported, fmt::format("standard input: is larger than {}, the most that is read from a pipe; name the file instead", bytesText(kMost)));
+    size_ += got;
+    if (size_ > kMost) throw DumpError(kUnsupported, fmt::format("{}: is larger than {}, the most that is read from a pipe; name the file instead", name, bytesText(kMost)));
   }
 }
 

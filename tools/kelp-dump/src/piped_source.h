@@ -4,19 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "kelp/formats/source.h"
 
 namespace kelp::dump {
 
-// Standard input in memory: a pipe can not be read from its end, where the fine levels are.
+// Standard input, or a pipe by its name, in memory: a pipe can not be read from its end, where the fine levels are.
 class PipedSource {
  public:
   static constexpr std::uint64_t kMost = std::uint64_t{512} << 20;
 
-  // Reads standard input to its end; what does not begin as a pack, no further than that takes. DumpError: kIo; kUnsupported beyond kMost bytes.
-  PipedSource();
+  // Reads it to its end ("-" is standard input); what does not begin as a pack, no further than that takes. DumpError: kIo; kUnsupported beyond kMost bytes.
+  explicit PipedSource(const std::string& path);
 
   Source source() { return {&PipedSource::read, this, size_}; }
 

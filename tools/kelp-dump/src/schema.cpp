@@ -14,9 +14,10 @@ int schema(const std::string& name) {
   else if (name == "bake-report") print(kReportSchema);
   else if (name == "bake-batch") print(kBatchSchema);
   else if (name == "bake-plan") print(kPlanSchema);
+  else if (name == "bake-progress") print(kProgressSchema);
   else {
     auto json = nlohmann::ordered_json::parse(kDumpSchema);
-    if (name != "info" && name != "verify" && name != "diff") throw DumpError(kUsage, "schema " + nameText(name, 40) + ": there is none of this name; choose info, verify, diff, rig, bake-report, bake-batch or bake-plan");
+    if (name != "info" && name != "verify" && name != "diff") throw DumpError(kUsage, "schema " + nameText(name, 40) + ": there is none of this name; choose info, verify, diff, rig, bake-report, bake-batch, bake-plan or bake-progress");
     // The same document, of which only this command's output is an instance.
     json.erase("oneOf");
     json["$id"] = json["$id"].get<std::string>() + "-" + name;

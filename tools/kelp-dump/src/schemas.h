@@ -9,5 +9,6 @@ extern const char* const kRigSchema;     // tools/rig_json/rig.schema.json
 extern const char* const kReportSchema;  // tools/kelp-bake/kelp-bake-report.schema.json
 extern const char* const kBatchSchema;   // tools/kelp-bake/kelp-bake-batch.schema.json
 extern const char* const kPlanSchema;    // tools/kelp-bake/kelp-bake-plan.schema.json
+extern const char* const kProgressSchema;  // tools/kelp-bake/kelp-bake-progress.schema.json
 
 }  // namespace kelp::dump

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 // `rig --set`: another rig for a part as kelp-bake would have given it, without baking. Voxels are copied as they stand in the file.
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
-#include <memory>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "kelp/console/console.h"
 #include "kelp/rig_json/rig_json.h"
 #include "output_file.h"
 #include "pack_file.h"
@@ -25,17 +23,16 @@ namespace {
 constexpr std::size_t kMostText = (std::size_t{16} << 20) + 1;  // one more than parseRig takes: its error says the rest
 
 std::string readText(const std::string& path) {
-  const auto fail = [&]() { throw DumpError(kIo, fmt::format("{}: can not be read: {}; check the path and its permissions", path, std::strerror(errno))); };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) fail();
-  std::string text;
-  char block[1 << 16];
-  while (text.size() < kMostText) {
-    const std::size_t got = std::fread(block, 1, std::min(sizeof block, kMostText - text.size()), file.get());
-    if (got == 0 && std::ferror(file.get())) fail();
+  console::Reading file(path);
+  std::string text(kMostText, '\0');
+  std::size_t size = 0;
+  while (size < kMostText) {
+    const std::size_t got = file.read(std::as_writable_bytes(std::span(text).subspan(size)));
     if (got == 0) break;
-    text.append(block, got);
+    size += got;
   }
+  if (!file.problem().empty()) throw DumpError(kIo, fmt::format("{}: can not be read: {}; check the path and its permissions", path, file.problem()));
+  text.resize(size);
   return text;
 }
 
@@ -114,7 +111,7 @@ class RigSetter {
       refuse(fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset", sound.error().offset, sound.error().detail));
     for (const RawClip& clip : rigs.clips) prove(clip, rigs);
     const std::string of_several = pack_.parts().size() > 1 ? std::string(part().name) : "";
-    rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, std::filesystem::path(new_.origin).filename().string(), new_.content, given_axis_);
+    rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, console::nameOf(console::pathOf(new_.origin).filename()), new_.content, given_axis_);
     return rigs;
   }
 
@@ -180,8 +177,9 @@ struct Output {
 int setRig(const std::string& path, const std::string& wanted_part, const std::string& new_rig, const std::string& axis_name, const std::string& output) {
   const std::optional<Axis> axis = parseAxis(axis_name);
   if (!axis_name.empty() && !axis) throw DumpError(kUsage, fmt::format("--axis {}: expected +x, -x, +y, -y, +z or -z", nameText(axis_name, 40)));
-  if (path == "-" && output.empty()) throw DumpError(kUsage, "-: standard input can not be replaced; name the new pack with -o");
-  if (!output.empty()) refuseToOverwrite(output, new_rig);
+  if (output.empty() && (path == "-" || console::isPipe(path))) throw DumpError(kUsage, fmt::format("{}: is {}, which can not be replaced; name the new pack with -o", path, path == "-" ? "standard input" : "a pipe"));
+  if (new_rig == "-") throw DumpError(kUsage, "--set -: rigs are not read from standard input; name a file or a preset");
+  if (!output.empty()) checkOutput(output, new_rig, "a pack");
   PackFile file(path);
   if (wanted_part.empty() && file.pack().parts().size() > 1) throw DumpError(kUsage, fmt::format("{}: has several parts; choose one of {} with --part", path, file.partList()));
   RigSetter setter(file, wanted_part.empty() ? 0 : file.findPart(wanted_part));
@@ -193,8 +191,10 @@ int setRig(const std::string& path, const std::string& wanted_part, const std::s
   const Result<void> written = writeRigs(file.source(), rigs, {&Output::write, &to});
   if (to.problem) std::rethrow_exception(to.problem);
   if (!written) file.fail(written.error());
+  const std::string summary = setter.summary();
+  file.close();  // what is open can not be replaced on every system
   out.commit();
-  fmt::print(stderr, "kelp-dump: {}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, setter.summary());
+  fmt::print(stderr, "kelp-dump: {}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, summary);
   return kOk;
 }
 

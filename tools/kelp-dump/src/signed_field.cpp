@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "machine.h"
+#include "system.h"
 #include "text.h"
 
 namespace kelp::dump {

@@ -11,7 +11,7 @@
 #include "extract.h"
 #include "kelp/fields/fields.h"
 #include "level_voxels.h"
-#include "machine.h"
+#include "system.h"
 #include "output_file.h"
 #include "png_file.h"
 #include "text.h"
@@ -119,7 +119,7 @@ Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& la
 
 int slice(const std::string& path, const SliceOptions& options, const std::string& output) {
   if (options.scale < 1 || options.scale > kMostScale) throw DumpError(kUsage, fmt::format("--scale {}: expected 1 to {} pixels a voxel", options.scale, kMostScale));
-  refuseToOverwrite(output, path);
+  checkOutput(output, path, "a PNG");
   PackFile file(path);
   const std::uint32_t index = options.part.empty() ? 0 : file.findPart(options.part);
   const Part& part = file.pack().parts()[index];

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "text.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "kelp/console/console.h"
 
 namespace kelp::dump {
 namespace {
@@ -21,7 +18,7 @@ bool colours() {
   static const bool answer = [] {
     const char* const term = std::getenv("TERM");
     const char* const no_colour = std::getenv("NO_COLOR");
-    return isatty(STDOUT_FILENO) == 1 && !(no_colour && *no_colour) && !(term && std::strcmp(term, "dumb") == 0);
+    return console::isTerminal(console::Stream::kOut) && !(no_colour && *no_colour) && !(term && std::strcmp(term, "dumb") == 0);
   }();
   return answer;
 }
@@ -118,9 +115,7 @@ std::string padRight(const std::string& text, std::size_t columns) { return text
 std::string padLeft(const std::string& text, std::size_t columns) { return spaces(text, columns) + text; }
 
 void print(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    throw DumpError(kIo, fmt::format("standard output can not be written: {}; free space or choose another file", std::strerror(errno)));
-  }
+  if (const std::string problem = console::writeOut(text); !problem.empty()) throw DumpError(kIo, fmt::format("standard output can not be written: {}; free space or choose another file", problem));
 }
 
 }  // namespace kelp::dump

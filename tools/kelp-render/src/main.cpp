@@ -10,6 +10,7 @@
 #include "camera.h"
 #include "canvas.h"
 #include "headless_context.h"
+#include "kelp/console/console.h"
 #include "options.h"
 #include "picture.h"
 #include "png_file.h"
@@ -121,6 +122,7 @@ void failPack(const std::string& path, const Error& error) {
 
 int main(int argc, char** argv) {
   using namespace kelp::render;
+  kelp::console::prepareStreams();
   try {
     if (const auto options = parseOptions(argc, argv)) run(*options);
     return kOk;

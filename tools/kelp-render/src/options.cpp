@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <glm/vector_relational.hpp>
 
+#include "kelp/console/console.h"
 #include "render_error.h"
 
 namespace kelp::render {
@@ -152,7 +154,10 @@ bool parse(CLI::App& app, std::vector<std::string> arguments) {
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) throw RenderError(kUsage, fmt::format("{}; see kelp-render --help", error.what()));
-    app.exit(error);
+    std::ostringstream text;
+    app.exit(error, text);
+    if (const std::string problem = console::writeOut(text.str()); !problem.empty())
+      throw RenderError(kIo, fmt::format("standard output can not be written: {}; free space or choose another file", problem));
     return false;
   }
   return true;

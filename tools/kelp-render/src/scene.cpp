@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -17,6 +19,11 @@ FileSource openFile(const std::string& path) {
   errno = 0;
   auto opened = FileSource::open(path.c_str());
   if (opened) return *std::move(opened);
+  const int reason = errno;
+  std::error_code ignored;
+  if (std::filesystem::is_other(path, ignored) || std::filesystem::is_fifo(path, ignored))
+    throw RenderError(kIo, path + ": is a pipe or a device; a pack is not read from front to back: write it to a file first");
+  errno = reason;
   throw RenderError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, errno ? std::strerror(errno) : "it is not a file"));
 }
 

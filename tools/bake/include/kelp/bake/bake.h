@@ -211,8 +211,8 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
 std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
 
 // --- all of it -------------------------------------------------------------------------------------------------------------------
-// BakeError kUsage that names the option whose value can not be. bake() asks itself.
-void checkSettings(const Settings& settings);
+// What of the settings can not be: each a BakeError kUsage that names the option. bake() throws the first.
+std::vector<BakeError> settingsFaults(const Settings& settings);
 // Bakes a file to a pack in memory.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report, const Progress& progress = {});
 // What a pack says of its making (INFO), and the files that were asked for it.

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Standard streams, terminals, pipes and signals, as a shell hands them to kelp's programs. Usage: streams_test.py SOURCE_FOLDER PROGRAM... -- [unittest options]"""
+import os
+import pty
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SOURCES = sys.argv.pop(1)
+PROGRAMS = {}
+while len(sys.argv) > 1:
+    word = sys.argv.pop(1)
+    if word == "--":
+        break
+    PROGRAMS[os.path.basename(word)] = os.path.abspath(word)
+GOLDEN = os.path.join(SOURCES, "tests/formats/golden/v1_tiny.kelp")
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        shutil.copy(GOLDEN, self.path("tiny.kelp"))
+        self.write("model.obj", TRIANGLE)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def sh(self, command, **more):
+        """A command line of bash, as it is written; each program is $kelp_dump and so on."""
+        names = {name.replace("-", "_"): program for name, program in PROGRAMS.items()}
+        return subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, timeout=60, env=dict(os.environ, **names), **more)
+
+    def tells(self, result, code, *words):
+        """One line on stderr that helps."""
+        text = result.stderr.decode()
+        self.assertEqual(result.returncode, code, text)
+        self.assertEqual(text.count("\n"), 1, text)
+        self.assertIn(";", text, "names no remedy")
+        for word in words:
+            self.assertIn(word, text)
+
+
+class EveryProgram(Case):
+    def outputs(self):
+        """What each writes to standard output."""
+        commands = ["%s %s" % (program, option) for program in PROGRAMS.values() for option in ("--help", "--version")]
+        if "kelp-dump" in PROGRAMS:
+            commands += ["$kelp_dump " + words for words in ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp", "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -", "rig tiny.kelp --part 0 --set none -o -")]
+        if "kelp-bake" in PROGRAMS:
+            commands += ["$kelp_bake --print-config"]
+        return commands
+
+    def test_a_full_disk_and_a_closed_stream_are_told(self):
+        for command in self.outputs():
+            for where, why in ((">/dev/full", "No space left"), (">&-", "Bad file descriptor")):
+                with self.subTest(command + where):
+                    result = self.sh(command + " " + where)
+                    self.assertEqual(result.returncode, 2, result.stderr.decode())
+                    self.assertIn(why, result.stderr.decode())
+
+    def test_a_reader_that_has_enough_is_no_error(self):
+        for command in self.outputs():
+            with self.subTest(command):
+                said = self.sh(command + " >/dev/null").stderr
+                self.assertEqual(self.sh(command + " | head -c 1 >/dev/null").stderr, said)
+
+    @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
+    def test_what_is_said_to_a_closed_stream_does_not_go_into_files(self):
+        self.assertEqual(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --progress json --report a.json").returncode, 0)
+        self.assertEqual(self.sh("exec <&- >&- 2>&-; $kelp_bake model.obj -o b.kelp --resolution 8 --progress json --report b.json").returncode, 0)
+        self.assertEqual(self.read("a.kelp"), self.read("b.kelp"))
+
+    @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
+    def test_nor_into_those_of_kelp_dump(self):
+        for closed in ("", "exec <&- >&- 2>&-; "):
+            self.assertEqual(self.sh(closed + "$kelp_dump rig tiny.kelp --part 0 --set none -o %d.kelp" % bool(closed)).returncode, 0)
+        self.assertEqual(self.read("0.kelp"), self.read("1.kelp"))
+
+
+@unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
+class Dump(Case):
+    def on_terminal(self, command):
+        """The exit code, and what a terminal that is standard output and error gets."""
+        primary, secondary = pty.openpty()
+        process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=secondary, stderr=secondary)
+        os.close(secondary)
+        text = b""
+        while True:
+            try:
+                piece = os.read(primary, 65536)
+            except OSError:  # as Linux says that the other end is closed
+                break
+            if not piece:
+                break
+            text += piece
+        os.close(primary)
+        return process.wait(timeout=60), text
+
+    def test_bytes_do_not_go_to_a_terminal(self):
+        commands = [["extract", "tiny.kelp", "--vox", "-"], ["extract", "tiny.kelp", "--ply", "-"], ["rig", "tiny.kelp", "--part", "0", "--set", "none", "-o", "-"]]
+        if b"slices" in self.sh("$kelp_dump --version").stdout:
+            commands.append(["slice", "tiny.kelp", "--part", "0", "-o", "-"])
+        for command in commands:
+            with self.subTest(command):
+                code, text = self.on_terminal(command)
+                self.assertEqual(code, 1, text)
+                self.assertRegex(text.decode(), r"^kelp-dump: -: .* terminal .*; redirect it .*\r\n$")
+                self.assertEqual(self.sh("$kelp_dump %s | wc -c" % " ".join(command)).returncode, 0)
+        self.assertEqual(self.on_terminal(["info", "tiny.kelp"])[0], 0)
+        self.assertEqual(self.on_terminal(["rig", "tiny.kelp", "--part", "0"])[0], 0)
+
+    def test_pipes_by_name(self):
+        for command in ("cat tiny.kelp | $kelp_dump info /dev/stdin", "$kelp_dump info /dev/stdin <tiny.kelp", "$kelp_dump info <(cat tiny.kelp)", "$kelp_dump info <(sleep 2.5; cat tiny.kelp)",
+                        "mkfifo p; cat tiny.kelp >p & sleep 0.1; $kelp_dump info p", "mkfifo q; (sleep 0.5; cat tiny.kelp >q) & $kelp_dump info q",
+                        "$kelp_dump diff <(cat tiny.kelp) <(cat tiny.kelp)", "$kelp_dump rig <(cat tiny.kelp) --part 0 --set <(echo '{\"kelp\": 1}') -o o.kelp"):
+            with self.subTest(command):
+                result = self.sh(command)
+                self.assertEqual(result.returncode, 0, result.stderr.decode())
+
+    def test_pipes_and_devices_that_bring_nothing(self):
+        start = time.monotonic()
+        self.tells(self.sh("mkfifo p; $kelp_dump info p"), 2, "p: ", "nobody writes to this pipe")
+        self.tells(self.sh("mkfifo r; $kelp_dump rig tiny.kelp --part 0 --set r -o o.kelp"), 2, "r: ", "nobody writes to this pipe")
+        self.assertLess(time.monotonic() - start, 10)
+        self.tells(self.sh("$kelp_dump info <(true)"), 3, "not a .kelp pack")
+        for device in ("/dev/null", "/dev/zero"):
+            self.tells(self.sh("$kelp_dump info " + device), 2, "is a device", "- for standard input")
+        self.tells(self.sh("$kelp_dump rig <(cat tiny.kelp) --part 0 --set none"), 1, "is a pipe", "-o")
+        self.tells(self.sh("$kelp_dump rig tiny.kelp --part 0 --set - </dev/null"), 1, "--set -")
+
+    def test_odd_arguments(self):
+        for code, words, says in ((1, "info ''", "PACK: is empty"), (1, "info tiny.kelp --format ''", "--format: is empty"), (1, "diff tiny.kelp tiny.kelp --tolerance ''", "--tolerance: is empty"),
+                                  (1, "slice tiny.kelp -o o.png --level ''", "--level: is empty"), (1, "rig tiny.kelp --part ''", "--part: is empty"), (1, "rig tiny.kelp --set ''", "--set: is empty"),
+                                  (1, "extract tiny.kelp --vox ''", "--vox: is empty"), (1, "--nonsense", "--nonsense: "), (1, "-", "-: "), (1, "info -x", "-x: is not expected"), (1, "info tiny.kelp --nonsense", "--nonsense"),
+                                  (1, "info tiny.kelp tiny.kelp", "tiny.kelp: is not expected"), (1, "slice tiny.kelp -o o.png --at 99999999999", "--at"), (1, "diff tiny.kelp tiny.kelp --tolerance nan", "--tolerance nan"),
+                                  (2, "info $'no\\n.kelp'", "no .kelp: "), (1, "$'in\\nfo'", "in?fo"), (2, "info " + "x" * 5000, "too long"), (2, "extract tiny.kelp --ply " + "x" * 256, "too long")):
+            with self.subTest(words):
+                self.tells(self.sh("$kelp_dump " + words), code, says)
+        before = sorted(os.listdir(self.folder))
+        self.assertEqual(self.sh("$kelp_dump extract tiny.kelp --ply " + "x" * 255).returncode, 0)
+        self.assertEqual(self.sh("cp tiny.kelp $'\\xff.kelp'; $kelp_dump info $'\\xff.kelp' --format json >/dev/null && $kelp_dump rig $'\\xff.kelp' --part 0 --set none").returncode, 0)
+        self.assertEqual(len(os.listdir(self.folder)), len(before) + 2)
+
+    @unittest.skipUnless(os.path.isdir("/dev/shm") and os.geteuid() == 0, "needs root, to make a small disk")
+    def test_a_small_disk(self):
+        """Full, or read-only: told, and what was there stays."""
+        os.mkdir(self.path("disk"))
+        if self.sh("mount -t tmpfs -o size=16k tmpfs disk").returncode != 0:
+            self.skipTest("this machine may not mount")
+        try:
+            self.assertEqual(self.sh("head -c 12000 /dev/zero >disk/there; cp tiny.kelp disk/old.kelp; cp disk/old.kelp old").returncode, 0)
+            for command in ("$kelp_dump extract tiny.kelp --ply disk/o.ply", "$kelp_dump rig disk/old.kelp --part 0 --set sway", "$kelp_bake model.obj -o disk/new.kelp --resolution 64"):
+                if "bake" in command and "kelp-bake" not in PROGRAMS:
+                    continue
+                for state in ("", "mount -o remount,ro disk; "):
+                    result = self.sh("%s (yes >disk/fill) 2>/dev/null; %s; code=$?; mount -o remount,rw disk; rm -f disk/fill; exit $code" % (state, command))
+                    self.assertEqual(result.returncode, 2, (command, result.stderr))
+                    self.assertIn(b"Read-only" if state else b"No space left", result.stderr)
+                    self.assertEqual(sorted(os.listdir(self.path("disk"))), ["old.kelp", "there"])
+                    self.assertEqual(self.read("disk/old.kelp"), self.read("old"))
+        finally:
+            self.sh("umount disk")
+
+    def test_the_vdb_program_is_named_where_it_is(self):
+        os.mkdir(self.path("bin"))
+        shutil.copy(PROGRAMS["kelp-dump"], self.path("bin/kelp-dump"))
+        self.assertNotIn(b"vdb", self.sh("bin/kelp-dump --version").stdout)
+        self.tells(self.sh("bin/kelp-dump extract tiny.kelp --vdb o.vdb"), 5, "kelp-dump-vdb")
+        if os.path.exists(PROGRAMS["kelp-dump"] + "-vdb"):
+            os.makedirs(self.path("libexec/kelp"))
+            os.symlink(PROGRAMS["kelp-dump"] + "-vdb", self.path("libexec/kelp/kelp-dump-vdb"))
+            self.assertIn(b", vdb, nvdb)", self.sh("bin/kelp-dump --version").stdout)
+            self.assertEqual(self.sh("bin/kelp-dump extract tiny.kelp --vdb o.vdb").returncode, 0)
+
+    def test_interrupted(self):
+        """Whatever it is doing, reading or writing: 130, and no file left behind."""
+        heard = lambda: [signal.signal(each, signal.SIG_DFL) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+        for command in (["verify", "--deep", "-"], ["info", "-", "--count"], ["rig", "-", "--part", "0", "--set", "none", "-o", "out.kelp"], ["extract", "-", "--ply", "out.ply"]):
+            for each in (signal.SIGINT, signal.SIGTERM):
+                with self.subTest(command):
+                    process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heard)
+                    process.stdin.write(self.read("tiny.kelp"))
+                    process.stdin.flush()
+                    time.sleep(0.2)
+                    process.send_signal(each)
+                    text = process.communicate(timeout=30)[1]
+                    self.assertEqual((process.returncode, text), (130, b"kelp-dump: interrupted\n"))
+        # While it writes: to a pipe that nobody empties, through the file that it was asked for.
+        self.assertEqual(sorted(os.listdir(self.folder)), ["model.obj", "tiny.kelp"])
+        self.write("keep.ply", "what was there")
+        limited = lambda: (heard(), resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
+        result = subprocess.run([PROGRAMS["kelp-dump"], "extract", "tiny.kelp", "--ply", "keep.ply"], cwd=self.folder, capture_output=True, preexec_fn=limited)
+        self.tells(result, 2, "keep.ply", "too large")
+        self.assertEqual(self.read("keep.ply"), b"what was there")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["keep.ply", "model.obj", "tiny.kelp"])
+
+
+if __name__ == "__main__":
+    unittest.main()
