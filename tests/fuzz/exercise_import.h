@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Any bytes as a file that somebody bakes: through its importer, and now and then through the whole baker. Must be refused in one line by a BakeError, or be
+// a model, and a pack, that keep their own rules; must not crash, hang or take more memory than the settings say.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "kelp/bake/bake.h"
+
+// A folder in memory, where there is any, with the files of one input; each is written over by the next.
+class ImportFolder {
+ public:
+  ImportFolder();
+  ~ImportFolder();
+  ImportFolder(const ImportFolder&) = delete;
+  ImportFolder& operator=(const ImportFolder&) = delete;
+
+  std::filesystem::path write(const std::string& name, std::span<const std::uint8_t> bytes) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// What an input's options depend on: all of its bytes, so that every kind of input gets every option.
+std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);
+
+// Resolution, threads and memory so small that an input takes milliseconds.
+kelp::bake::Settings smallSettings();
+
+// Imports the file; one in eight, by `choice`, is baked, written and verified instead.
+void exerciseImport(const std::filesystem::path& path, const kelp::bake::Settings& settings, std::uint64_t choice);
