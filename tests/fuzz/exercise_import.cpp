@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "exercise_import.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -93,27 +89,6 @@ void checkPack(const RawPack& pack) {
 }
 
 }  // namespace
-
-ImportFolder::ImportFolder() {
-  std::error_code error;
-  const std::filesystem::path memory = "/dev/shm";
-  std::string name = ((std::filesystem::is_directory(memory, error) ? memory : std::filesystem::temp_directory_path()) / "kelp_fuzz_XXXXXX").string();
-  if (!mkdtemp(name.data())) fail(name + ": can not be made");
-  folder_ = name;
-}
-
-ImportFolder::~ImportFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
-
-std::filesystem::path ImportFolder::write(const std::string& name, std::span<const std::uint8_t> bytes) const {
-  std::filesystem::path path = folder_ / name;
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const bool whole = file >= 0 && ::write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
-  if (file < 0 || ::close(file) != 0 || !whole) fail(path.string() + ": can not be written: " + std::strerror(errno));
-  return path;
-}
 
 // FNV-1a.
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes) {

@@ -6,23 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <string>
 
+#include "input_folder.h"
 #include "kelp/bake/bake.h"
-
-// A folder in memory, where there is any, with the files of one input; each is written over by the next.
-class ImportFolder {
- public:
-  ImportFolder();
-  ~ImportFolder();
-  ImportFolder(const ImportFolder&) = delete;
-  ImportFolder& operator=(const ImportFolder&) = delete;
-
-  std::filesystem::path write(const std::string& name, std::span<const std::uint8_t> bytes) const;
-
- private:
-  std::filesystem::path folder_;
-};
 
 // What an input's options depend on: all of its bytes, so that every kind of input gets every option.
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);

@@ -7,7 +7,7 @@
 #include "exercise_import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const ImportFolder folder;
+  static const InputFolder folder;
   if (size == 0) return 0;
   constexpr std::array<const char*, 5> kNames = {"input.obj", "input.ply", "input.stl", "input.off", "input.drc"};
   const std::size_t format = (data[0] + kNames.size() - '0' % kNames.size()) % kNames.size();
@@ -21,11 +21,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   std::filesystem::path path;
   if (format == 0) {
-    path = folder.write(kNames[0], next());
-    folder.write("m.mtl", next());
-    folder.write("t.png", rest);
+    path = folder.write(kNames[0], std::as_bytes(next()));
+    folder.write("m.mtl", std::as_bytes(next()));
+    folder.write("t.png", std::as_bytes(rest));
   } else {
-    path = folder.write(kNames[format], rest);
+    path = folder.write(kNames[format], std::as_bytes(rest));
   }
   exerciseImport(path, smallSettings(), choice);
   return 0;

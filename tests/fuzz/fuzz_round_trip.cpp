@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 
+#include "exercise_pack.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/verify.h"
 #include "raw_of_pack.h"
@@ -81,7 +82,7 @@ std::vector<RawLevel> solidLevels(Numbers& in, const glm::ivec3& size, int count
   fields::Occupancy volume = shape(in, size);
   for (int level = 0; level < count; ++level) {
     std::vector<fields::SurfaceVoxel> surface;
-    for (const std::uint64_t index : fields::surfaceVoxels(volume, 1)) surface.push_back({index, makeAttribute(static_cast<std::uint8_t>(in.byte() % palette), in.take<std::uint16_t>())});
+    for (const std::uint64_t index : fields::surfaceVoxels(volume, 1)) surface.push_back({index, makeAttribute(static_cast<std::uint8_t>(in.byte() % palette), encodeNormal(in.vector()))});
     levels.push_back(fields::buildLevel(volume, surface, 1));
     volume = fields::coarser(volume);
   }
@@ -242,5 +243,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::byte> again;
   if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten) fail("its own rigs are refused", rewritten.error().detail);
   if (again != bytes) fail("its own rigs", "other bytes");
+  if (size % 4 == 0) exercisePack(bytes);
   return 0;
 }

@@ -6,7 +6,7 @@
 #include "exercise_import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const ImportFolder folder;
+  static const InputFolder folder;
   constexpr std::array<std::uint8_t, 7> kNano = {'N', 'a', 'n', 'o', 'V', 'D', 'B'};
   const std::span<const std::uint8_t> bytes(data, size);
   const bool nano = size >= kNano.size() && std::equal(kNano.begin(), kNano.end(), data);
@@ -17,6 +17,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // As the file says, or otherwise.
   settings.volume = static_cast<kelp::bake::VolumeKind>(choice / 16 % 3);
   if (choice / 64 % 4 == 0) settings.grid.emplace("0");
-  exerciseImport(folder.write(nano ? "input.nvdb" : "input.vdb", bytes), settings, choice);
+  exerciseImport(folder.write(nano ? "input.nvdb" : "input.vdb", std::as_bytes(bytes)), settings, choice);
   return 0;
 }

@@ -16,10 +16,23 @@
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 16384
-// It reads what it has not written, where a file has left out tables or data: all memory begins as zeros, so that a file bakes to the same bytes every time.
-#define STBI_MALLOC(size) std::calloc(1, size)
-#define STBI_REALLOC(memory, size) std::realloc(memory, size)
+#define STBI_MALLOC(size) kelp::bake::stbAllocate(size)
+#define STBI_REALLOC(memory, size) kelp::bake::stbReallocate(memory, size)
 #define STBI_FREE(memory) std::free(memory)
+
+namespace kelp::bake {
+namespace {
+
+// The library reads what it has not written, where a file leaves out tables or data: its memory begins as zeros, so that a file bakes to the same bytes every time. And it
+// takes what a file claims: a length of gigabytes, or data that inflate to them. `most_bytes`: of one allocation, by what the picture can need; beyond, it fails.
+constexpr std::size_t kHeadBytes = std::size_t{4} << 20;  // more than the library's own tables, and the slack of a narrow JPEG
+thread_local std::size_t most_bytes = kHeadBytes;
+void* stbAllocate(std::size_t size) { return size <= most_bytes ? std::calloc(1, size) : nullptr; }
+void* stbReallocate(void* memory, std::size_t size) { return size <= most_bytes ? std::realloc(memory, size) : nullptr; }
+
+}  // namespace
+}  // namespace kelp::bake
+
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -50,7 +63,10 @@ std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes
   if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, WebP, BMP or TGA image");
   if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
     return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
+  // Four channels of 16 bits, and twice that while they are inflated; twice the file, which the library gathers by doubling.
+  most_bytes = kHeadBytes + 16 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * bytes.size();
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);
+  most_bytes = kHeadBytes;
   const char* failure = stbi_failure_reason();
   const std::string reason = failure && *failure ? failure : "its data are damaged or cut off";
   if (!pixels) return std::string("can not be decoded (") + reason + ")";
