@@ -90,7 +90,7 @@ coverage() {
     objects+=(-object "build/coverage/tests/fuzz/$program")
     local seeds=()
     for folder in $(seeds_of "${program#fuzz_}"); do [ -d "$folder" ] && seeds+=("$PWD/$folder"); done
-    LLVM_PROFILE_FILE="build/coverage/$program.profraw" "build/coverage/tests/fuzz/$program" 10000 "${seeds[@]}"
+    LLVM_PROFILE_FILE="build/coverage/$program.profraw" "build/coverage/tests/fuzz/$program" 20000 "${seeds[@]}"
   done
   llvm-profdata merge -sparse -o build/coverage/all.profdata build/coverage/*.profraw
   local about=(-instr-profile build/coverage/all.profdata -ignore-filename-regex "$NOT_READER" "${objects[@]:1}")

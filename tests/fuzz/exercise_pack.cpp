@@ -66,7 +66,7 @@ void exercisePack(std::span<const std::byte> bytes) {
   limits.max_decoded_bytes = std::uint64_t{64} << 20;
   limits.max_side = 1024;
   limits.max_parts = 64;
-  if (choice % 16 == 0) limits = {std::uint64_t{64} << choice / 16 % 8, 8u << choice / 16 % 3, 1};
+  if (choice % 16 == 0) limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2};  // some of them less than the smallest packs need
   MemorySource memory(bytes);
   FileSource file;
   FailingHost host;
@@ -87,7 +87,11 @@ void exercisePack(std::span<const std::byte> bytes) {
   {
     const Result<Pack> pack = Pack::open(source, limits, allocator);
     if (pack && pack->fileSize() != bytes.size()) std::abort();
-    if (pack) static_cast<void>(rawOf(*pack));
+    if (pack) static_cast<void>(rawOf(*pack, allocator));
+    PageInfo foreign;  // which no grid of this pack holds
+    foreign.offset = bytes.size();
+    PageData page;
+    if (pack && pack->readPage(foreign, page)) std::abort();
   }
   auto asset = runtime::Asset::open(source, {limits, allocator});
   if (asset && (*asset)->loadAll()) playAndAsk(**asset);

@@ -9,6 +9,7 @@
 
 #include "exercise_pack.h"
 #include "kelp/fields/fields.h"
+#include "kelp/formats/fog.h"
 #include "kelp/formats/verify.h"
 #include "raw_of_pack.h"
 
@@ -94,6 +95,7 @@ std::vector<RawLevel> fogLevels(Numbers& in, const glm::ivec3& size, int count, 
   fields::FogSamples fog{size, where.solid, {}};
   const std::uint8_t density = std::max<std::uint8_t>(in.byte(), 1), hot = in.byte();
   for (std::uint8_t& code : fog.density) code = static_cast<std::uint8_t>(code * density);
+  if (fogCode(static_cast<double>(fogDensity(density))) != density) fail("a density", "another code");
   if (heat) fog.heat.assign(fog.density.size(), hot);
   float extinction = 0.5f + in.unit();
   std::vector<RawLevel> levels;
@@ -134,10 +136,10 @@ RawClip makeClip(Numbers& in, const RawPack& pack) {
   RawClip clip;
   clip.name = in.text();
   clip.duration = 0.25f + in.unit();
-  for (int i = in.below(3); i > 0; --i) {
+  for (int i = in.below(12); i > 0; --i) {
     const auto part = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts.size())));
     const auto knot = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts[part].knots.size())));
-    clip.waves.push_back({part, knot, static_cast<Target>(in.below(2)), in.vector(), 0.25f + in.unit(), in.number()});
+    clip.waves.push_back({part, knot, static_cast<Target>(in.below(2)), in.vector(), 0.25f * static_cast<float>(1 + in.below(6)), in.number()});
   }
   for (int i = in.below(3); i > 0; --i) {
     RawTrack track;

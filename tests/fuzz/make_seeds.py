@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes the seeds of the importers' fuzzers: tests/fuzz/make_seeds.py BUILD-FOLDER [FOLDER]
+"""Makes the seeds of the fuzzers: tests/fuzz/make_seeds.py BUILD-FOLDER [FOLDER]
 
 BUILD-FOLDER is a build of preset dev; the seeds go to tests/fuzz/seeds, or to FOLDER. Every file is made here or by make_seeds.cpp: none comes from elsewhere. The same
 seeds come out every time, but for numbers that OpenVDB draws at random for its files.
@@ -249,6 +249,37 @@ def voxel_seeds():
     yield "i16.raw", b'{"size":[2,3,4],"type":"i16"}\0' + struct.pack("<24h", *(100 * i - 1200 for i in range(24)))
 
 
+# --- packs that lie -----------------------------------------------------------------------------------------------------------------
+
+def record(chunk, at, number, what=1):
+    """fuzz_restamped.cpp: what 0 to 3 changes bytes of a chunk; 4 does as `at` says."""
+    return struct.pack("<HHI", what | chunk << 3, at, number)
+
+
+def restamped_seeds():
+    tiny, fog = b"\0", b"\1"  # chunks: INFO PART MATL RIGS CLIP, GRID BRCK three times; INFO PART MATL FOGS RIGS, GRID and BRCK or FOGB four times
+    nan, two = 0x7fc00000, 0x40000000
+    for sound, name, kinds in ((tiny, "tiny", ("info", "part", "matl", "rigs", "clip")), (fog, "fog", ("info", "part", "matl", "fogs", "rigs"))):
+        for chunk, kind in enumerate(kinds):
+            yield "%s_%s_nan.bin" % (name, kind), sound + record(chunk, 32, nan)
+            yield "%s_%s_byte.bin" % (name, kind), sound + record(chunk, 12, 0xff, 0)
+    # A sound pack still, with other information each time it is changed: met by every kind of host.
+    yield "tiny_hosts.bin", tiny + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
+    yield "fog_hosts.bin", fog + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
+    yield "metallic.bin", tiny + record(2, 4 + 28, two)
+    yield "unknown_optional.bin", tiny + record(0, 7, 0x5a5a5a5a, 4)
+    yield "unknown_required.bin", tiny + record(2, 7, 0x5a5a5a5a, 4)
+    yield "bricks_in_one_frame.bin", tiny + record(6, 2, 2, 4)
+    yield "offset.bin", tiny + record(10, 8, 64, 4)
+    yield "no_such_version.bin", tiny + record(0, 9, 0, 4)
+    yield "newer_minor.bin", tiny + record(0, 10, 9, 4)
+    yield "empty_brick.bin", tiny + record(9, 11, 0, 4)
+    yield "palette_index.bin", tiny + record(9, 12, 0xff << 16 | 512, 4)
+    yield "page_raw.bin", tiny + record(9, 20, 520)
+    for chunk in (5, 7, 9, 11):
+        yield "fog_page_%d.bin" % chunk, fog + record(chunk, 12, 0x40 << 16 | 100, 4)
+
+
 def main():
     if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-"):
         sys.exit(__doc__.strip())
@@ -258,7 +289,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         made = pathlib.Path(folder)
         subprocess.run([build / "tests/fuzz/make_fuzz_seeds", made], check=True)
-        seeds = {"gltf": dict(gltf_seeds()), "mesh": dict(mesh_seeds(made)), "vdb": {}, "vox": dict(voxel_seeds())}
+        seeds = {"gltf": dict(gltf_seeds()), "mesh": dict(mesh_seeds(made)), "vdb": {}, "vox": dict(voxel_seeds()), "restamped": dict(restamped_seeds())}
         for path in sorted((made / "gltf").glob("*.gltf")):
             seeds["gltf"][path.stem + ".glb"] = to_glb(path.read_text())
         for kind in ("vdb", "vox"):

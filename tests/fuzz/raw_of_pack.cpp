@@ -16,14 +16,14 @@ std::vector<To> listOf(const From& from) {
   return std::vector<To>(from.begin(), from.end());
 }
 
-Result<RawLevel> readLevel(const Pack& pack, int part, int level) {
+Result<RawLevel> readLevel(const Pack& pack, int part, int level, const Allocator& allocator) {
   const Part& source = pack.parts()[static_cast<std::size_t>(part)];
   const Result<LevelGrid> grid = pack.readGrid(part, level);
   if (!grid) return grid.error();
   RawLevel out;
   out.cells = listOf<std::uint32_t>(grid->cells.span());
   if (source.fog) out.extinction = source.fog->extinction[static_cast<std::size_t>(level)];
-  PageData page;
+  PageData page(allocator);
   for (const PageInfo& info : grid->pages) {
     if (const Result<void> read = pack.readPage(info, page); !read) return read.error();
     out.codes.insert(out.codes.end(), page.codes.begin(), page.codes.end());
@@ -82,7 +82,7 @@ const char* differenceOfParts(const RawPart& a, const RawPart& b) {
 
 }  // namespace
 
-Result<RawPack> rawOf(const Pack& pack) {
+Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
   RawPack out;
   out.info_json = pack.infoJson();
   out.palette = listOf<Material>(pack.palette());
@@ -97,7 +97,7 @@ Result<RawPack> rawOf(const Pack& pack) {
     raw.knots = listOf<Knot>(part.knots);
     if (part.fog) raw.fog = RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
     for (int level = 0; level < part.levels; ++level) {
-      Result<RawLevel> read = readLevel(pack, static_cast<int>(i), level);
+      Result<RawLevel> read = readLevel(pack, static_cast<int>(i), level, allocator);
       if (!read) return read.error();
       raw.levels.push_back(*std::move(read));
     }

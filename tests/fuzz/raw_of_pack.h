@@ -4,8 +4,8 @@
 
 #include "kelp/formats/raw_pack.h"
 
-// All of it; what can not be read is answered as an error.
-kelp::Result<kelp::RawPack> rawOf(const kelp::Pack& pack);
+// All of it; what can not be read is answered as an error. `allocator`: for pages as they are read.
+kelp::Result<kelp::RawPack> rawOf(const kelp::Pack& pack, const kelp::Allocator& allocator = {});
 
 // The first thing in which two packs differ, to the bit; nullptr if there is none.
 const char* differenceOf(const kelp::RawPack& a, const kelp::RawPack& b);
