@@ -97,11 +97,11 @@ std::uint64_t choiceOf(std::span<const std::uint8_t> bytes) {
   return hash >> 16;
 }
 
-bake::Settings smallSettings() {
+bake::Settings smallSettings(std::uint64_t bytes) {
   bake::Settings settings;
   settings.resolution = 8;
   settings.threads = 1;
-  settings.max_memory = std::uint64_t{48} << 20;  // of which 37 MiB are the program's own, as the baker counts
+  settings.max_memory = bytes;
   return settings;
 }
 

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::span<const std::uint8_t> bytes(data, size);
   const bool binary = size >= sizeof kMagic && std::equal(std::begin(kMagic), std::end(kMagic), data);
   const std::uint64_t choice = choiceOf(bytes);
-  kelp::bake::Settings settings = smallSettings();
+  kelp::bake::Settings settings = smallSettings(kMeshBytes);
   if (choice / 8 % 4 == 0) settings.parts = kelp::bake::Parts::kNodes;
   exerciseImport(folder.write(binary ? "input.glb" : "input.gltf", std::as_bytes(bytes)), settings, choice);
   return 0;

@@ -27,6 +27,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else {
     path = folder.write(kNames[format], std::as_bytes(rest));
   }
-  exerciseImport(path, smallSettings(), choice);
+  exerciseImport(path, smallSettings(kMeshBytes), choice);
   return 0;
 }

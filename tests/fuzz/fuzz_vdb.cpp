@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::span<const std::uint8_t> bytes(data, size);
   const bool nano = size >= kNano.size() && std::equal(kNano.begin(), kNano.end(), data);
   const std::uint64_t choice = choiceOf(bytes);
-  kelp::bake::Settings settings = smallSettings();
+  kelp::bake::Settings settings = smallSettings(kVolumeBytes);
   // In its own voxels, or in few.
   settings.resolution_given = choice / 8 % 2 == 0;
   // As the file says, or otherwise.

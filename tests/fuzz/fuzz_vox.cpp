@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::span<const std::uint8_t> bytes(data, size);
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::uint64_t choice = choiceOf(bytes);
-  kelp::bake::Settings settings = smallSettings();
+  kelp::bake::Settings settings = smallSettings(kVolumeBytes);
   std::filesystem::path path;
   if (text.starts_with("#binvox")) {
     path = folder.write("input.binvox", std::as_bytes(bytes));
