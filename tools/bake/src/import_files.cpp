@@ -23,6 +23,18 @@ int hexDigit(char c) {
   return -1;
 }
 
+// Of the UTF-8 code point that a text begins with, RFC 3629, section 4; 0: of none.
+std::size_t codePointLength(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const auto follows = [&](std::size_t i, unsigned least = 0x80, unsigned most = 0xbf) { return byte(i) >= least && byte(i) <= most; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  if (first >= 0xc2 && first <= 0xdf) return follows(1) ? 2 : 0;
+  if (first >= 0xe0 && first <= 0xef) return follows(1, first == 0xe0 ? 0xa0 : 0x80, first == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
+  if (first >= 0xf0 && first <= 0xf4) return follows(1, first == 0xf0 ? 0x90 : 0x80, first == 0xf4 ? 0x8f : 0xbf) && follows(2) && follows(3) ? 4 : 0;
+  return 0;
+}
+
 // What helps where the place and the fault are said and nothing more particular is known.
 const char* remedyOf(Exit code) {
   switch (code) {
@@ -36,14 +48,22 @@ const char* remedyOf(Exit code) {
 }  // namespace
 
 std::string oneLine(std::string_view text, std::size_t limit) {
+  std::size_t end = std::min(text.size(), limit);
+  // Not within a code point.
+  for (int i = 0; i < 3 && end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80; ++i) --end;
   std::string out;
-  for (char c : text.substr(0, limit)) {
-    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    if (!control) {
-      out += c;
+  for (std::size_t i = 0; i < end;) {
+    const std::size_t length = codePointLength(text.substr(i, end - i));
+    const auto first = static_cast<unsigned char>(text[i]), second = static_cast<unsigned char>(length == 2 ? text[i + 1] : 0);
+    const bool control = length == 1 ? first < 0x20 || first == 0x7f : first == 0xc2 && second < 0xa0;
+    if (length == 0) {
+      out += "\xef\xbf\xbd";  // U+FFFD, the sign for what can not be shown
+    } else if (!control) {
+      out += text.substr(i, length);
     } else if (!out.empty() && out.back() != ' ') {
       out += ' ';
     }
+    i += std::max<std::size_t>(length, 1);
   }
   while (!out.empty() && out.back() == ' ') out.pop_back();
   if (text.size() > limit) out += "...";
