@@ -31,7 +31,7 @@ fuzz_one() {
   mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
   : >"$log.text"
   while left=$(awk "BEGIN { print int($wanted - $used + 0.5) }") && [ "$left" -ge 1 ] && [ "$code" -eq 0 ]; do
-    local options=(-max_total_time="$left" -timeout=10 -report_slow_units=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
+    local options=(-max_total_time="$left" -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
     [ -e "tests/fuzz/$name.dict" ] && options+=(-dict="tests/fuzz/$name.dict")
     local seeds=()
     for folder in $(seeds_of "$name"); do [ -d "$folder" ] && seeds+=("$folder"); done
