@@ -276,7 +276,8 @@ KELP_FN KelpHit kelpFound(KelpHit before, KelpCurve c, float b, int coarser, ive
 KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before) {
   KelpHit hit = before;
   vec3 extent = KELP_LEVEL_SCALE * KELP_SIZE;
-  ivec3 last = KELP_LEVEL_SIZE - ivec3(1);
+  ivec3 size = KELP_LEVEL_SIZE;
+  vec3 last = vec3(float(size.x - 1), float(size.y - 1), float(size.z - 1));
   bool complete = KELP_COMPLETE;
   float b = 0.0f;
   bool going = b < c.end;
@@ -298,7 +299,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
       if (!(max(gap.x, gap.z) <= 0.75f * KELP_ERODE)) break;
-      ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
+      ivec3 voxel = ivec3(min(max(vec3(0.0f), floor(q)), last));  // in this order: 0 where q is no number
       ivec3 at = ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
       uint cell = KELP_CELL(at);
       ++hit.steps;
@@ -329,7 +330,7 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
       if (!(max(gap.x, gap.z) <= 0.75f * KELP_ERODE)) break;
-      ivec3 voxel = clamp(ivec3(floor(q)), ivec3(0), last);
+      ivec3 voxel = ivec3(min(max(vec3(0.0f), floor(q)), last));
       uint cell = KELP_CELL(ivec3(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3));
       if (cell < 0x80000000u || KELP_BRICK(0, cell) != 0u) break;
       uint brick = 0u;

@@ -136,7 +136,7 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
     context.coarser = level_count - 1;
     context.complete = level.resident.load(std::memory_order_acquire) == level.data.pages.size();
     const trace::KelpHit found = trace::kelpTrace(context, glm::vec3(o + s0 * r), glm::vec3(r), 0.0f, static_cast<float>(s1 - s0));
-    if (!found.found) continue;
+    if (!found.found || !std::isfinite(found.s) || !finite(glm::dvec3(found.rest))) continue;  // a pack's numbers may be beyond what floats can follow
 
     Hit hit;
     hit.t = static_cast<float>((s0 + double{found.s}) / length);

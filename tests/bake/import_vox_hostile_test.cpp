@@ -216,5 +216,30 @@ TEST(HostileVox, DeepAndManifold) {
   EXPECT_TRUE(contains(refusal(write(scratch, heavy.bytes()), Exit::kUnsupported), "more than 1073741824 voxels"));
 }
 
+// Names that are no text: bytes that are no UTF-8, controls of one byte and of two, and a long one that may not be cut within a letter. Found by fuzz_vox.
+TEST(HostileVox, NamesThatAreNoText) {
+  const std::string sign = "\xef\xbf\xbd";  // U+FFFD
+  std::string fish;
+  for (int i = 0; i < 27; ++i) fish += "\xe9\xad\x9a";  // 81 bytes
+  const std::vector<std::pair<std::string, std::string>> names = {
+      {"a\xff\xc0\x80z", "a" + sign + sign + sign + "z"}, {"\xed\xa0\x80", sign + sign + sign}, {"b\xc2\x9b\x1b[2J", "b [2J"}, {"\xf0\x9f\x90\x9f\xf0\x9f", "\xf0\x9f\x90\x9f" + sign + sign}, {fish, fish.substr(0, 78) + "..."}};
+  Settings settings;
+  settings.parts = Parts::kNodes;
+  for (const auto& [name, shown] : names) {
+    VoxMaker maker(200);
+    maker.filled({1, 1, 1}, 5);
+    maker.transform(0, 1, {{}});
+    maker.group(1, {2});
+    maker.transform(2, 3, {{}}, {{"_name", name}});
+    maker.shape(3, {{0, {}}});
+    const Scratch scratch;
+    Report report;
+    const RawPack pack = bake(write(scratch, maker.bytes()), settings, report);
+    ASSERT_EQ(pack.parts.size(), 1u);
+    EXPECT_EQ(pack.parts[0].name, shown);
+    EXPECT_NO_THROW(writePackFile(pack, scratch.folder() / "out.kelp", 1, report));
+  }
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

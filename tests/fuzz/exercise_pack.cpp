@@ -2,29 +2,97 @@
 #include "exercise_pack.h"
 
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 
+#include "input_folder.h"
 #include "kelp/formats/verify.h"
 #include "kelp/runtime/instance.h"
+#include "raw_of_pack.h"
+
+using namespace kelp;
+
+namespace {
+
+// A host whose memory or whose reader gives out after so many calls.
+struct FailingHost {
+  std::uint64_t allocations_left = ~std::uint64_t{0}, reads_left = ~std::uint64_t{0};
+  Source inner;
+
+  static void* allocate(void* user, std::size_t bytes) {
+    auto& self = *static_cast<FailingHost*>(user);
+    return self.allocations_left-- == 0 ? nullptr : std::malloc(bytes);
+  }
+  static void deallocate(void*, void* memory, std::size_t) { std::free(memory); }
+  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+    auto& self = *static_cast<FailingHost*>(user);
+    return self.reads_left-- != 0 && self.inner.read(self.inner.user, offset, bytes);
+  }
+};
+
+void report(void*, const Issue& issue) {
+  if (std::strlen(toString(issue.id)) == 0 || std::strlen(toString(issue.error.code)) == 0 || !issue.error.detail) std::abort();  // every issue has its words
+}
+
+void playAndAsk(runtime::Asset& asset) {
+  runtime::Instance instance{&asset};
+  const Box box = runtime::bounds(instance);
+  const glm::vec3 middle = 0.5f * (box.min + box.max);
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
+    runtime::raycast(instance, {corner, middle - corner}, i % 3);
+  }
+  const std::span<const Part> parts = asset.pack().parts();
+  for (int part = 0; part < static_cast<int>(parts.size()); ++part) {
+    const glm::vec3 rest = 0.3f * glm::vec3(parts[static_cast<std::size_t>(part)].size);
+    runtime::frameAt(instance, part, rest);
+    runtime::toRest(instance, part, runtime::toWorld(instance, part, rest));
+  }
+  auto pose = runtime::Pose::create(asset);
+  for (int clip = 0; pose && clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
+    if (runtime::addClip(asset, clip, 0.3, 1.0f, *pose)) pose->clampMonotone();
+  }
+}
+
+}  // namespace
 
 void exercisePack(std::span<const std::byte> bytes) {
-  using namespace kelp;
+  // What the host is like depends on all bytes, so that every kind of pack meets every kind of host. FNV-1a.
+  std::uint64_t choice = 0xcbf29ce484222325u;
+  for (const std::byte byte : bytes) choice = (choice ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3u;
+  choice >>= 16;
+
   Limits limits;
   limits.max_decoded_bytes = std::uint64_t{64} << 20;
   limits.max_side = 1024;
   limits.max_parts = 64;
+  if (choice % 16 == 0) limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2};  // some of them less than the smallest packs need
   MemorySource memory(bytes);
-  verify(memory.source(), limits, [](void*, const Issue&) {}, nullptr);
-  auto asset = runtime::Asset::open(memory.source(), {limits, {}});
-  if (!asset) return;
-  if (!(*asset)->loadAll()) return;
-  runtime::Instance instance{asset->get()};
-  const Box box = runtime::bounds(instance);
-  for (int i = 0; i < 8; ++i) {
-    const glm::vec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
-    runtime::raycast(instance, {corner, 0.5f * (box.min + box.max) - corner});
+  FileSource file;
+  FailingHost host;
+  host.inner = memory.source();
+  if (choice / 128 % 16 == 0) {
+    static const InputFolder folder;
+    Result<FileSource> opened = FileSource::open(folder.write("input.kelp", bytes).string().c_str());
+    if (!opened) std::abort();
+    file = *std::move(opened);
+    host.inner = file.source();
   }
-  auto pose = runtime::Pose::create(**asset);
-  for (int clip = 0; pose && clip < static_cast<int>((*asset)->pack().clips().size()); ++clip) {
-    if (runtime::addClip(**asset, clip, 0.3, 1.0f, *pose)) pose->clampMonotone();
+  if (choice / 2048 % 8 == 0) host.allocations_left = choice / 16384 % 64;
+  if (choice / 2048 % 8 == 1) host.reads_left = choice / 16384 % 64;
+  const Source source{&FailingHost::read, &host, bytes.size()};
+  const Allocator allocator{&FailingHost::allocate, &FailingHost::deallocate, &host};
+
+  verify(source, limits, report, nullptr);
+  {
+    const Result<Pack> pack = Pack::open(source, limits, allocator);
+    if (pack && pack->fileSize() != bytes.size()) std::abort();
+    if (pack) static_cast<void>(rawOf(*pack, allocator));
+    PageInfo foreign;  // which no grid of this pack holds
+    foreign.offset = bytes.size();
+    PageData page;
+    if (pack && pack->readPage(foreign, page)) std::abort();
   }
+  auto asset = runtime::Asset::open(source, {limits, allocator});
+  if (asset && (*asset)->loadAll()) playAndAsk(**asset);
 }

@@ -53,7 +53,10 @@ void apply(PackSurgeon& surgeon, const Record& record) {
   const std::size_t c = (record.what_and_chunk >> 3) % surgeon.chunks.size();
   PackSurgeon::Chunk& chunk = surgeon.chunks[c];
   if (!(record.what_and_chunk & 4)) return change(chunk.content, record);
-  switch (record.at % 8) {
+  // Inside a page, below zstd: where a grid and its one page stand one after the other.
+  const bool has_page = c + 1 < surgeon.chunks.size() && chunk.fourcc == PackSurgeon::fourcc("GRID") && chunk.content.size() >= 32 &&
+                        kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) == surgeon.chunks[c + 1].content.size() && kelp::test::isFrame(surgeon.chunks[c + 1].content);
+  switch (record.at % 16) {
     case 0: chunk.level = record.number; break;
     case 1: chunk.part = record.number; break;
     case 2: chunk.flags ^= record.number & 7; break;
@@ -61,11 +64,15 @@ void apply(PackSurgeon& surgeon, const Record& record) {
     case 4: chunk.gap = record.number % 256; break;
     case 5: std::swap(chunk, surgeon.chunks[record.number % surgeon.chunks.size()]); break;
     case 6: surgeon.chunks.erase(surgeon.chunks.begin() + static_cast<std::ptrdiff_t>(c)); break;
+    case 7: chunk.fourcc = record.number; break;
+    case 8: chunk.offset_lie = record.number; break;
+    case 9: surgeon.major = static_cast<std::uint16_t>(record.number); break;
+    case 10: surgeon.minor = static_cast<std::uint16_t>(record.number); break;
+    case 11:  // bricks of nothing
+      if (has_page) surgeon.editPage(c, [](Bytes& page) { page.assign(page.size() / 512 * 512, std::byte{0}); });
+      break;
     default:
-      // Inside a page, below zstd: where a grid and its one page stand one after the other.
-      if (c + 1 < surgeon.chunks.size() && chunk.fourcc == PackSurgeon::fourcc("GRID") && chunk.content.size() >= 32 &&
-          kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) == surgeon.chunks[c + 1].content.size() && kelp::test::isFrame(surgeon.chunks[c + 1].content))
-        surgeon.editPage(c, [&](Bytes& page) { change(page, {static_cast<std::uint16_t>(record.number >> 30), static_cast<std::uint16_t>(record.number), record.number >> 16}); });
+      if (has_page) surgeon.editPage(c, [&](Bytes& page) { change(page, {static_cast<std::uint16_t>(record.number >> 30), static_cast<std::uint16_t>(record.number), record.number >> 16}); });
   }
 }
 

@@ -30,7 +30,7 @@ class InputFiles;
 // An error about what `place` in the input names, as one of that place: "INPUT: PLACE: " and the error's text, which may begin with another file.
 BakeError inPlace(const InputFiles& files, std::string_view place, const BakeError& error);
 
-// A text from a file or a library, fit for one line of a message: printable, at most `limit` bytes.
+// A text from a file or a library, fit for one line of a message and for a name in a pack: printable UTF-8, of at most `limit` of its bytes.
 std::string oneLine(std::string_view text, std::size_t limit = 200);
 
 // "name[index]", the way glTF's own validator names places.

@@ -2,6 +2,7 @@
 #include "import_image.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string_view>
@@ -15,6 +16,23 @@
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 16384
+#define STBI_MALLOC(size) kelp::bake::stbAllocate(size)
+#define STBI_REALLOC(memory, size) kelp::bake::stbReallocate(memory, size)
+#define STBI_FREE(memory) std::free(memory)
+
+namespace kelp::bake {
+namespace {
+
+// The library reads what it has not written, where a file leaves out tables or data: its memory begins as zeros, so that a file bakes to the same bytes every time. And it
+// takes what a file claims: a length of gigabytes, or data that inflate to them. `most_bytes`: of one allocation, by what the picture can need; beyond, it fails.
+constexpr std::size_t kHeadBytes = std::size_t{4} << 20;  // more than the library's own tables, and the slack of a narrow JPEG
+thread_local std::size_t most_bytes = kHeadBytes;
+void* stbAllocate(std::size_t size) { return size <= most_bytes ? std::calloc(1, size) : nullptr; }
+void* stbReallocate(void* memory, std::size_t size) { return size <= most_bytes ? std::realloc(memory, size) : nullptr; }
+
+}  // namespace
+}  // namespace kelp::bake
+
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -24,6 +42,7 @@
 #pragma GCC diagnostic pop
 #endif
 
+#include "import_image_check.h"
 #include "import_webp.h"
 #include "memory_estimate.h"
 
@@ -40,10 +59,14 @@ std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes
   if (isWebp(bytes)) return decodeWebp(bytes, name, kMaxPixels);
   constexpr std::string_view kKtx2 = "\xabKTX 20\xbb\r\n\x1a\n";
   if (bytes.size() >= kKtx2.size() && std::memcmp(bytes.data(), kKtx2.data(), kKtx2.size()) == 0) return std::string("is a KTX2 texture, which kelp does not read; export it as PNG, JPEG or WebP");
+  if (const char* flaw = trustedFlaw(bytes)) return std::string(flaw) + "; its data are damaged";
   if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, WebP, BMP or TGA image");
   if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
     return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
+  // Four channels of 16 bits, and twice that while they are inflated; twice the file, which the library gathers by doubling.
+  most_bytes = kHeadBytes + 16 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * bytes.size();
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);
+  most_bytes = kHeadBytes;
   const char* failure = stbi_failure_reason();
   const std::string reason = failure && *failure ? failure : "its data are damaged or cut off";
   if (!pixels) return std::string("can not be decoded (") + reason + ")";
@@ -60,7 +83,7 @@ glm::ivec2 imageSize(std::span<const std::uint8_t> bytes) {
   if (bytes.size() > 0x7fffffffu) return glm::ivec2(0);
   glm::ivec2 size(0);
   if (isWebp(bytes)) size = webpSize(bytes);
-  else if (stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels)) size = {width, height};
+  else if (!trustedFlaw(bytes) && stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels)) size = {width, height};
   return size.x > 0 && size.y > 0 && std::int64_t{size.x} * size.y <= kMaxPixels ? size : glm::ivec2(0);
 }
 

@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Fuzzes kelp: tests/fuzz/README.md says what each fuzzer reaches. Opt-in, for Debian 12 (clang); everything goes to build/.
+#   tests/fuzz.sh [MINUTES] [NAME...]   builds preset fuzz, then runs the fuzzers named, or all of them, for MINUTES of processor time each (1), as many at once as there are
+#                                       processors. Their corpora grow under build/fuzz/corpus. Ends with a table; fails if there was a finding, which it names
+#   tests/fuzz.sh --coverage            the share of the pack reader's lines that the seeds of the packs' fuzzers reach; fails at 95 % or less
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+fail() { echo "fuzz.sh: $*" >&2; exit 1; }
+
+need() {
+  local missing=()
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] || fail "first: apt-get install --no-install-recommends ${missing[*]}"
+}
+
+build() {
+  local preset=$1
+  shift
+  cmake --preset "$preset" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; rm -f "build-$preset.log"; fail "preset $preset did not configure"; }
+  rm -f "build-$preset.log"
+  ninja -C "build/$preset" "$@"
+}
+
+# One fuzzer for so many seconds of processor time, in turns, since libFuzzer counts by the clock. Leaves a line of the table in build/fuzz/log/NAME.
+fuzz_one() {
+  local name=$1 wanted=$2 used=0 runs=0 coverage=- code=0 left log=build/fuzz/log/$1
+  mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
+  : >"$log.text"
+  while left=$(awk "BEGIN { print int($wanted - $used + 0.5) }") && [ "$left" -ge 1 ] && [ "$code" -eq 0 ]; do
+    local options=(-max_total_time="$left" -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
+    [ -e "tests/fuzz/$name.dict" ] && options+=(-dict="tests/fuzz/$name.dict")
+    local seeds=()
+    for folder in $(seeds_of "$name"); do [ -d "$folder" ] && seeds+=("$folder"); done
+    TIMEFORMAT="%U %S"
+    { time "build/fuzz/tests/fuzz/fuzz_$name" "${options[@]}" "build/fuzz/corpus/$name" "${seeds[@]}" >"$log.turn" 2>&1; } 2>"$log.time" || code=$?
+    cat "$log.turn" >>"$log.text"
+    used=$(awk "{ print $used + \$1 + \$2 }" "$log.time")
+    runs=$((runs + $(sed -n 's/^stat::number_of_executed_units: *//p' "$log.turn" | tail -1 | grep . || echo 0)))
+    coverage=$(grep -ao 'cov: [0-9]*' "$log.turn" | tail -1 | cut -d' ' -f2 || true)
+  done
+  printf '%-12s %8.1f %12d %10s %9d\n' "$name" "$(awk "BEGIN { print $used / 60 }")" "$runs" "${coverage:--}" $((code != 0)) >"$log"
+}
+
+# Where a fuzzer's seeds are: as tests/fuzz/CMakeLists.txt has it.
+seeds_of() {
+  echo "tests/fuzz/seeds/$1"
+  [ "$1" = pack ] && echo tests/formats/golden
+  return 0
+}
+
+fuzz() {
+  local minutes=1
+  if [[ "${1:-}" =~ ^[0-9]+([.][0-9]+)?$ ]]; then minutes=$1; shift; fi
+  need clang libclang-rt-14-dev llvm
+  build fuzz
+  local names=("$@")
+  [ ${#names[@]} -gt 0 ] || mapfile -t names < <(find build/fuzz/tests/fuzz -name 'fuzz_*' -type f -perm -u+x -printf '%f\n' | sed 's/^fuzz_//' | sort)
+  rm -rf build/fuzz/log && mkdir -p build/fuzz/log
+  for name in "${names[@]}"; do
+    [ -x "build/fuzz/tests/fuzz/fuzz_$name" ] || fail "there is no fuzzer '$name'"
+  done
+  for name in "${names[@]}"; do
+    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+    fuzz_one "$name" "$(awk "BEGIN { print 60 * $minutes }")" &
+  done
+  wait
+  printf '%-12s %8s %12s %10s %9s\n' fuzzer CPU-min executions coverage findings
+  local findings=0
+  for name in "${names[@]}"; do
+    cat "build/fuzz/log/$name"
+    [ "$(awk '{ print $5 }' "build/fuzz/log/$name")" -eq 0 ] || { findings=1; grep -aE 'ERROR|runtime error|FAULT|SUMMARY|Test unit written' "build/fuzz/log/$name.text" | tail -4 | sed 's/^/    /'; }
+  done
+  return $findings
+}
+
+# All of formats/ but its writers, what only writers use, other systems' sources, and the arithmetic of poses, which a runtime does each frame: what decides whether
+# a pack is read, and decodes it.
+readonly NOT_READER='/(tests|tools|runtime|shaders|usr)/|_writer|_encode|raw_pack|source_windows|worker_threads|lanes8?[.]h|bound_knots|add_waves'
+
+coverage() {
+  need clang libclang-rt-14-dev llvm
+  local programs=(fuzz_pack fuzz_restamped fuzz_round_trip)
+  build coverage "${programs[@]}"
+  local objects=()
+  rm -f build/coverage/*.profraw
+  for program in "${programs[@]}"; do
+    objects+=(-object "build/coverage/tests/fuzz/$program")
+    local seeds=()
+    for folder in $(seeds_of "${program#fuzz_}"); do [ -d "$folder" ] && seeds+=("$PWD/$folder"); done
+    LLVM_PROFILE_FILE="build/coverage/$program.profraw" "build/coverage/tests/fuzz/$program" 20000 "${seeds[@]}"
+  done
+  llvm-profdata merge -sparse -o build/coverage/all.profdata build/coverage/*.profraw
+  local about=(-instr-profile build/coverage/all.profdata -ignore-filename-regex "$NOT_READER" "${objects[@]:1}")
+  llvm-cov show "${about[@]}" >build/coverage/lines.txt 2>build/coverage/log
+  llvm-cov report "${about[@]}" 2>>build/coverage/log | awk 'NF >= 10 { print $1, $8, $9, $10 }' >build/coverage/report
+  (echo file lines missed share; cat build/coverage/report) | column -t
+  echo "line by line: build/coverage/lines.txt"
+  awk '/^TOTAL/ { share = $4 + 0 } END { exit share <= 95 }' build/coverage/report || fail "95 % of the reader's lines or less are reached"
+}
+
+case "${1:-}" in
+  -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+  --coverage) coverage ;;
+  -*) fail "unknown option '$1'; see --help" ;;
+  *) fuzz "$@" ;;
+esac

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "raw_of_pack.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "kelp/formats/fog.h"
+
+namespace {
+
+using namespace kelp;
+
+template <class To, class From>
+std::vector<To> listOf(const From& from) {
+  return std::vector<To>(from.begin(), from.end());
+}
+
+Result<RawLevel> readLevel(const Pack& pack, int part, int level, const Allocator& allocator) {
+  const Part& source = pack.parts()[static_cast<std::size_t>(part)];
+  const Result<LevelGrid> grid = pack.readGrid(part, level);
+  if (!grid) return grid.error();
+  RawLevel out;
+  out.cells = listOf<std::uint32_t>(grid->cells.span());
+  if (source.fog) out.extinction = source.fog->extinction[static_cast<std::size_t>(level)];
+  PageData page(allocator);
+  for (const PageInfo& info : grid->pages) {
+    if (const Result<void> read = pack.readPage(info, page); !read) return read.error();
+    out.codes.insert(out.codes.end(), page.codes.begin(), page.codes.end());
+    out.attributes.insert(out.attributes.end(), page.attributes.begin(), page.attributes.end());
+    if (!source.fog) continue;
+    const std::uint8_t* const density = page.fog.data();
+    const std::size_t channel = std::size_t{page.count} * kFogSamples;
+    out.density.insert(out.density.end(), density, density + channel);
+    if (source.fog->channels() == 2) out.heat.insert(out.heat.end(), density + channel, density + 2 * channel);
+  }
+  return out;
+}
+
+// Bit by bit: a number may be -0, and none may be lost.
+template <class T>
+bool same(const T& a, const T& b) {
+  static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 4);
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+template <class T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+}
+bool same(const std::string& a, const std::string& b) { return a == b; }
+
+bool same(const Wave& a, const Wave& b) {  // has bytes between its members
+  return a.part == b.part && a.knot == b.knot && a.target == b.target && same(a.amplitude, b.amplitude) && same(a.period, b.period) && same(a.phase, b.phase);
+}
+bool same(const RawTrack& a, const RawTrack& b) {
+  return a.part == b.part && a.knot == b.knot && a.target == b.target && a.interpolation == b.interpolation && same(a.keys, b.keys);
+}
+
+template <class T>
+bool all(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+}
+
+const char* differenceOfParts(const RawPart& a, const RawPart& b) {
+  if (!same(a.name, b.name)) return "a part's name";
+  if (a.parent != b.parent) return "a part's parent";
+  if (a.size != b.size) return "a part's size";
+  if (!same(a.to_object, b.to_object) || !same(a.pivot, b.pivot)) return "a part's place";
+  if (!same(a.knots, b.knots)) return "a part's knots";
+  if (a.fog.has_value() != b.fog.has_value()) return "a part's kind";
+  if (a.fog && !(same(a.fog->color, b.fog->color) && same(a.fog->anisotropy, b.fog->anisotropy) && same(a.fog->glow, b.fog->glow) && same(a.fog->ramp, b.fog->ramp))) return "a part's fog";
+  if (a.levels.size() != b.levels.size()) return "a part's number of levels";
+  for (std::size_t i = 0; i < a.levels.size(); ++i) {
+    const RawLevel &x = a.levels[i], &y = b.levels[i];
+    if (x.cells != y.cells) return "a level's cells";
+    if (x.codes != y.codes || x.attributes != y.attributes) return "a level's voxels";
+    if (x.density != y.density || x.heat != y.heat) return "a level's fog";
+    if (a.fog && !same(x.extinction, y.extinction)) return "a level's extinction";
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
+  RawPack out;
+  out.info_json = pack.infoJson();
+  out.palette = listOf<Material>(pack.palette());
+  for (std::size_t i = 0; i < pack.parts().size(); ++i) {
+    const Part& part = pack.parts()[i];
+    RawPart& raw = out.parts.emplace_back();
+    raw.name = part.name;
+    raw.parent = part.parent;
+    raw.size = part.size;
+    raw.to_object = part.to_object;
+    raw.pivot = part.pivot;
+    raw.knots = listOf<Knot>(part.knots);
+    if (part.fog) raw.fog = RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
+    for (int level = 0; level < part.levels; ++level) {
+      Result<RawLevel> read = readLevel(pack, static_cast<int>(i), level, allocator);
+      if (!read) return read.error();
+      raw.levels.push_back(*std::move(read));
+    }
+  }
+  for (const Clip& clip : pack.clips()) {
+    RawClip& raw = out.clips.emplace_back();
+    raw.name = clip.name;
+    raw.duration = clip.duration;
+    raw.waves = listOf<Wave>(clip.waves);
+    for (const Track& track : clip.tracks) raw.tracks.push_back({track.part, track.knot, track.target, track.interpolation, listOf<Key>(track.keys)});
+  }
+  return out;
+}
+
+const char* differenceOf(const RawPack& a, const RawPack& b) {
+  if (!same(a.info_json, b.info_json)) return "the information";
+  if (!same(a.palette, b.palette)) return "the palette";
+  if (a.parts.size() != b.parts.size()) return "the number of parts";
+  for (std::size_t i = 0; i < a.parts.size(); ++i)
+    if (const char* difference = differenceOfParts(a.parts[i], b.parts[i])) return difference;
+  if (a.clips.size() != b.clips.size()) return "the number of clips";
+  for (std::size_t i = 0; i < a.clips.size(); ++i) {
+    const RawClip &x = a.clips[i], &y = b.clips[i];
+    if (!same(x.name, y.name) || !same(x.duration, y.duration)) return "a clip's name or duration";
+    if (!all(x.waves, y.waves)) return "a clip's waves";
+    if (!all(x.tracks, y.tracks)) return "a clip's tracks";
+  }
+  return nullptr;
+}

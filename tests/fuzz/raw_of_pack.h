@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// What a pack holds, as the writer takes it: for comparing what was written with what is read.
+#pragma once
+
+#include "kelp/formats/raw_pack.h"
+
+// All of it; what can not be read is answered as an error. `allocator`: for pages as they are read.
+kelp::Result<kelp::RawPack> rawOf(const kelp::Pack& pack, const kelp::Allocator& allocator = {});
+
+// The first thing in which two packs differ, to the bit; nullptr if there is none.
+const char* differenceOf(const kelp::RawPack& a, const kelp::RawPack& b);
