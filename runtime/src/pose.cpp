@@ -67,6 +67,7 @@ void Pose::reset() {
 
 bool Pose::assign(const Pose& other) {
   if (!sameShape(other)) return false;
+  if (parts_ == 0) return true;
   std::copy_n(const_cast<Pose&>(other).state(), stateBytes(), state());
   return true;
 }

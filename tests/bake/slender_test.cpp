@@ -102,5 +102,34 @@ TEST(Slender, ThinPlatesShowOneSide) {
   }
 }
 
+// Nor has one that stands upright, exactly along a diagonal of the grid or not, a mixture of both.
+TEST(Slender, UprightPlatesShowOneSide) {
+  for (const glm::vec3& along : {glm::vec3(1, 0, 1), glm::vec3(1, 0, -1), glm::vec3(1, 0, 0.3f), glm::vec3(0.1f, 0, 1)}) {
+    const glm::vec3 across = 0.5f * glm::normalize(glm::vec3(along.z, 0, -along.x));
+    bake::TriangleSoup soup;
+    test::addBox(soup, {0, 0, 0}, {40, 40, 1});
+    for (glm::vec3& p : soup.positions) p = p.x * along + glm::vec3(0, p.y, 0) + p.z * across;
+    const test::Baked baked = voxelizeUnit(test::makeModel(soup));
+    std::size_t one = 0, other = 0;
+    for (const bake::SurfaceSample& sample : baked.grid().surface) {
+      const glm::ivec3 size = baked.grid().size;
+      const int x = static_cast<int>(sample.index % static_cast<std::uint64_t>(size.x)), y = static_cast<int>(sample.index / static_cast<std::uint64_t>(size.x) % static_cast<std::uint64_t>(size.y)),
+                z = static_cast<int>(sample.index / static_cast<std::uint64_t>(size.x) / static_cast<std::uint64_t>(size.y));
+      // Where it is two thick, each voxel has its own side.
+      const bool is_x = std::abs(across.x) > std::abs(across.z);
+      const auto is_there = [&](int step) {
+        const int a = is_x ? x + step : x, b = is_x ? z : z + step;
+        return a >= 0 && b >= 0 && a < size.x && b < size.z && baked.at(a, y, b);
+      };
+      if (is_there(1) || is_there(-1)) continue;
+      const double along_normal = glm::dot(glm::dvec3(sample.normal), glm::normalize(glm::dvec3(across)));
+      one += along_normal > 0.9;
+      other += along_normal < -0.9;
+    }
+    EXPECT_GT(one + other, 1000u) << along.x << " " << along.z;
+    EXPECT_EQ(std::min(one, other), 0u) << along.x << " " << along.z << ": " << one << ", " << other;
+  }
+}
+
 }  // namespace
 }  // namespace kelp

@@ -158,6 +158,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     if (!instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
     if (!instance.previous_pose->check()) return &kBadPose;
   }
+  bool is_drawn = false;
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
     const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
@@ -165,6 +166,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }
+    is_drawn = true;
     const std::size_t i = waiting_++;
     Candidate& candidate = block_[i];
     candidate.instance = &instance;
@@ -185,6 +187,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
       posed.to_object[k] = &kSame;
     }
   }
+  if (!is_drawn && !isAffine(instance.to_world)) return &kBadMatrix;
   return nullptr;
 }
 
@@ -211,7 +214,12 @@ const Error* DrawList::addBlock(const Frame& frame) {
 
 const Error* DrawList::place(const Frame& frame, std::size_t eight, std::size_t count) {
   placeParts(frame.camera, posed_[eight], placed_[eight]);
-  if (placed_[eight].affine != 255) return &kBadMatrix;
+  if (placed_[eight].affine != 255) {
+    // The product with a motion is affine wherever that is finite: of moved parts the host's own matrix was looked at before.
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!(placed_[eight].affine >> k & 1)) return posed_[eight].to_object[k] == &kSame ? &kBadPose : &kBadMatrix;
+    }
+  }
   if (placed_[eight].invertible == 255) return nullptr;
   for (std::size_t k = 0; k < count; ++k) {
     // A part may be scaled to nothing by its motion: it has no voxel to show.

@@ -49,7 +49,7 @@ struct PlacedParts {
   EightFloats nearest;          // clip w of the nearest point; at most 0 where the box reaches behind the eye
   EightFloats pixels;           // that a level-0 voxel covers there; very many if the eye is inside
   unsigned invertible;          // bits: to_world is finite and has an inverse; nothing else here is of use without
-  unsigned affine;              // bits: the host's to_world is affine
+  unsigned affine;              // bits: PosedParts::to_world is affine
   unsigned ordinary;            // bits: float is enough for that inverse
 };
 

@@ -36,6 +36,11 @@ std::string_view firstLetter(std::string_view text) {
   return text.substr(0, length);
 }
 
+bool saysNoSuchFile(const std::error_code& error) {
+  return error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory || error == std::errc::filename_too_long ||
+         error == std::errc::too_many_symbolic_link_levels;
+}
+
 // What helps where the place and the fault are said and nothing more particular is known.
 const char* remedyOf(Exit code) {
   switch (code) {
@@ -160,6 +165,7 @@ void InputFiles::noteMissing(const std::filesystem::path& path) const {
 bool InputFiles::isThere(const std::filesystem::path& path) const {
   std::error_code error;
   if (std::filesystem::is_regular_file(path, error)) return true;
+  if (error && !saysNoSuchFile(error)) throw UnreadableFile(Exit::kIo, oneLine(path.string(), 4096) + ": can not be read: " + error.message() + "; check its permissions and the disk");
   noteMissing(path);
   return false;
 }
@@ -189,6 +195,7 @@ std::filesystem::path InputFiles::resolve(std::string_view reference, Reference 
   std::error_code error;
   const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, error);
   const std::filesystem::path real = error ? home : std::filesystem::weakly_canonical(home / normal, error);
+  if (error && !saysNoSuchFile(error)) throw UnreadableFile(Exit::kIo, oneLine((folder / normal).string(), 4096) + ": can not be read: " + error.message() + "; check its permissions and the disk");
   if (error) refuse(Exit::kIo, folder / normal, "", "can not be read: " + error.message());
   if (std::mismatch(home.begin(), home.end(), real.begin(), real.end()).first != home.end())
     refuse(Exit::kInvalid, input_, shown, "leaves the input's folder by a link; only files beside the input are read: put the file itself there");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The nearest point of a mesh, exactly: the same answer for the same question, however it is asked.
+// The nearest point of a mesh, and the first on a way along an axis: the same answer for the same question, however it is asked.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +31,8 @@ class TriangleBvh {
   template <class Accept>
   Nearest nearest(const glm::dvec3& p, double bound, const Accept& accept) const;
 
-  // The first triangle that `accept(index)` lets pass on the way from p along `axis` (0 to 2), towards its end (`sign` 1) or its beginning (-1), within
-  // `length` voxels; of several at the same distance the one with the lowest index. kCap: none. `squared` and `weights` mean nothing.
+  // The first triangle that `accept(hit)`, of a Nearest, lets pass on the way from p along `axis` (0 to 2), towards its end (`sign` 1) or its beginning
+  // (-1), within `length` voxels; of several at the same distance the one with the lowest index. kCap: none. `squared` is that of the way.
   template <class Accept>
   Nearest first(const glm::dvec3& p, int axis, int sign, double length, const Accept& accept) const;
 
@@ -102,17 +102,30 @@ Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double lengt
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   Nearest best;
   double way = length;
-  std::uint32_t stack[128];
+  struct Entry {
+    std::uint32_t node;
+    double near;
+  };
+  Entry stack[128];
   int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    const double near = sign > 0 ? static_cast<double>(node.low[axis]) - p[axis] : p[axis] - static_cast<double>(node.high[axis]);
+  const auto push = [&](const Entry& entry) {
+    const Node& node = nodes_[entry.node];
     const double far = sign > 0 ? static_cast<double>(node.high[axis]) - p[axis] : p[axis] - static_cast<double>(node.low[axis]);
-    if (near > way || far < 0 || p[u] < node.low[u] || p[u] > node.high[u] || p[v] < node.low[v] || p[v] > node.high[v]) continue;
+    if (entry.near <= way && far >= 0 && p[u] >= node.low[u] && p[u] <= node.high[u] && p[v] >= node.low[v] && p[v] <= node.high[v]) stack[top++] = entry;
+  };
+  const auto entryOf = [&](std::uint32_t node) {
+    return Entry{node, sign > 0 ? static_cast<double>(nodes_[node].low[axis]) - p[axis] : p[axis] - static_cast<double>(nodes_[node].high[axis])};
+  };
+  push(entryOf(0));
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.near > way) continue;
+    const Node& node = nodes_[entry.node];
     if (node.count == 0) {
-      stack[top++] = node.first;
-      stack[top++] = node.first + 1;
+      Entry near = entryOf(node.first), far = entryOf(node.first + 1);
+      if (far.near < near.near) std::swap(near, far);
+      push(far);
+      push(near);
       continue;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -122,11 +135,12 @@ Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double lengt
       const double a = area(t.b, t.c), b = area(t.c, t.a), c = area(t.a, t.b), sum = a + b + c;
       if (sum == 0 || (sum > 0 ? std::min({a, b, c}) < 0 : std::max({a, b, c}) > 0)) continue;
       const double at = (a * t.a[axis] + b * t.b[axis] + c * t.c[axis]) / sum, distance = (at - p[axis]) * sign;
-      if (distance < 0 || distance > way || (distance == way && best.triangle != kCap && order_[i] > best.triangle) || !accept(order_[i])) continue;
+      if (distance < 0 || distance > way || (distance == way && best.triangle != kCap && order_[i] > best.triangle)) continue;
+      Nearest hit{order_[i], distance * distance, p, glm::dvec3(a, b, c) / sum};
+      hit.point[axis] = at;
+      if (!accept(hit)) continue;
       way = distance;
-      best.triangle = order_[i];
-      best.point = p;
-      best.point[axis] = at;
+      best = hit;
     }
   }
   return best;

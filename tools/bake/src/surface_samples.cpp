@@ -24,8 +24,10 @@ constexpr double kHiddenSide = 2.0;
 constexpr double kDeep = 1.5;
 // Surfaces of one body that look this way alike may stand for each other.
 constexpr double kAlike = 0.3;
-// Plates whose normal is no higher than this stand upright.
-constexpr double kUpright = 0.25;
+// A way counts as within 60 degrees of a normal, whatever the rounding of one that is just that.
+constexpr double kWithin = 0.49;
+// The upper side of a plate looks this way, or one side of what stands upright, all over: few plates lie along it, and none along the lattice or its diagonals.
+const glm::dvec3 kShown(0.113, 0.97, 0.187);
 // Past the edges of models that lie on the lattice.
 const glm::dvec3 kAskew(0.0137, -0.0071, 0.0113);
 
@@ -125,7 +127,7 @@ class Sampler {
     if (leadsOutside(centre, normal)) return true;
     for (int cell = 0; cell < 27; ++cell) {
       const glm::dvec3 way(cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1);
-      if (cell != 13 && glm::dot(way, normal) > 0.5 * glm::length(way) && leadsOutside(centre, glm::normalize(way))) return true;
+      if (cell != 13 && glm::dot(way, normal) > kWithin * glm::length(way) && leadsOutside(centre, glm::normalize(way))) return true;
     }
     return false;
   }
@@ -146,10 +148,12 @@ class Sampler {
       glm::dvec3 way(0);
       way[axis] = sign;
       if (!isEmpty(centre + way)) continue;
-      const Nearest seen = bvh_.first(centre + way + kAskew * (1.0 - glm::abs(way)), axis, -sign, kDeep, [&](std::uint32_t i) { return !isSolid(i) || glm::dot(faceNormal(i), way) > 0; });
+      // Bodies are not left through their skin, and sheets are looked through where they are cut out.
+      const Nearest seen = bvh_.first(centre + way + kAskew * (1.0 - glm::abs(way)), axis, -sign, kDeep, [&](const Nearest& hit) {
+        return isSolid(hit.triangle) ? glm::dot(faceNormal(hit.triangle), way) > 0 : !look_.isCutOut(hit);
+      });
       if (seen.triangle == kCap) continue;
       const Nearest at = on(seen.triangle, centre);
-      if (look_.isCutOut(at)) continue;
       const glm::dvec3 across = faceNormal(seen.triangle);
       sides.side[sides.count++] = {at, glm::dot(across, way) < 0 ? -across : across};
     }
@@ -174,22 +178,26 @@ class Sampler {
     });
   }
 
-  // Of a voxel that is all of a plate there, the side that is farther away; null if it is seen from one side.
+  // Of a voxel that is all of a plate there, the other side, the one most opposed; null if it is seen from one side.
   const Side* farSide(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
     if (!isSolid(nearest.triangle)) return nullptr;
-    const Side* const far = std::find_if(sides.side, sides.side + sides.count, [&](const Side& side) {
-      return mesh_.triangles[side.nearest.triangle].component == mesh_.triangles[nearest.triangle].component && glm::dot(side.normal, normal) < -kAside;
-    });
-    return far == sides.side + sides.count ? nullptr : far;
+    const Side* far = nullptr;
+    double least = -kAside;
+    for (const Side* side = sides.side; side != sides.side + sides.count; ++side) {
+      const double along = glm::dot(side->normal, normal);
+      if (along >= least || mesh_.triangles[side->nearest.triangle].component != mesh_.triangles[nearest.triangle].component) continue;
+      least = along;
+      far = side;
+    }
+    return far;
   }
 
-  // Whether a plate is seen from its far side alone, or, if from both or from neither, that is its upper side; of one that stands upright, the side
-  // towards the end of the axis it lies across. Which side is nearer changes from voxel to voxel, and would make stripes.
+  // Whether a plate is seen from its far side alone, or, if from both or from neither, that is its upper side; of what stands upright, the side towards
+  // kShown. Which side is nearer changes from voxel to voxel, and would make stripes.
   bool showsFar(const glm::dvec3& centre, const glm::dvec3& normal, const glm::dvec3& far) const {
     const bool near_seen = isSeenFrom(centre, normal), far_seen = isSeenFrom(centre, far);
     if (near_seen != far_seen) return far_seen;
-    const glm::dvec3 across = far - normal, size = glm::abs(across);
-    return across[size.y > kUpright * glm::length(across) ? 1 : size.x >= size.z ? 0 : 2] > 0;
+    return glm::dot(far - normal, kShown) > 0;
   }
 
   bool isEmpty(const glm::dvec3& p) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eight floats, or four doubles, at once, on processors with AVX2: the functions of lanes.h by the same names, and every lane comes to the same bits, since
+// Eight floats, or four doubles, at once, on processors with AVX2: what kelp uses of lanes.h by the same names, and every lane comes to the same bits, since
 // AVX2 rounds as SSE2 does and nothing is contracted. A program for any x86-64 asks hasEightLanes() when it runs. What computes with them is written
 // once, for `Floats`, in a file *.inl, which a .cpp includes for Lanes in a namespace `four`, and between KELP_EIGHT_LANES_BEGIN and _END for Lanes8 in
 // a namespace `eight`. In such a file a lambda would not be a function for AVX2 everywhere; plain functions are.
@@ -9,7 +9,7 @@
 #include "kelp/formats/lanes.h"
 
 // Not on Windows: GCC does not align the stack to 32 bytes there (GCC bug 54412).
-#if defined(KELP_LANES_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32)
+#if defined(KELP_LANES_SSE2) && defined(__x86_64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(__CYGWIN__)
 #define KELP_EIGHT_LANES 1
 #include <immintrin.h>
 
