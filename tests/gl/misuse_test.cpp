@@ -102,6 +102,15 @@ TEST_P(MisuseTest, OfNumbersThatAreNone) {
         expectMisuse(*renderer, canvas, view, posed);
       }
     }
+    for (int axis = 0; axis < 3; ++axis) {
+      SCOPED_TRACE(testing::Message() << bad << " in the motion, axis " << axis);
+      for (const int what : {0, 1, 2}) {
+        pose.reset();
+        runtime::Motion& motion = *pose.motion(0);
+        (what == 0 ? motion.translation[axis] : what == 1 ? motion.scale[axis] : motion.rotation[axis]) = bad;
+        expectMisuse(*renderer, canvas, view, posed);
+      }
+    }
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row) {
         SCOPED_TRACE(testing::Message() << bad << " in column " << column << ", row " << row);

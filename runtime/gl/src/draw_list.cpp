@@ -33,7 +33,7 @@ template <class T>
 
 constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset is not known to the renderer"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
-constexpr Error kBadPose{ErrorCode::kMisuse, "an instance's pose is not monotone"};
+constexpr Error kBadPose{ErrorCode::kMisuse, "an instance's pose is not monotone, or not finite"};
 constexpr Error kForeignPose{ErrorCode::kMisuse, "an instance's pose belongs to another asset"};
 constexpr Error kBadMatrix{ErrorCode::kMisuse, "an instance's to_world is not an invertible affine matrix"};
 
