@@ -66,6 +66,7 @@ port_debian() {
   cmake --workflow --preset package
   # No manual pages: --help has it all. No bug of Debian's asks for the packages.
   lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs build/package/*.deb
+  tests/install/hardened.sh build/package/bin/kelp-*
   local root=build/debian-root
   [ -x "$root/usr/bin/apt-get" ] || { rm -rf "$root"; debootstrap --variant=minbase bookworm "$root" >build/debian-root.log || { tail -5 build/debian-root.log >&2; exit 1; }; }
   rm -rf "$root/kelp" && mkdir "$root/kelp"

@@ -94,6 +94,39 @@ class EveryProgram(Case):
         self.assertEqual(self.read("0.kelp"), self.read("1.kelp"))
 
 
+    @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
+    def test_reports_and_rules_go_onto_open_streams(self):
+        """What others have written there stays, before and after."""
+        self.assertEqual(self.sh("(echo one; $kelp_bake model.obj -o a.kelp --resolution 8 -MF /dev/stdout; echo three) >log").returncode, 0)
+        self.assertRegex(self.read("log").decode(), r"^one\na\.kelp: (.|\n)*model\.obj(.|\n)*\nthree\n$")
+        self.assertEqual(self.sh("echo one >log2; $kelp_bake model.obj -o a.kelp --resolution 8 --report /dev/stderr 2>>log2").returncode, 0)
+        self.assertRegex(self.read("log2").decode(), r'^one\n(.|\n)*"kelp-bake"')
+        self.assertEqual(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --report /dev/stdout | python3 -c 'import json, sys; json.load(sys.stdin)'").returncode, 0)
+        for command in ("$kelp_bake model.obj -o /dev/stdout --resolution 8 >>log", "$kelp_bake model.obj -o /dev/fd/1 --resolution 8 | cat; exit ${PIPESTATUS[0]}"):
+            self.tells(self.sh(command), 2, "open stream")
+        self.tells(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --report -"), 1, "--report -")
+
+    @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
+    def test_no_open_stream_is_replaced(self):
+        self.tells(self.sh("echo one >log; $kelp_dump extract tiny.kelp --ply /dev/stdout >>log"), 2, "open stream")
+        self.assertEqual(self.read("log"), b"one\n")
+
+    @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
+    def test_notes_that_nobody_can_read_change_nothing(self):
+        for command in ("rig tiny.kelp", "slice tiny.kelp -o a.png", "extract tiny.kelp --vox a.vox", "rig tiny.kelp --part 0 --set none -o a.kelp"):
+            with self.subTest(command):
+                self.assertEqual(self.sh("$kelp_dump %s 2>/dev/full >/dev/null" % command).returncode, self.sh("$kelp_dump %s >/dev/null" % command).returncode)
+
+    @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
+    def test_what_comes_through_pipes_is_of_the_working_folder(self):
+        manifest = '{"defaults": {"resolution": 8}, "assets": [{"input": "model.obj", "output": "p.kelp"}]}'
+        self.assertEqual(self.sh("$kelp_bake --manifest <(echo '%s') -MD && make -nf p.kelp.d p.kelp" % manifest).returncode, 0)
+        self.assertEqual(self.sh("echo '%s' | $kelp_bake --manifest - -MD --force && make -nf p.kelp.d p.kelp" % manifest).returncode, 0)
+        self.assertEqual(self.sh("$kelp_bake @<(printf '\\xef\\xbb\\xbfmodel.obj --resolution 8\\n') -o . -MD && make -nf model.kelp.d ./model.kelp model.kelp").returncode, 0)
+        self.write("r.rig.json", '{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}')
+        self.assertEqual(self.sh("$kelp_bake model.obj -o c.kelp --config <(echo 'rig = \"r.rig.json\"') --resolution 8").returncode, 0)
+
+
 @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
 class Dump(Case):
     def on_terminal(self, command):

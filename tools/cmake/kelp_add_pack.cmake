@@ -79,9 +79,14 @@ function(kelp_add_pack)
     set(forget COMMAND ${CMAKE_COMMAND} -E rm -f "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${own_target}.dir/compiler_depend.internal")
   endif()
   cmake_path(GET output PARENT_PATH output_folder)
+  # Said even so: a configuration may name another target. A name that make reads otherwise is kelp-bake's to write.
+  set(rule_target "")
+  if(output MATCHES "^[-A-Za-z0-9_./+@]+$")
+    set(rule_target -MT "${output}")
+  endif()
   add_custom_command(OUTPUT "${output}"
     COMMAND ${CMAKE_COMMAND} -E make_directory "${output_folder}"
-    COMMAND ${baker} "${source}" -o "${output}" -MD -MF "${notes}.d" --progress none ${options}
+    COMMAND ${baker} "${source}" -o "${output}" -MD -MF "${notes}.d" ${rule_target} --progress none ${options}
     ${forget}
     DEPENDS ${baker} ${depends} "${notes}.options"
     DEPFILE "${notes}.d"
@@ -121,7 +126,7 @@ endmacro()
 macro(kelp_pack_options_)
   set(previous "")
   foreach(option IN LISTS arg_OPTIONS)
-    if(option MATCHES "^(-o.*|--output(=.*)?|-MD|-MF.*|--write-deps|--deps-file(=.*)?)$")
+    if(option MATCHES "^(-o.*|--output(=.*)?|-MD|-MF.*|-MT.*|--write-deps|--deps-file(=.*)?|--deps-target(=.*)?)$")
       message(FATAL_ERROR "kelp_add_pack: OPTIONS ${option}: kelp_add_pack gives this itself; OUTPUT says where the pack goes")
     elseif(option MATCHES "^--rig(=.*)?$")
       message(FATAL_ERROR "kelp_add_pack: OPTIONS ${option}: give the rig as RIG, so that a changed one is noticed")

@@ -10,6 +10,7 @@
 
 #include "clashes.h"
 #include "interrupt.h"
+#include "kelp/bake/output_file.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
 #include "report_json.h"
@@ -59,16 +60,10 @@ std::optional<bake::FilesUsed> filesOfPack(const Options& options) {
 
 }  // namespace
 
-void checkTextFile(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) || std::filesystem::is_directory(status)) bake::checkOutput(file);
-}
-
 void checkDestinations(const Options& options) {
   bake::checkOutput(options.output);
-  if (options.report_file) checkTextFile(*options.report_file);
-  if (options.dependency_file) checkTextFile(*options.dependency_file);
+  if (options.report_file) bake::checkTextOutput(*options.report_file);
+  if (options.dependency_file) bake::checkTextOutput(*options.dependency_file);
 }
 
 std::optional<Baked> takeCurrent(const Options& options, const Place& place) {

@@ -20,8 +20,6 @@ struct Baked {
 
 // Whether the pack, the report and the rule could be written, asked before the work: BakeError kIo that says why not. Leaves nothing behind.
 void checkDestinations(const Options& options);
-// The same of a report or a rule alone. What is no regular file (/dev/null) is written as it is.
-void checkTextFile(const std::filesystem::path& file);
 
 // The pack that is there, if it is what a bake would write (bake::isCurrent). Where a rule is asked for it is written, as others may have asked for this pack before,
 // and the pack's time is renewed: a build asks again for as long as its target is older than what the rule names. No byte of the pack changes, and no report is written.

@@ -6,6 +6,8 @@
 #include <new>
 #include <system_error>
 
+#include "kelp/bake/output_file.h"
+
 #include "bake_one.h"
 #include "batch_report.h"
 #include "batch_summary.h"
@@ -31,19 +33,29 @@ void makeFolderOf(const fs::path& file, const Place& place) {
   if (error) throw BakeError(Exit::kIo, place.prefix() + file.parent_path().string() + ": the folder can not be made: " + error.message() + "; choose another, or mend its permissions");
 }
 
+// An error says where the batch names the asset, unless it does already.
+std::string withPlace(const Place& place, const std::string& what) {
+  const std::string prefix = place.prefix();
+  return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
+}
+
 // The folders of packs, reports and rules; and whether anything could be written there.
 void prepareOutputs(const Jobs& jobs) {
   Faults faults;
   faults.keep([&] {
     if (!jobs.report_file) return;
     makeFolderOf(*jobs.report_file, {});
-    checkTextFile(*jobs.report_file);
+    bake::checkTextOutput(*jobs.report_file);
   });
   for (const Job& job : jobs.jobs) {
     faults.keep([&] {
       const Options& options = job.options;
       for (const fs::path& file : {options.output, options.report_file.value_or(""), options.dependency_file.value_or("")}) makeFolderOf(file, job.asset.place);
-      checkDestinations(options);
+      try {
+        checkDestinations(options);
+      } catch (const BakeError& error) {
+        throw BakeError(error.exit, withPlace(job.asset.place, error.what()));
+      }
     });
   }
   faults.throwIfAny();
@@ -64,13 +76,7 @@ bool isThere(const std::optional<fs::path>& file) {
   return !file || fs::exists(*file, error);
 }
 
-// An error says where the batch names the asset, unless it does already.
-std::string withPlace(const Place& place, const std::string& what) {
-  const std::string prefix = place.prefix();
-  return what.rfind(place.file.string() + ":", 0) == 0 ? what : prefix + what;
-}
-
-// By what was baked so far. Assets with a resolution of their own count by their voxels; of others only the input knows how large they are, by a voxel's size or by the voxels
+// By what was baked so far. Assets with a resolution of their own count by it; of others only the input knows how large they are, by a voxel's size or by the voxels
 // it has already, and each counts as one: a kind by itself, as nothing is known of how the two compare.
 class TimeLeft {
  public:
@@ -105,7 +111,11 @@ class TimeLeft {
     double left = 0, baked = 0, seconds = 0;
     std::size_t assets_left = 0;
   };
-  static double weightOf(const Job& job) { return job.options.settings.resolution_given ? voxelsOf(job.options) : 1; }
+  // Time goes with the surface's voxels, and with reading the model, which is worth some 64 x 64 of them.
+  static double weightOf(const Job& job) {
+    const double side = job.options.settings.resolution;
+    return job.options.settings.resolution_given ? side * side + 64.0 * 64.0 : 1;
+  }
   Kind& kindOf(const Job& job) { return kinds_[job.options.settings.resolution_given ? 0 : 1]; }
 
   Kind kinds_[2];

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "config_file.h"
+#include "json_places.h"
 #include "option_table.h"
 #include "summary.h"
 
@@ -125,6 +126,8 @@ void checkCommand(const Command& command) {
   const auto isDash = [&](const char* name) { return given(name) && command.options.find(name)->second.text == "-"; };
   if (isDash("input")) misuse("-: standard input has no name, and an input's says what it is; write it to a file first");
   if (isDash("output")) misuse("-o -: a pack is not written to standard output, but in place of a file when it is complete; name the file");
+  for (const char* name : {"report", "deps-file"})
+    if (isDash(name)) misuse(std::string("--") + name + " -: a file is written there; name one, or /dev/stdout");
   if (!given("input")) misuse("input is required: give a file to bake, @LIST, or --manifest FILE; see kelp-bake --help");
   if (!given("output")) misuse("-o is required: name the pack to write, such as -o model.kelp; see kelp-bake --help");
 }
@@ -163,7 +166,7 @@ std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   if (config_option->count() > 0) {
     if (config.empty()) misuse("--config: is empty; name a file");
     command.config = readConfig(config);
-    command.option_files.push_back(config);
+    if (!isStream(config)) command.option_files.push_back(config);
   }
   if (shard_option->count() > 0) command.shard = parseShard(shard);
   if (const auto input = command.options.find("input"); input != command.options.end() && input->second.text.front() == '@') {

@@ -131,6 +131,7 @@ Values readConfig(const std::filesystem::path& file) {
   if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);
   Values values;
   Faults faults;
+  const std::filesystem::path folder = isStream(file) ? std::filesystem::path() : file.parent_path();
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -141,7 +142,7 @@ Values readConfig(const std::filesystem::path& file) {
     faults.keep([&] {
       if (line.isDone()) return;
       const JsonValue::Member member = line.read();
-      const Value value = optionOf(member, file.parent_path(), true);
+      const Value value = optionOf(member, folder, true);
       const auto [other, is_new] = values.emplace(member.name, value);
       if (!is_new) throw faultAt(member.place, member.name + " is there already, in line " + std::to_string(other->second.place.line) + "; give it once");
     });

@@ -170,6 +170,8 @@ JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Fa
   return std::move(builder.root());
 }
 
+bool isStream(const std::filesystem::path& file) { return file == "-" || console::isPipe(file.string()); }
+
 std::string readTextFile(const std::filesystem::path& file, const Place& named_at) {
   const auto fail = [&](bake::Exit code, const std::string& what) { throw bake::BakeError(code, named_at.prefix() + file.string() + ": " + what); };
   std::error_code error;

@@ -39,9 +39,10 @@ std::vector<std::string> splitWords(std::string_view line, const Place& place) {
 }  // namespace
 
 AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder, Faults& faults) {
-  const std::string text = readTextFile(file, {});
+  std::string text = readTextFile(file, {});
+  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);
   AssetList out;
-  out.files.push_back(file);
+  if (!isStream(file)) out.files.push_back(file);
   std::size_t line_number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());

@@ -28,6 +28,7 @@ class ManifestReader {
     faults_.keep([&] {
       const std::string text = readTextFile(file, named_at);
       std::error_code error;
+      const bool is_pipe = isStream(file);
       const fs::path real = fs::weakly_canonical(fs::absolute(file, error), error);
       if (const auto first = std::find(open_.begin(), open_.end(), real); first != open_.end()) {
         std::string circle;
@@ -36,7 +37,7 @@ class ManifestReader {
       }
       if (open_.size() >= kMaxIncludes) fail(named_at, "more than " + std::to_string(kMaxIncludes) + " manifests include each other; put them side by side");
       if (!done_.insert(real).second) return;  // whoever includes it twice wants it once
-      out.files.push_back(file);
+      if (!is_pipe) out.files.push_back(file);
       open_.push_back(real);
       faults_.keep([&] { readObject(file, parseJson(file, text, faults_)); });
       open_.pop_back();
@@ -49,7 +50,8 @@ class ManifestReader {
   void readObject(const fs::path& file, const JsonValue& root) {
     if (root.kind != Kind::kObject) fail(root.place, std::string("a manifest is an object, this is ") + root.kindName() + "; write {\"assets\": [...]}");
     const JsonValue *includes = nullptr, *assets = nullptr, *defaults = nullptr;
-    const fs::path folder = file.parent_path();
+    // Names in what comes through a pipe are those of the working folder.
+    const fs::path folder = isStream(file) ? fs::path() : file.parent_path();
     fs::path output = output_folder_.empty() ? folder : output_folder_;
     for (const JsonValue::Member& member : root.members) {
       if (member.name == "include") {

@@ -51,6 +51,7 @@ void ProgressDisplay::beginAsset(std::size_t number, std::size_t count, const st
   count_ = count;
   output_ = output;
   batch_left_ = seconds_left;
+  asset_begin_ = Clock::now();
   stage_.clear();
 }
 
@@ -67,6 +68,8 @@ void ProgressDisplay::show(std::string_view stage, double done) {
   stage_ = stage;
   percent_ = percent;
   const double seconds = std::chrono::duration<double>(now - stage_begin_).count();
+  // What is left when it has all been spent is not known; it is not less than nothing.
+  batch_left_now_ = batch_left_ < 0 ? -1 : std::max(batch_left_ - std::chrono::duration<double>(now - asset_begin_).count(), 0.0);
   if (style_ == ProgressStyle::kJson) {
     printJson(share, seconds);
   } else {
@@ -87,7 +90,7 @@ void ProgressDisplay::drawBar(double done, double seconds) {
     std::snprintf(rate, sizeof rate, ", %.3g %%/s, ", 100 * done / seconds);
     line += rate + clockText(seconds * (1 - done) / done) + " left";
   }
-  if (batch_left_ >= 0) line += "; " + clockText(batch_left_) + " left of all";
+  if (batch_left_now_ >= 0) line += "; " + clockText(batch_left_now_) + " left of all";
   std::fputs((kEraseLine + line.substr(0, std::max<std::size_t>(lineWidth(), 2) - 1)).c_str(), stderr);
   drawn_ = true;
 }
@@ -103,7 +106,7 @@ void ProgressDisplay::printJson(double done, double seconds) {
   json["done"] = std::floor(done * 100) / 100;
   json["seconds"] = seconds;
   if (done > 0) json["seconds_left"] = seconds * (1 - done) / done;  // of the stage
-  if (batch_left_ >= 0) json["batch_seconds_left"] = batch_left_;
+  if (batch_left_now_ >= 0) json["batch_seconds_left"] = batch_left_now_;
   std::fputs((json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n").c_str(), stderr);
 }
 

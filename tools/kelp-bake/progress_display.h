@@ -36,9 +36,9 @@ class ProgressDisplay {
   bool drawn_ = false;
   std::string stage_, output_;
   std::size_t number_ = 0, count_ = 0;  // 0: no batch
-  double batch_left_ = -1;
+  double batch_left_ = -1, batch_left_now_ = -1;  // when the asset began, and when it was shown last
   int percent_ = -1;
-  Clock::time_point stage_begin_{}, last_{};
+  Clock::time_point asset_begin_{}, stage_begin_{}, last_{};
 };
 
 }  // namespace kelp::bake_cli

@@ -2,9 +2,11 @@
 // Output that is either the old file or the new one, whole.
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -26,9 +28,24 @@ namespace {
   throw BakeError(Exit::kIo, path.string() + ": " + what + (error != 0 ? ": " + std::generic_category().message(error) : std::string()) + "; " + remedy);
 }
 
+// The stream of this process that a path names, such as /dev/stdout: a file that is open already, which is written on and not replaced.
+std::optional<int> streamOf(std::filesystem::path path) {
+  std::error_code error;
+  for (int hops = 0; hops < 40; ++hops) {
+    const std::string folder = path.parent_path().string(), name = path.filename().string();
+    const bool is_stream = folder == "/dev/fd" || (folder.rfind("/proc/", 0) == 0 && folder.size() > 3 && folder.compare(folder.size() - 3, 3, "/fd") == 0);
+    int number = 0;
+    if (is_stream && std::from_chars(name.data(), name.data() + name.size(), number).ptr == name.data() + name.size() && !name.empty()) return number;
+    if (!std::filesystem::is_symlink(path, error)) return {};
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  }
+  return {};
+}
+
 // Where the bytes go: through symbolic links, so that a link stays one.
 std::filesystem::path target(const std::filesystem::path& path) {
   if (path.filename().empty()) fail(path, "is the name of a folder", 0, "name a file in it");
+  if (streamOf(path)) fail(path, "is an open stream, which is no place for a file that is replaced when the new one is complete", 0, "name a file");
   std::filesystem::path real = path;
   std::error_code error;
   for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
@@ -109,8 +126,24 @@ void OutputFile::commit() {
 
 void checkOutput(const std::filesystem::path& path) { const OutputFile probe(path); }
 
+void checkTextOutput(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (streamOf(path) || (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))) return;
+  checkOutput(path);
+}
+
 void writeTextFile(const std::filesystem::path& path, std::string_view text) {
   std::error_code error;
+  if (const std::optional<int> stream = streamOf(path)) {
+    while (!text.empty()) {
+      const ssize_t written = ::write(*stream, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) fail(path, "can not be written", errno, "free some space or choose another file");
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return;
+  }
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error)) {
     errno = 0;
     std::ofstream file(path, std::ios::binary);

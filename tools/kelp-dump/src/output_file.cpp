@@ -22,7 +22,12 @@ constexpr std::size_t kBuffer = std::size_t{1} << 18;
 std::string target(const std::string& path) {
   fs::path real = console::pathOf(path);
   std::error_code error;
-  for (int hops = 0; hops < 40 && fs::is_symlink(real, error); ++hops) real = real.parent_path() / fs::read_symlink(real, error);
+  for (int hops = 0; hops < 40 && fs::is_symlink(real, error); ++hops) {
+    // The file of an open stream would be replaced beneath who else writes to it.
+    const std::string folder = real.parent_path().generic_string();
+    if (folder == "/dev/fd" || (folder.rfind("/proc/", 0) == 0 && real.parent_path().filename() == "fd")) throw DumpError(kIo, fmt::format("{}: is an open stream; give - for standard output, or name a file", path));
+    real = real.parent_path() / fs::read_symlink(real, error);
+  }
   return console::nameOf(real);
 }
 

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "kelp/formats/model.h"
 
@@ -36,6 +40,12 @@ std::string bar(double share, int longest = 20);
 // To that many columns on the left or on the right, counting characters, not bytes; longer text stays as it is.
 std::string padRight(const std::string& text, std::size_t columns);
 std::string padLeft(const std::string& text, std::size_t columns);
+
+// A line to stderr that begins with the program's name. What can not be said is no reason to fail.
+template <class... Arguments>
+void say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  std::fputs(("kelp-dump: " + fmt::format(format, std::forward<Arguments>(arguments)...)).c_str(), stderr);
+}
 
 // Writes all of `text` to stdout; DumpError (kIo) if that fails.
 void print(std::string_view text);

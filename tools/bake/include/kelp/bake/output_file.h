@@ -30,4 +30,8 @@ class OutputFile {
   int error_ = 0;
 };
 
+// Whether writeTextFile could write `path`, asked before the long work: BakeError kIo. What is no regular file (/dev/null) and what names an open stream (/dev/stdout)
+// is written as it is.
+void checkTextOutput(const std::filesystem::path& path);
+
 }  // namespace kelp::bake
