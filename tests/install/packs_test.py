@@ -161,7 +161,9 @@ class Packs:
             self.assertEqual(read(self.crate), old)
 
         with self.subTest("options"):
-            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>", ""):
+            # One that makes the rule another's, too: the build still knows its pack.
+            write(f"{self.models}/target.toml", 'deps-target = "all"\n')
+            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>", f"--config;{self.models}/target.toml", ""):
                 self.assertEqual(self.configure(f"-DCRATE_OPTIONS={options}")[0], 0)
                 self.settled("crat")
             self.assertEqual(self.configure("-DCRATE_OPTIONS=")[0], 0)
@@ -211,6 +213,7 @@ class NinjaPacks(Packs, unittest.TestCase):
                 (f"TARGET p {reed} RIG none.json", "none.json: no such file"),
                 (f"TARGET p {reed} OPTIONS -o x.kelp", "OPTIONS -o: kelp_add_pack gives this itself"),
                 (f"TARGET p {reed} OPTIONS -MD", "OPTIONS -MD"),
+                (f"TARGET p {reed} OPTIONS -MT all", "OPTIONS -MT"),
                 (f"TARGET p {reed} OPTIONS --rig sway", "give the rig as RIG"),
                 (f"TARGET p {reed} OUTPUT packs", "ends in .kelp"),
                 (f"TARGET p {reed}", "made by another kelp_add_pack")):

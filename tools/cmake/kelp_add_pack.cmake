@@ -79,10 +79,11 @@ function(kelp_add_pack)
     set(forget COMMAND ${CMAKE_COMMAND} -E rm -f "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${own_target}.dir/compiler_depend.internal")
   endif()
   cmake_path(GET output PARENT_PATH output_folder)
-  # Said even so: a configuration may name another target. A name that make reads otherwise is kelp-bake's to write.
+  # Said even so: a configuration may name another target. As make reads it; what only a generator expression or more than spaces tells apart is kelp-bake's to write.
   set(rule_target "")
-  if(output MATCHES "^[-A-Za-z0-9_./+@]+$")
-    set(rule_target -MT "${output}")
+  if(output MATCHES "^[^$\\\t]+$")
+    string(REGEX REPLACE "([ #:])" "\\\\\\1" escaped "${output}")
+    set(rule_target -MT "${escaped}")
   endif()
   add_custom_command(OUTPUT "${output}"
     COMMAND ${CMAKE_COMMAND} -E make_directory "${output_folder}"
