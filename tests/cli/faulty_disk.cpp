@@ -76,12 +76,6 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
-int openAt(const char* name, const char* path, int flags, mode_t mode) {
-  // A relative path is one of the folder that the test runs in.
-  if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return -1;
-  return next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
-}
-
 }  // namespace
 
 extern "C" {
@@ -91,16 +85,13 @@ int open(const char* path, int flags, ...) {
   va_start(rest, flags);
   const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? static_cast<mode_t>(va_arg(rest, int)) : 0;
   va_end(rest);
-  return openAt("open", path, flags, mode);
+  // A relative path is one of the folder that the test runs in.
+  if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return -1;
+  return next<int (*)(const char*, int, ...)>("open")(path, flags, mode);
 }
 
-int open64(const char* path, int flags, ...) {
-  va_list rest;
-  va_start(rest, flags);
-  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? static_cast<mode_t>(va_arg(rest, int)) : 0;
-  va_end(rest);
-  return openAt("open64", path, flags, mode);
-}
+// With 64-bit offsets they are one, which libraries call by this name.
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 FILE* fopen64(const char* path, const char* mode) {
   if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return nullptr;

@@ -16,6 +16,7 @@ import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, Case, box, lump
+from terminal import read_terminal
 
 TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 16
 
@@ -27,16 +28,7 @@ class Progress(Case):
         fcntl.ioctl(secondary, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=secondary, env=dict(os.environ, TERM=kind))
         os.close(secondary)
-        text = b""
-        while True:
-            try:
-                piece = os.read(primary, 65536)
-            except OSError:  # as Linux says that the other end is closed
-                break
-            if not piece:
-                break
-            text += piece
-        os.close(primary)
+        text = read_terminal(primary)
         process.stdout.close()
         self.assertEqual(process.wait(timeout=60), 0, text)
         return text.decode().replace("\r\n", "\n")

@@ -12,6 +12,8 @@ import tempfile
 import time
 import unittest
 
+from terminal import read_terminal
+
 SOURCES = sys.argv.pop(1)
 PROGRAMS = {}
 while len(sys.argv) > 1:
@@ -134,16 +136,7 @@ class Dump(Case):
         primary, secondary = pty.openpty()
         process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=secondary, stderr=secondary)
         os.close(secondary)
-        text = b""
-        while True:
-            try:
-                piece = os.read(primary, 65536)
-            except OSError:  # as Linux says that the other end is closed
-                break
-            if not piece:
-                break
-            text += piece
-        os.close(primary)
+        text = read_terminal(primary)
         return process.wait(timeout=60), text
 
     def test_bytes_do_not_go_to_a_terminal(self):
