@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the folder KELP_FAULTY_FOLDER, the one of a kind
 // with a number fails. KELP_FAULT="write 3 28": the third write answers errno 28; "read short": every read gives at most three bytes, and so for
-// write. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end.
+// write. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end. Processes that the program starts count on.
+// KELP_FAULT="crash .tmp", "hang model.obj": so a library may do at a file; here a process that the program starts does, as it opens the first file whose name ends so.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -25,12 +28,18 @@ struct Plan {
   const char* folder = std::getenv("KELP_FAULTY_FOLDER");
   int kind = -1, error = 0;
   long number = 0;  // 0: every one is short
-  std::atomic<long> count[kKindCount] = {};
+  const pid_t program = getpid();
+  void (*at_file)() = nullptr;
+  char at_name[64] = {};
+  std::atomic<long>* const count = static_cast<std::atomic<long>*>(mmap(nullptr, sizeof(std::atomic<long>) * kKindCount, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));  // zeros
 
   Plan() {
     const char* const text = std::getenv("KELP_FAULT");
     char name[16] = {}, number_text[16] = {};
-    if (text == nullptr || std::sscanf(text, "%15s %15s %d", name, number_text, &error) < 2) return;
+    if (text == nullptr) return;
+    if (std::sscanf(text, "crash %63s", at_name) == 1) at_file = [] { std::raise(SIGABRT); };
+    if (std::sscanf(text, "hang %63s", at_name) == 1) at_file = [] { for (;;) pause(); };
+    if (at_file != nullptr || std::sscanf(text, "%15s %15s %d", name, number_text, &error) < 2) return;
     for (int k = 0; k < kKindCount; ++k) {
       if (std::strcmp(name, kKinds[k]) == 0) kind = k;
     }
@@ -49,6 +58,7 @@ Plan& plan() {
   static Plan it;
   return it;
 }
+[[maybe_unused]] const Plan& kMadeByTheProgram = plan();
 
 bool isIn(const char* path) { return plan().folder != nullptr && std::strncmp(path, plan().folder, std::strlen(plan().folder)) == 0; }
 
@@ -69,6 +79,12 @@ bool fails(Kind kind) {
   return true;
 }
 
+// Before a file is opened.
+void visit(const char* path) {
+  const std::size_t length = std::strlen(path), end = std::strlen(plan().at_name);
+  if (plan().at_file != nullptr && getpid() != plan().program && length >= end && std::strcmp(path + length - end, plan().at_name) == 0) plan().at_file();
+}
+
 std::size_t atMost(Kind kind, std::size_t size) { return plan().kind == kind && plan().number == 0 ? std::min(size, kShort) : size; }
 
 template <class Function>
@@ -85,6 +101,7 @@ int open(const char* path, int flags, ...) {
   va_start(rest, flags);
   const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? static_cast<mode_t>(va_arg(rest, int)) : 0;
   va_end(rest);
+  visit(path);
   // A relative path is one of the folder that the test runs in.
   if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return -1;
   return next<int (*)(const char*, int, ...)>("open")(path, flags, mode);
@@ -94,6 +111,7 @@ int open(const char* path, int flags, ...) {
 int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 FILE* fopen64(const char* path, const char* mode) {
+  visit(path);
   if ((path[0] != '/' || isIn(path)) && fails(kOpen)) return nullptr;
   return next<FILE* (*)(const char*, const char*)>("fopen64")(path, mode);
 }

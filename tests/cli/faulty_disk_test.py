@@ -12,7 +12,8 @@ import sys
 import tempfile
 import unittest
 
-KELP_BAKE, KELP_DUMP, LIBRARY, GOLDEN = (path if path == "none" else os.path.abspath(path) for path in sys.argv[1:5])
+LIBRARY = sys.argv.pop(3)  # or several, as LD_PRELOAD has them
+KELP_BAKE, KELP_DUMP, GOLDEN = (path if path == "none" else os.path.abspath(path) for path in sys.argv[1:4])
 KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync": errno.EIO, "close": errno.ENOSPC, "rename": errno.EIO}
 OLD = b"the old one"
 AT_MOST = 24  # calls of a kind that are tried, spread over all there are
@@ -115,4 +116,4 @@ class FaultyDisk(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

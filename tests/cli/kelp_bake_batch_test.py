@@ -5,13 +5,13 @@ import collections
 import json
 import os
 import random
-import resource
 import signal
 import subprocess
 import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, PIXEL, Case, box, textured_box
+from limited import limits
 
 
 class Batches(Case):
@@ -220,11 +220,10 @@ class Batches(Case):
         self.write("d.json", {"include": ["c.json", "./c.json"], "assets": ["2.obj"]})
         self.passes("--manifest", "d.json", "--resolution", "4")
         self.assertEqual(self.kelps(), ["1.kelp", "2.kelp"])
-        limited = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
         for name, text in (("brackets", b"[" * 15000000), ("objects", b'{"a":' * 3000000), ("numbers", b'{"assets":[' + b"0," * 8000000), ("long", b" " * 20000000), ("zeros", b"\0" * 1000),
                            ("names", b"{" + b",".join(b'"%d":0' % i for i in range(900000)) + b"}"), ("text", b'{"include": "' + b"x" * 15000000 + b'"}')):
             start = time.monotonic()
-            result = self.bake("--manifest", self.write(name + ".json", text), preexec_fn=limited)
+            result = self.bake("--manifest", self.write(name + ".json", text), **limits(KELP_BAKE))
             self.assertIn(result.returncode, (2, 3), (name, result.stderr[:300]))
             self.assertLess(len(result.stderr), 20000000)
             self.assertLess(time.monotonic() - start, 10, name)

@@ -3,30 +3,24 @@
 """kelp-bake on files that were made to do harm. Usage: kelp_bake_hostile_test.py KELP_BAKE SOURCE_FOLDER [unittest options]
 
 The folder `hostile` of the assets is walked whole (skipped where it is absent); what Khronos' validator says of a file stands beside it as
-*.report.json. Every run has a gigabyte of address space and ten seconds."""
+*.report.json. Every run has a gigabyte of memory and ten seconds."""
 import base64
 import json
 import os
-import resource
 import struct
-import subprocess
 import sys
 import tempfile
 import unittest
 import zlib
 
+from limited import run_limited
+
 KELP_BAKE = os.path.abspath(sys.argv.pop(1))
 SOURCES = sys.argv.pop(1)
 ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
-GIGABYTE = 1 << 30
-SECONDS = 10
 
 # Bad files of a kind that a reader can go on from: a value of a wrong type that no voxel needs, one bad line of an otherwise good OBJ.
 WITH_A_WARNING = {"badExtension.gltf", "badNumber.gltf", "badObject.gltf", "badString.gltf", "badUint.gltf", "malformed2.obj"}
-
-
-def limits():
-    resource.setrlimit(resource.RLIMIT_AS, (GIGABYTE, GIGABYTE))
 
 
 class Hostile(unittest.TestCase):
@@ -46,7 +40,7 @@ class Hostile(unittest.TestCase):
         out = os.path.join(self.folder.name, "out.kelp")
         grain = [] if path.endswith((".vox", ".binvox")) else ["--resolution", "16"]  # those keep their voxels
         command = [KELP_BAKE, path, "-o", out, *grain, "--threads", "2", "--progress", "none", *arguments]
-        result = subprocess.run(command, capture_output=True, timeout=SECONDS, preexec_fn=limits)
+        result = run_limited(command)
         text = result.stderr.decode(errors="replace")
         self.assertIn(result.returncode, (0, 1, 2, 3, 5), f"{path}: {text}")
         if result.returncode:

@@ -109,6 +109,28 @@ TEST_P(BrokenStreamTest, AFileThatShrinksKeepsWhatCame) {
   EXPECT_EQ(asset->residentLevel(0), 0);
 }
 
+// As when a build writes over it in place: another model, then the old one again.
+TEST_P(BrokenStreamTest, AFileThatBecomesAnotherKeepsWhatCame) {
+  const DepthCanvas canvas(GetParam(), {60, 80}, GL_DEPTH_COMPONENT32F);
+  HostSource source(bytes());
+  const auto asset = openAsset(source);
+  ASSERT_TRUE(renderer_->add(*asset));
+  EXPECT_EQ(frames(*asset, 3, canvas), 0);
+  ASSERT_TRUE(seen_);
+  const std::vector<std::byte> whole = source.bytes();
+  std::vector<std::byte> other = bytesOf(packOf(reed(256, 3)));
+  ASSERT_NE(other, whole);
+  other.resize(whole.size());
+  source.bytes() = other;
+  EXPECT_GT(frames(*asset, 60, canvas, ErrorCode::kChecksum), 0);
+  EXPECT_EQ(frames(*asset, 20, canvas), 0) << "told once";
+  EXPECT_EQ(pending_, 0u);
+  source.bytes() = whole;
+  asset->retry();
+  EXPECT_EQ(frames(*asset, 40, canvas), 0);
+  EXPECT_EQ(asset->residentLevel(0), 0);
+}
+
 TEST_P(BrokenStreamTest, ATruncatedFileOpensWithAnError) {
   for (std::size_t size = 0; size < bytes().size(); size = size < 2000 ? size + 37 : 2 * size) {
     HostSource source({bytes().begin(), bytes().begin() + static_cast<std::ptrdiff_t>(size)});

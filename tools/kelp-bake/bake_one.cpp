@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "clashes.h"
+#include "contained.h"
 #include "interrupt.h"
 #include "kelp/bake/output_file.h"
 #include "kelp/formats/pack.h"
@@ -95,6 +96,7 @@ Baked bakeOne(const Options& options, const Place& place, const Cache* cache, Pr
       printEstimate(options, report);
       announce = false;
     }
+    enterStage(stage);
     display.show(stage, done);
     return !interrupted();
   };

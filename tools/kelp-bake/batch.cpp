@@ -6,13 +6,15 @@
 #include <new>
 #include <system_error>
 
-#include "kelp/bake/output_file.h"
+#include <nlohmann/json.hpp>
 
 #include "bake_one.h"
 #include "batch_report.h"
 #include "batch_summary.h"
+#include "contained.h"
 #include "faults.h"
 #include "interrupt.h"
+#include "kelp/bake/output_file.h"
 #include "messages.h"
 #include "shard.h"
 #include "summary.h"
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 using bake::BakeError;
 using bake::Exit;
 using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -121,14 +124,15 @@ class TimeLeft {
   Kind kinds_[2];
 };
 
+void setFailed(AssetResult& result, const Job& job, Exit exit, const std::string& what) {
+  result.status = Status::kFailed;
+  result.exit = exit;
+  result.error = oneLine(withPlace(job.asset.place, what));
+}
+
 AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
   AssetResult result;
-  const auto start = Clock::now();
-  const auto fail = [&](Exit exit, const std::string& what) {
-    result.status = Status::kFailed;
-    result.exit = exit;
-    result.error = oneLine(withPlace(job.asset.place, what));
-  };
+  const auto fail = [&](Exit exit, const std::string& what) { setFailed(result, job, exit, what); };
   const Options& options = job.options;
   try {
     std::optional<Baked> done;
@@ -147,6 +151,37 @@ AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDispl
     fail(Exit::kRuntime, options.input.string() + ": out of memory; lower --resolution");
   } catch (const std::exception& error) {
     fail(Exit::kRuntime, options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
+  }
+  return result;
+}
+
+// All of a result but its time.
+std::string packed(const AssetResult& result) {
+  const Json json = {result.status, result.exit, result.error, result.pack_bytes, result.notices};
+  std::string bytes;
+  Json::to_cbor(json, bytes);  // takes words that are no UTF-8 as they are
+  return bytes;
+}
+
+AssetResult unpacked(const std::string& bytes) {
+  const Json json = Json::from_cbor(bytes);
+  AssetResult result;
+  json[0].get_to(result.status);
+  json[1].get_to(result.exit);
+  json[2].get_to(result.error);
+  json[3].get_to(result.pack_bytes);
+  json[4].get_to(result.notices);
+  return result;
+}
+
+// In a process of its own.
+AssetResult runContained(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
+  const auto start = Clock::now();
+  AssetResult result;
+  try {
+    result = unpacked(contained(job.options, display, [&] { return Outcome{Exit::kOk, packed(runOne(job, force, cache, display))}; }).text);
+  } catch (const BakeError& error) {
+    if (error.exit != Exit::kInterrupted) setFailed(result, job, error.exit, error.what());
   }
   result.seconds = secondsSince(start);
   return result;
@@ -171,7 +206,7 @@ Exit runBatch(const Command& command) {
   for (std::size_t i = 0; i < jobs.jobs.size() && !interrupted(); ++i) {
     AssetResult& asset = result.assets[i];
     display.beginAsset(i + 1, jobs.jobs.size(), jobs.jobs[i].options.output.string(), time_left.seconds());
-    asset = runOne(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
+    asset = runContained(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
     display.clear();
     result.exit = std::max(result.exit, asset.exit);
     printAsset(jobs, i, asset);

@@ -24,6 +24,11 @@ void catchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of writing, not the end with half a file left behind
 }
 
+void hearParentOnly() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+  std::signal(SIGUSR1, [](int) { g_interrupted = 1; });
+}
+
 bool interrupted() { return g_interrupted != 0; }
 
 }  // namespace kelp::bake_cli

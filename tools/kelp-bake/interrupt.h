@@ -7,5 +7,7 @@ namespace kelp::bake_cli {
 // one ends the program at once. Writing to what no longer takes it is an error, not a signal.
 void catchInterrupts();
 bool interrupted();
+// For a child process: the parent alone hears those signals, and tells by SIGUSR1.
+void hearParentOnly();
 
 }  // namespace kelp::bake_cli

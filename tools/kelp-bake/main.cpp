@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // kelp-bake: a thin main over kelp::bake. Every exception ends here, as an exit code and a line for each fault.
 #include <exception>
+#include <functional>
 #include <new>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "clashes.h"
 #include "command_line.h"
 #include "config_file.h"
+#include "contained.h"
 #include "faults.h"
 #include "interrupt.h"
 #include "kelp/console/console.h"
@@ -23,7 +25,29 @@ using kelp::bake::BakeError;
 using kelp::bake::Exit;
 using namespace kelp::bake_cli;
 
-void runSingle(const Command& command) {
+Exit complain(Exit code, const std::string& message) {
+  sayError(code, message);
+  return code;
+}
+
+// What ends here becomes an exit code and a line for each fault.
+Exit guarded(const std::function<Exit()>& work) {
+  try {
+    return work();
+  } catch (const SeveralFaults& several) {
+    for (const BakeError& fault : several.faults) complain(fault.exit, fault.what());
+    const std::string told = several.faults.size() < several.count ? ", of which the first " + std::to_string(several.faults.size()) + " are told" : "";
+    return complain(several.exit, std::to_string(several.count) + " faults" + told + ", and nothing was baked");
+  } catch (const BakeError& error) {
+    return complain(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(Exit::kRuntime, "out of memory; lower --resolution");
+  } catch (const std::exception& error) {
+    return complain(Exit::kRuntime, std::string("unexpected: ") + error.what() + "; please report this as a defect");
+  }
+}
+
+Exit runSingle(const Command& command) {
   Options options = readOptions(overlay(command.config, command.options));
   options.option_files = command.option_files;
   std::error_code error;
@@ -36,17 +60,16 @@ void runSingle(const Command& command) {
   checkDestinations(options);
   const std::optional<Cache> cache = openCache(options);
   ProgressDisplay display(options.progress);
-  const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
-  if (baked.cached) {
-    printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
-  } else {
-    printSummary(options, baked.report, baked.seconds);
-  }
-}
-
-int complain(Exit code, const std::string& message) {
-  sayError(code, message);
-  return static_cast<int>(code);
+  const auto bakeAndTell = [&] {
+    const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
+    if (baked.cached) {
+      printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
+    } else {
+      printSummary(options, baked.report, baked.seconds);
+    }
+    return Exit::kOk;
+  };
+  return contained(options, display, [&] { return Outcome{guarded(bakeAndTell), ""}; }).exit;
 }
 
 // Before anything is understood: what can go wrong from the first word on is told as it was asked for.
@@ -60,30 +83,18 @@ bool asksForJson(const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
   kelp::console::prepareStreams();
-  try {
+  return static_cast<int>(guarded([&] {
     const std::vector<std::string> words = kelp::console::arguments(argc, argv);
     if (asksForJson(words)) speakJson();
     const std::optional<Command> command = parseCommandLine(words);
-    if (!command) return static_cast<int>(Exit::kOk);
+    if (!command) return Exit::kOk;
     const Values values = overlay(command->config, command->options);
     if (const auto progress = values.find("progress"); progress != values.end() && progress->second.text == "json") speakJson();
     if (command->print_config) {
       readOptions(values);  // what can not be is no reference
       writeStdout(printConfig(values));
-      return static_cast<int>(Exit::kOk);
+      return Exit::kOk;
     }
-    if (command->isBatch()) return static_cast<int>(runBatch(*command));
-    runSingle(*command);
-    return static_cast<int>(Exit::kOk);
-  } catch (const SeveralFaults& several) {
-    for (const BakeError& fault : several.faults) complain(fault.exit, fault.what());
-    const std::string told = several.faults.size() < several.count ? ", of which the first " + std::to_string(several.faults.size()) + " are told" : "";
-    return complain(several.exit, std::to_string(several.count) + " faults" + told + ", and nothing was baked");
-  } catch (const BakeError& error) {
-    return complain(error.exit, error.what());
-  } catch (const std::bad_alloc&) {
-    return complain(Exit::kRuntime, "out of memory; lower --resolution");
-  } catch (const std::exception& error) {
-    return complain(Exit::kRuntime, std::string("unexpected: ") + error.what() + "; please report this as a defect");
-  }
+    return command->isBatch() ? runBatch(*command) : runSingle(*command);
+  }));
 }

@@ -191,6 +191,7 @@ Options readOptions(const Values& values, Faults& faults) {
   read.positiveNumber("levels", settings.levels);
   read.positiveNumber("threads", settings.threads);
   read.bytes("max-memory", settings.max_memory);
+  read.positiveNumber("max-import-time", options.max_import_seconds);
   read.choice("progress", options.progress, {{"auto", ProgressStyle::kAuto}, {"bar", ProgressStyle::kBar}, {"json", ProgressStyle::kJson}, {"none", ProgressStyle::kNone}}, "auto, bar, json or none");
   read.text("cache", options.cache_folder);
   read.bytes("cache-size", options.cache_bytes);

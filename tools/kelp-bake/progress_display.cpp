@@ -115,4 +115,9 @@ void ProgressDisplay::clear() {
   drawn_ = false;
 }
 
+void ProgressDisplay::takeOver() {
+  drawn_ = style_ == ProgressStyle::kBar;
+  clear();
+}
+
 }  // namespace kelp::bake_cli

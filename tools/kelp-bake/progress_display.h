@@ -25,6 +25,8 @@ class ProgressDisplay {
   void show(std::string_view stage, double done);
   // Takes the bar away, so that other lines may follow.
   void clear();
+  // The same for a bar that a process which has ended left there.
+  void takeOver();
 
  private:
   using Clock = std::chrono::steady_clock;

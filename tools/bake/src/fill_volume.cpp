@@ -95,11 +95,11 @@ class Matcher {
 
     bool sameSide(const Near& other) const { return height == other.height && component == other.component && below == other.below; }
   };
-  void findNear(int threads) {
+  void findNear(int threads, const Step& step) {
     near_.resize(touched_.size());
     parallelRanges(touched_.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) near_[i] = nearest(touched_[i]);
-    });
+    }, step);
   }
   // Of the touched voxel with that number.
   const Near& near(std::size_t i) const { return near_[i]; }
@@ -214,7 +214,7 @@ class Matcher {
 }  // namespace
 
 void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size,
-                  int threads, std::vector<std::uint8_t>& voxels) {
+                  int threads, std::vector<std::uint8_t>& voxels, const Step& step) {
   // How many voxels each component has too many; less than none: too few. First without the kept ones, of which nobody has asked yet whose they are.
   const std::size_t components = mesh.components.size();
   std::vector<double> volume(components, 0), surplus(components, 0);
@@ -233,7 +233,7 @@ void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, con
   if (std::abs(all) + static_cast<double>(kept) <= kSlack * volumes || volumes <= 0) return;
 
   Matcher matcher(mesh, bvh, touched, size, voxels);
-  matcher.findNear(threads);
+  matcher.findNear(threads, step);
   std::vector<std::size_t> nears(components, 0), sheets(components, 0);
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const Matcher::Near& near = matcher.near(i);

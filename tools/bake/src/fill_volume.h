@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fill_scan.h"
+#include "parallel.h"
 #include "surface_bvh.h"
 
 namespace kelp::bake {
@@ -19,6 +20,6 @@ namespace kelp::bake {
 //
 // The volume is that of the component's triangles and caps, less what `scanned` met of it twice. The choice is made by one thread, in one order.
 void matchVolumes(const Topology& mesh, const std::vector<Scanned>& scanned, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size,
-                  int threads, std::vector<std::uint8_t>& voxels);
+                  int threads, std::vector<std::uint8_t>& voxels, const Step& step);
 
 }  // namespace kelp::bake

@@ -46,7 +46,7 @@ const char* remedyOf(Exit code) {
   switch (code) {
     case Exit::kIo: return "; check the path and its permissions";
     case Exit::kInvalid: return "; repair the file there or export it again";
-    case Exit::kRuntime: return "; free memory, or bake a smaller model";
+    case Exit::kRuntime: return "; raise --max-memory, free memory, or bake a smaller model";
     default: return "; export it in another way";
   }
 }

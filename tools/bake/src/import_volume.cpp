@@ -166,7 +166,7 @@ SourceModel importVolume(const InputFiles& files, const std::function<VolumeFile
   try {
     return VolumeImport(files, read(), settings).run();
   } catch (const std::bad_alloc&) {
-    refuse(Exit::kRuntime, files.input(), "", "does not fit into memory; free memory, or export a smaller volume");
+    refuse(Exit::kRuntime, files.input(), "", "does not fit into memory; raise --max-memory, free memory, or export a smaller volume");
   }
 }
 

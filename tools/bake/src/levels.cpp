@@ -106,7 +106,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
   fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
   const int count = levelCount(grid.size, levels);
   for (int level = 0; level < count; ++level) {
-    if (progress && !progress("levels", static_cast<double>(level) / count)) throw BakeError(Exit::kInterrupted, "interrupted");
+    if (progress && !progress("levels", 1 - std::pow(4.0, -level))) throw BakeError(Exit::kInterrupted, "interrupted");
     if (level > 0) {
       fields::Occupancy coarse = fields::coarser(occupancy, threadCount(threads));
       attributes = coarserAttributes(attributes, occupancy.size, coarse.size);

@@ -57,7 +57,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   // Measured on real files (tools/bake/README.md). Bytes for each triangle: as it was read, while the mesh is analysed, and with its hierarchy. While the
   // surface is found and looked at: for each brick that it passes through, which OpenVDB's trees hold whole, and for each surface voxel. While levels are built:
   // for each surface voxel.
-  constexpr double kProgram = 39e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120, kTrees = 7500, kFinding = 36, kLeveling = 42;
+  constexpr double kProgram = 23e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120, kTrees = 7500, kFinding = 36, kLeveling = 42;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
   for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;

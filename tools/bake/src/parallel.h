@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -14,21 +15,30 @@ namespace kelp::bake {
 
 inline int threadCount(int asked) { return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
+// How far a long step is, 0..1: called now and then by the thread that began it. May throw, which ends the step.
+using Step = std::function<void(double done)>;
+
 // Calls work(begin, end) for ranges of at most `grain` items that cover [0, count). The first exception is thrown again here.
 template <class Work>
-void parallelRanges(std::size_t count, std::size_t grain, int threads, const Work& work) {
+void parallelRanges(std::size_t count, std::size_t grain, int threads, const Work& work, const Step& step = {}) {
   const std::size_t ranges = (count + grain - 1) / grain;
   const std::size_t workers = std::min<std::size_t>(static_cast<std::size_t>(threadCount(threads)), ranges);
   if (workers <= 1) {
-    for (std::size_t begin = 0; begin < count; begin += grain) work(begin, std::min(count, begin + grain));
+    for (std::size_t begin = 0; begin < count; begin += grain) {
+      work(begin, std::min(count, begin + grain));
+      if (step) step(static_cast<double>(std::min(count, begin + grain)) / static_cast<double>(count));
+    }
     return;
   }
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
-  const auto run = [&] {
+  const auto run = [&](const Step& tell) {
     try {
-      for (std::size_t range = next++; range < ranges; range = next++) work(range * grain, std::min(count, (range + 1) * grain));
+      for (std::size_t range = next++; range < ranges; range = next++) {
+        work(range * grain, std::min(count, (range + 1) * grain));
+        if (tell) tell(static_cast<double>(range + 1) / static_cast<double>(ranges));
+      }
     } catch (...) {
       next = ranges;
       const std::lock_guard<std::mutex> lock(failure_mutex);
@@ -36,8 +46,8 @@ void parallelRanges(std::size_t count, std::size_t grain, int threads, const Wor
     }
   };
   std::vector<std::thread> pool;
-  for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(run);
-  run();
+  for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(run, Step());
+  run(step);
   for (std::thread& thread : pool) thread.join();
   if (failure) std::rethrow_exception(failure);
 }

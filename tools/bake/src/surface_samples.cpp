@@ -254,13 +254,13 @@ void turnHiddenSheets(const std::vector<SheetVote>& votes, std::size_t component
 }  // namespace
 
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
-                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads) {
+                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads, const Step& step) {
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   std::vector<SheetVote> votes(surface.size());
   parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
-  });
+  }, step);
   turnHiddenSheets(votes, mesh.components.size(), samples);
   return samples;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fill_scan.h"
+#include "parallel.h"
 #include "surface_look.h"
 
 namespace kelp::bake {
@@ -11,6 +12,6 @@ namespace kelp::bake {
 // nearest point; on sheets the triangle's normal as wound, turned for a sheet as a whole if a body lies before it. Colours never come from the cap of a hole, nor from
 // where a sheet is cut out if another passes through the voxel.
 std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint8_t>& voxels,
-                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads);
+                                         const glm::ivec3& size, const std::vector<std::uint64_t>& surface, int threads, const Step& step);
 
 }  // namespace kelp::bake

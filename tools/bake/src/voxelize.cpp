@@ -12,6 +12,7 @@
 #include "kelp/fields/fields.h"
 #include "memory_estimate.h"
 #include "mesh_counts.h"
+#include "parallel.h"
 #include "surface_band.h"
 #include "surface_bvh.h"
 #include "surface_look.h"
@@ -23,6 +24,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   const auto report = [&](double done) {
     if (progress && !progress("voxelize", done)) throw BakeError(Exit::kInterrupted, "interrupted");
   };
+  const auto between = [&](double begin, double end) { return [&report, begin, end](double done) { report(begin + (end - begin) * done); }; };
   report(0.0);
   const Topology mesh = analyse(part.soup, frame, fill);
   report(0.15);
@@ -35,8 +37,10 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   {
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
+    report(0.35);
     closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
-    matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels);
+    report(0.4);
+    matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels, between(0.4, 0.5));
   }
   returnFreedMemory();
   if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
@@ -49,7 +53,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   {
     const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads);
     report(0.6);
-    result.grid.surface = sampleSurface(look, mesh, bvh, occupancy.solid, frame.size, surface, threads);
+    result.grid.surface = sampleSurface(look, mesh, bvh, occupancy.solid, frame.size, surface, threads, between(0.6, 1.0));
   }
   returnFreedMemory();
   result.counts = countFill(mesh, part.soup.triangles.size());

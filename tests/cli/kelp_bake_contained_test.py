@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Files whose readers crash, hang and fill the memory: errors of their own assets, and of no others. Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
+LIBRARY is faulty_disk.cpp, which makes a crash or a hang of the opening of a file."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from kelp_bake_case import KELP_BAKE, Case, box
+
+LIBRARY = sys.argv.pop(1)  # or several, as LD_PRELOAD has them
+
+
+def alive(process):
+    """Neither gone nor waiting to be asked how it ended."""
+    try:
+        with open("/proc/%d/stat" % process, encoding="utf-8") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except FileNotFoundError:
+        return False
+
+
+class Contained(Case):
+    def start(self, fault, *arguments):
+        environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder, KELP_FAULT=fault)
+        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, env=environment, stderr=subprocess.PIPE)
+        self.addCleanup(process.stderr.close)
+        return process
+
+    def ends(self, process, code, *words):
+        text = process.communicate(timeout=60)[1].decode()
+        self.assertEqual(process.returncode, code, text)
+        for word in words:
+            self.assertIn(word, text)
+        self.assertEqual(sorted(name for name in os.listdir(self.folder) if name.startswith(".")), [])
+        return text
+
+    def hangs(self, fault, *arguments):
+        """A bake that does, and its child."""
+        process = self.start(fault, *arguments)
+        deadline = time.monotonic() + 30
+        while time.monotonic() < deadline:
+            with open("/proc/%d/task/%d/children" % (process.pid, process.pid), encoding="utf-8") as file:
+                children = [int(word) for word in file.read().split()]
+            if children:
+                with open("/proc/%d/wchan" % children[0], encoding="utf-8") as file:
+                    if "pause" in file.read():
+                        return process, children[0]
+            time.sleep(0.01)
+        process.kill()
+        self.fail("it does not hang: " + process.stderr.read().decode())
+
+    def test_a_crash(self):
+        text = self.ends(self.start("crash 1.obj", "1.obj", "-o", "out.kelp"), 4, "kelp-bake: 1.obj: the bake crashed (Aborted) while the file was read; ")
+        self.assertEqual(text.count("\n"), 1, text)
+        self.assertFalse(os.path.exists(self.path("out.kelp")))
+        self.write("out.kelp", b"the pack that was there")
+        self.ends(self.start("crash .tmp", "1.obj", "-o", "out.kelp"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
+        self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+
+    def test_a_batch_goes_on(self):
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
+        text = self.ends(self.start("crash 2.obj", "--manifest", "m.json", "--report", "r.json"), 4, "[2/3] 2.kelp: failed: m.json:1:", "2.obj: the bake crashed", "2 of 3 assets done: 2 baked")
+        report = json.loads(self.read("r.json"))["assets"]
+        self.assertEqual([asset["status"] for asset in report], ["baked", "failed", "baked"])
+        self.assertIn("the bake crashed", report[1]["error"])
+        self.ends(self.start("", "--manifest", "m.json"), 0, "3 of 3 assets done: 1 baked, 2 up to date")
+        for line in self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json").communicate(timeout=60)[1].splitlines():
+            last = json.loads(line)
+        self.assertEqual((last["kind"], last["exit"]), ("error", 4))
+        self.assertNotIn("\x1b", text)
+
+    def test_a_hang(self):
+        start = time.monotonic()
+        self.ends(self.start("hang 2.obj", "2.obj", "-o", "out.kelp", "--max-import-time", "1"), 4, "2.obj: reading it takes longer than 1 s; ", "--max-import-time")
+        self.assertLess(time.monotonic() - start, 20)
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
+        self.ends(self.start("hang 2.obj", "--manifest", "m.json", "--max-import-time", "1"), 4, "2.obj: reading it takes longer than 1 s; ", "2 of 3 assets done: 2 baked")
+
+    def test_signals_while_it_hangs(self):
+        for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp")
+            start = time.monotonic()
+            process.send_signal(sent)
+            self.assertEqual(self.ends(process, 130), "kelp-bake: interrupted\n")
+            self.assertLess(time.monotonic() - start, 10)
+            self.assertFalse(alive(child))
+
+    def test_the_child_ends_with_its_parent(self):
+        process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp")
+        process.kill()
+        process.wait()
+        deadline = time.monotonic() + 10
+        while alive(child) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.assertFalse(alive(child))
+
+    def test_the_child_is_killed(self):
+        """As the system does that runs out of memory."""
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
+        process, child = self.hangs("hang 1.obj", "--manifest", "m.json")
+        os.kill(child, signal.SIGKILL)
+        self.ends(process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out", "1 of 2 assets done: 1 baked")
+
+    def test_memory(self):
+        """Three million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
+        self.write("large.obj", "v 0 0 0\n" * 3000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))
+        self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--max-memory", "1M"), 4, "large.obj: does not fit into memory; raise --max-memory, ")
+        self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--max-memory", "1G"), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "contained.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "interrupt.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+using bake::BakeError;
+using bake::Exit;
+using Clock = std::chrono::steady_clock;
+
+// What the child tells: a byte each; after kOutcome the exit code in a byte, and the text to the end.
+constexpr char kImportBegins = 'i', kImportEnds = 'e', kOutcome = 'o';
+// What a program of its own size may take beyond what the model takes.
+constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
+// How often the parent looks up, and how long an import may go on after Ctrl-C.
+constexpr std::chrono::milliseconds kTick{200};
+
+// Of the child.
+struct Child {
+  int pipe = -1;  // to the parent; -1: this is none
+  std::uint64_t import_bytes = 0;
+  bool importing = false;
+  rlimit before{};
+} g_child;
+
+void tell(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(g_child.pipe, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) std::_Exit(static_cast<int>(Exit::kRuntime));  // no parent
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::uint64_t importBytes(const Options& options) {
+  if (options.settings.max_memory > 0) return options.settings.max_memory;
+  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+// What the system counts against RLIMIT_DATA; 0 if it does not say.
+std::uint64_t dataBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    std::uint64_t kilobytes = 0;
+    if (word == "VmData:" && status >> kilobytes) return kilobytes * 1024;
+  }
+  return 0;
+}
+
+[[noreturn]] void runChild(pid_t parent, int pipe, const Options& options, const std::function<Outcome()>& work) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) std::_Exit(static_cast<int>(Exit::kRuntime));  // it has ended before it could be watched
+  hearParentOnly();
+  g_child.pipe = pipe;
+  g_child.import_bytes = importBytes(options);
+  const Outcome outcome = work();
+  tell(std::string{kOutcome, static_cast<char>(outcome.exit)} + outcome.text);
+  std::fflush(nullptr);
+  std::_Exit(0);  // log4cplus, which comes with OpenVDB, has started threads before main; at an orderly exit it would wait for them, and here they are not
+}
+
+// What has come from the child.
+class Messages {
+ public:
+  explicit Messages(int pipe) : pipe_(pipe) {}
+  ~Messages() { ::close(pipe_); }
+  Messages(const Messages&) = delete;
+  Messages& operator=(const Messages&) = delete;
+
+  // Waits for some, for a tick at most. false: there will be no more.
+  bool read() {
+    pollfd waiting{pipe_, POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(kTick.count())) <= 0) return true;
+    char bytes[4096];
+    const ssize_t size = ::read(pipe_, bytes, sizeof bytes);
+    if (size < 0) return errno == EINTR || errno == EAGAIN;
+    for (const char byte : std::string_view(bytes, static_cast<std::size_t>(size))) take(byte);
+    return size > 0;
+  }
+  bool importing() const { return importing_; }
+  bool imported() const { return imported_; }
+  std::optional<Outcome> outcome() const {
+    if (outcome_.empty()) return std::nullopt;
+    return Outcome{static_cast<Exit>(static_cast<unsigned char>(outcome_[0])), outcome_.substr(1)};
+  }
+
+ private:
+  void take(char byte) {
+    if (in_outcome_) {
+      outcome_ += byte;
+    } else if (byte == kOutcome) {
+      in_outcome_ = true;
+      importing_ = false;
+    } else {
+      importing_ = byte == kImportBegins;
+      imported_ |= byte == kImportEnds;
+    }
+  }
+
+  int pipe_;
+  bool importing_ = false, imported_ = false, in_outcome_ = false;
+  std::string outcome_;
+};
+
+int wait(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+  return status;
+}
+
+[[noreturn]] void failedBy(int status, const Options& options, bool imported) {
+  const std::string when = imported ? " after the file was read" : " while the file was read";
+  std::string what;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
+    what = "the bake was killed" + when + "; most likely memory gave out: lower --resolution, or give --max-memory";
+  } else {
+    what = (WIFSIGNALED(status) ? std::string("the bake crashed (") + strsignal(WTERMSIG(status)) + ")" : "the bake ended by itself (exit code " + std::to_string(WEXITSTATUS(status)) + ")") + when +
+           "; please report this as a defect, with the file; it may be damaged, or made to do harm";
+  }
+  throw BakeError(Exit::kRuntime, options.input.string() + ": " + what);
+}
+
+}  // namespace
+
+Outcome contained(const Options& options, ProgressDisplay& display, const std::function<Outcome()>& work) {
+  if (interrupted()) throw BakeError(Exit::kInterrupted, "interrupted");
+  int ends[2];
+  const pid_t self = getpid();
+  std::fflush(nullptr);  // or the child would write it, too
+  pid_t child = -1;
+  if (::pipe2(ends, O_CLOEXEC) == 0) {
+    child = ::fork();
+    if (child == 0) {
+      ::close(ends[0]);
+      runChild(self, ends[1], options, work);
+    }
+    const int error = errno;
+    ::close(ends[1]);
+    if (child < 0) ::close(ends[0]);
+    errno = error;
+  }
+  if (child < 0) throw BakeError(Exit::kRuntime, options.input.string() + ": no process can be started for its bake: " + std::generic_category().message(errno) + "; end others, or raise their limit (ulimit -u, -n)");
+
+  Messages messages(ends[0]);
+  Clock::duration importing{0};
+  std::optional<Clock::duration> since_interrupt;
+  bool overdue = false;
+  for (auto last = Clock::now(); messages.read();) {
+    const auto now = Clock::now();
+    const auto tick = std::min<Clock::duration>(now - last, 2 * kTick);  // a program that was stopped (Ctrl-Z) has not spent the time
+    last = now;
+    if (since_interrupt) *since_interrupt += tick;
+    if (interrupted() && !since_interrupt) {
+      ::kill(child, SIGUSR1);
+      since_interrupt = Clock::duration{0};
+    }
+    if (!messages.importing()) continue;
+    importing += tick;
+    overdue = !since_interrupt && importing > std::chrono::seconds(options.max_import_seconds);
+    // Once it has heard of the interruption nothing will be written any more, so that nothing is left behind.
+    if (overdue || (since_interrupt && *since_interrupt > kTick)) {
+      ::kill(child, SIGKILL);
+      break;
+    }
+  }
+  const int status = wait(child);
+  std::optional<Outcome> outcome = messages.outcome();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && outcome) return *std::move(outcome);
+  display.takeOver();
+  if (overdue) {
+    throw BakeError(Exit::kRuntime, options.input.string() + ": reading it takes longer than " + std::to_string(options.max_import_seconds) + " s; it may be damaged, or made to do harm; if it is neither, give a larger --max-import-time");
+  }
+  if (since_interrupt) throw BakeError(Exit::kInterrupted, "interrupted");
+  failedBy(status, options, messages.imported());
+}
+
+void enterStage(std::string_view stage) {
+  const bool importing = stage == "import";
+  if (g_child.pipe < 0 || importing == g_child.importing) return;
+  g_child.importing = importing;
+  tell({importing ? &kImportBegins : &kImportEnds, 1});
+  if (!importing) {
+    setrlimit(RLIMIT_DATA, &g_child.before);
+  } else if (getrlimit(RLIMIT_DATA, &g_child.before) == 0) {
+    rlimit limit = g_child.before;
+    if (const std::uint64_t data = dataBytes(); data > 0) limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, data + kOwnBytes + g_child.import_bytes);
+    setrlimit(RLIMIT_DATA, &limit);
+  }
+}
+
+}  // namespace kelp::bake_cli
