@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "parallel.h"
-
 namespace kelp::bake {
 namespace {
 
@@ -112,12 +110,12 @@ std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::
 }
 
 void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size, int threads,
-                   std::vector<std::uint8_t>& voxels) {
+                   std::vector<std::uint8_t>& voxels, const Step& step) {
   std::vector<std::uint8_t> chosen(touched.size(), 0);
-  const auto sweep = [&](const auto& wanted) {
+  const auto sweep = [&](const auto& wanted, const Step& told = {}) {
     parallelRanges(touched.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) chosen[i] = !isSolid(voxels[touched[i]]) && wanted(i, voxelAt(touched[i], size)) ? 1 : 0;
-    });
+    }, told);
   };
   const auto set = [&](std::uint8_t value) {
     for (std::size_t i = 0; i < touched.size(); ++i) {
@@ -142,6 +140,9 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
   // 1. Where nothing is around.
   sweep([&](std::size_t, const glm::ivec3& voxel) { return neighbours(voxel) == 0 && passingAny(voxel) != kCap; });
   set(kLost);
+  const bool any_lost = std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
+  const bool any_thin = std::any_of(mesh.components.begin(), mesh.components.end(), [](const Component& component) { return component.thin; });
+  if (!any_lost && !any_thin) return;
   // 2. What joins those to the rest, and single gaps in thin components.
   const auto lostBeside = [&](const glm::ivec3& voxel) {
     bool found = false;
@@ -159,7 +160,7 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
   std::vector<std::uint32_t> thin(touched.size(), kCap);  // the thin component that passes through
   sweep([&](std::size_t i, const glm::ivec3& voxel) {
     const std::uint32_t mask = neighbours(voxel);
-    if (mask == 0) return false;
+    if (mask == 0 || (!any_thin && !lostBeside(voxel))) return false;
     std::uint32_t component = passingAny(voxel);
     if (component == kCap) return false;
     if (mesh.components[component].thin) thin[i] = component;
@@ -173,7 +174,7 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
       component = passing(voxel, [&](std::uint32_t its) { return std::find(seen.begin(), seen.end(), its) == seen.end(); });
     }
     return false;
-  });
+  }, step);
   set(kKept);
   for (std::size_t i = 0; i < touched.size(); ++i) {
     if (thin[i] != kCap && voxels[touched[i]] == kEmpty) voxels[touched[i]] = kPassed;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fill_scan.h"
+#include "parallel.h"
 #include "surface_bvh.h"
 
 namespace kelp::bake {
@@ -11,7 +12,7 @@ namespace kelp::bake {
 // tip of an ear. First, voxels that the surface passes through and that have nothing solid around them; then, beside those and on thin
 // components, voxels that join what would fall apart, alone or in pairs. Thick bodies gain nothing.
 void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched, const glm::ivec3& size, int threads,
-                   std::vector<std::uint8_t>& voxels);
+                   std::vector<std::uint8_t>& voxels, const Step& step);
 
 // Bit of each of the 27 voxels around (and including) `voxel` that is not empty: x + 3 (y + 3 z), each 0 .. 2; the outside is empty.
 std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel);

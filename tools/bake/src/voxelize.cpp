@@ -36,7 +36,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   const SurfaceLook look(model, part.soup, mesh);
   {
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
-    keepThinParts(mesh, bvh, touched, frame.size, threads, voxels);
+    keepThinParts(mesh, bvh, touched, frame.size, threads, voxels, between(0.3, 0.35));
     report(0.35);
     closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
     report(0.4);
