@@ -9,7 +9,7 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
          python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev libtinygltf-dev libdraco-dev
-       libmeshoptimizer-dev libstb-dev libwebp-dev libhwy-dev
+       libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
        libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
 farm=(snakemake slurm-wlm munge)

@@ -49,7 +49,7 @@ def jpeg(progressive=False):
     frame = segment(0xc2 if progressive else 0xc0, struct.pack(">BHHB", 8, 8, 8, 3) + b"".join(bytes([c, 0x11, 0]) for c in (1, 2, 3)))
     last = 0 if progressive else 63
     scan = segment(0xda, b"\x03" + b"".join(bytes([c, 0]) for c in (1, 2, 3)) + bytes([0, last, 0]))
-    bits = b"\x3f" if not progressive else b"\x1f"  # six codes 0, or three; then ones
+    bits = b"\x03" if not progressive else b"\x1f"  # six codes 0, or three; then ones
     return b"\xff\xd8" + segment(0xdb, b"\0" + bytes([8] * 64)) + frame + segment(0xc4, tables) + scan + bits + b"\xff\xd9"
 
 

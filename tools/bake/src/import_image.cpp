@@ -7,28 +7,25 @@
 #include <memory>
 #include <string_view>
 
-// Only the formats that glTF and MTL files use: stb_image's other decoders are attack surface without a purpose here.
+// Only the formats that have no library of their own: stb_image's other decoders are attack surface without a purpose here.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 16384
 #define STBI_MALLOC(size) kelp::bake::stbAllocate(size)
-#define STBI_REALLOC(memory, size) kelp::bake::stbReallocate(memory, size)
+#define STBI_REALLOC(memory, size) nullptr  // used by no decoder that is left
 #define STBI_FREE(memory) std::free(memory)
 
 namespace kelp::bake {
 namespace {
 
-// The library reads what it has not written, where a file leaves out tables or data: its memory begins as zeros, so that a file bakes to the same bytes every time. And it
-// takes what a file claims: a length of gigabytes, or data that inflate to them. `most_bytes`: of one allocation, by what the picture can need; beyond, it fails.
-constexpr std::size_t kHeadBytes = std::size_t{4} << 20;  // more than the library's own tables, and the slack of a narrow JPEG
+// The library reads what it has not written, where a file leaves out data: its memory begins as zeros, so that a file bakes to the same bytes every time. And it takes what a file
+// claims. `most_bytes`: of one allocation, by what the picture can need; beyond, it fails.
+constexpr std::size_t kHeadBytes = std::size_t{1} << 20;  // more than a palette
 thread_local std::size_t most_bytes = kHeadBytes;
 void* stbAllocate(std::size_t size) { return size <= most_bytes ? std::calloc(1, size) : nullptr; }
-void* stbReallocate(void* memory, std::size_t size) { return size <= most_bytes ? std::realloc(memory, size) : nullptr; }
 
 }  // namespace
 }  // namespace kelp::bake
@@ -42,49 +39,60 @@ void* stbReallocate(void* memory, std::size_t size) { return size <= most_bytes 
 #pragma GCC diagnostic pop
 #endif
 
-#include "import_image_check.h"
+#include "import_image_size.h"
+#include "import_jpeg.h"
+#include "import_png.h"
 #include "import_webp.h"
 #include "memory_estimate.h"
 
 namespace kelp::bake {
 namespace {
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192: 256 MiB decoded
+
+constexpr std::size_t kMostBytes = 0x7fffffff;  // of a file: the libraries count in ints
+
+glm::ivec2 stbSize(std::span<const std::uint8_t> bytes) {
+  int width = 0, height = 0, channels = 0;
+  return stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels) ? glm::ivec2(width, height) : glm::ivec2(0);
 }
 
-std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (bytes.empty()) return std::string("is empty");
-  if (bytes.size() > 0x7fffffffu) return std::string("is larger than 2 GiB");
-  const int length = static_cast<int>(bytes.size());
-  int width = 0, height = 0, channels = 0;
-  if (isWebp(bytes)) return decodeWebp(bytes, name, kMaxPixels);
-  constexpr std::string_view kKtx2 = "\xabKTX 20\xbb\r\n\x1a\n";
-  if (bytes.size() >= kKtx2.size() && std::memcmp(bytes.data(), kKtx2.data(), kKtx2.size()) == 0) return std::string("is a KTX2 texture, which kelp does not read; export it as PNG, JPEG or WebP");
-  if (const char* flaw = trustedFlaw(bytes)) return std::string(flaw) + "; its data are damaged";
-  if (!stbi_info_from_memory(bytes.data(), length, &width, &height, &channels)) return std::string("is not a PNG, JPEG, WebP, BMP or TGA image");
-  if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels)
-    return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; at most 8192 x 8192 are read";
-  // Four channels of 16 bits, and twice that while they are inflated; twice the file, which the library gathers by doubling.
-  most_bytes = kHeadBytes + 16 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * bytes.size();
-  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), stbi_image_free);
+// BMP and TGA.
+std::variant<Image, std::string> decodeStb(std::span<const std::uint8_t> bytes, const std::string& name) {
+  glm::ivec2 size = stbSize(bytes);
+  if (size.x <= 0 || size.y <= 0) return std::string("is not a PNG, JPEG, WebP, BMP or TGA image");
+  if (auto reason = tooLarge(size)) return *std::move(reason);
+  const std::size_t rgba_bytes = std::size_t{4} * static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+  int channels = 0;
+  most_bytes = kHeadBytes + rgba_bytes;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &size.x, &size.y, &channels, 4), stbi_image_free);
   most_bytes = kHeadBytes;
   const char* failure = stbi_failure_reason();
   const std::string reason = failure && *failure ? failure : "its data are damaged or cut off";
   if (!pixels) return std::string("can not be decoded (") + reason + ")";
   Image image;
   image.name = name;
-  image.width = width;
-  image.height = height;
-  image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  image.width = size.x;
+  image.height = size.y;
+  image.rgba.assign(pixels.get(), pixels.get() + rgba_bytes);
   return image;
 }
 
+}  // namespace
+
+std::variant<Image, std::string> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name) {
+  if (bytes.empty()) return std::string("is empty");
+  if (bytes.size() > kMostBytes) return std::string("is larger than 2 GiB");
+  if (isPng(bytes)) return decodePng(bytes, name);
+  if (isJpeg(bytes)) return decodeJpeg(bytes, name);
+  if (isWebp(bytes)) return decodeWebp(bytes, name);
+  constexpr std::string_view kKtx2 = "\xabKTX 20\xbb\r\n\x1a\n";
+  if (bytes.size() >= kKtx2.size() && std::memcmp(bytes.data(), kKtx2.data(), kKtx2.size()) == 0) return std::string("is a KTX2 texture, which kelp does not read; export it as PNG, JPEG or WebP");
+  return decodeStb(bytes, name);
+}
+
 glm::ivec2 imageSize(std::span<const std::uint8_t> bytes) {
-  int width = 0, height = 0, channels = 0;
-  if (bytes.size() > 0x7fffffffu) return glm::ivec2(0);
-  glm::ivec2 size(0);
-  if (isWebp(bytes)) size = webpSize(bytes);
-  else if (!trustedFlaw(bytes) && stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels)) size = {width, height};
-  return size.x > 0 && size.y > 0 && std::int64_t{size.x} * size.y <= kMaxPixels ? size : glm::ivec2(0);
+  if (bytes.size() > kMostBytes) return glm::ivec2(0);
+  const glm::ivec2 size = isPng(bytes) ? pngSize(bytes) : isJpeg(bytes) ? jpegSize(bytes) : isWebp(bytes) ? webpSize(bytes) : stbSize(bytes);
+  return size.x > 0 && size.y > 0 && !tooLarge(size) ? size : glm::ivec2(0);
 }
 
 std::uint64_t PictureBudget::limit() const {

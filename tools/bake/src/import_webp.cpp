@@ -5,17 +5,18 @@
 
 #include <webp/decode.h>
 
+#include "import_image_size.h"
+
 namespace kelp::bake {
 
 // RFC 9649, section 2.4: "RIFF", the size, "WEBP".
 bool isWebp(std::span<const std::uint8_t> bytes) { return bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 && std::memcmp(bytes.data() + 8, "WEBP", 4) == 0; }
 
-std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels) {
+std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name) {
   WebPBitstreamFeatures features;
   if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK) return std::string("is a WebP picture whose header is damaged or cut off");
   if (features.has_animation) return std::string("is an animated WebP picture; export a still one");
-  if (features.width <= 0 || features.height <= 0 || std::int64_t{features.width} * features.height > max_pixels)
-    return "has " + std::to_string(features.width) + " x " + std::to_string(features.height) + " pixels, more than kelp reads";
+  if (auto reason = tooLarge({features.width, features.height})) return *std::move(reason);
   Image image;
   image.name = name;
   image.width = features.width;

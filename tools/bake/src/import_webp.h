@@ -15,7 +15,7 @@ bool isWebp(std::span<const std::uint8_t> bytes);
 
 // Decodes a still WebP picture, lossy or lossless, to RGBA. Safe for hostile input: its size is checked before memory is taken. The string
 // says why not.
-std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels);
+std::variant<Image, std::string> decodeWebp(std::span<const std::uint8_t> bytes, const std::string& name);
 
 // By its header; 0 x 0 where that is none.
 glm::ivec2 webpSize(std::span<const std::uint8_t> bytes);

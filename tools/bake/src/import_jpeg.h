@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "kelp/bake/source_model.h"
+
+namespace kelp::bake {
+
+// Whether the bytes begin as a JPEG file does.
+bool isJpeg(std::span<const std::uint8_t> bytes);
+
+// Decodes a JPEG picture, baseline or progressive, to RGBA: grey, YCbCr, RGB, and CMYK as Adobe stores it. Profiles and orientation are not read. Safe for hostile input: its size is
+// checked before memory is taken. The string says why not.
+std::variant<Image, std::string> decodeJpeg(std::span<const std::uint8_t> bytes, const std::string& name);
+
+// By its header; 0 x 0 where that is none.
+glm::ivec2 jpegSize(std::span<const std::uint8_t> bytes);
+
+}  // namespace kelp::bake
