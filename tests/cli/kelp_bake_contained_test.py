@@ -11,6 +11,7 @@ import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, Case, box
+from limited import sanitized
 
 LIBRARY = sys.argv.pop(1)  # or several, as LD_PRELOAD has them
 
@@ -106,11 +107,27 @@ class Contained(Case):
         os.kill(child, signal.SIGKILL)
         self.ends(process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out", "1 of 2 assets done: 1 baked")
 
+    @unittest.skipIf(sanitized(KELP_BAKE), "a sanitizer ends a program that gets no memory")
     def test_memory(self):
-        """Three million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
-        self.write("large.obj", "v 0 0 0\n" * 3000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))
-        self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--max-memory", "1M"), 4, "large.obj: does not fit into memory; raise --max-memory, ")
+        """Six million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
+        self.write("large.obj", "v 0 0 0\n" * 6000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))
+        self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--threads", "1", "--max-memory", "1M"), 4, "large.obj: does not fit into memory; raise --max-memory, ")
         self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--max-memory", "1G"), 0)
+
+    def test_many_threads_within_little_memory(self):
+        self.write("scan.raw.json", {"size": [64, 64, 64], "type": "u8"})
+        self.write("scan.raw", bytes(200 if (x - 32) ** 2 + (y - 32) ** 2 + (z - 32) ** 2 < 900 else 0 for z in range(64) for y in range(64) for x in range(64)))
+        for arguments in (["scan.raw", "--volume", "solid"], ["1.obj", "--resolution", "64"]):
+            self.ends(self.start("", *arguments, "-o", "out.kelp", "--threads", "64", "--max-memory", "100M"), 0)
+
+    def test_no_bar_stays_behind_an_error(self):
+        self.write("bad.obj", "f 1 2 3\n")
+        self.write("m.json", {"assets": ["bad.obj", "1.obj"]})
+        for arguments in (["bad.obj", "-o", "out.kelp"], ["--manifest", "m.json"]):
+            text = self.start("", *arguments, "--progress", "bar", "--resolution", "20").communicate(timeout=60)[1].decode()
+            self.assertIn("\x1b[K", text)
+            for line in text.split("\n"):
+                self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", text)
 
 
 if __name__ == "__main__":

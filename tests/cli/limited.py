@@ -10,7 +10,8 @@ SECONDS = 10
 
 def sanitized(program):
     with open(program, "rb") as file:
-        return b"__asan_init" in file.read()
+        content = file.read()
+    return b"__asan_init" in content or b"__tsan_init" in content
 
 
 def limits(program):

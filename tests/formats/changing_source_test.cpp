@@ -6,7 +6,6 @@
 #include <functional>
 #include <random>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "kelp/formats/pack.h"
@@ -67,14 +66,14 @@ std::vector<RawPack> twoPacks() {
 TEST(ChangingSource, OneFileAfterTheOtherAtEveryRead) {
   const std::vector<RawPack> packs = twoPacks();
   const Bytes first = test::writeToMemory(packs[0]);
-  Bytes other = test::writeToMemory(packs[1]);
-  other.resize(first.size());
-  const Bytes second = other;
+  const Bytes second = test::writeToMemory(packs[1]);
+  ASSERT_EQ(second.size(), first.size());
   ChangingSource counting(first.size(), [&](int) -> const Bytes& { return first; });
   EXPECT_FALSE(readsSomethingElse(counting.source(), packs));
   ASSERT_GT(counting.reads(), 8);
   for (int change = 0; change <= counting.reads(); ++change) {
-    for (const auto& [before, after] : {std::pair(&first, &second), std::pair(&second, &first)}) {
+    for (const bool turned : {false, true}) {
+      const Bytes *const before = turned ? &second : &first, *const after = turned ? &first : &second;
       ChangingSource source(first.size(), [&](int read) -> const Bytes& { return read < change ? *before : *after; });
       EXPECT_FALSE(readsSomethingElse(source.source(), packs)) << "changed before read " << change;
       ChangingSource back(first.size(), [&](int read) -> const Bytes& { return read == change ? *after : *before; });

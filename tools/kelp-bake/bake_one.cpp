@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <memory>
 #include <system_error>
 
 #include <fcntl.h>
@@ -84,6 +85,7 @@ std::optional<Baked> takeCurrent(const Options& options, const Place& place) {
 }
 
 Baked bakeOne(const Options& options, const Place& place, const Cache* cache, ProgressDisplay& display, bool announce) {
+  const std::unique_ptr<ProgressDisplay, void (*)(ProgressDisplay*)> no_bar_stays(&display, [](ProgressDisplay* shown) { shown->clear(); });
   if (cache) {
     if (std::optional<Baked> cached = takeFromCache(options, place, *cache)) return *std::move(cached);
   }

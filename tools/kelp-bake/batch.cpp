@@ -182,6 +182,8 @@ AssetResult runContained(const Job& job, bool force, const Cache* cache, Progres
     result = unpacked(contained(job.options, display, [&] { return Outcome{Exit::kOk, packed(runOne(job, force, cache, display))}; }).text);
   } catch (const BakeError& error) {
     if (error.exit != Exit::kInterrupted) setFailed(result, job, error.exit, error.what());
+  } catch (const std::exception& error) {
+    setFailed(result, job, Exit::kRuntime, job.options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
   }
   result.seconds = secondsSince(start);
   return result;

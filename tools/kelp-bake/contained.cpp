@@ -10,15 +10,20 @@
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "interrupt.h"
+#include "kelp/bake/output_file.h"
+
+extern "C" void __lsan_do_leak_check() __attribute__((weak));  // there in sanitizer builds
 
 namespace kelp::bake_cli {
 namespace {
@@ -31,6 +36,8 @@ using Clock = std::chrono::steady_clock;
 constexpr char kImportBegins = 'i', kImportEnds = 'e', kOutcome = 'o';
 // What a program of its own size may take beyond what the model takes.
 constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
+// Stacks count as data: of the bake's own threads and of TBB's.
+constexpr std::uint64_t kThreadsOfEach = 2;
 // How often the parent looks up, and how long an import may go on after Ctrl-C.
 constexpr std::chrono::milliseconds kTick{200};
 
@@ -52,8 +59,15 @@ void tell(std::string_view bytes) {
 }
 
 std::uint64_t importBytes(const Options& options) {
-  if (options.settings.max_memory > 0) return options.settings.max_memory;
-  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const std::uint64_t memory = options.settings.max_memory > 0 ? options.settings.max_memory : static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const unsigned threads = options.settings.threads > 0 ? static_cast<unsigned>(options.settings.threads) : std::thread::hardware_concurrency();
+  pthread_attr_t attributes;
+  std::size_t stack = 0;
+  if (pthread_getattr_default_np(&attributes) == 0) {
+    pthread_attr_getstacksize(&attributes, &stack);
+    pthread_attr_destroy(&attributes);
+  }
+  return memory + kOwnBytes + kThreadsOfEach * threads * stack;
 }
 
 // What the system counts against RLIMIT_DATA; 0 if it does not say.
@@ -73,9 +87,15 @@ std::uint64_t dataBytes() {
   hearParentOnly();
   g_child.pipe = pipe;
   g_child.import_bytes = importBytes(options);
-  const Outcome outcome = work();
-  tell(std::string{kOutcome, static_cast<char>(outcome.exit)} + outcome.text);
+  try {
+    const Outcome outcome = work();
+    tell(std::string{kOutcome, static_cast<char>(outcome.exit)} + outcome.text);
+  } catch (...) {  // such as no memory for the outcome
+    std::_Exit(static_cast<int>(Exit::kRuntime));
+  }
+  ::close(pipe);
   std::fflush(nullptr);
+  if (__lsan_do_leak_check) __lsan_do_leak_check();  // a sanitizer looks for leaks at an orderly exit alone
   std::_Exit(0);  // log4cplus, which comes with OpenVDB, has started threads before main; at an orderly exit it would wait for them, and here they are not
 }
 
@@ -128,11 +148,13 @@ int wait(pid_t child) {
   return status;
 }
 
-[[noreturn]] void failedBy(int status, const Options& options, bool imported) {
-  const std::string when = imported ? " after the file was read" : " while the file was read";
+[[noreturn]] void failedBy(int status, const Options& options, const Messages& messages) {
+  const std::string when = messages.imported() ? " after the file was read" : messages.importing() ? " while the file was read" : " before the file was read";
   std::string what;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
-    what = "the bake was killed" + when + "; most likely memory gave out: lower --resolution, or give --max-memory";
+    what = "the bake was killed" + when + "; most likely memory gave out: lower --resolution, or give --max-memory; or a limit of the system (ulimit -t) was reached";
+  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    what = "the bake has had the processor time that the system allows (ulimit -t)" + when + "; raise that limit";
   } else {
     what = (WIFSIGNALED(status) ? std::string("the bake crashed (") + strsignal(WTERMSIG(status)) + ")" : "the bake ended by itself (exit code " + std::to_string(WEXITSTATUS(status)) + ")") + when +
            "; please report this as a defect, with the file; it may be damaged, or made to do harm";
@@ -146,7 +168,8 @@ Outcome contained(const Options& options, ProgressDisplay& display, const std::f
   if (interrupted()) throw BakeError(Exit::kInterrupted, "interrupted");
   int ends[2];
   const pid_t self = getpid();
-  std::fflush(nullptr);  // or the child would write it, too
+  std::fflush(nullptr);           // or the child would write it, too
+  std::signal(SIGCHLD, SIG_DFL);  // where it is ignored nobody learns how a child ends
   pid_t child = -1;
   if (::pipe2(ends, O_CLOEXEC) == 0) {
     child = ::fork();
@@ -187,11 +210,14 @@ Outcome contained(const Options& options, ProgressDisplay& display, const std::f
   std::optional<Outcome> outcome = messages.outcome();
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && outcome) return *std::move(outcome);
   display.takeOver();
+  for (const auto& file : {std::optional(options.output), options.report_file, options.dependency_file}) {
+    if (file) bake::OutputFile::removeLeftBy(child, *file);
+  }
   if (overdue) {
     throw BakeError(Exit::kRuntime, options.input.string() + ": reading it takes longer than " + std::to_string(options.max_import_seconds) + " s; it may be damaged, or made to do harm; if it is neither, give a larger --max-import-time");
   }
   if (since_interrupt) throw BakeError(Exit::kInterrupted, "interrupted");
-  failedBy(status, options, messages.imported());
+  failedBy(status, options, messages);
 }
 
 void enterStage(std::string_view stage) {
@@ -203,7 +229,7 @@ void enterStage(std::string_view stage) {
     setrlimit(RLIMIT_DATA, &g_child.before);
   } else if (getrlimit(RLIMIT_DATA, &g_child.before) == 0) {
     rlimit limit = g_child.before;
-    if (const std::uint64_t data = dataBytes(); data > 0) limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, data + kOwnBytes + g_child.import_bytes);
+    if (const std::uint64_t data = dataBytes(); data > 0) limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, data + g_child.import_bytes);
     setrlimit(RLIMIT_DATA, &limit);
   }
 }

@@ -19,7 +19,7 @@ struct Outcome {
 
 // Runs `work` in a child of this process and answers what it does. The child shares the standard streams, and ends with this process however that ends. interrupted()
 // here is heard there; while a file is imported, which no one can stop in order, the child is ended instead.
-// BakeError kRuntime, naming the input, if the child ends in any other way than by its outcome or exceeds a limit; kInterrupted. Before anything else has started a thread.
+// BakeError kRuntime, naming the input, if the child ends in any other way than by its outcome or exceeds a limit; kInterrupted. Before the program has started a thread of its own.
 Outcome contained(const Options& options, ProgressDisplay& display, const std::function<Outcome()>& work);
 
 // For `work`, at every step: memory (Settings::max_memory, else the machine's) and time (Options::max_import_seconds) are bounded from the stage "import" to the one after.

@@ -27,6 +27,10 @@ void catchInterrupts() {
 void hearParentOnly() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   std::signal(SIGUSR1, [](int) { g_interrupted = 1; });
+  sigset_t heard;
+  sigemptyset(&heard);
+  sigaddset(&heard, SIGUSR1);
+  sigprocmask(SIG_UNBLOCK, &heard, nullptr);  // whoever started the program may have blocked it
 }
 
 bool interrupted() { return g_interrupted != 0; }

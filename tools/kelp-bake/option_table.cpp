@@ -37,7 +37,7 @@ constexpr OptionInfo kOptions[] = {
     {"levels", "N", T::kNumber, S::kPack, P::kNone, false, "4", "levels of detail (default: down to one brick)"},
     {"threads", "N", T::kNumber, S::kRun, P::kNone, false, "4", "threads (default: all); the pack does not depend on it"},
     {"max-memory", "SIZE", T::kText, S::kRun, P::kNone, false, "\"4G\"", "refuse to start a bake that needs more, or to read a file that does, e.g. 4G (default: the machine's memory; pictures get 1G and 256 bytes for each of the files' own)"},
-    {"max-import-time", "SECONDS", T::kNumber, S::kRun, P::kNone, true, "600", "give up on a file that takes longer to read (default 600)"},
+    {"max-import-time", "SECONDS", T::kNumber, S::kRun, P::kNone, true, "1800", "give up on a file that takes longer to read (default 1800)"},
     {"progress", "auto|bar|json|none", T::kText, S::kRun, P::kNone, true, "\"auto\"", "auto: a bar on a terminal; bar; json: every line on stderr is JSON (kelp-dump schema bake-progress); none"},
     {"cache", "FOLDER", T::kText, S::kRun, P::kFile, false, "\"cache\"", "keep packs in a folder, by the content of all that they are made of, and take them from there; any number of processes may share it"},
     {"cache-size", "SIZE", T::kText, S::kRun, P::kNone, true, "\"10G\"", "what that folder may hold; beyond this, what was used longest ago is removed (default 10G)"},

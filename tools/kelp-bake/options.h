@@ -20,7 +20,7 @@ struct Options {
   bool unit_given = false;  // so that lengths are known to be metres whatever the file's format
   std::optional<std::filesystem::path> cache_folder;
   std::uint64_t cache_bytes = std::uint64_t{10} << 30;
-  int max_import_seconds = 600;
+  int max_import_seconds = 1800;
   ProgressStyle progress = ProgressStyle::kAuto;
   std::vector<std::filesystem::path> option_files;  // that all this came from: configuration, manifest
   std::optional<std::filesystem::path> report_file;

@@ -212,13 +212,12 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   const int threads = threadCount(settings.threads);
   StageClock clock(report, progress);
 
+  clock.begin("import");
   PaletteRules rules;
   if (settings.palette_file) rules.colors = readPalette(*settings.palette_file, &report.files);
   rules.keep_materials = settings.keep_materials;
   std::vector<glm::vec3> ramp;
   if (settings.ramp_file) ramp = readPalette(*settings.ramp_file, &report.files);
-
-  clock.begin("import");
   Settings in_file_units = settings;
   if (settings.voxel_size) in_file_units.voxel_size = *settings.voxel_size / settings.unit;
   SourceModel model = importFile(input, in_file_units, &report.files);

@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -46,7 +47,10 @@ void parallelRanges(std::size_t count, std::size_t grain, int threads, const Wor
     }
   };
   std::vector<std::thread> pool;
-  for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(run, Step());
+  try {
+    for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(run, Step());
+  } catch (const std::system_error&) {  // no more threads to be had: those there are do all of it
+  }
   run(step);
   for (std::thread& thread : pool) thread.join();
   if (failure) std::rethrow_exception(failure);

@@ -68,6 +68,9 @@ bool receive(void* user, std::span<const std::byte> bytes) {
   return !output.interrupted && output.file.write(bytes);
 }
 
+// What the names of a process's temporary files for a path begin with.
+std::string temporaryOf(const std::filesystem::path& path, long process) { return "." + path.filename().string().substr(0, 200) + "." + std::to_string(process) + "-"; }
+
 }  // namespace
 
 OutputFile::OutputFile(const std::filesystem::path& path) : final_(target(path)), folder_(final_.has_parent_path() ? final_.parent_path() : ".") {
@@ -80,7 +83,7 @@ OutputFile::OutputFile(const std::filesystem::path& path) : final_(target(path))
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
     const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    path_ = folder_ / ("." + final_.filename().string().substr(0, 200) + "." + std::to_string(::getpid()) + "-" + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
+    path_ = folder_ / (temporaryOf(final_, ::getpid()) + std::to_string(now % 1000000) + "-" + std::to_string(counter++) + ".tmp");
     file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file_ >= 0) {
       // A pack that others may not read stays so. Where a file system knows no modes there is none to keep.
@@ -121,6 +124,15 @@ void OutputFile::commit() {
   if (folder >= 0) {
     ::fsync(folder);  // some file systems have no such call for folders: the file itself is safe
     ::close(folder);
+  }
+}
+
+void OutputFile::removeLeftBy(long process, const std::filesystem::path& path) {
+  const std::filesystem::path final = target(path), folder = final.has_parent_path() ? final.parent_path() : ".";
+  const std::string begin = temporaryOf(final, process);
+  std::error_code error;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().filename().string().rfind(begin, 0) == 0 && entry.path().extension() == ".tmp") ::unlink(entry.path().c_str());
   }
 }
 

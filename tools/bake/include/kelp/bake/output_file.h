@@ -24,6 +24,9 @@ class OutputFile {
   // Onto the disk, then into place; the folder too, or a crash might forget the name. BakeError kIo.
   void commit();
 
+  // Removes what a process that was ended before it could do so has left of an OutputFile for `path`.
+  static void removeLeftBy(long process, const std::filesystem::path& path);
+
  private:
   std::filesystem::path final_, folder_, path_;
   int file_ = -1;
