@@ -4,6 +4,7 @@
 LIBRARY is faulty_disk.cpp, which makes a crash or a hang of the opening of a file."""
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -26,9 +27,9 @@ def alive(process):
 
 
 class Contained(Case):
-    def start(self, fault, *arguments):
+    def start(self, fault, *arguments, first=None):
         environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder, KELP_FAULT=fault)
-        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, env=environment, stderr=subprocess.PIPE)
+        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, env=environment, stderr=subprocess.PIPE, preexec_fn=first)
         self.addCleanup(process.stderr.close)
         return process
 
@@ -59,9 +60,16 @@ class Contained(Case):
         text = self.ends(self.start("crash 1.obj", "1.obj", "-o", "out.kelp"), 4, "kelp-bake: 1.obj: the bake crashed (Aborted) while the file was read; ")
         self.assertEqual(text.count("\n"), 1, text)
         self.assertFalse(os.path.exists(self.path("out.kelp")))
+
+    def test_a_crash_while_it_writes(self):
+        """Nothing is left of the output, however far it had come; of the one that was there, all."""
         self.write("out.kelp", b"the pack that was there")
-        self.ends(self.start("crash .tmp", "1.obj", "-o", "out.kelp"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
-        self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+        for fault in ("write 1 crash", "write 2 crash", "fsync 1 crash", "rename 1 crash"):
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
+            self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+        self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
+        self.ends(self.start("rename 1 crash", "--manifest", "m.json", "--report", "r.json"), 4, "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
+        self.assertEqual([asset["status"] for asset in json.loads(self.read("r.json"))["assets"]], ["failed", "baked"])
 
     def test_a_batch_goes_on(self):
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
@@ -106,6 +114,24 @@ class Contained(Case):
         process, child = self.hangs("hang 1.obj", "--manifest", "m.json")
         os.kill(child, signal.SIGKILL)
         self.ends(process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out", "1 of 2 assets done: 1 baked")
+
+    def test_a_signal_that_is_blocked(self):
+        """By who started the program."""
+        process = self.start("", "1.obj", "-o", "out.kelp", "--resolution", "700", "--progress", "json",
+                             first=lambda: signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1]))
+        for line in process.stderr:
+            if json.loads(line).get("stage") not in (None, "import"):
+                break
+        process.send_signal(signal.SIGINT)
+        self.ends(process, 130, "interrupted")
+
+    def test_a_signal_that_is_ignored(self):
+        for fault, code, word in (("", 0, ""), ("crash 1.obj", 4, "the bake crashed (Aborted)")):
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", first=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN)), code, word)
+
+    def test_processor_time_gives_out(self):
+        self.ends(self.start("spin 1.obj", "1.obj", "-o", "out.kelp", first=lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 10))), 4,
+                  "1.obj: the bake has had the processor time that the system allows (ulimit -t) while the file was read; ")
 
     @unittest.skipIf(sanitized(KELP_BAKE), "a sanitizer ends a program that gets no memory")
     def test_memory(self):
