@@ -9,11 +9,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 case "${1:-}" in
   -h|--help) sed -n '3,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
 esac
-missing=()
-for package in snakemake munge slurm-wlm; do
-  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done
-[ ${#missing[@]} -eq 0 ] || { echo "farm.sh: not here: ${missing[*]}; first: tools/setup.sh farm" >&2; exit 1; }
+source tests/support/opt_in.sh
+need snakemake munge slurm-wlm
 
 kelp_bake=${1:-build/dev/bin/kelp-bake}
 if [ $# -eq 0 ] && [ ! -x "$kelp_bake" ]; then

@@ -7,15 +7,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-fail() { echo "fuzz.sh: $*" >&2; exit 1; }
-
-need() {
-  local missing=()
-  for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-  done
-  [ ${#missing[@]} -eq 0 ] || fail "first: apt-get install --no-install-recommends ${missing[*]}"
-}
+source tests/support/opt_in.sh
 
 build() {
   local preset=$1

@@ -8,16 +8,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-fail() { echo "ports.sh: $*" >&2; exit 1; }
-
-# need PACKAGE...: what must be installed.
-need() {
-  local missing=()
-  for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-  done
-  [ ${#missing[@]} -eq 0 ] || fail "first: apt-get install --no-install-recommends ${missing[*]}"
-}
+source tests/support/opt_in.sh
 
 # Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages, zstd and GoogleTest from the sources that
 # Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...

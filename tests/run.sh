@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
-#   tests/run.sh                    everything, then the runtime alone without the baker's dependencies
+#   tests/run.sh                    everything, by clang, watched by the address and undefined-behaviour sanitizers; then the runtime alone, optimised by gcc, without the baker's dependencies
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure, but for those of opt-in packages (samples.farm)
-#   tests/run.sh --all              everything, all that tests can try (KELP_ALL_TESTS), then packs of six builds compared byte by byte (tests/cli/same_packs.sh: an hour the first time)
+#   tests/run.sh --all              besides: everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS); what has threads, watched by the thread sanitizer; then packs of
+#                                   six builds compared byte by byte (tests/cli/same_packs.sh). Hours
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -13,13 +14,12 @@ for argument in "$@"; do
   case "$argument" in
     --require-assets) require_assets=1 ;;
     --all) all=1 ;;
-    -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h|--help) sed -n '3,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option '$argument'; see --help" >&2; exit 1 ;;
   esac
 done
 
-[ "$all" -eq 1 ] && export KELP_ALL_TESTS=1
-tools/setup.sh || exit 1
+tools/setup.sh tests || exit 1
 passed=0 failed=0 skipped=0
 
 # Builds a preset, runs its tests and adds up their results, as ctest's own report (JUnit) has them.
@@ -53,7 +53,10 @@ PY
 }
 
 broken=0
-for preset in dev runtime-only; do
+presets=(asan runtime-only)
+[ "$all" -eq 1 ] && presets+=(dev tsan)
+for preset in "${presets[@]}"; do
+  if [ "$preset" = dev ]; then export KELP_ALL_TESTS=1; else unset KELP_ALL_TESTS; fi
   run_preset "$preset" || { echo "run.sh: preset $preset did not build or test" >&2; broken=1; }
 done
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs what is missing to build kelp on Debian 12: `tools/setup.sh` for everything, `tools/setup.sh runtime` for the runtime, kelp-dump
-# and kelp-render alone. `tools/setup.sh farm`: for samples/farm, which nothing else needs (some 700 MB). Does nothing, and needs no rights, when all is there.
+# and kelp-render alone. `tools/setup.sh tests`: for tests/run.sh, which builds by clang too. `tools/setup.sh farm`: for samples/farm, which nothing else needs (some 700 MB).
+# Does nothing, and needs no rights, when all is there.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
@@ -12,13 +13,15 @@ baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
        libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
+sanitizers=(clang libclang-rt-14-dev llvm)
 farm=(snakemake slurm-wlm munge)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
+  tests) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   farm) packages=("${farm[@]}") ;;
-  *) echo "setup.sh: unknown set '$1': give 'all', 'runtime' or 'farm'" >&2; exit 1 ;;
+  *) echo "setup.sh: unknown set '$1': give 'all', 'tests', 'runtime' or 'farm'" >&2; exit 1 ;;
 esac
 
 missing=()

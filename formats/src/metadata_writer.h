@@ -5,9 +5,13 @@
 #include <cstddef>
 
 #include "kelp/formats/buffer.h"
+#include "kelp/formats/error.h"
 #include "kelp/formats/raw_pack.h"
 
 namespace kelp {
+
+// What a writer answers where one of these is false.
+inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
 
 // Each answers false when memory is short. Only sizes are looked at: whether the content keeps the rules is for the functions of
 // metadata.h to say.

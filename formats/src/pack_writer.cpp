@@ -18,10 +18,6 @@
 namespace kelp {
 namespace {
 
-const Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
-
-Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
-
 // A chunk to be: either bytes of its own, or pages behind one another.
 struct ChunkPlan {
   Pack::ChunkInfo info;

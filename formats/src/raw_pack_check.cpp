@@ -11,8 +11,6 @@
 namespace kelp {
 namespace {
 
-Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
-
 Result<void> checkFogLevel(const RawLevel& level, const glm::ivec3& samples, bool heat) {
   const glm::ivec3 grid = brickGrid(latticeSize(PartKind::kFog, samples));
   if (level.cells.size() != cellCount(grid)) return misuse("a level has not one cell for each brick of its grid");

@@ -16,10 +16,8 @@
 namespace kelp {
 namespace {
 
-const Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
-
 // A chunk to be: new bytes, or those of the source.
-struct ChunkPlan {
+struct ChunkOrigin {
   Pack::ChunkInfo info;      // offset: in the new file
   std::uint64_t from = 0;    // in the source, if it is copied
   const Packed* own = nullptr;
@@ -99,7 +97,7 @@ class RigWriter {
   }
 
   void add(std::uint32_t fourcc, std::uint32_t flags, const Packed& own) {
-    ChunkPlan& chunk = chunks_[count_++];
+    ChunkOrigin& chunk = chunks_[count_++];
     chunk.own = &own;
     chunk.info.fourcc = fourcc;
     chunk.info.flags = flags | (own.compressed ? layout::kFlagZstd : 0);
@@ -109,7 +107,7 @@ class RigWriter {
   }
 
   Result<void> plan(const MetadataChunks& found) {
-    chunks_.reset(new (std::nothrow) ChunkPlan[container_.chunks.size() + 2]);
+    chunks_.reset(new (std::nothrow) ChunkOrigin[container_.chunks.size() + 2]);
     if (!chunks_) return kNoMemory;
     if (!rigs_.info_json.empty()) add(layout::kInfo, 0, info_);
     for (std::size_t i = 0; i < container_.chunks.size(); ++i) {
@@ -149,7 +147,7 @@ class RigWriter {
     return {};
   }
 
-  Result<void> copy(const ChunkPlan& chunk) {
+  Result<void> copy(const ChunkOrigin& chunk) {
     RunningChecksum running;
     for (std::uint64_t done = 0; done < chunk.info.stored;) {
       const auto block = block_.span().first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.info.stored - done)));
@@ -175,7 +173,7 @@ class RigWriter {
   Container container_{Allocator()};
   Metadata parsed_{Allocator()};
   Packed info_, knots_, clips_;
-  std::unique_ptr<ChunkPlan[]> chunks_;
+  std::unique_ptr<ChunkOrigin[]> chunks_;
   std::size_t count_ = 0;
   Buffer<std::byte> block_;
   std::uint64_t written_ = 0;

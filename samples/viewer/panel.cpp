@@ -3,13 +3,14 @@
 
 #include <imgui.h>
 
+#include "panel_colors.h"
+
 namespace viewer {
 namespace {
 
 constexpr ImU32 kSpline = IM_COL32(255, 255, 255, 150);
 constexpr ImU32 kKnot = IM_COL32(255, 200, 60, 255);
 constexpr ImU32 kTangent = IM_COL32(90, 200, 255, 255);
-const ImVec4 kBad{1, 0.45f, 0.4f, 1}, kUnsaved{1, 0.8f, 0.3f, 1};
 constexpr ImU32 kLit = IM_COL32(255, 255, 255, 255);
 
 ImVec2 toImGui(const glm::vec2& v) { return {v.x, v.y}; }

@@ -10,8 +10,6 @@
 namespace viewer {
 namespace {
 
-bool movesKnot(kelp::Target target) { return target == kelp::Target::kKnotOffset || target == kelp::Target::kKnotTangent; }
-
 // All knot numbers of waves and tracks.
 template <class Each>
 void forKnots(kelp::RigDescription& rig, const Each& each) {
@@ -46,6 +44,8 @@ void shareWaves(kelp::RigDescription::Clip& clip, int after, float share) {
 }
 
 }  // namespace
+
+bool movesKnot(kelp::Target target) { return target == kelp::Target::kKnotOffset || target == kelp::Target::kKnotTangent; }
 
 void insertKnot(kelp::RigDescription& rig, int after) {
   const auto i = static_cast<std::size_t>(after);

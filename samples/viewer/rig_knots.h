@@ -6,6 +6,8 @@
 
 namespace viewer {
 
+bool movesKnot(kelp::Target target);
+
 // A knot half way between `after` and the next, on the spline, with waves of its own, so that nothing looks other than before; keys it gets none.
 void insertKnot(kelp::RigDescription& rig, int after);
 // With what moves it; a clip that moves nothing else goes too. Not for the first and the last.

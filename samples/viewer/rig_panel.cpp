@@ -7,6 +7,7 @@
 
 #include <imgui.h>
 
+#include "panel_colors.h"
 #include "rig_knots.h"
 
 namespace viewer {
@@ -17,13 +18,10 @@ using kelp::RigDescription;
 using kelp::Target;
 
 constexpr float kSpeed = 0.002f;  // of lengths, a pixel of drag
-const ImVec4 kBad{1, 0.45f, 0.4f, 1}, kGood{0.55f, 0.85f, 0.5f, 1}, kUnsaved{1, 0.8f, 0.3f, 1};
 
 const char* const kAxes[] = {"+x", "-x", "+y", "-y", "+z", "-z"};
 const char* const kTargets[] = {"offset", "tangent", "translation", "rotation", "scale"};
 const char* const kInterpolations[] = {"step", "linear", "cubic"};
-
-bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
 // Beside the window: it hides no number.
 void tip(const char* text) {

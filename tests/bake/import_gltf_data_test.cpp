@@ -8,8 +8,6 @@
 namespace kelp::bake::test {
 namespace {
 
-SourceModel importText(const Scratch& scratch, const std::string& text, const Settings& settings = {}) { return importFile(scratch.write("model.gltf", text), settings); }
-
 std::string mesh(const std::string& attributes, const std::string& more = "") { return R"("meshes":[{"primitives":[{"attributes":{)" + attributes + "}" + more + R"(}]}],"nodes":[{"mesh":0}])"; }
 
 // The same triangle in every type that KHR_mesh_quantization allows for positions.

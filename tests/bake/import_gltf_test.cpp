@@ -8,8 +8,6 @@
 namespace kelp::bake::test {
 namespace {
 
-SourceModel importText(const Scratch& scratch, const std::string& text, const Settings& settings = {}) { return importFile(scratch.write("model.gltf", text), settings); }
-
 // Numbers from the files' JSON: 12636 indices; the bounds of POSITION times the matrix of node 2 (scale 0.01).
 TEST(ImportGltf, DuckHasItsTrianglesAndStandsUpright) {
   KELP_ASSET(path, "gltf/draco_testdata/Duck.glb");

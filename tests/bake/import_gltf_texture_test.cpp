@@ -183,7 +183,7 @@ class Square : public ::testing::Test {
 
 const Texels kLamp = {{255, 128, 0, 0}, {0, 0, 0, 0}};                 // glows on the left; its alpha says nothing
 const Texels kSteelAndChalk = {{99, 51, 255, 255}, {7, 204, 0, 255}};  // one above the other
-constexpr float kHalf = 0.21586050f;                                   // 128 of 255 as light
+constexpr float kHalfAsLight = 0.21586050f;                                   // 128 of 255 as light
 
 TEST_F(Square, GlowMetalAndRoughnessAreThoseOfTheirPictures) {
   bake(R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"roughnessFactor":0.5,"metallicRoughnessTexture":{"index":1}},
@@ -194,7 +194,7 @@ TEST_F(Square, GlowMetalAndRoughnessAreThoseOfTheirPictures) {
   forEachVoxel([](const Material& m, bool right, bool above) {
     ASSERT_NEAR(m.base_color.g, 0.5f, 1e-6);
     ASSERT_NEAR(m.emissive.r, right ? 0 : 4, 1e-5);
-    ASSERT_NEAR(m.emissive.g, right ? 0 : 4 * kHalf, 1e-5);
+    ASSERT_NEAR(m.emissive.g, right ? 0 : 4 * kHalfAsLight, 1e-5);
     ASSERT_EQ(m.emissive.b, 0);
     ASSERT_NEAR(m.metallic, above ? 1 : 0, 1e-6);
     ASSERT_NEAR(m.roughness, above ? 0.1f : 0.4f, 1e-6);
@@ -207,7 +207,7 @@ TEST_F(Square, EachPictureLiesWhereItsOwnCoordinatesSay) {
        {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1)), dataUri(tga(kRedGreen, 2))});
   forEachVoxel([](const Material& m, bool right, bool) {
     ASSERT_EQ(glm::vec3(m.base_color), right ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0));
-    ASSERT_NEAR(m.emissive.g, right ? kHalf : 0, 1e-6);  // moved by half the picture
+    ASSERT_NEAR(m.emissive.g, right ? kHalfAsLight : 0, 1e-6);  // moved by half the picture
     ASSERT_NEAR(m.metallic, right ? 0 : 1, 1e-6);        // its rows are columns
     ASSERT_NEAR(m.roughness, right ? 0.8f : 0.2f, 1e-6);
   });

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +20,8 @@
 namespace kelp::bake::test {
 
 using kelp::test::Scratch;
+
+inline SourceModel importText(const Scratch& scratch, const std::string& text, const Settings& settings = {}) { return importFile(scratch.write("model.gltf", text), settings); }
 
 // The message of the BakeError that importing a file throws; its code must be `code`.
 inline std::string refusal(const std::filesystem::path& path, Exit code, const Settings& settings = {}) {
@@ -30,6 +34,17 @@ inline std::string refusal(const std::filesystem::path& path, Exit code, const S
   }
   ADD_FAILURE() << path << " was accepted";
   return {};
+}
+
+inline Settings with(const std::function<void(Settings&)>& change) {
+  Settings settings;
+  change(settings);
+  return settings;
+}
+
+inline std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -13,13 +13,6 @@ namespace {
 
 using Value = std::function<double(const glm::dvec3& centre)>;
 
-std::filesystem::path write(const Scratch& scratch, const std::string& name, const std::string& bytes) {
-  const auto path = scratch.folder() / name;
-  std::filesystem::remove(path);  // writing over a file waits for the disk, thousands of times
-  std::ofstream(path, std::ios::binary) << bytes;
-  return path;
-}
-
 // y fastest, then z, then x; in runs of at most 255.
 std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::ivec3&)>& solid, const std::string& more = "") {
   std::string out = "#binvox 1\ndim " + std::to_string(size.x) + " " + std::to_string(size.z) + " " + std::to_string(size.y) + "\n" + more + "data\n";
@@ -72,7 +65,7 @@ std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& 
 TEST(ImportBinvox, VoxelsAndPlace) {
   const Scratch scratch;
   const auto solid = [](const glm::ivec3& v) { return v.x >= 1 && v.x < 4 && v.y >= 2 && v.y < 9 && v.z >= 0 && v.z < 6 && (v.x + v.y * v.z) % 3 != 0; };
-  const auto path = write(scratch, "a.binvox", binvox({5, 10, 6}, solid, "translate 1.5 -2 0.25\nscale 20\n"));
+  const auto path = scratch.write("a.binvox", binvox({5, 10, 6}, solid, "translate 1.5 -2 0.25\nscale 20\n"));
   std::size_t count = 0;
   for (int i = 0; i < 300; ++i) count += solid({i % 5, i / 5 % 10, i / 50});
   for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
@@ -91,7 +84,7 @@ TEST(ImportBinvox, VoxelsAndPlace) {
 
 TEST(ImportBinvox, NormalsOfABall) {
   const Scratch scratch;
-  const auto path = write(scratch, "ball.binvox", binvox({64, 64, 64}, [](const glm::ivec3& v) { return glm::length(glm::dvec3(v) + 0.5 - 32.0) <= 30; }));
+  const auto path = scratch.write("ball.binvox", binvox({64, 64, 64}, [](const glm::ivec3& v) { return glm::length(glm::dvec3(v) + 0.5 - 32.0) <= 30; }));
   const VoxelGrid grid = *importFile(path, {}).parts[0].grid;
   const auto [mean, most] = normalErrors(grid, glm::dvec3(grid.size) * 0.5);
   EXPECT_LT(mean, 1.3);
@@ -101,7 +94,7 @@ TEST(ImportBinvox, NormalsOfABall) {
 TEST(ImportBinvox, DamagedFiles) {
   const Scratch scratch;
   const std::string good = binvox({3, 4, 5}, [](const glm::ivec3& v) { return (v.x + v.y) % 2 == 0; }, "translate 0 0 0\nscale 1\n");
-  const auto path = [&](const std::string& bytes) { return write(scratch, "bad.binvox", bytes); };
+  const auto path = [&](const std::string& bytes) { return scratch.write("bad.binvox", bytes); };
   for (std::size_t length = 0; length < good.size(); ++length) refusal(path(good.substr(0, length)), Exit::kInvalid);
   EXPECT_TRUE(contains(refusal(path("voxels\n"), Exit::kInvalid), "#binvox"));
   EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 65536 65536 65536\ndata\n\1\377"), Exit::kInvalid), "ends after 255"));
@@ -138,8 +131,8 @@ std::filesystem::path writeRaw(const Scratch& scratch, const glm::ivec3& size, c
         std::memcpy(raw, &number, sizeof(T));
         for (std::size_t i = 0; i < sizeof(T); ++i) bytes += raw[big_endian ? sizeof(T) - 1 - i : i];
       }
-  write(scratch, "scan.raw.json", R"({"size": [)" + std::to_string(size.x) + "," + std::to_string(size.y) + "," + std::to_string(size.z) + R"(], "type": ")" + type + "\"" + more + "}");
-  return write(scratch, "scan.raw", bytes);
+  scratch.write("scan.raw.json", R"({"size": [)" + std::to_string(size.x) + "," + std::to_string(size.y) + "," + std::to_string(size.z) + R"(], "type": ")" + type + "\"" + more + "}");
+  return scratch.write("scan.raw", bytes);
 }
 
 // 100 in the middle, falling by 10 a voxel: 50 at a radius of 5.
@@ -261,10 +254,10 @@ TEST(ImportRaw, ValuesThatAreNone) {
 
 TEST(ImportRaw, Sidecars) {
   const Scratch scratch;
-  const auto path = write(scratch, "scan.raw", std::string(8, '\1'));
+  const auto path = scratch.write("scan.raw", std::string(8, '\1'));
   EXPECT_TRUE(contains(refusal(path, Exit::kIo), "has no scan.raw.json beside it"));
   const auto with = [&](const std::string& json, const std::string& name = "scan.raw.json") {
-    write(scratch, name, json);
+    scratch.write(name, json);
     return path;
   };
   EXPECT_TRUE(importFile(with(R"({"size": [2, 2, 2], "type": "u8"})", "scan.json"), {}).parts[0].fog);
@@ -283,7 +276,7 @@ TEST(ImportRaw, Sidecars) {
   EXPECT_TRUE(contains(refusal(with("[]"), Exit::kInvalid), "is no JSON object"));
   EXPECT_TRUE(contains(refusal(with(std::string(60000, '[')), Exit::kInvalid), "is no JSON object"));
   EXPECT_TRUE(contains(refusal(with(std::string(70000, ' ')), Exit::kInvalid), "too long"));
-  EXPECT_TRUE(contains(refusal(write(scratch, "scan.bin", "x"), Exit::kUnsupported), ".raw"));
+  EXPECT_TRUE(contains(refusal(scratch.write("scan.bin", "x"), Exit::kUnsupported), ".raw"));
 }
 
 TEST(ImportRaw, TruncatedAndTooLarge) {
@@ -293,7 +286,7 @@ TEST(ImportRaw, TruncatedAndTooLarge) {
   for (std::size_t length = 0; length <= 122; ++length) {
     if (length == 120) continue;
     bytes.resize(length, '\1');
-    refusal(write(scratch, "scan.raw", bytes), Exit::kInvalid);
+    refusal(scratch.write("scan.raw", bytes), Exit::kInvalid);
   }
   writeRaw<std::uint8_t>(scratch, {64, 64, 64}, "u8", [](const glm::dvec3&) { return 1; });
   Settings settings;

@@ -8,13 +8,6 @@
 namespace kelp::bake::test {
 namespace {
 
-std::filesystem::path write(const Scratch& scratch, const std::string& bytes) {
-  const auto path = scratch.folder() / "model.vox";
-  std::filesystem::remove(path);  // writing over a file waits for the disk, thousands of times
-  std::ofstream(path, std::ios::binary) << bytes;
-  return path;
-}
-
 // A little of everything.
 std::string sampler() {
   VoxMaker maker(200);
@@ -53,13 +46,13 @@ TEST(HostileVox, EveryTruncation) {
   const std::string whole = sampler();
   for (std::size_t length = 0; length < whole.size(); ++length) {
     SCOPED_TRACE(length);
-    refusal(write(scratch, whole.substr(0, length)), Exit::kInvalid);
+    refusal(scratch.write("model.vox", whole.substr(0, length)), Exit::kInvalid);
   }
   // Cut, and the outer sizes made to fit: whatever is left must be whole.
   for (std::size_t length = 20; length < whole.size(); length += 3) {
     std::string cut = whole.substr(0, length);
     cut.replace(16, 4, VoxMaker::integer(static_cast<std::int64_t>(length) - 20));
-    refusedWell(write(scratch, cut), std::to_string(length));
+    refusedWell(scratch.write("model.vox", cut), std::to_string(length));
   }
 }
 
@@ -71,7 +64,7 @@ TEST(HostileVox, EveryByte) {
     for (const int value : {whole[at] ^ 1 << at % 8, whole[at] ^ 0x80, 0x7f, 0xff}) {
       std::string changed = whole;
       changed[at] = static_cast<char>(value);
-      refused += refusedWell(write(scratch, changed), "byte " + std::to_string(at) + " as " + std::to_string(value & 255));
+      refused += refusedWell(scratch.write("model.vox", changed), "byte " + std::to_string(at) + " as " + std::to_string(value & 255));
     }
   EXPECT_GT(refused, whole.size());
 }
@@ -79,11 +72,11 @@ TEST(HostileVox, EveryByte) {
 TEST(HostileVox, Signatures) {
   const Scratch scratch;
   std::string whole = sampler();
-  EXPECT_TRUE(contains(refusal(write(scratch, ""), Exit::kInvalid), "is empty"));
-  EXPECT_TRUE(contains(refusal(write(scratch, "Xraw" + whole.substr(4)), Exit::kInvalid), "signature"));
-  EXPECT_TRUE(contains(refusal(write(scratch, whole.substr(0, 4) + VoxMaker::integer(151) + whole.substr(8)), Exit::kUnsupported), "version 151"));
-  EXPECT_TRUE(contains(refusal(write(scratch, whole.substr(0, 8) + "PACK" + whole.substr(12)), Exit::kInvalid), "MAIN"));
-  EXPECT_TRUE(anyContains(importFile(write(scratch, whole + "more"), {}).notices, "4 bytes after the end"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", ""), Exit::kInvalid), "is empty"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", "Xraw" + whole.substr(4)), Exit::kInvalid), "signature"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", whole.substr(0, 4) + VoxMaker::integer(151) + whole.substr(8)), Exit::kUnsupported), "version 151"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", whole.substr(0, 8) + "PACK" + whole.substr(12)), Exit::kInvalid), "MAIN"));
+  EXPECT_TRUE(anyContains(importFile(scratch.write("model.vox", whole + "more"), {}).notices, "4 bytes after the end"));
 }
 
 TEST(HostileVox, CountsBeyondTheFile) {
@@ -93,7 +86,7 @@ TEST(HostileVox, CountsBeyondTheFile) {
     maker.box({2, 2, 2});
     if (id == "XYZI") maker.chunk("SIZE", VoxMaker::integer(200) + VoxMaker::integer(200) + VoxMaker::integer(200));
     maker.chunk(id, content);
-    return write(scratch, maker.bytes());
+    return scratch.write("model.vox", maker.bytes());
   };
   EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(std::int64_t{1} << 31)), Exit::kInvalid), "claims 2147483648 voxels"));
   EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(0x20000000)), Exit::kInvalid), "claims 536870912 voxels"));
@@ -110,7 +103,7 @@ TEST(HostileVox, Sizes) {
     VoxMaker maker;
     maker.chunk("SIZE", VoxMaker::integer(x) + VoxMaker::integer(y) + VoxMaker::integer(z));
     maker.chunk("XYZI", VoxMaker::integer(1) + std::string("\3\1\1\1", 4));
-    return write(scratch, maker.bytes());
+    return scratch.write("model.vox", maker.bytes());
   };
   EXPECT_EQ(importFile(sized(256, 256, 256), {}).parts.size(), 1u);
   EXPECT_TRUE(contains(refusal(sized(3, 9, 9), Exit::kInvalid), "a voxel outside its model"));
@@ -121,14 +114,14 @@ TEST(HostileVox, Sizes) {
 
   VoxMaker alone, twice, bare;
   alone.chunk("XYZI", VoxMaker::integer(0));
-  EXPECT_TRUE(contains(refusal(write(scratch, alone.bytes()), Exit::kInvalid), "no SIZE"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", alone.bytes()), Exit::kInvalid), "no SIZE"));
   twice.chunk("SIZE", VoxMaker::integer(1) + VoxMaker::integer(1) + VoxMaker::integer(1));
-  EXPECT_TRUE(contains(refusal(write(scratch, twice.bytes()), Exit::kInvalid), "SIZE without voxels"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "SIZE without voxels"));
   twice.chunk("SIZE", VoxMaker::integer(1) + VoxMaker::integer(1) + VoxMaker::integer(1));
-  EXPECT_TRUE(contains(refusal(write(scratch, twice.bytes()), Exit::kInvalid), "without voxels between"));
-  EXPECT_TRUE(contains(refusal(write(scratch, bare.bytes()), Exit::kUnsupported), "has no model"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "without voxels between"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no model"));
   bare.model({4, 4, 4}, {{1, 1, 1, 0}});
-  EXPECT_TRUE(contains(refusal(write(scratch, bare.bytes()), Exit::kUnsupported), "has no voxel"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no voxel"));
 }
 
 TEST(HostileVox, ScenesThatAreNone) {
@@ -137,7 +130,7 @@ TEST(HostileVox, ScenesThatAreNone) {
     VoxMaker maker;
     maker.box({2, 2, 2});
     make(maker);
-    return write(scratch, maker.bytes());
+    return scratch.write("model.vox", maker.bytes());
   };
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 0, {{}}); }), Exit::kInvalid), "node 0: is below itself"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
@@ -177,7 +170,7 @@ TEST(HostileVox, FarPlaces) {
     VoxMaker maker;
     maker.box({2, 2, 2});
     maker.scene({{0, {}}, {0, {{"_t", shift}}}});
-    return write(scratch, maker.bytes());
+    return scratch.write("model.vox", maker.bytes());
   };
   Settings settings;
   settings.max_memory = std::uint64_t{1} << 30;
@@ -191,7 +184,7 @@ TEST(HostileVox, FarPlaces) {
   maker.box({2, 2, 2});
   for (int i = 0; i < 8; ++i) maker.transform(i, i + 1, {{{"_t", "16000000 0 0"}}});
   maker.shape(8, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(write(scratch, maker.bytes()), Exit::kInvalid), "from the origin"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", maker.bytes()), Exit::kInvalid), "from the origin"));
 }
 
 TEST(HostileVox, DeepAndManifold) {
@@ -201,19 +194,19 @@ TEST(HostileVox, DeepAndManifold) {
   constexpr int kDepth = 200000;
   for (int i = 0; i < kDepth; ++i) deep.transform(i, i + 1, {{}});
   deep.shape(kDepth, {{0, {}}});
-  EXPECT_EQ(importFile(write(scratch, deep.bytes()), {}).parts.size(), 1u);
+  EXPECT_EQ(importFile(scratch.write("model.vox", deep.bytes()), {}).parts.size(), 1u);
   // Every group names the next one twice: 2^40 shapes.
   VoxMaker wide;
   wide.box({2, 2, 2});
   for (int i = 0; i < 40; ++i) wide.group(i, {i + 1, i + 1});
   wide.shape(40, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(write(scratch, wide.bytes()), Exit::kInvalid), "more than 1048576 objects"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", wide.bytes()), Exit::kInvalid), "more than 1048576 objects"));
   // A large model many times in one place.
   VoxMaker heavy;
   heavy.filled({64, 64, 64}, 1);
   std::vector<std::pair<int, VoxMaker::Attributes>> places(4097, {0, {}});
   heavy.scene(places);
-  EXPECT_TRUE(contains(refusal(write(scratch, heavy.bytes()), Exit::kUnsupported), "more than 1073741824 voxels"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", heavy.bytes()), Exit::kUnsupported), "more than 1073741824 voxels"));
 }
 
 // Names that are no text: bytes that are no UTF-8, controls of one byte and of two, and a long one that may not be cut within a letter. Found by fuzz_vox.
@@ -234,7 +227,7 @@ TEST(HostileVox, NamesThatAreNoText) {
     maker.shape(3, {{0, {}}});
     const Scratch scratch;
     Report report;
-    const RawPack pack = bake(write(scratch, maker.bytes()), settings, report);
+    const RawPack pack = bake(scratch.write("model.vox", maker.bytes()), settings, report);
     ASSERT_EQ(pack.parts.size(), 1u);
     EXPECT_EQ(pack.parts[0].name, shown);
     EXPECT_NO_THROW(writePackFile(pack, scratch.folder() / "out.kelp", 1, report));

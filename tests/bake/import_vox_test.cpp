@@ -16,12 +16,6 @@ namespace {
 
 using Place = std::array<int, 3>;
 
-std::filesystem::path write(const Scratch& scratch, const std::string& bytes, const std::string& name = "model.vox") {
-  const auto path = scratch.folder() / name;
-  std::ofstream(path, std::ios::binary) << bytes;
-  return path;
-}
-
 // A pack's finest voxels in MagicaVoxel's own axes: x, y to the back, z up. The palette entry of those that have one, -1 of inner ones.
 std::map<Place, int> voxelsOf(const RawPack& pack, double voxel_size = 1) {
   std::map<Place, int> out;
@@ -100,7 +94,7 @@ TEST(ImportVox, AllTurnsAndMirrorings) {
     VoxMaker maker;
     maker.box({3, 4, 7});
     maker.scene({{0, {{"_r", std::to_string(r)}, {"_t", "5 -8 11"}}}});
-    const auto path = write(scratch, maker.bytes());
+    const auto path = scratch.write("model.vox", maker.bytes());
     SCOPED_TRACE("_r " + std::to_string(r));
     expectTruth(baked(path), readVoxTruth(path));
   }
@@ -113,7 +107,7 @@ TEST(ImportVox, TheTurnOfTheFormatsDescription) {
   VoxMaker maker;
   maker.model({8, 8, 8}, {{5, 6, 7, 9}, {4, 4, 4, 1}});
   maker.scene({{0, {{"_r", std::to_string((1 << 0) | (2 << 2) | (1 << 5) | (1 << 6))}}}});
-  const std::map<Place, int> voxels = voxelsOf(baked(write(scratch, maker.bytes())));
+  const std::map<Place, int> voxels = voxelsOf(baked(scratch.write("model.vox", maker.bytes())));
   // About (4, 4, 4), centres at (1.5, 2.5, 3.5) and (0.5, 0.5, 0.5).
   const std::map<Place, int> wanted = {{{2, -4, -2}, 8}, {{0, -1, -1}, 0}};
   EXPECT_EQ(voxels, wanted);
@@ -134,7 +128,7 @@ TEST(ImportVox, NestedGroupsAndSharedNodes) {
   maker.transform(8, 5, {{{"_r", "33"}, {"_t", "0 0 9"}}});
   maker.transform(9, 10, {{{"_t", "0 6 0"}}});
   maker.shape(10, {{1, {}}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   const VoxTruth truth = readVoxTruth(path);
   EXPECT_EQ(truth.voxels.size(), 3 * 24u + 5u);
   expectTruth(baked(path), truth);
@@ -145,7 +139,7 @@ TEST(ImportVox, TheAxisOfTheRigChangesNoPlace) {
   VoxMaker maker;
   maker.box({3, 4, 7});
   maker.scene({{0, {{"_r", "24"}, {"_t", "5 -8 11"}}}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
     Settings settings;
     settings.axis = axis;
@@ -160,7 +154,7 @@ TEST(ImportVox, WithoutAPaletteTheDefaultOne) {
   const Scratch scratch;
   VoxMaker maker;
   maker.box({15, 17, 1});
-  const RawPack pack = baked(write(scratch, maker.bytes()));
+  const RawPack pack = baked(scratch.write("model.vox", maker.bytes()));
   const std::pair<int, glm::ivec3> known[] = {{1, {255, 255, 255}}, {2, {255, 255, 0xcc}}, {7, {255, 0xcc, 255}}, {37, {0xcc, 255, 255}}, {215, {0, 0, 0x33}}, {216, {0xee, 0, 0}},
                                               {226, {0, 0xee, 0}}, {236, {0, 0, 0xee}}, {246, {0xee, 0xee, 0xee}}, {255, {0x11, 0x11, 0x11}}};
   for (const auto& [index, color] : known)
@@ -182,7 +176,7 @@ TEST(ImportVox, MaterialsInThePacksTerms) {
   const float numbers[] = {0.3f, 0.8f};  // its weight; its roughness
   old += std::string(reinterpret_cast<const char*>(&numbers[0]), 4) + VoxMaker::integer(2) + std::string(reinterpret_cast<const char*>(&numbers[1]), 4);
   maker.chunk("MATT", old);
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   const std::vector<Material> palette = baked(path).palette;
   EXPECT_EQ(palette[0].roughness, 1);
   EXPECT_EQ(palette[0].metallic, 0);
@@ -209,7 +203,7 @@ TEST(ImportVox, ThePaletteIsInTheOrderInWhichItIsShown) {
   maker.material(20, {{"_type", "_metal"}, {"_metal", "1"}, {"_rough", "0.5"}});
   VoxMaker damaged = maker;
   maker.chunk("IMAP", map);
-  RawPack pack = baked(write(scratch, maker.bytes()));
+  RawPack pack = baked(scratch.write("model.vox", maker.bytes()));
   const std::map<Place, int> voxels = voxelsOf(pack);
   EXPECT_EQ(voxels.at({-1, 0, 0}), 9);
   EXPECT_EQ(voxels.at({0, 0, 0}), 4);
@@ -220,7 +214,7 @@ TEST(ImportVox, ThePaletteIsInTheOrderInWhichItIsShown) {
   expectTruth(pack, readVoxTruth(scratch.folder() / "model.vox"));
 
   damaged.chunk("IMAP", std::string(256, 7));
-  const auto path = write(scratch, damaged.bytes());
+  const auto path = scratch.write("model.vox", damaged.bytes());
   EXPECT_TRUE(anyContains(importFile(path, {}).notices, "names a colour twice"));
   EXPECT_EQ(voxelsOf(baked(path)).at({0, 0, 0}), 19);
 }
@@ -244,7 +238,7 @@ TEST(ImportVox, WhatIsHiddenIsLeftOut) {
   maker.layer(0, {{"_name", "seen"}});
   VoxMaker none = maker;
   maker.layer(3, {{"_name", "scaffold"}, {"_hidden", "1"}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   expectTruth(baked(path), readVoxTruth(path));
   EXPECT_EQ(voxelsOf(baked(path)).size(), 8u);
   EXPECT_TRUE(anyContains(importFile(path, {}).notices, "3 hidden objects were left out (layers 'scaffold')"));
@@ -253,7 +247,7 @@ TEST(ImportVox, WhatIsHiddenIsLeftOut) {
   unseen.box({2, 2, 2});
   unseen.transform(0, 1, {{}}, {{"_hidden", "1"}});
   unseen.shape(1, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(write(scratch, unseen.bytes()), Exit::kUnsupported), "all of its objects are hidden"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", unseen.bytes()), Exit::kUnsupported), "all of its objects are hidden"));
 }
 
 TEST(ImportVox, WhereObjectsOverlapTheVersionSaysWhichIsSeen) {
@@ -264,7 +258,7 @@ TEST(ImportVox, WhereObjectsOverlapTheVersionSaysWhichIsSeen) {
     maker.filled({4, 4, 4}, 22);
     maker.filled({4, 4, 4}, 33);
     maker.scene({{0, {}}, {1, {{"_t", "2 0 0"}}}, {2, {{"_t", "1 1 1"}}}});
-    const auto path = write(scratch, maker.bytes());
+    const auto path = scratch.write("model.vox", maker.bytes());
     expectTruth(baked(path), readVoxTruth(path));
     EXPECT_EQ(voxelsOf(baked(path)).at({0, -2, 1}), version == 150 ? 21 : 10);
   }
@@ -280,7 +274,7 @@ TEST(ImportVox, FramesOfAScene) {
   maker.group(1, {2});
   maker.transform(2, 3, {{{"_f", "2"}, {"_t", "-10 0 0"}}, {{"_f", "8"}, {"_r", "17"}, {"_t", "10 5 -7"}}});
   maker.shape(3, {{0, {{"_f", "0"}}}, {1, {{"_f", "4"}}}, {2, {{"_f", "9"}}}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   for (int frame = 0; frame <= 9; ++frame) {
     SCOPED_TRACE(frame);
     Settings settings;
@@ -305,7 +299,7 @@ TEST(ImportVox, AnimationsThatLoop) {
   maker.transform(2, 3, {{}});
   maker.shape(3, {{0, {{"_f", "0"}}}, {1, {{"_f", "1"}}}, {2, {{"_f", "2"}}}}, {{"_loop", "1"}});
   maker.chunk("META", VoxMaker::dictionary({{"_anim_range", "0 30"}}));
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   for (const int frame : {0, 1, 2, 3, 4, 29, 30}) {
     Settings settings;
     settings.frame = frame;
@@ -318,7 +312,7 @@ TEST(ImportVox, ModelsWithoutASceneAreFrames) {
   VoxMaker maker;
   maker.chunk("PACK", VoxMaker::integer(3));
   for (int i = 1; i <= 3; ++i) maker.box({i, 5, 3});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   for (int frame = 0; frame < 3; ++frame) {
     Settings settings;
     settings.frame = frame;
@@ -332,7 +326,7 @@ TEST(ImportVox, ModelsWithoutASceneAreFrames) {
   VoxMaker still;
   still.box({2, 2, 2});
   settings.frame = 1;
-  EXPECT_TRUE(contains(refusal(write(scratch, still.bytes()), Exit::kUsage, settings), "no animation"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", still.bytes()), Exit::kUsage, settings), "no animation"));
 }
 
 TEST(ImportVox, ObjectsAsParts) {
@@ -349,7 +343,7 @@ TEST(ImportVox, ObjectsAsParts) {
   maker.shape(5, {{1, {}}});
   maker.transform(6, 7, {{}}, {{"_name", "nothing"}});
   maker.shape(7, {{2, {}}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   Settings settings;
   settings.parts = Parts::kNodes;
   const RawPack pack = baked(path, settings);
@@ -367,7 +361,7 @@ TEST(ImportVox, SizesAreWhatTheUserSays) {
   VoxMaker maker;
   maker.box({3, 4, 7});
   maker.scene({{0, {{"_t", "5 -8 11"}}}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   Settings settings;
   settings.unit = 0.5;
   expectTruth(baked(path, settings), readVoxTruth(path), 0.5);
@@ -388,7 +382,7 @@ TEST(ImportVox, CoarserLevelsUseNoOtherIndices) {
     for (int y = 0; y < 32; ++y)
       for (int x = 0; x < 32; ++x) voxels.push_back({x, y, z, (x / 4 + y / 4 + z / 4) % 2 ? 1 : 220});  // white and dark red: their mean is a colour of the palette too
   maker.model({32, 32, 32}, voxels);
-  const RawPack pack = baked(write(scratch, maker.bytes()));
+  const RawPack pack = baked(scratch.write("model.vox", maker.bytes()));
   ASSERT_GT(pack.parts[0].levels.size(), 2u);
   for (const RawLevel& level : pack.parts[0].levels)
     for (const std::uint32_t attribute : level.attributes) ASSERT_TRUE(attributePalette(attribute) == 0 || attributePalette(attribute) == 219);
@@ -398,9 +392,9 @@ TEST(ImportVox, APaletteFromOutsideWins) {
   const Scratch scratch;
   VoxMaker maker;
   maker.model({2, 1, 1}, {{0, 0, 0, 1}, {1, 0, 0, 255}});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   Settings settings;
-  settings.palette_file = write(scratch, "GIMP Palette\n0 0 0\n250 250 250\n", "two.gpl");
+  settings.palette_file = scratch.write("two.gpl", "GIMP Palette\n0 0 0\n250 250 250\n");
   const RawPack pack = baked(path, settings);
   EXPECT_EQ(pack.palette.size(), 2u);
   EXPECT_EQ(voxelsOf(pack).at({-1, 0, 0}), 1);
@@ -411,7 +405,7 @@ TEST(ImportVox, FlatFacesHaveTheirOwnNormals) {
   const Scratch scratch;
   VoxMaker maker;
   maker.filled({12, 12, 12}, 5);
-  const SourceModel model = importFile(write(scratch, maker.bytes()), {});
+  const SourceModel model = importFile(scratch.write("model.vox", maker.bytes()), {});
   const VoxelGrid& grid = *model.parts[0].grid;
   std::size_t inner = 0;
   for (const SurfaceSample& sample : grid.surface) {
@@ -433,7 +427,7 @@ TEST(ImportVox, ThinWallsAreOfOneMind) {
   const Scratch scratch;
   VoxMaker maker;
   maker.filled({9, 1, 9}, 5);
-  const SourceModel model = importFile(write(scratch, maker.bytes()), {});
+  const SourceModel model = importFile(scratch.write("model.vox", maker.bytes()), {});
   for (const SurfaceSample& sample : model.parts[0].grid->surface) {
     const glm::vec3 file = glm::transpose(glm::mat3(axisRotation(Axis::kPlusZ))) * sample.normal;
     const glm::ivec3 at(sample.index % 9, sample.index / 9 % 9, sample.index / 81);
@@ -454,7 +448,7 @@ TEST(ImportVox, ShellsHaveAnOutside) {
       for (int x = 0; x < 50; ++x)
         if (inside(x, y, z) && !(inside(x - 1, y, z) && inside(x + 1, y, z) && inside(x, y - 1, z) && inside(x, y + 1, z) && inside(x, y, z - 1) && inside(x, y, z + 1))) voxels.push_back({x, y, z, 1});
   shell.model({50, 50, 50}, voxels);
-  const SourceModel model = importFile(write(scratch, shell.bytes()), {});
+  const SourceModel model = importFile(scratch.write("model.vox", shell.bytes()), {});
   const VoxelGrid& grid = *model.parts[0].grid;
   EXPECT_EQ(grid.surface.size(), voxels.size());
   for (const SurfaceSample& sample : grid.surface) {
@@ -499,7 +493,7 @@ TEST(ImportVox, TheSameOnAnyNumberOfThreads) {
   const Scratch scratch;
   VoxMaker maker;
   maker.box({40, 40, 40});
-  const auto path = write(scratch, maker.bytes());
+  const auto path = scratch.write("model.vox", maker.bytes());
   Settings one, five;
   one.threads = 1;
   five.threads = 5;

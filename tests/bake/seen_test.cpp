@@ -31,7 +31,7 @@ View viewOf(const test::MeshTruth& mesh, const glm::ivec3& size, int axis, int s
   const std::size_t columns = static_cast<std::size_t>(size[u]) * static_cast<std::size_t>(size[v]);
   View view{axis, sign, std::vector<double>(columns, -sign * 1e30), std::vector<std::size_t>(columns, kNone)};
   for (std::size_t t = 0; t < mesh.triangles(); ++t) {
-    const auto& [a, b, c] = mesh.corners(t);
+    const glm::dvec3 &a = mesh.corners(t)[0], &b = mesh.corners(t)[1], &c = mesh.corners(t)[2];
     const double area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
     if (std::abs(area) < 1e-9) continue;
     const auto range = [&](int k) {

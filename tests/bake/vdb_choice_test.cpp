@@ -28,17 +28,6 @@ VdbSpec ball(const std::string& name, const std::string& type, const std::string
   return spec;
 }
 
-std::string contentOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-Settings with(const std::function<void(Settings&)>& change) {
-  Settings settings;
-  change(settings);
-  return settings;
-}
-
 TEST(VdbChoice, SeveralGridsAreListed) {
   const Scratch scratch;
   const auto path = scratch.folder() / "several.vdb";

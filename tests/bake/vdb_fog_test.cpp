@@ -13,12 +13,6 @@
 namespace kelp::bake::test {
 namespace {
 
-Settings with(const std::function<void(Settings&)>& change) {
-  Settings settings;
-  change(settings);
-  return settings;
-}
-
 // The integral of density over space, in the file's units: of a part, from optical depths; of a file, from its values.
 double massOf(const FogGrid& fog) {
   double codes = 0;

@@ -30,11 +30,6 @@ VdbSpec small(const std::string& type, const std::string& grid_class) {
   return spec;
 }
 
-std::string contentOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 // Either a model, or a refusal of one clamped line; nothing else may leave the importer.
 void importHostile(const std::filesystem::path& path, bool must_refuse, std::uint64_t max_memory = std::uint64_t{1} << 30) {
   Settings settings;

@@ -61,8 +61,8 @@ RawPack packOf(const Kind& kind, int which, int parts) {
         const float period = 2.0f + 0.7f * static_cast<float>(wave), phase = 0.13f * static_cast<float>(k);
         const glm::vec3 push = 0.1f / static_cast<float>(wave + 1) * at * height * glm::vec3(1, 0, 0.4f);
         const auto part = static_cast<std::uint32_t>(p), knot = static_cast<std::uint32_t>(k);
-        clip.waves.push_back({part, knot, Target::kKnotOffset, push, period, phase});
-        clip.waves.push_back({part, knot, Target::kKnotTangent, 1.5f * push, period, phase});
+        clip.waves.push_back({part, knot, kelp::Target::kKnotOffset, push, period, phase});
+        clip.waves.push_back({part, knot, kelp::Target::kKnotTangent, 1.5f * push, period, phase});
       }
     }
     pack.parts.push_back(test::partOf(blades(kind.size, which), std::move(knots), "part " + std::to_string(p)));

@@ -158,7 +158,7 @@ TEST_F(KelpDump, InfoCountsWhatIsThere) {
   EXPECT_EQ(info["palette"][1]["hex"], "#008000");
   EXPECT_EQ(info["clips"][0]["name"], "sway");
   EXPECT_EQ(info["clips"][0]["duration"], 15);
-  EXPECT_EQ(info["clips"][0]["parts"], json({0}));
+  EXPECT_EQ(info["clips"][0]["parts"], json::array({0}));
   std::uint64_t stored = 0;
   for (const json& chunk : info["chunks"]) stored += chunk["stored_bytes"].get<std::uint64_t>();
   EXPECT_EQ(stored, info["file_bytes"]);

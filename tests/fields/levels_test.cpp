@@ -21,11 +21,6 @@ bool anySolid(const fields::Occupancy& occupancy) {
   return std::find(occupancy.solid.begin(), occupancy.solid.end(), 1) != occupancy.solid.end();
 }
 
-glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
-  const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
-  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
-}
-
 // The surface with attributes that can be told apart.
 std::vector<fields::SurfaceVoxel> numberedSurface(const fields::Occupancy& occupancy) {
   std::vector<fields::SurfaceVoxel> surface;

@@ -15,11 +15,6 @@ namespace {
 
 const glm::dvec3 kSpacings[] = {{1, 1, 1}, {0.25, 0.25, 0.25}, {1, 2.5, 0.3}, {1e-3, 7, 1}, {0.1, 0.1, 50}};
 
-glm::ivec3 voxelAt(std::size_t index, const glm::ivec3& size) {
-  const auto x = static_cast<std::size_t>(size.x), y = static_cast<std::size_t>(size.y);
-  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
-}
-
 long double squaredBetween(std::size_t a, std::size_t b, const glm::ivec3& size, const glm::dvec3& spacing) {
   const glm::ivec3 gap = voxelAt(a, size) - voxelAt(b, size);
   long double sum = 0;

@@ -23,6 +23,11 @@ inline fields::Occupancy emptyVolume(const glm::ivec3& size) {
   return volume;
 }
 
+inline glm::ivec3 voxelAt(std::uint64_t index, const glm::ivec3& size) {
+  const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
+  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
+}
+
 // Solid where `inside(voxel)` is true.
 template <class Inside>
 fields::Occupancy volumeWhere(const glm::ivec3& size, Inside inside) {

@@ -11,7 +11,7 @@ namespace kelp {
 namespace {
 
 // Counts what it gives and what comes back.
-struct Counter {
+struct CallCounter {
   std::size_t allocations = 0, live_bytes = 0;
   bool refuse = false;
 
@@ -19,14 +19,14 @@ struct Counter {
     Allocator result;
     result.user = this;
     result.allocate = [](void* user, std::size_t bytes) -> void* {
-      Counter& self = *static_cast<Counter*>(user);
+      CallCounter& self = *static_cast<CallCounter*>(user);
       if (self.refuse) return nullptr;
       ++self.allocations;
       self.live_bytes += bytes;
       return std::malloc(bytes);
     };
     result.deallocate = [](void* user, void* memory, std::size_t bytes) {
-      static_cast<Counter*>(user)->live_bytes -= bytes;
+      static_cast<CallCounter*>(user)->live_bytes -= bytes;
       std::free(memory);
     };
     return result;
@@ -34,7 +34,7 @@ struct Counter {
 };
 
 TEST(Buffer, ResetZeroesAndGivesBackExactlyWhatItTook) {
-  Counter counter;
+  CallCounter counter;
   {
     Buffer<std::uint32_t> buffer(counter.allocator());
     ASSERT_TRUE(buffer.reset(100));
@@ -62,7 +62,7 @@ TEST(Buffer, SizesKeepTheir64Bits) {
 }
 
 TEST(Buffer, ReuseAllocatesOnlyToGrow) {
-  Counter counter;
+  CallCounter counter;
   {
     Buffer<std::uint16_t> buffer(counter.allocator());
     ASSERT_TRUE(buffer.reuse(100));
@@ -81,7 +81,7 @@ TEST(Buffer, ReuseAllocatesOnlyToGrow) {
 }
 
 TEST(Buffer, FailureLeavesTheContentAlone) {
-  Counter counter;
+  CallCounter counter;
   Buffer<std::uint64_t> buffer(counter.allocator());
   ASSERT_TRUE(buffer.reset(2));
   buffer[1] = 42;

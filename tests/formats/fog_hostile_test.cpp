@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include "kelp/formats/pack.h"
@@ -56,8 +55,6 @@ struct Lie {
   void (*tell)(PackSurgeon& s);
 };
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
 
 // Whatever the reader refuses, verify must find too.
@@ -127,13 +124,13 @@ const Lie kTableLies[] = {
     {"no extinctions", kCorrupt, [](PackSurgeon& s) { s.content("FOGS").resize(60); }},
     {"colour above 1", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 4, 1.5f); }},
     {"colour below 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 8, -0.1f); }},
-    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 40, kNan); }},
+    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 40, test::kNan); }},
     {"anisotropy 1", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 16, 1.0f); }},
     {"anisotropy -1", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 16, -1.0f); }},
-    {"anisotropy not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 44, kNan); }},
+    {"anisotropy not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 44, test::kNan); }},
     {"glow below 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 20, -1.0f); }},
-    {"glow not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 20, kNan); }},
-    {"glow infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 48, kInfinity); }},
+    {"glow not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 20, test::kNan); }},
+    {"glow infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 48, test::kInfinity); }},
     {"ramp of 1", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 52, 1u); }},
     {"ramp of 1 and 1", kCorrupt,
      [](PackSurgeon& s) {
@@ -163,11 +160,11 @@ const Lie kTableLies[] = {
     {"reserved of the second", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 56, 0x80000000u); }},
     {"extinction 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 60, 0.0f); }},
     {"extinction below 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 64, -1.0f); }},
-    {"extinction not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 68, kNan); }},
-    {"extinction infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 68, kInfinity); }},
+    {"extinction not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 68, test::kNan); }},
+    {"extinction infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 68, test::kInfinity); }},
     {"ramp below 0", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 72, -1.0f); }},
-    {"ramp not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 84, kNan); }},
-    {"ramp infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 92, kInfinity); }},
+    {"ramp not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 84, test::kNan); }},
+    {"ramp infinite", kCorrupt, [](PackSurgeon& s) { set(s.content("FOGS"), 92, test::kInfinity); }},
 };
 
 // Smoke 1 has two cells and one page of two bricks; its raw size is at 8 + 12, its number of bricks at 8 + 28.

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "kelp/formats/verify.h"
@@ -119,9 +118,6 @@ struct Mistake {
   void (*make)(RawPack& pack);
 };
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 const Mistake kMistakes[] = {
     {"a sample too few", [](RawPack& p) { p.parts[1].levels[0].density.pop_back(); }},
     {"a brick of samples too many", [](RawPack& p) { p.parts[1].levels[0].density.resize(p.parts[1].levels[0].density.size() + 729, 1); }},
@@ -147,19 +143,19 @@ const Mistake kMistakes[] = {
     {"solid said to be fog", [](RawPack& p) { p.parts[0].fog = RawFog{}; }},
     {"extinction 0", [](RawPack& p) { p.parts[1].levels[1].extinction = 0; }},
     {"extinction below 0", [](RawPack& p) { p.parts[1].levels[0].extinction = -1; }},
-    {"extinction infinite", [](RawPack& p) { p.parts[2].levels[0].extinction = kInfinity; }},
-    {"extinction not a number", [](RawPack& p) { p.parts[2].levels[0].extinction = kNan; }},
+    {"extinction infinite", [](RawPack& p) { p.parts[2].levels[0].extinction = test::kInfinity; }},
+    {"extinction not a number", [](RawPack& p) { p.parts[2].levels[0].extinction = test::kNan; }},
     {"anisotropy 1", [](RawPack& p) { p.parts[1].fog->anisotropy = 1; }},
     {"anisotropy -1", [](RawPack& p) { p.parts[1].fog->anisotropy = -1; }},
-    {"anisotropy not a number", [](RawPack& p) { p.parts[1].fog->anisotropy = kNan; }},
+    {"anisotropy not a number", [](RawPack& p) { p.parts[1].fog->anisotropy = test::kNan; }},
     {"colour above 1", [](RawPack& p) { p.parts[1].fog->color.g = 1.5f; }},
     {"colour below 0", [](RawPack& p) { p.parts[2].fog->color.b = -0.5f; }},
     {"glow below 0", [](RawPack& p) { p.parts[2].fog->glow = -1; }},
-    {"glow infinite", [](RawPack& p) { p.parts[2].fog->glow = kInfinity; }},
+    {"glow infinite", [](RawPack& p) { p.parts[2].fog->glow = test::kInfinity; }},
     {"ramp of 1 colour", [](RawPack& p) { p.parts[2].fog->ramp.resize(1); }},
     {"ramp of 257 colours", [](RawPack& p) { p.parts[2].fog->ramp.resize(257); }},
     {"ramp below 0", [](RawPack& p) { p.parts[2].fog->ramp[1].r = -1; }},
-    {"ramp not a number", [](RawPack& p) { p.parts[2].fog->ramp[0].b = kNan; }},
+    {"ramp not a number", [](RawPack& p) { p.parts[2].fog->ramp[0].b = test::kNan; }},
 };
 
 TEST(Fog, TheWriterRefusesEveryMistakeBeforeItWritesAByte) {

@@ -142,8 +142,6 @@ struct Lie {
   void (*tell)(PackSurgeon& s);
 };
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
 constexpr ErrorCode kFeature = ErrorCode::kUnsupportedFeature;
 
@@ -232,9 +230,9 @@ const Lie kPartLies[] = {
     {"size 32769", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 28, 32769u); }},
     {"size 9000", ErrorCode::kLimit, [](PackSurgeon& s) { set(s.content("PART"), 28, 9000u); }},
     {"size is another", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 28, 9u); }},
-    {"transform not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 32 + 44, kNan); }},
+    {"transform not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 32 + 44, test::kNan); }},
     {"transform flat", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 32, 0.0f); }},
-    {"pivot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 80 + 4, kInfinity); }},
+    {"pivot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 80 + 4, test::kInfinity); }},
     {"info not UTF-8", kCorrupt, [](PackSurgeon& s) { set(s.content("INFO"), 0, '\xff'); }},
     {"info with null", kCorrupt, [](PackSurgeon& s) { set(s.content("INFO"), 0, '\0'); }},
 };
@@ -250,9 +248,9 @@ const Lie kPaletteAndRigLies[] = {
     {"2^32 - 1 colours", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 0, 0xffffffffu); }},
     {"palette one byte more", kCorrupt, [](PackSurgeon& s) { s.content("MATL").push_back(std::byte{0}); }},
     {"colour above 1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 4, 1.5f); }},
-    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 16, kNan); }},
+    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 16, test::kNan); }},
     {"negative light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 20, -1.0f); }},
-    {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, kInfinity); }},
+    {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
     {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},
     {"roughness -1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 36, -1.0f); }},
     {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(15); }},
@@ -267,7 +265,7 @@ const Lie kPaletteAndRigLies[] = {
     {"knots left over", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8, 2u); }},
     {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16, 0.1f); }},
     {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 28, 0.0f); }},
-    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 4, kInfinity); }},
+    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 4, test::kInfinity); }},
     {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 20, -20.0f); }},
 };
 
@@ -282,7 +280,7 @@ const Lie kClipLies[] = {
     {"name left over", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 20, 3u); }},
     {"name with control", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 256, '\x07'); }},
     {"duration 0", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 24, 0.0f); }},
-    {"duration not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 24, kNan); }},
+    {"duration not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 24, test::kNan); }},
     {"2 waves of 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 28, 2u); }},
     {"0 waves of 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 28, 0u); }},
     {"3 tracks of 2", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 32, 3u); }},
@@ -290,10 +288,10 @@ const Lie kClipLies[] = {
     {"wave of knot 3", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 40, 3u); }},
     {"wave of a part", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 44, 2u); }},
     {"wave target 2^31", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 44, 0x80000000u); }},
-    {"amplitude not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 52, kInfinity); }},
+    {"amplitude not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 52, test::kInfinity); }},
     {"period 0", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 60, 0.0f); }},
     {"period -1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 60, -1.0f); }},
-    {"phase not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 64, kNan); }},
+    {"phase not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 64, test::kNan); }},
     {"track of part 2", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 68, 2u); }},
     {"track of a part with a knot", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 72, 1u); }},
     {"track target 5", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 76, std::uint8_t{5}); }},
@@ -306,11 +304,11 @@ const Lie kClipLies[] = {
     {"times descend", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 2.0f); }},
     {"times equal", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 1.5f); }},
     {"rotation not a unit", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 116, 1.1f); }},
-    {"rotation not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 104, kNan); }},
+    {"rotation not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 104, test::kNan); }},
     {"slope of a linear track", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 120, 1.0f); }},
     {"fourth component of an offset", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 16, 1.0f); }},
     {"fourth component of a slope", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 48, 1.0f); }},
-    {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, kInfinity); }},
+    {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, test::kInfinity); }},
 };
 
 // The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has three cells and

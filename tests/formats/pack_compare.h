@@ -5,12 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/raw_pack.h"
 
 namespace kelp::test {
+
+// What no number of a pack may be.
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // All voxels of one level, as the writer was given them. `ok` is false (and the error there) when the pack refuses.
 struct ReadLevel {

@@ -24,8 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 // What is read may have been found only by reading it.
 void checkRoles(const Options& options, const bake::FilesUsed& files, const Place& place) {
   std::vector<std::filesystem::path> read;

@@ -28,8 +28,6 @@ using bake::Exit;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 void makeFolderOf(const fs::path& file, const Place& place) {
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);

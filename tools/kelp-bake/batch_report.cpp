@@ -10,13 +10,13 @@
 namespace kelp::bake_cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-std::string print(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string print(const OrderedJson& json) { return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n"; }
 
-Json headJson(const char* schema, const Command& command, const Jobs& jobs) {
-  Json json{{"schema", schema}, {"kelp-bake", KELP_VERSION}, {"batch", (command.manifest ? *command.manifest : *command.list).string()}};
-  json["shard"] = command.shard ? Json{{"index", command.shard->index}, {"count", command.shard->count}} : Json();
+OrderedJson headJson(const char* schema, const Command& command, const Jobs& jobs) {
+  OrderedJson json{{"schema", schema}, {"kelp-bake", KELP_VERSION}, {"batch", (command.manifest ? *command.manifest : *command.list).string()}};
+  json["shard"] = command.shard ? OrderedJson{{"index", command.shard->index}, {"count", command.shard->count}} : OrderedJson();
   json["all_assets"] = jobs.all;
   return json;
 }
@@ -25,9 +25,9 @@ Json headJson(const char* schema, const Command& command, const Jobs& jobs) {
 std::string asArgument(const std::string& file) { return !file.empty() && (file[0] == '-' || file[0] == '@') ? "./" + file : file; }
 
 // The command line that bakes this asset alone. What is of the whole run is left to whoever runs it.
-Json argumentsOf(const Job& job) {
+OrderedJson argumentsOf(const Job& job) {
   const Values& values = job.asset.values;
-  Json arguments = {asArgument(job.options.input.string()), "-o", asArgument(job.options.output.string())};
+  OrderedJson arguments = {asArgument(job.options.input.string()), "-o", asArgument(job.options.output.string())};
   for (const OptionInfo& option : optionTable()) {
     const auto value = values.find(option.name);
     if (option.scope == OptionScope::kRun || value == values.end()) continue;
@@ -41,8 +41,8 @@ Json argumentsOf(const Job& job) {
 }
 
 // What is known before the input is read.
-Json filesOf(const Options& options) {
-  Json files = {options.input.string()};
+OrderedJson filesOf(const Options& options) {
+  OrderedJson files = {options.input.string()};
   for (const auto& file : {options.settings.rig_file, options.settings.palette_file, options.settings.ramp_file})
     if (file) files.push_back(file->string());
   return files;
@@ -60,8 +60,8 @@ std::size_t BatchResult::count(Status status) const {
 }
 
 std::string planJson(const Command& command, const Jobs& jobs) {
-  Json json = headJson("kelp-bake-plan/1", command, jobs);
-  json["assets"] = Json::array();
+  OrderedJson json = headJson("kelp-bake-plan/1", command, jobs);
+  json["assets"] = OrderedJson::array();
   for (std::size_t i = 0; i < jobs.jobs.size(); ++i) {
     const Job& job = jobs.jobs[i];
     json["assets"].push_back({{"index", jobs.indices[i]},
@@ -74,8 +74,8 @@ std::string planJson(const Command& command, const Jobs& jobs) {
 }
 
 void writeBatchReport(const std::filesystem::path& path, const Command& command, const Jobs& jobs, const BatchResult& result) {
-  Json json = headJson("kelp-bake-batch/1", command, jobs);
-  json["assets"] = Json::array();
+  OrderedJson json = headJson("kelp-bake-batch/1", command, jobs);
+  json["assets"] = OrderedJson::array();
   for (std::size_t i = 0; i < jobs.jobs.size(); ++i) {
     const AssetResult& asset = result.assets[i];
     json["assets"].push_back({{"index", jobs.indices[i]},
@@ -83,7 +83,7 @@ void writeBatchReport(const std::filesystem::path& path, const Command& command,
                               {"output", jobs.jobs[i].options.output.string()},
                               {"status", toString(asset.status)},
                               {"exit", static_cast<int>(asset.exit)},
-                              {"error", asset.error.empty() ? Json() : Json(asset.error)},
+                              {"error", asset.error.empty() ? OrderedJson() : OrderedJson(asset.error)},
                               {"notices", asset.notices},
                               {"pack_bytes", asset.pack_bytes},
                               {"seconds", asset.seconds}});

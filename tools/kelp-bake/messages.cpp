@@ -10,7 +10,7 @@
 namespace kelp::bake_cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 bool g_json = false;
 
@@ -20,10 +20,10 @@ void put(std::string line) {
   std::fflush(stderr);
 }
 
-void put(const Json& json) { put(json.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+void put(const OrderedJson& json) { put(json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace)); }
 
-Json ofKind(const char* kind, const OfBatch& of = {}) {
-  Json json{{"kind", kind}};
+OrderedJson ofKind(const char* kind, const OfBatch& of = {}) {
+  OrderedJson json{{"kind", kind}};
   if (of.asset > 0) {
     json["asset"] = of.asset;
     json["assets"] = of.assets;
@@ -33,7 +33,7 @@ Json ofKind(const char* kind, const OfBatch& of = {}) {
 
 std::string number(const OfBatch& of) { return of.asset > 0 ? "[" + std::to_string(of.asset) + "/" + std::to_string(of.assets) + "] " : ""; }
 
-void say(Json json, std::string_view before, std::string_view text) {
+void say(OrderedJson json, std::string_view before, std::string_view text) {
   const std::string line = oneLine(std::string(text));
   if (!g_json) return put(std::string(before) + line);
   json["text"] = line;
@@ -51,13 +51,13 @@ void sayDetail(std::string_view text) { say(ofKind("detail"), "  ", text); }
 void sayWarning(std::string_view text, const OfBatch& of) { say(ofKind("warning", of), "kelp-bake: " + number(of) + "warning: ", text); }
 
 void sayError(bake::Exit exit, std::string_view text) {
-  Json json = ofKind("error");
+  OrderedJson json = ofKind("error");
   json["exit"] = static_cast<int>(exit);
   say(json, "kelp-bake: ", text);
 }
 
 void sayAsset(const OfBatch& of, std::string_view output, std::string_view status, bake::Exit exit, std::string_view text) {
-  Json json = ofKind("asset", of);
+  OrderedJson json = ofKind("asset", of);
   json["output"] = output;
   json["status"] = status;
   json["exit"] = static_cast<int>(exit);

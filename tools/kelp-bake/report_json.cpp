@@ -9,7 +9,7 @@
 namespace kelp::bake_cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Make reads spaces as separators, $ as variables, # as comments and : as the end of targets; ninja reads what compilers write for make. A backslash is
 // one by itself, and to be doubled before what has one for its own sake.
@@ -26,9 +26,9 @@ std::string escapeForMake(const std::filesystem::path& path) {
   return escaped;
 }
 
-Json partJson(const bake::Report::Part& part) {
-  Json json{{"name", part.name},
-            {"parent", part.parent.empty() ? Json() : Json(part.parent)},
+OrderedJson partJson(const bake::Report::Part& part) {
+  OrderedJson json{{"name", part.name},
+            {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
             {"carrier", part.carrier},
             {"size", {part.size.x, part.size.y, part.size.z}},
             {"voxel_size", part.voxel_size},
@@ -56,19 +56,19 @@ Json partJson(const bake::Report::Part& part) {
                      {"turned_triangles", part.repairs.turned},
                      {"cap_triangles", part.repairs.cap_triangles},
                      {"kept_voxels", part.repairs.kept_voxels}};
-  json["components"] = Json::array();
+  json["components"] = OrderedJson::array();
   for (const bake::Report::Component& c : part.components) {
     json["components"].push_back({{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
   }
   return json;
 }
 
-Json filesJson(const bake::FilesUsed& used) {
-  Json files = Json::array();
+OrderedJson filesJson(const bake::FilesUsed& used) {
+  OrderedJson files = OrderedJson::array();
   for (const bake::FilesUsed::File& file : used.read) {
     std::error_code error;
     const std::uintmax_t bytes = std::filesystem::file_size(file.path, error);
-    files.push_back({{"name", file.path.string()}, {"bytes", error ? Json() : Json(bytes)}});
+    files.push_back({{"name", file.path.string()}, {"bytes", error ? OrderedJson() : OrderedJson(bytes)}});
   }
   return files;
 }
@@ -76,7 +76,7 @@ Json filesJson(const bake::FilesUsed& used) {
 }  // namespace
 
 std::string reportJson(const Options& options, const bake::Report& report, double seconds) {
-  Json json;
+  OrderedJson json;
   json["schema"] = "kelp-bake-report/1";
   json["kelp-bake"] = KELP_VERSION;
   json["input"] = options.input.string();
@@ -85,12 +85,12 @@ std::string reportJson(const Options& options, const bake::Report& report, doubl
   json["files"] = filesJson(report.files);
   json["materials"] = report.materials;
   json["images"] = report.images;
-  json["parts"] = Json::array();
+  json["parts"] = OrderedJson::array();
   for (const bake::Report::Part& part : report.parts) json["parts"].push_back(partJson(part));
-  json["clips"] = Json::array();
+  json["clips"] = OrderedJson::array();
   for (const bake::Report::Clip& clip : report.clips)
     json["clips"].push_back({{"name", clip.name}, {"part", clip.part}, {"duration", clip.duration}, {"leaves_box", clip.leaves_box}, {"bends", clip.bends}, {"moves", clip.moves}});
-  json["stages"] = Json::array();
+  json["stages"] = OrderedJson::array();
   for (const bake::Report::Stage& stage : report.stages) json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
   json["notices"] = report.notices;
   json["palette_entries"] = report.palette_entries;
@@ -101,23 +101,23 @@ std::string reportJson(const Options& options, const bake::Report& report, doubl
   json["pack_xxh128"] = report.pack_hash;
   json["cached"] = false;
   json["seconds"] = seconds;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files, double seconds) {
-  Json json = Json::parse(report);
+  OrderedJson json = OrderedJson::parse(report);
   json["input"] = options.input.string();
   json["output"] = options.output.string();
   json["files"] = filesJson(files);
-  json["stages"] = Json::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
+  json["stages"] = OrderedJson::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
   json["cached"] = true;
   json["seconds"] = seconds;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
-std::vector<std::string> noticesOf(const std::string& report) { return Json::parse(report)["notices"].get<std::vector<std::string>>(); }
+std::vector<std::string> noticesOf(const std::string& report) { return OrderedJson::parse(report)["notices"].get<std::vector<std::string>>(); }
 
-std::string inputOf(const std::string& report) { return Json::parse(report)["input"].get<std::string>(); }
+std::string inputOf(const std::string& report) { return OrderedJson::parse(report)["input"].get<std::string>(); }
 
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::FilesUsed& files) {
   std::set<std::filesystem::path> others;  // in one order, whether they were read or looked up

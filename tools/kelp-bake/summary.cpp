@@ -84,6 +84,8 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+double secondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+
 std::string printBytes(std::uint64_t bytes) {
   const double kib = static_cast<double>(bytes) / 1024.0;
   return kib < 1024 ? fmt::format("{:.1f} KiB", kib) : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024) : fmt::format("{:.2f} GiB", kib / (1024 * 1024));

@@ -2,6 +2,7 @@
 // What was baked, for people.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ namespace kelp::bake_cli {
 
 // One line whatever the text holds.
 std::string oneLine(std::string text);
+// By the steady clock.
+double secondsSince(std::chrono::steady_clock::time_point start);
 // "1.5 MiB".
 std::string printBytes(std::uint64_t bytes);
 

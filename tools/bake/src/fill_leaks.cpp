@@ -10,7 +10,6 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kHalfDiagonal = 0.8660254037844387;
 
 // Two faces of a voxel that share an edge, as steps to the neighbours behind them.
 struct Corner {

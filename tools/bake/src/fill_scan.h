@@ -10,6 +10,9 @@
 
 namespace kelp::bake {
 
+// Of a voxel.
+constexpr double kHalfDiagonal = 0.8660254037844387;
+
 // What a voxel is during the fill; anything but kEmpty is solid in the end.
 enum : std::uint8_t { kEmpty = 0, kInside = 1, kKept = 2 };
 

@@ -8,8 +8,6 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::uint32_t kCentreBit = 1u << 13;
-constexpr double kHalfDiagonal = 0.8660254037844387;
 constexpr std::size_t kGrain = 4096;
 // Values of voxels while this file works.
 constexpr std::uint8_t kLost = 3;     // kept by the first pass; the second looks for its neighbours

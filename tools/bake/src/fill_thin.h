@@ -15,6 +15,7 @@ void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vect
                    std::vector<std::uint8_t>& voxels, const Step& step);
 
 // Bit of each of the 27 voxels around (and including) `voxel` that is not empty: x + 3 (y + 3 z), each 0 .. 2; the outside is empty.
+constexpr std::uint32_t kCentreBit = 1u << 13;
 std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::ivec3& size, const glm::ivec3& voxel);
 
 // Whether the cells of such a mask (without the middle) hang together, by corners at least.

@@ -13,8 +13,6 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kHalfDiagonal = 0.8660254037844387;
-constexpr std::uint32_t kCentreBit = 1u << 13;
 // The six cells across the faces of the middle one of 27.
 constexpr int kFaces[6] = {4, 10, 12, 14, 16, 22};
 // With no more neighbours a voxel is the end of a tip.

@@ -13,7 +13,7 @@ namespace kelp::bake {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 const std::string* findHash(const FilesUsed& used, const std::filesystem::path& path) {
   const auto file = std::find_if(used.read.begin(), used.read.end(), [&](const FilesUsed::File& f) { return f.path == path; });
@@ -25,7 +25,7 @@ std::string hashOf(const FilesUsed& used, const std::filesystem::path& path) {
   return hash ? *hash : hashFile(path);
 }
 
-Json fileJson(const FilesUsed& used, const std::filesystem::path& path) { return {{"name", path.filename().string()}, {"xxh3", hashOf(used, path)}}; }
+OrderedJson fileJson(const FilesUsed& used, const std::filesystem::path& path) { return {{"name", path.filename().string()}, {"xxh3", hashOf(used, path)}}; }
 
 // The rig from outside the input, if it came from a file.
 std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
@@ -36,9 +36,9 @@ std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input,
 }
 
 // What neither the source nor the options name: pictures, buffers, materials. Sorted, whatever the order in which they were read.
-std::map<std::string, Json> otherFiles(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
-  std::map<std::string, Json> files;
-  const auto add = [&](const std::filesystem::path& path, const Json& value) {
+std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
+  std::map<std::string, OrderedJson> files;
+  const auto add = [&](const std::filesystem::path& path, const OrderedJson& value) {
     if (path == input || path == settings.rig_file || path == settings.palette_file || path == settings.ramp_file || path == rigBeside(input)) return;
     files[path.lexically_relative(input.parent_path()).generic_string()] = value;
   };
@@ -55,7 +55,7 @@ std::filesystem::path rigBeside(const std::filesystem::path& input) {
 }
 
 std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const FilesUsed& used) {
-  Json options;
+  OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
   } else if (settings.resolution_given || !volume) {  // a volume keeps its own voxels unless told otherwise
@@ -82,12 +82,12 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.density != 1) options["density"] = settings.density;
   if (settings.ramp_file) options["ramp"] = fileJson(used, *settings.ramp_file);
   if (settings.levels > 0) options["levels"] = settings.levels;
-  Json info = {{"tool", "kelp-bake " KELP_VERSION},
+  OrderedJson info = {{"tool", "kelp-bake " KELP_VERSION},
                {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
                {"options", options}};
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   // A name that is not UTF-8 must not stop the bake.
-  return info.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return info.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace kelp::bake

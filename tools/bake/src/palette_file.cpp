@@ -67,7 +67,7 @@ std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed*
     colors = readGimp(text, path);
   } else {
     const auto image = decodeImage(bytes, path.filename().string());
-    if (!std::holds_alternative<Image>(image)) refuse(Exit::kInvalid, path, "", "is neither a GIMP palette (.gpl) nor a picture; export one of these");
+    if (const auto* fault = std::get_if<std::string>(&image)) refuse(Exit::kInvalid, path, "", "is no GIMP palette (.gpl) and " + *fault + "; export one of these");
     colors = readPicture(std::get<Image>(image), path);
   }
   if (colors.empty()) refuse(Exit::kInvalid, path, "", "holds no colour; add one");

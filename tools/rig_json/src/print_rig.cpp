@@ -36,7 +36,7 @@ std::string vector(const V& v, int components, double rest = 0) {
   return text + "]";
 }
 
-std::string quoted(std::string_view text) {
+std::string inQuotes(std::string_view text) {
   static constexpr char kHex[] = "0123456789abcdef";
   std::string out = "\"";
   for (const char c : text) {
@@ -107,7 +107,7 @@ std::string clipText(const RigDescription::Clip& clip) {
     }
     members.push_back("\"keys\": [" + join(lines, "        ") + "]");
   }
-  return quoted(clip.name) + ": {" + join(members, "      ") + "}";
+  return inQuotes(clip.name) + ": {" + join(members, "      ") + "}";
 }
 
 }  // namespace

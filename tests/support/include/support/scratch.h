@@ -36,6 +36,7 @@ class Scratch {
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path.parent_path());
+    std::filesystem::remove(path);  // writing over a file waits for the disk; some tests do thousands of times
     std::ofstream(path, std::ios::binary).write(content.data(), static_cast<std::streamsize>(content.size()));
     return path;
   }
