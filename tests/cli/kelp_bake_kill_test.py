@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kill -9 at random moments of a bake: the output is the old pack or the new one, whole, and nothing else looks like a result.
+"""kill -9 at random moments of a bake, of the program alone or with its child: the output is the old pack or the new one, whole, and nothing else looks like a result.
 60 times; KELP_ALL_TESTS=1 makes it 1000. Usage: kelp_bake_kill_test.py KELP_BAKE KELP_DUMP"""
 import os
 import random
@@ -27,7 +27,14 @@ def block(n):
 
 
 def bake(source, output):
-    return subprocess.Popen([KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return subprocess.Popen([KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
+
+
+def ended(run):
+    """Its exit code. The program's standard output has an end once its child is gone, too."""
+    with run.stdout:
+        run.stdout.read()
+    return run.wait()
 
 
 def read(path):
@@ -45,7 +52,7 @@ def main():
                 file.write(block(12 + 9 * i))
             whole = os.path.join(folder, f"whole{i}.kelp")
             start = time.monotonic()
-            if bake(sources[i], whole).wait() != 0:
+            if ended(bake(sources[i], whole)) != 0:
                 sys.exit("kelp-bake fails")
             seconds = max(seconds, time.monotonic() - start)
             packs.append(read(whole))
@@ -62,8 +69,11 @@ def main():
             run = bake(sources[1 - now], output)
             # Anywhere, and every second time near the end, where the pack is written and moved into place.
             time.sleep(chance.uniform(0.7 if killed % 2 else 0.0, 1.1) * seconds)
-            run.send_signal(signal.SIGKILL)
-            code = run.wait()
+            if killed % 3:
+                run.send_signal(signal.SIGKILL)
+            else:
+                os.killpg(run.pid, signal.SIGKILL)
+            code = ended(run)
             killed += code == -signal.SIGKILL
             finished += code == 0
             found = read(output)
