@@ -23,7 +23,7 @@
 #include "interrupt.h"
 #include "kelp/bake/output_file.h"
 
-extern "C" void __lsan_do_leak_check() __attribute__((weak));  // there in sanitizer builds
+extern "C" void __lsan_do_leak_check() __attribute__((weak));  // NOLINT(bugprone-reserved-identifier,readability-identifier-naming): the name that sanitizers give it; only there in their builds
 
 namespace kelp::bake_cli {
 namespace {

@@ -63,10 +63,10 @@ class DrawList {
   void finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head);
   Result<void> writeOrder(PartKind kind);
 
-  Candidate block_[kBlock];      // the first waiting_
+  Candidate block_[kBlock]{};    // the first waiting_
   glm::mat4 moved_[kBlock];      // part -> world, of those that move as a whole
   PosedParts posed_[kEights];
-  PlacedParts placed_[kEights];
+  PlacedParts placed_[kEights]{};
   std::size_t waiting_ = 0;
   Buffer<Ordered> order_;        // the first count_
   Buffer<Ordered> sorted_;

@@ -84,7 +84,7 @@ inline Lanes rounded(DoubleLanes low, DoubleLanes high) { return _mm_movelh_ps(_
 struct Lanes {
   static constexpr int kCount = 4;
   float v[4];
-  Lanes() = default;
+  Lanes() = default;  // cppcheck-suppress uninitMemberVar ; no value before it gets one, as a float
   Lanes(float all) : v{all, all, all, all} {}
   static Lanes of(float a, float b, float c, float d) {
     const float four[4] = {a, b, c, d};
