@@ -78,6 +78,9 @@ std::vector<std::string> Workshop::presumed() const {
   std::vector<std::string> files{order_.source};
   if (order_.rig.empty()) files.push_back(besideSource(order_.source));
   else if (!isPreset(order_.rig)) files.push_back(order_.rig);
+  for (const std::string& path : dependencies_) {
+    if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
+  }
   return files;
 }
 
@@ -120,6 +123,7 @@ void Workshop::start() {
   std::vector<std::string> words{program_, order_.source, "-o", order_.output, "--progress", "json", "-MF", dependencies_path_};
   if (!order_.rig.empty()) words.insert(words.end(), {"--rig", order_.rig});
   words.insert(words.end(), order_.options.begin(), order_.options.end());
+  watch_.watch(presumed());  // and no folder: kelp-bake makes files there
   watch_.accept();
   started_ = FileWatch::clock();
   error_ = job_.start(words);
@@ -127,25 +131,20 @@ void Workshop::start() {
 
 Workshop::News Workshop::finish() {
   exit_code_ = job_.exitCode();
-  std::vector<std::string> files = presumed();
-  const auto add = [&](const std::string& path) {
-    if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
-  };
   if (exit_code_ != 0) {
     error_ = job_.lastLine().empty() ? "kelp-bake ended with exit code " + std::to_string(exit_code_) : job_.lastLine();
     if (exit_code_ == kInterrupted) error_ = "kelp-bake was interrupted; save the source to bake again";
-    for (const std::string& path : dependencies_) add(path);
     // What was missing may come: then the folder changes.
-    add(folderOf(order_.source));
-    if (!order_.rig.empty() && !isPreset(order_.rig)) add(folderOf(order_.rig));
+    std::vector<std::string> files = presumed();
+    files.push_back(folderOf(order_.source));
+    if (!order_.rig.empty() && !isPreset(order_.rig)) files.push_back(folderOf(order_.rig));
     watch_.watch(files);
     return News::kFailed;
   }
   std::ifstream file(dependencies_path_, std::ios::binary);
   const std::string rule{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   dependencies_ = readDependencies(rule);
-  for (const std::string& path : dependencies_) add(path);
-  watch_.watch(files, started_);
+  watch_.watch(presumed(), started_);
   return News::kBaked;
 }
 

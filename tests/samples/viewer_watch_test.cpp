@@ -95,6 +95,7 @@ echo '{"kind":"progress","stage":"voxelize","done":0.25,"seconds":1}' >&2
 case $(cat "$1") in
   bad) echo '{"kind":"error","exit":3,"text":"'"$1"': is bad; mend it"}' >&2; exit 3;;
   slow) trap 'exit 130' TERM; i=0; while [ $i -lt 200 ]; do sleep 0.05; i=$((i + 1)); done;;
+  probing) touch "$here/.probe"; rm "$here/.probe"; sleep 0.3;;
 esac
 echo packed > "$3"
 printf '%s: \\\n  %s \\\n  %s\n' "$3" "$1" "$here/texture.png" > "$7"
@@ -162,6 +163,16 @@ TEST_F(WorkshopTest, ABakeThatFailsSaysWhyAndIsTriedAgain) {
 
   std::filesystem::remove(source_);
   EXPECT_EQ(wait(workshop), Workshop::News::kBaked) << "the fake does not mind";
+}
+
+// The real one tries whether it may write there before it begins.
+TEST_F(WorkshopTest, WhatABakeMakesInTheFolderIsNoChange) {
+  scratch_.write("reed.glb", "bad");
+  Workshop workshop(order(), program_);
+  EXPECT_EQ(wait(workshop), Workshop::News::kFailed);
+  scratch_.write("reed.glb", "probing");
+  EXPECT_EQ(wait(workshop), Workshop::News::kBaked);
+  EXPECT_EQ(log().size(), 2u);
 }
 
 TEST_F(WorkshopTest, AChangeInTheMidstOfABakeBeginsItAnew) {

@@ -3,18 +3,21 @@ include_guard(GLOBAL)
 find_package(GTest REQUIRED)
 include(GoogleTest)
 
-# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...]): one GoogleTest program, every case a ctest entry.
+# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...] [ENVIRONMENT name=value]): one GoogleTest program, every case a ctest entry.
 # Built for another system, a program is one entry: its emulator takes longer to start than most cases to run.
 # KELP_TEST_ARGUMENTS (preset web) leaves out what can not run there: cases that start threads of their own.
 # Tests that need the shared assets use tests/support/assets.h, which skips (and says so) where they are absent.
 function(kelp_add_test name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "" "ENVIRONMENT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_DEPENDS} kelp_test_support GTest::gtest_main)
   kelp_target_defaults(${name})
   set(properties TIMEOUT 900)
   if(arg_LABELS)
     list(APPEND properties LABELS "${arg_LABELS}")
+  endif()
+  if(arg_ENVIRONMENT)
+    list(APPEND properties ENVIRONMENT "${arg_ENVIRONMENT}")
   endif()
   if(CMAKE_CROSSCOMPILING)
     add_test(NAME ${name} COMMAND ${name} ${KELP_TEST_ARGUMENTS})

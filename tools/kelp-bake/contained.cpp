@@ -23,8 +23,6 @@
 #include "interrupt.h"
 #include "kelp/bake/output_file.h"
 
-extern "C" void __lsan_do_leak_check() __attribute__((weak));  // NOLINT(bugprone-reserved-identifier,readability-identifier-naming): the name that sanitizers give it; only there in their builds
-
 namespace kelp::bake_cli {
 namespace {
 
@@ -95,7 +93,6 @@ std::uint64_t dataBytes() {
   }
   ::close(pipe);
   std::fflush(nullptr);
-  if (__lsan_do_leak_check) __lsan_do_leak_check();  // a sanitizer looks for leaks at an orderly exit alone
   std::_Exit(0);  // log4cplus, which comes with OpenVDB, has started threads before main; at an orderly exit it would wait for them, and here they are not
 }
 
