@@ -250,7 +250,6 @@ TEST_P(InstancingTest, OnlyWhatCoversNoPixelIsCulled) {
   around.eye_to_clip[1] /= 5.0f;
   int culled = 0, seen = 0;
   for (const Instance& instance : instances_) {
-    gl::Stats stats;
     glViewport(0, 0, 450, 350);
     const std::vector<Pixel> pixels = drawn(*renderer, large, around, {&instance, 1});
     int inside = 0;
