@@ -40,8 +40,8 @@ inline fields::Occupancy ballClump(const glm::ivec3& size, int balls, unsigned s
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int i = 0; i < balls; ++i) {
-    const float z = unit(random), y = unit(random), x = unit(random);  // in this order, whatever the compiler
-    const glm::vec3 centre = glm::vec3(size) * glm::vec3(x, y, z);
+    glm::vec3 centre;
+    for (const int axis : {2, 1, 0}) centre[axis] = static_cast<float>(size[axis]) * unit(random);  // in this order, whatever the compiler
     const float radius = (0.04f + 0.14f * unit(random)) * static_cast<float>(std::min({size.x, size.y, size.z}));
     const glm::ivec3 low = glm::max(glm::ivec3(centre - radius), glm::ivec3(0));
     const glm::ivec3 high = glm::min(glm::ivec3(centre + radius), size - 1);
