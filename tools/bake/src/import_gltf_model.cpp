@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "import_gltf_model.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -6,9 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-// tinygltf is compiled here without file access and without image decoding: it sees one string of JSON and nothing else.
+// tinygltf is compiled here without file access and without image decoding: it sees one string of JSON and nothing else. Its header gives its implementation whether or not
+// it was read before; kelp's own, read before, would not, and Debian's libdraco, which has functions of these names in another version, would take its place.
 #define TINYGLTF_IMPLEMENTATION
-#include "import_gltf_model.h"
+#include <tiny_gltf.h>
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
