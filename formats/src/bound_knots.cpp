@@ -9,7 +9,7 @@ namespace {
 // Above this, squares of coefficients near the end of float.
 constexpr float kMostSquared = 1e15f;
 // More than any rise that is summed up.
-constexpr float kSafe = 1e30f;
+constexpr float kBeyondAnyRise = 1e30f;
 
 // Two vectors behind a number: loaded four numbers at a time.
 static_assert(sizeof(Knot) == 28 && offsetof(Knot, at) == 0 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);

@@ -78,7 +78,7 @@ unsigned boundSoundKnots(const std::span<const Knot> (&rigs)[8], int first, floa
   KnotLanes k0(knots);
   RangeLanes x{k0.px, k0.px}, y{k0.py, k0.py}, z{k0.pz, k0.pz};
   Floats size_x = 0.0f, size_y = 0.0f, size_z = 0.0f;
-  Floats sum = 0.0f, least_rise = kSafe, least_room = kSafe;
+  Floats sum = 0.0f, least_rise = kBeyondAnyRise, least_room = kBeyondAnyRise;
   for (std::size_t i = 0; i < most; ++i) {
     for (int rig = 0; rig < kCount; ++rig) knots[rig] += knots[rig] < last[rig] ? kKnotFloats : 0;  // a rig that has no more stays at its last one
     const KnotLanes k1(knots);
@@ -97,8 +97,8 @@ unsigned boundSoundKnots(const std::span<const Knot> (&rigs)[8], int first, floa
     y.high = max(k1.py, y.high);
     const Floats at_y = selectLess(here, end, sizeOf(along_y), 0.0f);
     size_y = max(at_y, size_y);
-    least_rise = min(selectLess(here, end, min(share, along_y.rise), kSafe), least_rise);
-    least_room = min(selectLess(here, end, min(min(along_y.c, along_y.m1), along_y.room), kSafe), least_room);
+    least_rise = min(selectLess(here, end, min(share, along_y.rise), kBeyondAnyRise), least_rise);
+    least_room = min(selectLess(here, end, min(min(along_y.c, along_y.m1), along_y.room), kBeyondAnyRise), least_room);
     sum = sum + (at_x + at_y + at_z);
     k0 = k1;
   }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cassert>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,6 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "finite.h"
 #include "layout.h"
 
 namespace kelp {
@@ -39,11 +39,6 @@ class RecordReader {
   std::span<const std::byte> bytes_;
   std::size_t at_;
 };
-
-inline bool isFinite(float v) { return std::isfinite(v); }
-inline bool isFinite(const glm::vec3& v) { return isFinite(v.x) && isFinite(v.y) && isFinite(v.z); }
-inline bool isFinite(const glm::vec4& v) { return isFinite(v.x) && isFinite(v.y) && isFinite(v.z) && isFinite(v.w); }
-inline bool isFinite(const glm::mat4x3& m) { return isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(m[3]); }
 
 inline Error corrupt(const char* detail, std::size_t offset) { return {ErrorCode::kCorrupt, detail, offset}; }
 inline Error outOfMemory(const char* detail) { return {ErrorCode::kOutOfMemory, detail}; }

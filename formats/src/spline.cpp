@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "bound_knots.h"
+#include "finite.h"
 
 namespace kelp {
 namespace {
@@ -99,9 +100,8 @@ bool areFine(std::span<const Knot> knots) {
   return ascends && size[1] + size[2] + size[3] < kSafe && least_rise > 0.0f && least_room >= 0.0f;
 }
 
-bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 // Also of what is computed from them in float.
-bool isFinite(const Segment& s) {
+bool staysFinite(const Segment& s) {
   for (const bool end : {false, true}) {
     const Power f = powerFrom(s, end);
     if (!isFinite(f.a) || !isFinite(f.b) || !isFinite(f.c) || !isFinite(f.d)) return false;
@@ -159,7 +159,7 @@ Result<void> checkKnots(std::span<const Knot> knots) {
   if (knots.back().at != 1.0f) return Error{ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1};
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment segment = makeSegment(knots[i], knots[i + 1]);
-    if (!isFinite(segment)) return Error{ErrorCode::kMisuse, "a knot is too far away to compute with", i};
+    if (!staysFinite(segment)) return Error{ErrorCode::kMisuse, "a knot is too far away to compute with", i};
     if (!isMonotone(segment)) return Error{ErrorCode::kNotMonotone, "the spline turns back after a knot", i};
   }
   return {};

@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kTau = 6.28318531f;
 
-float rounded(float value) { return std::round(value * 1e5f) / 1e5f + 0.0f; }
+float shortened(float value) { return std::round(value * 1e5f) / 1e5f + 0.0f; }
 
 }  // namespace
 
@@ -20,11 +20,11 @@ void Sinusoid::add(const glm::vec3& amplitude, float phase) {
 void Sinusoid::appendTo(std::vector<kelp::RigDescription::Wave>& waves, int knot, kelp::Target target, float period) const {
   const std::size_t first = waves.size();
   for (int axis = 0; axis < 3; ++axis) {
-    float size = rounded(std::hypot(sine[axis], cosine[axis]));
+    float size = shortened(std::hypot(sine[axis], cosine[axis]));
     if (size == 0) continue;
-    float phase = rounded(std::atan2(cosine[axis], sine[axis]) / kTau);
+    float phase = shortened(std::atan2(cosine[axis], sine[axis]) / kTau);
     if (std::abs(phase) > 0.25f) {  // the nearer half turn, backwards
-      phase = rounded(phase - std::copysign(0.5f, phase));
+      phase = shortened(phase - std::copysign(0.5f, phase));
       size = -size;
     }
     glm::vec3 amplitude(0);

@@ -120,7 +120,7 @@ TEST(PaletteRules, RefusesWhatIsNoPalette) {
   EXPECT_NE(refusal(scratch.write("a.gpl", "GIMP Palette\n1 2 300 x\n"), Exit::kInvalid).find("line 2"), std::string::npos);
   refusal(scratch.write("b.gpl", "GIMP Palette\n"), Exit::kInvalid);
   EXPECT_NE(refusal(scratch.write("c.gpl", "not a palette"), Exit::kInvalid).find("is no GIMP palette (.gpl) and is not a PNG"), std::string::npos);
-  EXPECT_NE(refusal(scratch.write("c.png", "\x89PNG\r\n\x1a\n and no more"), Exit::kInvalid).find("and is a PNG picture that can not be decoded ("), std::string::npos);
+  EXPECT_NE(refusal(scratch.write("c.png", "\x89PNG\r\n\x1a\n and no more"), Exit::kInvalid).find("and is a PNG picture whose header is damaged"), std::string::npos);
   std::string many = "GIMP Palette\n";
   for (int i = 0; i < 257; ++i) many += std::to_string(i % 256) + " " + std::to_string(i / 256) + " 0\n";
   EXPECT_NE(refusal(scratch.write("d.gpl", many), Exit::kInvalid).find("256"), std::string::npos);

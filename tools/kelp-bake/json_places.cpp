@@ -170,6 +170,8 @@ JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Fa
   return std::move(builder.root());
 }
 
+std::string quoted(const std::string& name) { return "\"" + (name.size() > 60 ? name.substr(0, 60) + "..." : name) + "\""; }
+
 bool isStream(const std::filesystem::path& file) { return file == "-" || console::isPipe(file.string()); }
 
 std::string readTextFile(const std::filesystem::path& file, const Place& named_at) {

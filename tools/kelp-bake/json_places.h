@@ -32,9 +32,13 @@ struct JsonValue::Member {
 // there twice, control characters.
 JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Faults& faults);
 
-// The text of a file that the user named, a pipe perhaps: at most 16 MiB. BakeError kIo or kInvalid; `named_at` is who named it.
+// A name as messages show it.
+std::string quoted(const std::string& name);
+
 // Whether a file comes as a stream, "-" or a pipe: it has no folder, and can not be read again.
 bool isStream(const std::filesystem::path& file);
+
+// The text of a file that the user named, a pipe perhaps: at most 16 MiB. BakeError kIo or kInvalid; `named_at` is who named it.
 std::string readTextFile(const std::filesystem::path& file, const Place& named_at);
 
 }  // namespace kelp::bake_cli

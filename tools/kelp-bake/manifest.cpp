@@ -17,8 +17,6 @@ using Kind = JsonValue::Kind;
 
 [[noreturn]] void fail(const Place& place, const std::string& what) { throw faultAt(place, what); }
 
-std::string quoted(const std::string& name) { return "\"" + (name.size() > 60 ? name.substr(0, 60) + "..." : name) + "\""; }
-
 class ManifestReader {
  public:
   ManifestReader(const fs::path& output_folder, Faults& faults) : output_folder_(output_folder), faults_(faults) {}

@@ -8,8 +8,6 @@
 namespace kelp::bake_cli {
 namespace {
 
-std::string quoted(const std::string& name) { return "\"" + (name.size() > 60 ? name.substr(0, 60) + "..." : name) + "\""; }
-
 void expectType(const JsonValue& value, OptionType type, const std::string& name) {
   using Kind = JsonValue::Kind;
   switch (type) {

@@ -19,7 +19,7 @@ namespace {
 // Of a record: what is the same in all, and what comes before the segments of the frame before.
 constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4), kMotionTexels = 4;
 
-constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
+constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
 // Doubles the room of `buffer` until it holds `size`, keeping what is there.
 template <class T>
 [[nodiscard]] bool grow(Buffer<T>& buffer, std::size_t size) {
@@ -207,7 +207,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
   }
   for (std::size_t i = 0; i < eights; ++i) choose(frame, i, countOf(i));
   // One texel more for the number that writeSegments writes too much.
-  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1)) return &kNoMemory;
+  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1)) return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
 }
@@ -296,7 +296,7 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
 Result<void> DrawList::writeOrder(PartKind kind) {
   if (count_ == 0) return {};
   rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
-  if (!grow(records_, rows_ * kRecordWidth) || !grow(sorted_, count_)) return kNoMemory;
+  if (!grow(records_, rows_ * kRecordWidth) || !grow(sorted_, count_)) return kNoMemoryForFrame;
   constexpr int kRounds = 3, kLowestBit = 7;
   constexpr std::uint32_t kBuckets = 256;
   const auto bucketOf = [](std::uint32_t key, int round) { return key >> (kLowestBit + 8 * round) & (kBuckets - 1); };

@@ -52,7 +52,7 @@ double objectScale(const SourcePart& part) {
   return scale > 0 && std::isfinite(scale) ? scale : 1.0;
 }
 
-std::string placeOf(const std::filesystem::path& input, const SourcePart& part) { return fmt::format("{}: part '{}'", input.filename().string(), part.name); }
+std::string partPlace(const std::filesystem::path& input, const SourcePart& part) { return fmt::format("{}: part '{}'", input.filename().string(), part.name); }
 
 // The frames of all parts that are meshes. Their voxels are of one size in the object, but for the nudge that makes y whole.
 std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings, const std::filesystem::path& input) {
@@ -61,7 +61,7 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
     double longest = 0;
     for (const SourcePart& part : model.parts) {
       if (part.isVolume()) continue;
-      const glm::dvec3 extent = rigExtent(part.soup, axisOf(part), placeOf(input, part)) * objectScale(part);
+      const glm::dvec3 extent = rigExtent(part.soup, axisOf(part), partPlace(input, part)) * objectScale(part);
       longest = std::max({longest, extent.x, extent.y, extent.z});
     }
     voxel = longest > 0 ? longest / settings.resolution : 1.0;
@@ -70,7 +70,7 @@ std::vector<Frame> makeFrames(const SourceModel& model, const Settings& settings
   for (const SourcePart& part : model.parts) {
     Frame& frame = frames.emplace_back();
     if (part.isVolume()) continue;
-    const std::string place = placeOf(input, part);
+    const std::string place = partPlace(input, part);
     double size = voxel / objectScale(part);
     if (!settings.voxel_size) size = fitVoxelSize(rigExtent(part.soup, axisOf(part), place).y, size);
     frame = makeFrame(part.soup, axisOf(part), size, place, objectScale(part));
@@ -84,7 +84,7 @@ void checkSides(const SourceModel& model, const std::vector<Frame>& frames, cons
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const SourcePart& part = model.parts[i];
     const glm::ivec3 size = part.isVolume() ? part.volumeSize() + 2 * paddingOf(part, settings.pad) : frames[i].size;
-    checkPadded(size, settings.pad, placeOf(input, part));
+    checkPadded(size, settings.pad, partPlace(input, part));
   }
 }
 
@@ -136,11 +136,11 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
       pack.parts[i].knots = realizeKnots(model.parts[i].rig, pack.parts[i].size);
       mergeClips(pack.clips, realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)));
     } catch (const RigError& error) {
-      throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", placeOf(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
+      throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
     }
     if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
       throw BakeError(Exit::kInvalid, fmt::format("{} ({}): knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset",
-                                                  placeOf(input, model.parts[i]), model.parts[i].rig_origin, sound.error().offset, sound.error().detail));
+                                                  partPlace(input, model.parts[i]), model.parts[i].rig_origin, sound.error().offset, sound.error().detail));
     }
   }
   for (const RawClip& clip : pack.clips) {
@@ -151,7 +151,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
         const ClipReport proof = proveClip(clip, static_cast<std::uint32_t>(i), pack.parts[i].knots, pack.parts[i].size);
         report.clips.push_back({clip.name, model.parts[i].name, clip.duration, proof.leaves_box, knots, whole});
       } catch (const RigError& error) {
-        throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", placeOf(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
+        throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
       }
     }
   }
@@ -303,8 +303,8 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     line.surface_voxels = part.grid->surface.size();
     line.solid_voxels = static_cast<std::uint64_t>(std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t v) { return v != 0; }));
     if (line.solid_voxels == 0 && cut_out)
-      throw BakeError(Exit::kUnsupported, placeOf(input, part) + ": the alpha of its materials cuts all of it out; raise the alpha, or --resolution where what is left is thinner than a voxel");
-    if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, placeOf(input, part) + ": no voxel is solid; raise --resolution");
+      throw BakeError(Exit::kUnsupported, partPlace(input, part) + ": the alpha of its materials cuts all of it out; raise the alpha, or --resolution where what is left is thinner than a voxel");
+    if (line.solid_voxels == 0) throw BakeError(Exit::kInvalid, partPlace(input, part) + ": no voxel is solid; raise --resolution");
     grids.push_back(&*part.grid);
   }
 

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "hash_file.h"
+#include "kelp/formats/pack.h"
 
 namespace kelp::bake {
 namespace {
@@ -102,6 +103,13 @@ bool hasScheme(std::string_view uri) {
 }
 
 std::string placeOf(std::string_view array, std::size_t index) { return std::string(array) + '[' + std::to_string(index) + ']'; }
+
+void checkPartCount(const InputFiles& files, std::size_t parts, std::string_view join) {
+  const std::size_t most = Limits{}.max_parts;
+  if (parts > most)
+    refuse(Exit::kUnsupported, files.input(), "scene",
+           "makes " + std::to_string(parts) + " parts, and packs of more than " + std::to_string(most) + " are not read by default; leave --parts out, or join " + std::string(join));
+}
 
 std::string lowerExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();

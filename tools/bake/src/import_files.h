@@ -36,6 +36,9 @@ std::string oneLine(std::string_view text, std::size_t limit = 200);
 // "name[index]", the way glTF's own validator names places.
 std::string placeOf(std::string_view array, std::size_t index);
 
+// kUnsupported for more parts than formats' Limits accept by default. `join` is what the user could join: "meshes".
+void checkPartCount(const InputFiles& files, std::size_t parts, std::string_view join);
+
 // RFC 3986, section 2.1; nullopt if an escape is broken.
 std::optional<std::string> percentDecode(std::string_view text);
 

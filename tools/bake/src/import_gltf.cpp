@@ -13,11 +13,10 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::size_t kMaxParts = 4096;  // what formats' Limits accept by default
 
 glm::mat4x3 toAffine(const glm::dmat4& matrix) { return glm::mat4x3(glm::dmat4x3(matrix)); }
 
-void noteDropped(const GltfModel& model, const std::string& part, const SoupBuilder& soup) {
+void noteNonFinite(const GltfModel& model, const std::string& part, const SoupBuilder& soup) {
   if (soup.droppedNonFinite() > 0) model.note("part '" + part + "': " + std::to_string(soup.droppedNonFinite()) + " triangles with corners that are not finite are dropped");
 }
 
@@ -50,8 +49,7 @@ class GltfImporter {
       throw BakeError(Exit::kUsage, "--parts nodes: the rig (" + outer_->origin + ") is one for the whole file; give nodes rigs of their own (extras.kelp or knots), or leave --parts out");
 
     const std::vector<PartPlan> plans = settings_.parts == Parts::kNodes ? planByNodes(model_, animations_) : planByRigs(model_, outer_.has_value());
-    if (plans.size() > kMaxParts)
-      refuse(Exit::kUnsupported, files_.input(), "scene", "makes " + std::to_string(plans.size()) + " parts, and packs of more than " + std::to_string(kMaxParts) + " are not read by default; leave --parts out, or join meshes");
+    checkPartCount(files_, plans.size(), "meshes");
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
       if (std::optional<SourcePart> part = makePart(plans[p])) {
@@ -111,7 +109,7 @@ class GltfImporter {
     const glm::dmat4 from_world = glm::inverse(space);
     SoupBuilder soup;
     for (int node : plan.members) addMesh(model_, node, from_world, materials_, soup);
-    noteDropped(model_, name, soup);
+    noteNonFinite(model_, name, soup);
     return soup.take();
   }
 

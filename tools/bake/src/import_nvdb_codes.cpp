@@ -10,13 +10,13 @@ namespace {
 enum NanoType : std::uint32_t { kFloat = 1, kDouble, kInt16, kInt32, kInt64, kVec3f, kVec3d, kMask, kUint32 = 10, kBool, kFp4 = 13, kFp8, kFp16, kFpN };
 
 template <class T>
-double as(const std::uint8_t* bytes) {
+double nanoAs(const std::uint8_t* bytes) {
   T value;
   std::memcpy(&value, bytes, sizeof(T));
   return static_cast<double>(value);
 }
 
-std::size_t scalarBytes(std::uint32_t type) {
+std::size_t nanoScalarBytes(std::uint32_t type) {
   switch (type) {
     case kDouble:
     case kInt64:
@@ -60,16 +60,16 @@ bool nanoIsWide(std::uint32_t type) { return type == kDouble || type == kInt32 |
 
 double nanoValue(std::span<const std::uint8_t> bytes, std::size_t i, std::uint32_t type, bool active) {
   if (type == kMask) return active ? 1 : 0;
-  const std::uint8_t* at = bytes.subspan(i * scalarBytes(type), scalarBytes(type)).data();
+  const std::uint8_t* at = bytes.subspan(i * nanoScalarBytes(type), nanoScalarBytes(type)).data();
   switch (type) {
     case kDouble:
-    case kVec3d: return as<double>(at);
-    case kInt16: return as<std::int16_t>(at);
-    case kInt32: return as<std::int32_t>(at);
-    case kInt64: return as<std::int64_t>(at);
-    case kUint32: return as<std::uint32_t>(at);
+    case kVec3d: return nanoAs<double>(at);
+    case kInt16: return nanoAs<std::int16_t>(at);
+    case kInt32: return nanoAs<std::int32_t>(at);
+    case kInt64: return nanoAs<std::int64_t>(at);
+    case kUint32: return nanoAs<std::uint32_t>(at);
     case kBool: return *at != 0 ? 1 : 0;
-    default: return as<float>(at);
+    default: return nanoAs<float>(at);
   }
 }
 
@@ -85,13 +85,13 @@ NanoCodes nanoCodes(std::uint32_t type, const std::uint8_t* head, std::uint64_t 
       const int log2 = head[15] >> 5, bits = 1 << (log2 < 4 ? log2 : 4);
       return {table, kVoxels * static_cast<std::uint64_t>(bits) / 8, bits};
     }
-    default: return {table, kVoxels * scalarBytes(type) * static_cast<std::uint64_t>(nanoComponents(type)), 0};
+    default: return {table, kVoxels * nanoScalarBytes(type) * static_cast<std::uint64_t>(nanoComponents(type)), 0};
   }
 }
 
 double nanoLeafValue(std::span<const std::uint8_t> values, std::span<const std::uint8_t> scale, const NanoCodes& codes, std::size_t i, std::uint32_t type, bool active) {
   if (type == kBool) return values[i / 8] >> (i % 8) & 1 ? 1 : 0;
-  if (codes.bits == 0) return nanoValue(type == kMask ? values : values.subspan(i * scalarBytes(type)), 0, type, active);
+  if (codes.bits == 0) return nanoValue(type == kMask ? values : values.subspan(i * nanoScalarBytes(type)), 0, type, active);
   const std::size_t bit = i * static_cast<std::size_t>(codes.bits);
   std::uint32_t code = values[bit / 8];
   if (codes.bits == 16) code |= static_cast<std::uint32_t>(values[bit / 8 + 1]) << 8;

@@ -12,7 +12,7 @@
 namespace kelp::bake {
 namespace {
 
-struct Corner {
+struct ObjCorner {
   std::int64_t position = -1, uv = -1;
 };
 
@@ -105,7 +105,7 @@ class ObjReader {
     ++faces_;
     polygon_.clear();
     for (std::string_view word = nextWord(line); !word.empty() && word.front() != '#'; word = nextWord(line)) {
-      Corner corner;
+      ObjCorner corner;
       const std::size_t slash = word.find('/');
       corner.position = readIndex(word.substr(0, slash), positions_.size(), "vertex");
       if (slash != std::string_view::npos) {
@@ -162,12 +162,12 @@ class ObjReader {
     std::size_t at = 0;
     std::vector<glm::vec3> points;
     for (std::size_t f = 0; f < face_sizes_.size(); ++f) {
-      const std::span<const Corner> corners(face_corners_.data() + at, face_sizes_[f]);
+      const std::span<const ObjCorner> corners(face_corners_.data() + at, face_sizes_[f]);
       at += face_sizes_[f];
       line_ = face_lines_[f];
       points.clear();
       bool with_uv = true;
-      for (const Corner& corner : corners) {
+      for (const ObjCorner& corner : corners) {
         if (corner.position >= static_cast<std::int64_t>(positions_.size()))
           refuseLine("the face names vertex " + std::to_string(corner.position + 1) + ", but there are " + std::to_string(positions_.size()));
         if (corner.uv >= static_cast<std::int64_t>(texcoords_.size()))
@@ -186,13 +186,13 @@ class ObjReader {
     }
   }
 
-  void addTriangle(std::span<const Corner> corners, const std::array<std::uint32_t, 3>& cut, std::uint32_t material, bool with_uv) {
+  void addTriangle(std::span<const ObjCorner> corners, const std::array<std::uint32_t, 3>& cut, std::uint32_t material, bool with_uv) {
     SoupBuilder::Triangle triangle;
     triangle.material = material;
     if (with_uv) triangle.uv.emplace();
     if (!colors_.empty()) triangle.color.emplace();
     for (std::size_t i = 0; i < 3; ++i) {
-      const Corner& corner = corners[cut[i]];
+      const ObjCorner& corner = corners[cut[i]];
       const auto position = static_cast<std::size_t>(corner.position);
       triangle.position[i] = positions_[position];
       if (with_uv) (*triangle.uv)[i] = texcoords_[static_cast<std::size_t>(corner.uv)];
@@ -213,7 +213,7 @@ class ObjReader {
   std::size_t line_ = 0, faces_ = 0, not_faces_ = 0, unknown_ = 0;
   std::vector<glm::vec3> positions_, colors_;
   std::vector<glm::vec2> texcoords_;
-  std::vector<Corner> polygon_, face_corners_;
+  std::vector<ObjCorner> polygon_, face_corners_;
   std::vector<std::uint32_t> face_sizes_, face_materials_;
   std::vector<std::size_t> face_lines_;
   std::map<std::string, std::uint32_t> by_name_;

@@ -76,13 +76,13 @@ struct Lattice {
   int samples = 1;          // along each axis of a voxel, where it is larger than the field's
 };
 
-struct Range {
+struct FieldRange {
   double least = std::numeric_limits<double>::infinity(), greatest = -std::numeric_limits<double>::infinity();
   std::uint64_t bad = 0, negative = 0;
 };
 
-Range rangeOf(const Field& field) {
-  Range range;
+FieldRange fieldRange(const Field& field) {
+  FieldRange range;
   for (std::uint64_t i = 0; i < field.volume().voxels(); ++i) {
     const double value = field.at(i);
     if (!std::isfinite(value)) {
@@ -97,15 +97,15 @@ Range rangeOf(const Field& field) {
 }
 
 // What of the field is to be baked.
-struct Extent {
+struct FieldExtent {
   VoxelBox voxels;                                     // that hold something
   glm::dvec3 low{INFINITY}, high{-INFINITY};           // where it ends between them; voxel i goes from i to i + 1
   double solid = 0, faces = 0;                         // voxels of a solid, and their faces towards what is not
 };
 
 // To where the density, linear between voxels' centres, crosses the isovalue.
-Extent solidExtent(const Field& field, double isovalue) {
-  Extent out;
+FieldExtent solidExtent(const Field& field, double isovalue) {
+  FieldExtent out;
   const glm::ivec3 size = field.volume().size;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
@@ -131,8 +131,8 @@ Extent solidExtent(const Field& field, double isovalue) {
 }
 
 // To the centres of the first empty voxels, where the density between them and the last ones has come down to nothing.
-Extent fogExtent(const Field& field) {
-  Extent out;
+FieldExtent fogExtent(const Field& field) {
+  FieldExtent out;
   const glm::ivec3 size = field.volume().size;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
@@ -143,7 +143,7 @@ Extent fogExtent(const Field& field) {
   return out;
 }
 
-Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Extent& what, Axis axis, const Settings& settings) {
+Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const FieldExtent& what, Axis axis, const Settings& settings) {
   const double finest = std::min({volume.spacing.x, volume.spacing.y, volume.spacing.z});
   const bool own = !settings.voxel_size && !settings.resolution_given && volume.spacing == glm::dvec3(finest);
   const glm::dvec3 first = own ? glm::dvec3(what.voxels.low) : what.low, last = own ? glm::dvec3(what.voxels.high + VoxelPoint(1)) : what.high;
@@ -241,7 +241,7 @@ FogGrid makeFog(const InputFiles& files, const Field& field, const Lattice& latt
 }
 
 // Lengths are metres for whoever gave them.
-void checkMemory(const InputFiles& files, const Field& field, const Extent& extent, const Lattice& lattice, const SourcePart& part, bool solid, const Settings& settings) {
+void checkVolumeMemory(const InputFiles& files, const Field& field, const FieldExtent& extent, const Lattice& lattice, const SourcePart& part, bool solid, const Settings& settings) {
   Settings in_metres = settings;
   if (settings.voxel_size) in_metres.voxel_size = *settings.voxel_size * settings.unit;
   const glm::dvec3 spacing = field.volume().spacing;
@@ -272,7 +272,7 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
   checkLength(files, volume, bytes.size());
   if (settings.volume == VolumeKind::kFog && settings.isovalue) refuse(Exit::kUsage, path, "--isovalue", "says where the surface of a solid is, and fog has none; leave one of the two out");
   Field field(volume, std::span<const std::uint8_t>(bytes).subspan(volume.offset));
-  const Range range = rangeOf(field);
+  const FieldRange range = fieldRange(field);
 
   SourceModel out;
   out.format = "raw volume";
@@ -292,12 +292,12 @@ SourceModel importRaw(const std::filesystem::path& path, const Settings& setting
   // Around a scan is air, whatever its number is.
   if (solid) field.limit(std::min(0.0, range.least), -std::numeric_limits<double>::infinity());
   else field.limit(0, 0);
-  const Extent extent = solid ? solidExtent(field, isovalue) : fogExtent(field);
+  const FieldExtent extent = solid ? solidExtent(field, isovalue) : fogExtent(field);
   if (extent.voxels.empty())
     refuse(Exit::kUnsupported, path, "", solid ? "has no value at or above the isovalue; its values go from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) + ": give another" : "has no density above 0; there is nothing to bake: give an --isovalue to bake a solid");
   const Lattice lattice = makeLattice(files, volume, extent, axis, settings);
   checkPadded(lattice.size + 2 * paddingOf(part, settings.pad), settings.pad, files.input().filename().string() + ": part '" + part.name + "'");
-  checkMemory(files, field, extent, lattice, part, solid, settings);
+  checkVolumeMemory(files, field, extent, lattice, part, solid, settings);
   if (solid) {
     part.grid = makeSolid(files, field, lattice, isovalue, settings.threads);
     return out;

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostBytes = 1 << 16;
+constexpr std::size_t kMostSidecarBytes = 1 << 16;
 
 // {"size": [256, 256, 113], "type": "u16", "endian": "little", "spacing": [1, 1, 2], "offset": 0}
 class Sidecar {
@@ -30,7 +30,7 @@ class Sidecar {
 
   RawVolume read() const {
     const std::vector<std::uint8_t> bytes = files_.readFile(path_);
-    if (bytes.size() > kMostBytes) bad("", "is too long to describe a volume");
+    if (bytes.size() > kMostSidecarBytes) bad("", "is too long to describe a volume");
     // A few kilobytes of brackets are no depth that a parser minds.
     const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!json.is_object()) bad("", "is no JSON object");

@@ -60,9 +60,9 @@ std::size_t countOn(std::span<const std::uint8_t> bits) {
   return count;
 }
 
-class Reader {
+class TreeReader {
  public:
-  Reader(VdbCursor& cursor, const VdbCoding& coding, std::uint64_t limit, SparseGrid& grid)
+  TreeReader(VdbCursor& cursor, const VdbCoding& coding, std::uint64_t limit, SparseGrid& grid)
       : cursor_(cursor), coding_(coding), limit_(limit), grid_(grid), components_(static_cast<std::size_t>(coding.type.components)), half_(coding.half && isReal()) {}
 
   void readRoot() {
@@ -258,10 +258,10 @@ std::optional<VdbType> vdbType(std::string_view word) {
   return std::nullopt;
 }
 
-void readVdbTopology(VdbCursor& cursor, const VdbCoding& coding, std::uint64_t limit, SparseGrid& grid) { Reader(cursor, coding, limit, grid).readRoot(); }
+void readVdbTopology(VdbCursor& cursor, const VdbCoding& coding, std::uint64_t limit, SparseGrid& grid) { TreeReader(cursor, coding, limit, grid).readRoot(); }
 
 void readVdbLeaves(VdbCursor& cursor, const VdbCoding& coding, std::uint64_t limit, SparseGrid& grid, bool keep) {
-  Reader reader(cursor, coding, limit, grid);
+  TreeReader reader(cursor, coding, limit, grid);
   if (cursor.left() / 64 < grid.leaves.size()) cursor.damaged("has fewer bytes than leaves");
   std::size_t first = grid.numbers.size();
   const std::size_t each = SparseGrid::kLeafVoxels * reader.components();

@@ -10,15 +10,14 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::size_t kMaxParts = 4096;              // what formats' Limits accept by default
 constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 30;  // of all instances: more of them take longer than anybody waits for
 
 // Where a model's voxels go: `turn` x voxel + `shift`. A voxel's centre turns about the corner at half of the model's size, rounded down; doubled, all of this stays whole.
-struct Place {
+struct Standing {
   VoxelTurn turn;
   VoxelPoint shift;
 };
-Place placeOf(const VoxInstance& instance, const VoxModel& model, const VoxelTurn& to_rig) {
+Standing standingOf(const VoxInstance& instance, const VoxModel& model, const VoxelTurn& to_rig) {
   const VoxelTurn turn = to_rig * instance.turn;
   const VoxelPoint pivot(model.size / 2);
   const VoxelPoint doubled = turn * (VoxelPoint(1) - pivot * std::int64_t{2}) + to_rig * instance.shift * std::int64_t{2};
@@ -61,8 +60,7 @@ class VoxImporter {
     if (settings_.parts == Parts::kOne) {
       out.parts.push_back(makePart(all, stemOf(files_), outer));
     } else {
-      if (all.size() > kMaxParts)
-        refuse(Exit::kUnsupported, files_.input(), "scene", "makes " + std::to_string(all.size()) + " parts, and packs of more than " + std::to_string(kMaxParts) + " are not read by default; leave --parts out, or join objects");
+      checkPartCount(files_, all.size(), "objects");
       for (std::size_t i = 0; i < all.size(); ++i) {
         SourcePart& part = out.parts.emplace_back(makePart(all.subspan(i, 1), all[i].name, outer));
         part.pivot[3] = glm::vec3(all[i].shift) * static_cast<float>(scale());
@@ -109,7 +107,7 @@ class VoxImporter {
     const VoxelTurn to_rig = turnOf(part.rig.axis.value_or(Axis::kPlusY));
     VoxelBox box;
     for (const VoxInstance& instance : instances) {
-      const Place place = placeOf(instance, file_.models[instance.model], to_rig);
+      const Standing place = standingOf(instance, file_.models[instance.model], to_rig);
       box.add(place.turn * boxes_[instance.model].low + place.shift);
       box.add(place.turn * boxes_[instance.model].high + place.shift);
     }
@@ -125,7 +123,7 @@ class VoxImporter {
 
   void fill(const VoxInstance& instance, const VoxelTurn& to_rig, const VoxelPoint& low, IndexedVoxels& into) const {
     const VoxModel& model = file_.models[instance.model];
-    const Place place = placeOf(instance, model, to_rig);
+    const Standing place = standingOf(instance, model, to_rig);
     const VoxelPoint stride(1, into.size.x, static_cast<std::int64_t>(into.size.x) * into.size.y);
     // The place in the array is linear in x, y and z.
     const auto along = [&](const VoxelPoint& p) { return p.x * stride.x + p.y * stride.y + p.z * stride.z; };

@@ -222,9 +222,9 @@ void readVoxels(Chunk& chunk, VoxModel& model) {
       if (model.voxels[i + static_cast<std::size_t>(axis)] >= model.size[axis]) chunk.damaged("has a voxel outside its model; save the file again");
 }
 
-class Reader {
+class VoxReader {
  public:
-  Reader(const InputFiles& files, VoxFile& file) : files_(files), file_(file) {}
+  VoxReader(const InputFiles& files, VoxFile& file) : files_(files), file_(file) {}
 
   void read(std::span<const std::uint8_t> bytes, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end;) {
@@ -299,7 +299,7 @@ VoxFile readVoxFile(const InputFiles& files, std::span<const std::uint8_t> bytes
     refuse(Exit::kInvalid, files.input(), "", "ends before its " + std::to_string(std::uint64_t{content} + children + 8 + kHeader) + " bytes; it is truncated: save the file again");
   const std::size_t begin = 8 + kHeader + content, end = begin + children;
   if (end < bytes.size()) file.notices.push_back(std::to_string(bytes.size() - end) + " bytes after the end of the MAIN chunk were not read");
-  Reader(files, file).read(bytes, begin, end);
+  VoxReader(files, file).read(bytes, begin, end);
   return file;
 }
 

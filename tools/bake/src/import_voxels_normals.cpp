@@ -22,13 +22,13 @@ constexpr int kDetailed[] = {0, 45, 32, 23, 16, 11, 8};
 constexpr int kSmooth[] = {0, 56, 50, 44, 39, 34, 30, 27, 24, 21, 18, 16, 14, 13, 11, 10, 9, 8, 7, 6, 5};
 
 using Whole = glm::vec<3, std::int64_t>;
-constexpr Whole kFaces[] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {-1, 0, 0}, {0, 0, -1}};
+constexpr Whole kFaceNormals[] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {-1, 0, 0}, {0, 0, -1}};
 
 std::int64_t dot(const Whole& a, const Whole& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-class Surroundings {
+class SolidAround {
  public:
-  Surroundings(const glm::ivec3& size, std::span<const std::uint8_t> solid, VoxelNormals kind)
+  SolidAround(const glm::ivec3& size, std::span<const std::uint8_t> solid, VoxelNormals kind)
       : size_(size), solid_(solid), smoothing_(kind == VoxelNormals::kDetailed ? Smoothing{2, kDetailed} : Smoothing{4, kSmooth}) {
     for (std::int64_t z = 1; z <= smoothing_.reach; ++z)
       for (std::int64_t y = -smoothing_.reach; y <= smoothing_.reach; ++y)
@@ -53,7 +53,7 @@ class Surroundings {
         }
     const Whole* free = nullptr;
     bool thin = false;  // both sides of a wall that is one voxel thick pull alike
-    for (const Whole& face : kFaces) {
+    for (const Whole& face : kFaceNormals) {
       if (!isEmpty(at + face)) continue;
       if (!free || dot(pull, face) > dot(pull, *free)) free = &face;
       thin = thin || (isEmpty(at - face) && 4 * std::abs(dot(pull, face)) < face_);
@@ -179,7 +179,7 @@ std::vector<std::uint8_t> withoutCavities(const fields::Occupancy& occupancy) {
 std::vector<glm::vec3> smoothedNormals(const fields::Occupancy& occupancy, std::span<const std::uint64_t> voxels, VoxelNormals kind, int threads) {
   // Nobody sees what is shut in: a shell one voxel thick has an outside.
   const std::vector<std::uint8_t> filled = withoutCavities(occupancy);
-  const Surroundings outside(occupancy.size, filled, kind), all(occupancy.size, occupancy.solid, kind);
+  const SolidAround outside(occupancy.size, filled, kind), all(occupancy.size, occupancy.solid, kind);
   const auto side = glm::u64vec3(occupancy.size);
   std::vector<glm::vec3> normals(voxels.size());
   parallelRanges(voxels.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {

@@ -13,21 +13,21 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kEntriesAtOnce = 4096;
 // Samples are pooled in cells of this size before clustering, below what the eye tells apart.
 constexpr float kCell = 1.0f / 128.0f;
 constexpr int kRounds = 8;
 
-auto key(const Material& m) {
+auto materialKey(const Material& m) {
   return std::make_tuple(m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x, m.emissive.y, m.emissive.z, m.metallic, m.roughness);
 }
-bool less(const Material& a, const Material& b) { return key(a) < key(b); }
-bool same(const Material& a, const Material& b) { return key(a) == key(b); }
+bool less(const Material& a, const Material& b) { return materialKey(a) < materialKey(b); }
+bool same(const Material& a, const Material& b) { return materialKey(a) == materialKey(b); }
 
 // What is averaged: linear light, as a filter would.
 using Vector = std::array<double, 9>;
 Vector vectorOf(const Material& m) { return {m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x, m.emissive.y, m.emissive.z, m.metallic, m.roughness}; }
-Material materialOf(const Vector& sum, double weight) {
+Material meanMaterial(const Vector& sum, double weight) {
   Material m;
   const auto mean = [&](std::size_t i) { return static_cast<float>(sum[i] / weight); };
   m.base_color = {mean(0), mean(1), mean(2), mean(3)};
@@ -69,7 +69,7 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
     for (const SurfaceSample& sample : grid->surface) materials.push_back(&sample.material);
   }
   cells.resize(materials.size());
-  parallelRanges(materials.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(materials.size(), kEntriesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const MaterialPoint point = materialPoint(*materials[i]);
       for (std::size_t k = 0; k < point.size(); ++k) cells[i][k] = static_cast<std::int16_t>(std::lround(std::clamp(point[k], -250.0f, 250.0f) / kCell));
@@ -79,7 +79,7 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   cell_of.resize(cells.size());
-  parallelRanges(cells.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(cells.size(), kEntriesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) cell_of[i] = static_cast<std::uint32_t>(std::lower_bound(known.begin(), known.end(), cells[i]) - known.begin());
   });
   std::vector<Pool> pools(known.size());
@@ -89,7 +89,7 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
     for (std::size_t k = 0; k < v.size(); ++k) pool.sum[k] += v[k];
     pool.weight += 1;
   }
-  for (Pool& pool : pools) pool.point = materialPoint(materialOf(pool.sum, pool.weight));
+  for (Pool& pool : pools) pool.point = materialPoint(meanMaterial(pool.sum, pool.weight));
   return pools;
 }
 
@@ -149,7 +149,7 @@ std::vector<Material> medianCut(std::vector<Pool>& pools, std::size_t count) {
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += pools[i].sum[k];
       weight += pools[i].weight;
     }
-    entries.push_back(materialOf(sum, weight));
+    entries.push_back(meanMaterial(sum, weight));
   }
   return entries;
 }
@@ -180,7 +180,7 @@ void refine(const std::vector<Pool>& pools, int threads, std::vector<Material>& 
       weights[index[i]] += pools[i].weight;
     }
     for (std::size_t e = 0; e < entries.size(); ++e) {
-      if (weights[e] > 0) entries[e] = materialOf(sums[e], weights[e]);
+      if (weights[e] > 0) entries[e] = meanMaterial(sums[e], weights[e]);
     }
   }
 }

@@ -13,7 +13,7 @@ namespace kelp::bake {
 namespace {
 
 // Half the diagonal of a voxel, and a little for the rounding of OpenVDB's float distances.
-constexpr float kReach = 0.8661f;
+constexpr float kHalfDiagonalReach = 0.8661f;
 
 // The mesh as OpenVDB asks for it: in index space, where a voxel's centre has whole coordinates.
 struct Adapter {
@@ -41,7 +41,7 @@ std::vector<std::uint64_t> touchedVoxels(const Topology& mesh, const glm::ivec3&
     // Unsigned: near the triangles it is the plain minimum over them, whatever the mesh is like, and independent of their order.
     const openvdb::FloatGrid::Ptr grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, 1.0f, 0.0f, openvdb::tools::UNSIGNED_DISTANCE_FIELD);
     for (auto value = grid->cbeginValueOn(); value; ++value) {
-      if (*value > kReach || !value.isVoxelValue()) continue;
+      if (*value > kHalfDiagonalReach || !value.isVoxelValue()) continue;
       const openvdb::Coord c = value.getCoord();
       if (c.x() < 0 || c.y() < 0 || c.z() < 0 || c.x() >= size.x || c.y() >= size.y || c.z() >= size.z) continue;
       touched.push_back(static_cast<std::uint64_t>(c.x()) +

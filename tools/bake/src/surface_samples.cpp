@@ -12,7 +12,7 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kSamplesAtOnce = 2048;
 // Nearer than this the direction to the nearest point is rounding; the triangle's own normal is not.
 constexpr double kTooNear = 0.02;
 // The empty voxels around lie within 60 degrees of what is seen of a body there; at an edge and at a corner, 45 and 55 degrees off its faces.
@@ -258,7 +258,7 @@ std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   std::vector<SheetVote> votes(surface.size());
-  parallelRanges(surface.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(surface.size(), kSamplesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
   }, step);
   turnHiddenSheets(votes, mesh.components.size(), samples);
