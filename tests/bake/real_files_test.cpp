@@ -5,11 +5,14 @@
 #include <cmath>
 #include <filesystem>
 #include <ostream>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "kelp/bake/bake.h"
 #include "kelp/runtime/instance.h"
 #include "level_set_mesh.h"
+#include "support/all_tests.h"
 #include "support/assets.h"
 #include "support/rasterizer.h"
 #include "support/test_pack.h"
@@ -220,13 +223,15 @@ TEST_P(RealFiles, LookLikeTheirTriangles) {
   KELP_ASSET(path, GetParam().path);
   const Baked baked(path);
   EXPECT_NEAR(baked.longestSide(), 256, 1);
-  for (const auto& [yaw, pitch] : {std::pair{0.0, 0.0}, {35.0, 20.0}, {120.0, -25.0}, {90.0, 60.0}}) {
+  constexpr std::pair<double, double> kViews[] = {{35, 20}, {0, 0}, {120, -25}, {90, 60}};
+  for (const auto& [yaw, pitch] : std::span(kViews).first(test::shareOf(4))) {
     const Comparison rest = baked.compare(yaw, pitch, nullptr);
     std::printf("%s yaw %g pitch %g: IoU %.4f, colour %.4f\n", GetParam().name, yaw, pitch, rest.iou, rest.color_error);
     EXPECT_GE(rest.iou, 0.95) << "yaw " << yaw << " pitch " << pitch;
     EXPECT_LE(rest.color_error, GetParam().color_error) << "yaw " << yaw << " pitch " << pitch;
   }
-  for (const std::size_t figure : {1u, 2u}) {
+  constexpr std::size_t kFigures[] = {1, 2};
+  for (const std::size_t figure : std::span(kFigures).first(test::shareOf(2))) {
     const Comparison bent = baked.compare(35, 20, &test::kFigure6[figure]);
     std::printf("%s %s: IoU %.4f, colour %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou, bent.color_error);
     EXPECT_GE(bent.iou, 0.95) << test::kFigure6[figure].name;

@@ -11,6 +11,7 @@
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
+#include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "tiny_fog_pack.h"
 
@@ -98,10 +99,12 @@ INSTANTIATE_TEST_SUITE_P(Eighth, ExhaustiveBytes, testing::Range(0, 8));
 TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
   Bytes bytes = specimenBytes();
   const std::size_t most = mostMemory();
+  // A sanitizer's build tries an eighth of the values, others at each byte.
+  constexpr unsigned kStep = test::kSanitized ? 8 : 1;
   std::size_t tried = 0, harmless = 0;
   for (std::size_t at = static_cast<std::size_t>(GetParam()); at < bytes.size(); at += 8) {
     const std::byte right = bytes[at];
-    for (unsigned value = 0; value < 256; ++value) {
+    for (unsigned value = static_cast<unsigned>(at / 8) % kStep; value < 256; value += kStep) {
       if (static_cast<std::byte>(value) == right) continue;
       bytes[at] = static_cast<std::byte>(value);
       const Trial trial = tryPack(bytes);
@@ -119,7 +122,7 @@ TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
     }
     bytes[at] = right;
   }
-  EXPECT_EQ(tried, (bytes.size() + 7 - static_cast<std::size_t>(GetParam())) / 8 * 255);
+  if (kStep == 1) EXPECT_EQ(tried, (bytes.size() + 7 - static_cast<std::size_t>(GetParam())) / 8 * 255);
   EXPECT_LT(harmless, 255 * 64 * PackSurgeon(bytes).chunks.size() / 8);
 }
 

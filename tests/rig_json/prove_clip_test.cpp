@@ -10,6 +10,7 @@
 #include <random>
 
 #include "kelp/rig_json/rig_json.h"
+#include "support/all_tests.h"
 
 namespace kelp {
 namespace {
@@ -143,7 +144,8 @@ TEST(ProveClip, AgreesWithDenseSampling) {
   std::mt19937 random(11);
   const glm::ivec3 size(40, 100, 60);
   int proven = 0, refused = 0, unsure = 0, rare = 0;
-  for (int i = 0; i < 600; ++i) {
+  constexpr int kScenes = test::shareOf(600);
+  for (int i = 0; i < kScenes; ++i) {
     const Scene scene = randomScene(random, size, 0.02f * static_cast<float>(1 + i % 20));
     ClipReport report;
     std::string error;
@@ -169,8 +171,8 @@ TEST(ProveClip, AgreesWithDenseSampling) {
       else EXPECT_TRUE(!sampled.rises || sampled.least_slope < 0.1) << i << ": " << error << " least slope " << sampled.least_slope;
     }
   }
-  EXPECT_GT(proven, 100);
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(proven, kScenes / 6);
+  EXPECT_GT(refused, kScenes / 6);
   EXPECT_LE(unsure, 3);
   EXPECT_LE(rare, 6);
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "reference/ground_truth.h"
+#include "support/all_tests.h"
 #include "support/poses.h"
 #include "support/traced_level.h"
 #include "trace_cpp.h"
@@ -150,22 +151,22 @@ void expectExact(const Tally& tally, const char* what) {
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfAClump) {
   const Scene scene = makeScene(test::ballClump({96, 120, 72}, 24, 1));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfDust) {
   const Scene scene = makeScene(test::dust({61, 64, 67}, 400, 2));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfPlatesAndRods) {
   const Scene scene = makeScene(test::platesAndRods({70, 90, 50}));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 6000), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitAtACoarserLevelOfOddSize) {
   const Scene scene = makeScene(test::ballClump({97, 121, 73}, 24, 3), 1);
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), 4000), pose.name);
+  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(4000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitThroughSeveralSegments) {

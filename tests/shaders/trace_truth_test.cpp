@@ -51,7 +51,7 @@ fields::Occupancy endLayers(const glm::ivec3& size) {
 }
 
 void expectExact(const TrialVolume& volume) {
-  constexpr int kRays = test::kSanitized ? 1600 : 9600;  // of each rig
+  constexpr int kRays = test::shareOf(9600);  // of each rig
   TrialTally all;
   unsigned seed = 1;
   for (const auto& rig : reference::namedRigs(volume.size)) all.add(reference::runTrial(volume, rig, kRays, seed++));
@@ -77,7 +77,7 @@ TEST(TraceTruth, VirtualAt4096) { expectExact(reference::tiledVolume("virtual", 
 void expectFewSteps(const glm::ivec3& size, double mean_allowed) {
   const TrialVolume volume = reference::wholeVolume("clump", test::ballClump(size, 30, 1));
   for (const auto& rig : reference::namedRigs(volume.size)) {
-    const TrialTally tally = reference::runTrial(volume, rig, 4000, 1);
+    const TrialTally tally = reference::runTrial(volume, rig, test::shareOf(4000), 1);
     EXPECT_LT(static_cast<double>(tally.steps), mean_allowed * static_cast<double>(tally.rays)) << rig.name;
     EXPECT_LT(static_cast<double>(tally.outside), 4.0 * static_cast<double>(tally.rays)) << rig.name;
     EXPECT_LT(tally.steps_max, 150) << rig.name;
