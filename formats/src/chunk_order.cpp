@@ -47,11 +47,10 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
     if (slot == std::end(slots)) return wrongOrder("a metadata chunk is there twice or out of order", i);
     *slot->index = i;
     next = slot + 1;
-    // No sum of six can wrap: each is within the limits already, or within the file.
-    total += std::min(chunks[i].raw, limits.max_decoded_bytes);
-    if (total > limits.max_decoded_bytes) {
+    if (chunks[i].raw > limits.max_metadata_bytes - total) {
       return Error{ErrorCode::kLimit, "the metadata are larger than the limits allow", chunks[i].offset};
     }
+    total += chunks[i].raw;
   }
   if (found.part == MetadataChunks::kNone) return wrongOrder("the PART chunk is missing", 0);
   if (found.matl == MetadataChunks::kNone) return wrongOrder("the MATL chunk is missing", 0);

@@ -54,6 +54,7 @@ inline constexpr std::uint32_t kMaxPageStored = 128 * 1024;
 inline constexpr std::size_t kPageEntryBytes = 32;
 inline constexpr std::uint32_t kMaxSide = 32768;  // level-0 voxels
 inline constexpr std::uint32_t kMaxNameBytes = 255;
+inline constexpr std::uint64_t kLeastFrame = 10;  // bytes of a zstd frame that holds something: magic number, descriptor, size, a block's header, a byte
 // No zstd block expands further: 128 KiB from the 4 bytes of a run.
 inline constexpr std::uint64_t kMaxExpansion = 32768;
 

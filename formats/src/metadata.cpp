@@ -49,6 +49,7 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
 }  // namespace
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out) {
+  if (!out.takeRoom(chunk.size(), 1)) return tooLarge();
   if (!out.info.reset(chunk.size())) return outOfMemory("no memory for the information text");
   std::memcpy(out.info.data(), chunk.data(), chunk.size());
   if (!isUtf8({out.info.data(), out.info.size()})) return corrupt("the information text is not UTF-8", 0);
@@ -64,6 +65,7 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
   const std::uint64_t names_at = layout::kPartHeader + std::uint64_t{count} * layout::kPartRecord;
   if (chunk.size() != names_at + text_bytes) return corrupt("the part table's size does not fit its counts", 0);
   if (count > limits.max_parts) return Error{ErrorCode::kLimit, "more parts than the limits allow", 0};
+  if (!out.takeRoom(count, sizeof(Part)) || !out.takeRoom(text_bytes, 1)) return tooLarge();
   if (!out.parts.reset(count) || !out.part_names.reset(text_bytes)) return outOfMemory("no memory for the parts");
   if (text_bytes > 0) std::memcpy(out.part_names.data(), chunk.data() + names_at, text_bytes);
 
@@ -91,6 +93,7 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
   if (count < 1 || count > 256) return corrupt("the palette has not 1 to 256 entries", 0);
   if (chunk.size() != layout::kMatlHeader + count * layout::kMatlRecord)
     return corrupt("the palette's size does not fit its count", 0);
+  if (!out.takeRoom(count, sizeof(Material))) return tooLarge();
   if (!out.palette.reset(count)) return outOfMemory("no memory for the palette");
 
   const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
@@ -126,6 +129,7 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out) {
   RecordReader in(chunk);
   if (in.u32() != count) return corrupt("the table of fog is not for this number of parts", 0);
   const std::size_t colors = (chunk.size() - static_cast<std::size_t>(ramps_at)) / layout::kRampRecord;
+  if (!out.takeRoom(count, sizeof(Fog)) || !out.takeRoom(levels, sizeof(float)) || !out.takeRoom(colors, sizeof(glm::vec3))) return tooLarge();
   if (!out.fogs.reset(count) || !out.extinctions.reset(levels) || !out.ramps.reset(colors)) return outOfMemory("no memory for the table of fog");
 
   const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
@@ -173,6 +177,7 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
   const std::uint32_t total = in.u32();
   if (chunk.size() != knots_at + std::uint64_t{total} * layout::kKnotRecord)
     return corrupt("the rig table's size does not fit its counts", 4);
+  if (!out.takeRoom(total, sizeof(Knot))) return tooLarge();
   if (!out.knots.reset(total)) return outOfMemory("no memory for the knots");
 
   std::uint64_t used = 0;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -16,8 +17,10 @@
 namespace kelp {
 
 struct Metadata {
-  explicit Metadata(const Allocator& memory)
+  // `most`: bytes of all tables together.
+  explicit Metadata(const Allocator& memory, std::uint64_t most)
       : allocator(memory),
+        room(most),
         info(allocator),
         part_names(allocator),
         parts(allocator),
@@ -34,7 +37,15 @@ struct Metadata {
         tracks(allocator),
         keys(allocator) {}
 
+  // Takes room for what is about to be allocated; false if the limits leave none. Counts are of 32 bits, so that no product overflows.
+  bool takeRoom(std::uint64_t count, std::size_t bytes) {
+    if (count * bytes > room) return false;
+    room -= count * bytes;
+    return true;
+  }
+
   Allocator allocator;
+  std::uint64_t room;
   Buffer<char> info;
   Buffer<char> part_names;
   Buffer<Part> parts;  // names point into part_names, knots into knots
@@ -59,6 +70,8 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
+// What adding them up takes for each wave, at most.
+inline constexpr std::size_t kWaveSumBytes = sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*);
 // Adds up the waves of every clip (kelp/formats/model.h). kOutOfMemory.
 Result<void> sumWaves(Metadata& out);
 

@@ -85,6 +85,10 @@ Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out) {
   const std::uint64_t names_at = layout::kClipHeader + clips * layout::kClipRecord + waves * layout::kWaveRecord +
                                  tracks * layout::kTrackRecord + keys * layout::kKeyRecord;
   if (chunk.size() != names_at + text_bytes) return corrupt("the clip table's size does not fit its counts", 0);
+  if (!out.takeRoom(clips, sizeof(Clip)) || !out.takeRoom(waves, sizeof(Wave) + kWaveSumBytes) || !out.takeRoom(tracks, sizeof(Track)) ||
+      !out.takeRoom(keys, sizeof(Key)) || !out.takeRoom(text_bytes, 1)) {
+    return tooLarge();
+  }
   if (!out.clips.reset(clips) || !out.waves.reset(waves) || !out.tracks.reset(tracks) || !out.keys.reset(keys) ||
       !out.clip_names.reset(text_bytes)) {
     return outOfMemory("no memory for the clips");

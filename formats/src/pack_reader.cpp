@@ -13,7 +13,7 @@ namespace kelp {
 
 struct Pack::Impl {
   Impl(const Source& from, const Limits& at_most, const Allocator& memory)
-      : source(from), limits(at_most), allocator(memory), container(memory), metadata(memory), levels(memory) {}
+      : source(from), limits(at_most), allocator(memory), container(memory), metadata(memory, at_most.max_metadata_bytes), levels(memory) {}
 
   Source source;
   Limits limits;

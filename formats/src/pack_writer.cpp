@@ -61,10 +61,9 @@ class Writer {
     chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * levels_]);
     if (!chunks_) return kNoMemory;
     Limits limits;
-    limits.max_decoded_bytes = std::numeric_limits<std::uint64_t>::max();
     limits.max_side = layout::kMaxSide;
     limits.max_parts = std::numeric_limits<std::uint32_t>::max();
-    Metadata parsed{Allocator()};
+    Metadata parsed(Allocator(), std::numeric_limits<std::uint64_t>::max());
     Buffer<std::byte> table;
     const auto add = [&](std::uint32_t fourcc, bool required, const Result<void>& verdict) -> Result<void> {
       if (!verdict) return verdict.error().code == ErrorCode::kOutOfMemory ? verdict.error() : misuse(verdict.error().detail);

@@ -41,6 +41,7 @@ class RecordReader {
 };
 
 inline Error corrupt(const char* detail, std::size_t offset) { return {ErrorCode::kCorrupt, detail, offset}; }
+inline Error tooLarge() { return {ErrorCode::kLimit, "the metadata are larger than the limits allow", 0}; }
 inline Error outOfMemory(const char* detail) { return {ErrorCode::kOutOfMemory, detail}; }
 
 }  // namespace kelp

@@ -171,7 +171,7 @@ class RigWriter {
   const Sink& sink_;
   const Limits& limits_;
   Container container_{Allocator()};
-  Metadata parsed_{Allocator()};
+  Metadata parsed_{Allocator(), limits_.max_metadata_bytes};
   Packed info_, knots_, clips_;
   std::unique_ptr<ChunkOrigin[]> chunks_;
   std::size_t count_ = 0;

@@ -20,11 +20,11 @@ using ChunkInfo = Pack::ChunkInfo;
 
 class Verifier {
  public:
-  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user)
-      : source_(source), limits_(limits), report_(report), user_(user) {}
+  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator)
+      : source_(source), limits_(limits), report_(report), user_(user), allocator_(allocator) {}
 
   std::uint64_t run() {
-    if (const Result<void> read = readContainer(source_, limits_, Allocator(), container_); !read) {
+    if (const Result<void> read = readContainer(source_, limits_, allocator_, container_); !read) {
       issue(IssueId::kUnreadable, read.error());
       return errors_;
     }
@@ -123,8 +123,8 @@ class Verifier {
 
   template <class Parse>
   bool checkTable(const ChunkInfo& chunk, Parse parse) {
-    Buffer<std::byte> bytes;
-    if (const Result<void> read = readChunk(source_, chunk, limits_, bytes, Allocator()); !read) {
+    Buffer<std::byte> bytes(allocator_);
+    if (const Result<void> read = readChunk(source_, chunk, limits_, bytes, allocator_); !read) {
       issue(idOf(read.error(), IssueId::kMetadata), read.error());
       return false;
     }
@@ -155,7 +155,8 @@ class Verifier {
 
   void checkGrid(const ChunkInfo& chunk) {
     const std::size_t slot = levels_.first[chunk.part] + chunk.level;
-    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], latticeOf(model_.parts[chunk.part], level_), limits_, Allocator());
+    grid_ = LevelGrid(allocator_);  // the last one goes first
+    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
     if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
     grid_ = *std::move(grid);
@@ -206,21 +207,26 @@ class Verifier {
   const Limits& limits_;
   void (*const report_)(void* user, const Issue& issue);
   void* const user_;
+  const Allocator& allocator_;
   std::uint64_t errors_ = 0;
   int part_ = -1, level_ = -1;  // of the chunk in hand
-  Container container_{Allocator()};
-  Metadata model_{Allocator()};
-  LevelChunks levels_{Allocator()};
+  Container container_{allocator_};
+  Metadata model_{allocator_, limits_.max_metadata_bytes};
+  LevelChunks levels_{allocator_};
   bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false, grid_good_ = false;
-  LevelGrid grid_;
-  PageData page_;
+  LevelGrid grid_{allocator_};
+  PageData page_{allocator_};
   std::array<std::byte, 16384> block_;
 };
 
 }  // namespace
 
-std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user) {
-  return Verifier(source, limits, report, user).run();
+std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator) {
+  if (!allocator.allocate || !allocator.deallocate) {
+    if (report) report(user, {IssueId::kUnreadable, Severity::kError, {ErrorCode::kMisuse, "the allocator lacks a function"}});
+    return 1;
+  }
+  return Verifier(source, limits, report, user, allocator).run();
 }
 
 const char* toString(IssueId id) {

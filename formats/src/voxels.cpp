@@ -89,8 +89,9 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
 
 Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
                                 const Lattice& lattice, const Limits& limits, const Allocator& allocator) {
-  // Before memory is taken for it.
-  if (chunk.raw / sizeof(std::uint32_t) < cellCount(brickGrid(lattice.size))) {
+  // Before memory is taken for it: all cells, and no more pages than bricks, nor than what is stored can be.
+  const std::uint64_t cells = cellCount(brickGrid(lattice.size)), table_at = layout::align(cells * sizeof(std::uint32_t), 8);
+  if (chunk.raw < table_at || (chunk.raw - table_at) / layout::kPageEntryBytes > std::min(cells, bricks.stored / layout::kLeastFrame)) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
   }
   Buffer<std::byte> bytes(allocator);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "kelp/bake/bake.h"
+#include "support/all_tests.h"
 #include "support/assets.h"
 #include "truth.h"
 
@@ -47,11 +48,14 @@ struct TrueFile {
 
 void PrintTo(const TrueFile& file, std::ostream* out) { *out << file.path; }
 
+// Under a sanitizer, where a voxel takes ten times as long, an eighth of the voxels, whose laws are the same.
+constexpr int kSide = test::kSanitized ? 128 : 256;
+
 class TruthAt256 : public testing::TestWithParam<TrueFile> {};
 
 TEST_P(TruthAt256, VolumeAndSurface) {
   KELP_ASSET(path, GetParam().path);
-  const Voxelized mesh(path, 256);
+  const Voxelized mesh(path, kSide);
   const test::MeshTruth truth(mesh.model.parts[0].soup, mesh.frame);
   const auto& solid = mesh.result.grid.solid;
   const double count = static_cast<double>(std::count_if(solid.begin(), solid.end(), [](std::uint8_t v) { return v != 0; }));
@@ -64,7 +68,7 @@ TEST_P(TruthAt256, VolumeAndSurface) {
 
   // Every point of the mesh has a solid voxel near it.
   double farthest = 0;
-  for (const dvec3& p : truth.sample(40000, 1)) {
+  for (const dvec3& p : truth.sample(static_cast<std::size_t>(test::shareOf(40000)), 1)) {
     const glm::ivec3 home(glm::floor(p));
     double best = 1e30;
     for (int z = -2; z <= 2; ++z) {
@@ -97,7 +101,7 @@ TEST_P(TruthAt256, VolumeAndSurface) {
     if (truth.nearest(centre).distance > kDiagonal) deep.push_back(centre);
   }
   std::shuffle(deep.begin(), deep.end(), random);
-  const std::size_t asked = std::min<std::size_t>(deep.size(), 20'000'000 / truth.triangles() + 1);
+  const std::size_t asked = std::min<std::size_t>(deep.size(), static_cast<std::size_t>(test::shareOf(20'000'000)) / truth.triangles() + 1);
   double least = 1;
   for (std::size_t i = 0; i < asked; ++i) least = std::min(least, truth.windingOfPieces(deep[i]));
   std::printf("%s: farthest point of the mesh %.2f from a voxel's centre; %zu voxels looked at, %zu of %zu deep ones asked, least winding number %.3f\n", GetParam().name,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the folder KELP_FAULTY_FOLDER, the one of a kind
 // with a number fails. KELP_FAULT="write 3 28": the third write answers errno 28; "read short": every read gives at most three bytes, and so for
-// write; "rename 1 crash": at the first one the process crashes. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end. Processes that the program starts count on.
+// write; "rename 1 crash": at the first one the process crashes; "write 2 hang": at the second one it waits for ever. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end. Processes that the program starts count on.
 // KELP_FAULT="crash model.obj", "hang model.obj", "spin model.obj": so a library may do at a file, the last with all of a processor; here a process that the program starts does, as it opens the first file whose name ends so.
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -24,11 +24,19 @@ constexpr const char* kKinds[] = {"open", "read", "write", "fsync", "close", "re
 enum Kind { kOpen, kRead, kWrite, kSync, kClose, kRename, kKindCount };
 constexpr std::size_t kShort = 3;
 
+void crash() { std::raise(SIGABRT); }
+void hang() {
+  for (;;) pause();
+}
+void spin() {
+  for (volatile bool on = true; on;) {}
+}
+
 struct Plan {
   const char* folder = std::getenv("KELP_FAULTY_FOLDER");
   int kind = -1, error = 0;
   long number = 0;  // 0: every one is short
-  bool crashes = false;
+  void (*at_call)() = nullptr;
   const pid_t program = getpid();
   void (*at_file)() = nullptr;
   char at_name[64] = {};
@@ -38,16 +46,17 @@ struct Plan {
     const char* const text = std::getenv("KELP_FAULT");
     char name[16] = {}, number_text[16] = {}, error_text[16] = {};
     if (text == nullptr) return;
-    if (std::sscanf(text, "crash %63s", at_name) == 1) at_file = [] { std::raise(SIGABRT); };
-    if (std::sscanf(text, "hang %63s", at_name) == 1) at_file = [] { for (;;) pause(); };
-    if (std::sscanf(text, "spin %63s", at_name) == 1) at_file = [] { for (volatile bool on = true; on;) {} };
+    if (std::sscanf(text, "crash %63s", at_name) == 1) at_file = crash;
+    if (std::sscanf(text, "hang %63s", at_name) == 1) at_file = hang;
+    if (std::sscanf(text, "spin %63s", at_name) == 1) at_file = spin;
     if (at_file != nullptr || std::sscanf(text, "%15s %15s %15s", name, number_text, error_text) < 2) return;
     for (int k = 0; k < kKindCount; ++k) {
       if (std::strcmp(name, kKinds[k]) == 0) kind = k;
     }
     number = std::atol(number_text);
     error = std::atoi(error_text);
-    crashes = std::strcmp(error_text, "crash") == 0;
+    if (std::strcmp(error_text, "crash") == 0) at_call = crash;
+    if (std::strcmp(error_text, "hang") == 0) at_call = hang;
   }
   ~Plan() {
     const char* const path = std::getenv("KELP_FAULTY_COUNTS");
@@ -79,7 +88,7 @@ bool isIn(int file) {
 bool fails(Kind kind) {
   const long number = ++plan().count[kind];
   if (plan().kind != kind || plan().number != number) return false;
-  if (plan().crashes) std::raise(SIGABRT);
+  if (plan().at_call != nullptr) plan().at_call();
   errno = plan().error;
   return true;
 }

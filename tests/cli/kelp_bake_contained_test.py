@@ -99,6 +99,24 @@ class Contained(Case):
             self.assertLess(time.monotonic() - start, 10)
             self.assertFalse(alive(child))
 
+    def test_a_signal_that_the_bake_does_not_hear(self):
+        """In a stage other than the import, too, that takes for ever."""
+        process, child = self.hangs("write 2 hang", "1.obj", "-o", "out.kelp")
+        start = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.ends(process, 130), "kelp-bake: interrupted\n")
+        self.assertLess(time.monotonic() - start, 20)
+        self.assertFalse(alive(child))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["1.obj", "2.obj", "3.obj"])
+
+    def test_a_report_to_a_stream(self):
+        """Which has no temporary file that could be left."""
+        for fault, code, word in (("crash 1.obj", 4, "the bake crashed (Aborted)"), ("hang 1.obj", 4, "reading it takes longer than 1 s")):
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--report", "/dev/stdout", "--max-import-time", "1"), code, word)
+        process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp", "--report", "/dev/stdout")
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.ends(process, 130), "kelp-bake: interrupted\n")
+
     def test_the_child_ends_with_its_parent(self):
         process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp")
         process.kill()

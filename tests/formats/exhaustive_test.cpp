@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Every small fault of a pack of a few kilobytes: all 255 other values of every byte, every length, every two chunks of the index exchanged, and
 // every byte of what the chunks hold changed under checksums that are right. Each is refused, or reads as the same content, or, under right
-// checksums, as other content that keeps the rules; in memory that the file's size bounds.
+// checksums, as other content that keeps the rules; in memory that Limits and the file's size bound.
 #include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <limits>
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
+#include "short_memory.h"
 #include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "tiny_fog_pack.h"
@@ -40,56 +38,40 @@ const Bytes& specimenBytes() {
   return bytes;
 }
 
-// Counts what a pack takes.
-struct Counter {
-  std::size_t live = 0, peak = 0;
-  Allocator allocator() {
-    Allocator result;
-    result.user = this;
-    result.allocate = [](void* user, std::size_t bytes) {
-      Counter& self = *static_cast<Counter*>(user);
-      self.live += bytes;
-      self.peak = std::max(self.peak, self.live);
-      return std::malloc(bytes);
-    };
-    result.deallocate = [](void* user, void* memory, std::size_t bytes) {
-      static_cast<Counter*>(user)->live -= bytes;
-      std::free(memory);
-    };
-    return result;
-  }
-};
+// Little more than the specimen needs.
+constexpr Limits kLimits{16 << 10, 64, 8, 16 << 10};
 
 enum class Outcome { kRefused, kSame, kOther };
-struct Trial {
-  Outcome outcome;
-  std::size_t peak;
-};
-Trial tryPack(const Bytes& bytes) {
+Outcome tryPack(const Bytes& bytes) {
   MemorySource memory(bytes);
-  Counter counter;
+  test::ShortMemory counter;
   Outcome outcome = Outcome::kRefused;
   {
-    const Result<Pack> pack = Pack::open(memory.source(), {}, counter.allocator());
+    const Result<Pack> pack = Pack::open(memory.source(), kLimits, counter.allocator());
     if (pack) {
-      const test::Comparison all = test::compare(*pack, specimen());
+      const test::Comparison all = test::compare(*pack, specimen(), counter.allocator());
       if (all.status) outcome = all.equal ? Outcome::kSame : Outcome::kOther;
     }
   }
   EXPECT_EQ(counter.live, 0u);
-  return {outcome, counter.peak};
+  EXPECT_LE(counter.peak_bytes, test::mostMemory(kLimits, bytes.size()));
+  return outcome;
 }
 
-// Of the reader, for a file of this size whose chunks unpack to no more than it does when it is sound.
-std::size_t mostMemory() {
-  static const std::size_t most = 4 * tryPack(specimenBytes()).peak;
-  return most;
+// The number of errors, in memory that is bounded, too.
+std::uint64_t errorsOf(const Bytes& bytes) {
+  MemorySource memory(bytes);
+  test::ShortMemory counter;
+  const std::uint64_t errors = verify(memory.source(), kLimits, nullptr, nullptr, counter.allocator());
+  EXPECT_EQ(counter.live, 0u);
+  EXPECT_LE(counter.peak_bytes, test::mostMemory(kLimits, bytes.size()));
+  return errors;
 }
 
 TEST(Exhaustive, TheSpecimenIsSoundAndLargeEnough) {
   EXPECT_GE(specimenBytes().size(), 4096u);
-  EXPECT_EQ(tryPack(specimenBytes()).outcome, Outcome::kSame);
-  EXPECT_EQ(tryPack(PackSurgeon(specimenBytes()).build()).outcome, Outcome::kSame);
+  EXPECT_EQ(tryPack(specimenBytes()), Outcome::kSame);
+  EXPECT_EQ(tryPack(PackSurgeon(specimenBytes()).build()), Outcome::kSame);
 }
 
 // In eight shares, for machines with several cores.
@@ -98,7 +80,6 @@ INSTANTIATE_TEST_SUITE_P(Eighth, ExhaustiveBytes, testing::Range(0, 8));
 
 TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
   Bytes bytes = specimenBytes();
-  const std::size_t most = mostMemory();
   // A sanitizer's build tries an eighth of the values, others at each byte.
   constexpr unsigned kStep = test::kSanitized ? 8 : 1;
   std::size_t tried = 0, harmless = 0;
@@ -107,31 +88,28 @@ TEST_P(ExhaustiveBytes, AnyOtherValueIsRefusedOrHarmless) {
     for (unsigned value = static_cast<unsigned>(at / 8) % kStep; value < 256; value += kStep) {
       if (static_cast<std::byte>(value) == right) continue;
       bytes[at] = static_cast<std::byte>(value);
-      const Trial trial = tryPack(bytes);
+      const Outcome outcome = tryPack(bytes);
       ++tried;
-      ASSERT_NE(trial.outcome, Outcome::kOther) << "byte " << at << " = " << value;
-      ASSERT_LE(trial.peak, most) << "byte " << at << " = " << value;
-      harmless += trial.outcome == Outcome::kSame ? 1 : 0;
+      ASSERT_NE(outcome, Outcome::kOther) << "byte " << at << " = " << value;
+      harmless += outcome == Outcome::kSame ? 1 : 0;
       // The reader looks at no padding between chunks; verify does.
-      if (trial.outcome == Outcome::kSame && value % 51 == 0) {
-        MemorySource memory(bytes);
-        std::size_t issues = 0;
-        verify(memory.source(), {}, [](void* user, const Issue&) { ++*static_cast<std::size_t*>(user); }, &issues);
-        ASSERT_GT(issues, 0u) << "byte " << at << " = " << value;
+      if (outcome == Outcome::kSame && value % 51 == 0) {
+        ASSERT_GT(errorsOf(bytes), 0u) << "byte " << at << " = " << value;
       }
     }
     bytes[at] = right;
   }
-  if (kStep == 1) EXPECT_EQ(tried, (bytes.size() + 7 - static_cast<std::size_t>(GetParam())) / 8 * 255);
+  if (kStep == 1) {
+    EXPECT_EQ(tried, (bytes.size() + 7 - static_cast<std::size_t>(GetParam())) / 8 * 255);
+  }
   EXPECT_LT(harmless, 255 * 64 * PackSurgeon(bytes).chunks.size() / 8);
 }
 
 TEST(Exhaustive, EveryLengthIsRefused) {
   const Bytes& bytes = specimenBytes();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    const Trial trial = tryPack(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
-    ASSERT_EQ(trial.outcome, Outcome::kRefused) << size;
-    ASSERT_LE(trial.peak, mostMemory()) << size;
+    const Outcome outcome = tryPack(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+    ASSERT_EQ(outcome, Outcome::kRefused) << size;
   }
 }
 
@@ -146,15 +124,14 @@ TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
       Bytes changed = bytes;
       std::swap_ranges(changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * i), changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * (i + 1)),
                        changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * j));
-      EXPECT_EQ(tryPack(changed).outcome, Outcome::kRefused) << i << " and " << j;
+      EXPECT_EQ(tryPack(changed), Outcome::kRefused) << i << " and " << j;
       test::set(changed, 56, std::uint64_t{0});
       test::set(changed, 56, static_cast<std::uint64_t>(XXH3_64bits(changed.data(), 64 + 48 * count)));
-      EXPECT_EQ(tryPack(changed).outcome, Outcome::kRefused) << i << " and " << j << ", stamped";
+      EXPECT_EQ(tryPack(changed), Outcome::kRefused) << i << " and " << j << ", stamped";
       PackSurgeon moved = sound;
       std::swap(moved.chunks[i], moved.chunks[j]);
-      const Trial trial = tryPack(moved.build());
-      EXPECT_LE(trial.peak, mostMemory()) << i << " and " << j;
-      other += trial.outcome == Outcome::kRefused ? 0 : 1;
+      const Outcome outcome = tryPack(moved.build());
+      other += outcome == Outcome::kRefused ? 0 : 1;
     }
   }
   EXPECT_LE(other, count);
@@ -170,11 +147,10 @@ TEST(Exhaustive, EveryByteBehindTheChecksums) {
         PackSurgeon surgeon = sound;
         surgeon.chunks[c].content[at] ^= static_cast<std::byte>(change);
         const Bytes bytes = surgeon.build();
-        const Trial trial = tryPack(bytes);
-        ASSERT_LE(trial.peak, mostMemory()) << "chunk " << c << ", byte " << at;
-        MemorySource memory(bytes);
-        verify(memory.source(), {}, [](void*, const Issue&) {}, nullptr);
-        (trial.outcome == Outcome::kRefused ? refused : other) += 1;
+        const Outcome outcome = tryPack(bytes);
+        const std::uint64_t errors = errorsOf(bytes);
+        ASSERT_TRUE(outcome != Outcome::kRefused || errors > 0) << "chunk " << c << ", byte " << at;
+        (outcome == Outcome::kRefused ? refused : other) += 1;
       }
     }
   }

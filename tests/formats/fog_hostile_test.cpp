@@ -275,8 +275,8 @@ TEST(FogHostile, LimitsAreObeyed) {
   std::uint64_t metadata = 0;
   for (PackSurgeon surgeon(fogBytes()); const char* name : {"INFO", "PART", "MATL", "FOGS", "RIGS"}) metadata += surgeon.content(name).size();
   ASSERT_GT(metadata, 48 * PackSurgeon(fogBytes()).chunks.size());
-  EXPECT_EQ(refusal({metadata - 1, 26, 3}), ErrorCode::kLimit);
-  EXPECT_TRUE(readAll(fogBytes(), {metadata, 26, 3}).equal);
+  EXPECT_EQ(refusal({1000000, 26, 3, metadata - 1}), ErrorCode::kLimit);
+  EXPECT_TRUE(readAll(fogBytes(), {1000000, 26, 3, 3 * metadata}).equal);
 }
 
 // What only a validator sees, and how it names what the reader sees too.

@@ -3,14 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 
 #include "kelp/formats/pack.h"
+#include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
+#include "short_memory.h"
 #include "support/random_pack.h"
+#include "tiny_fog_pack.h"
 #include "tiny_pack.h"
 
 namespace kelp {
@@ -414,72 +416,76 @@ TEST(Hostile, LimitsAreObeyed) {
   limits.max_parts = 1;
   expectError(tinyBytes(), ErrorCode::kLimit, limits);
   limits = {};
-  limits.max_decoded_bytes = 600;  // no chunk is larger, but the metadata are together; the index is smaller
-  expectError(tinyBytes(), ErrorCode::kLimit, limits);
   limits.max_decoded_bytes = 100;
   expectError(tinyBytes(), ErrorCode::kLimit, limits);
-  limits = {24, 24, 2};
-  limits.max_decoded_bytes = 2000;
+  limits = {2000, 24, 2};
   EXPECT_TRUE(readAll(tinyBytes(), limits).equal);
+  // The metadata together: first as they are decoded, then as tables. Every byte less than they take is refused.
+  std::uint64_t least = 1;
+  for (limits.max_metadata_bytes = 1; !readAll(tinyBytes(), limits).equal; least = ++limits.max_metadata_bytes) {
+    ASSERT_LT(limits.max_metadata_bytes, 10000u);
+    expectError(tinyBytes(), ErrorCode::kLimit, limits);
+  }
+  std::uint64_t decoded = 0;
+  for (PackSurgeon surgeon(tinyBytes()); const char* name : {"INFO", "PART", "MATL", "RIGS", "CLIP"}) decoded += surgeon.content(name).size();
+  EXPECT_GE(least, decoded);
+  EXPECT_LE(least, 3 * decoded);
 }
 
-// Gives memory up to the n-th request, and counts.
-struct ShortMemory {
-  std::size_t requests = 0, refuse_from = std::numeric_limits<std::size_t>::max(), live = 0, live_bytes = 0, peak_bytes = 0;
-
-  Allocator allocator() {
-    Allocator result;
-    result.user = this;
-    result.allocate = [](void* user, std::size_t bytes) -> void* {
-      ShortMemory& self = *static_cast<ShortMemory*>(user);
-      if (self.requests++ >= self.refuse_from) return nullptr;
-      ++self.live;
-      self.live_bytes += bytes;
-      self.peak_bytes = std::max(self.peak_bytes, self.live_bytes);
-      return std::malloc(bytes);
-    };
-    result.deallocate = [](void* user, void* memory, std::size_t bytes) {
-      ShortMemory& self = *static_cast<ShortMemory*>(user);
-      --self.live;
-      self.live_bytes -= bytes;
-      std::free(memory);
-    };
-    return result;
-  }
-};
-
-// Opens a pack and reads its first page with the given allocator throughout.
-Result<void> readSome(const Source& source, const Allocator& allocator) {
+// Everything of a pack, read and verified, with the given allocator throughout.
+Result<void> readThroughout(const Source& source, const RawPack& raw, const Allocator& allocator) {
   const Result<Pack> pack = Pack::open(source, {}, allocator);
   if (!pack) return pack.error();
-  const Result<LevelGrid> grid = pack->readGrid(0, 0);
-  if (!grid) return grid.error();
-  PageData page(allocator);
-  return pack->readPage(grid->pages[0], page);
+  const test::Comparison all = test::compare(*pack, raw, allocator);
+  EXPECT_TRUE(!all.status || all.equal);
+  return all.status;
+}
+
+// Each request refused, alone or with all that follow.
+void expectFailedAllocationsReported(const RawPack& raw) {
+  PackSurgeon surgeon(test::writeToMemory(raw));
+  for (PackSurgeon::Chunk& chunk : surgeon.chunks)
+    if (chunk.fourcc != PackSurgeon::fourcc("BRCK") && chunk.fourcc != PackSurgeon::fourcc("FOGB")) chunk.flags |= 2;  // the longer way
+  const Bytes bytes = surgeon.build();
+  MemorySource memory(bytes);
+  const auto issue = [](void* user, const Issue& found) { *static_cast<ErrorCode*>(user) = found.error.code; };
+  test::ShortMemory enough, enough_to_verify;
+  ASSERT_TRUE(readThroughout(memory.source(), raw, enough.allocator()));
+  ASSERT_EQ(verify(memory.source(), {}, nullptr, nullptr, enough_to_verify.allocator()), 0u);
+  EXPECT_EQ(enough.live, 0u);
+  EXPECT_EQ(enough_to_verify.live, 0u);
+  EXPECT_GT(enough.requests, 20u);
+  EXPECT_GT(enough_to_verify.requests, 20u);
+  for (const bool and_on : {true, false}) {
+    for (std::size_t n = 0; n < enough.requests; ++n) {
+      test::ShortMemory short_memory{n, and_on};
+      const Result<void> result = readThroughout(memory.source(), raw, short_memory.allocator());
+      ASSERT_FALSE(result) << n;
+      EXPECT_EQ(result.error().code, ErrorCode::kOutOfMemory) << n;
+      EXPECT_EQ(short_memory.live, 0u) << n;
+    }
+    for (std::size_t n = 0; n < enough_to_verify.requests; ++n) {
+      test::ShortMemory short_memory{n, and_on};
+      ErrorCode last = ErrorCode::kMisuse;
+      EXPECT_GT(verify(memory.source(), {}, issue, &last, short_memory.allocator()), 0u) << n;
+      EXPECT_EQ(last, ErrorCode::kOutOfMemory) << n;
+      EXPECT_EQ(short_memory.live, 0u) << n;
+    }
+  }
 }
 
 TEST(Hostile, EveryFailedAllocationIsReportedAndNothingLeaks) {
-  const Bytes bytes = PackSurgeon([] {
-                        PackSurgeon compressed(tinyBytes());
-                        for (PackSurgeon::Chunk& chunk : compressed.chunks) {
-                          if (chunk.fourcc != PackSurgeon::fourcc("BRCK")) chunk.flags |= 2;  // the longer way
-                        }
-                        return compressed.build();
-                      }())
-                          .build();
+  expectFailedAllocationsReported(test::makeTinyPack());
+  expectFailedAllocationsReported(test::makeTinyFogPack());
+}
+
+TEST(Hostile, AllocatorsLackNothing) {
+  const Bytes bytes = tinyBytes();
   MemorySource memory(bytes);
-  ShortMemory enough;
-  ASSERT_TRUE(readSome(memory.source(), enough.allocator()));
-  EXPECT_EQ(enough.live, 0u);
-  EXPECT_GT(enough.requests, 20u);
-  for (std::size_t n = 0; n < enough.requests; ++n) {
-    ShortMemory short_memory;
-    short_memory.refuse_from = n;
-    const Result<void> result = readSome(memory.source(), short_memory.allocator());
-    ASSERT_FALSE(result) << n;
-    EXPECT_EQ(result.error().code, ErrorCode::kOutOfMemory) << n;
-    EXPECT_EQ(short_memory.live, 0u) << n;
-  }
+  Allocator half;
+  half.deallocate = nullptr;
+  EXPECT_EQ(Pack::open(memory.source(), {}, half).error().code, ErrorCode::kMisuse);
+  EXPECT_EQ(verify(memory.source(), {}, nullptr, nullptr, half), 1u);
 }
 
 TEST(Hostile, ClaimsOfSizeAreNotBelievedBeforeMemoryIsTaken) {
@@ -489,8 +495,9 @@ TEST(Hostile, ClaimsOfSizeAreNotBelievedBeforeMemoryIsTaken) {
     tell(surgeon);
     const Bytes bytes = surgeon.build();
     MemorySource memory(bytes);
-    ShortMemory counter;
-    EXPECT_FALSE(readSome(memory.source(), counter.allocator()));
+    test::ShortMemory counter;
+    EXPECT_FALSE(readThroughout(memory.source(), test::makeTinyPack(), counter.allocator()));
+    EXPECT_LE(counter.peak_bytes, test::mostMemory({}, bytes.size()));
     return counter.peak_bytes;
   };
   EXPECT_LT(peak([](PackSurgeon& s) { set(s.content("PART"), 0, 0xffffffffu); }), 100000u);
@@ -504,6 +511,24 @@ TEST(Hostile, ClaimsOfSizeAreNotBelievedBeforeMemoryIsTaken) {
             }),
             100000u);
   EXPECT_LT(peak([](PackSurgeon& s) { set(s.content("CLIP"), 12, 0xffffffffu); }), 300000u);
+  // These are as large as they claim, though not in the file: a million of the same wave, two million empty entries for pages.
+  EXPECT_LT(peak([](PackSurgeon& s) {
+              Bytes& clips = s.content("CLIP");
+              constexpr std::uint32_t kWaves = 1000000;
+              clips.assign(20 + 16 + std::size_t{kWaves} * 32, std::byte{0});
+              set(clips, 0, 1u);
+              set(clips, 4, kWaves);
+              set(clips, 24, 1.0f);
+              set(clips, 28, kWaves);
+              for (std::size_t at = 36; at < clips.size(); at += 32) set(clips, at + 24, 1.0f);
+              s.chunks[s.find("CLIP")].flags |= 2;
+            }),
+            50000000u);
+  EXPECT_LT(peak([](PackSurgeon& s) {
+              s.content("GRID").resize(s.content("GRID").size() + 64000000);
+              s.chunks[s.find("GRID")].flags |= 2;
+            }),
+            300000u);
 }
 
 TEST(Hostile, ReadingPageAfterPageAllocatesNothing) {
@@ -519,7 +544,7 @@ TEST(Hostile, ReadingPageAfterPageAllocatesNothing) {
   const Result<LevelGrid> grid = pack->readGrid(0, 0);
   ASSERT_TRUE(grid);
   ASSERT_GT(grid->pages.size(), 5u);
-  ShortMemory counter;
+  test::ShortMemory counter;
   PageData page(counter.allocator());
   for (const PageInfo& info : grid->pages) ASSERT_TRUE(pack->readPage(info, page));
   const std::size_t first_round = counter.requests;

@@ -23,7 +23,7 @@ struct ReadLevel {
   RawLevel level;
 };
 
-inline ReadLevel readLevel(const Pack& pack, int part, int level) {
+inline ReadLevel readLevel(const Pack& pack, int part, int level, const Allocator& allocator = {}) {
   ReadLevel out;
   const Result<LevelGrid> grid = pack.readGrid(part, level);
   if (!grid) {
@@ -31,7 +31,7 @@ inline ReadLevel readLevel(const Pack& pack, int part, int level) {
     return out;
   }
   out.level.cells.assign(grid->cells.begin(), grid->cells.end());
-  PageData page;
+  PageData page(allocator);
   for (const PageInfo& info : grid->pages) {
     out.status = pack.readPage(info, page);
     if (!out.status) return out;
@@ -53,13 +53,13 @@ std::vector<std::byte> bytesOf(const Range& range) {
   return bytes;
 }
 
-// Reads everything of a pack. status: the first error; equal: whether all is what was written.
+// Reads everything of a pack, pages into memory of the allocator. status: the first error; equal: whether all is what was written.
 struct Comparison {
   Result<void> status;
   bool equal = true;
 };
 
-inline Comparison compare(const Pack& pack, const RawPack& raw) {
+inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator& allocator = {}) {
   Comparison out;
   const auto check = [&](bool same) { out.equal = out.equal && same; };
   check(pack.infoJson() == raw.info_json);
@@ -77,7 +77,7 @@ inline Comparison compare(const Pack& pack, const RawPack& raw) {
     check(a.to_object == b.to_object && a.pivot == b.pivot && bytesOf(a.knots) == bytesOf(b.knots));
     check(static_cast<std::size_t>(a.levels) == b.levels.size());
     for (int level = 0; level < a.levels; ++level) {
-      const ReadLevel got = readLevel(pack, static_cast<int>(p), level);
+      const ReadLevel got = readLevel(pack, static_cast<int>(p), level, allocator);
       out.status = got.status;
       if (!out.status) return out;
       const RawLevel want =

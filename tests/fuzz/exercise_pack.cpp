@@ -66,7 +66,7 @@ void exercisePack(std::span<const std::byte> bytes) {
   limits.max_decoded_bytes = std::uint64_t{64} << 20;
   limits.max_side = 1024;
   limits.max_parts = 64;
-  if (choice % 16 == 0) limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2};  // some of them less than the smallest packs need
+  if (choice % 16 == 0) limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2, 200 + 400 * (choice / 16 % 8)};  // some of them less than the smallest packs need
   MemorySource memory(bytes);
   FileSource file;
   FailingHost host;

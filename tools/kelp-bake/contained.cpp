@@ -36,8 +36,10 @@ constexpr char kImportBegins = 'i', kImportEnds = 'e', kOutcome = 'o';
 constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
 // Stacks count as data: of the bake's own threads and of TBB's.
 constexpr std::uint64_t kThreadsOfEach = 2;
-// How often the parent looks up, and how long an import may go on after Ctrl-C.
+// How often the parent looks up.
 constexpr std::chrono::milliseconds kTick{200};
+// How long the child may go on after Ctrl-C: while it imports, no one can stop it in order; else it looks up itself, but in a model made to do harm perhaps not for hours.
+constexpr std::chrono::milliseconds kImportGrace = kTick, kGrace{5000};
 
 // Of the child.
 struct Child {
@@ -194,11 +196,9 @@ Outcome contained(const Options& options, ProgressDisplay& display, const std::f
       ::kill(child, SIGUSR1);
       since_interrupt = Clock::duration{0};
     }
-    if (!messages.importing()) continue;
-    importing += tick;
-    overdue = !since_interrupt && importing > std::chrono::seconds(options.max_import_seconds);
-    // Once it has heard of the interruption nothing will be written any more, so that nothing is left behind.
-    if (overdue || (since_interrupt && *since_interrupt > kTick)) {
+    if (messages.importing()) importing += tick;
+    overdue = !since_interrupt && messages.importing() && importing > std::chrono::seconds(options.max_import_seconds);
+    if (overdue || (since_interrupt && *since_interrupt > (messages.importing() ? kImportGrace : kGrace))) {
       ::kill(child, SIGKILL);
       break;
     }

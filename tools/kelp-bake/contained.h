@@ -18,7 +18,7 @@ struct Outcome {
 };
 
 // Runs `work` in a child of this process and answers what it does. The child shares the standard streams, and ends with this process however that ends. interrupted()
-// here is heard there; while a file is imported, which no one can stop in order, the child is ended instead.
+// here is heard there; while a file is imported, which no one can stop in order, or where it is not heard for seconds, the child is ended instead.
 // BakeError kRuntime, naming the input, if the child ends in any other way than by its outcome or exceeds a limit; kInterrupted. Before the program has started a thread of its own.
 Outcome contained(const Options& options, ProgressDisplay& display, const std::function<Outcome()>& work);
 

@@ -13,6 +13,7 @@
 #include "frame.h"
 #include "info_json.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/pack.h"
 #include "memory_estimate.h"
 #include "mesh_counts.h"
 #include "parallel.h"
@@ -129,6 +130,18 @@ bool moves(const RawClip& clip, std::uint32_t part) {
   return std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part && !isKnots(track.target); });
 }
 
+// Clips that no reader would take by default are refused before the long work.
+void checkClips(const RawPack& pack, const std::filesystem::path& input) {
+  std::uint64_t bytes = 0;
+  for (const RawClip& clip : pack.clips) {
+    bytes += sizeof(Clip) + clip.waves.size() * (sizeof(Wave) + sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*));
+    for (const RawTrack& track : clip.tracks) bytes += sizeof(Track) + track.keys.size() * sizeof(Key);
+  }
+  constexpr std::uint64_t kMost = Limits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables
+  if (bytes > kMost)
+    throw BakeError(Exit::kUnsupported, fmt::format("{}: its clips take {} MiB in memory, and packs with more than {} are not read by default; leave clips out, or give them fewer keys", input.filename().string(), bytes >> 20, kMost >> 20));
+}
+
 // Knots and clips of all parts, proved monotone.
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
@@ -143,6 +156,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
                                                   partPlace(input, model.parts[i]), model.parts[i].rig_origin, sound.error().offset, sound.error().detail));
     }
   }
+  checkClips(pack, input);
   for (const RawClip& clip : pack.clips) {
     for (std::size_t i = 0; i < model.parts.size(); ++i) {
       const bool knots = bends(clip, static_cast<std::uint32_t>(i)), whole = moves(clip, static_cast<std::uint32_t>(i));

@@ -42,14 +42,18 @@ std::optional<int> streamOf(std::filesystem::path path) {
   return {};
 }
 
-// Where the bytes go: through symbolic links, so that a link stays one.
-std::filesystem::path target(const std::filesystem::path& path) {
-  if (path.filename().empty()) fail(path, "is the name of a folder", 0, "name a file in it");
-  if (streamOf(path)) fail(path, "is an open stream, which is no place for a file that is replaced when the new one is complete", 0, "name a file");
-  std::filesystem::path real = path;
+// Where a symbolic link leads, so that it stays one.
+std::filesystem::path followed(std::filesystem::path real) {
   std::error_code error;
   for (int hops = 0; hops < 40 && std::filesystem::is_symlink(real, error); ++hops) real = real.parent_path() / std::filesystem::read_symlink(real, error);
   return real;
+}
+
+// Where the bytes go.
+std::filesystem::path target(const std::filesystem::path& path) {
+  if (path.filename().empty()) fail(path, "is the name of a folder", 0, "name a file in it");
+  if (streamOf(path)) fail(path, "is an open stream, which is no place for a file that is replaced when the new one is complete", 0, "name a file");
+  return followed(path);
 }
 
 struct Output {
@@ -128,11 +132,12 @@ void OutputFile::commit() {
 }
 
 void OutputFile::removeLeftBy(long process, const std::filesystem::path& path) {
-  const std::filesystem::path final = target(path), folder = final.has_parent_path() ? final.parent_path() : ".";
+  if (streamOf(path)) return;  // it had none
+  const std::filesystem::path final = followed(path), folder = final.has_parent_path() ? final.parent_path() : ".";
   const std::string begin = temporaryOf(final, process);
   std::error_code error;
-  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (entry.path().filename().string().rfind(begin, 0) == 0 && entry.path().extension() == ".tmp") ::unlink(entry.path().c_str());
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().filename().string().rfind(begin, 0) == 0 && at->path().extension() == ".tmp") ::unlink(at->path().c_str());
   }
 }
 

@@ -19,11 +19,15 @@ namespace kelp {
 inline constexpr std::uint16_t kFormatMajor = 1;
 inline constexpr std::uint16_t kFormatMinor = 1;  // the newest known; packs without fog are written as 0
 
-// What a pack may ask for at most; kLimit beyond.
+// What a pack may ask for at most; kLimit beyond. With what a file holds, they bound the memory that it can make the reader take, before any is taken:
+// - Pack::open: twice max_metadata_bytes, twice the file's size, and a quarter of a MiB;
+// - readGrid: nine quarters of the grid as it is decoded, which is at most max_decoded_bytes and 32768 times what is stored, then what is stored, and a quarter of a MiB;
+// - readPage: half a MiB, kept in the PageData.
 struct Limits {
-  std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk, and of the metadata together
+  std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk
   std::uint32_t max_side = 8192;                             // level-0 voxels along an axis
   std::uint32_t max_parts = 4096;
+  std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;  // of all metadata together: decoded, and as tables in memory (a wave takes 228 bytes, a key 52)
 };
 
 // One page of bricks as the file holds it: loads alone.

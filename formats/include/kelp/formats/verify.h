@@ -35,8 +35,8 @@ struct Issue {
 };
 
 // Reads the whole pack and calls `report` for every issue found, in file order. Answers the number of errors (warnings not counted).
-// Memory: one page and one grid at a time.
-std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user);
+// Memory: what Pack::open takes, and one grid and one page at a time; an allocation that fails is an issue (kOutOfMemory).
+std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator = {});
 
 // A sentence that explains the id and says what to do. Static storage.
 const char* toString(IssueId id);

@@ -24,7 +24,7 @@ class OutputFile {
   // Onto the disk, then into place; the folder too, or a crash might forget the name. BakeError kIo.
   void commit();
 
-  // Removes what a process that was ended before it could do so has left of an OutputFile for `path`.
+  // Removes what a process that was ended before it could do so has left of an OutputFile for `path`, if it can; says nothing if not.
   static void removeLeftBy(long process, const std::filesystem::path& path);
 
  private:
