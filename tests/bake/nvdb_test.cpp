@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A .nvdb that NanoVDB's own library made is the same part as the .vdb that it was made of.
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <cstring>
 #include <random>
+
+#include <zlib.h>
 
 #include "import_scratch.h"
 #include "nvdb_peer.h"
@@ -107,8 +108,7 @@ TEST(Nvdb, HostileFilesAreRefused) {
     for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
       writeVdb(vdb, {ball("float", "level set")});
       writeNvdb(nvdb, vdb, sum == NvdbSum::kHead ? "fpn" : "", codec, sum);
-      std::ifstream in(nvdb, std::ios::binary);
-      const std::string good{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+      const std::string good = contentOf(nvdb);
       for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
       Settings settings;
       settings.max_memory = std::uint64_t{42} << 20;
@@ -134,6 +134,108 @@ TEST(Nvdb, HostileFilesAreRefused) {
   EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", ""), Exit::kInvalid), "is empty"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", "a text, and no volume"), Exit::kInvalid), "signature"));
   EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", std::string("NanoVDB2") + std::string(100, '\0')), Exit::kUnsupported), "version"));
+}
+
+// A grid without a voxel, `size` bytes of which nearly all are zeros.
+std::string emptyNanoGrid(std::size_t size) {
+  std::string bytes(size, '\0');
+  const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof(value)); };
+  put(0, std::uint64_t{0x304244566f6e614e});
+  put(8, ~std::uint64_t{0});                  // no checksum
+  put(32, static_cast<std::uint64_t>(size));
+  put(636, std::uint32_t{1});                 // float
+  put(672 + 24, std::uint64_t{64});           // the root, after the tree's head
+  return bytes;
+}
+
+std::string zipped(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string packed(8 + size, '\0');
+  EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data() + 8), &size, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 9), Z_OK);
+  const std::uint64_t stored = size;
+  std::memcpy(packed.data(), &stored, sizeof(stored));
+  packed.resize(8 + size);
+  return packed;
+}
+
+struct StatedGrid {
+  std::uint64_t size = 0, stored = 0;  // what is said of it
+};
+// A segment of zipped grids of float, named a, b and so on; `data` follows what is said of them.
+std::string zipSegment(const std::vector<StatedGrid>& grids, const std::string& data) {
+  std::string out;
+  const auto put = [&](auto value) { out.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  put(std::uint64_t{0x304244566f6e614e});
+  put(std::uint32_t{32u << 21});
+  put(static_cast<std::uint16_t>(grids.size()));
+  put(std::uint16_t{1});
+  char name = 'a';
+  for (const StatedGrid& grid : grids) {
+    const std::size_t meta = out.size();
+    put(grid.size);
+    put(grid.stored);
+    out.resize(meta + 176);
+    const std::uint32_t type = 1, fog = 2, name_bytes = 2;
+    std::memcpy(out.data() + meta + 32, &type, sizeof(type));
+    std::memcpy(out.data() + meta + 36, &fog, sizeof(fog));
+    std::memcpy(out.data() + meta + 136, &name_bytes, sizeof(name_bytes));
+    out += {name++, '\0'};
+  }
+  return out + data;
+}
+
+TEST(Nvdb, GridsUnpackToNoMoreThanTheirBytesCanHold) {
+  const Scratch scratch;
+  const auto said = [&](const std::vector<StatedGrid>& grids, const std::string& data) { return refusal(scratch.write("a.nvdb", zipSegment(grids, data)), Exit::kInvalid); };
+  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+  // 8 bytes that say that none follow.
+  EXPECT_TRUE(contains(said({{256 * kMiB, 8}}, std::string(8, '\0')), "grid 'a': says that its 8 bytes unpack to 256.0 MiB, more than they can"));
+  EXPECT_TRUE(contains(said({{~std::uint64_t{0}, 8}}, std::string(8, '\0')), "more than they can"));
+
+  // Grids of no bytes, or of too few, before one that has them: they would unpack its.
+  const std::string grid = emptyNanoGrid(4096), packed = zipped(grid);
+  const std::uint64_t size = grid.size(), stored = packed.size();
+  EXPECT_TRUE(contains(refusal(scratch.write("whole.nvdb", zipSegment({{size, stored}, {size, stored}}, packed + packed)), Exit::kUnsupported), "all its grids are empty")) << "the test's own files are whole";
+  EXPECT_TRUE(contains(said({{size, 0}, {size, stored}}, packed), "grid 'a': says that its 0 bytes unpack to"));
+  EXPECT_TRUE(contains(said({{size, 8}, {size, stored - 8}}, packed), "grid 'a': goes on beyond byte"));
+  EXPECT_TRUE(contains(said({{size, stored - 1}, {size, stored}}, packed + packed), "grid 'a': goes on beyond byte"));
+  // A piece that makes more of its bytes than zlib can, beside bytes that count for nothing.
+  std::string few = packed;
+  few[0] = 1;
+  EXPECT_TRUE(contains(said({{size, stored}}, few), "says that its 1 bytes unpack to"));
+  // More, or less, than was said.
+  EXPECT_TRUE(contains(said({{size + 1, stored}}, packed), "can not be unpacked"));
+  EXPECT_TRUE(contains(said({{size - 1, stored}}, packed), "can not be unpacked"));
+}
+
+TEST(Nvdb, GridsOfAFileUnpackToABoundedSumOfBytes) {
+  const Scratch scratch;
+  // Each could be; five of them are no volume.
+  const std::string grid = emptyNanoGrid(std::size_t{60} << 20), packed = zipped(grid);
+  std::string all;
+  std::vector<StatedGrid> grids;
+  for (int i = 0; i < 5; ++i) {
+    grids.push_back({grid.size(), packed.size()});
+    all += packed;
+  }
+  const std::string said = refusal(scratch.write("a.nvdb", zipSegment(grids, all)), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, "grid 'e': makes the grids of the file unpack to more than")) << said;
+}
+
+TEST(Nvdb, BloscPiecesStayWithinTheirGrid) {
+  const Scratch scratch;
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
+  writeVdb(vdb, {ball("float", "level set")});
+  writeNvdb(nvdb, vdb, "", NvdbCodec::kBlosc);
+  std::string bytes = contentOf(nvdb);
+  std::uint64_t stored = 0;
+  std::memcpy(&stored, bytes.data() + 16 + 8, sizeof(stored));
+  for (const std::uint64_t less : {stored - 1, std::uint64_t{4096}}) {
+    ASSERT_LT(less, stored);
+    std::memcpy(bytes.data() + 16 + 8, &less, sizeof(less));
+    const std::string said = refusal(scratch.write("less.nvdb", bytes), Exit::kInvalid);
+    EXPECT_TRUE(contains(said, "goes on beyond byte") || (less == 4096 && contains(said, "more than they can"))) << said;
+  }
 }
 
 }  // namespace

@@ -261,5 +261,26 @@ TEST(VdbFog, MemoryIsAskedForBefore) {
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.resolution = 60, s.resolution_given = true; })).parts[0].fog);
 }
 
+// A few bytes say that the voxels of one grid are millions to one of another.
+TEST(VdbFog, MeansOfAMillionVoxelsAreRefused) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "fine.vdb";
+  const auto scaled = [](double edge) { return cloud(glm::scale(glm::dmat4(1), glm::dvec3(edge))); };
+  for (const double finer : {5000.0, 1e7}) {
+    VdbSpec heat = scaled(1000 / finer);
+    heat.name = "heat";
+    writeVdb(path, {scaled(1000), heat});
+    const std::string said = refusal(path, Exit::kUnsupported);
+    EXPECT_TRUE(contains(said, "grid 'heat'") && contains(said, "voxels along an axis to one of the part")) << said;
+    EXPECT_TRUE(importFile(path, with([](Settings& s) { s.heat_grid = ""; })).parts[0].fog);
+  }
+  VdbSpec far = cloud();
+  for (const int at : {0, 1 << 18}) far.tiles.push_back({glm::ivec3(at), 1, glm::dvec3(1), true});
+  writeVdb(path, {far});
+  const auto resolution = [](int r) { return with([r](Settings& s) { s.resolution = r, s.resolution_given = true; }); };
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported, resolution(32)), "give a larger --resolution"));
+  EXPECT_EQ(importFile(path, resolution(128)).parts[0].fog->size, glm::ivec3(128));
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

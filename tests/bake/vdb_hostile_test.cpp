@@ -2,7 +2,9 @@
 // Files that were cut, changed or made up: refused as invalid or read as what they now say, in bounded time and memory.
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <random>
 
@@ -184,6 +186,147 @@ TEST(VdbHostile, OtherFilesAndVersionsAreNamed) {
   EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 255 of the format"));
   bytes[8] = 100;
   EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 100 of the format"));
+}
+
+// A file with offsets, byte by byte.
+class HandMade {
+ public:
+  explicit HandMade(std::int32_t grids) {
+    put(std::int64_t{0x56444220});
+    for (const std::uint32_t version : {224u, 10u, 0u}) put(version);
+    put(std::uint8_t{1});
+    bytes_ += std::string(36, '0');
+    put(std::uint32_t{0});  // metadata
+    put(grids);
+  }
+  template <class T>
+  void put(T value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  }
+  void text(const std::string& s) {
+    put(static_cast<std::uint32_t>(s.size()));
+    bytes_ += s;
+  }
+  void fill(std::size_t size) { bytes_ += std::string(size, '\0'); }
+  // It states to be `less` bytes shorter than it is.
+  void grid(const std::string& name, const std::string& parent, const std::function<void()>& body, std::size_t less = 0) {
+    text(name);
+    text("Tree_float_5_4_3");
+    text(parent);
+    const std::size_t places = bytes_.size(), begin = places + 24;
+    fill(24);
+    body();
+    const auto end = static_cast<std::int64_t>(bytes_.size() - less);
+    std::int64_t stated[] = {static_cast<std::int64_t>(begin), parent.empty() ? static_cast<std::int64_t>(begin) : 0, end};
+    std::memcpy(bytes_.data() + places, stated, sizeof(stated));
+  }
+  void transform() {
+    text("TranslationMap");
+    for (int i = 0; i < 3; ++i) put(0.0);
+  }
+  // One tile of fog.
+  void tree(float value) {
+    put(std::int32_t{1});
+    put(0.0f);
+    put(std::uint32_t{1});
+    put(std::uint32_t{0});
+    for (int i = 0; i < 3; ++i) put(std::int32_t{0});
+    put(value);
+    put(std::uint8_t{1});
+  }
+  void wholeGrid(const std::string& name, float value) {
+    grid(name, "", [&] {
+      put(std::uint32_t{2});
+      put(std::uint32_t{0});
+      transform();
+      tree(value);
+    });
+  }
+  std::size_t size() const { return bytes_.size(); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+TEST(VdbHostile, NoGridReadsTheBytesOfAnother) {
+  const Scratch scratch;
+  // What the grids say of themselves ends in a text that goes on to a tree behind all of them.
+  constexpr std::size_t kGrid = 4 + 1 + 4 + 16 + 4 + 24 + 12;
+  HandMade shared(2);
+  const std::size_t tail = shared.size() + 2 * kGrid;
+  for (const char* name : {"a", "b"}) {
+    shared.grid(name, "", [&] {
+      shared.put(std::uint32_t{2});
+      shared.put(std::uint32_t{1});
+      shared.put(static_cast<std::uint32_t>(tail - shared.size() - 4));
+    });
+  }
+  ASSERT_EQ(shared.size(), tail);
+  for (int i = 0; i < 2; ++i) shared.text("");  // the rest of the metadata
+  shared.transform();
+  shared.tree(1);
+  const std::string said = refusal(scratch.write("shared.vdb", shared.bytes()), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, "grid 'a': goes on beyond byte")) << said;
+
+  // A transform, a tree that goes on.
+  for (const std::size_t less : {1, 40, 60}) {
+    HandMade beyond(1);
+    beyond.grid("a", "", [&] {
+      beyond.put(std::uint32_t{2});
+      beyond.put(std::uint32_t{0});
+      beyond.transform();
+      beyond.tree(1);
+    }, less);
+    const std::string that = refusal(scratch.write("beyond.vdb", beyond.bytes()), Exit::kInvalid);
+    EXPECT_TRUE(contains(that, "goes on beyond byte")) << less << ": " << that;
+  }
+
+  // Leaves, which are read only when the grid is wanted, of files by OpenVDB itself.
+  const auto path = scratch.folder() / "good.vdb";
+  for (const VdbCodec codec : {VdbCodec::kNone, VdbCodec::kZip, VdbCodec::kBlosc}) {
+    writeVdb(path, {small("float", "level set")}, codec);
+    std::string bytes = contentOf(path);
+    EXPECT_TRUE(importFile(scratch.write("whole.vdb", bytes), {}).parts[0].grid);
+    const std::size_t places = bytes.find("Tree_float_5_4_3") + 16 + 4;
+    std::int64_t stated[3];
+    std::memcpy(stated, bytes.data() + places, sizeof(stated));
+    EXPECT_EQ(stated[2], static_cast<std::int64_t>(bytes.size())) << "OpenVDB ends a grid where its bytes end";
+    --stated[2];
+    std::memcpy(bytes.data() + places, stated, sizeof(stated));
+    const std::string that = refusal(scratch.write("beyond.vdb", bytes), Exit::kInvalid);
+    EXPECT_TRUE(contains(that, "goes on beyond byte")) << that;
+  }
+}
+
+TEST(VdbHostile, ATreeIsThatOfTheFirstGridOfItsName) {
+  const Scratch scratch;
+  HandMade file(4);
+  const auto instance = [&](const std::string& name, const std::string& parent) {
+    file.grid(name, parent, [&] {
+      file.put(std::uint32_t{2});
+      file.put(std::uint32_t{0});
+      file.transform();
+    });
+  };
+  instance("before", "owner");
+  file.wholeGrid("owner", 0.25f);
+  file.wholeGrid("owner", 0.5f);
+  instance("after", "owner");
+  const auto path = scratch.write("instances.vdb", file.bytes());
+  for (const char* name : {"before", "after"}) {
+    const SourceModel model = importFile(path, with([&](Settings& s) { s.grid = name, s.resolution = 8, s.resolution_given = true; }));
+    ASSERT_TRUE(model.parts[0].fog) << name;
+    EXPECT_FLOAT_EQ(model.parts[0].fog->extinction, 0.25f * 4096 / 8) << name;
+  }
+  HandMade orphan(2);
+  orphan.grid("a", "b", [&] {
+    orphan.put(std::uint32_t{2});
+    orphan.put(std::uint32_t{0});
+    orphan.transform();
+  });
+  orphan.wholeGrid("c", 1);
+  EXPECT_TRUE(contains(refusal(scratch.write("orphan.vdb", orphan.bytes()), Exit::kInvalid), "shares the tree of a grid that is not there"));
 }
 
 }  // namespace

@@ -21,6 +21,9 @@ constexpr std::uint32_t kMajorVersion = 32;              // of the layout
 constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 30;  // of a grid that is packed with Blosc
 constexpr std::uint32_t kNoChecksum = 0xffffffffu;
 
+// That all packed grids of a file may unpack to.
+std::uint64_t unpackableBytes(std::uint64_t file_bytes) { return (std::uint64_t{256} << 20) + 64 * file_bytes; }
+
 struct NanoGrid {
   GridHeader header;
   std::uint32_t type = 0;
@@ -218,26 +221,25 @@ class NanoFile {
   SparseGrid load(const NanoGrid& grid) const {
     VdbCursor cursor(path_, bytes_);
     cursor.name("grid '" + grid.header.name + "'");
-    cursor.seek(grid.begin);
+    cursor.within(grid.begin, grid.begin + grid.stored);
     std::vector<std::uint8_t> unpacked;
     std::span<const std::uint8_t> bytes;
     if (grid.codec == 0) {
       bytes = cursor.take(grid.size);
     } else {
-      // What is packed so well is no volume.
-      if (grid.size > limit_ || (grid.size > (std::uint64_t{256} << 20) && grid.size / 64 > grid.stored)) cursor.damaged("unpacks to " + printBytes(grid.size));
-      unpacked.resize(grid.size);
+      if (grid.size > limit_) cursor.refused(Exit::kRuntime, "needs more than " + printBytes(limit_) + " of memory to be read; raise --max-memory, or export a smaller volume");
+      unpacked.reserve(grid.size);
       for (std::uint64_t done = 0; done < grid.size;) {
         const std::uint64_t piece = grid.codec == 1 ? grid.size : std::min(kPieceBytes, grid.size - done);
         const std::span<const std::uint8_t> packed = cursor.take(cursor.read<std::uint64_t>());
-        const std::span<std::uint8_t> out = std::span(unpacked).subspan(done, piece);
-        if (!(grid.codec == 1 ? unpackZip(packed, out) : unpackBlosc(packed, out))) cursor.damaged("has a piece that can not be unpacked");
+        checkRatio(cursor, piece, packed.size());
+        if (!(grid.codec == 1 ? appendZip(packed, piece, unpacked) : appendBlosc(packed, piece, unpacked))) cursor.damaged("has a piece that can not be unpacked");
         done += piece;
       }
       bytes = unpacked;
     }
     SparseGrid result;
-    NanoTree(cursor, bytes, grid.type, limit_, result).read();
+    NanoTree(cursor, bytes, grid.type, limit_ - unpacked.size(), result).read();
     return result;
   }
   SparseGrid load(std::size_t index) const { return load(grids_[index]); }
@@ -280,6 +282,12 @@ class NanoFile {
       if (codec == 0 && grid.stored != grid.size) cursor.damaged("has two sizes");
       cursor.take(grid.stored);
       if (grid.header.kind == GridKind::kPoints || grid.header.kind == GridKind::kOther) continue;
+      if (codec != 0) {
+        checkRatio(cursor, grid.size, grid.stored);
+        // Small grids may be zeros for the most part; what is packed so well by the hundred megabytes is no volume.
+        if (grid.size > unpackable_) cursor.damaged("makes the grids of the file unpack to more than " + printBytes(unpackableBytes(bytes_.size())));
+        unpackable_ -= grid.size;
+      }
       const SparseGrid read = load(grid);
       countActive(read, grid.header);
       grid.header.to_world = read.to_world;
@@ -287,9 +295,14 @@ class NanoFile {
     cursor.name("");
   }
 
+  static void checkRatio(const VdbCursor& cursor, std::uint64_t size, std::uint64_t stored) {
+    if (size / kMostUnpacked > stored) cursor.damaged("says that its " + std::to_string(stored) + " bytes unpack to " + printBytes(size) + ", more than they can");
+  }
+
   const std::filesystem::path& path_;
   std::uint64_t limit_;
   std::vector<std::uint8_t> bytes_;
+  std::uint64_t unpackable_ = unpackableBytes(bytes_.size());  // by the grids to come
   std::vector<NanoGrid> grids_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <unordered_map>
 
 #include "import_vdb_tree.h"
 #include "volume_file.h"
@@ -17,7 +18,7 @@ struct VdbGrid {
   GridHeader header;
   std::string unique_name, parent;  // parent: the grid that has its tree; empty: it is its own
   VdbCoding coding;
-  std::size_t begin = 0;  // of its tree
+  std::size_t begin = 0, end = 0;  // of its tree
 };
 
 // A type's word within "Tree_float_5_4_3"; empty where the tree has other nodes.
@@ -81,13 +82,13 @@ glm::dmat4 readMap(VdbCursor& cursor, bool& linear, bool nested = false) {
 class VdbFile {
  public:
   VdbFile(const InputFiles& files, std::uint64_t limit) : path_(files.input()), limit_(limit), bytes_(files.readInput()) {
-    VdbCursor cursor = cursorAt(0);
+    VdbCursor cursor(path_, bytes_);
     readHeader(cursor);
     readMetadata(cursor);
     const auto count = cursor.read<std::int32_t>();
     if (count < 0) cursor.damaged("has a negative number of grids");
     for (std::int32_t i = 0; i < count; ++i) readGrid(cursor, i + 1 == count);
-    for (VdbGrid& grid : grids_) adopt(grid);
+    adoptTrees();
   }
 
   std::vector<GridHeader> headers() const {
@@ -98,8 +99,9 @@ class VdbFile {
 
   SparseGrid load(std::size_t index) const {
     const VdbGrid& grid = grids_[index];
-    VdbCursor cursor = cursorAt(grid.begin);
+    VdbCursor cursor(path_, bytes_);
     cursor.name("grid '" + grid.header.name + "'");
+    cursor.within(grid.begin, grid.end);
     SparseGrid result;
     readVdbTopology(cursor, grid.coding, limit_, result);
     readVdbLeaves(cursor, grid.coding, limit_, result);
@@ -108,12 +110,6 @@ class VdbFile {
   }
 
  private:
-  VdbCursor cursorAt(std::size_t at) const {
-    VdbCursor cursor(path_, bytes_);
-    cursor.seek(at);
-    return cursor;
-  }
-
   void readHeader(VdbCursor& cursor) {
     constexpr std::array<std::uint8_t, 8> kMagic = {0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
     if (bytes_.size() < kMagic.size() || !std::equal(kMagic.begin(), kMagic.end(), bytes_.begin()))
@@ -156,8 +152,8 @@ class VdbFile {
     const auto begin = cursor.read<std::int64_t>(), blocks = cursor.read<std::int64_t>(), end = cursor.read<std::int64_t>();
     if (has_offsets_) {
       if (begin < 0 || static_cast<std::uint64_t>(begin) < cursor.at() || end < begin || (grid.parent.empty() && (blocks < begin || blocks > end))) cursor.damaged("lies where it can not be");
-      cursor.seek(static_cast<std::uint64_t>(end));  // is there
-      cursor.seek(static_cast<std::uint64_t>(begin));
+      // The next grid's head begins at `end`: no two have bytes in common.
+      cursor.within(static_cast<std::uint64_t>(begin), static_cast<std::uint64_t>(end));
     }
     grid.coding.version = version_;
     grid.coding.compression = version_ >= kVdbMaskVersion ? cursor.read<std::uint32_t>() : old_compression_;
@@ -165,35 +161,38 @@ class VdbFile {
     grid.header.grid_class = readMetadata(cursor);
     grid.header.to_world = readMap(cursor, grid.header.linear);
     grid.begin = cursor.at();
-    if (!grid.parent.empty()) {
-      if (has_offsets_) cursor.seek(static_cast<std::uint64_t>(end));
-    } else if (known) {
+    if (grid.parent.empty() && known) {
       SparseGrid topology;
       readVdbTopology(cursor, grid.coding, limit_, topology);
       countActive(topology, grid.header);
       if (!has_offsets_) readVdbLeaves(cursor, grid.coding, limit_, topology, false);
-      else cursor.seek(static_cast<std::uint64_t>(end));
-    } else if (has_offsets_) {
-      cursor.seek(static_cast<std::uint64_t>(end));
-    } else if (!last) {
+    } else if (grid.parent.empty() && !has_offsets_ && !last) {
       cursor.refused(Exit::kUnsupported, "has the type " + grid.header.type + ", and what follows it can not be found: the file was written as a stream; open it in another program and save it to a file");
     }
+    grid.end = has_offsets_ ? static_cast<std::size_t>(end) : cursor.at();
+    cursor.within(grid.end, bytes_.size());
     grids_.push_back(std::move(grid));
   }
 
-  // Takes the tree of the grid that it shares it with.
-  void adopt(VdbGrid& grid) const {
-    if (grid.parent.empty()) return;
-    const auto owner = std::find_if(grids_.begin(), grids_.end(), [&](const VdbGrid& other) { return other.unique_name == grid.parent && other.parent.empty(); });
-    if (owner == grids_.end()) refuse(Exit::kInvalid, path_, "grid '" + grid.header.name + "'", "shares the tree of a grid that is not there; the file is damaged: export the volume again");
-    const GridHeader own = grid.header;
-    grid.header = owner->header;
-    grid.header.name = own.name;
-    grid.header.grid_class = own.grid_class;
-    grid.header.linear = own.linear;
-    grid.header.to_world = own.to_world;
-    grid.coding = owner->coding;
-    grid.begin = owner->begin;
+  // Gives grids that share another one's tree that tree.
+  void adoptTrees() {
+    std::unordered_map<std::string_view, const VdbGrid*> owners;
+    for (const VdbGrid& grid : grids_)
+      if (grid.parent.empty()) owners.emplace(grid.unique_name, &grid);
+    for (VdbGrid& grid : grids_) {
+      if (grid.parent.empty()) continue;
+      const auto owner = owners.find(grid.parent);
+      if (owner == owners.end()) refuse(Exit::kInvalid, path_, "grid '" + grid.header.name + "'", "shares the tree of a grid that is not there; the file is damaged: export the volume again");
+      const GridHeader own = grid.header;
+      grid.header = owner->second->header;
+      grid.header.name = own.name;
+      grid.header.grid_class = own.grid_class;
+      grid.header.linear = own.linear;
+      grid.header.to_world = own.to_world;
+      grid.coding = owner->second->coding;
+      grid.begin = owner->second->begin;
+      grid.end = owner->second->end;
+    }
   }
 
   const std::filesystem::path& path_;

@@ -12,6 +12,7 @@
 #include "placement.h"
 #include "volume_choice.h"
 #include "volume_fog.h"
+#include "volume_means.h"
 #include "volume_solid.h"
 
 namespace kelp::bake {
@@ -111,9 +112,14 @@ class VolumeImport {
     sayWhatIsNothing(header(choice).name, "density", box);
     const Lattice lattice = fogLattice(files_, box, to_rig_, settings_);
     sayWhatIsResampled(lattice);
+    checkMeans(files_, place_, lattice.to_index);
+    if (heat) checkMeans(files_, "grid " + describeGrid(file_.grids[*choice.heat]), indexOf(*heat, grid_, lattice));
     require(lattice, [&](const Settings& settings) {
       const Lattice other = fogLattice(files_, box, to_rig_, settings);
-      return fogSize(other.size, paddingOf(part_, settings.pad), heat.has_value());
+      PartSize size = fogSize(other.size, paddingOf(part_, settings.pad), heat.has_value());
+      // One after the other.
+      size.source_bytes = static_cast<double>(std::max(VolumeMeans::bytes(other.to_index, other.size), heat ? VolumeMeans::bytes(indexOf(*heat, grid_, other), other.size) : 0));
+      return size;
     }, heat ? heat->bytes() : 0);
     part_.fog = sampleFog(files_, place_, grid_, box, lattice, heat ? &*heat : nullptr, most_heat, settings_);
     part_.fog->to_node = toNode(lattice);
@@ -142,7 +148,7 @@ class VolumeImport {
     const auto sizes = [&](Settings changed) {
       if (changed.voxel_size) changed.voxel_size = *changed.voxel_size / settings_.unit;
       PartSize size = sizeFor(changed);
-      size.source_bytes = static_cast<double>(grid_.bytes() + bytes);
+      size.source_bytes += static_cast<double>(grid_.bytes() + bytes);
       return std::vector<PartSize>{size};
     };
     requireMemory(sizes, 0, in_metres, settings_.resolution_given ? settings_.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files_.input());

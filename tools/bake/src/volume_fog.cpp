@@ -20,8 +20,9 @@ std::uint16_t codeOf(double value, double most) { return static_cast<std::uint16
 double mostOf(const SparseGrid& grid, const Lattice& lattice, int threads) {
   const auto depth = static_cast<std::size_t>(lattice.size.z);
   std::vector<double> most(depth, 0.0);
+  const VolumeMeans whole(grid, lattice.to_index, lattice.size);
   parallelRanges(depth, 1, threads, [&](std::size_t begin, std::size_t end) {
-    const VolumeMeans means(grid, lattice.to_index, lattice.size);
+    const VolumeMeans means = whole;
     for (std::size_t z = begin; z < end; ++z)
       for (int y = 0; y < lattice.size.y; ++y)
         for (int x = 0; x < lattice.size.x; ++x) most[z] = std::max(most[z], means.at({x, y, static_cast<int>(z)}));
@@ -32,8 +33,9 @@ double mostOf(const SparseGrid& grid, const Lattice& lattice, int threads) {
 std::vector<std::uint16_t> codesOf(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size, double most, int threads) {
   const glm::u64vec3 side(size);
   std::vector<std::uint16_t> codes(side.x * side.y * side.z);
+  const VolumeMeans whole(grid, to_index, size);
   parallelRanges(side.z, 1, threads, [&](std::size_t begin, std::size_t end) {
-    const VolumeMeans means(grid, to_index, size);
+    const VolumeMeans means = whole;
     for (std::size_t z = begin; z < end; ++z)
       for (std::size_t y = 0; y < side.y; ++y)
         for (std::size_t x = 0; x < side.x; ++x) codes[x + side.x * (y + side.y * z)] = codeOf(means.at(glm::ivec3(x, y, z)), most);
@@ -80,6 +82,8 @@ Lattice fogLattice(const InputFiles& files, const FogBox& box, const glm::dmat4&
   return newLattice(files, wider, index_to_rig, settings);
 }
 
+glm::dmat4 indexOf(const SparseGrid& other, const SparseGrid& grid, const Lattice& lattice) { return glm::inverse(other.to_world) * grid.to_world * lattice.to_index; }
+
 FogGrid sampleFog(const InputFiles& files, const std::string& place, const SparseGrid& grid, const FogBox& box, const Lattice& lattice, const SparseGrid* heat, double most_heat, const Settings& settings) {
   const double most = lattice.exact ? box.most : mostOf(grid, lattice, settings.threads);
   const double edge = voxelEdge(grid.to_world * lattice.to_index), extinction = most * edge * settings.density;
@@ -89,7 +93,7 @@ FogGrid sampleFog(const InputFiles& files, const std::string& place, const Spars
   if (!(fog.extinction > 0) || !std::isfinite(fog.extinction))
     refuse(Exit::kInvalid, files.input(), place, fmt::format("has densities up to {:.4g} in voxels of {:.4g}: an optical depth of {:.4g} each, beyond what a float holds; scale them with --density", most, edge, extinction));
   fog.density = codesOf(grid, lattice.to_index, lattice.size, most, settings.threads);
-  if (heat != nullptr) fog.heat = codesOf(*heat, glm::inverse(heat->to_world) * grid.to_world * lattice.to_index, lattice.size, most_heat, settings.threads);
+  if (heat != nullptr) fog.heat = codesOf(*heat, indexOf(*heat, grid, lattice), lattice.size, most_heat, settings.threads);
   return fog;
 }
 

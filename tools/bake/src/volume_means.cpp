@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace kelp::bake {
 namespace {
 
@@ -45,11 +47,26 @@ VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, con
   }
 }
 
+void checkMeans(const InputFiles& files, const std::string& place, const glm::dmat4& to_index) {
+  if (!alongAxes(to_index)) return;  // a few samples
+  const double most = std::max({glm::length(glm::dvec3(to_index[0])), glm::length(glm::dvec3(to_index[1])), glm::length(glm::dvec3(to_index[2]))});
+  if (!(most <= kMostMeant))
+    refuse(Exit::kUnsupported, files.input(), place, fmt::format("has {:.4g} voxels along an axis to one of the part, kelp takes the mean of {} at most; give a larger --resolution, or resample the grid", most, kMostMeant));
+}
+
+std::uint64_t VolumeMeans::bytes(const glm::dmat4& to_index, const glm::ivec3& size) {
+  if (!alongAxes(to_index)) return 0;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) sum += size[i] * (sizeof(Taps) + 2 * sizeof(double) * (glm::length(glm::dvec3(to_index[i])) + 5));
+  return static_cast<std::uint64_t>(std::min(sum, 1e18));
+}
+
 void VolumeMeans::makeTaps(const glm::dmat4& to_index, const glm::ivec3& size) {
+  const auto made = std::make_shared<AllTaps>();
   for (int i = 0; i < 3; ++i) {
     const int axis = index_axis_[i] = dominantAxis(glm::dvec3(to_index[i]));
     const double scale = to_index[i][axis], origin = to_index[3][axis], width = std::abs(scale);
-    auto& all = taps_[static_cast<std::size_t>(i)];
+    auto& all = (*made)[static_cast<std::size_t>(i)];
     for (int voxel = 0; voxel < size[i]; ++voxel) {
       Taps& taps = all.emplace_back();
       const double centre = std::clamp(origin + scale * (voxel + 0.5), -1.0 * kMaxCoordinate, 1.0 * kMaxCoordinate), low = centre - width / 2, high = centre + width / 2;
@@ -65,6 +82,7 @@ void VolumeMeans::makeTaps(const glm::dmat4& to_index, const glm::ivec3& size) {
       for (const double weight : taps.weights) taps.before.push_back(taps.before.back() + weight);
     }
   }
+  taps_ = made;
 }
 
 double VolumeMeans::Taps::share(int low, int end) const {
@@ -107,7 +125,7 @@ double VolumeMeans::at(const glm::ivec3& voxel) const {
   Taken taps{};
   glm::ivec3 first(0), end(0);
   for (int i = 0; i < 3; ++i) {
-    const Taps& along = taps_[static_cast<std::size_t>(i)][static_cast<std::size_t>(voxel[i])];
+    const Taps& along = (*taps_)[static_cast<std::size_t>(i)][static_cast<std::size_t>(voxel[i])];
     taps[static_cast<std::size_t>(index_axis_[i])] = &along;
     first[index_axis_[i]] = along.first & ~(SparseGrid::kUpperSide - 1);
     end[index_axis_[i]] = along.first + static_cast<int>(along.weights.size());

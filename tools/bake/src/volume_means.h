@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "volume_lattice.h"
@@ -15,13 +17,16 @@ inline double amount(double value) { return value > 0 && std::isfinite(value) ? 
 // Where an axis of the part runs along one of the grid's, a value is a box as wide as its voxel if the part's voxels are larger, else a tent between its
 // neighbours: the mean over a part's voxel is then a product of three exact ones. Otherwise it is that of trilinear samples half a voxel
 // apart, but no more than 16 along an axis.
-// One for each thread; the grid and the lattice outlive it.
+// One for each thread, copies of one, which share what is large; the grid and the lattice outlive it.
 class VolumeMeans {
  public:
   // to_index: of the grid that is looked up, which need not be the one that the lattice was made for.
   VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size);
 
   double at(const glm::ivec3& voxel) const;
+
+  // That all copies take together.
+  static std::uint64_t bytes(const glm::dmat4& to_index, const glm::ivec3& size);
 
  private:
   struct Taps {
@@ -41,9 +46,15 @@ class VolumeMeans {
   glm::dmat4 to_index_;
   bool along_axes_ = false;
   glm::ivec3 index_axis_{0};                // of each axis of the part
-  std::array<std::vector<Taps>, 3> taps_;   // of each axis of the part, by voxel
+  using AllTaps = std::array<std::vector<Taps>, 3>;  // of each axis of the part, by voxel
+  std::shared_ptr<const AllTaps> taps_;
   glm::ivec3 samples_{1};
 };
+
+// BakeError kUnsupported where a voxel of the part would be the mean of more than kMostMeant of the grid's along an axis: so fine a grid, whose file may be a few
+// bytes, would take memory and time without end. `place` is the grid.
+inline constexpr double kMostMeant = 4096;
+void checkMeans(const InputFiles& files, const std::string& place, const glm::dmat4& to_index);
 
 // Whether every axis of one matrix's linear part runs along one of the other space's.
 bool alongAxes(const glm::dmat4& m);
