@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "fake_gl.h"
 #include "residency.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {
