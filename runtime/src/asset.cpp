@@ -10,6 +10,20 @@ namespace {
 // A request, or a look at a page, counts for this many rounds.
 constexpr std::uint32_t kPatience = 8;
 
+// The first of those whose ceilings are highest.
+template <class CeilingOf>
+std::size_t highest(std::size_t begin, std::size_t end, const CeilingOf& ceilingOf) {
+  std::size_t best = begin;
+  float most = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const float urgency = ceilingOf(i).urgency();
+    if (!(urgency > most)) continue;
+    most = urgency;
+    best = i;
+  }
+  return best;
+}
+
 }  // namespace
 
 Asset::Impl::~Impl() {
@@ -32,7 +46,10 @@ Result<void> Asset::Impl::prepareLevels() {
     deepest = parts[i].levels > deepest ? parts[i].levels : deepest;
   }
   states.reset(new (std::nothrow) LevelState[total]);
-  if (!states || !place.reset(total)) return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
+  ceilings.reset(new (std::nothrow) Ceiling[total]);
+  level_group_count = (total + kGroup - 1) / kGroup;
+  level_groups.reset(new (std::nothrow) LevelGroup[level_group_count]);
+  if (!states || !ceilings || !level_groups || !place.reset(total)) return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
   state_count = total;
   std::uint32_t n = 0;
   for (int level = deepest - 1; level >= 0; --level) {
@@ -41,6 +58,8 @@ Result<void> Asset::Impl::prepareLevels() {
       states[n].part = static_cast<int>(part);
       states[n].level = level;
       states[n].coarsest = level + 1 == parts[part].levels;
+      states[n].index = n;
+      noteOpen(states[n]);
       place[first_level[part] + static_cast<std::uint32_t>(level)] = n++;
     }
   }
@@ -58,42 +77,169 @@ LevelState* Asset::Impl::find(int part, int level) const {
   return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
 }
 
-// 0: not wanted.
-float Asset::Impl::urgencyOf(const LevelState& level, const Request& request, Wanted wanted) const {
-  if (level.coarsest) return 1e30f;
+// What was asked for lately; else 0.
+float Asset::Impl::urgencyOf(const Request& request) const {
   const std::uint32_t now = round.load(std::memory_order_relaxed);
-  const bool asked = request.round.load(std::memory_order_relaxed) + kPatience > now;
-  const float urgency = now > 0 && asked ? request.urgency.load(std::memory_order_relaxed) : 0.0f;
-  if (urgency > 0) return urgency;
-  return now == 0 || wanted == Wanted::kAll ? 1e-30f * static_cast<float>(level.level + 1) : 0.0f;
+  return request.round.load(std::memory_order_relaxed) + kPatience > now ? request.urgency.load(std::memory_order_relaxed) : 0.0f;
 }
 
-// The most urgent of all that takes less than `below` bytes.
-Asset::Impl::Task Asset::Impl::choose(Wanted wanted, std::uint64_t below) {
-  Task best;
-  float most = 0;
-  const bool in_order = round.load(std::memory_order_relaxed) == 0;
-  for (std::size_t i = 0; i < state_count && !(in_order && most > 0); ++i) {
-    LevelState& level = states[i];
-    if (level.stage == Stage::kAbsent) {
-      const LevelState* coarser = find(level.part, level.level + 1);  // its grid comes first: missing bricks are looked up there
-      const float urgency = !coarser || coarser->stage == Stage::kResident ? urgencyOf(level, level.request, wanted) : 0.0f;
-      if (urgency > most && bytesOf({&level, Task::kGrid}) < below) {
-        most = urgency;
-        best = {&level, Task::kGrid};
+void Asset::Impl::raise(const LevelState& level, float urgency) {
+  if (!(urgency > 0)) return;
+  ceilings[level.index].raise(urgency);
+  level_groups[level.index / kGroup].ceiling.raise(urgency);
+}
+
+void Asset::Impl::raise(const LevelState& level, std::uint32_t page, float urgency) {
+  if (!(urgency > 0)) return;
+  level.groups[page / kGroup].ceiling.raise(urgency);
+  raise(level, urgency);
+}
+
+void Asset::Impl::ask(LevelState& level, float urgency, std::uint32_t now) {
+  if (level.request.ask(urgency, now)) raise(level, urgency);
+}
+
+void Asset::Impl::ask(const LevelState& level, std::uint32_t page, float urgency, std::uint32_t now) {
+  if (level.pages[page].request.ask(urgency, now)) raise(level, page, urgency);
+}
+
+// Whether the level's grid can be loaded. The next coarser one's comes first: missing bricks are looked up there.
+bool Asset::Impl::isNext(const LevelState& level) const {
+  if (level.stage != Stage::kAbsent) return false;
+  const LevelState* coarser = find(level.part, level.level + 1);
+  return !coarser || coarser->stage == Stage::kResident;
+}
+
+// After each change of the level's stage, and of how many of its pages are absent.
+void Asset::Impl::noteOpen(LevelState& level) {
+  const bool open = level.stage == Stage::kAbsent || (level.stage == Stage::kResident && level.absent > 0);
+  if (open == level.open) return;
+  level.open = open;
+  LevelGroup& group = level_groups[level.index / kGroup];
+  group.open += open ? 1u : ~0u;
+  if (level.coarsest) group.open_coarsest += open ? 1u : ~0u;
+}
+
+// The page of a resident level is to be loaded, again.
+void Asset::Impl::setAbsent(LevelState& level, std::uint32_t page) {
+  level.pages[page].stage = Stage::kAbsent;
+  ++level.absent;
+  ++level.groups[page / kGroup].absent;
+  noteOpen(level);
+  raise(level, page, level.pages[page].request.urgency.load(std::memory_order_relaxed));
+}
+
+// What comes first in the order of loading, of all that takes less than `below` bytes.
+Asset::Impl::Task Asset::Impl::firstAbsent(bool coarsest_only, std::uint64_t below) {
+  for (std::size_t group = 0; group < level_group_count; ++group) {
+    if ((coarsest_only ? level_groups[group].open_coarsest : level_groups[group].open) == 0) continue;
+    for (std::size_t i = group * kGroup; i < std::min(state_count, (group + 1) * kGroup); ++i) {
+      LevelState& level = states[i];
+      if (!level.open || (coarsest_only && !level.coarsest)) continue;
+      if (isNext(level) && bytesOf({&level, Task::kGrid}) < below) return {&level, Task::kGrid};
+      if (level.stage != Stage::kResident) continue;
+      const auto count = static_cast<std::uint32_t>(level.grid.pages.size());
+      for (std::uint32_t g = 0; g < level.groupCount(); ++g) {
+        if (level.groups[g].absent == 0) continue;
+        for (std::uint32_t page = g * kGroup; page < std::min(count, (g + 1) * kGroup); ++page) {
+          if (level.pages[page].stage == Stage::kAbsent && bytesOf({&level, page}) < below) return {&level, page};
+        }
       }
     }
-    if (level.stage != Stage::kResident || level.absent == 0) continue;
-    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+  }
+  return {};
+}
+
+// How urgent the most urgent of the level is, and what it is; 0: nothing was asked for. Coarsest levels come unasked.
+float Asset::Impl::mostUrgentOf(LevelState& level, Task& task) {
+  if (level.coarsest) return 0;
+  task = {&level, Task::kGrid};
+  if (isNext(level)) return urgencyOf(level.request);
+  if (level.stage != Stage::kResident || level.absent == 0) return 0;
+  const auto count = static_cast<std::uint32_t>(level.grid.pages.size());
+  while (true) {
+    const auto g = static_cast<std::uint32_t>(highest(0, level.groupCount(), [&](std::size_t i) -> const Ceiling& { return level.groups[i].ceiling; }));
+    PageGroup& group = level.groups[g];
+    const float ceiling = group.ceiling.urgency();
+    if (!(ceiling > 0)) return 0;
+    group.ceiling.lower();
+    float most = 0;
+    for (std::uint32_t page = g * kGroup; group.absent > 0 && page < std::min(count, (g + 1) * kGroup); ++page) {
       if (level.pages[page].stage != Stage::kAbsent) continue;
-      const float urgency = urgencyOf(level, level.pages[page].request, wanted);
-      if (urgency > most && bytesOf({&level, page}) < below) {
-        most = urgency;
-        best = {&level, page};
+      const float urgency = urgencyOf(level.pages[page].request);
+      if (!(urgency > most)) continue;
+      most = urgency;
+      task.page = page;
+    }
+    group.ceiling.raise(most);
+    if (most >= ceiling) return most;
+  }
+}
+
+// The most urgent of all that was asked for, the first of equals. Each turn of the loop finds it, or lowers a ceiling that was too high: one that something
+// below left by being loaded, or by no longer being asked for.
+Asset::Impl::Task Asset::Impl::mostUrgent() {
+  while (true) {
+    LevelGroup& group = level_groups[highest(0, level_group_count, [&](std::size_t i) -> const Ceiling& { return level_groups[i].ceiling; })];
+    const float ceiling = group.ceiling.urgency();
+    if (!(ceiling > 0)) return {};
+    group.ceiling.lower();
+    const std::size_t begin = static_cast<std::size_t>(&group - level_groups.get()) * kGroup;
+    const auto ofLevel = [&](std::size_t i) -> const Ceiling& { return ceilings[i]; };
+    const std::size_t i = highest(begin, std::min(state_count, begin + kGroup), ofLevel);
+    const float of_level = ceilings[i].urgency();
+    if (of_level >= ceiling) {
+      Task task;
+      ceilings[i].lower();
+      const float most = mostUrgentOf(states[i], task);
+      ceilings[i].raise(most);
+      if (most >= of_level) {
+        group.ceiling.raise(most);
+        return task;
+      }
+    }
+    group.ceiling.raise(ceilings[highest(begin, std::min(state_count, begin + kGroup), ofLevel)].urgency());
+  }
+}
+
+// Of all that was asked for and takes less than `below` bytes. Looks at whatever is more urgent than what it found so far: for when memory is short.
+Asset::Impl::Task Asset::Impl::mostUrgentBelow(std::uint64_t below) {
+  Task best;
+  float most = 0;
+  const auto consider = [&](LevelState& level, const Request& request, std::uint32_t page) {
+    const float urgency = urgencyOf(request);
+    if (!(urgency > most) || bytesOf({&level, page}) >= below) return;
+    most = urgency;
+    best = {&level, page};
+  };
+  for (std::size_t i = 0; i < state_count; ++i) {
+    if (i % kGroup == 0 && !(level_groups[i / kGroup].ceiling.urgency() > most)) {
+      i += kGroup - 1;
+      continue;
+    }
+    LevelState& level = states[i];
+    if (!(ceilings[i].urgency() > most) || !level.open || level.coarsest) continue;
+    if (isNext(level)) consider(level, level.request, Task::kGrid);
+    if (level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      const PageGroup& group = level.groups[page / kGroup];
+      if (page % kGroup == 0 && (group.absent == 0 || !(group.ceiling.urgency() > most))) {
+        page += kGroup - 1;
+      } else if (level.pages[page].stage == Stage::kAbsent) {
+        consider(level, level.pages[page].request, page);
       }
     }
   }
   return best;
+}
+
+// The next to load, of all that takes less than `below` bytes: in order while nobody asked for anything.
+Asset::Impl::Task Asset::Impl::choose(Wanted wanted, std::uint64_t below) {
+  if (round.load(std::memory_order_relaxed) == 0) return firstAbsent(false, below);
+  Task task = firstAbsent(true, below);
+  if (!task.level) task = below == kAnySize ? mostUrgent() : mostUrgentBelow(below);
+  if (!task.level && wanted == Wanted::kAll) task = firstAbsent(false, below);
+  return task;
 }
 
 void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
@@ -108,8 +254,8 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
   options.allocator.deallocate(options.allocator.user, words, static_cast<std::size_t>(bytes));
   used_bytes.fetch_sub(bytes, std::memory_order_relaxed);
-  slot.stage = Stage::kAbsent;
-  ++level.absent;
+  page_bytes -= bytes;
+  setAbsent(level, page);
 }
 
 // Whether a resident page may be dropped: nobody looks at it, nor did lately.
@@ -118,55 +264,75 @@ bool Asset::Impl::mayGo(const PageSlot& slot) const {
          round.load(std::memory_order_relaxed) - slot.used.load(std::memory_order_relaxed) >= kPatience;
 }
 
-// Bytes of the budget that are free or can be made free.
-std::uint64_t Asset::Impl::roomLeft() const {
-  std::uint64_t room = options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
+// Whether a page that findIdle() found is as it was.
+bool Asset::Impl::isStillIdle(const Idle& found) const {
+  const PageSlot& slot = found.level->pages[found.page];
+  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 && slot.used.load(std::memory_order_relaxed) == found.used;
+}
+
+// Finds the pages that were not looked at for longest: the next to be dropped, since whatever is loaded or looked at from now on is younger.
+void Asset::Impl::findIdle() {
+  const std::uint32_t now = round.load(std::memory_order_relaxed);
+  const auto goesBefore = [now](const Idle& a, const Idle& b) {  // the finest of equals: it is last
+    if (a.used != b.used) return now - a.used > now - b.used;
+    return a.level != b.level ? a.level->index > b.level->index : a.page > b.page;
+  };
+  idle_next = 0;
+  idle_count = 0;
   for (std::size_t i = 0; i < state_count; ++i) {
     LevelState& level = states[i];
-    if (level.coarsest || level.stage != Stage::kResident) continue;
+    if (level.coarsest || level.stage != Stage::kResident || level.resident.load(std::memory_order_relaxed) == 0) continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      const PageSlot& slot = level.pages[page];
+      if (slot.stage != Stage::kResident || slot.pins.load(std::memory_order_relaxed) != 0) continue;
+      const Idle found{&level, page, slot.used.load(std::memory_order_relaxed)};
+      if (idle_count == kIdleKept) {
+        if (!goesBefore(found, idle_pages[0])) continue;
+        std::pop_heap(idle_pages, idle_pages + idle_count--, goesBefore);
+      }
+      idle_pages[idle_count++] = found;
+      std::push_heap(idle_pages, idle_pages + idle_count, goesBefore);
+    }
+  }
+  std::sort_heap(idle_pages, idle_pages + idle_count, goesBefore);
+}
+
+// Bytes of the budget that are free or can be made free; of more than `enough` only so many as are found first.
+std::uint64_t Asset::Impl::roomLeft(std::uint64_t enough) const {
+  const std::uint64_t unused = options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
+  std::uint64_t room = unused;
+  for (std::size_t i = idle_next; i < idle_count && room < enough; ++i) {
+    const Idle& found = idle_pages[i];
+    if (isStillIdle(found) && mayGo(found.level->pages[found.page])) room += bytesOf({found.level, found.page});
+  }
+  if (room >= enough) return room;
+  room = unused;
+  for (std::size_t i = 0; i < state_count && room < enough; ++i) {
+    LevelState& level = states[i];
+    if (level.coarsest || level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size() && room < enough; ++page) {
       if (mayGo(level.pages[page])) room += bytesOf({&level, page});
     }
   }
   return room;
 }
 
-// Bytes that are in use and can not be made free, however long one waits.
-std::uint64_t Asset::Impl::keptForEver() const {
-  std::uint64_t kept = used_bytes.load(std::memory_order_relaxed);
-  for (std::size_t i = 0; i < state_count; ++i) {
-    LevelState& level = states[i];
-    if (level.coarsest || level.stage != Stage::kResident) continue;
-    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-      if (level.pages[page].stage == Stage::kResident) kept -= bytesOf({&level, page});
-    }
-  }
-  return kept;
-}
-
 // Takes `bytes` of the budget, dropping what was not used for longest; for a coarsest level, which nothing stands in for, whatever nobody
 // looks at right now. False: there is not enough that may be dropped.
 bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
-  const std::uint32_t now = round.load(std::memory_order_relaxed);
+  bool is_fresh = false;
   while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
-    Task oldest;
-    std::uint32_t age = 0;
-    for (std::size_t i = 0; i < state_count; ++i) {
-      LevelState& level = states[i];
-      if (level.coarsest || level.stage != Stage::kResident) continue;
-      for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-        const PageSlot& slot = level.pages[page];
-        const bool idle_now = slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0;
-        if (!(coarsest ? idle_now : mayGo(slot))) continue;
-        const std::uint32_t unused = now - level.pages[page].used.load(std::memory_order_relaxed);
-        if (unused >= age) {  // the finest of equals: it is last
-          age = unused;
-          oldest = {&level, page};
-        }
-      }
+    while (idle_next < idle_count && !isStillIdle(idle_pages[idle_next])) ++idle_next;
+    const bool found = idle_next < idle_count && (coarsest || mayGo(idle_pages[idle_next].level->pages[idle_pages[idle_next].page]));
+    if (found) {
+      const Idle& oldest = idle_pages[idle_next++];
+      evict(*oldest.level, oldest.page);
+      is_fresh = false;
+    } else {
+      if (is_fresh) return false;
+      findIdle();
+      is_fresh = true;
     }
-    if (!oldest.level) return false;
-    evict(*oldest.level, oldest.page);
   }
   used_bytes.fetch_add(bytes, std::memory_order_relaxed);
   return true;
@@ -203,15 +369,20 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
     level.pages[task.page].stage = stage;
     level.pages[task.page].request.failed.store(!done, std::memory_order_relaxed);
     if (done) level.resident.fetch_add(1, std::memory_order_release);
+    if (done && !level.coarsest) page_bytes += reserved;
     return;
   }
   level.stage = stage;
   if (done) {
+    noteOpen(level);
     level.ready.store(true, std::memory_order_release);
+    // Whoever asked for the next finer one asked in vain until now.
+    if (const LevelState* finer = find(level.part, level.level - 1)) raise(*finer, finer->request.urgency.load(std::memory_order_relaxed));
   } else {  // the finer levels rest on it
     for (int finer = level.level; finer >= 0; --finer) {
       LevelState& lost = *find(level.part, finer);
       lost.stage = Stage::kFailed;
+      noteOpen(lost);
       lost.request.failed.store(true, std::memory_order_relaxed);
     }
   }
@@ -223,13 +394,16 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
   std::uint64_t reserved = 0;
   {
     std::lock_guard lock(mutex);
-    task = choose(wanted, ~std::uint64_t{0});
+    task = choose(wanted, kAnySize);
     if (!task.level) return false;
     reserved = bytesOf(task);
-    const auto may_wait = [&] { return in_hand > 0 || (reserved <= options.memory_budget && keptForEver() <= options.memory_budget - reserved); };
+    const auto may_wait = [&] {
+      const std::uint64_t kept_for_ever = used_bytes.load(std::memory_order_relaxed) - page_bytes;
+      return in_hand > 0 || (reserved <= options.memory_budget && kept_for_ever <= options.memory_budget - reserved);
+    };
     if (!task.level->coarsest && used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
       // What there is no room for now must not keep smaller things from coming.
-      if (const std::uint64_t left = roomLeft(); reserved > left && may_wait()) {
+      if (const std::uint64_t left = roomLeft(reserved); reserved > left && may_wait()) {
         task = choose(wanted, left + 1);
         if (!task.level) return false;
         reserved = bytesOf(task);
@@ -239,7 +413,11 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     if (!room && may_wait()) return false;
     const bool grid = task.page == Task::kGrid;
     (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
-    if (!grid) --task.level->absent;
+    if (!grid) {
+      --task.level->absent;
+      --task.level->groups[task.page / kGroup].absent;
+    }
+    noteOpen(*task.level);
     if (!room) {
       finish(task, 0, false);
       return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid" : "memory_budget is too small for a page"});
@@ -335,7 +513,7 @@ Result<void> Asset::loadAll() {
     // Nothing is left to take; a grid in another thread's hands may bring new pages, or has brought them meanwhile.
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
-    if (a.choose(Impl::Wanted::kAll, ~std::uint64_t{0}).level) {
+    if (a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }
@@ -352,12 +530,13 @@ void Asset::retry() {
     LevelState& level = a.states[i];
     level.request.failed.store(false, std::memory_order_relaxed);
     if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
+    a.noteOpen(level);
+    if (level.stage == Stage::kAbsent) a.raise(level, level.request.urgency.load(std::memory_order_relaxed));
     if (level.stage != Stage::kResident) continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
       if (level.pages[page].stage != Stage::kFailed) continue;
-      level.pages[page].stage = Stage::kAbsent;
       level.pages[page].request.failed.store(false, std::memory_order_relaxed);
-      ++level.absent;
+      a.setAbsent(level, page);
     }
   }
 }
@@ -391,7 +570,7 @@ AssetWatch Asset::watch() const { return watch_; }
 void Asset::beginRequests() const { impl_->round.fetch_add(1, std::memory_order_relaxed); }
 
 void Asset::request(int part, int level, float urgency) const {
-  if (LevelState* state = impl_->find(part, level)) state->request.ask(urgency, impl_->round.load(std::memory_order_relaxed));
+  if (LevelState* state = impl_->find(part, level)) impl_->ask(*state, urgency, impl_->round.load(std::memory_order_relaxed));
 }
 
 PinnedPage Asset::pin(int part, int level, std::uint32_t page, float urgency) const {
@@ -403,7 +582,7 @@ PinnedPage Asset::pin(int part, int level, std::uint32_t page, float urgency) co
   const std::shared_lock lock(impl_->readers);
   const std::uint32_t* words = slot.words.load(std::memory_order_acquire);
   if (!words) {
-    slot.request.ask(urgency, now);
+    impl_->ask(*state, page, urgency, now);
     return pinned;
   }
   slot.used.store(now, std::memory_order_relaxed);

@@ -7,6 +7,12 @@
 #include "kelp/formats/fog.h"
 
 namespace kelp::runtime {
+namespace {
+
+// The slots of so many pages, and their groups.
+std::uint64_t slotBytes(std::uint64_t pages) { return pages * sizeof(PageSlot) + (pages + kGroup - 1) / kGroup * sizeof(PageGroup); }
+
+}  // namespace
 
 Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
   Result<LevelGrid> read = pack.readGrid(part, level);
@@ -15,9 +21,10 @@ Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
   if (count > kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131072 pages"};
   // Where each slot is: the pages are in the order of slots.
   Buffer<std::uint32_t> places(allocator);
-  void* const memory = allocator.allocate(allocator.user, count * sizeof(PageSlot));
+  const auto bytes_of_slots = static_cast<std::size_t>(slotBytes(count));
+  void* const memory = allocator.allocate(allocator.user, bytes_of_slots);
   if (!memory || !places.reset(read->bricks)) {
-    if (memory) allocator.deallocate(allocator.user, memory, count * sizeof(PageSlot));
+    if (memory) allocator.deallocate(allocator.user, memory, bytes_of_slots);
     return Error{ErrorCode::kOutOfMemory, "no memory for the pages of a level"};
   }
   for (std::size_t page = 0; page < count; ++page) {
@@ -29,7 +36,12 @@ Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
   }
   grid = *std::move(read);
   pages = static_cast<PageSlot*>(memory);
+  groups = reinterpret_cast<PageGroup*>(pages + count);
   for (std::size_t page = 0; page < count; ++page) new (&pages[page]) PageSlot;
+  for (std::uint32_t group = 0; group < groupCount(); ++group) {
+    new (&groups[group]) PageGroup;
+    groups[group].absent = std::min(kGroup, static_cast<std::uint32_t>(count) - group * kGroup);
+  }
   absent = static_cast<std::uint32_t>(count);
   data = {grid.size, grid.grid, grid.cells.span(), grid.pages.span()};
   return {};
@@ -43,7 +55,8 @@ void LevelState::release(const Allocator& allocator) {
     }
     pages[page].~PageSlot();
   }
-  allocator.deallocate(allocator.user, pages, grid.pages.size() * sizeof(PageSlot));
+  for (std::uint32_t group = 0; group < groupCount(); ++group) groups[group].~PageGroup();
+  allocator.deallocate(allocator.user, pages, static_cast<std::size_t>(slotBytes(grid.pages.size())));
   pages = nullptr;
 }
 
@@ -51,7 +64,8 @@ std::uint64_t LevelState::bytes(const Part& of) const {
   const glm::ivec3 bricks = brickGrid(latticeSize(of.kind, levelSize(of.size, level)));
   const std::uint64_t cells = static_cast<std::uint64_t>(bricks.x) * static_cast<std::uint64_t>(bricks.y) * static_cast<std::uint64_t>(bricks.z);
   const std::uint64_t table = grid_raw - std::min(grid_raw, cells * sizeof(std::uint32_t));
-  return cells * sizeof(std::uint32_t) + table / 32 * (sizeof(PageInfo) + sizeof(PageSlot));  // 32 bytes a page in the file
+  const std::uint64_t page_count = table / 32;  // 32 bytes each in the file
+  return cells * sizeof(std::uint32_t) + page_count * sizeof(PageInfo) + slotBytes(page_count);
 }
 
 }  // namespace kelp::runtime

@@ -14,7 +14,7 @@
 
 #include "bench_frame_gl.h"
 #include "bench_frame_scene.h"
-#include "fake_gl.h"
+#include "support/fake_gl.h"
 
 namespace kelp::bench {
 namespace {

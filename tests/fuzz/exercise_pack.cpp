@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "exercise_renderer.h"
 #include "input_folder.h"
 #include "kelp/formats/verify.h"
 #include "kelp/runtime/instance.h"
@@ -93,6 +94,11 @@ void exercisePack(std::span<const std::byte> bytes) {
     PageData page;
     if (pack && pack->readPage(foreign, page)) std::abort();
   }
-  auto asset = runtime::Asset::open(source, {limits, allocator});
-  if (asset && (*asset)->loadAll()) playAndAsk(**asset);
+  // One input in four is drawn: of these some while they are loaded, some in too little memory.
+  const bool is_drawn = (choice >> 22) % 4 == 0, is_streamed = is_drawn && (choice >> 24) % 2 == 0;
+  runtime::Options options{limits, allocator};
+  if (is_drawn && (choice >> 25) % 4 == 0) options.memory_budget = 2048 * (1 + (choice >> 27) % 8);
+  auto asset = runtime::Asset::open(source, options);
+  if (asset && !is_streamed && (*asset)->loadAll()) playAndAsk(**asset);
+  if (asset && is_drawn) exerciseRenderer(*std::move(asset), choice >> 30, allocator);
 }

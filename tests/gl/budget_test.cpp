@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fake_gl.h"
 #include "streamed.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {

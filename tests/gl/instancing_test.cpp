@@ -10,7 +10,7 @@
 #include "canvas.h"
 #include "count_new.h"
 #include "depth_copy.h"
-#include "fake_gl.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "canvas.h"
 #include "count_new.h"
-#include "fake_gl.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {

@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <random>
 #include <vector>
 
-#include "fake_gl.h"
 #include "residency.h"
+#include "support/fake_gl.h"
 
 namespace kelp::test {
 namespace {
@@ -61,12 +62,24 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
       std::fill_n(model_.rows.begin() + gone->first, gone->second.rows, nullptr);
       held.erase(gone);
     }
+    if (random() % 64 == 0) {  // all that share a remainder go at once
+      const std::uint32_t remainder = random() % 5;
+      pool_.giveBackIf([&](const Pool::Block& block) { return block.level && block.row % 5 == remainder; });
+      for (auto it = held.begin(); it != held.end();) {
+        if (it->first % 5 != remainder) {
+          ++it;
+          continue;
+        }
+        std::fill_n(model_.rows.begin() + it->first, it->second.rows, nullptr);
+        it = held.erase(it);
+      }
+    }
     const std::uint32_t rows = random() % 8 == 0 ? 1 + random() % 60 : 1 + random() % 17;
     const float priority = random() % 10 == 0 ? 1e30f : static_cast<float>(static_cast<int>(random() % 40) - 8);
     std::uint32_t row = pool_.findFree(rows);
-    bool any = false;
-    for (std::uint32_t r = 0; r < kRows && !any; ++r) any = model_.isFree(r, rows);
-    ASSERT_EQ(row != 0, any);
+    std::uint32_t first = 0;
+    while (first < kRows && !model_.isFree(first, rows)) ++first;
+    ASSERT_EQ(row, first < kRows ? first : 0);
     if (row == 0) {
       // Brute force: of all places, the price is that of the dearest whom they belong to.
       float best = 1e38f;
@@ -111,6 +124,28 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
   EXPECT_GT(places, 1000);
   EXPECT_GT(evictions, 300);
   EXPECT_GT(refusals, 100);
+}
+
+// 262,144 blocks, which take some milliseconds; half a minute if each were found by a walk over those before it.
+TEST_F(PoolTest, PlacesAreFoundWithoutAWalkOverAll) {
+  const auto begin = std::chrono::steady_clock::now();
+  Pool pool{Allocator{}};
+  ASSERT_TRUE(pool.create(api_, std::uint64_t{1} << 30));
+  ResidentLevel level;
+  for (std::uint32_t row = 1; row < pool.rows(); ++row) {
+    ASSERT_EQ(pool.findFree(1), row);
+    ASSERT_TRUE(pool.take({row, 1, &level, row}));
+  }
+  EXPECT_EQ(pool.findFree(1), 0u);
+  pool.giveBack(1000);
+  EXPECT_EQ(pool.findFree(2), 0u);
+  pool.giveBack(1001);
+  EXPECT_EQ(pool.findFree(2), 1000u);
+  EXPECT_EQ(pool.findFree(1), 1000u);
+  pool.giveBackIf([](const Pool::Block& block) { return block.level != nullptr; });
+  EXPECT_EQ(pool.usedBytes(), std::uint64_t{Pool::kRowBytes});
+  EXPECT_EQ(pool.findFree(pool.rows() - 1), 1u);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
 }
 
 TEST_F(PoolTest, AGridIsDearerThanItsPagesAndCheaperThanTheNextLevel) {

@@ -2,6 +2,7 @@
 #include "pool.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "residency.h"
 
@@ -27,6 +28,7 @@ Result<void> Pool::create(const Api& api, std::uint64_t budget) {
   if (auto good = checkErrors(api, "OpenGL refused a texture of gpu_budget bytes"); !good) return good;
   rows_ = static_cast<std::uint32_t>(rows);
   used_ = 0;
+  mayBeginAt(0);
   return take({0, 1, nullptr, Block::kGrid}) ? Result<void>() : Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};  // address 0 is nobody's
 }
 
@@ -35,14 +37,20 @@ void Pool::destroy(const Api& api) {
   texture_ = 0;
 }
 
-std::uint32_t Pool::findFree(std::uint32_t rows) const {
-  std::uint32_t end = 0;  // of the block before
-  for (std::size_t i = 0; i <= count_; ++i) {
+std::uint32_t Pool::findFree(std::uint32_t rows) {
+  const std::uint32_t least = std::bit_floor(rows);
+  std::uint32_t& from = from_[std::bit_width(rows) - 1];
+  std::uint32_t end = from;  // of the block before
+  std::uint32_t first = rows_;
+  std::uint32_t found = 0;
+  for (auto i = static_cast<std::size_t>(blockAt(from) - blocks_.data()); found == 0 && i <= count_; ++i) {
     const std::uint32_t next = i < count_ ? blocks_[i].row : rows_;
-    if (next - end >= rows) return end;
+    if (next - end >= least) first = std::min(first, end);
+    if (next - end >= rows) found = end;
     if (i < count_) end = blocks_[i].row + blocks_[i].rows;
   }
-  return 0;
+  from = first;
+  return found;
 }
 
 std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priority) const {
@@ -99,6 +107,7 @@ void Pool::assign(std::uint32_t row, ResidentLevel* level, std::uint32_t page) {
 void Pool::giveBack(std::uint32_t row) {
   Block* const place = blockAt(row);
   used_ -= place->rows;
+  mayBeginAt(place == blocks_.begin() ? 0 : place[-1].row + place[-1].rows);
   std::copy(place + 1, blocks_.begin() + count_, place);
   --count_;
 }

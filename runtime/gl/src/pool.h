@@ -3,6 +3,7 @@
 // holds one and is worth less has to give it back when there is no other room.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "gl_api.h"
@@ -40,7 +41,7 @@ class Pool {
   static std::uint32_t rowsFor(std::uint64_t words) { return static_cast<std::uint32_t>((words + kRowWords - 1) / kRowWords); }
 
   // The first row of a free place; 0, which is no place, if there is none.
-  std::uint32_t findFree(std::uint32_t rows) const;
+  std::uint32_t findFree(std::uint32_t rows);
   // The blocks of a run that would be place enough if they were given back, all worth less than `priority`; of all such runs one whose
   // dearest block is cheapest. Empty: there is none. Good until the next take() or giveBack().
   std::span<const Block> findVictims(std::uint32_t rows, float priority) const;
@@ -49,6 +50,23 @@ class Pool {
   // Says whose the block at `row` is from now on.
   void assign(std::uint32_t row, ResidentLevel* level, std::uint32_t page);
   void giveBack(std::uint32_t row);
+  // Gives back all blocks for which `goes` is true: in one walk, whatever their number.
+  template <class Goes>
+  void giveBackIf(const Goes& goes) {
+    std::uint32_t end = 0;  // of the block before
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Block block = blocks_[i];
+      if (goes(block)) {
+        used_ -= block.rows;
+        mayBeginAt(end);
+      } else {
+        end = block.row + block.rows;
+        blocks_[kept++] = block;
+      }
+    }
+    count_ = kept;
+  }
   std::uint32_t rowsOf(std::uint32_t row) const { return blockAt(row)->rows; }
 
   // Copies words to the address, a word's index in the pool. Within an UploadGuard.
@@ -60,11 +78,15 @@ class Pool {
 
  private:
   Block* blockAt(std::uint32_t row) const;
+  void mayBeginAt(std::uint32_t row) {
+    for (std::uint32_t& from : from_) from = std::min(from, row);
+  }
 
   Name texture_ = 0;
   std::uint32_t rows_ = 0;
   std::uint32_t used_ = 0;
   std::uint64_t written_ = 0;
+  std::uint32_t from_[32] = {};  // [n]: no 2^n free rows begin before this row, which is none within free ones
   std::size_t count_ = 0;
   Buffer<Block> blocks_;  // the first count_, ascending
   Buffer<std::uint32_t> zeros_;

@@ -164,12 +164,8 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
 // Gives back all that the asset holds.
 void Residency::forget(ResidentAsset& asset) {
   if (transfer_.level && transfer_.level->asset == &asset) cancel();
+  pool_.giveBackIf([&asset](const Pool::Block& block) { return block.level && block.level->asset == &asset; });
   for (ResidentLevel* level : asset.levels) {
-    if (level->grid_row == 0) continue;
-    for (const std::uint32_t row : level->page_rows) {
-      if (row != 0) pool_.giveBack(row);
-    }
-    pool_.giveBack(level->grid_row);
     level->grid_row = 0;
     level->resident = 0;
   }
@@ -270,14 +266,14 @@ void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t pag
 // With it go its pages and all finer levels of the part, which rest on it.
 void Residency::dropGrid(const Api& api, ResidentLevel& coarsest) {
   const ResidentPart& part = coarsest.asset->parts[static_cast<std::size_t>(coarsest.part)];
+  const auto goes = [&coarsest](const ResidentLevel* level) {
+    return level && level->asset == coarsest.asset && level->part == coarsest.part && level->level <= coarsest.level;
+  };
+  if (goes(transfer_.level)) cancel();
+  pool_.giveBackIf([&goes](const Pool::Block& block) { return goes(block.level); });
   for (int l = 0; l <= coarsest.level; ++l) {
     ResidentLevel& level = coarsest.asset->level(part, l);
-    if (transfer_.level == &level) cancel();
     if (level.grid_row == 0) continue;
-    for (const std::uint32_t row : level.page_rows) {
-      if (row != 0) pool_.giveBack(row);
-    }
-    pool_.giveBack(level.grid_row);
     level.grid_row = 0;
     level.resident = 0;
     level.dropped = round_;

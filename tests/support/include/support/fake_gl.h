@@ -2,6 +2,9 @@
 // An OpenGL that does nothing, of any version and any limits: what kelp allocates and lays out, without a driver's own doings.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 namespace kelp::test {
 
 struct FakeGl {
@@ -12,6 +15,18 @@ struct FakeGl {
   int depth_bits = 0;           // of the framebuffer that is bound; 0: it has no depth
   long names_made = 0;          // by all glGen*
   long storage_made = 0;        // calls of glTexImage2D and glTexImage3D
+
+  // If set before a renderer is created, textures of 32-bit words hold what is uploaded, and an upload beyond its texture ends the program.
+  bool keeps_texels = false;
+  struct Texture {
+    int width = 0, height = 0, layers = 0;
+    int texel_words = 0;
+    std::vector<std::uint32_t> words;  // texel by texel, row by row, layer by layer
+  };
+  std::vector<Texture> textures;           // by their names
+  std::uint32_t bound = 0, bound_array = 0;  // the last, whatever the unit: for uploads, which follow it
+  // The pool of the voxels of the renderer that was created last.
+  const Texture& pool() const;
 
   // For kelp::gl::Config; `user` is not used. One fake at a time: the one that current() points to.
   static FakeGl*& current();

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+// Levels of tens of thousands of pages: which page comes next is found without a look at each of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "../formats/pack_surgeon.h"
+#include "kelp/runtime/asset.h"
+#include "support/test_pack.h"
+
+namespace kelp::runtime {
+namespace {
+
+using test::Bytes;
+
+// Each brick has one voxel and a page of its own: what no writer makes and every reader must take. Level 0 has side^3 bricks.
+Bytes onePagePerBrick(std::uint32_t side, std::uint8_t levels) {
+  fields::Occupancy one;
+  one.size = {8, 8, 8};
+  one.solid.assign(512, 0);
+  one.solid[0] = 1;
+  test::PackSurgeon pack(test::bytesOf(test::packOf(one)));
+  for (std::size_t axis = 0; axis < 3; ++axis) test::set(pack.content("PART"), 8 + 12 + 4 * axis, 8 * side);
+  test::set(pack.content("PART"), 8 + 9, levels);
+  const test::PackSurgeon::Chunk grid = pack.chunks[pack.find("GRID")], bricks = pack.chunks[pack.find("BRCK")];
+  pack.chunks.resize(pack.find("GRID"));
+  for (std::uint32_t level = levels; level-- > 0;) {
+    const std::uint32_t n = side >> level, count = n * n * n;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> cells;  // slots follow the Morton order
+    for (std::uint32_t cell = 0; cell < count; ++cell) {
+      const std::uint32_t at[3] = {cell % n, cell / n % n, cell / n / n};
+      std::uint64_t code = 0;
+      for (int bit = 0; bit < 10; ++bit) {
+        for (int axis = 0; axis < 3; ++axis) code |= std::uint64_t{at[axis] >> bit & 1} << (3 * bit + axis);
+      }
+      cells.emplace_back(code, cell);
+    }
+    std::sort(cells.begin(), cells.end());
+    test::PackSurgeon::Chunk all = grid, pages = bricks;
+    all.level = pages.level = level;
+    const std::size_t table = (4 * std::size_t{count} + 7) / 8 * 8;
+    all.content.assign(table + 32 * std::size_t{count}, std::byte{0});
+    pages.content.clear();
+    for (std::uint32_t slot = 0; slot < count; ++slot) {
+      test::set(all.content, 4 * std::size_t{cells[slot].second}, 0x80000000u | slot);
+      const std::size_t entry = table + 32 * std::size_t{slot};
+      std::copy(grid.content.end() - 32, grid.content.end(), all.content.begin() + static_cast<std::ptrdiff_t>(entry));
+      test::set(all.content, entry, std::uint64_t{pages.content.size()});
+      test::set(all.content, entry + 24, slot);
+      pages.content.insert(pages.content.end(), bricks.content.begin(), bricks.content.end());
+    }
+    pack.chunks.push_back(all);
+    pack.chunks.push_back(pages);
+  }
+  return pack.build();
+}
+
+// Remembers where was read.
+struct Recorder {
+  MemorySource memory;
+  std::vector<std::uint64_t> offsets;
+
+  explicit Recorder(const Bytes& bytes) : memory(bytes) {}
+  Source source() {
+    return {[](void* user, std::uint64_t offset, std::span<std::byte> out) {
+              auto& self = *static_cast<Recorder*>(user);
+              self.offsets.push_back(offset);
+              const Source inner = self.memory.source();
+              return inner.read(inner.user, offset, out);
+            },
+            this, memory.source().size};
+  }
+};
+
+double secondsOf(const auto& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Beside reading and decoding each page once in the same build: about twice as long; 30 to 40 times as long if each is found by a walk over all.
+TEST(ManyPages, TakeLittleLongerThanReadingThem) {
+  const Bytes bytes = onePagePerBrick(32, 2);
+  MemorySource source(bytes);
+  const auto opened = Pack::open(source.source());
+  ASSERT_TRUE(opened);
+  const double reading = secondsOf([&] {
+    PageData page;
+    for (const int level : {1, 0}) {
+      const auto grid = opened->readGrid(0, level);
+      ASSERT_TRUE(grid);
+      for (const PageInfo& info : grid->pages) ASSERT_TRUE(opened->readPage(info, page));
+    }
+  });
+
+  const auto open = [&source](std::uint64_t budget) {
+    Options options;
+    options.memory_budget = budget;
+    auto asset = Asset::open(source.source(), options);
+    EXPECT_TRUE(asset);
+    return *std::move(asset);
+  };
+  const auto pump = [](Asset& asset) {
+    while (*asset.pump()) {
+    }
+  };
+  const auto whole = open(std::uint64_t{1} << 30);
+  const double in_order = secondsOf([&] { EXPECT_TRUE(whole->loadAll()); });
+  EXPECT_LT(in_order, 15 * reading);
+  EXPECT_EQ(whole->residentLevel(0), 0);
+
+  // As a renderer asks: for every page in each round, the more urgently the nearer it comes.
+  const auto asked = open(std::uint64_t{1} << 30);
+  const double as_asked = secondsOf([&] {
+    for (int round = 1; round <= 4; ++round) {
+      asked->beginRequests();
+      asked->request(0, 0, static_cast<float>(round));
+      pump(*asked);
+      const auto pages = static_cast<std::uint32_t>(asked->level(0, 0)->pages.size());
+      for (std::uint32_t page = static_cast<std::uint32_t>(round) % 4; page < pages; page += 4) (void)asked->pin(0, 0, page, static_cast<float>(round));
+      pump(*asked);
+    }
+  });
+  EXPECT_LT(as_asked, 15 * reading);
+  EXPECT_EQ(asked->residentLevel(0), 0);
+
+  // In memory for half of them: the last quarter comes in place of others.
+  const auto half = open(whole->memory() / 2);
+  EXPECT_FALSE(half->loadAll());
+  const auto pages = static_cast<std::uint32_t>(half->level(0, 0)->pages.size());
+  const double in_turn = secondsOf([&] {
+    for (int round = 0; round < 20; ++round) {
+      half->beginRequests();
+      for (std::uint32_t page = pages - pages / 4; page < pages; ++page) (void)half->pin(0, 0, page, 1.0f);
+      pump(*half);
+    }
+  });
+  EXPECT_LT(in_turn, 15 * reading);
+  EXPECT_LE(half->memory(), whole->memory() / 2);
+  EXPECT_TRUE(half->pin(0, 0, pages - 1, 1.0f));
+}
+
+TEST(ManyPages, ComeInOrder) {
+  const Bytes bytes = onePagePerBrick(16, 2);
+  Recorder recorder(bytes);
+  auto asset = Asset::open(recorder.source());
+  ASSERT_TRUE(asset);
+  recorder.offsets.clear();
+  ASSERT_TRUE((*asset)->loadAll());
+  EXPECT_GE(recorder.offsets.size(), 16u * 16 * 16 + 8 * 8 * 8);
+  EXPECT_TRUE(std::is_sorted(recorder.offsets.begin(), recorder.offsets.end())) << "packs lie coarse to fine";
+}
+
+// Asked for and loaded in turns, at random, against a walk over all pages for each.
+TEST(ManyPages, TheMostUrgentComesNext) {
+  constexpr std::uint32_t kPatience = 8;  // rounds that a request counts for: beginRequests()
+  struct Page {
+    float urgency = 0;
+    std::uint32_t round = 0;
+    bool resident = false;
+  };
+  const Bytes bytes = onePagePerBrick(16, 2);
+  Recorder recorder(bytes);
+  auto opened = Asset::open(recorder.source());
+  ASSERT_TRUE(opened);
+  Asset& asset = **opened;
+  asset.beginRequests();
+  std::uint32_t now = 1;
+  asset.request(0, 0, 1.0f);
+  while (*asset.pump()) {
+  }
+  const std::span<const PageInfo> infos = asset.level(0, 0)->pages;
+  std::vector<Page> pages(infos.size());
+  std::mt19937 random(7);
+  std::uint32_t loaded = 0;
+  while (loaded < pages.size()) {
+    const std::uint32_t what = random() % 8;
+    if (what == 0) {
+      asset.beginRequests();
+      ++now;
+    } else if (what < 4) {
+      const std::uint32_t page = random() % pages.size();
+      const float urgency = static_cast<float>(random() % 50);
+      EXPECT_EQ(static_cast<bool>(asset.pin(0, 0, page, urgency)), pages[page].resident);
+      if (pages[page].round != now || pages[page].urgency < urgency) pages[page].urgency = urgency, pages[page].round = now;
+    } else {
+      std::size_t next = pages.size();
+      float most = 0;
+      for (std::size_t i = 0; i < pages.size(); ++i) {
+        if (pages[i].resident || pages[i].round + kPatience <= now || pages[i].urgency <= most) continue;
+        most = pages[i].urgency;
+        next = i;
+      }
+      recorder.offsets.clear();
+      const Result<bool> more = asset.pump();
+      ASSERT_TRUE(more);
+      ASSERT_EQ(*more, next < pages.size());
+      if (!*more) continue;
+      ASSERT_EQ(recorder.offsets, std::vector<std::uint64_t>{infos[next].offset}) << "page " << next << " at " << most;
+      pages[next].resident = true;
+      ++loaded;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp::runtime
