@@ -186,5 +186,84 @@ TEST(ImportHostile, PicturesOfMaterialLibrariesCountAlike) {
   EXPECT_TRUE(anyContains(importFile(path, settings).notices, "can not be decoded"));
 }
 
+// That four times as much takes no sixteen times as long. Seconds of the processor.
+void expectGrowsEvenly(const char* extension, int count, const std::function<std::string(int)>& text) {
+  const Scratch scratch;
+  const auto seconds = [&](int size) {
+    const std::filesystem::path path = scratch.write(std::string("model") + extension, text(size));
+    const std::clock_t begin = std::clock();
+    FilesUsed used;
+    EXPECT_FALSE(importFile(path, {}, &used).parts.empty());
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds(count);
+  EXPECT_LT(seconds(4 * count), 8 * few + 0.1);
+}
+
+TEST(ImportHostile, ALibraryIsReadOnceHoweverManyLinesNameIt) {
+  const Scratch scratch;
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", lines;
+  for (int i = 0; i < 200; ++i) {
+    text += "newmtl m" + std::to_string(i) + "\n";
+    lines += i % 2 ? "mtllib ./self.obj\n" : "mtllib self.obj\n";
+  }
+  const SourceModel model = importFile(scratch.write("self.obj", text + lines + "usemtl m7\nf 1 2 3\n"), {});
+  EXPECT_EQ(model.materials.size(), 201u);
+  EXPECT_EQ(model.materials.at(model.parts.at(0).soup.triangles.at(0).material).name, "m7");
+}
+
+TEST(ImportHostile, OfTwoLibrariesTheOneNamedLastCounts) {
+  const Scratch scratch;
+  scratch.write("a.mtl", "newmtl x\nPr 0.25\nnewmtl x\nPr 0.5\n");
+  scratch.write("b.mtl", "newmtl x\nPr 0.75\n");
+  const SourceModel model = importFile(scratch.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib a.mtl\nusemtl x\nf 1 2 3\nmtllib b.mtl\nusemtl x\nf 1 2 3\nmtllib a.mtl\nusemtl x\nf 1 2 3\nmtllib lost.mtl\nmtllib lost.mtl\nf 1 2 3\n"), {});
+  std::vector<float> roughness;
+  for (const auto& triangle : model.parts.at(0).soup.triangles) roughness.push_back(model.materials.at(triangle.material).roughness);
+  EXPECT_EQ(roughness, (std::vector<float>{0.5f, 0.75f, 0.5f, 0.5f}));
+  EXPECT_EQ(model.materials.size(), 4u);
+  EXPECT_EQ(std::count_if(model.notices.begin(), model.notices.end(), [](const std::string& line) { return contains(line, "lost.mtl"); }), 1);
+}
+
+TEST(ImportHostile, ManyLibrariesThatAreNotThere) {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  expectGrowsEvenly(".obj", 2000, [&](int count) {
+    std::string names = "mtllib";
+    for (int i = 0; i < count; ++i) names += " a" + std::to_string(i);
+    return names + "\n" + faces;
+  });
+  const Scratch scratch;
+  FilesUsed used;
+  importFile(scratch.write("m.obj", "mtllib a b\nmtllib b a\nmtllib a\n" + faces), {}, &used);
+  EXPECT_EQ(std::count(used.missing.begin(), used.missing.end(), scratch / "a"), 1);
+  EXPECT_EQ(std::count(used.missing.begin(), used.missing.end(), scratch / "b"), 1);
+}
+
+TEST(ImportHostile, ManyOptionsOfAPicture) {
+  const Scratch scratch;
+  const auto seconds = [&](int count) {
+    std::string line = "newmtl a\nmap_Kd";
+    for (int i = 0; i < count; ++i) line += " -t 1 2";
+    scratch.write("a.mtl", line + " -clamp on lost.png\n");
+    const auto path = scratch.write("m.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    const std::clock_t begin = std::clock();
+    const SourceModel model = importFile(path, {});
+    EXPECT_TRUE(anyContains(model.notices, "lost.png"));
+    EXPECT_EQ(model.materials.at(1).wrap_u, Wrap::kClamp);
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds(3000);
+  EXPECT_LT(seconds(12000), 8 * few + 0.1);
+}
+
+TEST(ImportHostile, ManyElementsOfNothing) {
+  expectGrowsEvenly(".ply", 600, [](int count) {
+    const int instances = 250 * count;
+    std::string head = "ply\nformat ascii 1.0\n";
+    for (int i = 0; i < count; ++i) head += "element e" + std::to_string(i) + " " + std::to_string(instances) + "\n";
+    return head + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n" +
+           std::string(static_cast<std::size_t>(instances), ' ');
+  });
+}
+
 }  // namespace
 }  // namespace kelp::bake::test
