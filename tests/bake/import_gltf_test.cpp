@@ -209,6 +209,13 @@ TEST(ImportGltf, DeepJsonIsRefused) {
   const std::string deep(200000, '[');
   EXPECT_TRUE(contains(refusal(scratch.write("a.gltf", R"({"asset":{"version":"2.0"},"extras":)" + deep + std::string(200000, ']') + "}"), Exit::kInvalid), "nested"));
   refusal(scratch.write("b.gltf", R"({"asset":)" + deep), Exit::kInvalid);
+  // 64 levels, brackets in strings not counted.
+  const auto nested = [](int levels) {
+    const auto depth = static_cast<std::size_t>(levels - 1);
+    return R"({"asset":{"version":"2.0"},"extras":)" + std::string(depth - 1, '[') + R"("\"[[{{[[\\",[])" + std::string(depth - 1, ']') + "}";
+  };
+  EXPECT_TRUE(importFile(scratch.write("c.gltf", nested(64)), {}).parts.empty());
+  EXPECT_TRUE(contains(refusal(scratch.write("d.gltf", nested(66)), Exit::kInvalid), "nested"));
 }
 
 TEST(ImportGltf, GraphsThatAreNoTreesAreRefused) {

@@ -5,6 +5,8 @@
 #include <ctime>
 #include <random>
 
+#include <sys/resource.h>
+
 #include "import_scratch.h"
 #include "support/assets.h"
 
@@ -184,6 +186,216 @@ TEST(ImportHostile, PicturesOfMaterialLibrariesCountAlike) {
   Settings settings;
   settings.max_memory = std::uint64_t{4} << 30;
   EXPECT_TRUE(anyContains(importFile(path, settings).notices, "can not be decoded"));
+}
+
+// `count` of them, parted by commas.
+std::string list(int count, const std::function<std::string(int)>& item) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += (i ? "," : "") + item(i);
+  return out;
+}
+std::string list(int count, const std::string& item) {
+  return list(count, [&](int) { return item; });
+}
+
+// That four times as much takes no sixteen times as long. Seconds of the processor.
+void expectGrowsEvenly(const char* extension, int count, const std::function<std::string(int)>& text) {
+  const Scratch scratch;
+  const auto seconds = [&](int size) {
+    const std::filesystem::path path = scratch.write(std::string("model") + extension, text(size));
+    const std::clock_t begin = std::clock();
+    FilesUsed used;
+    EXPECT_FALSE(importFile(path, {}, &used).parts.empty());
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds(count);
+  EXPECT_LT(seconds(4 * count), 8 * few + 0.1);
+}
+
+// Kilobytes of physical memory, at the most so far.
+long peak() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+// 200 KB that name themselves 6000 times: 1.2 GB if each buffer had the file for itself.
+TEST(ImportHostile, AFileIsReadOnceHoweverManyBuffersNameIt) {
+  const Scratch scratch;
+  const auto path = scratch.write("self.gltf", R"({"asset":{"version":"2.0"},"buffers":[)" + list(6000, R"({"byteLength":1,"uri":"self.gltf"})") + "]}");
+  const long before = peak();
+  EXPECT_TRUE(importFile(path, {}).parts.empty());
+  EXPECT_LT(peak() - before, 300 << 10);
+}
+
+// What several buffers have of one file is each one's own.
+TEST(ImportHostile, BuffersOfOneFileKeepTheirLengths) {
+  const Scratch scratch;
+  scratch.write("t.bin", bytesOf(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0}));
+  const auto model = [&](const std::string& offset) {
+    return scratch.write("m.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"t.bin"},{"byteLength":72,"uri":"./t.bin"}],"bufferViews":[{"buffer":0,"byteOffset":)" + offset +
+                                       R"(,"byteLength":36},{"buffer":1,"byteOffset":36,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3"}],
+                                       "meshes":[{"primitives":[{"attributes":{"POSITION":0}},{"attributes":{"POSITION":1}}]}],"nodes":[{"mesh":0}]})");
+  };
+  const SourceModel read = importFile(model("0"), {});
+  EXPECT_EQ(read.parts.at(0).soup.triangles.size(), 2u);
+  EXPECT_EQ(boundsOf(read.parts.at(0)).high, glm::vec3(2, 2, 0));
+  EXPECT_TRUE(contains(refusal(model("4"), Exit::kInvalid), "reaches beyond buffers[0] (36 bytes)"));
+}
+
+// Pictures and libraries are read where they are named; names of one file come to an end.
+TEST(ImportHostile, PicturesThatAreOneFileAreReadWithinBounds) {
+  const Scratch scratch;
+  scratch.write("p.png", std::string(std::size_t{32} << 20, '\0'));
+  const std::string said = refusal(scratch.write("m.gltf", modelOf(std::vector<std::string>(120, "p.png"))), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, "p.png") && contains(said, "is named too often")) << said;
+}
+
+TEST(ImportHostile, ALibraryIsReadOnceHoweverManyLinesNameIt) {
+  const Scratch scratch;
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", lines;
+  for (int i = 0; i < 200; ++i) {
+    text += "newmtl m" + std::to_string(i) + "\n";
+    lines += i % 2 ? "mtllib ./self.obj\n" : "mtllib self.obj\n";
+  }
+  const SourceModel model = importFile(scratch.write("self.obj", text + lines + "usemtl m7\nf 1 2 3\n"), {});
+  EXPECT_EQ(model.materials.size(), 201u);
+  EXPECT_EQ(model.materials.at(model.parts.at(0).soup.triangles.at(0).material).name, "m7");
+}
+
+TEST(ImportHostile, OfTwoLibrariesTheOneNamedLastCounts) {
+  const Scratch scratch;
+  scratch.write("a.mtl", "newmtl x\nPr 0.25\nnewmtl x\nPr 0.5\n");
+  scratch.write("b.mtl", "newmtl x\nPr 0.75\n");
+  const SourceModel model = importFile(scratch.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nmtllib a.mtl\nusemtl x\nf 1 2 3\nmtllib b.mtl\nusemtl x\nf 1 2 3\nmtllib a.mtl\nusemtl x\nf 1 2 3\nmtllib lost.mtl\nmtllib lost.mtl\nf 1 2 3\n"), {});
+  std::vector<float> roughness;
+  for (const auto& triangle : model.parts.at(0).soup.triangles) roughness.push_back(model.materials.at(triangle.material).roughness);
+  EXPECT_EQ(roughness, (std::vector<float>{0.5f, 0.75f, 0.5f, 0.5f}));
+  EXPECT_EQ(model.materials.size(), 4u);
+  EXPECT_EQ(std::count_if(model.notices.begin(), model.notices.end(), [](const std::string& line) { return contains(line, "lost.mtl"); }), 1);
+}
+
+// A box with animations of one key.
+class Animated {
+ public:
+  Animated() {
+    maker_.addBox();
+    times_ = maker_.floats({0}, 1);
+    values_ = maker_.floats({1, 2, 3}, 3);
+  }
+  std::string text(const std::string& animations) const {
+    return maker_.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"n","mesh":0,"extras":{"kelp":{"kelp":1,"knots":[{"at":0},{"at":1}]}}}],"scenes":[{"nodes":[0]}],"animations":[)" + animations + "]");
+  }
+  std::string animation(const std::string& name, const std::string& channels) const {
+    return R"({"name":")" + name + R"(","samplers":[{"input":)" + std::to_string(times_) + R"(,"output":)" + std::to_string(values_) + R"(}],"channels":[)" + channels + "]}";
+  }
+  static std::string channel(const std::string& node) { return R"({"sampler":0,"target":{)" + node + R"("path":"translation"}})"; }
+
+ private:
+  GltfMaker maker_;
+  int times_ = 0, values_ = 0;
+};
+
+TEST(ImportHostile, ManyChannelsWithoutANode) {
+  const Animated made;
+  expectGrowsEvenly(".gltf", 12000, [&](int count) { return made.text(made.animation("a", list(count, Animated::channel("")))); });
+}
+
+TEST(ImportHostile, ManyAnimationsOfOneName) {
+  const Animated made;
+  expectGrowsEvenly(".gltf", 1500, [&](int count) { return made.text(list(count, made.animation("a", Animated::channel(R"("node":0,)")))); });
+  // Named after the node, they are clips of one name.
+  expectGrowsEvenly(".gltf", 700, [&](int count) {
+    return made.text(list(count, [&](int i) { return made.animation("nAction." + std::string{static_cast<char>('a' + i / 676), static_cast<char>('a' + i / 26 % 26), static_cast<char>('a' + i % 26)}, Animated::channel(R"("node":0,)")); }));
+  });
+}
+
+// Names are free for what does not move yet, whichever of them come first.
+TEST(ImportHostile, AnimationsOfOneNameFillTheFirstThatIsFree) {
+  const Scratch scratch;
+  const Animated made;
+  const std::string first = Animated::channel(R"("node":0,)"), second = R"({"sampler":0,"target":{"node":0,"path":"scale"}})", both = first + "," + second;
+  const SourceModel model = importFile(scratch.write("m.gltf", made.text(made.animation("a", both) + "," + made.animation("a.3", first) + "," + made.animation("a", first) + "," + made.animation("a", first) + "," + made.animation("a", second))), {});
+  std::vector<std::string> clips;
+  for (const RigDescription::Clip& clip : model.parts.at(0).rig.clips) clips.push_back(clip.name + ":" + std::to_string(clip.tracks.size()));
+  EXPECT_EQ(clips, (std::vector<std::string>{"a:2", "a.3:1", "a.2:2", "a.4:1"}));
+}
+
+TEST(ImportHostile, ManyLibrariesThatAreNotThere) {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  expectGrowsEvenly(".obj", 2000, [&](int count) {
+    std::string names = "mtllib";
+    for (int i = 0; i < count; ++i) names += " a" + std::to_string(i);
+    return names + "\n" + faces;
+  });
+  const Scratch scratch;
+  FilesUsed used;
+  importFile(scratch.write("m.obj", "mtllib a b\nmtllib b a\nmtllib a\n" + faces), {}, &used);
+  EXPECT_EQ(std::count(used.missing.begin(), used.missing.end(), scratch / "a"), 1);
+  EXPECT_EQ(std::count(used.missing.begin(), used.missing.end(), scratch / "b"), 1);
+}
+
+TEST(ImportHostile, ManyOptionsOfAPicture) {
+  const Scratch scratch;
+  const auto seconds = [&](int count) {
+    std::string line = "newmtl a\nmap_Kd";
+    for (int i = 0; i < count; ++i) line += " -t 1 2";
+    scratch.write("a.mtl", line + " -clamp on lost.png\n");
+    const auto path = scratch.write("m.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    const std::clock_t begin = std::clock();
+    const SourceModel model = importFile(path, {});
+    EXPECT_TRUE(anyContains(model.notices, "lost.png"));
+    EXPECT_EQ(model.materials.at(1).wrap_u, Wrap::kClamp);
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds(20000);
+  EXPECT_LT(seconds(80000), 8 * few + 0.1);
+}
+
+TEST(ImportHostile, ManyTexturesWithoutAPicture) {
+  expectGrowsEvenly(".gltf", 4000, [](int count) {
+    GltfMaker maker;
+    maker.addBox();
+    return maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"mesh":0}],"textures":[)" + list(count, "{}") + R"(],"materials":[)" +
+                      list(count, [](int i) { return R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":)" + std::to_string(i) + "}}}"; }) + "]");
+  });
+}
+
+// What nodes that share a mesh have to say of it is said once, and there is an end to what they read of it.
+TEST(ImportHostile, ManyNodesOfOneMesh) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const auto text = [&](int nodes, int lines) {
+    return maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1},)" + list(lines, R"({"mode":1,"attributes":{"POSITION":0}})") + R"(]}],"nodes":[)" + list(nodes, R"({"mesh":0})") + "]");
+  };
+  const SourceModel model = importText(scratch, text(300, 100));
+  EXPECT_EQ(model.parts.at(0).soup.triangles.size(), 3600u);
+  EXPECT_EQ(model.notices.size(), 100u);
+  const std::string said = refusal(scratch.write("m.gltf", text(1500, 1500)), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, "meshes[0].primitives[") && contains(said, "shared ones counted anew; bake it in pieces")) << said;
+}
+
+// Four million keys without a byte behind them.
+TEST(ImportHostile, KeysThatChannelsShareAreCounted) {
+  const Scratch scratch;
+  const std::string accessors = R"({"componentType":5126,"count":4194304,"type":"SCALAR"},{"componentType":5126,"count":4194304,"type":"VEC3"})";
+  const auto text = [&](int channels) {
+    return R"({"asset":{"version":"2.0"},"accessors":[)" + accessors + R"(],"nodes":[{}],"animations":[{"samplers":[{"input":0,"output":1}],"channels":[)" + list(channels, Animated::channel(R"("node":0,)")) + "]}]}";
+  };
+  EXPECT_TRUE(importText(scratch, text(2)).parts.empty());
+  const std::string said = refusal(scratch.write("m.gltf", text(3)), Exit::kRuntime);
+  EXPECT_TRUE(contains(said, "animations[0].channels[2]: ") && contains(said, "--max-memory")) << said;
+}
+
+TEST(ImportHostile, ManyElementsOfNothing) {
+  expectGrowsEvenly(".ply", 600, [](int count) {
+    const int instances = 250 * count;
+    std::string head = "ply\nformat ascii 1.0\n";
+    for (int i = 0; i < count; ++i) head += "element e" + std::to_string(i) + " " + std::to_string(instances) + "\n";
+    return head + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n" +
+           std::string(static_cast<std::size_t>(instances), ' ');
+  });
 }
 
 }  // namespace

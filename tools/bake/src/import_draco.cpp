@@ -152,13 +152,13 @@ std::unique_ptr<draco::Mesh> decodeMesh(std::span<const std::uint8_t> bytes, Dra
 
 }  // namespace
 
-DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::string, std::uint32_t>& ids) {
+DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::uint32_t, std::string>& ids) {
   DracoMesh out;
   const std::unique_ptr<draco::Mesh> mesh = decodeMesh(bytes, out);
-  for (const auto& [name, id] : ids) {
+  for (const auto& [id, name] : ids) {
     const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id);
     if (!attribute) throw DracoError("has no attribute with the id " + std::to_string(id) + " that " + name + " names");
-    out.attributes[name] = readAttribute(*mesh, *attribute);
+    out.attributes[id] = readAttribute(*mesh, *attribute);
   }
   return out;
 }
@@ -166,8 +166,14 @@ DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::s
 DracoMesh decodeDraco(std::span<const std::uint8_t> bytes) {
   DracoMesh out;
   const std::unique_ptr<draco::Mesh> mesh = decodeMesh(bytes, out);
-  if (const draco::PointAttribute* positions = mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION)) out.attributes["POSITION"] = readAttribute(*mesh, *positions);
-  if (const draco::PointAttribute* colors = mesh->GetNamedAttribute(draco::GeometryAttribute::COLOR)) out.attributes["COLOR"] = readAttribute(*mesh, *colors);
+  const auto read = [&](draco::GeometryAttribute::Type type) -> std::optional<std::uint32_t> {
+    const draco::PointAttribute* const attribute = mesh->GetNamedAttribute(type);
+    if (!attribute) return std::nullopt;
+    out.attributes[attribute->unique_id()] = readAttribute(*mesh, *attribute);
+    return attribute->unique_id();
+  };
+  out.position = read(draco::GeometryAttribute::POSITION);
+  out.color = read(draco::GeometryAttribute::COLOR);
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -28,13 +29,14 @@ struct DracoMesh {
     std::vector<float> values;   // components a point
   };
   std::vector<std::uint32_t> indices;  // three a face, below the number of points
-  std::map<std::string, Attribute> attributes;
+  std::map<std::uint32_t, Attribute> attributes;   // by Draco's unique ids
+  std::optional<std::uint32_t> position, color;    // of these, in a file of its own
 };
 
-// Decodes a Draco mesh; `ids` maps glTF attribute names to Draco's unique ids. Safe for hostile input: the counts that the stream
+// Decodes a Draco mesh with the attributes of `ids`, each with the name that a message gives it. Safe for hostile input: the counts that the stream
 // declares are checked against its length before any memory is taken.
-DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::string, std::uint32_t>& ids);
-// The same for a file of its own: "POSITION" and "COLOR", those that it has.
+DracoMesh decodeDraco(std::span<const std::uint8_t> bytes, const std::map<std::uint32_t, std::string>& ids);
+// The same for a file of its own: positions and colours, those that it has.
 DracoMesh decodeDraco(std::span<const std::uint8_t> bytes);
 
 }  // namespace kelp::bake

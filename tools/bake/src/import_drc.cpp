@@ -18,10 +18,11 @@ void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
   } catch (const DracoError& error) {
     refuse(Exit::kInvalid, files.input(), "", error.what());
   }
-  const auto at = mesh.attributes.find("POSITION");
+  const auto find = [&](std::optional<std::uint32_t> id) { return id ? mesh.attributes.find(*id) : mesh.attributes.end(); };
+  const auto at = find(mesh.position);
   if (at == mesh.attributes.end() || at->second.components != 3) refuse(Exit::kInvalid, files.input(), "", "has no positions of three coordinates");
   const std::vector<float>& positions = at->second.values;
-  const auto colors = mesh.attributes.find("COLOR");
+  const auto colors = find(mesh.color);
   const auto colorOf = [&](std::uint32_t point) {
     glm::vec4 color(1);
     const auto width = static_cast<std::size_t>(colors->second.components);

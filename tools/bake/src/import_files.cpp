@@ -11,11 +11,14 @@
 
 #include "hash_file.h"
 #include "kelp/formats/pack.h"
+#include "memory_estimate.h"
 
 namespace kelp::bake {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
+// Of files that are named again, such as a picture by many images.
+constexpr std::uint64_t kUsualAgain = std::uint64_t{1} << 30, kTimesAgain = 64;
 
 int hexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -154,20 +157,36 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
   if (!std::filesystem::is_regular_file(status)) fail("is a pipe or a device; write it to a file first, as inputs are read more than once");
   const std::uintmax_t whole = std::filesystem::file_size(path, error), size = std::min(whole, most);
   if (error) failToRead("can not be read: " + error.message());
+  countRead(path, size);
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) failToRead(std::string("can not be opened: ") + std::strerror(errno));
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (static_cast<std::uintmax_t>(in.gcount()) != size) failToRead("could not be read to its end");
-  if (counted_.insert(path).second) bytes_read_ += size;
-  const auto is_this = [&](const FilesUsed::File& file) { return file.path == path; };
-  if (used_ && std::none_of(used_->read.begin(), used_->read.end(), is_this)) used_->read.push_back({path, size < whole ? hashFile(path) : hashBytes(bytes)});
+  if (used_ && !isListedRead(path)) used_->read.push_back({path, size < whole ? hashFile(path) : hashBytes(bytes)});
   return bytes;
 }
 
+void InputFiles::countRead(const std::filesystem::path& path, std::uint64_t size) const {
+  if (counted_.insert(path).second) {
+    bytes_read_ += size;
+    return;
+  }
+  bytes_again_ += size;
+  if (const std::uint64_t most = kUsualAgain + kTimesAgain * bytes_read_; bytes_again_ > most)
+    refuse(Exit::kInvalid, path, "", "is named too often by the input: more than " + printBytes(most) + " would be read again; name each file once");
+}
+
+bool InputFiles::isListedRead(const std::filesystem::path& path) const {
+  while (read_.entries < used_->read.size()) read_.paths.insert(used_->read[read_.entries++].path);
+  return read_.paths.count(path) > 0;
+}
+
 void InputFiles::noteMissing(const std::filesystem::path& path) const {
-  if (used_ && std::find(used_->missing.begin(), used_->missing.end(), path) == used_->missing.end()) used_->missing.push_back(path);
+  if (!used_) return;
+  while (missing_.entries < used_->missing.size()) missing_.paths.insert(used_->missing[missing_.entries++]);
+  if (missing_.paths.count(path) == 0) used_->missing.push_back(path);
 }
 
 bool InputFiles::isThere(const std::filesystem::path& path) const {
@@ -211,5 +230,16 @@ std::filesystem::path InputFiles::resolve(std::string_view reference, Reference 
 }
 
 std::vector<std::uint8_t> InputFiles::readReference(std::string_view reference, Reference kind) const { return readFile(resolve(reference, kind)); }
+
+std::uint64_t memoryAllowed(const InputFiles& files, std::uint64_t max_memory, std::uint64_t usual, std::uint64_t per_byte_read) {
+  return max_memory > 0 ? max_memory : std::min(physicalMemory(), usual + per_byte_read * files.bytesRead());
+}
+
+void DataBudget::take(std::uint64_t bytes, std::string_view place) {
+  if (const std::uint64_t most = memoryAllowed(files_, max_memory_, kUsual, kPerByteRead); bytes > most || taken_ > most - bytes)
+    refuse(Exit::kRuntime, files_.input(), place,
+           "with its " + printBytes(bytes) + ", the model's data need more than " + printBytes(most) + " of memory, unpacked; name no data twice, or give a larger --max-memory");
+  taken_ += bytes;
+}
 
 }  // namespace kelp::bake

@@ -74,12 +74,41 @@ class InputFiles {
  private:
   std::vector<std::uint8_t> readFirst(const std::filesystem::path& path, std::uintmax_t most) const;
 
+  // Entries of FilesUsed that are here: whoever else adds to it is caught up with.
+  struct Listed {
+    std::set<std::filesystem::path> paths;
+    std::size_t entries = 0;
+  };
+
+  bool isListedRead(const std::filesystem::path& path) const;
   void noteMissing(const std::filesystem::path& path) const;
+  void countRead(const std::filesystem::path& path, std::uint64_t size) const;
 
   std::filesystem::path input_;
   FilesUsed* used_;
   mutable std::set<std::filesystem::path> counted_;
-  mutable std::uint64_t bytes_read_ = 0;
+  mutable std::uint64_t bytes_read_ = 0, bytes_again_ = 0;
+  mutable Listed read_, missing_;
+};
+
+// The memory that one kind of content may take: what was asked for (`max_memory` as in Settings), else `usual` and so much for every byte read, within the machine's.
+std::uint64_t memoryAllowed(const InputFiles& files, std::uint64_t max_memory, std::uint64_t usual, std::uint64_t per_byte_read);
+
+// What the data of a model may take together, read and unpacked. Few bytes can be unpacked to many, and be named again and again: so the bound is that of a
+// large model for files that are large themselves, and less for small ones.
+class DataBudget {
+ public:
+  static constexpr std::uint64_t kUsual = std::uint64_t{256} << 20;
+  static constexpr std::uint64_t kPerByteRead = 256;  // twice what meshopt makes of a byte of zeros at most
+
+  // `max_memory` as in Settings: what was asked for holds whatever the files' size.
+  DataBudget(const InputFiles& files, std::uint64_t max_memory) : files_(files), max_memory_(max_memory) {}
+  // Counts bytes that `place` takes. BakeError kRuntime if that is too much.
+  void take(std::uint64_t bytes, std::string_view place);
+
+ private:
+  const InputFiles& files_;
+  std::uint64_t max_memory_, taken_ = 0;
 };
 
 }  // namespace kelp::bake

@@ -34,15 +34,17 @@ bool isFar(const TriangleSoup& soup) {
 
 class GltfImporter {
  public:
-  GltfImporter(const InputFiles& files, const Settings& settings) : files_(files), settings_(settings) {}
+  GltfImporter(const InputFiles& files, const Settings& settings) : files_(files), settings_(settings), budget_(files, settings.max_memory) {}
 
   SourceModel import() {
     out_.format = "glTF 2.0";
     outer_ = findOuterRig(files_, settings_);
-    model_ = parseGltf(files_, readGltfDocument(files_), settings_.scene, out_.notices);
+    model_ = parseGltf(files_, readGltfDocument(files_, budget_), settings_.scene, out_.notices);
     model_.max_memory = settings_.max_memory;
+    model_.budget = &budget_;
     materials_ = readMaterials(model_, out_);
     animations_ = readAnimations(model_);
+    channels_ = indexChannels(animations_);
     for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
     if (settings_.at) poseAt(model_, animations_, *settings_.at);
     if (outer_ && settings_.parts == Parts::kNodes)
@@ -77,13 +79,17 @@ class GltfImporter {
       space = plan.rigid ? rigidSpace(plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
       if (std::abs(glm::determinant(glm::dmat3(space))) < 1e-30) model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
     }
+    const bool whole = plan.node < 0 && plan.knots.empty();
     const std::size_t notices = out_.notices.size();
+    const std::set<std::string> said = whole ? model_.said : std::set<std::string>();
     part.soup = readSoup(plan, space, part.name);
     // A box far from the origin has no float left for its shape: then its place goes into the part's. Knots at the top of the scene are read in the world.
-    if (plan.node < 0 && plan.knots.empty() && isFar(part.soup)) {
+    if (whole && isFar(part.soup)) {
+      model_.elements_read = 0;
       if (const std::optional<glm::dvec3> middle = middleOf(model_, plan.members)) {
         space[3] = glm::dvec4(*middle, 1);
         out_.notices.resize(notices);
+        model_.said = said;
         part.soup = readSoup(plan, space, part.name);
       }
     }
@@ -99,7 +105,7 @@ class GltfImporter {
     if (plan.rig || !plan.knots.empty()) readRig(plan, mover, part);
     else if (plan.rigid) {
       part.rig_origin = "straight";
-      if (mover >= 0) addClips(model_, mover, {}, part.soup, part.name, animations_, used_, part.rig);
+      if (mover >= 0) addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
     if (!part.carrier) giveRig(part, outer_, settings_);
     return part;
@@ -214,7 +220,7 @@ class GltfImporter {
       part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
       knots.clear();
     }
-    addClips(model_, mover, knots, part.soup, part.name, animations_, used_, part.rig);
+    addClips(model_, mover, knots, part.soup, part.name, animations_, channels_, used_, part.rig);
   }
 
   void uniqueNames() {
@@ -228,11 +234,13 @@ class GltfImporter {
 
   const InputFiles& files_;
   const Settings& settings_;
+  DataBudget budget_;
   SourceModel out_;
   std::optional<OuterRig> outer_;
   GltfModel model_;
   std::vector<GltfMaterialUse> materials_;
   std::vector<GltfAnimation> animations_;
+  GltfChannelIndex channels_;
   std::vector<std::vector<bool>> used_;
   std::size_t triangles_ = 0;
 };

@@ -141,10 +141,10 @@ std::span<const std::uint8_t> readView(const GltfModel& model, int view_index, c
   const std::string place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
   if (view.buffer < 0 || view.buffer >= static_cast<int>(model.document.buffers.size())) model.refuse(place, "names a buffer that does not exist");
   if (const auto missing = model.document.missing.find(static_cast<std::size_t>(view.buffer)); missing != model.document.missing.end()) throw missing->second;
-  const std::vector<std::uint8_t>& bytes = model.document.buffers[static_cast<std::size_t>(view.buffer)];
+  const std::span<const std::uint8_t> bytes = model.document.buffers[static_cast<std::size_t>(view.buffer)];
   if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
     model.refuse(place, "reaches beyond buffers[" + std::to_string(view.buffer) + "] (" + std::to_string(bytes.size()) + " bytes)");
-  return {bytes.data() + view.byteOffset, view.byteLength};
+  return bytes.subspan(view.byteOffset, view.byteLength);
 }
 
 GltfValues readValues(const GltfModel& model, int index, const std::string& user, bool fractions) {

@@ -26,6 +26,8 @@ Sampled readSampler(const GltfModel& model, const tinygltf::Animation& animation
   else if (sampler.interpolation == "CUBICSPLINE") out.interpolation = Interpolation::kCubic;
   out.times = readValues(model, sampler.input, place + ".input");
   out.values = readValues(model, sampler.output, place + ".output");
+  // Channels may share their keys, and each makes its own copy of them.
+  model.budget->take(out.times.values.size() * sizeof(float) + out.values.values.size() * sizeof(double), place);
   return out;
 }
 
@@ -73,13 +75,13 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
   return channel;
 }
 
-std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source, const std::string& place) {
+std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source, const std::vector<std::size_t>& targets, const std::string& place) {
   if (source.target_path != "weights" || source.target_node < 0 || source.target_node >= static_cast<int>(model.data.nodes.size())) return std::nullopt;
   GltfMorphChannel channel;
   channel.node = source.target_node;
   const int mesh = model.data.nodes[static_cast<std::size_t>(channel.node)].mesh;
   if (mesh < 0) return std::nullopt;
-  for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives) channel.targets = std::max(channel.targets, primitive.targets.size());
+  channel.targets = targets[static_cast<std::size_t>(mesh)];
   const Sampled sampled = readSampler(model, animation, source.sampler, place);
   channel.interpolation = sampled.interpolation;
   const std::size_t width = channel.targets;
@@ -109,14 +111,11 @@ std::optional<GltfMorphChannel> readMorphChannel(const GltfModel& model, const t
 
 // Animations of one name are one, as Blender's NLA tracks are; but two that move the same thing are two.
 void tellApart(std::vector<GltfAnimation>& animations) {
-  std::map<std::string, std::set<std::pair<int, int>>> taken;
+  MotionNames names;
   for (GltfAnimation& animation : animations) {
-    const std::string wanted = animation.name;
-    const auto overlaps = [&](const std::set<std::pair<int, int>>& targets) {
-      return std::any_of(animation.channels.begin(), animation.channels.end(), [&](const GltfChannel& c) { return targets.count({c.node, static_cast<int>(c.path)}) > 0; });
-    };
-    for (int suffix = 2; overlaps(taken[animation.name]); ++suffix) animation.name = wanted + "." + std::to_string(suffix);
-    for (const GltfChannel& channel : animation.channels) taken[animation.name].emplace(channel.node, static_cast<int>(channel.path));
+    std::vector<MotionNames::Target> targets;
+    for (const GltfChannel& channel : animation.channels) targets.emplace_back(channel.node, static_cast<int>(channel.path));
+    animation.name = names.take(animation.name, targets);
   }
 }
 
@@ -143,8 +142,39 @@ Value hermite(const Place& at, const Value& value, const Value& out, const Value
 
 }  // namespace
 
+std::string MotionNames::take(const std::string& wanted, const std::vector<Target>& targets) {
+  const auto named = [&](int suffix) { return suffix == 1 ? wanted : wanted + "." + std::to_string(suffix); };
+  const auto isTaken = [&](int suffix, const Target& target) {
+    const auto found = taken_.find(named(suffix));
+    return found != taken_.end() && found->second.count(target) > 0;
+  };
+  int suffix = 1;
+  for (const Target& target : targets) {
+    int& free = first_free_.try_emplace({wanted, target}, 1).first->second;
+    while (isTaken(free, target)) ++free;
+    suffix = std::max(suffix, free);
+  }
+  while (std::any_of(targets.begin(), targets.end(), [&](const Target& target) { return isTaken(suffix, target); })) ++suffix;
+  std::string name = named(suffix);
+  add(name, targets);
+  return name;
+}
+
+GltfChannelIndex indexChannels(const std::vector<GltfAnimation>& animations) {
+  GltfChannelIndex index;
+  for (std::size_t a = 0; a < animations.size(); ++a)
+    for (std::size_t c = 0; c < animations[a].channels.size(); ++c) index[animations[a].channels[c].node].emplace_back(a, c);
+  return index;
+}
+
 std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
   std::vector<GltfAnimation> out;
+  std::vector<std::size_t> targets;  // of each mesh, the most that a primitive has
+  for (const tinygltf::Mesh& mesh : model.data.meshes) {
+    std::size_t most = 0;
+    for (const tinygltf::Primitive& primitive : mesh.primitives) most = std::max(most, primitive.targets.size());
+    targets.push_back(most);
+  }
   for (std::size_t a = 0; a < model.data.animations.size(); ++a) {
     const tinygltf::Animation& source = model.data.animations[a];
     GltfAnimation animation;
@@ -154,7 +184,7 @@ std::vector<GltfAnimation> readAnimations(const GltfModel& model) {
       if (std::optional<GltfChannel> channel = readChannel(model, source, source.channels[c], place)) {
         animation.duration = std::max(animation.duration, channel->times.back());
         animation.channels.push_back(*std::move(channel));
-      } else if (std::optional<GltfMorphChannel> morph = readMorphChannel(model, source, source.channels[c], place)) {
+      } else if (std::optional<GltfMorphChannel> morph = readMorphChannel(model, source, source.channels[c], targets, place)) {
         animation.duration = std::max(animation.duration, morph->times.back());
         animation.morphs.push_back(*std::move(morph));
       }

@@ -2,6 +2,7 @@
 // The buffers of a glTF file: beside it, in its binary chunk or in data URIs.
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -20,17 +21,36 @@ int base64Digit(char c) {
   return -1;
 }
 
-// The bytes of a buffer; nullopt where the file names none.
-std::optional<std::vector<std::uint8_t>> loadBuffer(const InputFiles& files, const Json& buffer, std::size_t index, std::optional<std::span<const std::uint8_t>> binary, const std::string& place) {
-  const auto uri = buffer.find("uri");
-  if (uri == buffer.end()) {
-    if (index > 0 || !binary) return std::nullopt;
-    return std::vector<std::uint8_t>(binary->begin(), binary->end());
+using BufferBytes = std::span<const std::uint8_t>;
+
+class BufferLoader {
+ public:
+  BufferLoader(const InputFiles& files, std::optional<BufferBytes> binary, DataBudget& budget, GltfDocument& document) : files_(files), binary_(binary), budget_(budget), document_(document) {}
+
+  // The bytes of a buffer, or more; nullopt where the file names none.
+  std::optional<BufferBytes> load(const Json& buffer, std::size_t index, const std::string& place) {
+    const auto uri = buffer.find("uri");
+    if (uri == buffer.end()) return index > 0 ? std::nullopt : binary_;
+    if (!uri->is_string()) refuse(Exit::kInvalid, files_.input(), place, "has a uri that is not a string");
+    const std::string& text = uri->get_ref<const std::string&>();
+    if (text.rfind("data:", 0) == 0) return keep(decodeDataUri(files_, text, place), place);
+    const std::filesystem::path path = files_.resolve(text, InputFiles::Reference::kUri);
+    const auto found = read_.find(path);
+    return found != read_.end() ? found->second : read_.emplace(path, keep(files_.readFile(path), place)).first->second;
   }
-  if (!uri->is_string()) refuse(Exit::kInvalid, files.input(), place, "has a uri that is not a string");
-  const std::string text = *uri;
-  return text.rfind("data:", 0) == 0 ? decodeDataUri(files, text, place) : files.readReference(text, InputFiles::Reference::kUri);
-}
+
+ private:
+  BufferBytes keep(std::vector<std::uint8_t> bytes, const std::string& place) {
+    budget_.take(bytes.size(), place);
+    return document_.contents.emplace_back(std::move(bytes));
+  }
+
+  const InputFiles& files_;
+  std::optional<BufferBytes> binary_;
+  DataBudget& budget_;
+  GltfDocument& document_;
+  std::map<std::filesystem::path, BufferBytes> read_;
+};
 
 // Section 3.6.1.1 of the specification; parsed leniently, so the few that are wrong are told.
 void checkDataUri(const std::string& uri, const std::string& place, std::vector<std::string>& flaws) {
@@ -70,15 +90,16 @@ std::vector<std::uint8_t> decodeDataUri(const InputFiles& files, const std::stri
   return bytes;
 }
 
-void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& container, GltfDocument& document) {
-  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
+void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& container, DataBudget& budget, GltfDocument& document) {
+  std::vector<BufferBytes>& buffers = document.buffers;
+  BufferLoader loader(files, container.chunk, budget, document);
   for (Json& buffer : objects(files, root, "buffers")) {
     const std::size_t index = buffers.size();
     const std::string place = placeOf("buffers", index);
     const std::uint64_t length = wholeNumber(files, buffer, "byteLength", 0, place);
-    std::optional<std::vector<std::uint8_t>> bytes;
+    std::optional<BufferBytes> bytes;
     try {
-      bytes = loadBuffer(files, buffer, index, container.chunk, place);
+      bytes = loader.load(buffer, index, place);
     } catch (const BakeError& error) {
       if (isOfTheMachine(error)) throw;
       // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
@@ -88,8 +109,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
       if (error.exit != Exit::kIo && !hasScheme(*uri)) throw placed;
       document.missing.emplace(index, placed);
       (error.exit == Exit::kIo ? document.flaws : document.notices).push_back(place + ": can not be had, and nothing that is baked lies in it (" + error.what() + ")");
-      bytes.emplace();
-      buffers.push_back(*std::move(bytes));
+      buffers.emplace_back();
       continue;
     }
     if (!bytes) {
@@ -102,8 +122,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
       refuse(Exit::kInvalid, files.input(), place,
              "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes->size()) + "; the file is truncated");
     if (const auto uri = buffer.find("uri"); uri != buffer.end() && uri->get_ref<const std::string&>().rfind("data:", 0) == 0) checkDataUri(*uri, place, document.flaws);
-    bytes->resize(static_cast<std::size_t>(length));
-    buffers.push_back(*std::move(bytes));
+    buffers.push_back(bytes->first(static_cast<std::size_t>(length)));
   }
 }
 

@@ -77,16 +77,31 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
   return container;
 }
 
+// Whether something lies deeper than kMaxDepth. The library would ask at every value as well, but then goes through all that an array has so far at the end of each object in it.
+bool isTooDeep(std::string_view text) {
+  int depth = -1;  // of what comes next; the root has 0
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      i += c == '\\';
+      quoted = c != '"';
+      continue;
+    }
+    if (c == '}' || c == ']') --depth;
+    else if (depth >= kMaxDepth && c != ' ' && c != '\t' && c != '\r' && c != '\n') return true;
+    quoted = c == '"';
+    depth += c == '{' || c == '[';
+  }
+  return false;
+}
+
 Json parseJson(const InputFiles& files, std::string_view text) {
   if (text.size() > kMaxJsonBytes) refuse(Exit::kUnsupported, files.input(), "JSON", "is larger than 256 MiB; use buffers for data");
-  bool too_deep = false;
-  const auto bound = [&](int depth, Json::parse_event_t, Json&) {
-    too_deep = too_deep || depth > kMaxDepth;
-    return !too_deep;  // discards what lies deeper; refused below
-  };
+  if (isTooDeep(text)) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
   Json root;
   try {
-    root = Json::parse(text, bound);
+    root = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::string_view before = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
     if (before.size() >= text.size()) refuse(Exit::kInvalid, files.input(), "JSON", "ends in the middle; it is truncated: export the model again");
@@ -96,7 +111,6 @@ Json parseJson(const InputFiles& files, std::string_view text) {
   } catch (const Json::exception&) {
     refuse(Exit::kInvalid, files.input(), "JSON", "holds a number beyond all bounds; repair it or export the model again");
   }
-  if (too_deep) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
   if (!root.is_object()) refuse(Exit::kInvalid, files.input(), "JSON", "is not an object; this is not a glTF file");
   return root;
 }
@@ -263,8 +277,8 @@ Json* extension(Json& object, const char* name) {
   return found != extensions->end() && found->is_object() ? &*found : nullptr;
 }
 
-GltfDocument readGltfDocument(const InputFiles& files) {
-  const std::vector<std::uint8_t> bytes = files.readInput();
+GltfDocument readGltfDocument(const InputFiles& files, DataBudget& budget) {
+  std::vector<std::uint8_t> bytes = files.readInput();
   if (bytes.empty()) refuse(Exit::kInvalid, files.input(), "", "is empty; export the model again");
   Container container;
   if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
@@ -290,9 +304,10 @@ GltfDocument readGltfDocument(const InputFiles& files) {
   notePointers(root, document.notices);
   for (std::string& flaw : findFlaws(root)) document.flaws.push_back(std::move(flaw));
   document.unknown_accessors = hideUnknownAccessors(root);
-  loadBuffers(files, root, container.binary, document);
-  unpackMeshopt(files, root, document);
-  unpackDraco(files, root, document);
+  loadBuffers(files, root, container.binary, budget, document);
+  if (container.binary.chunk) document.contents.push_back(std::move(bytes));  // its place stays
+  unpackMeshopt(files, root, budget, document);
+  unpackDraco(files, root, budget, document);
   document.images = listImages(files, root);
   listRigs(root, "", document.rigs);
   root.erase("buffers");

@@ -41,11 +41,7 @@ const Image* GltfImages::texture(int texture, const std::string& user) {
   if (extensionSource(entry, "KHR_texture_basisu") >= 0)
     refuse(Exit::kUnsupported, model_.files->input(), place,
            "is in KTX2 alone (KHR_texture_basisu), which kelp does not read; export it as PNG, JPEG or WebP, or with one of these as its source");
-  const std::string text = place + ": names no PNG, JPEG or WebP picture: the colour factor alone is used";
-  if (std::find(noted_.begin(), noted_.end(), text) == noted_.end()) {
-    noted_.push_back(text);
-    model_.note(text);
-  }
+  model_.noteOnce(place + ": names no PNG, JPEG or WebP picture: the colour factor alone is used");
   return nullptr;
 }
 

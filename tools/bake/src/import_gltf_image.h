@@ -21,6 +21,8 @@ class GltfImages {
   const Image* texture(int texture, const std::string& user);
   // Its index, for telling textures with one picture from others; -1 if texture() answers null.
   int source(int texture) const;
+  // Counts one more copy of a picture, in which its alpha means something else.
+  void countCopy(const Image& image, const std::string& place) { budget_.take({image.width, image.height}, place); }
 
  private:
   const Image* image(int index, const std::string& place);
@@ -29,7 +31,6 @@ class GltfImages {
   const GltfModel& model_;
   std::vector<std::optional<Image>> decoded_;  // of no size where it can not be had
   PictureBudget budget_;
-  std::vector<std::string> noted_;
 };
 
 }  // namespace kelp::bake

@@ -28,16 +28,16 @@ struct GltfBinary {
   bool is_glb = false;
   std::optional<std::span<const std::uint8_t>> chunk;
 };
-// Fills document.buffers, missing, and what there is to say of them. What leaves the input's folder is refused.
-void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& binary, GltfDocument& document);
+// Fills document.buffers, missing, and what there is to say of them. What leaves the input's folder is refused. A buffer of the BIN chunk is a part of that.
+void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& binary, DataBudget& budget, GltfDocument& document);
 
 // What the document does against the specification and a reader can live with: one line a kind of fault, few in all.
 std::vector<std::string> findFlaws(const Json& root);
 // Accessors of types that glTF 2.0 does not have become plain ones, so that the file can be read where nothing reads them; answers which.
 std::set<int> hideUnknownAccessors(Json& root);
 
-// KHR_draco_mesh_compression and EXT_meshopt_compression: decodes into new buffers and makes the JSON refer to those.
-void unpackMeshopt(const InputFiles& files, Json& root, GltfDocument& document);
-void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document);
+// KHR_draco_mesh_compression and EXT_meshopt_compression: decodes into new buffers, the same bytes once, and makes the JSON refer to those.
+void unpackMeshopt(const InputFiles& files, Json& root, DataBudget& budget, GltfDocument& document);
+void unpackDraco(const InputFiles& files, Json& root, DataBudget& budget, GltfDocument& document);
 
 }  // namespace kelp::bake

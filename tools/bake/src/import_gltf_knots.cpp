@@ -123,12 +123,13 @@ struct NodeChannels {
   bool any() const { return translation || rotation || scale; }
 };
 
-NodeChannels channelsOf(const GltfAnimation& animation, int node, std::vector<bool>& used) {
+NodeChannels channelsOf(const std::vector<GltfAnimation>& animations, const GltfChannelIndex& index, std::size_t animation, int node, std::vector<std::vector<bool>>& used) {
   NodeChannels out;
-  for (std::size_t c = 0; c < animation.channels.size(); ++c) {
-    const GltfChannel& channel = animation.channels[c];
-    if (channel.node != node) continue;
-    used[c] = true;
+  const auto found = index.find(node);
+  if (found == index.end()) return out;
+  for (auto at = std::lower_bound(found->second.begin(), found->second.end(), std::pair(animation, std::size_t{0})); at != found->second.end() && at->first == animation; ++at) {
+    const GltfChannel& channel = animations[animation].channels[at->second];
+    used[animation][at->second] = true;
     if (channel.path == GltfChannel::Path::kTranslation) out.translation = &channel;
     else if (channel.path == GltfChannel::Path::kRotation) out.rotation = &channel;
     else out.scale = &channel;
@@ -197,10 +198,10 @@ void addPartTracks(const GltfModel& model, int node, const NodeChannels& channel
   if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
 }
 
-bool overlap(const std::vector<RigDescription::Track>& a, const std::vector<RigDescription::Track>& b) {
-  return std::any_of(a.begin(), a.end(), [&](const RigDescription::Track& x) {
-    return std::any_of(b.begin(), b.end(), [&](const RigDescription::Track& y) { return x.knot == y.knot && x.target == y.target; });
-  });
+std::vector<MotionNames::Target> targetsOf(const std::vector<RigDescription::Track>& tracks) {
+  std::vector<MotionNames::Target> targets;
+  for (const RigDescription::Track& track : tracks) targets.emplace_back(track.knot, static_cast<int>(track.target));
+  return targets;
 }
 
 // Blender names the motion of an object that is in no NLA track after the object: "knot.1Action". Such motions of one rig are one clip.
@@ -300,18 +301,29 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
 }
 
 void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup, const std::string& part_name,
-              const std::vector<GltfAnimation>& animations, std::vector<std::vector<bool>>& used, RigDescription& rig) {
+              const std::vector<GltfAnimation>& animations, const GltfChannelIndex& index, std::vector<std::vector<bool>>& used, RigDescription& rig) {
   const Extent extent = extentAlong(soup, rig.axis.value_or(Axis::kPlusY));
-  for (std::size_t a = 0; a < animations.size(); ++a) {
+  std::set<std::size_t> concerned;
+  const auto addConcerned = [&](int moved) {
+    if (const auto found = index.find(moved); found != index.end())
+      for (const auto& [animation, channel] : found->second) concerned.insert(animation);
+  };
+  addConcerned(node);
+  for (int knot : knots) addConcerned(knot);
+  MotionNames names;
+  std::map<std::string, std::size_t> clip_of;
+  for (std::size_t i = 0; i < rig.clips.size(); ++i)
+    if (clip_of.try_emplace(rig.clips[i].name, i).second) names.add(rig.clips[i].name, targetsOf(rig.clips[i].tracks));
+  for (std::size_t a : concerned) {
     const GltfAnimation& animation = animations[a];
     std::vector<RigDescription::Track> tracks;
     bool ours = false;
-    if (const NodeChannels channels = node >= 0 ? channelsOf(animation, node, used[a]) : NodeChannels(); channels.any()) {
+    if (const NodeChannels channels = channelsOf(animations, index, a, node, used); channels.any()) {
       ours = true;
       addPartTracks(model, node, channels, tracks);
     }
     for (std::size_t k = 0; k < knots.size(); ++k) {
-      const NodeChannels channels = channelsOf(animation, knots[k], used[a]);
+      const NodeChannels channels = channelsOf(animations, index, a, knots[k], used);
       if (!channels.any()) continue;
       ours = true;
       const GltfTransform rest = restTransform(nodeAt(model, knots[k]));
@@ -332,22 +344,17 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
     }
     // One node may move several parts: what it is named after is then its own name, which all of them share.
     const std::string wanted = !namedAfterItsNode(model, animation) ? animation.name : knots.empty() && !nodeAt(model, node).name.empty() ? oneLine(nodeAt(model, node).name, 80) : part_name;
-    std::string name = wanted;
-    const auto named = [&] { return std::find_if(rig.clips.begin(), rig.clips.end(), [&](const RigDescription::Clip& c) { return c.name == name; }); };
-    auto clip = named();
     // Motions of one name join; two that move the same thing are two clips.
-    for (int suffix = 2; clip != rig.clips.end() && overlap(clip->tracks, tracks); ++suffix) {
-      name = wanted + "." + std::to_string(suffix);
-      clip = named();
-    }
-    if (clip == rig.clips.end()) {
-      rig.clips.emplace_back();
-      clip = rig.clips.end() - 1;
-      clip->name = name;
-    }
+    const std::string name = names.take(wanted, targetsOf(tracks));
+    const auto [at, fresh] = clip_of.try_emplace(name, rig.clips.size());
+    if (fresh) rig.clips.emplace_back().name = name;
+    RigDescription::Clip& clip = rig.clips[at->second];
+    std::size_t keys = 0;
+    for (const RigDescription::Track& track : tracks) keys += track.keys.size();
+    model.budget->take(keys * sizeof(RigDescription::Key), "animation '" + animation.name + "'");  // parts may share the node that moves them
     const float length = animation.duration > 0 ? animation.duration : 1;  // a pose of a single key lasts a second
-    clip->duration = std::max(clip->duration.value_or(0), length);
-    clip->tracks.insert(clip->tracks.end(), tracks.begin(), tracks.end());
+    clip.duration = std::max(clip.duration.value_or(0), length);
+    clip.tracks.insert(clip.tracks.end(), tracks.begin(), tracks.end());
   }
 }
 

@@ -2,6 +2,9 @@
 // Materials of a glTF file: base colour, emission, metal and roughness, with their textures.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <set>
 #include <tuple>
 
 #include "import_gltf_image.h"
@@ -48,16 +51,16 @@ class MaterialReader {
     material.wrap_v = colors.wrap_v;
     material.nearest = colors.nearest;
     const Image* const picture = material.texture >= 0 ? &out_.images[static_cast<std::size_t>(material.texture)] : nullptr;
-    if (alpha != Alpha::kIgnore && picture && hasHoles(*picture)) material.alpha_cutoff = 0.5f * material.base_color.a;
+    if (alpha != Alpha::kIgnore && picture && alphaOf(material.texture).hasHoles()) material.alpha_cutoff = 0.5f * material.base_color.a;
     if (corners) {
       material.alpha_cutoff = cutoff;
-      use.least_alpha = cutoff / std::max(1e-6f, base.factor.a * (picture ? mostAlpha(*picture) : 1));
+      use.least_alpha = cutoff / std::max(1e-6f, base.factor.a * (picture ? mostAlpha(material.texture) : 1));
     } else if (alpha == Alpha::kMask) {
-      const bool seen = picture ? mostAlpha(*picture) > 0 : base.factor.a >= cutoff;
+      const bool seen = picture ? mostAlpha(material.texture) > 0 : base.factor.a >= cutoff;
       if (!seen) use.least_alpha = 2;
-      else if (picture && material.alpha_cutoff == 0) noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
+      else if (picture && material.alpha_cutoff == 0) model_.noteOnce(place + ": its alphaMode is MASK, but its texture has no alpha below the cutoff: nothing is cut out");
     }
-    if (letsLightThrough(source, alpha, material)) noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
+    if (letsLightThrough(source, alpha, material)) model_.noteOnce(place + (material.name.empty() ? "" : " '" + material.name + "'") + ": is transparent; it is baked opaque");
     if (!unlit) material.metal_map = readMap(base.metal_texture, Alpha::kIgnore, 0, false, place, use);
     readEmission(source, place, material, use);
     material.double_sided = source.doubleSided;
@@ -194,9 +197,11 @@ class MaterialReader {
       map.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
     }
     map.coordinates = coordinatesOf(texture, use);
-    const auto [place_of, fresh] = placed_.try_emplace(std::make_tuple(images_.source(texture.index), alpha, alpha == Alpha::kMask ? cutoff : 0.0f, colors), static_cast<int>(out_.images.size()));
+    const int source = images_.source(texture.index);
+    const auto [place_of, fresh] = placed_.try_emplace(std::make_tuple(source, alpha, alpha == Alpha::kMask ? cutoff : 0.0f, colors), static_cast<int>(out_.images.size()));
     map.texture = place_of->second;
     if (!fresh) return map;
+    if (!copied_.insert(source).second) images_.countCopy(*image, place);
     Image& copy = out_.images.emplace_back(*image);
     copy.srgb = colors;
     for (std::size_t i = 3; i < copy.rgba.size() && alpha != Alpha::kKeep; i += 4)
@@ -217,56 +222,79 @@ class MaterialReader {
     return index;
   }
 
-  // Whether a picture shows something and leaves something out: a leaf on a card does, a tinted pane does not.
-  static bool hasHoles(const Image& image) {
-    bool low = false, high = false;
-    for (std::size_t i = 3; i < image.rgba.size() && !(low && high); i += 4) (image.rgba[i] < 128 ? low : high) = true;
-    return low && high;
+  // Alphas of a picture. Many materials may show one.
+  struct AlphaRange {
+    std::uint8_t least = 255, most = 0;
+    // Whether it shows something and leaves something out: a leaf on a card does, a tinted pane does not.
+    bool hasHoles() const { return least < 128 && most >= 128; }
+  };
+  const AlphaRange& alphaOf(int texture) {
+    const auto [at, fresh] = alphas_.try_emplace(texture);
+    const std::vector<std::uint8_t>& rgba = out_.images[static_cast<std::size_t>(texture)].rgba;
+    for (std::size_t i = 3; fresh && i < rgba.size(); i += 4) {
+      at->second.least = std::min(at->second.least, rgba[i]);
+      at->second.most = std::max(at->second.most, rgba[i]);
+    }
+    return at->second;
   }
 
-  static float mostAlpha(const Image& image) {
-    std::uint8_t most = 0;
-    for (std::size_t i = 3; i < image.rgba.size(); i += 4) most = std::max(most, image.rgba[i]);
-    return static_cast<float>(most) / 255.0f;
-  }
+  float mostAlpha(int texture) { return static_cast<float>(alphaOf(texture).most) / 255.0f; }
 
   // Whether COLOR_0 makes something that the scene shows with this material less than opaque. Exporters write alphas of 1 for nothing.
-  bool cornersHaveAlpha(std::size_t material) const {
-    for (int node : model_.order) {
-      const int mesh = model_.data.nodes[static_cast<std::size_t>(node)].mesh;
-      if (mesh < 0) continue;
-      for (const tinygltf::Primitive& primitive : model_.data.meshes[static_cast<std::size_t>(mesh)].primitives) {
-        const auto color = primitive.attributes.find("COLOR_0");
-        if (primitive.material != static_cast<int>(material) || color == primitive.attributes.end() || !primitive.attributes.contains("POSITION") || !hasTriangles(primitive)) continue;
-        const GltfValues values = readValues(model_, color->second, placeOf("meshes", static_cast<std::size_t>(mesh)) + ".COLOR_0", true);
-        for (std::size_t i = 0; i < values.count && values.components == 4; ++i)
-          if (values.at(i, 3) < 1) return true;
+  bool cornersHaveAlpha(std::size_t material) {
+    if (!colored_) colored_ = findColored();
+    for (const ShownPrimitive& shown : (*colored_)[static_cast<int>(material)]) {
+      const auto [at, fresh] = alpha_of_.try_emplace(shown.color, false);
+      if (fresh) {
+        const GltfValues values = readValues(model_, shown.color, placeOf("meshes", shown.mesh) + ".COLOR_0", true);
+        for (std::size_t i = 0; i < values.count && values.components == 4 && !at->second; ++i) at->second = values.at(i, 3) < 1;
       }
+      if (at->second) return true;
     }
     return false;
   }
 
+  // Primitives with COLOR_0 that the scene shows, in its order, each once.
+  struct ShownPrimitive {
+    std::size_t mesh = 0;
+    int color = -1;  // accessor
+  };
+  std::map<int, std::vector<ShownPrimitive>> findColored() const {
+    std::map<int, std::vector<ShownPrimitive>> found;
+    std::vector<bool> seen(model_.data.meshes.size(), false);
+    for (int node : model_.order) {
+      const int index = model_.data.nodes[static_cast<std::size_t>(node)].mesh;
+      if (index < 0 || seen[static_cast<std::size_t>(index)]) continue;
+      const auto mesh = static_cast<std::size_t>(index);
+      seen[mesh] = true;
+      for (const tinygltf::Primitive& primitive : model_.data.meshes[mesh].primitives) {
+        const auto color = primitive.attributes.find("COLOR_0");
+        if (color != primitive.attributes.end() && primitive.attributes.contains("POSITION") && hasTriangles(primitive)) found[primitive.material].push_back({mesh, color->second});
+      }
+    }
+    return found;
+  }
+
   // Glass and water, which voxels of kelp are not. Exporters write BLEND for much that has no alpha below 1, and leaves are cut out.
-  bool letsLightThrough(const tinygltf::Material& source, Alpha alpha, const SurfaceMaterial& material) const {
+  bool letsLightThrough(const tinygltf::Material& source, Alpha alpha, const SurfaceMaterial& material) {
     const tinygltf::Value* transmission = member(source.extensions, "KHR_materials_transmission");
     if (transmission && number(*transmission, "transmissionFactor", 0) > 0) return true;
     if (alpha != Alpha::kKeep || material.alpha_cutoff > 0) return false;
     if (material.base_color.a < 1) return true;
     if (material.texture < 0) return false;
-    const std::vector<std::uint8_t>& rgba = out_.images[static_cast<std::size_t>(material.texture)].rgba;
-    for (std::size_t i = 3; i < rgba.size(); i += 4)
-      if (rgba[i] < 255) return true;
-    return false;
+    return alphaOf(material.texture).least < 255;
   }
 
   // Colours as light.
-  static glm::vec4 meanOf(const Image& image) {
+  glm::vec4 meanOf(const Image& image) {
+    const auto [at, fresh] = means_.try_emplace(&image);
+    if (!fresh) return at->second;
     glm::dvec4 sum(0);
     for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
       const glm::vec4 texel = glm::vec4(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2], image.rgba[i + 3]) / 255.0f;
       sum += glm::dvec4(srgbToLinear(texel.r), srgbToLinear(texel.g), srgbToLinear(texel.b), texel.a);
     }
-    return glm::vec4(sum / static_cast<double>(image.rgba.size() / 4));
+    return at->second = glm::vec4(sum / static_cast<double>(image.rgba.size() / 4));
   }
 
   void readEmission(const tinygltf::Material& source, const std::string& place, SurfaceMaterial& material, GltfMaterialUse& use) {
@@ -278,23 +306,21 @@ class MaterialReader {
     material.glow_map = readMap(textureUse(source.emissiveTexture), Alpha::kIgnore, 0, true, place, use);
     if (source.emissiveTexture.index >= 0 && material.glow_map.texture < 0) {
       // The factor alone would make the whole surface glow where only a lamp should.
-      noteOnce(place + ": its emissive texture can not be had: the surface does not glow");
+      model_.noteOnce(place + ": its emissive texture can not be had: the surface does not glow");
       return;
     }
     material.emissive = emissive;
-  }
-
-  void noteOnce(const std::string& text) {
-    if (std::find(noted_.begin(), noted_.end(), text) != noted_.end()) return;
-    noted_.push_back(text);
-    model_.note(text);
   }
 
   const GltfModel& model_;
   SourceModel& out_;
   GltfImages images_;
   std::map<std::tuple<int, Alpha, float, bool>, int> placed_;
-  std::vector<std::string> noted_;
+  std::set<int> copied_;                           // of the file's images
+  std::map<const Image*, glm::vec4> means_;
+  std::map<int, AlphaRange> alphas_;               // of the model's images
+  std::optional<std::map<int, std::vector<ShownPrimitive>>> colored_;  // by material
+  std::map<int, bool> alpha_of_;                   // of accessors: whether any alpha is below 1
 };
 
 }  // namespace

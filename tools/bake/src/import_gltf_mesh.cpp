@@ -29,6 +29,7 @@ GltfValues readSized(const GltfModel& model, int accessor, int least, int most, 
 std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin_index) {
   const tinygltf::Skin& skin = model.data.skins[static_cast<std::size_t>(skin_index)];
   const std::string place = placeOf("skins", static_cast<std::size_t>(skin_index));
+  model.countRead(skin.joints.size(), place);
   std::vector<glm::dmat4> matrices;
   GltfValues inverse;
   if (skin.inverseBindMatrices >= 0) {
@@ -63,14 +64,16 @@ class PrimitiveReader {
   }
 
   void read(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
+    constexpr std::uint64_t kPrimitiveCost = 256;  // vertices
+    model_.countRead(kPrimitiveCost, place);
     const int position = attributeOf(primitive, "POSITION");
     if (position < 0) {
-      model_.note(place + ": has no positions and is skipped");
+      model_.noteOnce(place + ": has no positions and is skipped");
       return;
     }
     const int mode = modeOf(primitive);
     if (!hasTriangles(primitive)) {
-      model_.note(place + ": holds points or lines, which have no volume, and is skipped");
+      model_.noteOnce(place + ": holds points or lines, which have no volume, and is skipped");
       return;
     }
     const std::vector<glm::dvec3> positions = readPositions(primitive, position, place);
@@ -87,20 +90,21 @@ class PrimitiveReader {
       const std::string name = "TEXCOORD_" + std::to_string(use.coordinates[k].set);
       const int accessor = attributeOf(primitive, name);
       if (accessor >= 0) uvs[k] = readSized(model_, accessor, 2, 2, count, place, name.c_str());
-      else model_.note(place + ": its material has a texture but it has no " + name + ": the texture's corner is used");
+      else model_.noteOnce(place + ": its material has a texture but it has no " + name + ": the texture's corner is used");
     }
     if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0) colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
 
     std::vector<std::uint32_t> indices;
     if (primitive.indices >= 0) {
       indices = readIndices(model_, primitive.indices, place);
+      model_.countRead(indices.size() / 6, place);
       for (std::uint32_t index : indices)
         if (index >= count) model_.refuse(place, "has the index " + std::to_string(index) + " but only " + std::to_string(count) + " vertices");
     } else {
       indices.resize(count);
       for (std::size_t i = 0; i < count; ++i) indices[i] = static_cast<std::uint32_t>(i);
     }
-    if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) model_.note(place + ": the number of indices is not a multiple of three: the rest is dropped");
+    if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0) model_.noteOnce(place + ": the number of indices is not a multiple of three: the rest is dropped");
 
     std::size_t kept = 0, cut = 0;
     const auto emit = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -131,7 +135,7 @@ class PrimitiveReader {
     } else {
       for (std::size_t i = 1; i + 1 < indices.size(); ++i) emit(indices[i], indices[i + 1], indices[0]);
     }
-    if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second) model_.note(place + ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
+    if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second) model_.noteOnce(place + ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
   }
 
   // Makes a box hold the positions of what read() would make triangles of.
@@ -150,6 +154,7 @@ class PrimitiveReader {
   std::vector<glm::dvec3> readPositions(const tinygltf::Primitive& primitive, int accessor, const std::string& place) const {
     const GltfValues values = readValues(model_, accessor, place + ".POSITION");
     if (values.components != 3) model_.refuse(place, "POSITION is not a VEC3");
+    model_.countRead(values.count, place);
     std::vector<glm::dvec3> local(values.count);
     for (std::size_t i = 0; i < values.count; ++i) local[i] = {values.at(i, 0), values.at(i, 1), values.at(i, 2)};
     applyMorph(primitive, place, local);
@@ -190,6 +195,7 @@ class PrimitiveReader {
       const auto found = primitive.targets[target].find("POSITION");
       if (weights[target] == 0 || found == primitive.targets[target].end()) continue;
       const GltfValues delta = readSized(model_, found->second, 3, 3, positions.size(), place, "morph target");
+      model_.countRead(positions.size(), place);
       for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += weights[target] * glm::dvec3(delta.at(i, 0), delta.at(i, 1), delta.at(i, 2));
     }
   }

@@ -19,6 +19,14 @@
 namespace kelp::bake {
 namespace {
 
+// A text without every place where it has `part`.
+std::string without(const std::string& text, std::string_view part) {
+  std::string out;
+  std::size_t begin = 0;
+  for (std::size_t at; (at = text.find(part, begin)) != std::string::npos; begin = at + part.size()) out.append(text, begin, at - begin);
+  return out.append(text, begin);
+}
+
 bool finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
@@ -120,6 +128,12 @@ GltfTransform restTransform(const tinygltf::Node& node, bool* exact) {
   return out;
 }
 
+void GltfModel::countRead(std::uint64_t elements, const std::string& place) const {
+  constexpr std::uint64_t kMostElements = std::uint64_t{1} << 29;
+  elements_read += elements;
+  if (elements_read > kMostElements) refuse(place, "brings the nodes of the scene beyond " + std::to_string(kMostElements) + " vertices, joints and primitives, shared ones counted anew; bake it in pieces");
+}
+
 GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene, std::vector<std::string>& notices) {
   GltfModel model;
   model.files = &files;
@@ -130,7 +144,7 @@ GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::o
     model.refuse("JSON", "is not valid glTF: " + oneLine(error));
   // What it asks for and the specification does not: a skin without matrices has the identity, a channel without a node is an extension's.
   for (const std::string_view optional : {"'inverseBindMatrices' property is missing in Skin.\n", "'node' property is missing.\n", "`node` field is missing in animation.channels.target\n"})
-    for (std::size_t at; (at = error.find(optional)) != std::string::npos;) error.erase(at, optional.size());
+    error = without(error, optional);
   if (!error.empty() || !warning.empty()) model.note("JSON: " + oneLine(error + warning));
   document.json = {};
   for (const std::vector<std::string>* lines : {&document.flaws, &document.notices})

@@ -45,11 +45,21 @@ struct GltfModel {
   std::vector<glm::dmat4> world;     // of each node at rest
   std::vector<std::string>* notices = nullptr;
   std::uint64_t max_memory = 0;      // Settings::max_memory
+  DataBudget* budget = nullptr;      // for what is copied out of the document
 
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
   mutable std::set<std::string> cut_out;  // primitives of which alphaMode MASK leaves nothing, as they are read
 
   void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
+  // What several nodes, textures or materials have to say in the same words.
+  void noteOnce(const std::string& text) const {
+    if (said.insert(text).second) note(text);
+  }
+  mutable std::set<std::string> said;
+
+  // Counts vertices, joints or primitives that are about to be read for a node: nodes may share a mesh, and a few kilobytes could name more than anybody waits for.
+  void countRead(std::uint64_t elements, const std::string& place) const;
+  mutable std::uint64_t elements_read = 0;
   // "node 'Reed'", or "nodes[3]" where it has no name; -1: "the scene".
   std::string nodeName(int node) const;
 };
@@ -125,12 +135,29 @@ struct GltfMorphChannel {
   std::vector<double> values;          // `targets` a time
   std::vector<double> in, out;         // kCubic only: slopes per second
 };
+// Names for what moves: motions of one name are one, and two that move the same thing are two.
+class MotionNames {
+ public:
+  using Target = std::pair<int, int>;
+  // The first of `wanted`, "wanted.2", "wanted.3" and so on under which none of the targets is moved yet; they are from now on.
+  std::string take(const std::string& wanted, const std::vector<Target>& targets);
+  // Says that a name is taken for targets already.
+  void add(const std::string& name, const std::vector<Target>& targets) { taken_[name].insert(targets.begin(), targets.end()); }
+
+ private:
+  std::map<std::string, std::set<Target>> taken_;
+  std::map<std::pair<std::string, Target>, int> first_free_;  // by the wanted name: all suffixes before it are taken for the target
+};
+
 struct GltfAnimation {
   std::string name;                    // "animation 3" if it has none; those of one name move different things, and are one clip
   float duration = 0;                  // the last key of any channel
   std::vector<GltfChannel> channels;
   std::vector<GltfMorphChannel> morphs;
 };
+// Where the channels of each node are: the animation and the channel in it, in their order.
+using GltfChannelIndex = std::map<int, std::vector<std::pair<std::size_t, std::size_t>>>;
+GltfChannelIndex indexChannels(const std::vector<GltfAnimation>& animations);
 // Those that move something.
 std::vector<GltfAnimation> readAnimations(const GltfModel& model);
 // The value at a time, as section 3.11 and appendix C of the glTF 2.0 specification define it.
@@ -164,6 +191,6 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
                                       std::optional<Axis> axis);
 // Adds the clips that move the part itself and its knots (none: `knots` is empty). Marks the channels it used.
 void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup, const std::string& part_name,
-              const std::vector<GltfAnimation>& animations, std::vector<std::vector<bool>>& used, RigDescription& rig);
+              const std::vector<GltfAnimation>& animations, const GltfChannelIndex& index, std::vector<std::vector<bool>>& used, RigDescription& rig);
 
 }  // namespace kelp::bake

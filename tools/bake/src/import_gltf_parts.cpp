@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "kelp/formats/pack.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -34,6 +36,7 @@ class NodePlanner {
 
   std::vector<PartPlan> plan() {
     collect();
+    checkPartCount(*model_.files, plans_.size(), "meshes");  // the ways up take their time
     addCarriers();
     for (std::size_t p = 0; p < plans_.size(); ++p) {
       const Way way = wayUp(p);
@@ -88,7 +91,7 @@ class NodePlanner {
       const int skin = nodeAt(node).skin;
       if (skin < 0) seat_[at] = static_cast<int>(plans_.size());
       plans_.push_back({node, -1, -1, std::nullopt, {}, {node}, true});
-      anchors_.resize(plans_.size(), skin < 0 ? node : skinAnchor(model_, skin));
+      anchors_.resize(plans_.size(), skin < 0 || plans_.size() > Limits{}.max_parts ? node : skinAnchor(model_, skin));  // beyond the limit none matters
     }
     anchors_.resize(plans_.size(), -1);
   }
@@ -172,34 +175,46 @@ std::vector<PartPlan> planByRigs(const GltfModel& model, bool single) {
 std::vector<PartPlan> planByNodes(const GltfModel& model, const std::vector<GltfAnimation>& animations) { return NodePlanner(model, animations).plan(); }
 
 int skinAnchor(const GltfModel& model, int skin) {
-  std::vector<int> common;  // from the first joint up to its root; what is left of it, all joints so far have
-  bool first = true;
+  const std::size_t count = model.parents.size();
+  std::vector<int> above;                 // the first joint and all above it, upwards
+  std::vector<int> place(count, -1);      // in `above`
+  std::vector<std::size_t> seen(count, 0);  // by which joint's way up, counted from 1
+  std::size_t common = 0;                 // the first in `above` that all joints so far have
+  std::size_t way = 0;
   for (int joint : model.data.skins[static_cast<std::size_t>(skin)].joints) {
-    std::vector<int> up;
-    for (int node = joint; node >= 0 && node < static_cast<int>(model.parents.size()); node = model.parents[static_cast<std::size_t>(node)]) {
-      up.push_back(node);
-      if (up.size() > model.parents.size()) return -1;  // a cycle outside of the scene
+    ++way;
+    int node = joint;
+    while (node >= 0 && static_cast<std::size_t>(node) < count) {
+      const auto at = static_cast<std::size_t>(node);
+      if (seen[at] == way) return -1;  // a cycle outside of the scene
+      if (seen[at] > 0) break;         // from here on the way is known
+      seen[at] = way;
+      if (way == 1) {
+        place[at] = static_cast<int>(above.size());
+        above.push_back(node);
+      }
+      node = model.parents[at];
     }
-    if (first) common = up;
-    else {
-      const std::set<int> of_joint(up.begin(), up.end());
-      common.erase(std::remove_if(common.begin(), common.end(), [&](int node) { return of_joint.count(node) == 0; }), common.end());
-    }
-    first = false;
+    if (way == 1) continue;
+    if (node < 0 || static_cast<std::size_t>(node) >= count) return -1;
+    if (const int at = place[static_cast<std::size_t>(node)]; at >= 0) common = std::max(common, static_cast<std::size_t>(at));
   }
-  return common.empty() ? -1 : common.front();
+  return above.empty() ? -1 : above[common];
 }
 
 void noteUnusedMotion(const GltfModel& model, const std::vector<GltfAnimation>& animations, const std::vector<std::vector<bool>>& used, Parts parts, bool single) {
   // What hangs below a node: meshes that it moves, joints that bend meshes.
-  std::vector<bool> places(model.data.nodes.size(), false), bends(model.data.nodes.size(), false);
+  std::vector<bool> places(model.data.nodes.size(), false), bends(model.data.nodes.size(), false), seen(model.data.skins.size(), false);
   for (int node : model.order) {
     const tinygltf::Node& source = model.data.nodes[static_cast<std::size_t>(node)];
     if (source.mesh < 0) continue;
-    if (source.skin < 0) places[static_cast<std::size_t>(node)] = true;
-    else
-      for (int joint : model.data.skins[static_cast<std::size_t>(source.skin)].joints)
+    if (source.skin < 0) {
+      places[static_cast<std::size_t>(node)] = true;
+    } else if (const auto skin = static_cast<std::size_t>(source.skin); !seen[skin]) {
+      seen[skin] = true;
+      for (int joint : model.data.skins[skin].joints)
         if (joint >= 0 && joint < static_cast<int>(bends.size())) bends[static_cast<std::size_t>(joint)] = true;
+    }
   }
   for (auto node = model.order.rbegin(); node != model.order.rend(); ++node) {
     const int parent = model.parents[static_cast<std::size_t>(*node)];

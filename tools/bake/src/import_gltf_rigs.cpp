@@ -13,11 +13,14 @@ class RigFinder {
 
   GltfRigs find() {
     rigs_.nodes.resize(model_.data.nodes.size());
-    std::vector<int> users(model_.data.meshes.size(), 0);
+    std::vector<MeshUsers> users(model_.data.meshes.size());
     for (int node : model_.order) {
       const auto at = static_cast<std::size_t>(node);
       rigs_.nodes[at] = take(placeOf("nodes", at), model_.nodeName(node));
-      if (const int mesh = model_.data.nodes[at].mesh; mesh >= 0) ++users[static_cast<std::size_t>(mesh)];
+      if (const int mesh = model_.data.nodes[at].mesh; mesh >= 0) {
+        MeshUsers& of_mesh = users[static_cast<std::size_t>(mesh)];
+        if (of_mesh.count++ == 0) of_mesh.first = node;
+      }
     }
     for (std::size_t mesh = 0; mesh < users.size(); ++mesh) takeMesh(mesh, users[mesh]);
     if (const int scene = model_.scene; scene >= 0) {
@@ -31,6 +34,10 @@ class RigFinder {
   }
 
  private:
+  struct MeshUsers {
+    int count = 0, first = -1;  // nodes
+  };
+
   std::optional<GltfRig> take(const std::string& place, const std::string& owner) {
     const auto found = left_.find(place);
     if (found == left_.end()) return std::nullopt;
@@ -40,22 +47,18 @@ class RigFinder {
   }
 
   // Blender exports the custom properties of an object to its node, those of its mesh to the mesh.
-  void takeMesh(std::size_t mesh, int users) {
+  void takeMesh(std::size_t mesh, const MeshUsers& users) {
     const std::string place = placeOf("meshes", mesh);
-    if (users == 0) return;  // left over
+    if (users.count == 0) return;  // left over
     std::optional<GltfRig> rig = take(place, quoted("mesh", model_.data.meshes[mesh].name, place));
     if (!rig) return;
-    if (users > 1) {
-      model_.note("extras.kelp of " + rig->owner + ": " + std::to_string(users) + " nodes use the mesh: no rig is made of it; put it on each of the nodes");
+    if (users.count > 1) {
+      model_.note("extras.kelp of " + rig->owner + ": " + std::to_string(users.count) + " nodes use the mesh: no rig is made of it; put it on each of the nodes");
       return;
     }
-    for (int node : model_.order) {
-      if (model_.data.nodes[static_cast<std::size_t>(node)].mesh != static_cast<int>(mesh)) continue;
-      std::optional<GltfRig>& own = rigs_.nodes[static_cast<std::size_t>(node)];
-      if (own) model_.note(own->owner + " and its " + rig->owner + " both have extras.kelp: the node's is the rig");
-      else own = std::move(rig);
-      return;
-    }
+    std::optional<GltfRig>& own = rigs_.nodes[static_cast<std::size_t>(users.first)];
+    if (own) model_.note(own->owner + " and its " + rig->owner + " both have extras.kelp: the node's is the rig");
+    else own = std::move(rig);
   }
 
   void takeFile(const std::string& place, const std::string& owner) {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Replaces compressed geometry in a glTF document by plain buffers: what comes after need not know of compression.
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <span>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "import_draco.h"
 #include "import_gltf_json.h"
@@ -14,52 +18,140 @@ namespace {
 // The bytes [offset, offset + length) of a buffer.
 std::span<const std::uint8_t> bufferRange(const InputFiles& files, const GltfDocument& document, std::uint64_t buffer,
                                           std::uint64_t offset, std::uint64_t length, const std::string& place) {
-  const std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
-  if (buffer >= buffers.size()) refuse(Exit::kInvalid, files.input(), place, "names buffer " + std::to_string(buffer) + ", which does not exist");
+  if (buffer >= document.buffers.size()) refuse(Exit::kInvalid, files.input(), place, "names buffer " + std::to_string(buffer) + ", which does not exist");
   if (const auto missing = document.missing.find(static_cast<std::size_t>(buffer)); missing != document.missing.end()) throw missing->second;
-  const std::vector<std::uint8_t>& bytes = buffers[static_cast<std::size_t>(buffer)];
+  const std::span<const std::uint8_t> bytes = document.buffers[static_cast<std::size_t>(buffer)];
   if (offset > bytes.size() || length > bytes.size() - offset)
     refuse(Exit::kInvalid, files.input(), place, "reaches beyond buffer " + std::to_string(buffer) + " (" + std::to_string(bytes.size()) + " bytes)");
-  return {bytes.data() + offset, static_cast<std::size_t>(length)};
+  return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
-// Appends the bytes as a new buffer with a view over it; answers the view's index.
-std::size_t appendView(Json& root, std::vector<std::vector<std::uint8_t>>& buffers, std::vector<std::uint8_t> bytes) {
+// The same bytes are the same, whichever buffers and views lead to them.
+using PackedKey = std::pair<std::uintptr_t, std::size_t>;
+PackedKey keyOf(std::span<const std::uint8_t> bytes) { return {reinterpret_cast<std::uintptr_t>(bytes.data()), bytes.size()}; }
+
+// Answers the new buffer's index.
+std::size_t appendBuffer(GltfDocument& document, std::vector<std::uint8_t> bytes) {
+  document.buffers.push_back(document.contents.emplace_back(std::move(bytes)));
+  return document.buffers.size() - 1;
+}
+
+// Appends values as a new buffer with a view over it; answers the view's index.
+template <class T>
+std::size_t appendView(Json& root, GltfDocument& document, const std::vector<T>& values) {
+  const auto* first = reinterpret_cast<const std::uint8_t*>(values.data());
+  const std::size_t size = values.size() * sizeof(T);
   Json& views = root["bufferViews"];
-  views.push_back({{"buffer", buffers.size()}, {"byteOffset", 0}, {"byteLength", bytes.size()}});
-  buffers.push_back(std::move(bytes));
+  views.push_back({{"buffer", appendBuffer(document, {first, first + size})}, {"byteOffset", 0}, {"byteLength", size}});
   return views.size() - 1;
 }
 
-template <class T>
-std::vector<std::uint8_t> asBytes(const std::vector<T>& values) {
-  const auto* first = reinterpret_cast<const std::uint8_t*>(values.data());
-  return {first, first + values.size() * sizeof(T)};
-}
-
-// Whether integers are fractions is the accessor's to say; the stream says so too only if its encoder cared.
-void applyNormalization(const InputFiles& files, const Json& root, const Json& primitive, const std::string& name, DracoMesh::Attribute& attribute,
-                        const std::string& place) {
-  if (attribute.normalized) return;
+// What integers that are fractions by the accessor's word count to; 1 for others. The stream says so too only if its encoder cared.
+float fractionScale(const InputFiles& files, const Json& root, const Json& primitive, const std::string& name, const std::string& place) {
   const auto attributes = primitive.find("attributes");
-  if (attributes == primitive.end() || !attributes->is_object() || !attributes->contains(name)) return;
+  if (attributes == primitive.end() || !attributes->is_object() || !attributes->contains(name)) return 1;
   const std::uint64_t index = wholeNumber(files, *attributes, name.c_str(), 0, place);
   const Json& accessors = root["accessors"];
   if (index >= accessors.size()) refuse(Exit::kInvalid, files.input(), place, name + " names an accessor that does not exist");
   const Json& accessor = accessors[static_cast<std::size_t>(index)];
   const auto flag = accessor.find("normalized");
-  if (flag == accessor.end() || *flag != true) return;
+  if (flag == accessor.end() || *flag != true) return 1;
   const std::uint64_t type = wholeNumber(files, accessor, "componentType", 0, place);
-  const float largest = type == 5120 ? 127.0f : type == 5121 ? 255.0f : type == 5122 ? 32767.0f : type == 5123 ? 65535.0f : 1.0f;
-  for (float& value : attribute.values) value /= largest;
+  return type == 5120 ? 127.0f : type == 5121 ? 255.0f : type == 5122 ? 32767.0f : type == 5123 ? 65535.0f : 1.0f;
 }
 
 constexpr const char* kVectorTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
 
+// A Draco stream and the primitives that lie in it.
+struct DracoStream {
+  struct Use {
+    Json* primitive = nullptr;
+    std::string place;
+    std::map<std::string, std::uint32_t> ids;  // of its attributes
+  };
+  std::span<const std::uint8_t> bytes;
+  std::map<std::uint32_t, std::string> ids;  // all that are asked for, and by whom
+  std::vector<Use> uses;
+};
+
+// In the order in which primitives first name them.
+std::vector<DracoStream> findDraco(const InputFiles& files, Json& root, const GltfDocument& document) {
+  std::vector<DracoStream> streams;
+  std::map<PackedKey, std::size_t> known;
+  Json& meshes = objects(files, root, "meshes");
+  const Json& views = root["bufferViews"];
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    Json& primitives = objects(files, meshes[m], "primitives", placeOf("meshes", m));
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const Json* packed = extension(primitives[p], "KHR_draco_mesh_compression");
+      if (!packed) continue;
+      DracoStream::Use use{&primitives[p], placeOf("meshes", m) + "." + placeOf("primitives", p) + ".KHR_draco_mesh_compression", {}};
+      const std::string& place = use.place;
+      const std::uint64_t view_index = wholeNumber(files, *packed, "bufferView", ~std::uint64_t{0}, place);
+      if (view_index >= views.size()) refuse(Exit::kInvalid, files.input(), place, "names a bufferView that does not exist");
+      const Json& view = views[static_cast<std::size_t>(view_index)];
+      const std::string view_place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
+      const auto bytes = bufferRange(files, document, wholeNumber(files, view, "buffer", ~std::uint64_t{0}, view_place),
+                                     wholeNumber(files, view, "byteOffset", 0, view_place), wholeNumber(files, view, "byteLength", 0, view_place), view_place);
+      const auto [at, fresh] = known.try_emplace(keyOf(bytes), streams.size());
+      if (fresh) streams.push_back({bytes, {}, {}});
+      DracoStream& stream = streams[at->second];
+      const auto attributes = packed->find("attributes");
+      if (attributes == packed->end() || !attributes->is_object()) refuse(Exit::kInvalid, files.input(), place, "has no attributes");
+      for (const auto& [name, id] : attributes->items()) {
+        (void)id;
+        const std::uint64_t value = wholeNumber(files, *attributes, name.c_str(), 0, place);
+        if (value > 0xffffffffu) refuse(Exit::kInvalid, files.input(), place, "has an attribute id out of range");
+        use.ids[name] = static_cast<std::uint32_t>(value);
+        stream.ids.emplace(static_cast<std::uint32_t>(value), name);
+      }
+      stream.uses.push_back(std::move(use));
+    }
+  }
+  return streams;
+}
+
+// Makes accessors of one stream for all of its primitives.
+void unpackStream(const InputFiles& files, Json& root, DracoStream& stream, DataBudget& budget, GltfDocument& document) {
+  const std::string& first = stream.uses.front().place;
+  DracoMesh mesh;
+  try {
+    mesh = decodeDraco(stream.bytes, stream.ids);
+  } catch (const DracoUnsupported& error) {
+    refuse(Exit::kUnsupported, files.input(), first, error.what());
+  } catch (const DracoError& error) {
+    refuse(Exit::kInvalid, files.input(), first, error.what());
+  }
+  Json& accessors = root["accessors"];
+  budget.take(mesh.indices.size() * sizeof(std::uint32_t), first);
+  const std::size_t indices = accessors.size();
+  accessors.push_back({{"bufferView", appendView(root, document, mesh.indices)}, {"componentType", 5125}, {"count", mesh.indices.size()}, {"type", "SCALAR"}});
+  std::map<std::pair<std::uint32_t, float>, std::size_t> made;  // accessors, by attribute and what it was divided by
+  for (const DracoStream::Use& use : stream.uses) {
+    Json& primitive = *use.primitive;
+    std::map<std::string, std::size_t> attributes;
+    for (const auto& [name, id] : use.ids) {
+      const DracoMesh::Attribute& attribute = mesh.attributes.at(id);
+      const float largest = attribute.normalized ? 1 : fractionScale(files, root, primitive, name, use.place);
+      const auto [at, fresh] = made.try_emplace({id, largest}, accessors.size());
+      attributes[name] = at->second;
+      if (!fresh) continue;
+      budget.take(attribute.values.size() * sizeof(float), use.place);
+      std::vector<float> scaled;
+      if (largest != 1) std::transform(attribute.values.begin(), attribute.values.end(), std::back_inserter(scaled), [&](float value) { return value / largest; });
+      if (attribute.step > 0) document.steps[static_cast<int>(accessors.size())] = attribute.step;
+      accessors.push_back({{"bufferView", appendView(root, document, largest != 1 ? scaled : attribute.values)}, {"componentType", 5126},
+                           {"count", attribute.values.size() / static_cast<std::size_t>(attribute.components)}, {"type", kVectorTypes[attribute.components - 1]}});
+    }
+    primitive["indices"] = indices;
+    for (const auto& [name, accessor] : attributes) primitive["attributes"][name] = accessor;
+  }
+}
+
 }  // namespace
 
-void unpackMeshopt(const InputFiles& files, Json& root, GltfDocument& document) {
-  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
+void unpackMeshopt(const InputFiles& files, Json& root, DataBudget& budget, GltfDocument& document) {
+  std::map<std::tuple<PackedKey, std::uint64_t, std::uint64_t, std::string, std::string>, std::size_t> done;  // buffers
   Json& views = objects(files, root, "bufferViews");
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Json* packed = extension(views[i], "EXT_meshopt_compression");
@@ -72,84 +164,28 @@ void unpackMeshopt(const InputFiles& files, Json& root, GltfDocument& document) 
     view.filter = packed->value("filter", "NONE");
     const auto bytes = bufferRange(files, document, wholeNumber(files, *packed, "buffer", ~std::uint64_t{0}, place),
                                    wholeNumber(files, *packed, "byteOffset", 0, place), wholeNumber(files, *packed, "byteLength", 0, place), place);
-    std::vector<std::uint8_t> decoded;
-    try {
-      decoded = decodeMeshopt(bytes, view);
-    } catch (const MeshoptError& error) {
-      refuse(Exit::kInvalid, files.input(), place, error.what());
+    const auto [at, fresh] = done.try_emplace({keyOf(bytes), view.count, view.stride, view.mode, view.filter}, document.buffers.size());
+    if (fresh) {
+      try {
+        appendBuffer(document, decodeMeshopt(bytes, view));
+      } catch (const MeshoptError& error) {
+        refuse(Exit::kInvalid, files.input(), place, error.what());
+      }
+      budget.take(document.buffers.back().size(), place);
     }
-    views[i]["buffer"] = buffers.size();
+    views[i]["buffer"] = at->second;
     views[i]["byteOffset"] = 0;
-    views[i]["byteLength"] = decoded.size();
+    views[i]["byteLength"] = document.buffers[at->second].size();
     views[i]["extensions"].erase("EXT_meshopt_compression");
     if (view.mode == "ATTRIBUTES") views[i]["byteStride"] = view.stride;
     else views[i].erase("byteStride");
-    buffers.push_back(std::move(decoded));
   }
 }
 
-void unpackDraco(const InputFiles& files, Json& root, GltfDocument& document) {
-  std::vector<std::vector<std::uint8_t>>& buffers = document.buffers;
-  struct Unpacked {
-    std::size_t indices = 0;
-    std::map<std::string, std::size_t> attributes;
-  };
-  std::map<std::string, Unpacked> done;  // primitives may share a stream; keyed by the extension's text
+void unpackDraco(const InputFiles& files, Json& root, DataBudget& budget, GltfDocument& document) {
   objects(files, root, "bufferViews");
   objects(files, root, "accessors");
-  Json& meshes = objects(files, root, "meshes");
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    Json& primitives = objects(files, meshes[m], "primitives", placeOf("meshes", m));
-    for (std::size_t p = 0; p < primitives.size(); ++p) {
-      Json* packed = extension(primitives[p], "KHR_draco_mesh_compression");
-      if (!packed) continue;
-      const std::string place = placeOf("meshes", m) + "." + placeOf("primitives", p) + ".KHR_draco_mesh_compression";
-      const std::string key = packed->dump(-1, ' ', false, Json::error_handler_t::replace);
-      auto found = done.find(key);
-      if (found == done.end()) {
-        const std::uint64_t view_index = wholeNumber(files, *packed, "bufferView", ~std::uint64_t{0}, place);
-        Json& views = root["bufferViews"];
-        if (view_index >= views.size()) refuse(Exit::kInvalid, files.input(), place, "names a bufferView that does not exist");
-        const Json& view = views[static_cast<std::size_t>(view_index)];
-        const std::string view_place = placeOf("bufferViews", static_cast<std::size_t>(view_index));
-        const auto bytes = bufferRange(files, document, wholeNumber(files, view, "buffer", ~std::uint64_t{0}, view_place),
-                                       wholeNumber(files, view, "byteOffset", 0, view_place), wholeNumber(files, view, "byteLength", 0, view_place), view_place);
-        std::map<std::string, std::uint32_t> ids;
-        const auto attributes = packed->find("attributes");
-        if (attributes == packed->end() || !attributes->is_object()) refuse(Exit::kInvalid, files.input(), place, "has no attributes");
-        for (const auto& [name, id] : attributes->items()) {
-          (void)id;
-          const std::uint64_t value = wholeNumber(files, *attributes, name.c_str(), 0, place);
-          if (value > 0xffffffffu) refuse(Exit::kInvalid, files.input(), place, "has an attribute id out of range");
-          ids[name] = static_cast<std::uint32_t>(value);
-        }
-        DracoMesh mesh;
-        try {
-          mesh = decodeDraco(bytes, ids);
-        } catch (const DracoUnsupported& error) {
-          refuse(Exit::kUnsupported, files.input(), place, error.what());
-        } catch (const DracoError& error) {
-          refuse(Exit::kInvalid, files.input(), place, error.what());
-        }
-        Unpacked unpacked;
-        Json& accessors = root["accessors"];
-        unpacked.indices = accessors.size();
-        accessors.push_back({{"bufferView", appendView(root, buffers, asBytes(mesh.indices))}, {"componentType", 5125},
-                             {"count", mesh.indices.size()}, {"type", "SCALAR"}});
-        for (auto& [name, attribute] : mesh.attributes) {
-          applyNormalization(files, root, primitives[p], name, attribute, place);
-          unpacked.attributes[name] = accessors.size();
-          if (attribute.step > 0) document.steps[static_cast<int>(accessors.size())] = attribute.step;
-          accessors.push_back({{"bufferView", appendView(root, buffers, asBytes(attribute.values))}, {"componentType", 5126},
-                               {"count", attribute.values.size() / static_cast<std::size_t>(attribute.components)},
-                               {"type", kVectorTypes[attribute.components - 1]}});
-        }
-        found = done.emplace(key, std::move(unpacked)).first;
-      }
-      primitives[p]["indices"] = found->second.indices;
-      for (const auto& [name, accessor] : found->second.attributes) primitives[p]["attributes"][name] = accessor;
-    }
-  }
+  for (DracoStream& stream : findDraco(files, root, document)) unpackStream(files, root, stream, budget, document);
 }
 
 }  // namespace kelp::bake

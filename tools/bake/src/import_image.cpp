@@ -95,14 +95,10 @@ glm::ivec2 imageSize(std::span<const std::uint8_t> bytes) {
   return size.x > 0 && size.y > 0 && !tooLarge(size) ? size : glm::ivec2(0);
 }
 
-std::uint64_t PictureBudget::limit() const {
-  return max_memory_ > 0 ? max_memory_ : std::min(physicalMemory(), kUsual + kPerByteRead * files_.bytesRead());
-}
-
 void PictureBudget::take(glm::ivec2 size, const std::string& place) {
   constexpr std::uint64_t kTexelBytes = 10;  // RGBA, and a third as many texels of four floats: 4 + 16/3
   const std::uint64_t bytes = kTexelBytes * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
-  if (const std::uint64_t most = limit(); bytes > most || taken_ > most - bytes)
+  if (const std::uint64_t most = memoryAllowed(files_, max_memory_, kUsual, kPerByteRead); bytes > most || taken_ > most - bytes)
     refuse(Exit::kRuntime, files_.input(), place,
            "with its " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels, the model's pictures need more than " + printBytes(most) +
                " of memory; scale them down, or give a larger --max-memory");

@@ -31,8 +31,6 @@ class PictureBudget {
   void take(glm::ivec2 size, const std::string& place);
 
  private:
-  std::uint64_t limit() const;
-
   const InputFiles& files_;
   std::uint64_t max_memory_, taken_ = 0;
 };

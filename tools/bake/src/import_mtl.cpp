@@ -158,27 +158,22 @@ class MtlReader {
 
   // "map_Kd [-option values] NAME", where NAME may hold spaces.
   static std::string readName(std::istringstream& words, SurfaceMap& map) {
-    std::string rest;
-    std::getline(words >> std::ws, rest);
-    while (!rest.empty() && rest.front() == '-') {
-      std::istringstream option(rest);
-      std::string word;
-      option >> word;
+    std::string word, rest;
+    while ((words >> std::ws).peek() == '-') {
+      words >> word;
       if (word == "-clamp") {
-        option >> word;
+        words >> word;
         if (word == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
       } else {
         // Options take one word (-blendu, -bm, -imfchan, -type) or up to three numbers (-o, -s, -t, -mm).
-        if (word != "-o" && word != "-s" && word != "-t" && word != "-mm") option >> word;
-        std::streampos before = option.tellg();
-        for (double number = 0; option >> number;) before = option.tellg();
-        option.clear();
-        option.seekg(before);
+        if (word != "-o" && word != "-s" && word != "-t" && word != "-mm") words >> word;
+        std::streampos before = words.tellg();
+        for (double number = 0; words >> number;) before = words.tellg();
+        words.clear();
+        words.seekg(before);
       }
-      std::string left;
-      std::getline(option >> std::ws, left);
-      rest = std::move(left);
     }
+    std::getline(words, rest);
     return rest;
   }
 

@@ -128,8 +128,18 @@ class ObjReader {
 
   void useMaterial(std::string_view name) {
     const auto found = by_name_.find(std::string(name));
-    material_ = found == by_name_.end() ? 0 : found->second;
-    if (found == by_name_.end()) missing_materials_.insert(std::string(name));
+    material_ = 0;
+    if (found == by_name_.end()) {
+      missing_materials_.insert(std::string(name));
+      return;
+    }
+    // Of several libraries, the one that was named last.
+    std::size_t latest = 0;
+    for (const auto& [library, material] : found->second) {
+      if (named_at_[library] < latest) continue;
+      latest = named_at_[library];
+      material_ = material;
+    }
   }
 
   // The whole rest of the line is one name, spaces and all; where there is no such file, its words are several names.
@@ -141,21 +151,37 @@ class ObjReader {
       std::string ignored;
       any = tryLibrary(word, ignored) || any;
     }
-    if (any) return;
+    library_missing_ = library_missing_ || !any;
+    if (any || !lost_.emplace(line).second) return;
     out_.notices.push_back(failure + ": its materials are left out, white is used");
-    library_missing_ = true;
   }
 
   bool tryLibrary(std::string_view name, std::string& failure) {
-    try {
-      const std::vector<std::uint8_t> bytes = files_.readReference(name, InputFiles::Reference::kPath);
-      for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_)) by_name_[material] = index;
-      return true;
-    } catch (const BakeError& error) {
-      if (isOfTheMachine(error)) throw;
-      failure = error.what();
-      return false;
+    const auto [at, fresh] = tried_.try_emplace(std::string(name));
+    Tried& tried = at->second;
+    if (fresh) {
+      try {
+        const std::filesystem::path path = files_.resolve(name, InputFiles::Reference::kPath);
+        const auto known = libraries_.find(path);
+        tried.library = known == libraries_.end() ? readLibrary(name, path) : known->second;
+      } catch (const BakeError& error) {
+        if (isOfTheMachine(error)) throw;
+        tried.failure = error.what();
+      }
     }
+    failure = tried.failure;
+    if (tried.library) named_at_[*tried.library] = ++mentions_;
+    return tried.library.has_value();
+  }
+
+  // Many lines may name one library; it is read once.
+  std::size_t readLibrary(std::string_view name, const std::filesystem::path& path) {
+    const std::vector<std::uint8_t> bytes = files_.readFile(path);
+    const std::size_t library = named_at_.size();
+    for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_)) by_name_[material].emplace_back(library, index);
+    libraries_.emplace(path, library);
+    named_at_.push_back(0);
+    return library;
   }
 
   void finish() {
@@ -216,8 +242,17 @@ class ObjReader {
   std::vector<ObjCorner> polygon_, face_corners_;
   std::vector<std::uint32_t> face_sizes_, face_materials_;
   std::vector<std::size_t> face_lines_;
-  std::map<std::string, std::uint32_t> by_name_;
+  struct Tried {
+    std::optional<std::size_t> library;
+    std::string failure;
+  };
+  std::map<std::string, Tried> tried_;  // by the name in the file
+  std::map<std::filesystem::path, std::size_t> libraries_;
+  std::vector<std::size_t> named_at_;  // when each library was last named
+  std::size_t mentions_ = 0;
+  std::map<std::string, std::vector<std::pair<std::size_t, std::uint32_t>>> by_name_;  // in which libraries, and which material there
   std::set<std::string> missing_materials_;
+  std::set<std::string, std::less<>> lost_;  // lines of libraries none of which could be had
   bool library_missing_ = false;
   std::uint32_t material_ = 0;
 };

@@ -255,6 +255,7 @@ class PlyReader {
   }
 
   void skip(const Element& element) {
+    if (element.properties.empty()) return;  // however many, they take no byte
     for (std::int64_t i = 0; i < element.count; ++i) readRow(element, i, -1);
   }
 

@@ -14,9 +14,8 @@ constexpr std::size_t kMostVisits = std::size_t{1} << 20;
 // The last of ascending keys at or before a frame, or else the first.
 template <class Keys, class FrameOf>
 std::size_t keyAt(const Keys& keys, std::int64_t frame, const FrameOf& frame_of) {
-  std::size_t at = 0;
-  while (at + 1 < keys.size() && frame_of(keys[at + 1]) <= frame) ++at;
-  return at;
+  const auto after = std::partition_point(keys.begin(), keys.end(), [&](const auto& key) { return frame_of(key) <= frame; });
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - keys.begin(), 1) - 1);
 }
 
 // A looping animation goes on from its first key where it has reached its last.
