@@ -2,6 +2,7 @@
 // The grammar of rigs: what is read, what is refused and with which words, and that printing is the inverse of reading.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
 #include <string>
 
@@ -163,6 +164,12 @@ TEST(ParseRig, HostileTextIsBounded) {
   std::string many = R"({"kelp": 1)";
   for (int i = 0; i < 100000; ++i) many += ",\"k" + std::to_string(i) + "\":1";
   EXPECT_NE(errorOf(many + "}").find("4096 keys"), std::string::npos);
+  // Half a million values, in the time that it takes to read them: a search through all of them at each would take minutes.
+  std::string values = "{}";
+  for (int i = 0; i < 500000; ++i) values += ",{}";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(errorOf(withWave(values)).find("/clips/c/waves/0"), std::string::npos);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20.0);
   // A name full of line breaks, or of ten thousand letters, still makes one short line.
   const std::string error = errorOf("{\"kelp\": 1, \"" + std::string(10000, 'a') + "\\n\": 1}");
   EXPECT_LT(error.size(), 200u);

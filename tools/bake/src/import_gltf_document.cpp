@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "import_gltf_json.h"
+#include "kelp/rig_json/json_depth.h"
 
 namespace kelp::bake {
 namespace {
@@ -77,28 +78,9 @@ Container openBinary(const InputFiles& files, std::span<const std::uint8_t> byte
   return container;
 }
 
-// Whether something lies deeper than kMaxDepth. The library would ask at every value as well, but then goes through all that an array has so far at the end of each object in it.
-bool isTooDeep(std::string_view text) {
-  int depth = -1;  // of what comes next; the root has 0
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      i += c == '\\';
-      quoted = c != '"';
-      continue;
-    }
-    if (c == '}' || c == ']') --depth;
-    else if (depth >= kMaxDepth && c != ' ' && c != '\t' && c != '\r' && c != '\n') return true;
-    quoted = c == '"';
-    depth += c == '{' || c == '[';
-  }
-  return false;
-}
-
 Json parseJson(const InputFiles& files, std::string_view text) {
   if (text.size() > kMaxJsonBytes) refuse(Exit::kUnsupported, files.input(), "JSON", "is larger than 256 MiB; use buffers for data");
-  if (isTooDeep(text)) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
+  if (nestedDeeper(text, kMaxDepth)) refuse(Exit::kInvalid, files.input(), "JSON", "is nested deeper than 64 levels; no glTF needs that");
   Json root;
   try {
     root = Json::parse(text);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "kelp/rig_json/json_depth.h"
 #include "kelp/rig_json/rig_json.h"
 
 namespace kelp::rig {
@@ -12,24 +13,10 @@ void checkJsonBounds(std::string_view text) {
   if (text.size() > kMaxTextBytes)
     throw RigError("a rig may have at most " + std::to_string(kMaxTextBytes >> 20) + " MiB of text, this has " +
                    std::to_string(text.size()) + " bytes: is it the right file?");
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kMaxDepth) {
-        const LineColumn at = lineColumn(text, i);
-        throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) + ": nested more than " +
-                       std::to_string(kMaxDepth) + " deep: no rig is; is it the right file?");
-      }
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
+  if (const auto deep = nestedDeeper(text, kMaxDepth)) {
+    const LineColumn at = lineColumn(text, *deep);
+    throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) + ": nested more than " + std::to_string(kMaxDepth) +
+                   " deep: no rig is; is it the right file?");
   }
 }
 

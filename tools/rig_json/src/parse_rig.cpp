@@ -285,21 +285,33 @@ RigDescription readRig(const Place& place) {
   return rig;
 }
 
-// Keys that stand twice in one object (the library would silently keep one of them), and objects with very many keys.
-class MemberCheck {
+// Keys that stand twice in one object (the library would silently keep one of them), and objects with very many keys. A pass of its own: with a callback the library
+// goes through all that an array has so far at the end of each object in it.
+class MemberCheck : public nlohmann::json_sax<Json> {
  public:
-  bool operator()(int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == Json::parse_event_t::object_end) {
-      open_.pop_back();
-    } else if (event == Json::parse_event_t::key) {
-      const auto& key = parsed.get_ref<const std::string&>();
-      if (!open_.back().insert(key).second) throw RigError("the key '" + printable(key) + "' stands twice in one object; remove or rename one");
-      if (open_.back().size() > kMaxMembers) throw RigError("an object has more than " + std::to_string(kMaxMembers) + " keys: is it the right file?");
-    }
+  bool start_object(std::size_t) override {
+    open_.emplace_back();
     return true;
   }
+  bool end_object() override {
+    open_.pop_back();
+    return true;
+  }
+  bool key(std::string& key) override {
+    if (!open_.back().insert(key).second) throw RigError("the key '" + printable(key) + "' stands twice in one object; remove or rename one");
+    if (open_.back().size() > kMaxMembers) throw RigError("an object has more than " + std::to_string(kMaxMembers) + " keys: is it the right file?");
+    return true;
+  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(std::int64_t) override { return true; }
+  bool number_unsigned(std::uint64_t) override { return true; }
+  bool number_float(double, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(Json::binary_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }  // told when it is parsed
 
  private:
   std::vector<std::set<std::string>> open_;
@@ -320,7 +332,8 @@ RigDescription parseRig(std::string_view text) {
   Json json;
   try {
     MemberCheck check;
-    json = Json::parse(text, [&check](int depth, Json::parse_event_t event, Json& parsed) { return check(depth, event, parsed); });
+    Json::sax_parse(text, &check);
+    json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const rig::LineColumn at = rig::lineColumn(text, error.byte > 0 ? error.byte - 1 : 0);
     throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) + ": not valid JSON (" + reasonOf(error.what()) + ")");
