@@ -84,7 +84,7 @@ void exercisePack(std::span<const std::byte> bytes) {
   const Source source{&FailingHost::read, &host, bytes.size()};
   const Allocator allocator{&FailingHost::allocate, &FailingHost::deallocate, &host};
 
-  verify(source, limits, report, nullptr);
+  verify(source, limits, report, nullptr, allocator);
   {
     const Result<Pack> pack = Pack::open(source, limits, allocator);
     if (pack && pack->fileSize() != bytes.size()) std::abort();
