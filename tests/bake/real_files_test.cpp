@@ -24,8 +24,9 @@ using glm::dmat4;
 using glm::dvec2;
 using glm::dvec3;
 
-// Under a sanitizer, where a voxel takes ten times as long, an eighth of the voxels.
+// Under a sanitizer, where a voxel takes ten times as long, an eighth of the voxels. What is off lies along the outline, and is a share of it as large as a voxel.
 constexpr int kSide = test::kSanitized ? 128 : 256;
+constexpr double kLeastIou = 1 - 0.05 * 256 / kSide;
 
 dmat4 asMatrix(const glm::mat4x3& m) {
   dmat4 out(1);
@@ -230,14 +231,14 @@ TEST_P(RealFiles, LookLikeTheirTriangles) {
   for (const auto& [yaw, pitch] : std::span(kViews).first(test::shareOf(4))) {
     const Comparison rest = baked.compare(yaw, pitch, nullptr);
     std::printf("%s yaw %g pitch %g: IoU %.4f, colour %.4f\n", GetParam().name, yaw, pitch, rest.iou, rest.color_error);
-    EXPECT_GE(rest.iou, 0.95) << "yaw " << yaw << " pitch " << pitch;
+    EXPECT_GE(rest.iou, kLeastIou) << "yaw " << yaw << " pitch " << pitch;
     EXPECT_LE(rest.color_error, GetParam().color_error) << "yaw " << yaw << " pitch " << pitch;
   }
   constexpr std::size_t kFigures[] = {1, 2};
   for (const std::size_t figure : std::span(kFigures).first(test::shareOf(2))) {
     const Comparison bent = baked.compare(35, 20, &test::kFigure6[figure]);
     std::printf("%s %s: IoU %.4f, colour %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou, bent.color_error);
-    EXPECT_GE(bent.iou, 0.95) << test::kFigure6[figure].name;
+    EXPECT_GE(bent.iou, kLeastIou) << test::kFigure6[figure].name;
     EXPECT_LE(bent.color_error, GetParam().color_error) << test::kFigure6[figure].name;
   }
 }

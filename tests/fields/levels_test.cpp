@@ -7,11 +7,13 @@
 #include <iterator>
 #include <map>
 #include <random>
+#include <span>
 
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 #include "peak_allocated.h"
 #include "reference_fields.h"
+#include "support/all_tests.h"
 #include "volumes.h"
 
 namespace kelp::test {
@@ -282,7 +284,8 @@ TEST(BuildLevel, HoldsWhatBrickHSaysWhereBoxesAreLong) {
   const auto far = volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; });
   const auto amid = volumeWhere(
       size, [&](const glm::ivec3& v) { return v == middle || v == middle + glm::ivec3(0, 90, 0) || v == glm::ivec3(3, 200, 9); });
-  for (const fields::Occupancy& volume : {far, amid}) {
+  const fields::Occupancy volumes[] = {far, amid};
+  for (const fields::Occupancy& volume : std::span(volumes).first(shareOf(2))) {
     const auto surface = numberedSurface(volume);
     const RawLevel level = fields::buildLevel(volume, surface, 2);
     checkLevel(level, volume, surface);
