@@ -11,7 +11,7 @@ import time
 import unittest
 
 from kelp_bake_case import KELP_BAKE, PIXEL, Case, box, textured_box
-from limited import limits
+from limited import limits, sanitized
 
 
 class Batches(Case):
@@ -226,7 +226,7 @@ class Batches(Case):
             result = self.bake("--manifest", self.write(name + ".json", text), **limits(KELP_BAKE))
             self.assertIn(result.returncode, (2, 3), (name, result.stderr[:300]))
             self.assertLess(len(result.stderr), 20000000)
-            self.assertLess(time.monotonic() - start, 10, name)
+            self.assertLess(time.monotonic() - start, 60 if sanitized(KELP_BAKE) else 10, name)
 
     def test_one_bad_asset_stops_no_other(self):
         self.write("bad.obj", "f 1 2 3\n")
