@@ -10,6 +10,9 @@
 
 namespace kelp::runtime {
 
+// A request, or a look at a page, counts for this many rounds.
+constexpr std::uint32_t kPatience = 8;
+
 // Memory a thread decodes pages into; kept for the next one.
 struct Scratch {
   PageData page;
@@ -88,7 +91,7 @@ struct Asset::Impl {
 
   std::mutex mutex;
   std::condition_variable idle;       // in_hand became 0
-  std::uint64_t ended = 0;  // tasks that left hands, well or not
+  std::uint64_t ended = 0;            // tasks that left hands, well or not
   std::uint32_t in_hand = 0;          // grids and pages that threads work on now
   Scratch* scratch = nullptr;
   Error first_error;

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// What is dropped for it, so that an asset keeps within its budget.
+#include <algorithm>
+
+#include "asset_impl.h"
+
+namespace kelp::runtime {
+
+void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
+  PageSlot& slot = level.pages[page];
+  std::uint32_t* words = nullptr;
+  {
+    std::lock_guard alone(readers);
+    if (slot.pins.load(std::memory_order_acquire) == 0) words = slot.words.exchange(nullptr, std::memory_order_relaxed);
+    if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);  // here: no reader may take the level for whole
+  }
+  if (!words) return;
+  const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
+  options.allocator.deallocate(options.allocator.user, words, static_cast<std::size_t>(bytes));
+  used_bytes.fetch_sub(bytes, std::memory_order_relaxed);
+  page_bytes -= bytes;
+  setAbsent(level, page);
+}
+
+// Whether a resident page may be dropped: nobody looks at it, nor did lately.
+bool Asset::Impl::mayGo(const PageSlot& slot) const {
+  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&
+         round.load(std::memory_order_relaxed) - slot.used.load(std::memory_order_relaxed) >= kPatience;
+}
+
+// Whether a page that findIdle() found is as it was.
+bool Asset::Impl::isStillIdle(const Idle& found) const {
+  const PageSlot& slot = found.level->pages[found.page];
+  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 && slot.used.load(std::memory_order_relaxed) == found.used;
+}
+
+// Finds the pages that were not looked at for longest: the next to be dropped, since whatever is loaded or looked at from now on is younger.
+void Asset::Impl::findIdle() {
+  const std::uint32_t now = round.load(std::memory_order_relaxed);
+  const auto goesBefore = [now](const Idle& a, const Idle& b) {  // the finest of equals: it is last
+    if (a.used != b.used) return now - a.used > now - b.used;
+    return a.level != b.level ? a.level->index > b.level->index : a.page > b.page;
+  };
+  idle_next = 0;
+  idle_count = 0;
+  for (std::size_t i = 0; i < state_count; ++i) {
+    LevelState& level = states[i];
+    if (level.coarsest || level.stage != Stage::kResident || level.resident.load(std::memory_order_relaxed) == 0) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      const PageSlot& slot = level.pages[page];
+      if (slot.stage != Stage::kResident || slot.pins.load(std::memory_order_relaxed) != 0) continue;
+      const Idle found{&level, page, slot.used.load(std::memory_order_relaxed)};
+      if (idle_count == kIdleKept) {
+        if (!goesBefore(found, idle_pages[0])) continue;
+        std::pop_heap(idle_pages, idle_pages + idle_count--, goesBefore);
+      }
+      idle_pages[idle_count++] = found;
+      std::push_heap(idle_pages, idle_pages + idle_count, goesBefore);
+    }
+  }
+  std::sort_heap(idle_pages, idle_pages + idle_count, goesBefore);
+}
+
+// Bytes of the budget that are free or can be made free; of more than `enough` only so many as are found first.
+std::uint64_t Asset::Impl::roomLeft(std::uint64_t enough) const {
+  const std::uint64_t unused = options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
+  std::uint64_t room = unused;
+  for (std::size_t i = idle_next; i < idle_count && room < enough; ++i) {
+    const Idle& found = idle_pages[i];
+    if (isStillIdle(found) && mayGo(found.level->pages[found.page])) room += bytesOf({found.level, found.page});
+  }
+  if (room >= enough) return room;
+  room = unused;
+  for (std::size_t i = 0; i < state_count && room < enough; ++i) {
+    LevelState& level = states[i];
+    if (level.coarsest || level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size() && room < enough; ++page) {
+      if (mayGo(level.pages[page])) room += bytesOf({&level, page});
+    }
+  }
+  return room;
+}
+
+// Takes `bytes` of the budget, dropping what was not used for longest; for a coarsest level, which nothing stands in for, whatever nobody
+// looks at right now. False: there is not enough that may be dropped.
+bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
+  bool is_fresh = false;
+  while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
+    while (idle_next < idle_count && !isStillIdle(idle_pages[idle_next])) ++idle_next;
+    const bool found = idle_next < idle_count && (coarsest || mayGo(idle_pages[idle_next].level->pages[idle_pages[idle_next].page]));
+    if (found) {
+      const Idle& oldest = idle_pages[idle_next++];
+      evict(*oldest.level, oldest.page);
+      is_fresh = false;
+    } else {
+      if (is_fresh) return false;
+      findIdle();
+      is_fresh = true;
+    }
+  }
+  used_bytes.fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+// What the task will add to used_bytes.
+std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
+  const LevelState& level = *task.level;
+  if (task.page != Task::kGrid) return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
+  return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)]);
+}
+
+}  // namespace kelp::runtime
