@@ -293,6 +293,16 @@ TEST(ImportMesh, PlyStripsAreTheirTriangles) {
   EXPECT_TRUE(contains(refusal(scratch.write("c.ply", head + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + points + "3 0 1 7\n"), Exit::kInvalid), "7"));
 }
 
+// Colours of the one, and places of both: found by fuzzing.
+TEST(ImportMesh, PlyElementsAreDeclaredOnce) {
+  const Scratch scratch;
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n", faces = "element face 1\nproperty list int int vertex_indices\n";
+  const std::string points = "0 0 0\n1 0 0\n0 1 0\n", colored = "0 0 0 1 2 3\n1 0 0 1 2 3\n0 1 0 1 2 3\n";
+  const std::string two = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + "element vertex 3\n" + xyz + "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  EXPECT_TRUE(contains(refusal(scratch.write("a.ply", two + faces + "end_header\n" + points + colored + "3 5 4 3\n"), Exit::kInvalid), "header line 7"));
+  EXPECT_TRUE(contains(refusal(scratch.write("b.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + faces + faces + "end_header\n" + points + "3 0 1 2\n3 0 1 2\n"), Exit::kInvalid), "'face'"));
+}
+
 TEST(ImportMesh, MarksAndKeywordsThatOtherToolsWrite) {
   const Scratch scratch;
   const std::string mark = "\xef\xbb\xbf";

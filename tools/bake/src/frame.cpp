@@ -65,6 +65,11 @@ Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const st
     throw BakeError(Exit::kUsage, fmt::format("{}: voxels of {:.6g} m make {:.0f} along the longest side, {} is the limit; use --voxel-size {:.4g} or more", what, voxel_size * metres,
                                               std::ceil(longest / voxel_size), kMaxResolution, std::nextafter(longest / kMaxResolution, longest) * 1.001 * metres));
   }
+  // Where it has an extent, floats themselves are that near (8192 voxels are 2^13, a float's digits 2^24): it is flat there.
+  const glm::dvec3 away = glm::max(glm::abs(bounds.low), glm::abs(bounds.high)) / voxel_size;
+  if (const double most = std::max({away.x, away.y, away.z}); most > kFarthest) {
+    throw BakeError(Exit::kInvalid, fmt::format("{}: lies {:.3g} voxels from its origin, farther than its voxels can be told apart; move the mesh to its origin", what, most));
+  }
   Frame frame;
   frame.voxel_size = voxel_size;
   frame.size = glm::ivec3(wholeVoxels(extent.x, voxel_size), wholeVoxels(extent.y, voxel_size), wholeVoxels(extent.z, voxel_size));

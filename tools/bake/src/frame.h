@@ -10,6 +10,8 @@ namespace kelp::bake {
 inline constexpr int kMaxResolution = 8192;
 // Edges of a voxel, in units: squares and volumes of lengths stay within a float's range.
 inline constexpr double kSmallestVoxel = 1e-12, kLargestVoxel = 1e12;
+// Voxels that a mesh may lie from its origin: doubles tell half a lattice step apart there (fill_topology.h).
+inline constexpr double kFarthest = 0x1p38;
 
 // Extents of the soup in the rig's axes (x, y, z with y along the spline); node units. BakeError kInvalid if the soup is empty or not finite.
 glm::dvec3 rigExtent(const TriangleSoup& soup, Axis axis, const std::string& what);

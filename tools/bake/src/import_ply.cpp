@@ -106,6 +106,8 @@ class PlyReader {
       } else if (key == "element") {
         Element element;
         element.name = nextWord(line);
+        const auto same = [&](const Element& other) { return other.name == element.name; };
+        if (std::any_of(elements_.begin(), elements_.end(), same)) refuseHeader("the element '" + oneLine(element.name, 40) + "' is declared a second time");
         const std::optional<std::int64_t> count = parseInteger(nextWord(line));
         if (!count || *count < 0) refuseHeader("an element has no count");
         element.count = *count;

@@ -169,6 +169,7 @@ struct Frame {
 };
 // The rig frame of a soup: its bounding box turned so that the rig's axis is +y; along y the box fits whole voxels exactly where the voxel
 // size is ours to choose (so the spline spans just the source's extent). `what` names the part in errors; `metres` to a unit of the soup, for them too.
+// BakeError kInvalid for a soup that is empty, not finite, or so far from its origin that voxels can not be told apart.
 Frame makeFrame(const TriangleSoup& soup, Axis axis, double voxel_size, const std::string& what, double metres = 1);
 
 struct VoxelizeResult {
