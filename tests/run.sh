@@ -3,8 +3,8 @@
 # kelp's tests, from nothing: installs what is missing (Debian 12), builds, tests.
 #   tests/run.sh                    everything, by clang, watched by the address and undefined-behaviour sanitizers; then the runtime alone, optimised by gcc, without the baker's dependencies
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure, but for those of opt-in packages (samples.farm)
-#   tests/run.sh --all              besides: everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS); what has threads, watched by the thread sanitizer; then packs of
-#                                   six builds compared byte by byte (tests/cli/same_packs.sh). Hours
+#   tests/run.sh --all              besides: everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS); everything as it ships; what has threads, watched by the thread
+#                                   sanitizer; then packs of six builds compared byte by byte (tests/cli/same_packs.sh), and clang-tidy and cppcheck (tests/lint.sh). Hours
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -20,6 +20,7 @@ for argument in "$@"; do
 done
 
 tools/setup.sh tests || exit 1
+[ "$all" -eq 0 ] || tools/setup.sh lint || exit 1
 passed=0 failed=0 skipped=0
 
 # Builds a preset, runs its tests and adds up their results, as ctest's own report (JUnit) has them.
@@ -54,14 +55,16 @@ PY
 
 broken=0
 presets=(asan runtime-only)
-[ "$all" -eq 1 ] && presets+=(dev tsan)
+[ "$all" -eq 1 ] && presets+=(dev release tsan)
 for preset in "${presets[@]}"; do
   if [ "$preset" = dev ]; then export KELP_ALL_TESTS=1; else unset KELP_ALL_TESTS; fi
   run_preset "$preset" || { echo "run.sh: preset $preset did not build or test" >&2; broken=1; }
 done
 
 if [ "$all" -eq 1 ]; then
-  if tests/cli/same_packs.sh; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+  for check in tests/cli/same_packs.sh tests/lint.sh; do
+    if "$check"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+  done
 fi
 
 echo "$passed passed, $failed failed, $skipped skipped"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs what is missing to build kelp on Debian 12: `tools/setup.sh` for everything, `tools/setup.sh runtime` for the runtime, kelp-dump
-# and kelp-render alone. `tools/setup.sh tests`: for tests/run.sh, which builds by clang too. `tools/setup.sh farm`: for samples/farm, which nothing else needs (some 700 MB).
+# and kelp-render alone. `tools/setup.sh tests`: for tests/run.sh, which builds by clang too. `tools/setup.sh lint`: for tests/lint.sh. `tools/setup.sh farm`: for samples/farm, which nothing else needs (some 700 MB).
 # Does nothing, and needs no rights, when all is there.
 set -euo pipefail
 
@@ -13,15 +13,17 @@ baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
        libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
-sanitizers=(clang libclang-rt-14-dev llvm)
+sanitizers=(clang libclang-rt-14-dev lld llvm)
+lint=(clang-tidy cppcheck)
 farm=(snakemake slurm-wlm munge)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
   tests) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
+  lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;
   farm) packages=("${farm[@]}") ;;
-  *) echo "setup.sh: unknown set '$1': give 'all', 'tests', 'runtime' or 'farm'" >&2; exit 1 ;;
+  *) echo "setup.sh: unknown set '$1': give 'all', 'tests', 'runtime', 'lint' or 'farm'" >&2; exit 1 ;;
 esac
 
 missing=()

@@ -7,7 +7,7 @@ import re
 import tomllib
 import unittest
 
-from kelp_bake_case import Case
+from kelp_bake_case import Case, box
 
 # Every option of --print-config, with a value that is not the default and can be had together with the others.
 GIVEN = [("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2), ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"),
@@ -29,8 +29,9 @@ class Configurations(Case):
         reference = self.printed()
         self.assertEqual(tomllib.loads(reference), {})
         self.write("c.toml", reference)
-        self.passes("1.obj", "-o", "with.kelp", "--config", "c.toml")
-        self.passes("1.obj", "-o", "without.kelp")
+        self.write("rod.obj", box(64, 1, 1))  # of few voxels at any resolution
+        self.passes("rod.obj", "-o", "with.kelp", "--config", "c.toml")
+        self.passes("rod.obj", "-o", "without.kelp")
         self.assertEqual(self.read("with.kelp"), self.read("without.kelp"))
         self.assertEqual(self.printed("--config", "c.toml"), reference)
 
@@ -42,10 +43,11 @@ class Configurations(Case):
         self.assertEqual(set(re.findall(r"--([a-z-]+)", help_text[:help_text.index("Examples:")][help_text.index("Options:"):])) & set(shown), set(shown))
         self.assertLessEqual(set(re.findall(r"(?m)^  (?:-.,)?--([a-z-]+)", help_text)), set(shown) | of_the_program)
         # What stands there as a default is one.
-        self.passes("1.obj", "-o", "without.kelp")
+        self.write("rod.obj", box(64, 1, 1))
+        self.passes("rod.obj", "-o", "without.kelp")
         for line in re.findall(r"(?m)(?<!# For example:\n)^#([a-z-]+ = .*)$", self.printed()):
             self.write("c.toml", line)
-            self.passes("1.obj", "-o", "with.kelp", "--config", "c.toml")
+            self.passes("rod.obj", "-o", "with.kelp", "--config", "c.toml")
             self.assertEqual(self.read("with.kelp"), self.read("without.kelp"), line)
 
     def test_what_is_given_comes_back(self):

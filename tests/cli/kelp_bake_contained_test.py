@@ -11,8 +11,7 @@ import sys
 import time
 import unittest
 
-from kelp_bake_case import KELP_BAKE, Case, box
-from limited import sanitized
+from kelp_bake_case import KELP_BAKE, SANITIZED, Case, box
 
 LIBRARY = sys.argv.pop(1)  # or several, as LD_PRELOAD has them
 
@@ -65,7 +64,7 @@ class Contained(Case):
         """Nothing is left of the output, however far it had come; of the one that was there, all."""
         self.write("out.kelp", b"the pack that was there")
         for fault in ("write 1 crash", "write 2 crash", "fsync 1 crash", "rename 1 crash"):
-            self.ends(self.start(fault, "1.obj", "-o", "out.kelp"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--resolution", "20"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
             self.assertEqual(self.read("out.kelp"), b"the pack that was there")
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
         self.ends(self.start("rename 1 crash", "--manifest", "m.json", "--report", "r.json"), 4, "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
@@ -151,7 +150,7 @@ class Contained(Case):
         self.ends(self.start("spin 1.obj", "1.obj", "-o", "out.kelp", first=lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 10))), 4,
                   "1.obj: the bake has had the processor time that the system allows (ulimit -t) while the file was read; ")
 
-    @unittest.skipIf(sanitized(KELP_BAKE), "a sanitizer ends a program that gets no memory")
+    @unittest.skipIf(SANITIZED, "a sanitizer ends a program that gets no memory")
     def test_memory(self):
         """Six million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
         self.write("large.obj", "v 0 0 0\n" * 6000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))

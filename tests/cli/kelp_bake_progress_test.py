@@ -15,7 +15,7 @@ import termios
 import time
 import unittest
 
-from kelp_bake_case import KELP_BAKE, Case, box, lump
+from kelp_bake_case import KELP_BAKE, SANITIZED, Case, box, lump
 from terminal import read_terminal
 
 TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 16
@@ -42,7 +42,7 @@ class Progress(Case):
 
     def test_a_bar_on_a_terminal(self):
         self.write("lump.obj", lump(60))
-        text = self.on_terminal("lump.obj", "-o", "out.kelp", "--resolution", "260", "--threads", "1")
+        text = self.on_terminal("lump.obj", "-o", "out.kelp", "--resolution", "110" if SANITIZED else "260", "--threads", "1")
         bars = self.bars(text)
         self.assertTrue(any(re.fullmatch(r"voxelize +\[#*\.*\] +\d+ %(, [0-9.e+]+ %/s, \d+:\d\d left)?", bar) for bar in bars), bars)
         self.assertTrue(any(re.search(r"%/s, \d+:\d\d left", bar) for bar in bars), bars)
@@ -171,12 +171,12 @@ class Progress(Case):
 
     def test_interrupted_at_any_moment(self):
         self.write("lump.obj", lump(40))
-        self.assertGreater(self.interrupt(["lump.obj", "--resolution", "150"]), TRIES // 4)
+        self.assertGreater(self.interrupt(["lump.obj", "--resolution", "60" if SANITIZED else "150"]), TRIES // 4)
 
     def test_interrupted_with_a_cache(self):
         self.write("lump.obj", lump(20))
         os.makedirs(self.path("cache"))
-        self.interrupt(["lump.obj", "--resolution", "100", "--cache", "cache", "--cache-size", "1"])
+        self.interrupt(["lump.obj", "--resolution", "40" if SANITIZED else "100", "--cache", "cache", "--cache-size", "1"])
 
 
 if __name__ == "__main__":
