@@ -282,6 +282,26 @@ TEST(Parts, RigsKeepWhatTheyBendAndLetGoOfWhatMoves) {
   expectFollows(baked, GltfTruth(path), {{"bird", 2}}, "go", 0, {0, 0.5}, 1e-5);
 }
 
+// The knots stand at the top of the scene: what they bend stays where it is while the bird flies.
+TEST(Parts, TheScenesOwnRigFollowsNoNode) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 2, 0, 0, 3, 0}, 3);
+  const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0,2,3,4]}],"nodes":[{"name":"reed","mesh":0,"children":[1]},
+      {"name":"bird","mesh":0,"translation":[0,2,0],"scale":[0.5,0.1,0.5]},{"name":"knot.0"},{"name":"knot.1","translation":[0,0.5,0]},{"name":"knot.2","translation":[0,1,0]}],
+      "animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}])"));
+  Settings settings;
+  settings.parts = Parts::kNodes;
+  const Baked baked(path, settings, 32);
+  ASSERT_EQ(baked.pack().parts.size(), 2u);
+  for (const RawPart& part : baked.pack().parts) EXPECT_EQ(part.parent, -1) << part.name;
+  const int bird = baked.partNamed("bird");
+  ASSERT_EQ(baked.pack().clips.size(), 1u);
+  for (const auto& track : baked.pack().clips[0].tracks) EXPECT_EQ(track.part, bird);
+  expectFollows(baked, GltfTruth(path), {{"bird", 1}}, "go", 0, {0, 0.5}, 1e-5);
+}
+
 TEST(Parts, WhatNoPartCanFollowIsSaid) {
   const Scratch scratch;
   GltfMaker maker;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <system_error>
 #include <thread>
@@ -81,6 +82,24 @@ std::uint64_t dataBytes() {
   return 0;
 }
 
+// Waits until all other threads of this process sleep, for a moment at most. log4cplus, which comes with OpenVDB, has started some before main, which may still be on their way to sleep:
+// forked off just then, the child would have their locks for ever, such as an allocator's.
+void waitForOthers() {
+  const std::string self = std::to_string(gettid());
+  const auto sleep = [&self] {
+    std::error_code error;
+    for (std::filesystem::directory_iterator task("/proc/self/task", error), end; !error && task != end; task.increment(error)) {
+      if (task->path().filename() == self) continue;
+      std::string stat;
+      std::getline(std::ifstream(task->path() / "stat"), stat);
+      const std::size_t name_end = stat.rfind(')');
+      if (name_end != std::string::npos && stat.compare(name_end, 3, ") S") != 0) return false;
+    }
+    return true;  // or this system does not say
+  };
+  for (int i = 0; i < 100 && !sleep(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 [[noreturn]] void runChild(pid_t parent, int pipe, const Options& options, const std::function<Outcome()>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) std::_Exit(static_cast<int>(Exit::kRuntime));  // it has ended before it could be watched
@@ -95,7 +114,7 @@ std::uint64_t dataBytes() {
   }
   ::close(pipe);
   std::fflush(nullptr);
-  std::_Exit(0);  // log4cplus, which comes with OpenVDB, has started threads before main; at an orderly exit it would wait for them, and here they are not
+  std::_Exit(0);  // at an orderly exit log4cplus would wait for its threads, and here they are not
 }
 
 // What has come from the child.
@@ -171,6 +190,7 @@ Outcome contained(const Options& options, ProgressDisplay& display, const std::f
   std::signal(SIGCHLD, SIG_DFL);  // where it is ignored nobody learns how a child ends
   pid_t child = -1;
   if (::pipe2(ends, O_CLOEXEC) == 0) {
+    waitForOthers();
     child = ::fork();
     if (child == 0) {
       ::close(ends[0]);

@@ -71,6 +71,7 @@ class NodePlanner {
     if (rigs.file || !loose.empty()) {
       scene = 0;
       plans_.push_back({-1, -1, -1, std::move(rigs.file), std::move(loose), {}, false});
+      anchors_.push_back(-1);
     }
     std::vector<int> bound(model_.data.nodes.size(), -1);  // the plan whose rig bends a node
     for (int node : model_.order) {
@@ -78,7 +79,7 @@ class NodePlanner {
       if (rigs.nodes[at] || !knots[at].empty()) {
         bound[at] = seat_[at] = static_cast<int>(plans_.size());
         plans_.push_back({node, -1, -1, std::move(rigs.nodes[at]), std::move(knots[at]), {node}, false});
-        anchors_.resize(plans_.size(), node);
+        anchors_.push_back(node);
         continue;
       }
       const int above = parentOf(node) >= 0 ? bound[static_cast<std::size_t>(parentOf(node))] : scene;
@@ -91,9 +92,8 @@ class NodePlanner {
       const int skin = nodeAt(node).skin;
       if (skin < 0) seat_[at] = static_cast<int>(plans_.size());
       plans_.push_back({node, -1, -1, std::nullopt, {}, {node}, true});
-      anchors_.resize(plans_.size(), skin < 0 || plans_.size() > Limits{}.max_parts ? node : skinAnchor(model_, skin));  // beyond the limit none matters
+      anchors_.push_back(skin < 0 || plans_.size() > Limits{}.max_parts ? node : skinAnchor(model_, skin));  // beyond the limit none matters
     }
-    anchors_.resize(plans_.size(), -1);
   }
 
   Way wayUp(std::size_t plan) const {

@@ -2,6 +2,7 @@
 // Closing the cracks that compressors leave: Draco rounds every primitive on a grid of its own, so what was one border becomes two, and a body
 // of two materials would no longer be closed.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <unordered_map>
 
@@ -42,11 +43,11 @@ class Seams {
   // The nearest point that was kept and can be the same one; else keeps this one and answers it.
   std::uint32_t join(std::uint32_t point) {
     const glm::dvec3 at(positions_[point]);
-    const glm::i64vec3 cell(glm::floor(at / cell_));
+    const glm::dvec3 cell = glm::floor(at / cell_);
     Kept* found = nullptr;
     double best = cell_;
     for (int i = 0; i < 27; ++i) {
-      const auto entry = cells_.find(hash(cell + glm::i64vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+      const auto entry = cells_.find(hash(cell + glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
       if (entry == cells_.end()) continue;
       for (Kept& other : entry->second) {
         const double distance = glm::length(glm::dvec3(positions_[other.vertex]) - at);
@@ -78,10 +79,11 @@ class Seams {
   // Each side is at most half a step off along every axis.
   static double reachOf(float a, float b) { return 1.01 * std::sqrt(3.0) * 0.5 * (static_cast<double>(a) + static_cast<double>(b)); }
 
-  // Cells that share a number only cost time: distances decide.
-  static std::uint64_t hash(const glm::i64vec3& cell) {
+  // Cells that share a number only cost time: distances decide. Far from the origin, beside a fine step, cells have more digits than any integer; neighbours that are the
+  // same number there do not matter, since floats have none that near.
+  static std::uint64_t hash(const glm::dvec3& cell) {
     std::uint64_t value = 0;
-    for (int c = 0; c < 3; ++c) value = (value ^ static_cast<std::uint64_t>(cell[c])) * 0x9e3779b97f4a7c15u;
+    for (int c = 0; c < 3; ++c) value = (value ^ std::bit_cast<std::uint64_t>(cell[c] + 0.0)) * 0x9e3779b97f4a7c15u;  // of both zeros the same
     return value ^ value >> 31;
   }
 
