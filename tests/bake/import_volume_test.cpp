@@ -198,6 +198,19 @@ TEST(ImportRaw, SpacingIsResampledToCubes) {
   EXPECT_NEAR(volume(model), ball, 0.02 * ball);
 }
 
+// Voxels a million million million million times as deep as they are wide: between them there is next to nothing of any.
+TEST(ImportRaw, SpacingMayDifferByAnything) {
+  const Scratch scratch;
+  const auto path = writeRaw<float>(scratch, {20, 18, 17}, "f32", [](const glm::dvec3&) { return 1.0; }, R"(, "spacing": [1e-12, 1e-12, 1e12])");
+  Settings settings;
+  settings.resolution = 8;
+  settings.resolution_given = true;
+  settings.volume = VolumeKind::kSolid;
+  EXPECT_EQ(importFile(path, settings).parts[0].grid->size, glm::ivec3(1, 1, 8));
+  settings.volume = VolumeKind::kFog;
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, settings), "no density at this resolution"));
+}
+
 TEST(ImportRaw, FogHoldsTheDensities) {
   const Scratch scratch;
   const auto density = [](const glm::dvec3& p) { return std::max(0.0, hill(p)); };
@@ -300,7 +313,7 @@ TEST(ImportRaw, TruncatedAndTooLarge) {
     const std::string text = refusal(path, Exit::kRuntime, settings);
     const std::size_t at = text.find("--resolution ");
     ASSERT_NE(at, text.npos) << text;
-    settings.max_memory = std::uint64_t{64} << 20;
+    settings.max_memory = std::uint64_t{40} << 20;
     const std::string small = refusal(path, Exit::kRuntime, settings);
     settings.resolution = std::atoi(small.c_str() + small.find("--resolution ") + 13);
     EXPECT_GT(settings.resolution, 64) << small;

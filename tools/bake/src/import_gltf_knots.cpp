@@ -7,6 +7,8 @@
 #include <iterator>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "import_gltf_model.h"
 
 namespace kelp::bake {
@@ -276,8 +278,7 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
     const bool first = i == 0, last = i + 1 == knots.size();
     knot.at = first ? 0.0f : last ? 1.0f : static_cast<float>(along);
     if ((first || last) && std::abs(along - (first ? 0 : 1)) > kEndTolerance)
-      model.note(knot_name + " lies " + std::to_string(static_cast<int>(std::lround(100 * std::abs(along - (first ? 0 : 1))))) +
-                 " % of the mesh's length away from its end and is taken to the end; move it there");
+      model.note(fmt::format("{} lies {:.0f} % of the mesh's length away from its end and is taken to the end; move it there", knot_name, 100 * std::abs(along - (first ? 0 : 1))));
     if (!first && !(knot.at > rig.knots.back().at)) {
       model.note(knot_name + " does not lie between its neighbours along the " + toString(*rig.axis) + " axis: no rig is made of the knots; put them in order");
       return std::nullopt;

@@ -51,6 +51,7 @@ class Field {
   double sample(const glm::dvec3& at_point) const {
     const glm::dvec3 nearest = glm::round(at_point);
     const glm::dvec3 p = glm::mix(at_point, nearest, glm::lessThan(glm::abs(at_point - nearest), glm::dvec3(1e-6)));
+    if (glm::any(glm::lessThanEqual(p, glm::dvec3(-1))) || glm::any(glm::greaterThanEqual(p, glm::dvec3(volume_.size)))) return outside_;
     const glm::dvec3 base = glm::floor(p), part = p - base;
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -157,7 +158,7 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Fiel
   if (longest / out.step > kMaxResolution + 0.5)
     refuse(Exit::kUsage, files.input(), "", "makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller --resolution, or larger voxels");
   out.size = glm::max(glm::ivec3(glm::ceil(extent / out.step - 1e-4)), glm::ivec3(1));
-  out.samples = std::clamp(static_cast<int>(std::ceil(out.step / finest - 1e-4)), 1, 8);
+  out.samples = static_cast<int>(std::clamp(std::ceil(out.step / finest - 1e-4), 1.0, 8.0));
   const glm::dvec3 corner = low - 0.5 * (glm::dvec3(out.size) * out.step - extent);
   const glm::dmat3 back = glm::transpose(to_rig) * out.step;
   const glm::dvec3 origin = glm::transpose(to_rig) * corner;
