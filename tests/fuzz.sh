@@ -3,6 +3,7 @@
 # Fuzzes kelp: tests/fuzz/README.md says what each fuzzer reaches. Opt-in, for Debian 12 (clang); everything goes to build/.
 #   tests/fuzz.sh [MINUTES] [NAME...]   builds preset fuzz, then runs the fuzzers named, or all of them, for MINUTES of processor time each (1), as many at once as there are
 #                                       processors. Their corpora grow under build/fuzz/corpus. Ends with a table; fails if there was a finding, which it names
+#   tests/fuzz.sh --totals              processor time and executions of each fuzzer in all its runs here so far, also those that were cut short
 #   tests/fuzz.sh --coverage            the share of the pack reader's lines that the seeds of the packs' fuzzers reach; fails at 95 % or less
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -17,13 +18,13 @@ build() {
   ninja -C "build/$preset" "$@"
 }
 
-# One fuzzer for so many seconds of processor time, in turns, since libFuzzer counts by the clock. Leaves a line of the table in build/fuzz/log/NAME.
+# One fuzzer for so many seconds of processor time, in turns, since libFuzzer counts by the clock; ten minutes at most, so that little is lost where it is cut short. Each is noted. Leaves a line of the table in build/fuzz/log/NAME.
 fuzz_one() {
   local name=$1 wanted=$2 used=0 runs=0 coverage=- code=0 left log=build/fuzz/log/$1
   mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
   : >"$log.text"
   while left=$(awk "BEGIN { print int($wanted - $used + 0.5) }") && [ "$left" -ge 1 ] && [ "$code" -eq 0 ]; do
-    local options=(-max_total_time="$left" -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
+    local options=(-max_total_time=$((left < 600 ? left : 600)) -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
     [ -e "tests/fuzz/$name.dict" ] && options+=(-dict="tests/fuzz/$name.dict")
     local seeds=()
     for folder in $(seeds_of "$name"); do [ -d "$folder" ] && seeds+=("$folder"); done
@@ -31,7 +32,10 @@ fuzz_one() {
     { time "build/fuzz/tests/fuzz/fuzz_$name" "${options[@]}" "build/fuzz/corpus/$name" "${seeds[@]}" >"$log.turn" 2>&1; } 2>"$log.time" || code=$?
     cat "$log.turn" >>"$log.text"
     used=$(awk "{ print $used + \$1 + \$2 }" "$log.time")
-    runs=$((runs + $(sed -n 's/^stat::number_of_executed_units: *//p' "$log.turn" | tail -1 | grep . || echo 0)))
+    local of_turn
+    of_turn=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log.turn" | tail -1 | grep . || echo 0)
+    runs=$((runs + of_turn))
+    awk -v name="$name" -v runs="$of_turn" '{ print name, $1 + $2, runs }' "$log.time" >>build/fuzz/turns
     coverage=$(grep -ao 'cov: [0-9]*' "$log.turn" | tail -1 | cut -d' ' -f2 || true)
   done
   printf '%-12s %8.1f %12d %10s %9d\n' "$name" "$(awk "BEGIN { print $used / 60 }")" "$runs" "${coverage:--}" $((code != 0)) >"$log"
@@ -69,6 +73,12 @@ fuzz() {
   return $findings
 }
 
+totals() {
+  [ -s build/fuzz/turns ] || fail "no fuzzer has run here"
+  printf '%-12s %8s %12s\n' fuzzer CPU-min executions
+  awk '{ seconds[$1] += $2; runs[$1] += $3 } END { for (name in runs) printf "%-12s %8.1f %12d\n", name, seconds[name] / 60, runs[name] }' build/fuzz/turns | sort
+}
+
 # All of formats/ but its writers, what only writers use, other systems' sources, and the arithmetic of poses, which a runtime does each frame: what decides whether
 # a pack is read, and decodes it.
 readonly NOT_READER='/(tests|tools|runtime|shaders|usr)/|_writer|_encode|raw_pack|source_windows|worker_threads|lanes8?[.]h|bound_knots|add_waves'
@@ -95,8 +105,9 @@ coverage() {
 }
 
 case "${1:-}" in
-  -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+  -h|--help) sed -n '3,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
   --coverage) coverage ;;
+  --totals) totals ;;
   -*) fail "unknown option '$1'; see --help" ;;
   *) fuzz "$@" ;;
 esac
