@@ -404,5 +404,31 @@ TEST(MakeFrame, RefusesWhatHasNoBox) {
   EXPECT_THROW(bake::makeFrame(soup, Axis::kPlusY, 1.0, "box"), bake::BakeError);
 }
 
+// A square so far along its normal that a division and a product round it to places a voxel and more apart.
+TEST(MakeFrame, RefusesWhatLiesTooFarToBeTold) {
+  const auto squareAt = [](float x) {
+    bake::TriangleSoup soup;
+    soup.positions = {{x, 0, 0}, {x, 7, 0}, {x, 7, 7}, {x, 0, 7}};
+    soup.triangles = {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}};
+    return soup;
+  };
+  for (const Axis axis : {Axis::kPlusY, Axis::kMinusX, Axis::kPlusZ}) {
+    for (const float x : {0x1p37f, -0x1.3579p37f}) {
+      const bake::Frame frame = bake::makeFrame(squareAt(x), axis, 0.7, "square");
+      const glm::dvec3 there(frame.node_to_voxel * glm::dvec4(x, 3.5, 3.5, 1));
+      EXPECT_LT(glm::distance(there, glm::dvec3(frame.size) / 2.0), 1.0 / 8192) << x;
+    }
+    for (const float x : {0x1p39f, -1e30f, std::numeric_limits<float>::max()}) {
+      try {
+        bake::makeFrame(squareAt(x), axis, 0.7, "square");
+        ADD_FAILURE() << x;
+      } catch (const bake::BakeError& error) {
+        EXPECT_EQ(error.exit, bake::Exit::kInvalid);
+        EXPECT_NE(std::string(error.what()).find("from its origin"), std::string::npos) << error.what();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kelp
