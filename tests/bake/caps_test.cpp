@@ -141,8 +141,9 @@ TEST(Caps, ABowlIsFullToItsRim) {
 // 100,000 edges that go up and down on a wave: walked in even steps, they cost no more than others. A frustum's mouth goes on as a dome.
 TEST(Caps, ARimOf100000Edges) {
   const auto wave = [](float turns) { return std::sin(6 * static_cast<float>(kPi) * turns); };
+  constexpr int kFine = test::kSanitized ? 40 : 200;
   const auto start = std::chrono::steady_clock::now();
-  const test::Baked baked = voxelizeUnit(test::makeModel(can(500, 200, 40, 20, 20, wave, 1e-4f)));
+  const test::Baked baked = voxelizeUnit(test::makeModel(can(500, kFine, 40, 20, 20, wave, 1e-4f)));
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), test::kSanitized ? 60.0 : 10.0);
   EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
   // The box ends with the rim, a voxel above its mean.
@@ -162,7 +163,7 @@ TEST(Caps, HolesByTheThousand) {
 
 // Whatever is left of a sphere: rims that touch themselves and each other, edges of three faces, turned and doubled faces, corners off their places.
 TEST(Caps, NoRimIsTooWild) {
-  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+  for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(test::shareOf(30)); ++seed) {
     std::mt19937 random(seed);
     const auto unit = [&] { return static_cast<float>(random() & 0xffff) / 65536.0f; };
     bake::TriangleSoup soup;

@@ -10,6 +10,7 @@
 #include "../fields/every_target.h"
 #include "import_scratch.h"
 #include "kelp/bake/bake.h"
+#include "support/all_tests.h"
 
 namespace kelp::bake::test {
 namespace {
@@ -41,7 +42,7 @@ std::string lump() {
 
 std::string packOf(const std::filesystem::path& input, int threads, const std::filesystem::path& out) {
   Settings settings;
-  settings.resolution = 72;
+  settings.resolution = kelp::test::kSanitized ? 40 : 72;
   settings.rig_preset = "sway";
   settings.threads = threads;
   Report report;

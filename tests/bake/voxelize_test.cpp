@@ -10,6 +10,7 @@
 
 #include "kelp/fields/fields.h"
 #include "shapes.h"
+#include "support/all_tests.h"
 
 namespace kelp {
 namespace {
@@ -33,26 +34,28 @@ double meanNormalError(const bake::VoxelGrid& grid, const std::function<glm::dve
   return sum / static_cast<double>(grid.surface.size());
 }
 
-TEST(Voxelize, SphereOf256HasItsVolumeAndItsNormals) {
+TEST(Voxelize, SphereHasItsVolumeAndItsNormals) {
+  constexpr int kSide = test::kSanitized ? 128 : 256;
   bake::TriangleSoup soup;
-  test::addSphere(soup, {3, -7, 11}, 128.0f, 300);
+  test::addSphere(soup, {3, -7, 11}, kSide / 2.0f, 300);
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
-  EXPECT_EQ(baked.grid().size, glm::ivec3(256));
+  EXPECT_EQ(baked.grid().size, glm::ivec3(kSide));
   EXPECT_TRUE(baked.result.closed);
   EXPECT_EQ(baked.result.fill, "solid: 1 of 1 component closed");
-  const double volume = 4.0 / 3.0 * kPi * 128.0 * 128.0 * 128.0;
+  const double volume = kPi / 6.0 * kSide * kSide * kSide;
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
   EXPECT_LT(meanNormalError(baked.grid(), [](const glm::dvec3& p) { return glm::normalize(p - glm::dvec3(3, -7, 11)); }), 1.0);
 }
 
-TEST(Voxelize, TorusOf256HasItsVolumeAndItsNormals) {
+TEST(Voxelize, TorusHasItsVolumeAndItsNormals) {
+  constexpr int kRing = test::kSanitized ? 46 : 92, kTube = test::kSanitized ? 18 : 36;
   bake::TriangleSoup soup;
-  test::addTorus(soup, 92.0f, 36.0f, 300);
+  test::addTorus(soup, kRing, kTube, 300);
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
-  EXPECT_EQ(baked.grid().size, glm::ivec3(256, 72, 256));
-  const double volume = 2.0 * kPi * kPi * 92.0 * 36.0 * 36.0;
+  EXPECT_EQ(baked.grid().size, 2 * glm::ivec3(kRing + kTube, kTube, kRing + kTube));
+  const double volume = 2.0 * kPi * kPi * kRing * kTube * kTube;
   EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.005 * volume);
-  const auto exact = [](const glm::dvec3& p) { return glm::normalize(p - 92.0 * glm::normalize(glm::dvec3(p.x, 0, p.z))); };
+  const auto exact = [](const glm::dvec3& p) { return glm::normalize(p - double{kRing} * glm::normalize(glm::dvec3(p.x, 0, p.z))); };
   EXPECT_LT(meanNormalError(baked.grid(), exact), 1.0);
 }
 

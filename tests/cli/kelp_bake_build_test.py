@@ -224,11 +224,12 @@ class Caches(BuildFolder):
         self.once(*bake[:1], "--resolution", "9")
         self.once(*bake, "--up", "+z")
         self.once(*bake, "--rig", "sway")
-        self.once("1.obj")
+        box = ["1.obj", "--resolution", "8"]
+        self.once(*box)
         self.write("1.rig.json", {"kelp": 1})
-        self.once("1.obj", "--rig", "sway")  # its report tells of a rig that is not read
+        self.once(*box, "--rig", "sway")  # its report tells of a rig that is not read
         os.remove(self.path("1.rig.json"))
-        self.once("1.obj", "--rig", "sway")
+        self.once(*box, "--rig", "sway")
         self.assertTrue(self.cached(*bake, "--threads", "1", "--max-memory", "1G"))
         self.once("in/box.obj", "--voxel-size", "0.25")
         # By content, not by name or time, of every file.

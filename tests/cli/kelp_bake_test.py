@@ -269,11 +269,11 @@ class KelpBake(unittest.TestCase):
         self.assertLess(time.monotonic() - start, 20)
 
     def test_the_resolution_that_is_said_to_fit_fits(self):
-        refused = self.bake(self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "90M").stderr.decode()
+        refused = self.bake(self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "60M").stderr.decode()
         advised = int(re.search(r"--resolution (\d+) would fit", refused).group(1))
         for more in (advised + 1, advised + advised // 20, advised + advised // 10):
-            self.fails(4, self.cube, "-o", self.out, "--resolution", str(more), "--max-memory", "90M", says=["--resolution %d would fit" % advised])
-        fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "90M", "--report", self.path("report.json"))
+            self.fails(4, self.cube, "-o", self.out, "--resolution", str(more), "--max-memory", "60M", says=["--resolution %d would fit" % advised])
+        fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "60M", "--report", self.path("report.json"))
         self.assertEqual(fits.returncode, 0, fits.stderr)
         if SANITIZED:
             return  # it keeps memory of its own
@@ -284,11 +284,11 @@ class KelpBake(unittest.TestCase):
         self.assertRegex(lines[0], r"^kelp-bake: cube.obj: baking needs about [0-9.]+ MiB of memory$")
 
     def test_the_voxels_that_are_said_to_fit_fit(self):
-        refused = self.bake(self.cube, "-o", self.out, "--voxel-size", "0.00001", "--unit", "cm", "--max-memory", "70M")
+        refused = self.bake(self.cube, "-o", self.out, "--voxel-size", "0.00001", "--unit", "cm", "--max-memory", "50M")
         self.assertEqual(refused.returncode, 4, refused.stderr)
         advised = re.search(r"--voxel-size (\S+) would fit", refused.stderr.decode()).group(1)
-        self.fails(4, self.cube, "-o", self.out, "--voxel-size", str(0.98 * float(advised)), "--unit", "cm", "--max-memory", "70M", says=["--voxel-size"])
-        fits = self.bake(self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "70M")
+        self.fails(4, self.cube, "-o", self.out, "--voxel-size", str(0.98 * float(advised)), "--unit", "cm", "--max-memory", "50M", says=["--voxel-size"])
+        fits = self.bake(self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "50M")
         self.assertEqual(fits.returncode, 0, fits.stderr)
         self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M", says=["1.0 MiB", "no resolution would fit"])
 
@@ -300,7 +300,7 @@ class KelpBake(unittest.TestCase):
         return float(number) * (1024 if unit == "G" else 1)
 
     def test_padding_that_is_too_large_is_named(self):
-        wide = [self.cube, "-o", self.out, "--resolution", "64", "--max-memory", "150M", "--pad"]
+        wide = [self.cube, "-o", self.out, "--resolution", "16", "--max-memory", "40M", "--pad"]
         refused = self.bake(*wide, "1000").stderr.decode()
         self.assertNotIn("the file itself is too large", refused)
         pad = int(re.search(r"--pad (\d+) would fit", refused).group(1))
@@ -308,7 +308,7 @@ class KelpBake(unittest.TestCase):
         fits = self.bake(*wide, str(pad))
         self.assertEqual(fits.returncode, 0, fits.stderr)
         # Where both are too large, both are named.
-        self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "150M", "--pad", "1000",
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "40M", "--pad", "1000",
                    says=["no resolution would fit with --pad 1000; without it --resolution "])
 
     def test_what_is_narrower_than_a_voxel_is_counted(self):

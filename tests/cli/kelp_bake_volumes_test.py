@@ -19,7 +19,8 @@ from limited import GIGABYTE, SECONDS, limits, peak
 
 KELP_BAKE = os.path.abspath(sys.argv.pop(1))
 MAKE_VOLUMES = os.path.abspath(sys.argv.pop(1))
-ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(sys.argv.pop(1), "..", "shared", "assets")
+SOURCES = sys.argv.pop(1)
+ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
 KINDS = (".vdb", ".nvdb")
 
 # What make_volumes' balls have of voxels: centres nearer to the origin than the surface, or where a density is at least a value.

@@ -3,43 +3,33 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/verify.h"
-#include "pack_compare.h"
-#include "pack_surgeon.h"
-#include "support/random_pack.h"
+#include "lying_pack.h"
 #include "tiny_fog_pack.h"
 
 namespace kelp {
 namespace {
 
 using test::Bytes;
+using test::kCorrupt;
+using test::Lie;
 using test::PackSurgeon;
+using test::Reading;
 using test::set;
 
+const RawPack& fogPack() {
+  static const RawPack pack = test::makeTinyFogPack();
+  return pack;
+}
+
 const Bytes& fogBytes() {
-  static const Bytes bytes = test::writeToMemory(test::makeTinyFogPack());
+  static const Bytes bytes = test::writeToMemory(fogPack());
   return bytes;
 }
 
-struct Reading {
-  std::optional<Error> error;
-  bool equal = false;  // to the tiny pack of fog
-};
-
-// Reads everything a pack has, from a block of exactly its size, so that a sanitizer sees reads beyond it.
-Reading readAll(const Bytes& bytes, const Limits& limits = {}) {
-  static const RawPack tiny = test::makeTinyFogPack();
-  const Bytes copy(bytes);
-  MemorySource memory(copy);
-  const Result<Pack> pack = Pack::open(memory.source(), limits);
-  if (!pack) return {pack.error()};
-  const test::Comparison result = test::compare(*pack, tiny);
-  if (!result.status) return {result.status.error()};
-  return {std::nullopt, result.equal};
-}
+Reading readFog(const Bytes& bytes, const Limits& limits = {}) { return test::readAll(fogPack(), bytes, limits); }
 
 std::vector<Issue> issuesOf(const Bytes& bytes) {
   std::vector<Issue> issues;
@@ -47,15 +37,6 @@ std::vector<Issue> issuesOf(const Bytes& bytes) {
   verify(memory.source(), {}, [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); }, &issues);
   return issues;
 }
-
-// A lie, and what the reader must answer.
-struct Lie {
-  const char* name;
-  ErrorCode code;
-  void (*tell)(PackSurgeon& s);
-};
-
-constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
 
 // Whatever the reader refuses, verify must find too.
 template <std::size_t N>
@@ -65,13 +46,7 @@ void expectAllRefused(const Lie (&lies)[N], const Bytes& bytes = fogBytes()) {
     PackSurgeon surgeon(bytes);
     lie.tell(surgeon);
     const Bytes told = surgeon.build();
-    const Reading reading = readAll(told);
-    if (!reading.error) {
-      ADD_FAILURE() << "accepted";
-      continue;
-    }
-    EXPECT_EQ(toString(reading.error->code), toString(lie.code)) << reading.error->detail;
-    EXPECT_TRUE(reading.error->offset == Error::kNoOffset || reading.error->offset <= told.size());
+    test::expectRefused(readFog(told), told, lie.code);
     const std::vector<Issue> issues = issuesOf(told);
     EXPECT_TRUE(std::any_of(issues.begin(), issues.end(), [](const Issue& issue) { return issue.severity == Severity::kError; }));
   }
@@ -208,15 +183,15 @@ const Lie kLevelLies[] = {
 };
 
 TEST(FogHostile, TheTinyPackItselfIsSound) {
-  EXPECT_TRUE(readAll(fogBytes()).equal);
+  EXPECT_TRUE(readFog(fogBytes()).equal);
   // And the surgeon, who shares no code with the library, puts it together so that it reads the same.
   PackSurgeon surgeon(fogBytes());
   EXPECT_EQ(surgeon.minor, 1);
   ASSERT_EQ(surgeon.content("FOGS").size(), 96u);
-  EXPECT_TRUE(readAll(surgeon.build()).equal);
+  EXPECT_TRUE(readFog(surgeon.build()).equal);
   // A minor version is what a pack was written for, not what it may hold.
   surgeon.minor = 0;
-  EXPECT_TRUE(readAll(surgeon.build()).equal);
+  EXPECT_TRUE(readFog(surgeon.build()).equal);
 }
 
 TEST(FogHostile, LiesInTheIndexAreRefused) { expectAllRefused(kIndexLies); }
@@ -245,7 +220,7 @@ TEST(FogHostile, ATableWithoutFogIsRefused) {
 TEST(FogHostile, EveryTruncationIsRefused) {
   const Bytes bytes = fogBytes();
   for (std::size_t size = 1; size < bytes.size(); ++size) {
-    const Reading reading = readAll(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+    const Reading reading = readFog(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
     ASSERT_TRUE(reading.error) << size;
     ASSERT_EQ(reading.error->code, ErrorCode::kTruncated) << size;
   }
@@ -257,7 +232,7 @@ TEST(FogHostile, EveryChangedByteIsFoundByVerifyAndRefusedOrHarmlessToTheReader)
     for (const unsigned change : {0x01u, 0x80u, 0xFFu}) {
       Bytes changed = bytes;
       changed[at] ^= static_cast<std::byte>(change);
-      const Reading reading = readAll(changed);
+      const Reading reading = readFog(changed);
       ASSERT_TRUE(reading.error || reading.equal) << at;
       ASSERT_FALSE(issuesOf(changed).empty()) << at;
     }
@@ -266,7 +241,7 @@ TEST(FogHostile, EveryChangedByteIsFoundByVerifyAndRefusedOrHarmlessToTheReader)
 
 TEST(FogHostile, LimitsAreObeyed) {
   const auto refusal = [](const Limits& limits) {
-    const Reading reading = readAll(fogBytes(), limits);
+    const Reading reading = readFog(fogBytes(), limits);
     return reading.error ? reading.error->code : ErrorCode::kMisuse;
   };
   EXPECT_EQ(refusal({1000000, 25, 100}), ErrorCode::kLimit);  // smoke is 26 wide
@@ -276,7 +251,7 @@ TEST(FogHostile, LimitsAreObeyed) {
   for (PackSurgeon surgeon(fogBytes()); const char* name : {"INFO", "PART", "MATL", "FOGS", "RIGS"}) metadata += surgeon.content(name).size();
   ASSERT_GT(metadata, 48 * PackSurgeon(fogBytes()).chunks.size());
   EXPECT_EQ(refusal({1000000, 26, 3, metadata - 1}), ErrorCode::kLimit);
-  EXPECT_TRUE(readAll(fogBytes(), {1000000, 26, 3, 3 * metadata}).equal);
+  EXPECT_TRUE(readFog(fogBytes(), {1000000, 26, 3, 3 * metadata}).equal);
 }
 
 // What only a validator sees, and how it names what the reader sees too.

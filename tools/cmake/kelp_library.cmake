@@ -7,8 +7,8 @@ function(kelp_target_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
-  # Sources that are compiled as one see each other's names, so that there -Wshadow means nothing.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow> -Wnon-virtual-dtor -ffp-contract=off
+  # Sources that are compiled as one see each other's names and are included by another, so that there -Wshadow and GCC's -Wsubobject-linkage mean nothing.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic $<IF:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>,-Wshadow> -Wnon-virtual-dtor -ffp-contract=off
     -ffunction-sections -fdata-sections $<$<BOOL:${KELP_WERROR}>:-Werror>)
   # What ships is hardened as Debian hardens: overrun stacks and buffers end the program, jumps land where they may, and tables of addresses are read-only.
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux")

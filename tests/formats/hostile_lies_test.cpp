@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+// Packs that contradict themselves, with every checksum right.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "lying_pack.h"
+
+namespace kelp {
+namespace {
+
+using test::Bytes;
+using test::kCorrupt;
+using test::Lie;
+using test::PackSurgeon;
+using test::set;
+using test::tinyBytes;
+
+constexpr ErrorCode kFeature = ErrorCode::kUnsupportedFeature;
+
+const Lie kIndexLies[] = {
+    {"no chunks", kCorrupt, [](PackSurgeon& s) { s.chunks.clear(); }},
+    {"flag unknown", kFeature, [](PackSurgeon& s) { s.chunks[s.find("PART")].flags |= 4; }},
+    {"PART not required", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("PART")].flags &= ~1u; }},
+    {"CLIP required", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("CLIP")].flags |= 1u; }},
+    {"metadata with level", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("MATL")].level = 1; }},
+    {"metadata with part", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("MATL")].part = 1; }},
+    {"raw is not stored", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("BRCK")].raw_lie = 5; }},
+    {"raw is not that of the frame", kCorrupt,
+     [](PackSurgeon& s) {
+       s.chunks[s.find("PART")].flags |= 2;
+       s.chunks[s.find("PART")].raw_lie = s.content("PART").size() + 1;
+     }},
+    {"expands beyond zstd", kCorrupt,
+     [](PackSurgeon& s) {
+       s.chunks[s.find("PART")].flags |= 2;
+       s.chunks[s.find("PART")].raw_lie = std::uint64_t{1} << 31;
+     }},
+    {"BRCK compressed in one", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("BRCK")].flags |= 2; }},
+    {"offset too large", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = 64; }},
+    {"offset wraps around", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = ~std::uint64_t{0} - 63; }},
+    {"64 zeros too many", kCorrupt, [](PackSurgeon& s) { s.chunks[2].gap = 64; }},
+    {"not aligned", kCorrupt, [](PackSurgeon& s) { s.chunks.back().gap = 8; }},
+    {"PART missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("PART"))); }},
+    {"MATL missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("MATL"))); }},
+    {"RIGS missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("RIGS"))); }},
+    {"GRID missing", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"))); }},
+    {"BRCK missing", kCorrupt, [](PackSurgeon& s) { s.chunks.pop_back(); }},
+    {"PART twice", kCorrupt, [](PackSurgeon& s) { s.chunks.insert(s.chunks.begin(), s.chunks[s.find("PART")]); }},
+    {"MATL before PART", kCorrupt, [](PackSurgeon& s) { std::swap(s.chunks[s.find("PART")], s.chunks[s.find("MATL")]); }},
+    {"CLIP last", kCorrupt,
+     [](PackSurgeon& s) {
+       std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")),
+                   s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")) + 1, s.chunks.end());
+     }},
+    {"fine before coarse", kCorrupt,
+     [](PackSurgeon& s) {
+       const auto first = s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"));
+       std::rotate(first, first + 2, first + 4);
+     }},
+    {"BRCK before GRID", kCorrupt, [](PackSurgeon& s) { std::swap(s.chunks[s.find("GRID")], s.chunks[s.find("BRCK")]); }},
+    {"one level too many", kCorrupt, [](PackSurgeon& s) { s.chunks.push_back(s.chunks[s.find("GRID")]); }},
+    {"level of another part", kCorrupt, [](PackSurgeon& s) { s.chunks.back().part = 0; }},
+};
+
+const Lie kPartLies[] = {
+    {"too short", kCorrupt, [](PackSurgeon& s) { s.content("PART").resize(7); }},
+    {"no parts", kCorrupt, [](PackSurgeon& s) { s.content("PART").assign(8, std::byte{0}); }},
+    {"count of 2^32 - 1", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 0, 0xffffffffu); }},
+    {"one byte more", kCorrupt, [](PackSurgeon& s) { s.content("PART").push_back(std::byte{'x'}); }},
+    {"name beyond the text", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 128, 7u); }},
+    {"name of 2^32 - 1 bytes", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 128, 0xffffffffu); }},
+    {"text left over", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 128, 5u); }},
+    {"name splits a character", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("PART"), 8, 7u);
+       set(s.content("PART"), 128, 3u);
+     }},
+    {"name with newline", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, '\n'); }},
+    {"name with escape", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, '\x1b'); }},
+    {"name with C1 control", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, std::uint16_t{0x9bc2}); }},
+    {"name overlong", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, std::uint16_t{0xafc0}); }},
+    {"name with surrogate", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("PART"), 249, std::uint16_t{0xa0ed});
+       set(s.content("PART"), 251, std::uint8_t{0x80});
+     }},
+    {"parent is itself", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 132, std::int32_t{1}); }},
+    {"parent of the first", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 12, std::int32_t{0}); }},
+    {"parent -2", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 12, std::int32_t{-2}); }},
+    {"fog without its table", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 16, std::uint8_t{1}); }},
+    {"kind 200", kFeature, [](PackSurgeon& s) { set(s.content("PART"), 16, std::uint8_t{200}); }},
+    {"0 levels", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 17, std::uint8_t{0}); }},
+    {"17 levels", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 17, std::uint8_t{17}); }},
+    {"16 levels", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 17, std::uint8_t{16}); }},
+    {"reserved", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 18, std::uint16_t{1}); }},
+    {"size 0", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 20, 0u); }},
+    {"size -1", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 24, 0xffffffffu); }},
+    {"size 32769", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 28, 32769u); }},
+    {"size 9000", ErrorCode::kLimit, [](PackSurgeon& s) { set(s.content("PART"), 28, 9000u); }},
+    {"size is another", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 28, 9u); }},
+    {"transform not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 32 + 44, test::kNan); }},
+    {"transform flat", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 32, 0.0f); }},
+    {"pivot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 80 + 4, test::kInfinity); }},
+    {"info not UTF-8", kCorrupt, [](PackSurgeon& s) { set(s.content("INFO"), 0, '\xff'); }},
+    {"info with null", kCorrupt, [](PackSurgeon& s) { set(s.content("INFO"), 0, '\0'); }},
+};
+
+const Lie kPaletteAndRigLies[] = {
+    {"palette too short", kCorrupt, [](PackSurgeon& s) { s.content("MATL").resize(3); }},
+    {"no colours", kCorrupt, [](PackSurgeon& s) { s.content("MATL").assign(4, std::byte{0}); }},
+    {"257 colours", kCorrupt,
+     [](PackSurgeon& s) {
+       s.content("MATL").assign(4 + 257 * 36, std::byte{0});
+       set(s.content("MATL"), 0, 257u);
+     }},
+    {"2^32 - 1 colours", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 0, 0xffffffffu); }},
+    {"palette one byte more", kCorrupt, [](PackSurgeon& s) { s.content("MATL").push_back(std::byte{0}); }},
+    {"colour above 1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 4, 1.5f); }},
+    {"colour not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 16, test::kNan); }},
+    {"negative light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 20, -1.0f); }},
+    {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
+    {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},
+    {"roughness -1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 36, -1.0f); }},
+    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(15); }},
+    {"rigs of 3 parts", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 0, 3u); }},
+    {"2^32 - 1 knots", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 4, 0xffffffffu); }},
+    {"rig of 1 knot", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.content("RIGS"), 8, 4u);
+       set(s.content("RIGS"), 12, 1u);
+     }},
+    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 12, 3u); }},
+    {"knots left over", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8, 2u); }},
+    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16, 0.1f); }},
+    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 28, 0.0f); }},
+    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 4, test::kInfinity); }},
+    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 20, -20.0f); }},
+};
+
+const Lie kClipLies[] = {
+    {"too short", kCorrupt, [](PackSurgeon& s) { s.content("CLIP").resize(19); }},
+    {"counts of 2^32 - 1", kCorrupt,
+     [](PackSurgeon& s) {
+       for (std::size_t at = 0; at < 20; at += 4) set(s.content("CLIP"), at, 0xffffffffu);
+     }},
+    {"one byte more", kCorrupt, [](PackSurgeon& s) { s.content("CLIP").push_back(std::byte{0}); }},
+    {"name too long", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 20, 5u); }},
+    {"name left over", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 20, 3u); }},
+    {"name with control", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 256, '\x07'); }},
+    {"duration 0", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 24, 0.0f); }},
+    {"duration not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 24, test::kNan); }},
+    {"2 waves of 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 28, 2u); }},
+    {"0 waves of 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 28, 0u); }},
+    {"3 tracks of 2", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 32, 3u); }},
+    {"wave of part 2", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 36, 2u); }},
+    {"wave of knot 3", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 40, 3u); }},
+    {"wave of a part", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 44, 2u); }},
+    {"wave target 2^31", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 44, 0x80000000u); }},
+    {"amplitude not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 52, test::kInfinity); }},
+    {"period 0", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 60, 0.0f); }},
+    {"period -1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 60, -1.0f); }},
+    {"phase not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 64, test::kNan); }},
+    {"track of part 2", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 68, 2u); }},
+    {"track of a part with a knot", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 72, 1u); }},
+    {"track target 5", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 76, std::uint8_t{5}); }},
+    {"interpolation 3", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 77, std::uint8_t{3}); }},
+    {"reserved", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 78, std::uint16_t{1}); }},
+    {"no keys", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 0u); }},
+    {"3 keys of 3, and 1", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 3u); }},
+    {"keys left over", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 80, 1u); }},
+    {"negative time", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, -1.0f); }},
+    {"times descend", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 2.0f); }},
+    {"times equal", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 100, 1.5f); }},
+    {"rotation not a unit", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 116, 1.1f); }},
+    {"rotation not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 104, test::kNan); }},
+    {"slope of a linear track", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 120, 1.0f); }},
+    {"fourth component of an offset", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 16, 1.0f); }},
+    {"fourth component of a slope", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 48, 1.0f); }},
+    {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, test::kInfinity); }},
+};
+
+// The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has three cells and
+// padding.
+const Lie kGridLies[] = {
+    {"too short", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(4); }},
+    {"no pages", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(8); }},
+    {"half a page entry", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(24); }},
+    {"one byte more", kCorrupt, [](PackSurgeon& s) { s.content("GRID").push_back(std::byte{0}); }},
+    {"padding not zero", kCorrupt, [](PackSurgeon& s) { set(s.chunks[s.find("GRID") + 2].content, 12, 1u); }},
+    {"reserved bits of a cell", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 0, 0x81000000u); }},
+    {"slot 1 without 0", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 0, 0x80000001u); }},
+    {"slot twice", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 4, 0x80000000u); }},
+    {"slots out of order", kCorrupt,
+     [](PackSurgeon& s) {
+       set(s.chunks[s.find("GRID") + 2].content, 0, 0x80000001u);
+       set(s.chunks[s.find("GRID") + 2].content, 8, 0x80000000u);
+     }},
+    {"a brick too many", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 4, 0x80000001u); }},
+    {"no brick", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 0, 0u); }},
+    {"page not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, std::uint64_t{1}); }},
+    {"page at 2^64 - 1", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, ~std::uint64_t{0}); }},
+    {"page shorter than its chunk", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() - 1)); }},
+    {"page longer than its chunk", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() + 1)); }},
+    {"page of 0 bytes", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 16, 0u); }},
+    {"page expands to 2^32 - 4", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 0xfffffffcu); }},
+    {"page of another size", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 520u); }},
+    {"page of odd size", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 517u); }},
+    {"page too small for its brick", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 508u); }},
+    {"page checksum", ErrorCode::kChecksum, [](PackSurgeon& s) { set(s.content("GRID"), 24, std::uint64_t{1}); }},
+    {"first slot 1", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 32, 1u); }},
+    {"page of no bricks", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 0u); }},
+    {"page of 2^32 - 1 bricks", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 0xffffffffu); }},
+    {"page of a brick too few", kCorrupt, [](PackSurgeon& s) { set(s.chunks[s.find("GRID") + 2].content, 16 + 28, 1u); }},
+};
+
+// Byte 0 of the page is a surface voxel, byte 1 an inner one; the attribute follows the 512 codes.
+const Lie kPageLies[] = {
+    {"reserved code", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[100] = std::byte{129}; }); }},
+    {"a rank", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{65}; }); }},
+    {"reserved code 192", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{192}; }); }},
+    {"attribute missing", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(512); }); }},
+    {"attribute too many", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(520); }); }},
+    {"surface voxel without attribute", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[64] = std::byte{64}; }); }},
+    {"palette index 2 of 2", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[512] = std::byte{2}; }); }},
+    {"nothing solid", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.assign(512, std::byte{0}); }); }},
+    {"not a zstd frame", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& bricks = s.content("BRCK");
+       bricks[0] ^= std::byte{1};
+       set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
+     }},
+    {"bytes after the frame", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& bricks = s.content("BRCK");
+       bricks.push_back(std::byte{0});
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
+       set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
+     }},
+    {"skippable frame after the frame", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& bricks = s.content("BRCK");
+       for (const int byte : {0x50, 0x2A, 0x4D, 0x18, 0, 0, 0, 0}) bricks.push_back(static_cast<std::byte>(byte));
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
+       set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
+     }},
+    {"two frames", kCorrupt,
+     [](PackSurgeon& s) {
+       Bytes& bricks = s.content("BRCK");
+       const Bytes page = test::zstdDecode(bricks.data(), bricks.size());
+       bricks = test::zstdFrame(Bytes(page.begin(), page.begin() + 256));
+       const Bytes second = test::zstdFrame(Bytes(page.begin() + 256, page.end()));
+       bricks.insert(bricks.end(), second.begin(), second.end());
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
+       set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
+     }},
+};
+
+template <std::size_t N>
+void expectAllRefused(const Lie (&lies)[N]) {
+  for (const Lie& lie : lies) {
+    SCOPED_TRACE(lie.name);
+    PackSurgeon surgeon(tinyBytes());
+    lie.tell(surgeon);
+    const Bytes told = surgeon.build();
+    test::expectRefused(test::readAll(test::tinyPack(), told), told, lie.code);
+  }
+}
+
+TEST(Hostile, LiesInTheIndexAreRefused) { expectAllRefused(kIndexLies); }
+TEST(Hostile, LiesInThePartsAreRefused) { expectAllRefused(kPartLies); }
+TEST(Hostile, LiesInPaletteAndRigsAreRefused) { expectAllRefused(kPaletteAndRigLies); }
+TEST(Hostile, LiesInTheClipsAreRefused) { expectAllRefused(kClipLies); }
+TEST(Hostile, LiesInGridsAreRefused) { expectAllRefused(kGridLies); }
+TEST(Hostile, LiesInPagesAreRefused) { expectAllRefused(kPageLies); }
+
+}  // namespace
+}  // namespace kelp
