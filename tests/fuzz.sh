@@ -23,6 +23,13 @@ fuzz_one() {
   local name=$1 wanted=$2 used=0 runs=0 coverage=- code=0 left log=build/fuzz/log/$1
   mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
   : >"$log.text"
+  # Each turn begins by reading the corpus: first without what others in it reach, too.
+  rm -rf "build/fuzz/corpus/$name.least" && mkdir "build/fuzz/corpus/$name.least"
+  if "build/fuzz/tests/fuzz/fuzz_$name" -merge=1 -timeout=60 -rss_limit_mb=2048 -max_len=65536 "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name" >"$log.merge" 2>&1; then
+    rm -rf "build/fuzz/corpus/$name" && mv "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name"
+  else
+    rm -rf "build/fuzz/corpus/$name.least"
+  fi
   while left=$(awk "BEGIN { print int($wanted - $used + 0.5) }") && [ "$left" -ge 1 ] && [ "$code" -eq 0 ]; do
     local options=(-max_total_time=$((left < 600 ? left : 600)) -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
     [ -e "tests/fuzz/$name.dict" ] && options+=(-dict="tests/fuzz/$name.dict")
