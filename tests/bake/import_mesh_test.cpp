@@ -303,6 +303,12 @@ TEST(ImportMesh, PlyElementsAreDeclaredOnce) {
   EXPECT_TRUE(contains(refusal(scratch.write("b.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + faces + faces + "end_header\n" + points + "3 0 1 2\n3 0 1 2\n"), Exit::kInvalid), "'face'"));
 }
 
+TEST(ImportMesh, PlyElementsAreFew) {
+  std::string header = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 257; ++i) header += "element e" + std::to_string(i) + " 0\n";
+  EXPECT_TRUE(contains(refusal(Scratch().write("a.ply", header + "end_header\n"), Exit::kInvalid), "header line 259: there are more than 256 elements"));
+}
+
 TEST(ImportMesh, MarksAndKeywordsThatOtherToolsWrite) {
   const Scratch scratch;
   const std::string mark = "\xef\xbb\xbf";

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """kelp-bake -MD as make and ninja understand it, and --cache. Usage: kelp_bake_build_test.py KELP_BAKE [unittest options]"""
+import ctypes
+import ctypes.util
 import json
 import os
 import random
 import shlex
 import shutil
+import struct
 import subprocess
 import time
 import unittest
@@ -96,6 +99,21 @@ class BuildSteps(BuildFolder):
         result = self.bake("in/m.gltf", "-o", "out.kelp", "-MD", "--resolution", "8")
         self.assertEqual(result.returncode, 0, result.stderr.decode())
         self.assertEqual(self.rule("out.kelp.d"), ("out.kelp", ["in/b u.bin", "in/m.gltf", "in/skin.tga"]))
+
+    def test_a_name_with_a_line_break_is_in_no_rule(self):
+        self.write("m.gltf", {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "buffers": [{"uri": "x%0ASHELL=./evil", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+                              "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0]}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]})
+        os.rename(self.write("1.obj", box(1, 1, 1)), self.path("1\n2.obj"))
+        for model in ("1\n2.obj", "2.obj"):
+            result = self.bake(model, "-o", "out\r.kelp" if model == "2.obj" else "out.kelp", "-MD", "--resolution", "4")
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(b"has a line break in its name", result.stderr)
+            self.assertTrue(all(line.startswith(b"kelp-bake: ") for line in result.stderr.splitlines()), result.stderr)
+            self.assertEqual([name for name in os.listdir(self.folder) if "kelp" in name], [])
+        self.write("x\nSHELL=./evil", struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 1))
+        result = self.bake("m.gltf", "-o", "out.kelp", "-MD", "--resolution", "4")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual([name for name in os.listdir(self.folder) if "kelp" in name], [])
 
     def check_builds(self, build, folder, output):
         """Builds once, then not at all, then whenever a file is touched, then not at all."""
@@ -277,6 +295,26 @@ class Caches(BuildFolder):
                 self.assertEqual(self.read("c.kelp"), self.read("n.kelp"))
                 whole = self.read(entry)
             os.remove(entry)
+            self.once(*bake)
+
+    def test_entries_that_hold_something_else_are_baked_anew(self):
+        library = ctypes.util.find_library("xxhash")
+        if not library:
+            self.skipTest("libxxhash is absent: apt-get install libxxhash0")
+        class Hash(ctypes.Structure):
+            _fields_ = [("low", ctypes.c_uint64), ("high", ctypes.c_uint64)]
+        xxh3 = ctypes.CDLL(library).XXH3_128bits
+        xxh3.restype, xxh3.argtypes = Hash, [ctypes.c_char_p, ctypes.c_size_t]
+        bake = ["1.obj", "--resolution", "8"]
+        self.once(*bake)
+        entry, = self.entries()
+        head, rest = self.read(entry).split(b"\n", 1)
+        _, _, report_bytes, pack_bytes, _ = head.split(b" ")
+        pack = rest[int(report_bytes):]
+        for report in (b"not json", b"[]", b'{"notices": []}', b'{"input": 5, "notices": []}', b'{"input": "1.obj", "notices": 3}', b'{"input": "1.obj", "notices": [7]}',
+                       b'{"input": "1.obj", "notices": [], "x": ' + b"[" * 200000 + b"]" * 200000 + b"}", b'{"input": "1.obj", "notices": [], ' + b",".join(b'"%d": 0' % i for i in range(200000)) + b"}"):
+            hashed = xxh3(report + pack, len(report + pack))
+            self.write(entry, b"kelp-cache 1 %d %d %016x%016x\n" % (len(report), len(pack), hashed.high, hashed.low) + report + pack)
             self.once(*bake)
 
     def test_many_at_once(self):

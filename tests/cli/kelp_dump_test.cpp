@@ -189,6 +189,13 @@ TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
   ProcessResult result = dump({"info", path()});
   EXPECT_EQ(result.exit, 0) << result.err;
   EXPECT_EQ(result.out.find("evil"), std::string::npos);  // nested too deeply to be shown at all
+  pack.info_json = "{\"tool\": \"evil\"";
+  for (int i = 0; i < 200000; ++i) pack.info_json += ",\"k" + std::to_string(i) + "\":0";
+  pack.info_json += "}";
+  writePack(pack);
+  result = dump({"info", path()});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_EQ(result.out.find("evil"), std::string::npos);  // nor where it has more keys than can be looked through
   pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\"}";
   writePack(pack);
   result = dump({"info", path()});

@@ -194,6 +194,13 @@ TEST_F(Extract, SlicesShowEveryVoxel) {
   }
 }
 
+TEST_F(Extract, SlicesOfPartsAreNeverOthers) {
+  std::vector<RawPart> parts;
+  for (const char* name : {"a_2", "a", "a", "a_1"}) parts.push_back(test::rawPart(test::ball(test::scaled(1), 3), name));
+  run({test::writePackFile(folder_, "names.kelp", parts, test::paletteOf(3)), "--slices", folder_ / "names"});
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "names"), {}), 4 * parts[0].size.y);
+}
+
 TEST_F(Extract, SlicesOfFogAreItsCodes) {
   // 17 samples are 16 cubes: the last layer of samples is in bricks that begin before it.
   const glm::ivec3 size(17, 33, 20);

@@ -293,6 +293,27 @@ TEST(ProveClip, UnrelatedPeriodsAreTakenAtTheirWorst) {
   }());
 }
 
+// What the proof costs grows with the periods that have nothing in common, so there is an end to them.
+TEST(ProveClip, ManyUnrelatedPeriodsAreRefused) {
+  const glm::ivec3 size(8, 100, 8);
+  const std::vector<Knot> knots = straight(100);
+  const auto refusal = [&](int waves, const glm::vec3& amplitude) -> std::string {
+    RawClip clip{"c", 1, {}, {}};
+    for (int i = 0; i < waves; ++i) clip.waves.push_back({0, 1, Target::kKnotOffset, amplitude, 1 + std::sqrt(static_cast<float>(2 * i + 3)) / 50, 0});
+    try {
+      proveClip(clip, 0, knots, size);
+    } catch (const RigError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(refusal(50, {0, 0.001f, 0}), "");
+  EXPECT_NE(refusal(2000, {0, 0.001f, 0}).find("more than"), std::string::npos);
+  EXPECT_NE(refusal(200, {0, 0.001f, 0}).find("more than 64 periods that have no common multiple"), std::string::npos);
+  EXPECT_EQ(refusal(1000, {0.001f, 0, 0}), "");
+  EXPECT_NE(refusal(1100, {0.001f, 0, 0}).find("more than 1024 periods move one segment"), std::string::npos);
+}
+
 TEST(ProveClip, RestRigThatTurnsBackIsRefused) {
   std::vector<Knot> knots = straight(100);
   knots[1].tangent.y = -10;

@@ -30,6 +30,7 @@ void checkRoles(const Options& options, const bake::FilesUsed& files, const Plac
   for (const bake::FilesUsed::File& file : files.read) read.push_back(file.path);
   FileRoles roles;
   addRoles(roles, options, read, place);
+  if (options.dependency_file) checkDependencies(options, files);
 }
 
 std::optional<Baked> takeFromCache(const Options& options, const Place& place, const Cache& cache) {

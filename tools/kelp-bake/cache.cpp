@@ -78,7 +78,7 @@ std::optional<Cache::Hit> Cache::copyTo(const Options& options, bake::Recipe rec
   const fs::path place = packFile(options, recipe.info);
   bake::OutputFile output(options.output);
   std::optional<Entry> entry = readEntry(place, output);
-  if (!entry) {
+  if (!entry || !isReport(entry->report)) {
     std::error_code error;
     if (output.error() == 0) fs::remove(place, error);
     return std::nullopt;

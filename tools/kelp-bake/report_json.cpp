@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "report_json.h"
 
+#include <algorithm>
 #include <set>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
+
+#include "kelp/rig_json/json_depth.h"
+#include "summary.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -115,9 +119,29 @@ std::string cachedReport(const std::string& report, const Options& options, cons
   return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
+bool isReport(const std::string& text) {
+  constexpr int kMaxDepth = 16;
+  constexpr std::size_t kMaxMembers = 1000;
+  if (nestedDeeper(text, kMaxDepth) || hasLargerObject(text, kMaxMembers)) return false;
+  const OrderedJson json = OrderedJson::parse(text, nullptr, false);
+  const auto isText = [](const OrderedJson& value) { return value.is_string(); };
+  return json.is_object() && json.contains("input") && isText(json["input"]) && json.contains("notices") && json["notices"].is_array() && std::all_of(json["notices"].begin(), json["notices"].end(), isText);
+}
+
 std::vector<std::string> noticesOf(const std::string& report) { return OrderedJson::parse(report)["notices"].get<std::vector<std::string>>(); }
 
 std::string inputOf(const std::string& report) { return OrderedJson::parse(report)["input"].get<std::string>(); }
+
+void checkDependencies(const Options& options, const bake::FilesUsed& files) {
+  const auto check = [](const std::filesystem::path& path) {
+    if (path.string().find_first_of("\n\r") != std::string::npos)
+      throw bake::BakeError(bake::Exit::kIo, oneLine(path.string()) + ": has a line break in its name, and no make rule can name it; rename it, or leave -MD and -MF out");
+  };
+  check(options.input);
+  check(options.output);
+  for (const bake::FilesUsed::File& file : files.read) check(file.path);
+  for (const std::filesystem::path& file : options.option_files) check(file);
+}
 
 void writeDependencies(const std::filesystem::path& path, const Options& options, const bake::FilesUsed& files) {
   std::set<std::filesystem::path> others;  // in one order, whether they were read or looked up

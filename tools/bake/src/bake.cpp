@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -144,10 +146,11 @@ void checkClips(const RawPack& pack, const std::filesystem::path& input) {
 
 // Knots and clips of all parts, proved monotone.
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
+  std::vector<RawClip> clips;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     try {
       pack.parts[i].knots = realizeKnots(model.parts[i].rig, pack.parts[i].size);
-      mergeClips(pack.clips, realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)));
+      std::ranges::move(realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)), std::back_inserter(clips));
     } catch (const RigError& error) {
       throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
     }
@@ -156,6 +159,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
                                                   partPlace(input, model.parts[i]), model.parts[i].rig_origin, sound.error().offset, sound.error().detail));
     }
   }
+  mergeClips(pack.clips, std::move(clips));
   checkClips(pack, input);
   for (const RawClip& clip : pack.clips) {
     for (std::size_t i = 0; i < model.parts.size(); ++i) {

@@ -156,6 +156,7 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   const std::size_t one = componentSize(accessor.componentType), width = static_cast<std::size_t>(out.components);
   if (one == 0 || width == 0) model.refuse(place, "has a type that " + user + " can not use");
   if (accessor.count > (accessor.bufferView < 0 ? kMaxZeroElements : kMaxElements)) model.refuse(place, "has more elements than kelp reads");
+  model.countRead(out.count * width / 4, place);
   const bool normalized = accessor.normalized || fractions;
   if (accessor.bufferView < 0) {
     out.values.assign(out.count * width, 0.0f);

@@ -174,6 +174,8 @@ RigDescription::Track sampleTangent(const GltfTransform& rest, const NodeChannel
 
 // The part's own motion, relative to rest: with D = R0^-1 T0^-1 T R S S0^-1 acting in the pivot, where the pivot is P T0 R0.
 void addPartTracks(const GltfModel& model, int node, const NodeChannels& channels, std::vector<RigDescription::Track>& tracks) {
+  for (const GltfChannel* channel : {channels.translation, channels.rotation, channels.scale})
+    if (channel) model.countRead(16 * channel->times.size(), model.nodeName(node));  // also what holds the part still, and makes no track
   bool exact = true;
   const GltfTransform rest = restTransform(nodeAt(model, node), &exact);
   if (!exact) model.note(model.nodeName(node) + " is animated and has a matrix with shear, which glTF forbids: its keys move it from the nearest turn and scale");

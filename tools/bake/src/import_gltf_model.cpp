@@ -131,7 +131,7 @@ GltfTransform restTransform(const tinygltf::Node& node, bool* exact) {
 void GltfModel::countRead(std::uint64_t elements, const std::string& place) const {
   constexpr std::uint64_t kMostElements = std::uint64_t{1} << 29;
   elements_read += elements;
-  if (elements_read > kMostElements) refuse(place, "brings the nodes of the scene beyond " + std::to_string(kMostElements) + " vertices, joints and primitives, shared ones counted anew; bake it in pieces");
+  if (elements_read > kMostElements) refuse(place, "brings the nodes of the scene beyond " + std::to_string(kMostElements) + " vertices, joints, primitives and values of theirs, shared ones counted anew; bake it in pieces");
 }
 
 GltfModel parseGltf(const InputFiles& files, GltfDocument document, const std::optional<std::string>& scene, std::vector<std::string>& notices) {

@@ -111,6 +111,8 @@ class PlyReader {
         const std::optional<std::int64_t> count = parseInteger(nextWord(line));
         if (!count || *count < 0) refuseHeader("an element has no count");
         element.count = *count;
+        constexpr std::size_t kMaxElements = 256;
+        if (elements_.size() == kMaxElements) refuseHeader("there are more than " + std::to_string(kMaxElements) + " elements");
         elements_.push_back(std::move(element));
       } else if (key == "property") {
         if (elements_.empty()) refuseHeader("a property comes before the first element");

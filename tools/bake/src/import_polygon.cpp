@@ -142,7 +142,7 @@ class CornerTree {
 // of a hundred thousand slivers costs all later stages dear.
 class LargePolygon {
  public:
-  explicit LargePolygon(const std::vector<glm::dvec2>& flat) : flat_(flat), tree_(flat), before_(flat.size()), after_(flat.size()), waits_(flat.size(), 0), left_(flat.size()) {
+  explicit LargePolygon(const std::vector<glm::dvec2>& flat) : flat_(flat), tree_(flat), before_(flat.size()), after_(flat.size()), waits_(flat.size(), 0), left_(flat.size()), looks_left_(std::uint64_t{256} * flat.size()) {
     for (std::uint32_t i = 0; i < left_; ++i) {
       before_[i] = (i + left_ - 1) % static_cast<std::uint32_t>(left_);
       after_[i] = (i + 1) % static_cast<std::uint32_t>(left_);
@@ -190,8 +190,10 @@ class LargePolygon {
     const double area = ear.area();
     if (ask == Ask::kNoArea && area == 0) return true;
     if (!(area > 0)) return false;
+    if (looks_left_ == 0) return true;
     // What crosses an ear of a polygon has a corner in it or on its rim.
     return !tree_.any(ear, [&](std::uint32_t i) {
+      if (looks_left_ > 0) --looks_left_;
       if (!ear.holds(flat_[i])) return false;
       return (ask == Ask::kNothingTouches && ear.touches(flat_[i])) || ear.isCrossed(flat_[before_[i]], flat_[i]) || ear.isCrossed(flat_[i], flat_[after_[i]]);
     });
@@ -217,7 +219,8 @@ class LargePolygon {
   std::vector<std::uint32_t> before_, after_, later_;
   std::vector<std::uint8_t> waits_;  // is in later_
   std::size_t left_;
-  std::uint32_t start_ = 0;          // a corner that is there
+  mutable std::uint64_t looks_left_;  // at corners, for what is no polygon but a pile of them; then any convex corner is an ear
+  std::uint32_t start_ = 0;           // a corner that is there
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 

@@ -40,7 +40,7 @@ class Seams {
   Seams(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& piece, const std::vector<float>& steps)
       : positions_(positions), piece_(piece), steps_(steps), cell_(reachOf(*std::max_element(steps.begin(), steps.end()), *std::max_element(steps.begin(), steps.end()))) {}
 
-  // The nearest point that was kept and can be the same one; else keeps this one and answers it.
+  // The nearest point that was kept and can be the same one; else keeps this one and answers it. Points come piece by piece.
   std::uint32_t join(std::uint32_t point) {
     const glm::dvec3 at(positions_[point]);
     const glm::dvec3 cell = glm::floor(at / cell_);
@@ -53,17 +53,17 @@ class Seams {
         const double distance = glm::length(glm::dvec3(positions_[other.vertex]) - at);
         if (distance > best || distance > reachOf(steps_[piece_[other.vertex]], steps_[piece_[point]])) continue;
         // Two points of one piece are two points, however near to a third.
-        if (std::find(other.pieces.begin(), other.pieces.end(), piece_[point]) != other.pieces.end()) continue;
+        if (other.last_piece == piece_[point]) continue;
         best = distance;
         found = &other;
       }
     }
     if (found) {
-      found->pieces.push_back(piece_[point]);
+      found->last_piece = piece_[point];
       return found->vertex;
     }
     std::vector<Kept>& here = cells_[hash(cell)];
-    if (here.size() < kMostInCell) here.push_back({point, {piece_[point]}});
+    if (here.size() < kMostInCell) here.push_back({point, piece_[point]});
     return point;
   }
 
@@ -73,7 +73,7 @@ class Seams {
 
   struct Kept {
     std::uint32_t vertex;
-    std::vector<std::uint32_t> pieces;  // that have a vertex here
+    std::uint32_t last_piece;  // that has a vertex here
   };
 
   // Each side is at most half a step off along every axis.

@@ -43,7 +43,9 @@ VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, con
   if (along_axes_) {
     makeTaps(to_index, size);
   } else {
-    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, 16.0));
+    // Two along each voxel of the grid, 16 at most, and a billion in all.
+    const double voxels = static_cast<double>(size.x) * size.y * size.z, most = std::clamp(std::floor(std::cbrt(0x1p30 / voxels)), 2.0, 16.0);
+    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, most));
   }
 }
 
@@ -138,11 +140,29 @@ double VolumeMeans::at(const glm::ivec3& voxel) const {
   return sum;
 }
 
-double VolumeMeans::sampled(const glm::ivec3& voxel) const {
+double VolumeMeans::sampled(const glm::ivec3& voxel) const { return sumOf(voxel, glm::ivec3(0), samples_) / (static_cast<double>(samples_.x) * samples_.y * samples_.z); }
+
+// Of the samples from low to end: at once where all that they meet is one cell.
+double VolumeMeans::sumOf(const glm::ivec3& voxel, const glm::ivec3& low, const glm::ivec3& end) const {
+  constexpr int kFew = 8;
+  const glm::ivec3 count = end - low;
+  const glm::dvec3 centre(to_index_ * glm::dvec4(glm::dvec3(voxel) + 0.5 * glm::dvec3(low + end) / glm::dvec3(samples_), 1));
+  const glm::dvec3 half = 0.5 * glm::dvec3(count) / glm::dvec3(samples_);
+  const glm::dvec3 reach = half.x * glm::abs(glm::dvec3(to_index_[0])) + half.y * glm::abs(glm::dvec3(to_index_[1])) + half.z * glm::abs(glm::dvec3(to_index_[2])) + 1.0;
+  if (onLattice(centre - reach) && onLattice(centre + reach)) {
+    const SparseCell cell = sampler_.cellAt(glm::ivec3(glm::floor(centre - reach)));
+    if (glm::all(glm::lessThan(glm::ivec3(glm::ceil(centre + reach)) - cell.low, glm::ivec3(cell.side)))) return amount(sampler_.value(cell)) * count.x * count.y * count.z;
+  }
+  if (count.x * count.y * count.z > kFew) {
+    const int axis = count.x >= count.y && count.x >= count.z ? 0 : count.y >= count.z ? 1 : 2;
+    glm::ivec3 first_end = end, second_low = low;
+    first_end[axis] = second_low[axis] = low[axis] + count[axis] / 2;
+    return sumOf(voxel, low, first_end) + sumOf(voxel, second_low, end);
+  }
   double sum = 0;
-  for (int z = 0; z < samples_.z; ++z)
-    for (int y = 0; y < samples_.y; ++y)
-      for (int x = 0; x < samples_.x; ++x) {
+  for (int z = low.z; z < end.z; ++z)
+    for (int y = low.y; y < end.y; ++y)
+      for (int x = low.x; x < end.x; ++x) {
         const glm::dvec3 inside = (glm::dvec3(x, y, z) + 0.5) / glm::dvec3(samples_);
         const glm::dvec3 place = glm::dvec3(to_index_ * glm::dvec4(glm::dvec3(voxel) + inside, 1));
         if (!onLattice(place)) continue;
@@ -153,7 +173,7 @@ double VolumeMeans::sampled(const glm::ivec3& voxel) const {
           sum += weight * amount(sampler_.at(glm::ivec3(floor) + step));
         }
       }
-  return sum / (static_cast<double>(samples_.x) * samples_.y * samples_.z);
+  return sum;
 }
 
 }  // namespace kelp::bake

@@ -41,6 +41,7 @@ class VolumeMeans {
   void makeTaps(const glm::dmat4& to_index, const glm::ivec3& size);
   double within(const Taken& taps, const glm::ivec3& low, int side) const;
   double sampled(const glm::ivec3& voxel) const;
+  double sumOf(const glm::ivec3& voxel, const glm::ivec3& low, const glm::ivec3& end) const;
 
   SparseSampler sampler_;
   glm::dmat4 to_index_;

@@ -22,7 +22,7 @@ std::string fileName(std::string_view name, std::uint32_t index, std::set<std::s
     safe += plain ? c : '_';
   }
   if (safe.empty()) safe = "part";
-  if (!taken.insert(safe).second) taken.insert(safe += fmt::format("_{}", index));
+  while (!taken.insert(safe).second) safe += fmt::format("_{}", index);  // also where another part is called so
   return safe;
 }
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <span>
+#include <string_view>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -82,7 +85,9 @@ NewRig readRig(const std::string& wanted, std::optional<Axis> axis, std::optiona
 
 class RigSetter {
  public:
-  RigSetter(PackFile& file, std::uint32_t part) : file_(file), pack_(file.pack()), part_(part), old_clips_(rawClips(pack_)) {}
+  RigSetter(PackFile& file, std::uint32_t part) : file_(file), pack_(file.pack()), part_(part), old_clips_(rawClips(pack_)) {
+    for (const RawClip& clip : old_clips_) old_durations_.try_emplace(clip.name, clip.duration);
+  }
 
   void read(const std::string& wanted, std::optional<Axis> given) {
     const BakeOptions options = bakeOptions(pack_.infoJson());
@@ -103,7 +108,10 @@ class RigSetter {
     for (const Part& each : pack_.parts()) rigs.knots.emplace_back(each.knots.begin(), each.knots.end());
     try {
       rigs.knots[part_] = realizeKnots(new_.rig, part().size);
-      for (std::uint32_t p = 0; p < pack_.parts().size(); ++p) mergeClips(rigs.clips, p == part_ ? realizeClips(new_.rig, part().size, p) : clipsOfPart(old_clips_, p));
+      std::vector<RawClip> clips;
+      for (std::uint32_t p = 0; p < pack_.parts().size(); ++p)
+        std::ranges::move(p == part_ ? realizeClips(new_.rig, part().size, p) : clipsOfPart(old_clips_, p), std::back_inserter(clips));
+      mergeClips(rigs.clips, std::move(clips));
     } catch (const RigError& error) {
       refuse(error.what());
     }
@@ -135,8 +143,8 @@ class RigSetter {
 
   // The part, and others where the clip repeats at another time than it did: their keys may turn them back then.
   void prove(const RawClip& clip, const RawRigs& rigs) const {
-    const auto old = std::find_if(old_clips_.begin(), old_clips_.end(), [&](const RawClip& c) { return c.name == clip.name; });
-    const bool changed = old == old_clips_.end() || old->duration != clip.duration;
+    const auto old = old_durations_.find(clip.name);
+    const bool changed = old == old_durations_.end() || old->second != clip.duration;
     for (std::uint32_t p = 0; p < pack_.parts().size(); ++p) {
       if (!touches(clip, p) || (p != part_ && !changed)) continue;
       try {
@@ -151,6 +159,7 @@ class RigSetter {
   const Pack& pack_;
   const std::uint32_t part_;
   const std::vector<RawClip> old_clips_;
+  std::unordered_map<std::string_view, float> old_durations_;
   NewRig new_;
   std::optional<Axis> given_axis_;
 };

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include "kelp/rig_json/rig_json.h"
+#include "words.h"
 
 namespace kelp::rig {
 namespace {
@@ -96,6 +100,8 @@ Motion makeMotion(const RawClip& clip, std::uint32_t part, std::span<const Term>
       if (wave.knot == term.knot && wave.target == term.target) amplitude += term.weight * static_cast<double>(wave.amplitude[term.axis]);
     }
     if (amplitude != 0) addHarmonic(motion.harmonics, wave, amplitude);
+    if (motion.harmonics.size() > kMostPeriods)
+      throw RigError("clip '" + printable(clip.name) + "', part " + std::to_string(part) + ": more than " + std::to_string(kMostPeriods) + " periods move one segment; let waves share theirs");
   }
 
   std::vector<double> cuts{0, motion.duration};
@@ -163,7 +169,10 @@ std::vector<Clock> makeClocks(std::span<const Motion* const> motions) {
     add(track_period);
   }
   for (const Motion* motion : motions) {
-    for (const Harmonic& h : motion->harmonics) add(h.period);
+    for (const Harmonic& h : motion->harmonics) {
+      if (clocks.size() > kMostClocks) return clocks;
+      add(h.period);
+    }
   }
   return clocks;
 }

@@ -56,6 +56,8 @@ struct Motion {
   // Bounds over all time; does not look at the correlation between terms of different periods.
   Range range() const;
 };
+// RigError where it has more than kMostPeriods.
+inline constexpr std::size_t kMostPeriods = 1024;
 Motion makeMotion(const RawClip& clip, std::uint32_t part, std::span<const Term> terms);
 
 // Periods that share a common multiple, and that multiple.
@@ -64,7 +66,8 @@ struct Clock {
   std::vector<double> members;
   bool holds(double member) const;
 };
-// Puts each period on a clock. Ratios that are one of small integers to within the rounding of floats are taken as exactly that.
+// Puts each period on a clock. Ratios that are one of small integers to within the rounding of floats are taken as exactly that. Ends at the first clock beyond kMostClocks.
+inline constexpr std::size_t kMostClocks = 64;
 std::vector<Clock> makeClocks(std::span<const Motion* const> motions);
 // Index of the first clock that holds the period, or clocks.size().
 std::size_t clockOf(std::span<const Clock> clocks, double period);

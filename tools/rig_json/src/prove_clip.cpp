@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <tuple>
 
 #include "clip_motion.h"
@@ -82,6 +83,8 @@ class SegmentProof {
     std::array<const Motion*, kQuantities> all{};
     for (const Quantity q : kAll) all[q] = &motions_[q];
     clocks_ = rig::makeClocks(all);
+    if (clocks_.size() > rig::kMostClocks)
+      throw RigError(place() + " is moved along the axis by waves of more than " + std::to_string(rig::kMostClocks) + " periods that have no common multiple; give them periods that have, such as halves and thirds of one");
     for (std::size_t c = 0; c < clocks_.size(); ++c) {
       for (const Quantity q : kAll) clocked_[q].emplace_back(motions_[q], clocks_, c);
     }

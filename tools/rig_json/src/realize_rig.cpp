@@ -2,6 +2,8 @@
 // The artist's units -> voxels of a part: lengths times size.y, directions turned so that the axis is +y.
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <unordered_map>
 
 #include "kelp/rig_json/rig_json.h"
 #include "words.h"
@@ -95,12 +97,15 @@ std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& s
 }
 
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips) {
+  std::unordered_map<std::string, std::size_t> index;
+  for (std::size_t i = 0; i < into.size(); ++i) index.try_emplace(into[i].name, i);
   for (RawClip& clip : clips) {
-    const auto same = std::find_if(into.begin(), into.end(), [&](const RawClip& c) { return c.name == clip.name; });
-    if (same == into.end()) {
+    const auto [at, fresh] = index.try_emplace(clip.name, into.size());
+    if (fresh) {
       into.push_back(std::move(clip));
       continue;
     }
+    RawClip* const same = &into[at->second];
     // The duration says when tracks repeat; waves do not care. So the side that has tracks decides, the longer one if both do.
     if (same->tracks.empty() == clip.tracks.empty()) same->duration = std::max(same->duration, clip.duration);
     else if (same->tracks.empty()) same->duration = clip.duration;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// How deeply JSON is nested, before anything is built from it: what builds values, prints and destroys them recurses. The library's own callback, asked at every value, goes through
-// all that an array has so far at the end of each object in it.
+// How deeply JSON is nested and how many members its objects have, before anything is built from it: what builds values, prints and destroys them recurses, and looks for keys one by
+// one. The library's own callback, asked at every value, goes through all that an array has so far at the end of each object in it.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace kelp {
 
@@ -27,6 +28,28 @@ inline std::optional<std::size_t> nestedDeeper(std::string_view text, int most) 
     }
   }
   return {};
+}
+
+// Whether an object has more than `most` members. Of text that is no JSON, any answer.
+inline bool hasLargerObject(std::string_view text, std::size_t most) {
+  std::vector<std::size_t> members;  // of each bracket that is open
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      i += c == '\\' ? 1 : 0;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      members.push_back(0);
+    } else if ((c == ']' || c == '}') && !members.empty()) {
+      members.pop_back();
+    } else if (c == ':' && !members.empty() && ++members.back() > most) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace kelp
