@@ -71,7 +71,7 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
 Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
 // What adding them up takes for each wave, at most.
-inline constexpr std::size_t kWaveSumBytes = sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*);
+inline constexpr std::size_t kWaveSumBytes = sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*);  // NOLINT(bugprone-sizeof-expression): of a pointer
 // Adds up the waves of every clip (kelp/formats/model.h). kOutOfMemory.
 Result<void> sumWaves(Metadata& out);
 

@@ -190,7 +190,7 @@ AssetWatch::~AssetWatch() {
 }
 bool AssetWatch::alive() const { return life_ && life_->alive.load(std::memory_order_acquire); }
 
-Asset::Asset(std::unique_ptr<Impl> impl, AssetWatch watch) : impl_(std::move(impl)), watch_(std::move(watch)) {}
+Asset::Asset(std::unique_ptr<Impl> impl, const AssetWatch& watch) : impl_(std::move(impl)), watch_(watch) {}
 Asset::~Asset() { watch_.life_->alive.store(false, std::memory_order_release); }
 
 Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& options) {

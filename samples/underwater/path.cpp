@@ -28,7 +28,7 @@ ClosedPath::ClosedPath(std::span<const glm::vec3> points) {
     const glm::vec3 &before = points[(i + n - 1) % n], &from = points[i], &to = points[(i + 1) % n], &after = points[(i + 2) % n];
     segments_.push_back({from, 0.5f * (to - before), to, 0.5f * (after - from)});
   }
-  std::vector<float> along = {0};  // length up to each piece's end
+  std::vector<float> along{0.0f};  // length up to each piece's end
   for (const kelp::Segment& segment : segments_) {
     for (int i = 0; i < kPieces; ++i) {
       along.push_back(along.back() +

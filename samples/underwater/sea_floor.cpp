@@ -23,7 +23,7 @@ SeaFloor::SeaFloor(float radius) : program_(makeProgram("sea floor", glsl::kFloo
   for (GLuint i = 0; i < 2; ++i) {
     glEnableVertexAttribArray(i);
     glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(FloorMesh::Vertex),
-                          reinterpret_cast<const void*>(i * offsetof(FloorMesh::Vertex, normal)));
+                          reinterpret_cast<const void*>(i * offsetof(FloorMesh::Vertex, normal)));  // NOLINT(performance-no-int-to-ptr): OpenGL's own way to give an offset
   }
 }
 

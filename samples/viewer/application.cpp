@@ -60,7 +60,9 @@ Application::Application(GLFWwindow* window, const Arguments& arguments) : windo
 int Application::open(const std::string& path) {
   status_.wrong.clear();
   auto model = Model::open(path);
+  int code = 4;
   if (!model) {
+    code = model.error().code == kelp::ErrorCode::kIo ? 2 : 3;
     status_.wrong = path + ": " + describe(model.error());
     if (model.error().code == kelp::ErrorCode::kNotAPack && std::filesystem::path(path).extension() != ".kelp")
       status_.wrong += "; to bake and show a model: viewer --watch " + path;
@@ -69,7 +71,7 @@ int Application::open(const std::string& path) {
   }
   if (!status_.wrong.empty()) {
     std::fprintf(stderr, "viewer: %s\n", status_.wrong.c_str());
-    return model ? 4 : model.error().code == kelp::ErrorCode::kIo ? 2 : 3;
+    return code;
   }
   if (path != pack_) workshop_.reset();  // it bakes another one
   pack_ = path;

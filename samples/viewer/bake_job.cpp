@@ -44,8 +44,13 @@ std::string BakeJob::findProgram() {
 }
 
 BakeJob::~BakeJob() {
+  if (!running()) return;
   interrupt();
-  while (running() && !poll()) ::usleep(2000);
+  char bytes[4096];  // of no interest any more
+  for (ssize_t count = 0; (count = ::read(pipe_, bytes, sizeof bytes)) > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));) {
+    if (count < 0) ::usleep(2000);
+  }
+  reap();
 }
 
 std::string BakeJob::start(const std::vector<std::string>& words) {
@@ -58,6 +63,7 @@ std::string BakeJob::start(const std::vector<std::string>& words) {
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
   std::vector<std::string> copies = words;
   std::vector<char*> arguments;
+  arguments.reserve(copies.size() + 1);
   for (std::string& word : copies) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const int wrong = posix_spawn(&process_, copies[0].c_str(), &actions, nullptr, arguments.data(), environ);
@@ -89,6 +95,11 @@ bool BakeJob::poll() {
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (!pending_.empty()) take(pending_);
+  reap();
+  return true;
+}
+
+void BakeJob::reap() {
   ::close(pipe_);
   pipe_ = -1;
   int status = 0;
@@ -96,7 +107,6 @@ bool BakeJob::poll() {
   }
   process_ = 0;
   exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return true;
 }
 
 // Lines are JSON (kelp-bake-progress.schema.json): {"kind": "progress", "stage": "voxelize", "done": 0.25, ...}, or with a text for people.

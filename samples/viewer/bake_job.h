@@ -34,6 +34,7 @@ class BakeJob {
 
  private:
   void take(const std::string& line);
+  void reap();  // waits for its end, which is near once it has closed its side of the pipe
 
   pid_t process_ = 0;
   int pipe_ = -1;

@@ -67,6 +67,7 @@ Jobs prepareJobs(const Command& command) {
   faults.throwIfAny();
 
   std::vector<Options> options;
+  options.reserve(jobs.size());
   for (const Job& job : jobs) options.push_back(job.options);
   out.indices = chooseShard(options, command.shard.value_or(Shard{}));
   for (const std::size_t index : out.indices) out.jobs.push_back(std::move(jobs[index]));

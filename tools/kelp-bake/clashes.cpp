@@ -3,6 +3,7 @@
 
 #include <system_error>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include "faults.h"
@@ -57,7 +58,7 @@ void FileRoles::addWritten(const fs::path& path, const std::string& option, cons
     if (is_new) continue;
     std::string where = other->second.place.prefix();
     if (!where.empty()) where = " of " + where.substr(0, where.size() - 2);
-    throw faultAt(place, name + ": is the same file as " + other->second.name + where + "; give each file a name of its own");
+    throw faultAt(place, fmt::format("{}: is the same file as {}{}; give each file a name of its own", name, other->second.name, where));
   }
 }
 

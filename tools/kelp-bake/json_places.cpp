@@ -112,7 +112,7 @@ class Builder : public nlohmann::json_sax<Json> {
   // Between tokens there is nothing but this.
   Place tokenPlace() {
     while (token_ < text_.size() && std::string_view(" \t\r\n,:").find(text_[token_]) != std::string_view::npos) ++token_;
-    const Place place = cursor_.at(token_);
+    Place place = cursor_.at(token_);
     token_ = static_cast<std::size_t>(reached_ - text_.data());
     return place;
   }

@@ -148,6 +148,7 @@ void writeDependencies(const std::filesystem::path& path, const Options& options
   for (const bake::FilesUsed::File& file : files.read)
     if (file.path != options.input) others.insert(file.path);
   std::vector<std::string> names;
+  names.reserve(others.size() + options.option_files.size());
   for (const std::filesystem::path& file : others) names.push_back(escapeForMake(file));
   for (const std::filesystem::path& file : options.option_files) names.push_back(escapeForMake(file));
   const std::string input = escapeForMake(options.input);

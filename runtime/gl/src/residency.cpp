@@ -427,11 +427,8 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       if (!asset.hasFailed(level.part, level.level, page)) ++pending_;
       continue;
     }
-    if (transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_) {
-      ++pending_;
-    } else if (begin(api, level, page, rows) && !proceed(api)) {
-      ++pending_;
-    }
+    const bool waits = transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_;
+    if (waits || (begin(api, level, page, rows) && !proceed(api))) ++pending_;
     if (level.grid_row == 0) return true;  // its own grid had to go
   }
   return true;

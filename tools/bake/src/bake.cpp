@@ -136,7 +136,7 @@ bool moves(const RawClip& clip, std::uint32_t part) {
 void checkClips(const RawPack& pack, const std::filesystem::path& input) {
   std::uint64_t bytes = 0;
   for (const RawClip& clip : pack.clips) {
-    bytes += sizeof(Clip) + clip.waves.size() * (sizeof(Wave) + sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*));
+    bytes += sizeof(Clip) + clip.waves.size() * (sizeof(Wave) + sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*));  // NOLINT(bugprone-sizeof-expression): of a pointer
     for (const RawTrack& track : clip.tracks) bytes += sizeof(Track) + track.keys.size() * sizeof(Key);
   }
   constexpr std::uint64_t kMost = Limits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables

@@ -13,8 +13,7 @@ void cutOutVoxels(const SurfaceLook& look, const TriangleBvh& bvh, const glm::iv
       for (std::size_t x = 0; x < row; ++x) {
         std::uint8_t& voxel = voxels[line * row + x];
         if (voxel != kKept) continue;
-        const glm::dvec3 centre =
-            glm::dvec3(static_cast<double>(x), static_cast<double>(line % rows), static_cast<double>(line / rows)) + 0.5;
+        const glm::dvec3 centre = glm::dvec3(glm::u64vec3(x, line % rows, line / rows)) + 0.5;
         // The nearest sheet first: most voxels have one, and need no search among several.
         if (look.isCutOut(bvh.nearest(centre)) && look.nearestShown(bvh, centre).triangle == kCap) voxel = kEmpty;
       }

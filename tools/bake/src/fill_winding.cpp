@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <tuple>
 #include <unordered_set>
@@ -112,11 +113,13 @@ template <class Visit>
 void forEachPassed(const Topology& mesh, const SolidTriangle& t, const Visit& visit) {
   constexpr double kStep = 0.7;
   const glm::dvec3 a = mesh.position(t.vertex[0]), b = mesh.position(t.vertex[1]), c = mesh.position(t.vertex[2]);
-  const double rows = std::ceil(std::max(glm::distance(a, c), glm::distance(b, c)) / kStep) + 1;
-  for (double row = 0; row <= rows; ++row) {
-    const glm::dvec3 from = glm::mix(a, c, row / rows), to = glm::mix(b, c, row / rows);
-    const double steps = std::ceil(glm::distance(from, to) / kStep) + 1;
-    for (double step = 0; step <= steps; ++step) visit(glm::ivec3(glm::floor(glm::mix(from, to, step / steps))));
+  const auto stepsOf = [](double length) { return static_cast<std::int64_t>(std::ceil(length / kStep)) + 1; };
+  const auto shareOf = [](std::int64_t step, std::int64_t steps) { return static_cast<double>(step) / static_cast<double>(steps); };
+  const std::int64_t rows = stepsOf(std::max(glm::distance(a, c), glm::distance(b, c)));
+  for (std::int64_t row = 0; row <= rows; ++row) {
+    const glm::dvec3 from = glm::mix(a, c, shareOf(row, rows)), to = glm::mix(b, c, shareOf(row, rows));
+    const std::int64_t steps = stepsOf(glm::distance(from, to));
+    for (std::int64_t step = 0; step <= steps; ++step) visit(glm::ivec3(glm::floor(glm::mix(from, to, shareOf(step, steps)))));
   }
 }
 

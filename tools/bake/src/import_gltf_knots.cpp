@@ -163,8 +163,8 @@ RigDescription::Track sampleTangent(const GltfTransform& rest, const NodeChannel
   }
   const double first = *times.begin(), last = *times.rbegin();
   if (!step) {
-    const double samples = std::min(std::ceil((last - first) * kSampleRate), kMaxSamples);
-    for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(first + (last - first) * i / samples));
+    const int samples = static_cast<int>(std::min(std::ceil((last - first) * kSampleRate), kMaxSamples));
+    for (int i = 1; i < samples; ++i) times.insert(static_cast<float>(first + (last - first) * i / samples));
   }
   track.interpolation = step ? Interpolation::kStep : Interpolation::kLinear;
   const glm::dvec3 at_rest = tangentOf(rest, handle);
@@ -204,6 +204,7 @@ void addPartTracks(const GltfModel& model, int node, const NodeChannels& channel
 
 std::vector<MotionNames::Target> targetsOf(const std::vector<RigDescription::Track>& tracks) {
   std::vector<MotionNames::Target> targets;
+  targets.reserve(tracks.size());
   for (const RigDescription::Track& track : tracks) targets.emplace_back(track.knot, static_cast<int>(track.target));
   return targets;
 }

@@ -294,7 +294,8 @@ class MaterialReader {
       const glm::vec4 texel = glm::vec4(image.rgba[i], image.rgba[i + 1], image.rgba[i + 2], image.rgba[i + 3]) / 255.0f;
       sum += glm::dvec4(srgbToLinear(texel.r), srgbToLinear(texel.g), srgbToLinear(texel.b), texel.a);
     }
-    return at->second = glm::vec4(sum / static_cast<double>(image.rgba.size() / 4));
+    const std::size_t texels = image.rgba.size() / 4;
+    return at->second = glm::vec4(sum / static_cast<double>(texels));
   }
 
   void readEmission(const tinygltf::Material& source, const std::string& place, SurfaceMaterial& material, GltfMaterialUse& use) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "import_gltf_model.h"
@@ -90,7 +91,7 @@ class PrimitiveReader {
       const std::string name = "TEXCOORD_" + std::to_string(use.coordinates[k].set);
       const int accessor = attributeOf(primitive, name);
       if (accessor >= 0) uvs[k] = readSized(model_, accessor, 2, 2, count, place, name.c_str());
-      else model_.noteOnce(place + ": its material has a texture but it has no " + name + ": the texture's corner is used");
+      else model_.noteOnce(fmt::format("{}: its material has a texture but it has no {}: the texture's corner is used", place, name));
     }
     if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0) colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
 

@@ -50,7 +50,7 @@ struct GltfModel {
   [[noreturn]] void refuse(const std::string& place, std::string_view what) const { bake::refuse(Exit::kInvalid, files->input(), place, what); }
   mutable std::set<std::string> cut_out;  // primitives of which alphaMode MASK leaves nothing, as they are read
 
-  void note(std::string text) const { notices->push_back(oneLine(text, 500)); }
+  void note(const std::string& text) const { notices->push_back(oneLine(text, 500)); }
   // What several nodes, textures or materials have to say in the same words.
   void noteOnce(const std::string& text) const {
     if (said.insert(text).second) note(text);

@@ -179,8 +179,9 @@ class PlyReader {
         continue;
       }
       const double length = readNumber(property.count, element, index);
-      if (length < 0 || length > static_cast<double>(body_.size())) refuse(Exit::kInvalid, files_.input(), place(element, index), "has a list longer than the file; it is damaged");
-      for (double i = 0; i < length; ++i) {
+      if (!(length >= 0 && length <= static_cast<double>(body_.size()))) refuse(Exit::kInvalid, files_.input(), place(element, index), "has a list longer than the file; it is damaged");
+      const auto values = static_cast<std::size_t>(std::ceil(length));
+      for (std::size_t i = 0; i < values; ++i) {
         const double value = readNumber(property.type, element, index);
         if (static_cast<int>(p) == wanted) list_.push_back(value >= -1 && value <= 4294967295.0 ? static_cast<std::int64_t>(value) : -1);
       }

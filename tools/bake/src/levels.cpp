@@ -88,6 +88,7 @@ int levelCount(const glm::ivec3& size, int asked) {
 std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
                                   const Progress& progress, const std::vector<std::uint32_t>& sources) {
   std::vector<MaterialPoint> points;
+  points.reserve(palette.size());
   for (const Material& entry : palette) points.push_back(materialPoint(entry));
   // The entries of each source, if sources are kept apart.
   std::map<std::uint32_t, std::vector<std::size_t>> entries_of;

@@ -156,6 +156,7 @@ std::vector<Material> medianCut(std::vector<Pool>& pools, std::size_t count) {
 
 std::vector<MaterialPoint> pointsOf(const std::vector<Material>& entries) {
   std::vector<MaterialPoint> points;
+  points.reserve(entries.size());
   for (const Material& entry : entries) points.push_back(materialPoint(entry));
   return points;
 }

@@ -104,9 +104,10 @@ Palette separatePalette(const std::vector<const VoxelGrid*>& grids, int threads)
   std::vector<std::vector<const VoxelGrid*>> parts;
   std::vector<std::size_t> wanted;
   for (const auto& [source, its] : by_source) {
-    std::vector<const VoxelGrid*>& part = parts.emplace_back();
+    std::vector<const VoxelGrid*> part;
     for (const VoxelGrid& grid : its) part.push_back(&grid);
     wanted.push_back(countDistinct(part, kMaxPalette));
+    parts.push_back(std::move(part));
   }
   const std::vector<std::size_t> given = shareEntries(wanted);
 

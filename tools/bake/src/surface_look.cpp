@@ -83,12 +83,16 @@ Nearest SurfaceLook::nearestShown(const TriangleBvh& bvh, const glm::dvec3& cent
 
 std::vector<std::string> SurfaceLook::notices() const {
   std::vector<std::uint32_t> ignored;  // materials
+  std::vector<bool> is_ignored(model_.materials.size());
   for (const SolidTriangle& t : mesh_.triangles) {
     if (t.source == kCap || !mesh_.components[t.component].solid || materialOf(t).alpha_cutoff <= 0) continue;
     const std::uint32_t material = soup_.triangles[t.source].material;
-    if (std::find(ignored.begin(), ignored.end(), material) == ignored.end()) ignored.push_back(material);
+    if (is_ignored[material]) continue;
+    is_ignored[material] = true;
+    ignored.push_back(material);
   }
   std::vector<std::string> lines;
+  lines.reserve(ignored.size());
   for (const std::uint32_t material : ignored)
     lines.push_back(fmt::format("material '{}' has cut-outs, which solid bodies are baked without; --fill surface cuts them out",
                                 model_.materials[material].name));

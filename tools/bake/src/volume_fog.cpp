@@ -22,7 +22,7 @@ double mostOf(const SparseGrid& grid, const Lattice& lattice, int threads) {
   std::vector<double> most(depth, 0.0);
   const VolumeMeans whole(grid, lattice.to_index, lattice.size);
   parallelRanges(depth, 1, threads, [&](std::size_t begin, std::size_t end) {
-    const VolumeMeans means = whole;
+    const VolumeMeans means = whole;  // NOLINT(performance-unnecessary-copy-initialization): it remembers where it looked last
     for (std::size_t z = begin; z < end; ++z)
       for (int y = 0; y < lattice.size.y; ++y)
         for (int x = 0; x < lattice.size.x; ++x) most[z] = std::max(most[z], means.at({x, y, static_cast<int>(z)}));
@@ -35,7 +35,7 @@ std::vector<std::uint16_t> codesOf(const SparseGrid& grid, const glm::dmat4& to_
   std::vector<std::uint16_t> codes(side.x * side.y * side.z);
   const VolumeMeans whole(grid, to_index, size);
   parallelRanges(side.z, 1, threads, [&](std::size_t begin, std::size_t end) {
-    const VolumeMeans means = whole;
+    const VolumeMeans means = whole;  // NOLINT(performance-unnecessary-copy-initialization): it remembers where it looked last
     for (std::size_t z = begin; z < end; ++z)
       for (std::size_t y = 0; y < side.y; ++y)
         for (std::size_t x = 0; x < side.x; ++x) codes[x + side.x * (y + side.y * z)] = codeOf(means.at(glm::ivec3(x, y, z)), most);

@@ -16,7 +16,7 @@ inline double amount(double value) { return value > 0 && std::isfinite(value) ? 
 
 // Where an axis of the part runs along one of the grid's, a value is a box as wide as its voxel if the part's voxels are larger, else a tent between its
 // neighbours: the mean over a part's voxel is then a product of three exact ones. Otherwise it is that of trilinear samples half a voxel
-// apart, but no more than 16 along an axis.
+// apart, but no more than 16 along an axis and a billion in all.
 // One for each thread, copies of one, which share what is large; the grid and the lattice outlive it.
 class VolumeMeans {
  public:

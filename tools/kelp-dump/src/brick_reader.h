@@ -42,4 +42,16 @@ class BrickReader {
   bool begun_ = false;
 };
 
+// Every brick that one of two levels has: visit(lowest voxel, reader of a, reader of b), where the one that lacks it is null.
+template <class Visit>
+void forEachBrick(BrickReader& a, BrickReader& b, const Visit& visit) {
+  bool more_a = a.next(), more_b = b.next();
+  while (more_a || more_b) {
+    const bool use_a = more_a && (!more_b || a.morton() <= b.morton()), use_b = more_b && (!more_a || b.morton() <= a.morton());
+    visit((use_a ? a : b).position() * kBrickSide, use_a ? &a : nullptr, use_b ? &b : nullptr);
+    if (use_a) more_a = a.next();
+    if (use_b) more_b = b.next();
+  }
+}
+
 }  // namespace kelp::dump

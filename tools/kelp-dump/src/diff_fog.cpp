@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Two levels of fog, brick beside brick. Samples that bricks share count once: in the brick that has them first.
+#include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -18,11 +20,12 @@ constexpr const char* kNames[] = {"density", "heat"};
 double valueOf(int channel, std::uint8_t code) { return channel == 0 ? static_cast<double>(fogDensity(code)) : code / 255.0; }
 
 // One of them may be missing: clear.
-void compare(const BrickReader* a, const BrickReader* b, int channels, const glm::ivec3& size, const Tolerance& tolerance, Places (&found)[2]) {
-  const glm::ivec3 low = (a ? a : b)->position() * kBrickSide;
-  for (int channel = 0; channel < channels; ++channel)
+void compare(const glm::ivec3& low, const BrickReader* a, const BrickReader* b, int channels, const glm::ivec3& size, const Tolerance& tolerance, Places (&found)[2]) {
+  static constexpr std::array<std::uint8_t, kFogSamples> kClear{};
+  for (int channel = 0; channel < channels; ++channel) {
+    const std::span<const std::uint8_t> codes_a = a ? a->samples(channel) : kClear, codes_b = b ? b->samples(channel) : kClear;
     for (int i = 0; i < kFogSamples; ++i) {
-      const std::uint8_t code_a = a ? a->samples(channel)[static_cast<std::size_t>(i)] : std::uint8_t{0}, code_b = b ? b->samples(channel)[static_cast<std::size_t>(i)] : std::uint8_t{0};
+      const std::uint8_t code_a = codes_a[static_cast<std::size_t>(i)], code_b = codes_b[static_cast<std::size_t>(i)];
       if (code_a == code_b) continue;
       const glm::ivec3 local(i % kFogSide, i / kFogSide % kFogSide, i / (kFogSide * kFogSide)), at = low + local;
       bool first = true;  // or the last of the level, which no other brick has
@@ -30,6 +33,7 @@ void compare(const BrickReader* a, const BrickReader* b, int channels, const glm
       if (!first) continue;
       if (const double apart = std::abs(valueOf(channel, code_a) - valueOf(channel, code_b)); !tolerance.allows(apart, 1)) found[channel].add(at, apart);
     }
+  }
 }
 
 }  // namespace
@@ -51,13 +55,7 @@ void diffFog(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int lev
   BrickReader a(file_a, part_a, level), b(file_b, part_b, level);
   Places found[2], boxes;
   const int channels = std::min(of_a.fog->channels(), of_b.fog->channels());  // that one has no heat is said of its look
-  bool more_a = a.next(), more_b = b.next();
-  while (more_a || more_b) {
-    const bool use_a = more_a && (!more_b || a.morton() <= b.morton()), use_b = more_b && (!more_a || b.morton() <= a.morton());
-    compare(use_a ? &a : nullptr, use_b ? &b : nullptr, channels, levelSize(of_a.size, level), tolerance, found);
-    if (use_a) more_a = a.next();
-    if (use_b) more_b = b.next();
-  }
+  forEachBrick(a, b, [&](const glm::ivec3& low, const BrickReader* its_a, const BrickReader* its_b) { compare(low, its_a, its_b, channels, levelSize(of_a.size, level), tolerance, found); });
   for (int channel = 0; channel < 2; ++channel) {
     if (found[channel].count == 0) continue;
     const glm::ivec3& first = found[channel].first;

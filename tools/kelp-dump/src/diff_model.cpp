@@ -20,9 +20,10 @@ std::string shortText(const Json& json) { return nameText(json.dump(-1, ' ', fal
 
 void compareJson(const std::string& pointer, const Json* a, const Json* b, std::vector<Difference>& out) {
   if (a && b && a->is_object() && b->is_object()) {
-    for (const auto& [key, value] : a->items()) compareJson(pointer + "/" + key, &value, b->contains(key) ? &b->at(key) : nullptr, out);
+    const auto at = [&](const std::string& key) { return fmt::format("{}/{}", pointer, key); };
+    for (const auto& [key, value] : a->items()) compareJson(at(key), &value, b->contains(key) ? &b->at(key) : nullptr, out);
     for (const auto& [key, value] : b->items())
-      if (!a->contains(key)) compareJson(pointer + "/" + key, nullptr, &value, out);
+      if (!a->contains(key)) compareJson(at(key), nullptr, &value, out);
     return;
   }
   if (a && b && *a == *b) return;
@@ -43,6 +44,7 @@ double lightRange(const glm::vec3& a, const glm::vec3& b) { return std::max({1.0
 
 std::vector<glm::dvec3> cornersOf(const Part& part, const glm::mat4x3& to_object) {
   std::vector<glm::dvec3> corners;
+  corners.reserve(8);
   for (int i = 0; i < 8; ++i) corners.push_back(glm::dmat4x3(to_object) * glm::dvec4(i & 1 ? part.size.x : 0, i & 2 ? part.size.y : 0, i & 4 ? part.size.z : 0, 1));
   return corners;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Two levels of solid parts, brick beside brick: both files have them in Morton order, so neither is held.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -27,14 +29,16 @@ class LevelDiff {
   glm::ivec3 first_solid{0}, first_surface{0};
 
   // One of them may be missing: empty.
-  void compare(const BrickReader* a, const BrickReader* b) {
+  void compare(const glm::ivec3& low, const BrickReader* a, const BrickReader* b) {
     if (a && b && identical_ && std::ranges::equal(a->codes(), b->codes()) && std::ranges::equal(a->attributes(), b->attributes())) return;
-    const glm::ivec3 low = (a ? a : b)->position() * kBrickSide;
+    static constexpr std::array<std::uint8_t, kBrickVoxels> kEmptyBrick{};
+    const std::span<const std::uint8_t> codes_a = a ? a->codes() : kEmptyBrick, codes_b = b ? b->codes() : kEmptyBrick;
+    const std::span<const std::uint32_t> attributes_a = a ? a->attributes() : std::span<const std::uint32_t>(), attributes_b = b ? b->attributes() : std::span<const std::uint32_t>();
     std::size_t next_a = 0, next_b = 0;
     for (int i = 0; i < kBrickVoxels; ++i) {
-      const std::uint8_t code_a = a ? a->codes()[static_cast<std::size_t>(i)] : std::uint8_t{0}, code_b = b ? b->codes()[static_cast<std::size_t>(i)] : std::uint8_t{0};
+      const std::uint8_t code_a = codes_a[static_cast<std::size_t>(i)], code_b = codes_b[static_cast<std::size_t>(i)];
       const bool surface_a = isSurfaceCode(code_a), surface_b = isSurfaceCode(code_b);
-      const std::uint32_t attribute_a = surface_a ? a->attributes()[next_a++] : 0, attribute_b = surface_b ? b->attributes()[next_b++] : 0;
+      const std::uint32_t attribute_a = surface_a ? attributes_a[next_a++] : 0, attribute_b = surface_b ? attributes_b[next_b++] : 0;
       const glm::ivec3 at = low + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
       if (isSolidCode(code_a) != isSolidCode(code_b)) {
         if (only_a.count + only_b.count == 0) first_solid = at;
@@ -79,13 +83,7 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
   bool identical = true;
   for (std::size_t i = 0; i < std::min(file_a.pack().palette().size(), file_b.pack().palette().size()); ++i) identical = identical && palette.apart[i][i] == 0;
   found.setIdentical(identical);
-  bool more_a = a.next(), more_b = b.next();
-  while (more_a || more_b) {
-    const bool use_a = more_a && (!more_b || a.morton() <= b.morton()), use_b = more_b && (!more_a || b.morton() <= a.morton());
-    found.compare(use_a ? &a : nullptr, use_b ? &b : nullptr);
-    if (use_a) more_a = a.next();
-    if (use_b) more_b = b.next();
-  }
+  forEachBrick(a, b, [&](const glm::ivec3& low, const BrickReader* its_a, const BrickReader* its_b) { found.compare(low, its_a, its_b); });
   const bool agree = found.only_a.count + found.only_b.count == 0;
   if (agree) found.compareCells(a.grid(), b.grid());
 

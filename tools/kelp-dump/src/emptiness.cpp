@@ -20,7 +20,7 @@ bool anyWithin(glm::ivec3 low, glm::ivec3 high, std::span<const T> values, const
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
       const auto row = static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
-      const std::span<const T> run = values.subspan(row + static_cast<std::size_t>(low.x), static_cast<std::size_t>(high.x - low.x + 1));
+      const std::span<const T> run = values.subspan(row + static_cast<std::size_t>(low.x), static_cast<std::size_t>(high.x - low.x) + 1);
       if (std::any_of(run.begin(), run.end(), wanted)) return true;
     }
   }

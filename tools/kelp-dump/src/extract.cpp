@@ -78,7 +78,9 @@ std::string extractFormats() {
 }
 
 int extract(const std::string& path, const std::string& format, const std::string& output, const std::string& wanted, int level) {
-  const Writer& writer = **std::find_if(std::begin(kWriters), std::end(kWriters), [&](const Writer* one) { return format == one->name; });
+  const auto found = std::find_if(std::begin(kWriters), std::end(kWriters), [&](const Writer* one) { return format == one->name; });
+  if (found == std::end(kWriters)) throw DumpError(kUsage, fmt::format("--{}: is no format; it has {}", format, extractFormats()));
+  const Writer& writer = **found;
   if (!writer.write && !writer.handOver)
     throw DumpError(kUnsupported, fmt::format("--{}: this kelp-dump was built without {}; it has {} (see --version), or build it where {} is installed", format, writer.needs, extractFormats(), writer.needs));
   if (output == "-" && !writer.shown_as) throw DumpError(kUsage, fmt::format("--{} -: standard output can not take it; name a {}", format, format == "slices" ? "folder" : "file"));

@@ -81,9 +81,10 @@ VoxPalette voxPalette(std::span<const Material> palette, const std::array<bool, 
       std::swap(out.index_of[free], out.index_of[kLast]);
     }
     if (free < kLast) {  // both colours stay at their places in the palette
-      std::iota(out.order.emplace().begin(), out.order->end(), std::uint8_t{1});
-      (*out.order)[free] = 0;
-      (*out.order)[kLast] = static_cast<std::uint8_t>(free + 1);
+      auto& order = out.order.emplace();
+      std::iota(order.begin(), order.end(), std::uint8_t{1});
+      order[free] = 0;
+      order[kLast] = static_cast<std::uint8_t>(free + 1);
     }
   }
   std::size_t lossy = 0;

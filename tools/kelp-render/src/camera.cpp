@@ -17,7 +17,7 @@ glm::dmat4 aboutX(double degrees) { return glm::rotate(glm::dmat4(1), glm::radia
 
 }  // namespace
 
-Camera::Camera(std::vector<glm::dvec3> points, double yaw, double pitch, int turns, double aspect)
+Camera::Camera(const std::vector<glm::dvec3>& points, double yaw, double pitch, int turns, double aspect)
     : yaw_(yaw), pitch_(pitch), turns_(turns), aspect_(aspect) {
   glm::dvec3 low(1e30);
   glm::dvec3 high(-1e30);

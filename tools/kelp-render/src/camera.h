@@ -14,7 +14,7 @@ namespace kelp::render {
 class Camera {
  public:
   // `points`: world points to be seen, in any frame. `turns`: how many frames of a full turn; 1: no turntable. Angles in degrees.
-  Camera(std::vector<glm::dvec3> points, double yaw, double pitch, int turns, double aspect);
+  Camera(const std::vector<glm::dvec3>& points, double yaw, double pitch, int turns, double aspect);
 
   // The view of one frame; viewport and light of the caller are kept, but the sun stands to the left behind the camera.
   void apply(int turn, gl::View& view) const;

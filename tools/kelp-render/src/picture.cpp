@@ -50,7 +50,7 @@ Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int sam
       glm::vec4 sum(0);  // colour times coverage, coverage
       for (int sy = 0; sy < samples; ++sy) {
         for (int sx = 0; sx < samples; ++sx) {
-          const auto row = static_cast<std::size_t>(samples * (size.y - 1 - y) + sy);
+          const auto row = static_cast<std::size_t>(samples) * static_cast<std::size_t>(size.y - 1 - y) + static_cast<std::size_t>(sy);
           const std::uint8_t* from = drawn.data() + 4 * (row * static_cast<std::size_t>(samples * size.x) + static_cast<std::size_t>(samples * x + sx));
           sum += glm::vec4(transfer.decode(from[0]), transfer.decode(from[1]), transfer.decode(from[2]), static_cast<float>(from[3]) / 255.0f);
         }

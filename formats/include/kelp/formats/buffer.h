@@ -25,6 +25,7 @@ struct Allocator {
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 16);
+  static constexpr std::size_t kSize = sizeof(T);  // NOLINT(bugprone-sizeof-expression): of a pointer, where the values are pointers
 
  public:
   Buffer() = default;
@@ -38,21 +39,21 @@ class Buffer {
     return *this;
   }
   ~Buffer() {
-    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * sizeof(T));
+    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * kSize);
   }
 
   // Replaces the content by `count` zeroed values. False, with the content unchanged, when memory is short. 64 bits everywhere: a size that comes from a
   // file may be more than a machine of 32 bits can address.
   [[nodiscard]] bool reset(std::uint64_t count) {
-    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) return false;
+    if (count > std::numeric_limits<std::size_t>::max() / kSize) return false;
     const std::size_t size = static_cast<std::size_t>(count);
     T* fresh = nullptr;
     if (size > 0) {
-      fresh = static_cast<T*>(allocator_.allocate(allocator_.user, size * sizeof(T)));
+      fresh = static_cast<T*>(allocator_.allocate(allocator_.user, size * kSize));
       if (!fresh) return false;
-      std::memset(static_cast<void*>(fresh), 0, size * sizeof(T));
+      std::memset(static_cast<void*>(fresh), 0, size * kSize);
     }
-    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * sizeof(T));
+    if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * kSize);
     data_ = fresh;
     size_ = capacity_ = size;
     return true;

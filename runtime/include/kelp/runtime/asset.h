@@ -110,7 +110,7 @@ class Asset {
  private:
   friend class PageReader;
   struct Impl;
-  explicit Asset(std::unique_ptr<Impl> impl, AssetWatch watch);
+  Asset(std::unique_ptr<Impl> impl, const AssetWatch& watch);
   std::unique_ptr<Impl> impl_;
   AssetWatch watch_;
 };

@@ -25,7 +25,7 @@ struct Motion {
 // Whether it does nothing; asked of every part of every frame.
 inline bool isRest(const Motion& motion) {
   static constexpr Motion kRest;
-  return std::memcmp(&motion, &kRest, sizeof motion) == 0;
+  return std::memcmp(&motion, &kRest, sizeof motion) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): floats without gaps; -0 counts as motion, and moves nothing
 }
 
 // Independent of the asset once created (the asset must only be alive during calls that take both). Cheap to copy into with assign(). Only
