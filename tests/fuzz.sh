@@ -22,7 +22,7 @@ build() {
 fuzz_one() {
   local name=$1 wanted=$2 used=0 runs=0 coverage=- code=0 left log=build/fuzz/log/$1
   mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
-  : >"$log.text"
+  rm -f "$log" && : >"$log.text"
   # Each turn begins by reading the corpus: first without what others in it reach, too.
   rm -rf "build/fuzz/corpus/$name.least" && mkdir "build/fuzz/corpus/$name.least"
   if "build/fuzz/tests/fuzz/fuzz_$name" -merge=1 -timeout=60 -rss_limit_mb=2048 -max_len=65536 "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name" >"$log.merge" 2>&1; then
@@ -62,7 +62,7 @@ fuzz() {
   build fuzz
   local names=("$@")
   [ ${#names[@]} -gt 0 ] || mapfile -t names < <(find build/fuzz/tests/fuzz -name 'fuzz_*' -type f -perm -u+x -printf '%f\n' | sed 's/^fuzz_//' | sort)
-  rm -rf build/fuzz/log && mkdir -p build/fuzz/log
+  mkdir -p build/fuzz/log
   for name in "${names[@]}"; do
     [ -x "build/fuzz/tests/fuzz/fuzz_$name" ] || fail "there is no fuzzer '$name'"
   done

@@ -144,6 +144,18 @@ void checkClips(const RawPack& pack, const std::filesystem::path& input) {
     throw BakeError(Exit::kUnsupported, fmt::format("{}: its clips take {} MiB in memory, and packs with more than {} are not read by default; leave clips out, or give them fewer keys", input.filename().string(), bytes >> 20, kMost >> 20));
 }
 
+bool isFinite(const glm::vec4& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w); }
+
+// A file's numbers are finite; what they are by the part's size or its scale at rest may not be.
+void checkTracks(const SourceModel& model, const RawPack& pack, const std::filesystem::path& input) {
+  for (const RawClip& clip : pack.clips)
+    for (const RawTrack& track : clip.tracks)
+      for (const Key& key : track.keys)
+        if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out))
+          throw BakeError(Exit::kInvalid, fmt::format("{}: clip '{}': its key at {:g} s is beyond what a 32-bit float can hold, seen from the part at rest; give the part a larger scale there, or move it less",
+                                                      partPlace(input, model.parts[track.part]), clip.name, key.time));
+}
+
 // Knots and clips of all parts, proved monotone.
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
   std::vector<RawClip> clips;
@@ -161,6 +173,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   }
   mergeClips(pack.clips, std::move(clips));
   checkClips(pack, input);
+  checkTracks(model, pack, input);
   for (const RawClip& clip : pack.clips) {
     for (std::size_t i = 0; i < model.parts.size(); ++i) {
       const bool knots = bends(clip, static_cast<std::uint32_t>(i)), whole = moves(clip, static_cast<std::uint32_t>(i));

@@ -38,6 +38,18 @@ bool ascends(const GltfModel& model, const std::vector<float>& times, float time
   return times.empty() || time > times.back();
 }
 
+// What is far from a unit quaternion is made one here, where its length fits a number; one without a length turns nothing, as a node's own does.
+void makeUnit(GltfChannel& channel) {
+  for (std::size_t i = 0; i < channel.values.size(); ++i) {
+    const double length = glm::length(channel.values[i]);
+    if (length > 0.5 && length < 2) continue;
+    channel.values[i] = length > 0 ? channel.values[i] / length : glm::dvec4(0, 0, 0, 1);
+    if (channel.interpolation != Interpolation::kCubic || length == 0) continue;
+    channel.in[i] /= length;
+    channel.out[i] /= length;
+  }
+}
+
 std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source, const std::string& place) {
   GltfChannel channel;
   channel.node = source.target_node;
@@ -72,6 +84,7 @@ std::optional<GltfChannel> readChannel(const GltfModel& model, const tinygltf::A
   for (const auto* list : {&channel.values, &channel.in, &channel.out})
     for (const glm::dvec4& v : *list)
       if (!std::isfinite(v.x + v.y + v.z + v.w)) model.refuse(place, "has a value that is not finite");
+  if (channel.path == GltfChannel::Path::kRotation) makeUnit(channel);
   return channel;
 }
 
