@@ -25,11 +25,16 @@ fuzz_one() {
   rm -f "$log" && : >"$log.text"
   # Each turn begins by reading the corpus: first without what others in it reach, too.
   rm -rf "build/fuzz/corpus/$name.least" && mkdir "build/fuzz/corpus/$name.least"
-  if "build/fuzz/tests/fuzz/fuzz_$name" -merge=1 -timeout=60 -rss_limit_mb=2048 -max_len=65536 "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name" >"$log.merge" 2>&1; then
+  # A merge goes on after an input that crashes, and leaves it out: that is a finding, and the corpus stays.
+  local merged=0
+  "build/fuzz/tests/fuzz/fuzz_$name" -merge=1 -timeout=60 -report_slow_units=60 -rss_limit_mb=2048 -max_len=65536 "-artifact_prefix=build/fuzz/findings/$name-merge-" "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name" >"$log.merge" 2>&1 || merged=$?
+  if grep -aq 'Test unit written to' "$log.merge"; then
+    code=1
+    cat "$log.merge" >>"$log.text"
+  elif [ "$merged" -eq 0 ]; then
     rm -rf "build/fuzz/corpus/$name" && mv "build/fuzz/corpus/$name.least" "build/fuzz/corpus/$name"
-  else
-    rm -rf "build/fuzz/corpus/$name.least"
   fi
+  rm -rf "build/fuzz/corpus/$name.least"
   while left=$(awk "BEGIN { print int($wanted - $used + 0.5) }") && [ "$left" -ge 1 ] && [ "$code" -eq 0 ]; do
     local options=(-max_total_time=$((left < 600 ? left : 600)) -timeout=30 -report_slow_units=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="build/fuzz/findings/$name-")
     [ -e "tests/fuzz/$name.dict" ] && options+=(-dict="tests/fuzz/$name.dict")
@@ -38,11 +43,12 @@ fuzz_one() {
     TIMEFORMAT="%U %S"
     { time "build/fuzz/tests/fuzz/fuzz_$name" "${options[@]}" "build/fuzz/corpus/$name" "${seeds[@]}" >"$log.turn" 2>&1; } 2>"$log.time" || code=$?
     cat "$log.turn" >>"$log.text"
-    used=$(awk "{ print $used + \$1 + \$2 }" "$log.time")
+    tail -1 "$log.time" >"$log.seconds"  # above it, bash may say what ended the program
+    used=$(awk "{ print $used + \$1 + \$2 }" "$log.seconds")
     local of_turn
     of_turn=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log.turn" | tail -1 | grep . || echo 0)
     runs=$((runs + of_turn))
-    awk -v name="$name" -v runs="$of_turn" '{ print name, $1 + $2, runs }' "$log.time" >>build/fuzz/turns
+    awk -v name="$name" -v runs="$of_turn" '{ print name, $1 + $2, runs }' "$log.seconds" >>build/fuzz/turns
     coverage=$(grep -ao 'cov: [0-9]*' "$log.turn" | tail -1 | cut -d' ' -f2 || true)
   done
   printf '%-12s %8.1f %12d %10s %9d\n' "$name" "$(awk "BEGIN { print $used / 60 }")" "$runs" "${coverage:--}" $((code != 0)) >"$log"
@@ -67,13 +73,14 @@ fuzz() {
     [ -x "build/fuzz/tests/fuzz/fuzz_$name" ] || fail "there is no fuzzer '$name'"
   done
   for name in "${names[@]}"; do
-    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n || true; done
     fuzz_one "$name" "$(awk "BEGIN { print 60 * $minutes }")" &
   done
   wait
   printf '%-12s %8s %12s %10s %9s\n' fuzzer CPU-min executions coverage findings
   local findings=0
   for name in "${names[@]}"; do
+    [ -s "build/fuzz/log/$name" ] || { echo "$name: did not come to its end; see build/fuzz/log/$name.text"; findings=1; continue; }
     cat "build/fuzz/log/$name"
     [ "$(awk '{ print $5 }' "build/fuzz/log/$name")" -eq 0 ] || { findings=1; grep -aE 'ERROR|runtime error|FAULT|SUMMARY|Test unit written' "build/fuzz/log/$name.text" | tail -4 | sed 's/^/    /'; }
   done

@@ -44,14 +44,19 @@ import sys, xml.etree.ElementTree as tree
 suite = tree.parse(sys.argv[1]).getroot()
 total, failures, skips = (int(suite.get(k, 0)) for k in ("tests", "failures", "skipped"))
 disabled = int(suite.get("disabled", 0))
-absent = 0  # what needs packages that are opt-in: named, and missed by nobody
+lost = absent = 0  # what needs packages that are opt-in: named, and missed by nobody
 for case in suite.iter("testcase"):
     if "SKIPPED (opt-in)" in (case.findtext("system-out") or ""):
         absent += 1
         print("not tried, for want of opt-in packages:", case.get("name"), file=sys.stderr)
     elif case.get("status") in ("notrun", "disabled") or case.find("skipped") is not None:
-        print("skipped:", case.get("name"), file=sys.stderr)
-print(total - failures - skips - disabled, failures, skips + disabled - absent)
+        message = case.find("skipped").get("message") if case.find("skipped") is not None else ""
+        if message.startswith("SKIP_"):
+            print("skipped:", case.get("name"), file=sys.stderr)
+        else:  # no program, or what prepares it failed
+            print("could not run:", case.get("name"), message, file=sys.stderr)
+            lost += 1
+print(total - failures - skips - disabled, failures + lost, skips + disabled - absent - lost)
 PY
   ) || return 1
   set -- $counts

@@ -277,6 +277,46 @@ TEST(ImportHostile, ALibraryIsReadOnceHoweverManyLinesNameIt) {
   EXPECT_EQ(model.materials.at(model.parts.at(0).soup.triangles.at(0).material).name, "m7");
 }
 
+// Each word of an mtllib may be a file: all that is missing is what the pack depends on.
+TEST(ImportHostile, ALineThatNamesFilesWithoutEnd) {
+  const Scratch scratch;
+  std::string words;
+  const auto tried = [&](int from, int to) {
+    for (int i = from; i < to; ++i) words += " " + std::to_string(i);
+    FilesUsed used;
+    try {
+      importFile(scratch.write("m.obj", "mtllib" + words + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), {}, &used);
+    } catch (const BakeError& error) {
+      EXPECT_EQ(error.exit, Exit::kRuntime);
+      EXPECT_TRUE(contains(error.what(), "m.obj: names more than 4000 other files; ")) << error.what();
+      return -1;
+    }
+    return static_cast<int>(used.missing.size());
+  };
+  EXPECT_GE(tried(0, 3900), 3900);
+  EXPECT_EQ(tried(3900, 60000), -1);
+}
+
+// Turns that follow no polynomial are sampled, a part's rest as often as its motion. Still ones are not.
+TEST(ImportHostile, KnotsThatTurnForLong) {
+  const Scratch scratch;
+  const auto text = [](float last) {
+    GltfMaker maker;
+    maker.addBox();
+    const int times = maker.floats({0, 700}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0, last, 1}, 4);
+    std::string nodes, children;
+    for (int k = 0; k < 64; ++k) {
+      nodes += R"(,{"name":"knot.)" + std::to_string(k) + R"(","translation":[0,)" + std::to_string(2.0 * k / 63) + ",0]}";
+      children += (k ? "," : "") + std::to_string(k + 1);
+    }
+    const std::string channels = list(64, [](int k) { return R"({"sampler":0,"target":{"node":)" + std::to_string(k + 1) + R"(,"path":"rotation"}})"; });
+    return maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"children":[)" + children + "]}" + nodes + R"(],"animations":[)" +
+                      list(16, [&](int i) { return R"({"name":"a)" + std::to_string(i) + R"(","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(turns) + R"(}],"channels":[)" + channels + "]}"; }) + "]");
+  };
+  EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", text(1e-3f)), Exit::kInvalid), "knot."));
+  EXPECT_EQ(importFile(scratch.write("m.gltf", text(0)), {}).parts.at(0).rig.clips.size(), 0u);
+}
+
 TEST(ImportHostile, OfTwoLibrariesTheOneNamedLastCounts) {
   const Scratch scratch;
   scratch.write("a.mtl", "newmtl x\nPr 0.25\nnewmtl x\nPr 0.5\n");

@@ -211,6 +211,21 @@ TEST(ImportRaw, SpacingMayDifferByAnything) {
   EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, settings), "no density at this resolution"));
 }
 
+// One voxel that is no denser than the isovalue: no surface lies around it at any distance.
+TEST(ImportRaw, ASolidMayHaveNoExtent) {
+  const Scratch scratch;
+  const auto path = writeRaw<float>(scratch, {8, 8, 8}, "f32", [](const glm::dvec3& p) { return glm::floor(p) == glm::dvec3(4) ? 2.0 : 0.0; });
+  Settings settings;
+  settings.volume = VolumeKind::kSolid;
+  settings.isovalue = 2;
+  settings.voxel_size = 0.5;
+  EXPECT_EQ(importFile(path, settings).parts[0].grid->size.x, importFile(path, settings).parts[0].grid->size.y);
+  settings.voxel_size.reset();
+  settings.resolution = 64;
+  settings.resolution_given = true;
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, settings), "has no extent; choose another --isovalue"));
+}
+
 TEST(ImportRaw, FogHoldsTheDensities) {
   const Scratch scratch;
   const auto density = [](const glm::dvec3& p) { return std::max(0.0, hill(p)); };

@@ -137,6 +137,13 @@ TEST_F(SetRig, TheAxisMustBeThatOfTheVoxels) {
   EXPECT_EQ(skewed.exit, 1);
   EXPECT_NE(skewed.err.find("say it with --axis"), std::string::npos) << skewed.err;
   EXPECT_EQ(set(path, writeRig(kNod), {"--axis", "-x"}).exit, 0);
+  // Nor whether empty layers lie at the spline's ends.
+  raw.info_json = R"({"options":{"axis":"-x","pad":2},"files":{)";
+  for (int i = 0; i < 5000; ++i) raw.info_json += (i ? ",\"" : "\"") + std::to_string(i) + "\":null";
+  raw.info_json += "}}";
+  const ProcessResult unread = set(write(raw), writeRig(kNod), {"--axis", "-x"});
+  EXPECT_EQ(unread.exit, 3);
+  EXPECT_NE(unread.err.find("what it says of its bake can not be read"), std::string::npos) << unread.err;
 }
 
 TEST_F(SetRig, RefusesWhatTheBakerRefuses) {

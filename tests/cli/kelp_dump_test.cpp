@@ -206,6 +206,17 @@ TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
   EXPECT_EQ(json::parse(dump({"info", path(), "--format", "json"}).out)["info"], json(nullptr));
 }
 
+TEST_F(KelpDump, NamesOfFilesDoNotReachTheTerminalRaw) {
+  writePack(packOf(levelsOf(blob(), 1)));
+  const std::filesystem::path evil = std::filesystem::path(path()).replace_filename("t\x1b[31m\xc2\x9b.kelp");
+  std::filesystem::copy_file(path(), evil);
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", evil.string()}, {"verify", evil.string()}, {"diff", evil.string(), evil.string()}}) {
+    const ProcessResult result = dump(command);
+    EXPECT_EQ(result.exit, 0) << result.err;
+    EXPECT_EQ((result.out + result.err).find_first_of("\x1b\x9b"), std::string::npos) << result.out;
+  }
+}
+
 TEST_F(KelpDump, RigPrintsWhatTheBakerReads) {
   writePack(packOf(levelsOf(blob(), 1)));
   ProcessResult result = dump({"rig", path()});

@@ -12,6 +12,7 @@ import tempfile
 import time
 import unittest
 
+from signals import until_it_hears
 from terminal import read_terminal
 
 SOURCES = sys.argv.pop(1)
@@ -23,18 +24,6 @@ while len(sys.argv) > 1:
     PROGRAMS[os.path.basename(word)] = os.path.abspath(word)
 GOLDEN = os.path.join(SOURCES, "tests/formats/golden/v1_tiny.kelp")
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
-
-
-def until_it_hears(process, number):
-    """It takes a while to start where much else runs."""
-    deadline = time.monotonic() + 30
-    while time.monotonic() < deadline:
-        with open("/proc/%d/status" % process.pid, encoding="utf-8") as file:
-            caught = next((int(line.split()[1], 16) for line in file if line.startswith("SigCgt:")), 0)
-        if caught >> (number - 1) & 1:
-            return
-        time.sleep(0.01)
-    raise AssertionError("it does not catch signals")
 
 
 class Case(unittest.TestCase):

@@ -61,7 +61,7 @@ void sayAsset(const OfBatch& of, std::string_view output, std::string_view statu
   json["output"] = output;
   json["status"] = status;
   json["exit"] = static_cast<int>(exit);
-  say(json, "kelp-bake: " + number(of) + std::string(output) + ": ", text);
+  say(json, "kelp-bake: " + number(of) + oneLine(std::string(output)) + ": ", text);
 }
 
 }  // namespace kelp::bake_cli

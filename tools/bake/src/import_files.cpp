@@ -17,6 +17,8 @@ namespace kelp::bake {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30;
+// Others than the input, read or missing: what keeps a list of them (a pack's INFO, reports, make rules) goes through it at every name.
+constexpr std::size_t kMostFiles = 4000;
 // Of files that are named again, such as a picture by many images.
 constexpr std::uint64_t kUsualAgain = std::uint64_t{1} << 30, kTimesAgain = 64;
 
@@ -170,6 +172,7 @@ std::vector<std::uint8_t> InputFiles::readFirst(const std::filesystem::path& pat
 
 void InputFiles::countRead(const std::filesystem::path& path, std::uint64_t size) const {
   if (counted_.insert(path).second) {
+    checkFileCount();
     bytes_read_ += size;
     return;
   }
@@ -186,7 +189,15 @@ bool InputFiles::isListedRead(const std::filesystem::path& path) const {
 void InputFiles::noteMissing(const std::filesystem::path& path) const {
   if (!used_) return;
   while (missing_.entries < used_->missing.size()) missing_.paths.insert(used_->missing[missing_.entries++]);
-  if (missing_.paths.count(path) == 0) used_->missing.push_back(path);
+  if (missing_.paths.count(path) > 0) return;
+  used_->missing.push_back(path);
+  checkFileCount();
+}
+
+// kRuntime, so that no caller takes it for one file that can be done without.
+void InputFiles::checkFileCount() const {
+  if (counted_.size() + (used_ ? used_->missing.size() : 0) > kMostFiles)
+    refuse(Exit::kRuntime, input_, "", "names more than " + std::to_string(kMostFiles) + " other files; put several pictures into one, or split the model");
 }
 
 bool InputFiles::isThere(const std::filesystem::path& path) const {

@@ -83,6 +83,7 @@ class InputFiles {
   bool isListedRead(const std::filesystem::path& path) const;
   void noteMissing(const std::filesystem::path& path) const;
   void countRead(const std::filesystem::path& path, std::uint64_t size) const;
+  void checkFileCount() const;
 
   std::filesystem::path input_;
   FilesUsed* used_;

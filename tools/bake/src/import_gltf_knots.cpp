@@ -149,21 +149,30 @@ GltfTransform transformAt(const GltfTransform& rest, const NodeChannels& channel
   return out;
 }
 
+// Whether it has one value at all times.
+bool constant(const GltfChannel& channel) {
+  const auto all = [](const std::vector<glm::dvec4>& list, const glm::dvec4& value) { return std::all_of(list.begin(), list.end(), [&](const glm::dvec4& v) { return v == value; }); };
+  return all(channel.values, channel.values.front()) && all(channel.in, glm::dvec4(0)) && all(channel.out, glm::dvec4(0));
+}
+
 // A tangent that turns follows no polynomial: it is sampled, and keeps the channels' own keys.
-RigDescription::Track sampleTangent(const GltfTransform& rest, const NodeChannels& channels, int knot, const glm::dvec3& handle) {
+RigDescription::Track sampleTangent(const GltfModel& model, const std::string& place, const GltfTransform& rest, const NodeChannels& channels, int knot, const glm::dvec3& handle) {
   RigDescription::Track track;
   track.knot = knot;
   track.target = Target::kKnotTangent;
   std::set<float> times;
-  bool step = true;
+  bool step = true, still = true;
   for (const GltfChannel* channel : {channels.rotation, channels.scale}) {
     if (!channel) continue;
+    model.countRead(16 * channel->times.size(), place);
     times.insert(channel->times.begin(), channel->times.end());
     step = step && channel->interpolation == Interpolation::kStep;
+    still = still && constant(*channel);
   }
   const double first = *times.begin(), last = *times.rbegin();
-  if (!step) {
+  if (!step && !still) {
     const int samples = static_cast<int>(std::min(std::ceil((last - first) * kSampleRate), kMaxSamples));
+    model.countRead(256 * static_cast<std::uint64_t>(samples), place);
     for (int i = 1; i < samples; ++i) times.insert(static_cast<float>(first + (last - first) * i / samples));
   }
   track.interpolation = step ? Interpolation::kStep : Interpolation::kLinear;
@@ -337,7 +346,7 @@ void addClips(const GltfModel& model, int node, const std::vector<int>& knots, c
         if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
       }
       if (channels.rotation || channels.scale) {
-        tracks.push_back(sampleTangent(rest, channels, static_cast<int>(k), tangentHandle(rest, extent.axis)));
+        tracks.push_back(sampleTangent(model, model.nodeName(knots[k]), rest, channels, static_cast<int>(k), tangentHandle(rest, extent.axis)));
         if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
       }
     }

@@ -74,10 +74,15 @@ struct DracoStream {
   std::vector<Use> uses;
 };
 
+// Streams side by side make one. Each is decoded by itself, which takes longer than its bytes.
+constexpr std::uint64_t kMostOverlap = 4;
+
 // In the order in which primitives first name them.
 std::vector<DracoStream> findDraco(const InputFiles& files, Json& root, const GltfDocument& document) {
   std::vector<DracoStream> streams;
   std::map<PackedKey, std::size_t> known;
+  std::uint64_t whole = 0, packed_bytes = 0;
+  for (const std::span<const std::uint8_t> buffer : document.buffers) whole += buffer.size();
   Json& meshes = objects(files, root, "meshes");
   const Json& views = root["bufferViews"];
   for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -94,7 +99,11 @@ std::vector<DracoStream> findDraco(const InputFiles& files, Json& root, const Gl
       const auto bytes = bufferRange(files, document, wholeNumber(files, view, "buffer", ~std::uint64_t{0}, view_place),
                                      wholeNumber(files, view, "byteOffset", 0, view_place), wholeNumber(files, view, "byteLength", 0, view_place), view_place);
       const auto [at, fresh] = known.try_emplace(keyOf(bytes), streams.size());
-      if (fresh) streams.push_back({bytes, {}, {}});
+      if (fresh) {
+        packed_bytes += bytes.size();
+        if (packed_bytes > kMostOverlap * whole) refuse(Exit::kInvalid, files.input(), place, "brings streams that lie over each other to more than " + std::to_string(kMostOverlap) + " times the buffers' bytes; export it again");
+        streams.push_back({bytes, {}, {}});
+      }
       DracoStream& stream = streams[at->second];
       const auto attributes = packed->find("attributes");
       if (attributes == packed->end() || !attributes->is_object()) refuse(Exit::kInvalid, files.input(), place, "has no attributes");

@@ -155,6 +155,7 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Fiel
   const double longest = std::max({extent.x, extent.y, extent.z});
   Lattice out;
   out.step = settings.voxel_size ? *settings.voxel_size : settings.resolution_given ? longest / settings.resolution : finest;
+  if (!(out.step > 0) || !std::isfinite(longest / out.step)) refuse(Exit::kInvalid, files.input(), "", "has no extent; choose another --isovalue, or give the edge of a voxel with --voxel-size");
   if (longest / out.step > kMaxResolution + 0.5)
     refuse(Exit::kUsage, files.input(), "", "makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller --resolution, or larger voxels");
   out.size = glm::max(glm::ivec3(glm::ceil(extent / out.step - 1e-4)), glm::ivec3(1));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <random>
 
 namespace kelp::bake {
 namespace {
@@ -22,7 +23,9 @@ void append(std::vector<std::array<T, 3>>& list, const std::optional<std::array<
 float srgbToLinear(float value) { return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f); }
 
 std::size_t SoupBuilder::Hash::operator()(const std::array<std::uint32_t, 3>& bits) const {
-  std::uint64_t hash = 0x9e3779b97f4a7c15u;
+  // Of this process alone, so that no file can be made whose positions share one: vertices are numbered as they come, whatever their hash.
+  static const std::uint64_t kKey = std::uint64_t{std::random_device()()} << 32 | std::random_device()();
+  std::uint64_t hash = kKey;
   for (std::uint32_t word : bits) {
     hash = (hash ^ word) * 0xff51afd7ed558ccdu;
     hash ^= hash >> 32;

@@ -21,11 +21,11 @@ std::string diffText(const DiffReport& report) {
   const std::string within = report.tolerance > 0 ? fmt::format(" within {:g} of the full range", report.tolerance) : "";
   std::string text;
   if (report.same()) {
-    text = fmt::format("{} and {} are the same{} ({}, {}, {})\n", report.a, report.b, within, plural(report.parts, "part"), plural(report.levels, "level"), plural(report.clips, "clip"));
+    text = fmt::format("{} and {} are the same{} ({}, {}, {})\n", nameText(report.a, 4096), nameText(report.b, 4096), within, plural(report.parts, "part"), plural(report.levels, "level"), plural(report.clips, "clip"));
     if (!report.differences.empty()) text += "They were made differently; A is the first:\n";
   } else {
     const auto made = static_cast<std::uint64_t>(std::count_if(report.differences.begin(), report.differences.end(), [](const Difference& d) { return d.kind == "info"; }));
-    text = fmt::format("A is {}, B is {}: {}{}{}\n", bold(report.a), bold(report.b), plural(report.differences.size() - made, "difference"), report.tolerance > 0 ? " not" + within : "",
+    text = fmt::format("A is {}, B is {}: {}{}{}\n", bold(nameText(report.a, 4096)), bold(nameText(report.b, 4096)), plural(report.differences.size() - made, "difference"), report.tolerance > 0 ? " not" + within : "",
                        made > 0 ? ", and how they were made" : "");
   }
   const std::string* part = nullptr;

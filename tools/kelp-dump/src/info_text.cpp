@@ -154,7 +154,7 @@ std::string bytesTable(const Summary& summary) {
 
 void printInfoText(const Summary& summary) {
   const Pack& pack = *summary.pack;
-  std::string text = fmt::format("{}: kelp pack, format {}.{}, {}, {}, {}\n", bold(summary.path), kFormatMajor, pack.minorVersion(), bytesText(pack.fileSize()),
+  std::string text = fmt::format("{}: kelp pack, format {}.{}, {}, {}, {}\n", bold(nameText(summary.path, 4096)), kFormatMajor, pack.minorVersion(), bytesText(pack.fileSize()),
                                  plural(pack.parts().size(), "part"), plural(pack.clips().size(), "clip"));
   const auto lines = infoLines(pack.infoJson());
   for (std::size_t i = 0; i < lines.size() && i < kMostLines; ++i) text += fmt::format("  {:<9}{}\n", lines[i].first, lines[i].second);

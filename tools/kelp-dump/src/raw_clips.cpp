@@ -2,6 +2,7 @@
 #include "raw_clips.h"
 
 #include <algorithm>
+#include <map>
 
 namespace kelp::dump {
 namespace {
@@ -26,17 +27,20 @@ std::vector<RawClip> rawClips(const Pack& pack) {
   return clips;
 }
 
-std::vector<RawClip> clipsOfPart(const std::vector<RawClip>& clips, std::uint32_t part) {
-  std::vector<RawClip> shares;
+std::vector<std::vector<RawClip>> clipsOfParts(const std::vector<RawClip>& clips, std::size_t parts) {
+  std::vector<std::vector<RawClip>> all(parts);
   for (const RawClip& clip : clips) {
-    RawClip share{clip.name, clip.duration, {}, {}};
-    std::copy_if(clip.waves.begin(), clip.waves.end(), std::back_inserter(share.waves), [&](const Wave& wave) { return wave.part == part; });
-    std::copy_if(clip.tracks.begin(), clip.tracks.end(), std::back_inserter(share.tracks), [&](const RawTrack& track) { return track.part == part; });
-    if (share.waves.empty() && share.tracks.empty()) continue;
-    if (clip.duration == lengthOf(clip) && lengthOf(share) > 0) share.duration = lengthOf(share);
-    shares.push_back(std::move(share));
+    std::map<std::uint32_t, RawClip> shares;
+    const auto shareOf = [&](std::uint32_t part) -> RawClip& { return shares.try_emplace(part, RawClip{clip.name, clip.duration, {}, {}}).first->second; };
+    for (const Wave& wave : clip.waves) shareOf(wave.part).waves.push_back(wave);
+    for (const RawTrack& track : clip.tracks) shareOf(track.part).tracks.push_back(track);
+    const bool as_long_as_it_asks = clip.duration == lengthOf(clip);
+    for (auto& [part, share] : shares) {
+      if (as_long_as_it_asks && lengthOf(share) > 0) share.duration = lengthOf(share);
+      all[part].push_back(std::move(share));
+    }
   }
-  return shares;
+  return all;
 }
 
 }  // namespace kelp::dump

@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <span>
 #include <string_view>
 #include <unordered_map>
@@ -41,9 +42,11 @@ std::string readText(const std::string& path) {
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-bool touches(const RawClip& clip, std::uint32_t part) {
-  return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == part; }) ||
-         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part; });
+std::set<std::uint32_t> partsOf(const RawClip& clip) {
+  std::set<std::uint32_t> parts;
+  for (const Wave& wave : clip.waves) parts.insert(wave.part);
+  for (const RawTrack& track : clip.tracks) parts.insert(track.part);
+  return parts;
 }
 
 // As kelp-bake asks it of a rig before it adds empty layers at the ends of a part.
@@ -90,7 +93,10 @@ class RigSetter {
   }
 
   void read(const std::string& wanted, std::optional<Axis> given) {
-    const BakeOptions options = bakeOptions(pack_.infoJson());
+    const std::optional<BakeOptions> read = bakeOptions(pack_.infoJson());
+    if (!read)
+      throw DumpError(kInvalid, fmt::format("{}: what it says of its bake can not be read, so that nothing tells whether this rig fits its voxels; bake it again with this rig: kelp-bake --rig {}", file_.path(), wanted));
+    const BakeOptions& options = *read;
     new_ = readRig(wanted, given ? given : options.axis, options.up);
     if (given && new_.rig.axis && *given != *new_.rig.axis)
       throw DumpError(kUsage, fmt::format("--axis {}: {} names the axis {} itself; leave --axis out, or take \"axis\" out of the rig", toString(*given), new_.origin, toString(*new_.rig.axis)));
@@ -108,9 +114,10 @@ class RigSetter {
     for (const Part& each : pack_.parts()) rigs.knots.emplace_back(each.knots.begin(), each.knots.end());
     try {
       rigs.knots[part_] = realizeKnots(new_.rig, part().size);
+      std::vector<std::vector<RawClip>> of_parts = clipsOfParts(old_clips_, pack_.parts().size());
+      of_parts[part_] = realizeClips(new_.rig, part().size, part_);
       std::vector<RawClip> clips;
-      for (std::uint32_t p = 0; p < pack_.parts().size(); ++p)
-        std::ranges::move(p == part_ ? realizeClips(new_.rig, part().size, p) : clipsOfPart(old_clips_, p), std::back_inserter(clips));
+      for (std::vector<RawClip>& of_part : of_parts) std::ranges::move(of_part, std::back_inserter(clips));
       mergeClips(rigs.clips, std::move(clips));
     } catch (const RigError& error) {
       refuse(error.what());
@@ -145,8 +152,8 @@ class RigSetter {
   void prove(const RawClip& clip, const RawRigs& rigs) const {
     const auto old = old_durations_.find(clip.name);
     const bool changed = old == old_durations_.end() || old->second != clip.duration;
-    for (std::uint32_t p = 0; p < pack_.parts().size(); ++p) {
-      if (!touches(clip, p) || (p != part_ && !changed)) continue;
+    for (const std::uint32_t p : partsOf(clip)) {
+      if (p != part_ && !changed) continue;
       try {
         proveClip(clip, p, rigs.knots[p], pack_.parts()[p].size);
       } catch (const RigError& error) {

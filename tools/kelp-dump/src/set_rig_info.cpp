@@ -39,9 +39,10 @@ Json with(const Json& options, const char* key, const Json& value, Before before
 
 }  // namespace
 
-BakeOptions bakeOptions(std::string_view text) {
+std::optional<BakeOptions> bakeOptions(std::string_view text) {
   BakeOptions read;
   const std::optional<Json> info = parseSafely(text);
+  if (!info && !text.empty()) return std::nullopt;
   const Json* const options = optionsOf(info);
   if (!options) return read;
   const auto axis = [&](const char* key) { return options->contains(key) && options->at(key).is_string() ? parseAxis(options->at(key).get_ref<const std::string&>()) : std::nullopt; };

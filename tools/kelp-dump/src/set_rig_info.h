@@ -15,7 +15,8 @@ struct BakeOptions {
   std::optional<Axis> axis, up;
   std::int64_t pad = 0;  // empty layers around the part; at the ends of the spline, too, if the rig did not bend
 };
-BakeOptions bakeOptions(std::string_view info);
+// Nothing of a document that can not be read.
+std::optional<BakeOptions> bakeOptions(std::string_view info);
 
 // The document that kelp-bake would have written with another --rig, and --axis if it is given; as it is if it holds no options. Of one of several parts, whose name is
 // `part` then, kelp-bake takes no --rig: a member "rigs" says by part what was set, and no bake has it.

@@ -45,7 +45,7 @@ std::string findingText(const Finding& f, const VerifyReport& report) {
   std::string what = f.code ? toString(*f.code) : "";
   if (!f.detail.empty()) what += what.empty() ? f.detail : " (" + f.detail + ")";
   if (f.count > 1) what += fmt::format("{}first of {} such places", what.empty() ? "" : "; ", countText(f.count));
-  std::string text = fmt::format("{}: {} {}", report.path, f.severity == Severity::kError ? "error" : "warning", f.id);
+  std::string text = fmt::format("{}: {} {}", nameText(report.path, 4096), f.severity == Severity::kError ? "error" : "warning", f.id);
   for (const std::string& piece : {place, what}) {
     if (!piece.empty()) text += ": " + piece;
   }
@@ -57,8 +57,8 @@ std::string verifyText(const VerifyReport& report) {
   for (const Finding& finding : report.findings) text += findingText(finding, report);
   const std::string checked = fmt::format("{}, {}{}", plural(report.part_names.size(), "part"), plural(report.levels, "level"),
                                           report.deep ? ", empty boxes and levels recomputed" : "; --deep recomputes empty boxes and levels as well");
-  if (report.errors() == 0) text += fmt::format("{}: sound ({})", report.path, checked);
-  else text += fmt::format("{}: {}", report.path, plural(report.errors(), "error"));
+  if (report.errors() == 0) text += fmt::format("{}: sound ({})", nameText(report.path, 4096), checked);
+  else text += fmt::format("{}: {}", nameText(report.path, 4096), plural(report.errors(), "error"));
   if (report.warnings() > 0) text += ", " + plural(report.warnings(), "warning");
   return text + "\n";
 }
