@@ -297,6 +297,19 @@ TEST(ImportHostile, ALineThatNamesFilesWithoutEnd) {
   EXPECT_EQ(tried(3900, 60000), -1);
 }
 
+// Draco decodes a stream for each range of bytes that a primitive names.
+TEST(ImportHostile, StreamsThatLieOverEachOther) {
+  const Scratch scratch;
+  const auto said = [&](int streams) {
+    const std::string views = list(streams, [](int i) { return R"({"buffer":0,"byteLength":)" + std::to_string(99 - i) + "}"; });
+    const std::string primitives = list(streams, [](int i) { return R"({"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":)" + std::to_string(i) + R"(,"attributes":{}}}})"; });
+    return refusal(scratch.write("m.gltf", R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_draco_mesh_compression"],"buffers":[{"byteLength":99,"uri":"data:application/octet-stream;base64,)" + base64(std::string(99, 'x')) +
+                                               R"("}],"bufferViews":[)" + views + R"(],"accessors":[{"componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":[)" + primitives + R"(]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]})"), Exit::kInvalid);
+  };
+  EXPECT_FALSE(contains(said(4), "over each other")) << said(4);
+  EXPECT_TRUE(contains(said(5), "primitives[4].KHR_draco_mesh_compression: brings streams that lie over each other to more than 4 times the buffers' bytes; ")) << said(5);
+}
+
 // Turns that follow no polynomial are sampled, a part's rest as often as its motion. Still ones are not.
 TEST(ImportHostile, KnotsThatTurnForLong) {
   const Scratch scratch;
