@@ -210,9 +210,9 @@ TEST_F(KelpDump, NamesOfFilesDoNotReachTheTerminalRaw) {
   writePack(packOf(levelsOf(blob(), 1)));
   const std::filesystem::path evil = std::filesystem::path(path()).replace_filename("t\x1b[31m\xc2\x9b.kelp");
   std::filesystem::copy_file(path(), evil);
-  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", evil.string()}, {"verify", evil.string()}, {"diff", evil.string(), evil.string()}}) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", evil.string()}, {"verify", evil.string()}, {"diff", evil.string(), evil.string()}, {"rig", evil.string()}, {"info", evil.string() + ".none"}}) {
     const ProcessResult result = dump(command);
-    EXPECT_EQ(result.exit, 0) << result.err;
+    EXPECT_EQ(result.exit, command[1] == evil.string() ? 0 : 2) << result.err;
     EXPECT_EQ((result.out + result.err).find_first_of("\x1b\x9b"), std::string::npos) << result.out;
   }
 }

@@ -15,6 +15,7 @@
 #include "faults.h"
 #include "interrupt.h"
 #include "kelp/bake/output_file.h"
+#include "kelp/console/console.h"
 #include "messages.h"
 #include "shard.h"
 #include "summary.h"
@@ -125,7 +126,7 @@ class TimeLeft {
 void setFailed(AssetResult& result, const Job& job, Exit exit, const std::string& what) {
   result.status = Status::kFailed;
   result.exit = exit;
-  result.error = oneLine(withPlace(job.asset.place, what));
+  result.error = console::oneLine(withPlace(job.asset.place, what));
 }
 
 AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "summary.h"
+#include "kelp/console/console.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -34,7 +34,7 @@ OrderedJson ofKind(const char* kind, const OfBatch& of = {}) {
 std::string number(const OfBatch& of) { return of.asset > 0 ? "[" + std::to_string(of.asset) + "/" + std::to_string(of.assets) + "] " : ""; }
 
 void say(OrderedJson json, std::string_view before, std::string_view text) {
-  const std::string line = oneLine(std::string(text));
+  const std::string line = console::oneLine(std::string(text));
   if (!g_json) return put(std::string(before) + line);
   json["text"] = line;
   put(json);
@@ -61,7 +61,7 @@ void sayAsset(const OfBatch& of, std::string_view output, std::string_view statu
   json["output"] = output;
   json["status"] = status;
   json["exit"] = static_cast<int>(exit);
-  say(json, "kelp-bake: " + number(of) + oneLine(std::string(output)) + ": ", text);
+  say(json, "kelp-bake: " + number(of) + console::oneLine(std::string(output)) + ": ", text);
 }
 
 }  // namespace kelp::bake_cli

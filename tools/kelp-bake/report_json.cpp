@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kelp/console/console.h"
 #include "kelp/rig_json/json_depth.h"
 #include "summary.h"
 
@@ -135,7 +136,7 @@ std::string inputOf(const std::string& report) { return OrderedJson::parse(repor
 void checkDependencies(const Options& options, const bake::FilesUsed& files) {
   const auto check = [](const std::filesystem::path& path) {
     if (path.string().find_first_of("\n\r") != std::string::npos)
-      throw bake::BakeError(bake::Exit::kIo, oneLine(path.string()) + ": has a line break in its name, and no make rule can name it; rename it, or leave -MD and -MF out");
+      throw bake::BakeError(bake::Exit::kIo, console::oneLine(path.string()) + ": has a line break in its name, and no make rule can name it; rename it, or leave -MD and -MF out");
   };
   check(options.input);
   check(options.output);

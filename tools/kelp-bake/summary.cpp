@@ -79,14 +79,6 @@ void printClips(const bake::Report& report) {
 
 }  // namespace
 
-std::string oneLine(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  // U+0080 to U+009F are control characters, too: C2 80 to C2 9F in UTF-8.
-  for (std::size_t i = 0; i + 1 < text.size(); ++i)
-    if (text[i] == '\xc2' && static_cast<unsigned char>(text[i + 1]) < 0xa0) text[i] = text[i + 1] = ' ';
-  return text;
-}
-
 double secondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
 
 std::string printBytes(std::uint64_t bytes) {

@@ -11,8 +11,6 @@
 
 namespace kelp::bake_cli {
 
-// One line whatever the text holds.
-std::string oneLine(std::string text);
 // By the steady clock.
 double secondsSince(std::chrono::steady_clock::time_point start);
 // "1.5 MiB".

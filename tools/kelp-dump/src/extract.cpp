@@ -47,7 +47,7 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
 
 LevelVoxels ExtractRequest::read(std::uint32_t index) const { return LevelVoxels(file, index, std::min(level, part(index).levels - 1)); }
 
-void note(const ExtractRequest& request, const std::string& text) { say("{}: {}\n", request.file.path(), text); }
+void note(const ExtractRequest& request, const std::string& text) { say("{}: {}", request.file.path(), text); }
 
 std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format) {
   std::vector<std::uint32_t> solid;

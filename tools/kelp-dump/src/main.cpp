@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // kelp-dump: what is in a pack, and whether it is sound. The one place where errors become exit codes.
-#include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
@@ -10,13 +8,12 @@
 #include "kelp/console/console.h"
 #include "options.h"
 #include "system.h"
+#include "text.h"
 
 namespace {
 
-// One line whatever the text holds: it may quote names of files.
-int complain(int exit, std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  std::fprintf(stderr, "kelp-dump: %s\n", text.c_str());
+int complain(int exit, const std::string& text) {
+  kelp::dump::say("{}", text);
   return exit;
 }
 

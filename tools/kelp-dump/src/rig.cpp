@@ -20,7 +20,7 @@ int rig(const std::string& path, const std::string& wanted, const std::string& a
   const std::uint32_t index = wanted.empty() ? 0 : file.findPart(wanted);
   const Part& part = pack.parts()[index];
   if (wanted.empty() && pack.parts().size() > 1)
-    say("{}: has {} parts, this is part 0 '{}'; choose another with --part\n", file.path(), pack.parts().size(), nameText(part.name));
+    say("{}: has {} parts, this is part 0 '{}'; choose another with --part", file.path(), pack.parts().size(), nameText(part.name));
   try {
     print(printRig(describeRig(part.knots, rawClips(pack), index, part.size, axis ? *axis : bakedAxis(part).value_or(Axis::kPlusY))));
   } catch (const RigError& error) {

@@ -210,7 +210,7 @@ int setRig(const std::string& path, const std::string& wanted_part, const std::s
   const std::string summary = setter.summary();
   file.close();  // what is open can not be replaced on every system
   out.commit();
-  say("{}: {}\n", output.empty() ? path : output == "-" ? "standard output" : output, summary);
+  say("{}: {}", output.empty() ? path : output == "-" ? "standard output" : output, summary);
   return kOk;
 }
 

@@ -124,7 +124,7 @@ int slice(const std::string& path, const SliceOptions& options, const std::strin
   const std::uint32_t index = options.part.empty() ? 0 : file.findPart(options.part);
   const Part& part = file.pack().parts()[index];
   if (options.part.empty() && file.pack().parts().size() > 1)
-    say("{}: has {} parts, this is part 0 '{}'; choose another with --part\n", file.path(), file.pack().parts().size(), nameText(part.name));
+    say("{}: has {} parts, this is part 0 '{}'; choose another with --part", file.path(), file.pack().parts().size(), nameText(part.name));
   if (options.level < 0 || options.level >= part.levels) throw DumpError(kUsage, fmt::format("{}: --level {}: there are levels 0 to {}; choose one of them", file.path(), options.level, part.levels - 1));
   const glm::ivec3 size = levelSize(part.size, options.level);
   const int along = size[options.axis - 'x'], at = options.at.value_or(along / 2);

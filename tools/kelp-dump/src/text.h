@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "kelp/console/console.h"
 #include "kelp/formats/model.h"
 
 namespace kelp::dump {
@@ -41,10 +42,10 @@ std::string bar(double share, int longest = 20);
 std::string padRight(const std::string& text, std::size_t columns);
 std::string padLeft(const std::string& text, std::size_t columns);
 
-// A line to stderr that begins with the program's name. What can not be said is no reason to fail.
+// A line to stderr that begins with the program's name, and is one whatever it quotes. What can not be said is no reason to fail.
 template <class... Arguments>
 void say(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  std::fputs(("kelp-dump: " + fmt::format(format, std::forward<Arguments>(arguments)...)).c_str(), stderr);
+  std::fputs(("kelp-dump: " + console::oneLine(fmt::format(format, std::forward<Arguments>(arguments)...)) + "\n").c_str(), stderr);
 }
 
 // Writes all of `text` to stdout; DumpError (kIo) if that fails.

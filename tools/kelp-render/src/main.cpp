@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // kelp-render: packs, poses, a picture. The one place where errors become exit codes.
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -101,10 +100,8 @@ void run(const Options& options) {
   }
 }
 
-// One line whatever the message holds.
-int complain(Exit code, std::string message) {
-  std::replace_if(message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  std::fprintf(stderr, "kelp-render: %s\n", message.c_str());
+int complain(Exit code, const std::string& message) {
+  std::fprintf(stderr, "kelp-render: %s\n", console::oneLine(message).c_str());
   return code;
 }
 

@@ -22,6 +22,9 @@ std::vector<std::string> arguments(int argc, char** argv);
 enum class Stream { kIn, kOut, kErr };
 bool isTerminal(Stream stream);
 
+// What a terminal would obey (control characters, U+0080 to U+009F among them) becomes a space: for messages that quote files and their names.
+std::string oneLine(std::string text);
+
 // All of `text` to standard output, at once. Why not ("No space left on device"), or nothing.
 std::string writeOut(std::string_view text);
 
