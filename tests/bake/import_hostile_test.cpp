@@ -390,7 +390,7 @@ TEST(ImportHostile, AnimationsOfOneNameFillTheFirstThatIsFree) {
 
 TEST(ImportHostile, ManyLibrariesThatAreNotThere) {
   const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  expectGrowsEvenly(".obj", 2000, [&](int count) {
+  expectGrowsEvenly(".obj", 900, [&](int count) {
     std::string names = "mtllib";
     for (int i = 0; i < count; ++i) names += " a" + std::to_string(i);
     return names + "\n" + faces;
