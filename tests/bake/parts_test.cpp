@@ -260,52 +260,6 @@ TEST(Parts, AnimationsOfOneNameAreToldApartForAllNodesAlike) {
   EXPECT_EQ(baked.pack().clips[1].tracks.size(), 2u);
 }
 
-// A node that is animated on one path, in keys 0 and 1 s.
-std::string animated(const std::string& path, const std::vector<float>& values, int width, const std::string& node = "") {
-  GltfMaker maker;
-  maker.addBox();
-  const int times = maker.floats({0, 1}, 1), keys = maker.floats(values, width);
-  return maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"a","mesh":0)" + node + R"(}],"animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(keys) +
-                    (values.size() == 6u * static_cast<std::size_t>(width) ? R"(,"interpolation":"CUBICSPLINE")" : "") + R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":")" + path + R"("}}]}])");
-}
-
-TEST(Parts, TurnsOfAnyLengthAreUnitQuaternions) {
-  const Scratch scratch;
-  Settings settings;
-  settings.parts = Parts::kNodes;
-  const float half = std::sqrt(0.5f);
-  for (const float length : {1e-20f, 3.0f, 1e30f}) {
-    const Baked linear(scratch.write("m.gltf", animated("rotation", {0, 0, 0, 0, 0, length, 0, length}, 4)), settings, 8);
-    const Baked cubic(scratch.write("m.gltf", animated("rotation", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, length, 0, 0, 0, length, 0, length, 0, length, 0, 0}, 4)), settings, 8);
-    for (const Baked* baked : {&linear, &cubic}) {
-      ASSERT_EQ(baked->pack().clips.size(), 1u);
-      const std::vector<Key>& keys = baked->pack().clips[0].tracks.at(0).keys;
-      ASSERT_EQ(keys.size(), 2u);
-      EXPECT_EQ(keys[0].value, glm::vec4(0, 0, 0, 1));
-      EXPECT_LT(glm::length(keys[1].value - glm::vec4(0, half, 0, half)), 1e-6f);
-    }
-    EXPECT_LT(glm::length(cubic.pack().clips[0].tracks[0].keys[1].in - glm::vec4(0, half, 0, 0)), 1e-6f);
-  }
-}
-
-TEST(Parts, MotionsBeyondFloatsAreRefused) {
-  const Scratch scratch;
-  Settings settings;
-  settings.parts = Parts::kNodes;
-  settings.resolution = 8;
-  for (const std::vector<float>& scales : {std::vector<float>{1, 1, 1, 1, 3e38f, 1}, std::vector<float>{0, 0, 0, 1, 1, 1, 0, 0, 0, 0, -3e38f, 0, 1, 1, 1, 0, 0, 0}}) {
-    const std::filesystem::path path = scratch.write("m.gltf", animated("scale", scales, 3, R"(,"scale":[1,0.01,1])"));
-    try {
-      Report report;
-      bake::bake(path, settings, report);
-      ADD_FAILURE() << "baked";
-    } catch (const BakeError& error) {
-      EXPECT_EQ(error.exit, Exit::kInvalid);
-      for (const char* word : {"m.gltf", "'a'", "clip 'go'", " 1 s "}) EXPECT_TRUE(contains(error.what(), word)) << error.what();
-    }
-  }
-}
-
 // A reed with a rig, a leaf that is still, and a bird on it that moves: the leaf bends with the reed, the bird is a part of its own.
 TEST(Parts, RigsKeepWhatTheyBendAndLetGoOfWhatMoves) {
   const Scratch scratch;

@@ -196,7 +196,7 @@ void InputFiles::noteMissing(const std::filesystem::path& path) const {
 
 // kRuntime, so that no caller takes it for one file that can be done without.
 void InputFiles::checkFileCount() const {
-  if (counted_.size() + (used_ ? used_->missing.size() : 0) > kMostFiles)
+  if (counted_.size() + (used_ ? used_->missing.size() : 0) > 1 + kMostFiles)  // with the input
     refuse(Exit::kRuntime, input_, "", "names more than " + std::to_string(kMostFiles) + " other files; put several pictures into one, or split the model");
 }
 
