@@ -66,8 +66,10 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
   const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
   for (const WaveBlock& block : clip.wave_blocks) addWaves(block, seconds, weight, pose.allKnots());
   if (clip.tracks.empty()) return {};
-  const double turns = seconds / double{clip.duration};
-  const float time = static_cast<float>((turns - std::floor(turns)) * double{clip.duration});
+  // Not by a quotient: that of a long time and a short clip is beyond doubles.
+  const double duration = clip.duration;
+  const double remainder = std::fmod(seconds, duration);
+  const float time = static_cast<float>(remainder < 0 ? remainder + duration : remainder);
   for (const Track& track : clip.tracks) {
     const int part = static_cast<int>(track.part);
     apply(track.target, sample(track, time), weight, pose.knots(part)[track.knot], *pose.motion(part));

@@ -71,7 +71,7 @@ Box bounds(const Instance& instance) {
   return all;
 }
 
-glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
+glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPart(instance, part)) return glm::vec3(0);
   const std::span<const Knot> knots = knotsOf(instance, part);
   if (knots.size() < 2) return glm::vec3(0);
@@ -80,7 +80,12 @@ glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
   const float y = low + rest.y / height * (knots.back().position.y - low);
   const SplinePoint at = splineAtHeight(knots, y);
   const glm::vec3 s = evaluate(at.segment, at.t);
-  return glm::vec3(partToWorld(instance, part) * glm::vec4(rest.x + s.x, y, rest.z + s.z, 1.0f));
+  return {rest.x + s.x, y, rest.z + s.z};
+}
+
+glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
+  if (!isPart(instance, part) || knotsOf(instance, part).size() < 2) return glm::vec3(0);
+  return glm::vec3(partToWorld(instance, part) * glm::vec4(bend(instance, part, rest), 1.0f));
 }
 
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world) {

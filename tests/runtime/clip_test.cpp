@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -127,6 +128,21 @@ RawPack keyed(Interpolation interpolation, const std::vector<Key>& keys) {
   clip.tracks.push_back(track);
   pack.clips.push_back(clip);
   return pack;
+}
+
+TEST(Clip, TimesOfWhichTheDurationIsNoShareAreHarmless) {
+  for (const float duration : {std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::min(), std::numeric_limits<float>::max()}) {
+    RawPack pack = keyed(Interpolation::kLinear, {{0, {7, 0, 0, 0}, {}, {}}, {duration, {7, 0, 0, 0}, {}, {}}});
+    pack.clips[0].duration = duration;
+    Loaded loaded(pack);
+    Pose pose = *Pose::create(*loaded.asset);
+    const float rest = pose.knots(0)[1].tangent.x;
+    for (const double seconds : {0.0, 1e-320, -1e-320, 3.0, -3.0, 1e263, 1e300, -1e300, std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}) {
+      pose.reset();
+      ASSERT_TRUE(addClip(*loaded.asset, 0, seconds, 1, pose));
+      EXPECT_EQ(pose.knots(0)[1].tangent.x, rest + 7) << duration << ' ' << seconds;
+    }
+  }
 }
 
 TEST(Clip, TracksStepGoStraightAndCurve) {

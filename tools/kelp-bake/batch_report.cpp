@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kelp/console/console.h"
 #include "option_table.h"
 
 namespace kelp::bake_cli {
@@ -12,7 +13,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-std::string print(const OrderedJson& json) { return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n"; }
+std::string print(const OrderedJson& json) { return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n"); }
 
 OrderedJson headJson(const char* schema, const Command& command, const Jobs& jobs) {
   OrderedJson json{{"schema", schema}, {"kelp-bake", KELP_VERSION}, {"batch", (command.manifest ? *command.manifest : *command.list).string()}};

@@ -20,7 +20,7 @@ void put(std::string line) {
   std::fflush(stderr);
 }
 
-void put(const OrderedJson& json) { put(json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace)); }
+void put(const OrderedJson& json) { put(console::escapeControls(json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace))); }
 
 OrderedJson ofKind(const char* kind, const OfBatch& of = {}) {
   OrderedJson json{{"kind", kind}};

@@ -11,6 +11,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "kelp/console/console.h"
+
 namespace kelp::bake_cli {
 namespace {
 
@@ -107,7 +109,7 @@ void ProgressDisplay::printJson(double done, double seconds) {
   json["seconds"] = seconds;
   if (done > 0) json["seconds_left"] = seconds * (1 - done) / done;  // of the stage
   if (batch_left_now_ >= 0) json["batch_seconds_left"] = batch_left_now_;
-  std::fputs((json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n").c_str(), stderr);
+  std::fputs((console::escapeControls(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) + "\n").c_str(), stderr);
 }
 
 void ProgressDisplay::clear() {

@@ -106,7 +106,7 @@ std::string reportJson(const Options& options, const bake::Report& report, doubl
   json["pack_xxh128"] = report.pack_hash;
   json["cached"] = false;
   json["seconds"] = seconds;
-  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
 }
 
 std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files, double seconds) {
@@ -117,13 +117,13 @@ std::string cachedReport(const std::string& report, const Options& options, cons
   json["stages"] = OrderedJson::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
   json["cached"] = true;
   json["seconds"] = seconds;
-  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
 }
 
 bool isReport(const std::string& text) {
   constexpr int kMaxDepth = 16;
   constexpr std::size_t kMaxMembers = 1000;
-  if (nestedDeeper(text, kMaxDepth) || hasLargerObject(text, kMaxMembers)) return false;
+  if (nestedDeeper(text, kMaxDepth) || hasLargerObjects(text, kMaxMembers)) return false;
   const OrderedJson json = OrderedJson::parse(text, nullptr, false);
   const auto isText = [](const OrderedJson& value) { return value.is_string(); };
   return json.is_object() && json.contains("input") && isText(json["input"]) && json.contains("notices") && json["notices"].is_array() && std::all_of(json["notices"].begin(), json["notices"].end(), isText);

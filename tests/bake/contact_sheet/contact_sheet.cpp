@@ -71,21 +71,22 @@ std::vector<Entry> readList(const std::filesystem::path& folder) {
 
 // The camera of kelp-render: around the bricks of the pack, or around the triangles where there is no pack.
 gl::View viewOf(const std::filesystem::path& pack, const Scene* scene) {
-  std::vector<glm::dvec3> points;
+  render::Framing framing(kYaw, kPitch, 1, 1.0);
   if (auto file = FileSource::open(pack.c_str())) {
     runtime::Options whole;
     whole.memory_budget = ~std::uint64_t{0};
     auto asset = runtime::Asset::open(file->source(), whole);
     if (asset && (*asset)->loadAll()) {
       const runtime::Pose pose = *runtime::Pose::create(**asset);
-      render::addOutline({asset->get(), &pose}, points);
+      render::addOutline({asset->get(), &pose}, framing);
     }
   }
-  for (std::size_t i = 0; points.empty() && scene && i < scene->triangles.size(); ++i) {
-    for (const Corner& corner : scene->triangles[i].corner) points.push_back(corner.position);
+  const bool triangles = framing.empty();
+  for (std::size_t i = 0; triangles && scene && i < scene->triangles.size(); ++i) {
+    for (const Corner& corner : scene->triangles[i].corner) framing.add(corner.position);
   }
   gl::View view;
-  if (!points.empty()) render::Camera(points, kYaw, kPitch, 1, 1.0).apply(0, view);
+  if (!framing.empty()) render::Camera(framing).apply(0, view);
   return view;
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "mesh_counts.h"
 #include "parallel.h"
 #include "placement.h"
+#include "surface_bvh.h"
 
 namespace kelp::bake {
 namespace {
@@ -46,6 +48,8 @@ class StageClock {
   std::string name_;
   std::chrono::steady_clock::time_point start_;
 };
+
+glm::dmat4 affine(const glm::mat4x3& m) { return glm::dmat4(glm::dvec4(m[0], 0), glm::dvec4(m[1], 0), glm::dvec4(m[2], 0), glm::dvec4(m[3], 1)); }
 
 Axis axisOf(const SourcePart& part) { return part.rig.axis.value_or(Axis::kPlusY); }
 
@@ -91,9 +95,32 @@ void checkSides(const SourceModel& model, const std::vector<Frame>& frames, cons
   }
 }
 
+// Where parts stand in the object, as a pack holds it.
+void checkPlaces(const SourceModel& model, const std::vector<Frame>& frames, const std::filesystem::path& input) {
+  const auto areFloats = [](const glm::dmat4& m) {
+    bool all = true;
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 3; ++row) all = all && std::abs(m[column][row]) <= static_cast<double>(std::numeric_limits<float>::max());
+    return all;
+  };
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    const SourcePart& part = model.parts[i];
+    const glm::dmat4 to_node = part.isVolume() ? affine(part.volumeToNode()) : glm::inverse(frames[i].node_to_voxel), to_object = affine(part.to_object) * to_node;
+    if (!areFloats(to_object) || !areFloats(affine(part.to_object)) || !areFloats(affine(part.pivot)))
+      throw BakeError(Exit::kInvalid, fmt::format("{}: its place in the scene is beyond what 32-bit floats can hold; move it towards the origin, or scale the model", partPlace(input, part)));
+    const double edge = std::cbrt(std::abs(glm::determinant(glm::dmat3(to_object))));
+    if (!(edge >= kSmallestVoxel && edge <= kLargestVoxel))
+      throw BakeError(Exit::kInvalid, fmt::format("{}: voxels of {:.4g} m are beyond what 32-bit floats can draw ({:g} to {:g}); scale the model", partPlace(input, part), edge, kSmallestVoxel, kLargestVoxel));
+  }
+}
+
 // Whether the voxels are the file's own.
 bool isVolume(const SourceModel& model) {
   return std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.isVolume(); });
+}
+
+[[noreturn]] void refusePile(const SourcePart& part, const std::filesystem::path& input) {
+  throw BakeError(Exit::kRuntime, fmt::format("{}: thousands of its triangles lie over each other, and comparing them at every voxel takes too long; remove those that nobody sees, or bake with a lower --resolution", partPlace(input, part)));
 }
 
 void checkMemory(const SourceModel& model, const Settings& settings, const std::filesystem::path& input, Report& report) {
@@ -103,16 +130,17 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
     for (std::size_t i = 0; i < model.parts.size(); ++i) parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], changed.pad)));
     return parts;
   };
+  for (std::size_t i = 0; const PartSize& part : sizes(settings)) {
+    if (part.isPile()) refusePile(model.parts[i], input);
+    ++i;
+  }
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
   // The importer has asked for volumes, before it made their voxels.
   report.estimated_bytes = isVolume(model) ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
 }
 
-glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
-  const auto whole = [](const glm::mat4x3& m) { return glm::dmat4(glm::dvec4(m[0], 0), glm::dvec4(m[1], 0), glm::dvec4(m[2], 0), glm::dvec4(m[3], 1)); };
-  return whole(outer) * whole(inner);
-}
+glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) { return affine(outer) * affine(inner); }
 
 glm::mat4x3 compose(const glm::mat4x3& outer, const glm::mat4x3& inner) { return glm::mat4x3(glm::dmat4x3(composeExactly(outer, inner))); }
 
@@ -121,15 +149,12 @@ double placeError(const SourcePart& part, const glm::mat4x3& rounded) { return g
 
 bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-// Whether a clip moves the knots of a part.
-bool bends(const RawClip& clip, std::uint32_t part) {
-  return std::any_of(clip.waves.begin(), clip.waves.end(), [&](const Wave& wave) { return wave.part == part; }) ||
-         std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part && isKnots(track.target); });
+// Whether what a clip does to a part moves its knots, or the part as a whole.
+bool bends(const RawClip& share) {
+  return !share.waves.empty() || std::any_of(share.tracks.begin(), share.tracks.end(), [](const RawTrack& track) { return isKnots(track.target); });
 }
-
-// Whether it moves the part as a whole.
-bool moves(const RawClip& clip, std::uint32_t part) {
-  return std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == part && !isKnots(track.target); });
+bool moves(const RawClip& share) {
+  return std::any_of(share.tracks.begin(), share.tracks.end(), [](const RawTrack& track) { return !isKnots(track.target); });
 }
 
 // Clips that no reader would take by default are refused before the long work.
@@ -175,16 +200,23 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   checkClips(pack, input);
   checkTracks(model, pack, input);
   for (const RawClip& clip : pack.clips) {
-    for (std::size_t i = 0; i < model.parts.size(); ++i) {
-      const bool knots = bends(clip, static_cast<std::uint32_t>(i)), whole = moves(clip, static_cast<std::uint32_t>(i));
-      if (!knots && !whole) continue;
+    for (const auto& [part, share] : splitByPart(clip)) {
+      const SourcePart& source = model.parts[part];
       try {
-        const ClipReport proof = proveClip(clip, static_cast<std::uint32_t>(i), pack.parts[i].knots, pack.parts[i].size);
-        report.clips.push_back({clip.name, model.parts[i].name, clip.duration, proof.leaves_box, knots, whole});
+        const ClipReport proof = proveClip(share, part, pack.parts[part].knots, pack.parts[part].size);
+        report.clips.push_back({clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
       } catch (const RigError& error) {
-        throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]), model.parts[i].rig_origin, error.what()));
+        throw BakeError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, source), source.rig_origin, error.what()));
       }
     }
+  }
+}
+
+VoxelizeResult voxelizeOrRefuse(const SourceModel& model, std::size_t part, const Frame& frame, const Settings& settings, int threads, const Progress& progress, const std::filesystem::path& input) {
+  try {
+    return voxelize(model, model.parts[part], frame, settings.fill, threads, progress);
+  } catch (const TrianglePile&) {
+    refusePile(model.parts[part], input);
   }
 }
 
@@ -268,6 +300,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   const bool volume = isVolume(model);
   const std::vector<Frame> frames = makeFrames(model, settings, input);
   checkSides(model, frames, settings, input);
+  checkPlaces(model, frames, input);
   checkMemory(model, settings, input, report);
   for (SourcePart& part : model.parts) {
     if (part.grid) padGrid(*part.grid, paddingOf(part, settings.pad));
@@ -318,7 +351,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       line.closed = true;
       line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.grid->to_node)))) * objectScale(part);
     } else {
-      VoxelizeResult result = voxelize(model, part, frames[i], settings.fill, threads, share(i));
+      VoxelizeResult result = voxelizeOrRefuse(model, i, frames[i], settings, threads, share(i), input);
       part.grid = std::move(result.grid);
       cut_out = std::any_of(part.soup.triangles.begin(), part.soup.triangles.end(), [&](const TriangleSoup::Triangle& t) { return model.materials[t.material].alpha_cutoff > 0; });
       part.soup = TriangleSoup();

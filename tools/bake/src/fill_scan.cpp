@@ -30,6 +30,8 @@ struct Crossing {
   }
 };
 
+static_assert(2 * sizeof(Crossing) <= kCrossingBytes);
+
 // Of a component, along a scanline.
 struct Winding {
   std::uint32_t component = 0;
@@ -50,8 +52,9 @@ bool ownsEdge(std::int64_t du, std::int64_t dv) { return dv < 0 || (dv == 0 && d
 // The scanlines of one axis: `axis` runs along them, u = axis + 1 and v = axis + 2 (modulo 3) number the columns.
 class Scanner {
  public:
-  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis, std::vector<std::uint8_t>& voxels, std::vector<Scanned>& scanned)
-      : mesh_(mesh), doubts_(doubts), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), voxels_(voxels), scanned_(scanned) {
+  // `most`: crossings that are held at a time, but for those of a single column.
+  Scanner(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int axis, std::size_t most, std::vector<std::uint8_t>& voxels, std::vector<Scanned>& scanned)
+      : mesh_(mesh), doubts_(doubts), size_(size), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), most_(most), voxels_(voxels), scanned_(scanned), winding_of_(mesh.components.size(), kNone) {
     const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x), static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)};
     stride_ = stride[axis_];
     stride_u_ = stride[u_];
@@ -59,31 +62,55 @@ class Scanner {
   }
 
   // Rows [begin, end) of v. Slabs of rows touch no voxel of each other.
-  void scan(const std::vector<std::uint32_t>& triangles, int begin, int end) {
+  void scan(const std::vector<std::uint32_t>& triangles, int begin, int end) { scan(triangles, {0, size_[u_], begin, end}); }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  // Columns [u0, u1) of rows [v0, v1).
+  struct Patch {
+    int u0, u1, v0, v1;
+  };
+
+  // Where many triangles lie over each other, in halves of halves: no column touches another's voxels.
+  void scan(const std::vector<std::uint32_t>& triangles, const Patch& patch) {
     crossings_.clear();
-    for (const std::uint32_t i : triangles) rasterise(mesh_.triangles[i], begin, end);
-    if (axis_ == 0) addDoubts(begin, end);
+    for (const std::uint32_t i : triangles) {
+      rasterise(mesh_.triangles[i], patch);
+      if (crossings_.size() <= most_) continue;
+      const int columns = patch.u1 - patch.u0, rows = patch.v1 - patch.v0;
+      if (rows > 1) {
+        scan(triangles, {patch.u0, patch.u1, patch.v0, patch.v0 + rows / 2});
+        return scan(triangles, {patch.u0, patch.u1, patch.v0 + rows / 2, patch.v1});
+      }
+      if (columns > 1) {
+        scan(triangles, {patch.u0, patch.u0 + columns / 2, patch.v0, patch.v1});
+        return scan(triangles, {patch.u0 + columns / 2, patch.u1, patch.v0, patch.v1});
+      }
+    }
+    if (axis_ == 0) addDoubts(patch);
     std::sort(crossings_.begin(), crossings_.end());
     for (std::size_t at = 0; at < crossings_.size();) {
       std::size_t next = at;
       while (next < crossings_.size() && crossings_[next].column == crossings_[at].column) ++next;
-      fillColumn(at, next, begin);
+      fillColumn(at, next, patch.v0);
       at = next;
     }
   }
 
- private:
   // Along x: the axis that fills.
-  void addDoubts(int begin, int end) {
+  void addDoubts(const Patch& patch) {
     const std::uint64_t row = static_cast<std::uint64_t>(size_.x), slice = row * static_cast<std::uint64_t>(size_.y);
-    const std::uint64_t first = slice * static_cast<std::uint64_t>(begin), last = slice * static_cast<std::uint64_t>(end);
+    const std::uint64_t first = slice * static_cast<std::uint64_t>(patch.v0), last = slice * static_cast<std::uint64_t>(patch.v1);
     const auto from = std::lower_bound(doubts_.begin(), doubts_.end(), first, [](const Doubt& doubt, std::uint64_t voxel) { return doubt.voxel < voxel; });
     for (auto at = from; at != doubts_.end() && at->voxel < last; ++at) {
-      crossings_.push_back({static_cast<std::uint32_t>((at->voxel - first) / row), static_cast<std::uint32_t>(at - doubts_.begin()), static_cast<double>(at->voxel % row) + 0.5, kDoubt, false});
+      const auto column = static_cast<std::uint32_t>((at->voxel - first) / row);
+      if (const int u = static_cast<int>(column % static_cast<std::uint32_t>(size_[u_])); u < patch.u0 || u >= patch.u1) continue;
+      crossings_.push_back({column, static_cast<std::uint32_t>(at - doubts_.begin()), static_cast<double>(at->voxel % row) + 0.5, kDoubt, false});
     }
   }
 
-  void rasterise(const SolidTriangle& triangle, int begin, int end) {
+  void rasterise(const SolidTriangle& triangle, const Patch& patch) {
     glm::i64vec3 a = mesh_.lattice[triangle.vertex[0]], b = mesh_.lattice[triangle.vertex[1]], c = mesh_.lattice[triangle.vertex[2]];
     std::int64_t area = (b[u_] - a[u_]) * (c[v_] - a[v_]) - (b[v_] - a[v_]) * (c[u_] - a[u_]);
     if (area == 0) return;
@@ -93,10 +120,10 @@ class Scanner {
       std::swap(b, c);
       area = -area;
     }
-    const std::int64_t u0 = std::max<std::int64_t>(0, firstCentre(std::min({a[u_], b[u_], c[u_]})));
-    const std::int64_t u1 = std::min<std::int64_t>(size_[u_] - 1, (std::max({a[u_], b[u_], c[u_]}) - kUnit / 2) >> kLatticeBits);
-    const std::int64_t v0 = std::max<std::int64_t>(begin, firstCentre(std::min({a[v_], b[v_], c[v_]})));
-    const std::int64_t v1 = std::min<std::int64_t>(end - 1, (std::max({a[v_], b[v_], c[v_]}) - kUnit / 2) >> kLatticeBits);
+    const std::int64_t u0 = std::max<std::int64_t>(patch.u0, firstCentre(std::min({a[u_], b[u_], c[u_]})));
+    const std::int64_t u1 = std::min<std::int64_t>(patch.u1 - 1, (std::max({a[u_], b[u_], c[u_]}) - kUnit / 2) >> kLatticeBits);
+    const std::int64_t v0 = std::max<std::int64_t>(patch.v0, firstCentre(std::min({a[v_], b[v_], c[v_]})));
+    const std::int64_t v1 = std::min<std::int64_t>(patch.v1 - 1, (std::max({a[v_], b[v_], c[v_]}) - kUnit / 2) >> kLatticeBits);
     const glm::i64vec3* corner[3] = {&a, &b, &c};
     std::int64_t row[3], step_u[3], step_v[3], bias[3];
     for (int k = 0; k < 3; ++k) {
@@ -115,7 +142,7 @@ class Scanner {
         if (w[0] >= bias[0] && w[1] >= bias[1] && w[2] >= bias[2]) {
           const double depth = (static_cast<double>(w[0]) * static_cast<double>(a[axis_]) + static_cast<double>(w[1]) * static_cast<double>(b[axis_]) +
                                 static_cast<double>(w[2]) * static_cast<double>(c[axis_])) / static_cast<double>(area) * kLatticeStep;
-          const std::uint32_t column = static_cast<std::uint32_t>(u + (v - begin) * size_[u_]);
+          const std::uint32_t column = static_cast<std::uint32_t>(u + (v - patch.v0) * size_[u_]);
           crossings_.push_back({column, triangle.component, depth, sign, triangle.source == kCap});
         }
         for (int k = 0; k < 3; ++k) w[k] += step_u[k];
@@ -128,7 +155,7 @@ class Scanner {
     const std::size_t column = crossings_[at].column;
     std::uint8_t* line = voxels_.data() + (column % static_cast<std::size_t>(size_[u_])) * stride_u_ +
                          (static_cast<std::size_t>(begin) + column / static_cast<std::size_t>(size_[u_])) * stride_v_;
-    windings_.clear();
+    forgetWindings();
     int inside = 0;
     double start = 0, last_start = 0, last_end = -1e30;
     std::uint32_t last_left = kCap;
@@ -202,7 +229,7 @@ class Scanner {
   // Where caps are in doubt, what counts is the winding number of the triangles themselves.
   void settleDoubts(std::size_t at, std::size_t next, std::uint8_t* line) {
     const std::size_t begin = at;
-    windings_.clear();
+    forgetWindings();
     while (at < next) {
       if (crossings_[at].sign != kDoubt) {
         if (mesh_.components[crossings_[at].component].solid) windingOf(crossings_[at].component).number += crossings_[at].sign;
@@ -247,21 +274,30 @@ class Scanner {
   }
 
   Winding& windingOf(std::uint32_t component) {
-    for (Winding& winding : windings_) {
-      if (winding.component == component) return winding;
+    std::uint32_t& at = winding_of_[component];
+    if (at == kNone) {
+      at = static_cast<std::uint32_t>(windings_.size());
+      windings_.push_back({component});
     }
-    return windings_.emplace_back(Winding{component});
+    return windings_[at];
+  }
+
+  void forgetWindings() {
+    for (const Winding& winding : windings_) winding_of_[winding.component] = kNone;
+    windings_.clear();
   }
 
   const Topology& mesh_;
   std::span<const Doubt> doubts_;
   glm::ivec3 size_;
   int axis_, u_, v_;
+  std::size_t most_;
   std::size_t stride_ = 0, stride_u_ = 0, stride_v_ = 0;
   std::vector<std::uint8_t>& voxels_;
   std::vector<Crossing> crossings_;
   std::vector<Winding> windings_;
   std::vector<Scanned>& scanned_;
+  std::vector<std::uint32_t> winding_of_;  // by component
 };
 
 }  // namespace
@@ -269,6 +305,7 @@ class Scanner {
 std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> doubts, const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels) {
   std::vector<Scanned> scanned(mesh.components.size());
   std::mutex scanned_mutex;
+  const std::size_t most = kMostCrossings / static_cast<std::size_t>(std::max(threadCount(threads), 1));
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     // Slabs of about a million columns bound the memory of the crossings; at least 16, for the threads.
@@ -287,7 +324,7 @@ std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> 
     }
     parallelRanges(slabs, 1, threads, [&](std::size_t begin, std::size_t end) {
       std::vector<Scanned> here(mesh.components.size());
-      Scanner scanner(mesh, doubts, size, axis, voxels, here);
+      Scanner scanner(mesh, doubts, size, axis, most, voxels, here);
       for (std::size_t slab = begin; slab < end; ++slab) {
         const int row = static_cast<int>(slab) * rows;
         scanner.scan(bins[slab], row, std::min(size[v], row + rows));

@@ -26,6 +26,10 @@ struct Scanned {
   std::int64_t wound = 0;    // the same times the winding number: more where the component overlaps itself
 };
 
+// Where triangles cross scanlines: so many are held at a time, by all threads together, and for each thread those of one column. Bytes of one, with a vector's reserve.
+inline constexpr std::size_t kMostCrossings = std::size_t{1} << 22;
+inline constexpr std::size_t kCrossingBytes = 48;
+
 // Sets to kInside the voxels whose centre lies in a solid component (winding number not 0, or where in doubt one half at least; the union of
 // components), and to kKept those that
 // keep what centres miss: a sheet that a scanline through voxel centres crosses along x, y or z, and a stretch of the inside between two

@@ -171,6 +171,8 @@ GltfValues readValues(const GltfModel& model, int index, const std::string& user
   return out;
 }
 
+bool isDraco(const GltfModel& model, int accessor) { return model.document.steps.contains(accessor); }
+
 float stepOf(const GltfModel& model, int index) {
   if (const auto found = model.document.steps.find(index); found != model.document.steps.end()) return found->second;
   const tinygltf::Accessor& accessor = model.data.accessors[static_cast<std::size_t>(index)];

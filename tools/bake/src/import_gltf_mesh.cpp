@@ -79,7 +79,10 @@ class PrimitiveReader {
     }
     const std::vector<glm::dvec3> positions = readPositions(primitive, position, place);
     const std::size_t count = positions.size();
-    soup.roundedTo(stepOf(model_, position) * scale_);
+    const float step = stepOf(model_, position);
+    // Skins take each vertex elsewhere; what Draco rounds has a grid of its own.
+    if (step > 0 && joints_.empty() && !isDraco(model_, position)) soup.roundedTo(step * scale_, to_part_, step);
+    else soup.roundedTo(step * scale_);
 
     SoupBuilder::Triangle triangle;
     if (primitive.material >= static_cast<int>(model_.data.materials.size())) model_.refuse(place, "names a material that does not exist");

@@ -83,6 +83,8 @@ struct GltfValues {
 GltfValues readValues(const GltfModel& model, int accessor, const std::string& user, bool fractions = false);
 // How far apart two neighbouring values of an accessor are: what compressors rounded to. 0: floats as they were written.
 float stepOf(const GltfModel& model, int accessor);
+// Whether those steps are of a grid of its own.
+bool isDraco(const GltfModel& model, int accessor);
 std::vector<std::uint32_t> readIndices(const GltfModel& model, int accessor, const std::string& user);
 // Bytes of a buffer view (for images).
 std::span<const std::uint8_t> readView(const GltfModel& model, int view, const std::string& user);

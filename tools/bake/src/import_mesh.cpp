@@ -76,6 +76,7 @@ SourceModel readMesh(const InputFiles& files, const Settings& settings) {
   }
   SourcePart part;
   part.name = stemOf(files);
+  part.to_object[3] = glm::vec3(soup.origin());
   part.soup = soup.take();
   giveRig(part, outer, settings);
   out.parts.push_back(std::move(part));
@@ -97,7 +98,7 @@ void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<cons
   for (std::int64_t corner : corners) {
     if (corner < 0 || corner >= static_cast<std::int64_t>(mesh.positions.size()))
       refuse(Exit::kInvalid, files.input(), place, "names vertex " + std::to_string(corner) + ", but there are " + std::to_string(mesh.positions.size()));
-    points.push_back(mesh.positions[static_cast<std::size_t>(corner)]);
+    points.emplace_back(mesh.positions[static_cast<std::size_t>(corner)] - soup.origin());
   }
   for (const auto& cut : triangulatePolygon(points)) {
     SoupBuilder::Triangle triangle;

@@ -23,10 +23,10 @@ void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, Sourc
 
 // A polygon as its corners' vertices; colours are linear and may be empty.
 struct IndexedMesh {
-  std::vector<glm::vec3> positions;
+  std::vector<glm::dvec3> positions;
   std::vector<glm::vec4> colors;
 };
-// Cuts a polygon into the soup. `place` names it in errors; indices are checked. A face colour multiplies.
+// Cuts a polygon into the soup, relative to its origin. `place` names it in errors; indices are checked. A face colour multiplies.
 void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<const std::int64_t> corners, const std::string& place,
                 const glm::vec4* face_color, SoupBuilder& soup);
 

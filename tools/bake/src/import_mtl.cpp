@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
 #include "import_soup.h"
+#include "import_text.h"
 
 namespace kelp::bake {
 namespace {
@@ -24,7 +26,7 @@ class MtlReader {
  public:
   MtlReader(const InputFiles& files, const std::string& name, PictureBudget& budget, SourceModel& out) : files_(files), name_(name), budget_(budget), out_(out) {}
 
-  std::map<std::string, std::uint32_t> read(std::string_view text) {
+  MtlMaterials read(std::string_view text) {
     std::istringstream in{std::string(text)};
     in.imbue(std::locale::classic());
     for (std::string line; std::getline(in, line);) {
@@ -37,15 +39,16 @@ class MtlReader {
         std::string rest;
         std::getline(words >> std::ws, rest);
         joinGloss();
-        by_name_[rest] = static_cast<std::uint32_t>(out_.materials.size());
+        placed_ = {};
+        read_.by_name[rest] = static_cast<std::uint32_t>(out_.materials.size());
         out_.materials.emplace_back();
         out_.materials.back().name = oneLine(rest, 80);
-      } else if (!by_name_.empty()) {
+      } else if (!read_.by_name.empty()) {
         readProperty(key, words, out_.materials.back());
       }
     }
     joinGloss();
-    return std::move(by_name_);
+    return std::move(read_);
   }
 
  private:
@@ -53,6 +56,7 @@ class MtlReader {
   struct Gray {
     SurfaceMap map;
     std::string name;
+    MapPlace place;
   };
   // Two of them in one, as an image of the model; -1: neither could be had.
   struct Gloss {
@@ -77,7 +81,7 @@ class MtlReader {
       float value = 0;
       if (words >> value && std::isfinite(value)) (key == "Pr" ? material.roughness : material.metallic) = std::clamp(value, 0.0f, 1.0f);
     } else if (key == "map_Kd") {
-      const SurfaceMap map = readMap(words);
+      const SurfaceMap map = readMap(words, "map_Kd");
       material.texture = map.texture;
       material.wrap_u = map.wrap_u;
       material.wrap_v = map.wrap_v;
@@ -85,10 +89,12 @@ class MtlReader {
     } else if (key == "map_Pr" || key == "map_Pm") {
       Gray& gray = key == "map_Pr" ? rough_ : metal_;
       gray = {};
-      gray.name = readName(words, gray.map);
+      gray.name = readName(words, gray.map, gray.place);
     } else if (key == "map_Ke") {
-      material.glow_map = readMap(words);
+      material.glow_map = readMap(words, "map_Ke");
       lightUp(material);
+    } else if (key == "map_d") {
+      note("material '" + oneLine(material.name, 60) + "': map_d is not read, and what it cuts out stays; give map_Kd a picture with alpha in a glTF file");
     }
   }
 
@@ -108,7 +114,7 @@ class MtlReader {
   // The two pictures become one, as glTF has it: green for roughness, blue for metal. Its size is that of the larger, its place on the surface the first one's.
   void joinGloss() {
     const Gray rough = std::exchange(rough_, {}), metal = std::exchange(metal_, {});
-    if (by_name_.empty() || (rough.name.empty() && metal.name.empty())) return;
+    if (read_.by_name.empty() || (rough.name.empty() && metal.name.empty())) return;
     const auto [slot, fresh] = gloss_.try_emplace({rough.name, metal.name});
     if (fresh) slot->second = loadGloss(rough.name, metal.name);
     const Gloss& gloss = slot->second;
@@ -117,6 +123,7 @@ class MtlReader {
     // A factor of 0 beside a picture would make it black, as with Kd.
     if (gloss.has_rough && material.roughness == 0) material.roughness = 1;
     if (gloss.has_metal && material.metallic == 0) material.metallic = 1;
+    placeMap(gloss.has_rough ? rough.place : metal.place, gloss.has_rough ? "map_Pr" : "map_Pm");
     material.metal_map = gloss.has_rough ? rough.map : metal.map;
     material.metal_map.texture = gloss.texture;
   }
@@ -146,35 +153,54 @@ class MtlReader {
     return {static_cast<int>(out_.images.size()) - 1, green.has_value(), blue.has_value()};
   }
 
-  SurfaceMap readMap(std::istringstream& words) {
+  SurfaceMap readMap(std::istringstream& words, const char* key) {
     SurfaceMap map;
-    const std::string name = readName(words, map);
+    MapPlace place;
+    const std::string name = readName(words, map, place);
     if (name.empty()) return map;
     const auto [slot, fresh] = images_.try_emplace(name, -1);
     if (fresh) slot->second = loadImage(name);
     map.texture = slot->second;
+    if (map.texture >= 0) placeMap(place, key);
     return map;
   }
 
-  // "map_Kd [-option values] NAME", where NAME may hold spaces.
-  static std::string readName(std::istringstream& words, SurfaceMap& map) {
-    std::string word, rest;
-    while ((words >> std::ws).peek() == '-') {
-      words >> word;
-      if (word == "-clamp") {
-        words >> word;
-        if (word == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
+  // All pictures of a material lie where the first one does.
+  void placeMap(const MapPlace& place, const char* key) {
+    const auto material = static_cast<std::uint32_t>(out_.materials.size() - 1);
+    if (!placed_) read_.places[material] = *(placed_ = place);
+    else if (*placed_ != place) note("material '" + oneLine(out_.materials.back().name, 60) + "': -s and -o of " + key + " are not those of its first picture, which are used");
+  }
+
+  void note(const std::string& text) {
+    if (noted_.insert(text).second) out_.notices.push_back(text);
+  }
+
+  // "map_Kd [-option values] NAME", where NAME may hold spaces, and begin with digits. Options take one word (-blendu, -bm, -imfchan, -type), or up to three numbers (-o, -s, -t), or two (-mm).
+  static std::string readName(std::istringstream& words, SurfaceMap& map, MapPlace& place) {
+    std::string rest;
+    std::getline(words, rest);
+    std::string_view left = trim(rest);
+    while (left.starts_with('-')) {
+      const std::string_view option = nextWord(left);
+      if (option == "-o" || option == "-s" || option == "-t" || option == "-mm") {
+        std::vector<double> numbers;
+        for (std::string_view after = left; numbers.size() < (option == "-mm" ? 2 : 3); left = after) {
+          const std::optional<double> number = parseDouble(nextWord(after));
+          if (!number) break;
+          numbers.push_back(*number);
+        }
+        for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 2); ++i) {
+          if (!std::isfinite(numbers[i])) continue;
+          if (option == "-s") place.scale[static_cast<int>(i)] = numbers[i];
+          if (option == "-o") place.offset[static_cast<int>(i)] = numbers[i];
+        }
       } else {
-        // Options take one word (-blendu, -bm, -imfchan, -type) or up to three numbers (-o, -s, -t, -mm).
-        if (word != "-o" && word != "-s" && word != "-t" && word != "-mm") words >> word;
-        std::streampos before = words.tellg();
-        for (double number = 0; words >> number;) before = words.tellg();
-        words.clear();
-        words.seekg(before);
+        const std::string_view value = nextWord(left);
+        if (option == "-clamp" && value == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
       }
     }
-    std::getline(words, rest);
-    return rest;
+    return std::string(trim(left));
   }
 
   int loadImage(const std::string& reference) {
@@ -203,7 +229,9 @@ class MtlReader {
   const std::string& name_;
   PictureBudget& budget_;
   SourceModel& out_;
-  std::map<std::string, std::uint32_t> by_name_;
+  MtlMaterials read_;
+  std::optional<MapPlace> placed_;  // of the material that is being read
+  std::set<std::string> noted_;
   std::map<std::string, int> images_;
   std::map<std::pair<std::string, std::string>, Gloss> gloss_;  // by the names of both pictures
   Gray rough_, metal_;  // of the material that is being read
@@ -211,7 +239,7 @@ class MtlReader {
 
 }  // namespace
 
-std::map<std::string, std::uint32_t> readMtl(const InputFiles& files, std::string_view text, const std::string& name, PictureBudget& budget, SourceModel& out) {
+MtlMaterials readMtl(const InputFiles& files, std::string_view text, const std::string& name, PictureBudget& budget, SourceModel& out) {
   return MtlReader(files, name, budget, out).read(text);
 }
 

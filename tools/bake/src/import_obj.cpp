@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Wavefront OBJ. kelp reads it itself: tools/bake/README.md says what the libraries lose.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -30,7 +31,8 @@ class ObjReader {
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       ++line_;
       const std::string_view trimmed = trim(line);
-      if (!trimmed.empty() && trimmed.back() == '\\') {
+      const bool comment = joined.empty() && trimmed.starts_with('#');  // which ends with its line: "# C:\models\"
+      if (!comment && trimmed.ends_with('\\')) {
         joined.append(trimmed.substr(0, trimmed.size() - 1)).push_back(' ');
         continue;
       }
@@ -63,10 +65,10 @@ class ObjReader {
   }
 
   void readVertex(std::string_view line) {
-    std::array<float, 8> value{};
+    std::array<double, 8> value{};
     std::size_t count = 0;
     for (std::string_view word = nextWord(line); !word.empty() && count < value.size(); word = nextWord(line)) {
-      const std::optional<float> number = parseFloat(word);
+      const std::optional<double> number = parseDouble(word);
       if (!number) refuseLine("'" + oneLine(word, 40) + "' is not a number");
       value[count++] = *number;
     }
@@ -76,7 +78,10 @@ class ObjReader {
     glm::vec3 color(1);
     if (count >= 6) {
       const std::size_t first = count >= 7 ? 4 : 3;
-      for (int c = 0; c < 3; ++c) color[c] = std::isfinite(value[first + static_cast<std::size_t>(c)]) ? value[first + static_cast<std::size_t>(c)] : 1.0f;
+      for (int c = 0; c < 3; ++c) {
+        const double channel = value[first + static_cast<std::size_t>(c)];
+        color[c] = std::isfinite(channel) ? static_cast<float>(std::clamp(channel, 0.0, 1.0)) : 1.0f;
+      }
       if (colors_.empty()) colors_.assign(positions_.size() - 1, glm::vec3(1));
     }
     if (count >= 6 || !colors_.empty()) colors_.push_back(color);
@@ -178,13 +183,16 @@ class ObjReader {
   std::size_t readLibrary(std::string_view name, const std::filesystem::path& path) {
     const std::vector<std::uint8_t> bytes = files_.readFile(path);
     const std::size_t library = named_at_.size();
-    for (const auto& [material, index] : readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_)) by_name_[material].emplace_back(library, index);
+    const MtlMaterials read = readMtl(files_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, oneLine(name, 80), budget_, out_);
+    for (const auto& [material, index] : read.by_name) by_name_[material].emplace_back(library, index);
+    places_.insert(read.places.begin(), read.places.end());
     libraries_.emplace(path, library);
     named_at_.push_back(0);
     return library;
   }
 
   void finish() {
+    soup_.setOrigin(farMiddle(positions_));
     std::size_t at = 0;
     std::vector<glm::vec3> points;
     for (std::size_t f = 0; f < face_sizes_.size(); ++f) {
@@ -198,10 +206,10 @@ class ObjReader {
           refuseLine("the face names vertex " + std::to_string(corner.position + 1) + ", but there are " + std::to_string(positions_.size()));
         if (corner.uv >= static_cast<std::int64_t>(texcoords_.size()))
           refuseLine("the face names texture coordinate " + std::to_string(corner.uv + 1) + ", but there are " + std::to_string(texcoords_.size()));
-        points.push_back(positions_[static_cast<std::size_t>(corner.position)]);
+        points.emplace_back(positions_[static_cast<std::size_t>(corner.position)] - soup_.origin());
         with_uv = with_uv && corner.uv >= 0;
       }
-      for (const auto& cut : triangulatePolygon(points)) addTriangle(corners, cut, face_materials_[f], with_uv);
+      for (const auto& cut : triangulatePolygon(points)) addTriangle(corners, points, cut, face_materials_[f], with_uv);
     }
     if (not_faces_ > 0) out_.notices.push_back(std::to_string(not_faces_) + " points, lines or faces of fewer than three corners are skipped");
     if (unknown_ > 0) out_.notices.push_back(std::to_string(unknown_) + " lines of unknown kind are skipped");
@@ -212,7 +220,15 @@ class ObjReader {
     }
   }
 
-  void addTriangle(std::span<const ObjCorner> corners, const std::array<std::uint32_t, 3>& cut, std::uint32_t material, bool with_uv) {
+  // Where the material's pictures are at this coordinate.
+  glm::vec2 placed(const glm::vec2& uv, std::uint32_t material) const {
+    const auto found = places_.find(material);
+    if (found == places_.end()) return uv;
+    const glm::dvec2 at = found->second.scale * glm::dvec2(uv.x, 1.0 - static_cast<double>(uv.y)) + found->second.offset;
+    return {at.x, 1 - at.y};
+  }
+
+  void addTriangle(std::span<const ObjCorner> corners, std::span<const glm::vec3> points, const std::array<std::uint32_t, 3>& cut, std::uint32_t material, bool with_uv) {
     SoupBuilder::Triangle triangle;
     triangle.material = material;
     if (with_uv) triangle.uv.emplace();
@@ -220,10 +236,10 @@ class ObjReader {
     for (std::size_t i = 0; i < 3; ++i) {
       const ObjCorner& corner = corners[cut[i]];
       const auto position = static_cast<std::size_t>(corner.position);
-      triangle.position[i] = positions_[position];
-      if (with_uv) (*triangle.uv)[i] = texcoords_[static_cast<std::size_t>(corner.uv)];
+      triangle.position[i] = points[cut[i]];
+      if (with_uv) (*triangle.uv)[i] = placed(texcoords_[static_cast<std::size_t>(corner.uv)], material);
       if (position < colors_.size()) {
-        const glm::vec3 color = glm::clamp(colors_[position], 0.0f, 1.0f);
+        const glm::vec3 color = colors_[position];
         (*triangle.color)[i] = {srgbToLinear(color.r), srgbToLinear(color.g), srgbToLinear(color.b), 1};
       } else if (triangle.color) {
         (*triangle.color)[i] = glm::vec4(1);
@@ -237,7 +253,8 @@ class ObjReader {
   SourceModel& out_;
   SoupBuilder& soup_;
   std::size_t line_ = 0, faces_ = 0, not_faces_ = 0, unknown_ = 0;
-  std::vector<glm::vec3> positions_, colors_;
+  std::vector<glm::dvec3> positions_;
+  std::vector<glm::vec3> colors_;
   std::vector<glm::vec2> texcoords_;
   std::vector<ObjCorner> polygon_, face_corners_;
   std::vector<std::uint32_t> face_sizes_, face_materials_;
@@ -251,6 +268,7 @@ class ObjReader {
   std::vector<std::size_t> named_at_;  // when each library was last named
   std::size_t mentions_ = 0;
   std::map<std::string, std::vector<std::pair<std::size_t, std::uint32_t>>> by_name_;  // in which libraries, and which material there
+  std::map<std::uint32_t, MapPlace> places_;  // of pictures, by material
   std::set<std::string> missing_materials_;
   std::set<std::string, std::less<>> lost_;  // lines of libraries none of which could be had
   bool library_missing_ = false;

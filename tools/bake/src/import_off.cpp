@@ -58,9 +58,9 @@ class OffReader {
     return *value;
   }
 
-  float number(std::string_view& line) const {
+  double number(std::string_view& line) const {
     const std::string_view word = nextWord(line);
-    const std::optional<float> value = parseFloat(word);
+    const std::optional<double> value = parseDouble(word);
     if (!value) refuseLine(word.empty() ? "a number is missing" : "'" + oneLine(word, 40) + "' is not a number");
     return *value;
   }
@@ -89,13 +89,14 @@ class OffReader {
     for (std::int64_t i = 0; i < vertices; ++i) {
       std::string_view line = nextLine();
       if (line.empty()) refuseLine("the file ends after " + std::to_string(i) + " of " + std::to_string(vertices) + " vertices; it is truncated");
-      glm::vec3 position;
+      glm::dvec3 position;
       for (int c = 0; c < 3; ++c) position[c] = number(line);
       mesh_.positions.push_back(position);
       if (normals_)
         for (int c = 0; c < 3; ++c) number(line);
       if (colors_) mesh_.colors.push_back(color(line).value_or(glm::vec4(1)));
     }
+    soup_.setOrigin(farMiddle(mesh_.positions));
   }
 
   void readFaces(std::int64_t faces) {

@@ -127,6 +127,8 @@ class PlyReader {
         property.name = nextWord(line);
         if (property.type == Type::kNone || property.name.empty()) refuseHeader("a property has no known type");
         elements_.back().properties.push_back(std::move(property));
+      } else if (key == "comment" && nextWord(line) == "TextureFile") {
+        out_.notices.push_back("names a texture (" + oneLine(trim(line), 60) + "), which kelp does not read from PLY files; export the model as OBJ or glTF");
       } else if (!key.empty() && key != "comment" && key != "obj_info") {
         refuseHeader("the word '" + oneLine(key, 40) + "' is unknown");
       }
@@ -146,7 +148,7 @@ class PlyReader {
       if (word.empty()) refuse(Exit::kInvalid, files_.input(), place(element, index), "the file ends here; it is truncated");
       if (type != Type::kFloat && type != Type::kDouble)
         if (const std::optional<std::int64_t> whole = parseInteger(word)) return static_cast<double>(*whole);
-      const std::optional<float> value = parseFloat(word);
+      const std::optional<double> value = parseDouble(word);
       if (!value) refuse(Exit::kInvalid, files_.input(), place(element, index), "'" + oneLine(word, 40) + "' is not a number");
       return *value;
     }
@@ -222,6 +224,7 @@ class PlyReader {
       mesh_.positions.emplace_back(row_[static_cast<std::size_t>(axes[0])], row_[static_cast<std::size_t>(axes[1])], row_[static_cast<std::size_t>(axes[2])]);
       if (columns.any()) mesh_.colors.push_back(rowColor(element, columns));
     }
+    soup_.setOrigin(farMiddle(mesh_.positions));
   }
 
   void readFaces(const Element& element) {

@@ -74,7 +74,7 @@ struct Lattice {
   glm::dmat4 to_index{1};   // part voxels, corners at whole numbers -> field, centres at whole numbers
   glm::mat4x3 to_node{1};
   double step = 1;          // edge of a voxel, in the file's unit
-  int samples = 1;          // along each axis of a voxel, where it is larger than the field's
+  glm::ivec3 samples{1};    // along each axis of a voxel, where it is larger than the field's
 };
 
 struct FieldRange {
@@ -159,13 +159,13 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Fiel
   if (longest / out.step > kMaxResolution + 0.5)
     refuse(Exit::kUsage, files.input(), "", "makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller --resolution, or larger voxels");
   out.size = glm::max(glm::ivec3(glm::ceil(extent / out.step - 1e-4)), glm::ivec3(1));
-  out.samples = static_cast<int>(std::clamp(std::ceil(out.step / finest - 1e-4), 1.0, 8.0));
   const glm::dvec3 corner = low - 0.5 * (glm::dvec3(out.size) * out.step - extent);
   const glm::dmat3 back = glm::transpose(to_rig) * out.step;
   const glm::dvec3 origin = glm::transpose(to_rig) * corner;
   out.to_node = glm::mat4x3(glm::dmat4x3(back[0], back[1], back[2], origin));
   for (int i = 0; i < 3; ++i) out.to_index[i] = glm::dvec4(back[i] / volume.spacing, 0);
   out.to_index[3] = glm::dvec4(origin / volume.spacing - 0.5, 1);
+  for (int i = 0; i < 3; ++i) out.samples[i] = static_cast<int>(std::clamp(std::ceil(glm::length(glm::dvec3(out.to_index[i])) - 1e-4), 1.0, 8.0));
   return out;
 }
 
@@ -213,13 +213,13 @@ FogGrid makeFog(const InputFiles& files, const Field& field, const Lattice& latt
   // The mean over a voxel: of as many samples as it spans voxels of the field.
   const auto mean = [&](const glm::ivec3& voxel) {
     double sum = 0;
-    for (int k = 0; k < lattice.samples; ++k)
-      for (int j = 0; j < lattice.samples; ++j)
-        for (int i = 0; i < lattice.samples; ++i) {
-          const glm::dvec3 p = glm::dvec3(voxel) + (glm::dvec3(i, j, k) + 0.5) / static_cast<double>(lattice.samples);
+    for (int k = 0; k < lattice.samples.z; ++k)
+      for (int j = 0; j < lattice.samples.y; ++j)
+        for (int i = 0; i < lattice.samples.x; ++i) {
+          const glm::dvec3 p = glm::dvec3(voxel) + (glm::dvec3(i, j, k) + 0.5) / glm::dvec3(lattice.samples);
           sum += std::max(0.0, field.sample(glm::dvec3(lattice.to_index * glm::dvec4(p, 1))));
         }
-    return sum / (lattice.samples * lattice.samples * lattice.samples);
+    return sum / (lattice.samples.x * lattice.samples.y * lattice.samples.z);
   };
   FogGrid fog;
   fog.size = lattice.size;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace kelp::bake {
@@ -67,7 +68,32 @@ bool SoupBuilder::add(const Triangle& triangle) {
   return true;
 }
 
+glm::dvec3 farMiddle(std::span<const glm::dvec3> positions) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  glm::dvec3 low(kMost), high(-kMost);
+  for (const glm::dvec3& p : positions) {
+    if (!(std::abs(p.x) <= kMost && std::abs(p.y) <= kMost && std::abs(p.z) <= kMost)) continue;
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::dvec3 extent = high - low, reach = glm::max(glm::abs(low), glm::abs(high));
+  if (!(low.x <= high.x) || std::max({reach.x, reach.y, reach.z}) <= 16 * std::max({extent.x, extent.y, extent.z})) return glm::dvec3(0);
+  return glm::dvec3(glm::vec3(0.5 * low + 0.5 * high));
+}
+
+void SoupBuilder::roundedTo(float step, const glm::dmat4& to_soup, double unit) {
+  const auto isSame = [&](const Lattice& other) {
+    if (other.unit != unit || glm::dmat3(other.to_soup) != glm::dmat3(to_soup)) return false;
+    const glm::dvec3 apart = glm::inverse(glm::dmat3(to_soup)) * glm::dvec3(to_soup[3] - other.to_soup[3]) / unit;
+    return glm::all(glm::lessThanEqual(glm::abs(apart - glm::round(apart)), glm::dvec3(1e-6)));  // false where there is no inverse
+  };
+  if (lattice_ && isSame(*lattice_)) return;
+  roundedTo(step);
+  lattice_ = {to_soup, unit};
+}
+
 void SoupBuilder::roundedTo(float step) {
+  lattice_.reset();
   steps_.push_back(step > 0 && std::isfinite(step) ? step : 0.0f);
 }
 

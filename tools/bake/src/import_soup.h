@@ -36,6 +36,13 @@ class SoupBuilder {
   // The triangles that follow come from numbers that a compressor rounded to this step, on a grid of their own. Where such pieces meet, they
   // do so no longer: take() closes the seams between them.
   void roundedTo(float step);
+  // The same of whole multiples of `unit`, which `to_soup` brings here. Triangles on one such lattice still meet exactly, also where it begins elsewhere: those that follow each
+  // other are one piece.
+  void roundedTo(float step, const glm::dmat4& to_soup, double unit);
+
+  // What all positions are relative to, for whoever takes the soup; 0 unless it is said.
+  void setOrigin(const glm::dvec3& origin) { origin_ = origin; }
+  const glm::dvec3& origin() const { return origin_; }
 
   std::size_t triangles() const { return soup_.triangles.size(); }
   std::size_t droppedNonFinite() const { return non_finite_; }
@@ -50,11 +57,20 @@ class SoupBuilder {
   };
   TriangleSoup soup_;
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> index_;
+  glm::dvec3 origin_{0};
   std::size_t non_finite_ = 0;
   std::size_t degenerate_ = 0;
   std::vector<float> steps_{0};        // of each piece
+  struct Lattice {
+    glm::dmat4 to_soup;
+    double unit;
+  };
+  std::optional<Lattice> lattice_;     // of the last one
   std::vector<std::uint32_t> piece_;   // of each vertex: the first that has it
 };
+
+// Of positions that lie so far from 0 that floats would cost them more than a millionth of their extent: the middle of their box, as floats hold it. 0 of others.
+glm::dvec3 farMiddle(std::span<const glm::dvec3> positions);
 
 // Moves vertices on open edges of different pieces onto one of them where rounding to the pieces' steps explains the distance. Triangles that
 // this leaves without an area go.

@@ -91,31 +91,37 @@ void readBinary(const InputFiles& files, std::span<const std::uint8_t> bytes, st
 }
 
 void readText(const InputFiles& files, std::string_view text, SoupBuilder& soup) {
-  std::array<glm::vec3, 3> corners;
+  std::vector<glm::dvec3> corners;  // of all facets
   std::size_t corner = 0, facets = 0;
   bool open = false;
   for (std::string_view word = nextWord(text); !word.empty(); word = nextWord(text)) {
     if (isWord(word, "outer")) {
       open = true;
       corner = 0;
+      corners.resize(3 * facets);
     } else if (open && isWord(word, "vertex")) {
       const std::string place = placeOf("facet", facets);
       if (corner == 3) refuse(Exit::kInvalid, files.input(), place, "has more than three corners");
+      corners.emplace_back(0);
       for (int c = 0; c < 3; ++c) {
         const std::string_view number = nextWord(text);
-        const std::optional<float> value = parseFloat(number);
+        const std::optional<double> value = parseDouble(number);
         if (!value) refuse(Exit::kInvalid, files.input(), place, number.empty() ? "the file ends here; it is truncated" : "'" + oneLine(number, 40) + "' is not a number");
-        corners[corner][c] = *value;
+        corners.back()[c] = *value;
       }
       ++corner;
     } else if (isWord(word, "endloop")) {
       if (!open || corner != 3) refuse(Exit::kInvalid, files.input(), placeOf("facet", facets), "does not have three corners");
       open = false;
       ++facets;
-      addFacet(files, corners, std::nullopt, soup);
     }
   }
   if (open) refuse(Exit::kInvalid, files.input(), placeOf("facet", facets), "the file ends here; it is truncated");
+  soup.setOrigin(farMiddle(corners));
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    const auto at = [&](std::size_t c) { return glm::vec3(corners[i + c] - soup.origin()); };
+    addFacet(files, {at(0), at(1), at(2)}, std::nullopt, soup);
+  }
 }
 
 }  // namespace

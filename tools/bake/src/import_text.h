@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -28,9 +29,9 @@ inline std::string_view nextWord(std::string_view& text) {
   return word;
 }
 
-inline std::optional<float> parseFloat(std::string_view word) {
+inline std::optional<double> parseDouble(std::string_view word) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  double value = 0;  // by way of double: a denormal or 1e-50 is no error
+  double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size() || word.empty()) return std::nullopt;
   if (error == std::errc::result_out_of_range) {
@@ -38,11 +39,19 @@ inline std::optional<float> parseFloat(std::string_view word) {
     const std::size_t exponent = word.find_first_of("eE");
     const std::string_view whole = word.substr(0, word.find_first_of(".eE"));
     const bool small = exponent != word.npos ? word.substr(exponent + 1).front() == '-' : whole.find_first_of("123456789") == whole.npos;
-    if (small) return 0.0f;
-    return word.front() == '-' ? -std::numeric_limits<float>::infinity() : std::numeric_limits<float>::infinity();
+    if (small) return 0.0;
+    return word.front() == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
   }
   if (error != std::errc()) return std::nullopt;
-  return static_cast<float>(value);
+  return value;
+}
+
+// By way of double: a denormal or 1e-50 is no error. What is beyond floats is infinite.
+inline std::optional<float> parseFloat(std::string_view word) {
+  const std::optional<double> value = parseDouble(word);
+  if (!value) return std::nullopt;
+  if (std::abs(*value) > static_cast<double>(std::numeric_limits<float>::max())) return std::copysign(std::numeric_limits<float>::infinity(), static_cast<float>(*value < 0 ? -1 : 1));
+  return static_cast<float>(*value);
 }
 
 inline std::optional<std::int64_t> parseInteger(std::string_view word) {

@@ -113,7 +113,7 @@ VoxelPoint readShift(const Dictionary& attributes) {
   std::string_view rest = *text;
   for (int axis = 0; axis < 3; ++axis) {
     const std::optional<std::int64_t> value = parseInteger(nextWord(rest));
-    if (!value || std::abs(*value) > kFarthest) attributes.bad("_t", *text);
+    if (!value || *value < -kFarthest || *value > kFarthest) attributes.bad("_t", *text);
     shift[axis] = *value;
   }
   return shift;

@@ -11,6 +11,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "fill_scan.h"
 #include "frame.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/fog.h"
@@ -41,16 +42,26 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
   const glm::dmat3 turn(frame.node_to_voxel);
   const glm::dvec3 origin = glm::dvec3(frame.node_to_voxel[3]) - 0.5 * glm::dvec3(frame.size);
   double volume = 0;
+  glm::dvec3 crossings(0);
   for (const auto& triangle : part.soup.triangles) {
     glm::dvec3 corner[3];
     for (std::size_t i = 0; i < 3; ++i) corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]) + origin;
     const glm::dvec3 area = 0.5 * glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     volume += glm::dot(corner[0], area) / 3;
+    crossings += glm::abs(area);
   }
+  result.crossings = crossings;
   result.surface_voxels = std::min(touchedCells(part.soup, frame, 1), result.voxels());
   result.surface_bricks = std::min(touchedCells(part.soup, frame, kBrickSide), result.surface_voxels);
   result.solid_voxels = std::min(std::abs(volume) + 0.5 * result.surface_voxels, result.voxels());
   return result;
+}
+
+bool PartSize::isPile() const {
+  constexpr double kOverEachOther = 2048, kLong = 1e8;
+  for (int axis = 0; axis < 3; ++axis)
+    if (crossings[axis] > kLong && crossings[axis] > kOverEachOther * voxels() / size[axis]) return true;
+  return false;
 }
 
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
@@ -70,7 +81,8 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     const double triangles = static_cast<double>(part.triangles);
     if (part.triangles > 0) {
       const double finding = part.surface_bricks * kTrees + part.surface_voxels * kFinding;
-      peak = std::max({peak, kept + triangles * kAnalysing, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
+      const double scanning = std::min(std::max({part.crossings.x, part.crossings.y, part.crossings.z}), static_cast<double>(kMostCrossings) + triangles) * kCrossingBytes;
+      peak = std::max({peak, kept + triangles * kAnalysing, kept + part.voxels() + triangles * kAnalysing + scanning, kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
     }
     kept += gridBytes(part);
     peak = std::max(peak, kept + part.source_bytes);

@@ -16,11 +16,14 @@ struct PartSize {
   glm::ivec3 size{0};
   std::uint64_t triangles = 0;
   double surface_voxels = 0, surface_bricks = 0, solid_voxels = 0;  // surface_bricks: that the surface passes through
+  glm::dvec3 crossings{0};   // of triangles with scanlines along each axis, about
   double volume_voxels = 0;  // of a volume, before it is padded to `size`
   double source_bytes = 0;   // of the grids that a volume is sampled from
   int fog_channels = 0;      // 1: density, 2: heat too
 
   double voxels() const { return static_cast<double>(size.x) * size.y * size.z; }
+  // Whether thousands of triangles lie over each other nearly everywhere, so often that it takes long.
+  bool isPile() const;
 };
 // `frame`, for meshes, has been padded; a volume has not.
 PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad);

@@ -43,9 +43,11 @@ VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, con
   if (along_axes_) {
     makeTaps(to_index, size);
   } else {
-    // Two along each voxel of the grid, 16 at most, and a billion in all.
+    // Two along each voxel of the grid, 16 at most, and a billion in all. A shear makes edges long that enclose little: then fewer, up to 64 for each voxel of the grid.
     const double voxels = static_cast<double>(size.x) * size.y * size.z, most = std::clamp(std::floor(std::cbrt(0x1p30 / voxels)), 2.0, 16.0);
-    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(2 * glm::length(glm::dvec3(to_index[i])) - 1e-6), 1.0, most));
+    const glm::dvec3 along = 2.0 * glm::dvec3(glm::length(glm::dvec3(to_index[0])), glm::length(glm::dvec3(to_index[1])), glm::length(glm::dvec3(to_index[2])));
+    const double enough = 64 * std::max(std::abs(glm::determinant(glm::dmat3(to_index))), 1.0), fewer = std::min(1.0, std::cbrt(enough / (along.x * along.y * along.z)));
+    for (int i = 0; i < 3; ++i) samples_[i] = static_cast<int>(std::clamp(std::ceil(fewer * along[i] - 1e-6), 1.0, most));
   }
 }
 

@@ -103,6 +103,12 @@ std::size_t Reading::read(std::span<std::byte> bytes) {
   return got > 0 ? static_cast<std::size_t>(got) : 0;
 }
 
+std::uint64_t physicalMemory() {
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof status;
+  return ::GlobalMemoryStatusEx(&status) ? status.ullTotalPhys : ~std::uint64_t{0};
+}
+
 bool isPipe(const std::string&) { return false; }  // they have no place among files
 
 }  // namespace kelp::console

@@ -2,6 +2,7 @@
 #include "deep_check.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -10,8 +11,8 @@
 #include "deep_fog.h"
 #include "deep_level.h"
 #include "emptiness.h"
+#include "kelp/console/console.h"
 #include "kelp/fields/fields.h"
-#include "system.h"
 #include "text.h"
 
 namespace kelp::dump {
@@ -44,7 +45,8 @@ class DeepCheck {
   void run() {
     std::vector<bool> unsound(pack_.parts().size());
     for (const Finding& f : report_.findings) {
-      if (f.severity == Severity::kError && f.part >= 0) unsound[static_cast<std::size_t>(f.part)] = true;
+      // What was verified may have had more parts: the file can change before it is opened again.
+      if (f.severity == Severity::kError && f.part >= 0 && static_cast<std::size_t>(f.part) < unsound.size()) unsound[static_cast<std::size_t>(f.part)] = true;
     }
     for (std::size_t p = 0; p < pack_.parts().size(); ++p) {
       if (unsound[p]) continue;
@@ -60,7 +62,7 @@ class DeepCheck {
     const std::uint64_t voxels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y) * static_cast<std::uint64_t>(part.size.z);
     // Beside what recomputing takes, of solids: the occupancy of this level and the finer one, and the stored level.
     const std::uint64_t needed = fields::peakBytes(part.size, voxels) + (part.fog ? deepFogBytes(voxels, part.fog->channels()) : 3 * voxels);
-    if (const std::uint64_t memory = physicalMemory(); needed > memory)
+    if (const std::uint64_t memory = console::physicalMemory(); needed > memory)
       throw DumpError(kFailure, fmt::format("{}: part {} '{}': checking {} voxels deeply needs {} of memory, this machine has {}; verify without --deep, or on a larger machine",
                                             file_.path(), p, nameText(part.name), sizeText(part.size), bytesText(needed), bytesText(memory)));
   }
@@ -181,6 +183,12 @@ const char* toString(DeepIssue issue) {
   return "Unknown issue.";
 }
 
-void checkDeeply(PackFile& file, VerifyReport& report) { DeepCheck(file, report).run(); }
+void checkDeeply(PackFile& file, VerifyReport& report) {
+  try {
+    DeepCheck(file, report).run();
+  } catch (const std::invalid_argument& error) {  // what fields ask for has been verified
+    throw DumpError(kInvalid, fmt::format("{}: {}, which it did not say a moment ago: the file is being written; verify it again when that is done", file.path(), error.what()));
+  }
+}
 
 }  // namespace kelp::dump

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -20,10 +21,18 @@ std::string shortText(const Json& json) { return nameText(json.dump(-1, ' ', fal
 
 void compareJson(const std::string& pointer, const Json* a, const Json* b, std::vector<Difference>& out) {
   if (a && b && a->is_object() && b->is_object()) {
+    // An ordered_json looks for a key among all that it has.
+    std::unordered_map<std::string_view, const Json*> in_a, in_b;
+    for (const auto& [key, value] : a->items()) in_a.try_emplace(key, &value);
+    for (const auto& [key, value] : b->items()) in_b.try_emplace(key, &value);
     const auto at = [&](const std::string& key) { return fmt::format("{}/{}", pointer, key); };
-    for (const auto& [key, value] : a->items()) compareJson(at(key), &value, b->contains(key) ? &b->at(key) : nullptr, out);
+    const auto of = [](const auto& values, const std::string& key) {
+      const auto found = values.find(key);
+      return found == values.end() ? nullptr : found->second;
+    };
+    for (const auto& [key, value] : a->items()) compareJson(at(key), &value, of(in_b, key), out);
     for (const auto& [key, value] : b->items())
-      if (!a->contains(key)) compareJson(at(key), nullptr, &value, out);
+      if (!of(in_a, key)) compareJson(at(key), nullptr, &value, out);
     return;
   }
   if (a && b && *a == *b) return;
@@ -273,6 +282,7 @@ void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Toler
     out.push_back(difference);
   };
   const ClipDiff clips(a, tolerance);
+  std::vector<bool> paired(b.clips().size());
   for (const Clip& clip : a.clips()) {
     std::vector<std::size_t>& left = named[clip.name];
     if (left.empty()) {
@@ -280,16 +290,15 @@ void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Toler
       continue;
     }
     const std::string what = clips.compare(clip, b.clips()[left.back()], pairs);
+    paired[left.back()] = true;
     left.pop_back();
     if (what.empty()) continue;
     Difference difference{"motion", fmt::format("clip '{}': {}", nameText(clip.name), what)};
     difference.name = clip.name;
     out.push_back(difference);
   }
-  for (std::size_t j = 0; j < b.clips().size(); ++j) {
-    const std::vector<std::size_t>& left = named[b.clips()[j].name];
-    if (std::find(left.begin(), left.end(), j) != left.end()) onlyIn("b", b.clips()[j]);
-  }
+  for (std::size_t j = 0; j < b.clips().size(); ++j)
+    if (!paired[j]) onlyIn("b", b.clips()[j]);
 }
 
 }  // namespace kelp::dump

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "diff.h"
+#include "kelp/console/console.h"
 #include "safe_json.h"
 #include "text.h"
 
@@ -63,7 +64,7 @@ std::string diffJson(const DiffReport& report) {
     text("b", d.b);
   }
   const Json json = {{"schema", "kelp-dump/1"}, {"command", "diff"}, {"a", report.a}, {"b", report.b}, {"tolerance", report.tolerance}, {"same", report.same()}, {"differences", differences}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return console::escapeControls(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace kelp::dump

@@ -42,7 +42,7 @@ void writeSolid(const ExtractRequest& request, const LevelVoxels& level, const s
   for (int y = 0; y < size.y; ++y) {
     pixels.clear();
     for (int z = 0; z < size.z; ++z) {
-      level.paletteRow(y, z, row);
+      level.paletteRow(y, z, 0, row);
       for (const std::int16_t entry : row) {
         const Rgba color = entry == LevelVoxels::kEmpty ? Rgba{} : colors[std::min(static_cast<std::size_t>(entry), colors.size() - 1)];
         pixels.insert(pixels.end(), {color.r, color.g, color.b, color.a});

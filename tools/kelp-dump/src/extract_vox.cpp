@@ -196,22 +196,32 @@ class VoxWriter {
       high[part_axis] = static_cast<int>(std::max(a, b)) + 1;
       to[part_axis] = axis;
     }
-    std::vector<std::int16_t> row(static_cast<std::size_t>(level.size().x));
+    std::vector<std::int16_t> row(static_cast<std::size_t>(high.x - low.x));
     const auto local = [&](int part_axis, int voxel) { return static_cast<char>(placement.along(to[part_axis], voxel) - model.low[to[part_axis]]); };
     char bytes[4];
-    for (int z = low.z; z < high.z; ++z)
-      for (int y = low.y; y < high.y; ++y) {
-        level.paletteRow(y, z, row);
-        bytes[to[1]] = local(1, y);
-        bytes[to[2]] = local(2, z);
-        for (int x = low.x; x < high.x; ++x) {
-          const std::int16_t entry = row[static_cast<std::size_t>(x)];
-          if (entry == LevelVoxels::kEmpty) continue;
-          bytes[to[0]] = local(0, x);
-          bytes[3] = static_cast<char>(palette_.index_of[static_cast<std::size_t>(entry)]);
-          out.write(std::string_view(bytes, 4));
-        }
+    const auto writeRow = [&](int y, int z) {
+      level.paletteRow(y, z, low.x, row);
+      bytes[to[1]] = local(1, y);
+      bytes[to[2]] = local(2, z);
+      for (int x = low.x; x < high.x; ++x) {
+        const std::int16_t entry = row[static_cast<std::size_t>(x - low.x)];
+        if (entry == LevelVoxels::kEmpty) continue;
+        bytes[to[0]] = local(0, x);
+        bytes[3] = static_cast<char>(palette_.index_of[static_cast<std::size_t>(entry)]);
+        out.write(std::string_view(bytes, 4));
       }
+    };
+    const auto endOfBrick = [](int voxel, int end) { return std::min(voxel / kBrickSide * kBrickSide + kBrickSide, end); };
+    std::vector<int> rows;  // that may hold something, of a layer of bricks
+    for (int layer = low.z; layer < high.z; layer = endOfBrick(layer, high.z)) {
+      rows.clear();
+      for (int y = low.y; y < high.y; y = endOfBrick(y, high.y)) {
+        if (!level.anyBrick(low.x, high.x, y, layer)) continue;
+        for (int in_brick = y; in_brick < endOfBrick(y, high.y); ++in_brick) rows.push_back(in_brick);
+      }
+      for (int z = layer; z < endOfBrick(layer, high.z); ++z)
+        for (const int y : rows) writeRow(y, z);
+    }
   }
 
   // Node 0 above a group of all parts; a part is one shape, or a group of shapes where it is too large for one.

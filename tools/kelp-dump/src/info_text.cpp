@@ -14,7 +14,7 @@
 namespace kelp::dump {
 namespace {
 
-constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColours = 6;
+constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColours = 6, kMostChunks = 16;
 constexpr std::size_t kDetailedParts = 2;  // whose levels are listed; of more, the parts and the sum of their levels
 
 double share(std::uint64_t some, std::uint64_t all) { return static_cast<double>(some) / static_cast<double>(std::max<std::uint64_t>(all, 1)); }
@@ -143,7 +143,10 @@ std::string bytesTable(const Summary& summary) {
                        raw ? fmt::format("{:.2f}", static_cast<double>(*raw) / static_cast<double>(std::max<std::uint64_t>(stored, 1))) : "-", shareText(stored, summary.storedBytes()));
   };
   std::string text = fmt::format("{}\n  {:<7}{:>7}{:>14}{:>14}{:>9}{:>10}\n", bold("bytes"), "chunk", "count", "stored", "decoded", "ratio", "of file");
-  for (const ChunkSummary& c : summary.chunks) text += row(c.kind, c.kind == "other" ? "" : std::to_string(c.count), c.stored, c.raw);
+  const std::size_t kinds = summary.chunks.size() - 1;
+  for (std::size_t i = 0; i < kinds && i < kMostChunks; ++i) text += row(summary.chunks[i].kind, std::to_string(summary.chunks[i].count), summary.chunks[i].stored, summary.chunks[i].raw);
+  text += more(kinds, kMostChunks, "kinds");
+  text += row("other", "", summary.chunks.back().stored, summary.chunks.back().raw);
   text += row("total", "", summary.storedBytes(), summary.rawBytes());
   text += fmt::format("  {:.3g} bits of file for each of the {} voxels of level 0, empty ones too", 8 * share(summary.storedBytes(), summary.voxels()), countText(summary.voxels()));
   if (summary.surfaceVoxels() > 0) text += fmt::format("; {:.2f} bytes for each of the surface", share(summary.storedBytes(), summary.surfaceVoxels()));

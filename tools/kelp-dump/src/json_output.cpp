@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "kelp/console/console.h"
 #include "safe_json.h"
 #include "text.h"
 
@@ -18,7 +19,7 @@ Json array3(const V& v) {
   return Json::array({v.x, v.y, v.z});
 }
 
-std::string printed(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string printed(const Json& json) { return console::escapeControls(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
 
 Json partJson(const PartSummary& p) {
   const Part& part = *p.part;

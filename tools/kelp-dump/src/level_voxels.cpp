@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "system.h"
+#include "kelp/console/console.h"
 #include "text.h"
 
 namespace kelp::dump {
@@ -31,7 +31,7 @@ LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   const auto where = [&] { return levelText(pack, part_index, level); };
   const Result<LevelGrid> grid = pack.readGrid(static_cast<int>(part_index), level);
   if (!grid) file.fail(grid.error(), where());
-  if (const std::uint64_t needed = memoryOf(*grid), memory = physicalMemory(); needed > memory)
+  if (const std::uint64_t needed = memoryOf(*grid), memory = console::physicalMemory(); needed > memory)
     throw DumpError(kFailure, fmt::format("{}: {}: needs {} of memory, this machine has {}; extract a coarser --level, or use a larger machine", file.path(), where(), bytesText(needed), bytesText(memory)));
   kind_ = part.kind;
   size_ = levelSize(part.size, level);
@@ -68,18 +68,26 @@ std::optional<std::uint32_t> LevelVoxels::attribute(const glm::ivec3& voxel) con
   return attributeOf(cellOf(voxel) & kCellSlotMask, codeIndex(voxel), here);
 }
 
-void LevelVoxels::paletteRow(int y, int z, std::span<std::int16_t> row) const {
+void LevelVoxels::paletteRow(int y, int z, int from, std::span<std::int16_t> row) const {
+  std::fill(row.begin(), row.end(), std::int16_t{kEmpty});
+  const int beyond = from + static_cast<int>(row.size());
   std::int16_t last = 0;
-  for (int brick = 0; brick < grid_.x; ++brick) {
-    const int first = brick * kBrickSide, end = std::min(first + kBrickSide, size_.x);
+  for (int first = 0; first < beyond; first += kBrickSide) {
     const std::uint32_t cell = cellOf({first, y, z}), slot = cell & kCellSlotMask;
-    for (int x = first; x < end; ++x) {
+    if (!(cell & kCellSolid)) continue;
+    for (int x = first; x < std::min(first + kBrickSide, beyond); ++x) {
       const int index = codeIndex({x, y, z});
-      const std::uint8_t here = cell & kCellSolid ? raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)] : std::uint8_t{0};
+      const std::uint8_t here = raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
       if (isSurfaceCode(here)) last = attributePalette(attributeOf(slot, index, here));
-      row[static_cast<std::size_t>(x)] = isSolidCode(here) ? last : std::int16_t{kEmpty};
+      if (x >= from && isSolidCode(here)) row[static_cast<std::size_t>(x - from)] = last;
     }
   }
+}
+
+bool LevelVoxels::anyBrick(int from, int beyond, int y, int z) const {
+  for (int x = from / kBrickSide * kBrickSide; x < beyond; x += kBrickSide)
+    if (cellOf({x, y, z}) & kCellSolid) return true;
+  return false;
 }
 
 void LevelVoxels::fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const {

@@ -37,8 +37,10 @@ class LevelVoxels {
   bool solid(const glm::ivec3& voxel) const { return isSolidCode(code(voxel)); }
   // The attribute of a surface voxel; none of others.
   std::optional<std::uint32_t> attribute(const glm::ivec3& voxel) const;
-  // The palette index of each voxel of a row along x, or kEmpty. Inner voxels, which have no colour, get that of the surface before them. `row` holds size().x.
-  void paletteRow(int y, int z, std::span<std::int16_t> row) const;
+  // The palette index of each voxel of a row along x, or kEmpty. Inner voxels, which have no colour, get that of the surface before them. `row` begins at `from`, and ends within the level.
+  void paletteRow(int y, int z, int from, std::span<std::int16_t> row) const;
+  // Whether a brick is stored for any voxel of this piece of a row.
+  bool anyBrick(int from, int beyond, int y, int z) const;
   std::uint64_t solidVoxels() const;
   std::uint64_t surfaceVoxels() const { return raw_.attributes.size(); }
   // f(voxel, attribute) of every surface voxel; brick by brick, in the file's order.

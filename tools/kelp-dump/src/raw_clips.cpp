@@ -2,7 +2,8 @@
 #include "raw_clips.h"
 
 #include <algorithm>
-#include <map>
+
+#include "kelp/rig_json/rig_json.h"
 
 namespace kelp::dump {
 namespace {
@@ -30,12 +31,8 @@ std::vector<RawClip> rawClips(const Pack& pack) {
 std::vector<std::vector<RawClip>> clipsOfParts(const std::vector<RawClip>& clips, std::size_t parts) {
   std::vector<std::vector<RawClip>> all(parts);
   for (const RawClip& clip : clips) {
-    std::map<std::uint32_t, RawClip> shares;
-    const auto shareOf = [&](std::uint32_t part) -> RawClip& { return shares.try_emplace(part, RawClip{clip.name, clip.duration, {}, {}}).first->second; };
-    for (const Wave& wave : clip.waves) shareOf(wave.part).waves.push_back(wave);
-    for (const RawTrack& track : clip.tracks) shareOf(track.part).tracks.push_back(track);
     const bool as_long_as_it_asks = clip.duration == lengthOf(clip);
-    for (auto& [part, share] : shares) {
+    for (auto& [part, share] : splitByPart(clip)) {
       if (as_long_as_it_asks && lengthOf(share) > 0) share.duration = lengthOf(share);
       all[part].push_back(std::move(share));
     }

@@ -16,7 +16,7 @@ namespace kelp::dump {
 inline std::optional<nlohmann::ordered_json> parseSafely(std::string_view text) {
   constexpr int kMaxDepth = 16;
   constexpr std::size_t kMaxBytes = std::size_t{4} << 20, kMaxMembers = 4096;  // as many as a pack has parts, and more than kelp-bake names files
-  if (text.size() > kMaxBytes || nestedDeeper(text, kMaxDepth) || hasLargerObject(text, kMaxMembers)) return std::nullopt;
+  if (text.size() > kMaxBytes || nestedDeeper(text, kMaxDepth) || hasLargerObjects(text, kMaxMembers)) return std::nullopt;
   auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (json.is_discarded()) return std::nullopt;
   return json;

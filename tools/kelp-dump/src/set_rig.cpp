@@ -4,10 +4,10 @@
 #include <exception>
 #include <filesystem>
 #include <iterator>
-#include <set>
 #include <span>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -42,13 +42,6 @@ std::string readText(const std::string& path) {
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-std::set<std::uint32_t> partsOf(const RawClip& clip) {
-  std::set<std::uint32_t> parts;
-  for (const Wave& wave : clip.waves) parts.insert(wave.part);
-  for (const RawTrack& track : clip.tracks) parts.insert(track.part);
-  return parts;
-}
-
 // As kelp-bake asks it of a rig before it adds empty layers at the ends of a part.
 bool bendable(const RigDescription& rig) {
   return std::any_of(rig.knots.begin(), rig.knots.end(), [](const RigDescription::Knot& knot) { return knot.tangent || knot.offset != glm::vec3(0); }) ||
@@ -66,6 +59,16 @@ bool bends(const Part& part, const std::vector<RawClip>& clips, std::uint32_t in
            std::any_of(clip.tracks.begin(), clip.tracks.end(), [&](const RawTrack& track) { return track.part == index && movesKnot(track.target); });
   });
 }
+
+// Clips are merged by their names, which a pack's need not have to themselves: each further one of a name is told apart until then. No name has a NUL.
+std::vector<RawClip> toldApart(std::vector<RawClip> clips) {
+  std::unordered_map<std::string, std::size_t> named;
+  for (RawClip& clip : clips)
+    if (const std::size_t before = named[clip.name]++; before > 0) clip.name += std::string(1, '\0') + std::to_string(before);
+  return clips;
+}
+
+std::string_view nameOf(const RawClip& clip) { return std::string_view(clip.name).substr(0, clip.name.find('\0')); }
 
 struct NewRig {
   RigDescription rig;
@@ -88,7 +91,7 @@ NewRig readRig(const std::string& wanted, std::optional<Axis> axis, std::optiona
 
 class RigSetter {
  public:
-  RigSetter(PackFile& file, std::uint32_t part) : file_(file), pack_(file.pack()), part_(part), old_clips_(rawClips(pack_)) {
+  RigSetter(PackFile& file, std::uint32_t part) : file_(file), pack_(file.pack()), part_(part), old_clips_(toldApart(rawClips(pack_))) {
     for (const RawClip& clip : old_clips_) old_durations_.try_emplace(clip.name, clip.duration);
   }
 
@@ -119,12 +122,14 @@ class RigSetter {
       std::vector<RawClip> clips;
       for (std::vector<RawClip>& of_part : of_parts) std::ranges::move(of_part, std::back_inserter(clips));
       mergeClips(rigs.clips, std::move(clips));
+      if (pack_.parts().size() > 1) keepIdle(rigs.clips);
     } catch (const RigError& error) {
       refuse(error.what());
     }
     if (const Result<void> sound = checkKnots(rigs.knots[part_]); !sound)
       refuse(fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter tangent or a smaller offset", sound.error().offset, sound.error().detail));
     for (const RawClip& clip : rigs.clips) prove(clip, rigs);
+    for (RawClip& clip : rigs.clips) clip.name.resize(nameOf(clip).size());
     const std::string of_several = pack_.parts().size() > 1 ? std::string(part().name) : "";
     rigs.info_json = infoWithRig(pack_.infoJson(), of_several, new_.preset, console::nameOf(console::pathOf(new_.origin).filename()), new_.content, given_axis_);
     return rigs;
@@ -148,14 +153,24 @@ class RigSetter {
     refuse(fmt::format("the rig bends along {}{}; the voxels were baked along {}: bake again with this rig{}", toString(axis), named ? "" : ", as it names no axis", toString(*baked), hint));
   }
 
+  // Clips that move nothing are nobody's, and stay, unless the part's rig has one of that name.
+  void keepIdle(std::vector<RawClip>& clips) const {
+    std::unordered_set<std::string_view> names;
+    for (const RawClip& clip : clips) names.insert(nameOf(clip));
+    std::vector<RawClip> idle;
+    for (const RawClip& clip : old_clips_)
+      if (clip.waves.empty() && clip.tracks.empty() && !names.contains(nameOf(clip))) idle.push_back(clip);
+    std::ranges::move(idle, std::back_inserter(clips));
+  }
+
   // The part, and others where the clip repeats at another time than it did: their keys may turn them back then.
   void prove(const RawClip& clip, const RawRigs& rigs) const {
     const auto old = old_durations_.find(clip.name);
     const bool changed = old == old_durations_.end() || old->second != clip.duration;
-    for (const std::uint32_t p : partsOf(clip)) {
+    for (const auto& [p, share] : splitByPart(clip)) {
       if (p != part_ && !changed) continue;
       try {
-        proveClip(clip, p, rigs.knots[p], pack_.parts()[p].size);
+        proveClip(share, p, rigs.knots[p], pack_.parts()[p].size);
       } catch (const RigError& error) {
         throw DumpError(kInvalid, fmt::format("{}: part {} '{}': {}", new_.origin, p, nameText(pack_.parts()[p].name, 40), error.what()));
       }

@@ -63,7 +63,9 @@ std::string infoWithRig(std::string_view text, const std::string& part, const st
   if (!part.empty()) {
     Json set = rig.is_object() ? rig : Json{{"preset", rig}};
     if (axis) set["axis"] = toString(*axis);
-    (*info)["rigs"][part] = set;
+    Json& rigs = (*info)["rigs"];
+    if (!rigs.is_object()) rigs = Json::object();
+    rigs[part] = set;
     return info->dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   Json changed = *options;

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "system.h"
+#include "kelp/console/console.h"
 #include "text.h"
 
 namespace kelp::dump {
@@ -60,7 +60,7 @@ void SignedField::makeBricks(const std::vector<Sample>& samples) {
   }
   // Values and weights here, and a grid made of them.
   const std::uint64_t needed = std::uint64_t{places_.size()} * kBrickVoxels * 3 * sizeof(float);
-  if (const std::uint64_t memory = physicalMemory(); needed > memory)
+  if (const std::uint64_t memory = console::physicalMemory(); needed > memory)
     throw DumpError(kFailure, fmt::format("distances around {} surface voxels need {} of memory, this machine has {}; extract a coarser --level, or one --part", countText(samples.size()), bytesText(needed), bytesText(memory)));
   values_.assign(places_.size() * kBrickVoxels, 0.0f);
 }

@@ -9,9 +9,9 @@
 
 #include "commands.h"
 #include "extract.h"
+#include "kelp/console/console.h"
 #include "kelp/fields/fields.h"
 #include "level_voxels.h"
-#include "system.h"
 #include "output_file.h"
 #include "png_file.h"
 #include "text.h"
@@ -34,6 +34,7 @@ class Layer {
     const int y = size_.y - 1 - row;
     return axis_ == 'z' ? glm::ivec3(column, y, at_) : glm::ivec3(at_, y, column);
   }
+  bool alongX() const { return axis_ != 'x'; }
 
  private:
   glm::ivec3 size_;
@@ -61,11 +62,13 @@ Pixel normalsOf(const LevelVoxels& level) {
   };
 }
 
-Pixel coloursOf(const LevelVoxels& level, const Pack& pack) {
-  return [&level, palette = pack.palette(), row = std::vector<std::int16_t>(static_cast<std::size_t>(level.size().x)), last = glm::ivec2(-1)](const glm::ivec3& v) mutable {
-    if (last != glm::ivec2(v.y, v.z)) level.paletteRow(v.y, v.z, row);
+// A row at a time of a layer that has rows along x, else a voxel.
+Pixel coloursOf(const LevelVoxels& level, const Pack& pack, bool rows) {
+  return [&level, rows, palette = pack.palette(), row = std::vector<std::int16_t>(rows ? static_cast<std::size_t>(level.size().x) : 1), last = glm::ivec2(-1)](const glm::ivec3& v) mutable {
+    const int from = rows ? 0 : v.x;
+    if (last != glm::ivec2(v.y, v.z)) level.paletteRow(v.y, v.z, from, row);
     last = {v.y, v.z};
-    const std::int16_t entry = row[static_cast<std::size_t>(v.x)];
+    const std::int16_t entry = row[static_cast<std::size_t>(v.x - from)];
     return entry == LevelVoxels::kEmpty ? kNothing : displayColor(palette[static_cast<std::size_t>(entry)]);
   };
 }
@@ -74,7 +77,7 @@ Pixel coloursOf(const LevelVoxels& level, const Pack& pack) {
 Pixel clearanceOf(const LevelVoxels& level, PackFile& file, std::uint32_t part) {
   const glm::ivec3 size = level.size();
   const std::uint64_t voxels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) * static_cast<std::uint64_t>(size.z);
-  if (const std::uint64_t needed = 12 * voxels, memory = physicalMemory(); needed > memory)
+  if (const std::uint64_t needed = 12 * voxels, memory = console::physicalMemory(); needed > memory)
     throw DumpError(kFailure, fmt::format("{}: part {}: the clearance of {} voxels needs {} of memory, this machine has {}; take a coarser --level, or a larger machine", file.path(), part,
                                           sizeText(size), bytesText(needed), bytesText(memory)));
   fields::Occupancy occupancy{size, std::vector<std::uint8_t>(static_cast<std::size_t>(voxels))};
@@ -112,7 +115,7 @@ Pixel pixelOf(const std::string& what, const LevelVoxels& level, const Layer& la
   if (what == "heat" && !level.hot()) throw DumpError(kUsage, of + " has no heat; choose density");
   if (for_fog) return fogOf(level, layer, what == "heat");
   if (what == "clearance") return clearanceOf(level, file, part);
-  return what == "occupancy" ? occupancyOf(level) : what == "normals" ? normalsOf(level) : coloursOf(level, file.pack());
+  return what == "occupancy" ? occupancyOf(level) : what == "normals" ? normalsOf(level) : coloursOf(level, file.pack(), layer.alongX());
 }
 
 }  // namespace

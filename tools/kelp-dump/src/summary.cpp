@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -45,18 +46,26 @@ std::uint64_t pagesOf(const Pack::ChunkInfo& grid, std::uint64_t cells) {
   return grid.raw > table_at ? (grid.raw - table_at) / 32 : 0;
 }
 
-LevelSummary summarizeTables(const Pack& pack, int part, int level) {
-  const Part& of = pack.parts()[static_cast<std::size_t>(part)];
-  LevelSummary summary;
-  summary.size = levelSize(of.size, level);
-  summary.cells = product(brickGrid(latticeSize(of.kind, summary.size)));
-  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
-    if (chunk.part != static_cast<std::uint32_t>(part) || chunk.level != static_cast<std::uint32_t>(level)) continue;
-    const std::string kind = fourccText(chunk.fourcc);
-    if (kind == "GRID") summary.pages = pagesOf(chunk, summary.cells);
-    if (kind == "GRID" || kind == "BRCK" || kind == "FOGB") summary.stored += chunk.stored;
+std::vector<PartSummary> summarizeTables(const Pack& pack) {
+  std::vector<PartSummary> parts;
+  for (const Part& part : pack.parts()) {
+    PartSummary& out = parts.emplace_back();
+    out.part = &part;
+    for (int axis = 0; axis < 3; ++axis) out.voxel[axis] = glm::length(glm::dvec3(part.to_object[axis]));
+    for (int l = 0; l < part.levels; ++l) {
+      LevelSummary& level = out.levels.emplace_back();
+      level.size = levelSize(part.size, l);
+      level.cells = product(brickGrid(latticeSize(part.kind, level.size)));
+    }
   }
-  return summary;
+  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
+    const std::string kind = fourccText(chunk.fourcc);
+    if (kind != "GRID" && kind != "BRCK" && kind != "FOGB") continue;
+    LevelSummary& level = parts.at(chunk.part).levels.at(chunk.level);
+    if (kind == "GRID") level.pages = pagesOf(chunk, level.cells);
+    level.stored += chunk.stored;
+  }
+  return parts;
 }
 
 LevelSummary::Counted countLevel(PackFile& file, int part, int level, std::array<std::uint64_t, 256>& palette_use) {
@@ -94,15 +103,17 @@ struct PageBytes {
 
 std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<PageBytes>& pages) {
   std::vector<ChunkSummary> kinds;
+  std::unordered_map<std::string, std::size_t> index;
   std::uint64_t in_chunks = 0;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
     const std::string kind = fourccText(chunk.fourcc);
-    auto same = std::find_if(kinds.begin(), kinds.end(), [&](const ChunkSummary& c) { return c.kind == kind; });
-    if (same == kinds.end()) same = kinds.insert(same, ChunkSummary{kind, 0, 0, 0});
-    ++same->count;
-    same->stored += chunk.stored;
-    if (kind == "BRCK" || kind == "FOGB") same->raw = pages ? std::optional(kind == "BRCK" ? pages->solid : pages->fog) : std::nullopt;
-    else same->raw = *same->raw + chunk.raw;
+    const auto [at, fresh] = index.try_emplace(kind, kinds.size());
+    if (fresh) kinds.push_back({kind, 0, 0, 0});
+    ChunkSummary& same = kinds[at->second];
+    ++same.count;
+    same.stored += chunk.stored;
+    if (kind == "BRCK" || kind == "FOGB") same.raw = pages ? std::optional(kind == "BRCK" ? pages->solid : pages->fog) : std::nullopt;
+    else same.raw = *same.raw + chunk.raw;
     in_chunks += chunk.stored;
   }
   const std::uint64_t other = pack.fileSize() - std::min(pack.fileSize(), in_chunks);
@@ -139,17 +150,13 @@ Summary summarize(PackFile& file, bool count) {
   summary.path = file.path();
   summary.pack = &pack;
   summary.counted = count;
+  summary.parts = summarizeTables(pack);
   PageBytes pages;
-  for (std::size_t p = 0; p < pack.parts().size(); ++p) {
-    const Part& part = pack.parts()[p];
-    PartSummary& out = summary.parts.emplace_back();
-    out.part = &part;
-    for (int axis = 0; axis < 3; ++axis) out.voxel[axis] = glm::length(glm::dvec3(part.to_object[axis]));
-    for (int l = 0; l < part.levels; ++l) {
-      LevelSummary& level = out.levels.emplace_back(summarizeTables(pack, static_cast<int>(p), l));
-      if (!count) continue;
-      level.counted = countLevel(file, static_cast<int>(p), l, summary.palette_use);
-      (part.fog ? pages.fog : pages.solid) += level.counted->page_bytes;
+  for (std::size_t p = 0; count && p < summary.parts.size(); ++p) {
+    PartSummary& part = summary.parts[p];
+    for (std::size_t l = 0; l < part.levels.size(); ++l) {
+      part.levels[l].counted = countLevel(file, static_cast<int>(p), static_cast<int>(l), summary.palette_use);
+      (part.part->fog ? pages.fog : pages.solid) += part.levels[l].counted->page_bytes;
     }
   }
   summary.chunks = summarizeChunks(pack, count ? std::optional(pages) : std::nullopt);

@@ -9,9 +9,6 @@
 
 namespace kelp::dump {
 
-// Bytes of memory that this machine has; the greatest number if it does not say.
-std::uint64_t physicalMemory();
-
 // From now on Ctrl-C, and whatever else asks a program to end, removes the NewFile that there is and ends the program with 130. Where it is ignored, as under nohup, it stays so.
 void catchInterrupts();
 

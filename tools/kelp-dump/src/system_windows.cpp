@@ -40,12 +40,6 @@ BOOL WINAPI removeAndExit(DWORD) {
 
 }  // namespace
 
-std::uint64_t physicalMemory() {
-  MEMORYSTATUSEX status{};
-  status.dwLength = sizeof status;
-  return ::GlobalMemoryStatusEx(&status) ? status.ullTotalPhys : ~std::uint64_t{0};
-}
-
 void catchInterrupts() { ::SetConsoleCtrlHandler(&removeAndExit, TRUE); }
 
 NewFile::~NewFile() {

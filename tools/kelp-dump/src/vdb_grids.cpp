@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "signed_field.h"
+#include "text.h"
 
 namespace kelp::dump {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 using openvdb::Coord;
 
 Coord coordOf(const glm::ivec3& voxel) { return Coord(voxel.x, voxel.y, voxel.z); }
+
+constexpr double kLeastVolume = 4e-15;  // a little above openvdb::math::AffineMap's own
 
 // Voxel centres are at whole numbers in OpenVDB. It multiplies row vectors.
 openvdb::math::Transform::Ptr transformOf(const LevelVoxels& level) {
@@ -147,6 +150,10 @@ openvdb::GridPtrVec vdbGrids(const ExtractRequest& request) {
     const Part& part = request.part(index);
     const std::string name(part.name), prefix = request.parts.size() > 1 ? name + "." : "";
     const LevelVoxels level = request.read(index);
+    // OpenVDB takes the transform of smaller ones for a singular one.
+    if (!(std::abs(glm::determinant(glm::dmat3(level.toObject()))) >= kLeastVolume))
+      throw DumpError(kUnsupported, fmt::format("{}: {}: OpenVDB has no voxels of less than {:.1e} m^3, these are {} wide; extract a coarser --level, or another format", request.file.path(),
+                                                levelText(request.file.pack(), index, request.level), kLeastVolume, metresText(level.edge())));
     if (level.fog()) addFog(prefix, level, std::cbrt(std::abs(glm::determinant(glm::dmat3(part.to_object)))), *part.fog, grids);
     else addSolid(name.empty() ? "surface" : name, prefix, level, request.file.pack().palette(), grids);
   }

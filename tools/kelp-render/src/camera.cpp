@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -17,37 +18,39 @@ glm::dmat4 aboutX(double degrees) { return glm::rotate(glm::dmat4(1), glm::radia
 
 }  // namespace
 
-Camera::Camera(const std::vector<glm::dvec3>& points, double yaw, double pitch, int turns, double aspect)
-    : yaw_(yaw), pitch_(pitch), turns_(turns), aspect_(aspect) {
-  glm::dvec3 low(1e30);
-  glm::dvec3 high(-1e30);
-  for (const glm::dvec3& p : points) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  pivot_ = 0.5 * (low + high);
-
-  // The nearest eye that has all points between the planes of its sides. In the camera's axes the side planes through (ex, ey, ez) ask
-  // ez >= z + |x - ex| / tan, so the extremes of x / tan + z and of z - x / tan decide; the same for y.
+Framing::Framing(double yaw, double pitch, int turns, double aspect) : yaw_(yaw), pitch_(pitch), aspect_(aspect) {
+  // In the camera's axes the side planes through the eye (ex, ey, ez) ask ez >= z + |x - ex| / tan, so the extremes of z + x / tan and of z - x / tan decide;
+  // the same for y.
   const double tan_y = std::tan(glm::radians(0.5 * kFieldOfView)) * kMargin;
   const double tan_x = tan_y * aspect;
-  double right = -1e30, left = -1e30, up = -1e30, down = -1e30, front = -1e30, back = 1e30;
   for (int turn = 0; turn < turns; ++turn) {
-    const glm::dmat4 to_camera = aboutX(pitch) * aboutY(-yaw - 360.0 * turn / turns);
-    for (const glm::dvec3& point : points) {
-      const glm::dvec3 p(to_camera * glm::dvec4(point - pivot_, 0));
-      right = std::max(right, p.z + p.x / tan_x);
-      left = std::max(left, p.z - p.x / tan_x);
-      up = std::max(up, p.z + p.y / tan_y);
-      down = std::max(down, p.z - p.y / tan_y);
-      front = std::max(front, p.z);
-      back = std::min(back, p.z);
-    }
+    const glm::dmat3 to_camera(aboutX(pitch) * aboutY(-yaw - 360.0 * turn / turns));
+    const glm::dmat3 rows = glm::transpose(to_camera);
+    turns_.push_back({{rows[2] + rows[0] / tan_x, rows[2] - rows[0] / tan_x, rows[2] + rows[1] / tan_y, rows[2] - rows[1] / tan_y, rows[2], -rows[2]}, {}});
+    turns_.back().farthest.fill(-std::numeric_limits<double>::infinity());
   }
+}
+
+void Framing::add(const glm::dvec3& point) {
+  low_ = glm::min(low_, point);
+  high_ = glm::max(high_, point);
+  for (Turn& turn : turns_)
+    for (std::size_t i = 0; i < kExtremes; ++i) turn.farthest[i] = std::max(turn.farthest[i], glm::dot(turn.direction[i], point));
+}
+
+Camera::Camera(const Framing& framing) : yaw_(framing.yaw_), pitch_(framing.pitch_), turns_(static_cast<int>(framing.turns_.size())), aspect_(framing.aspect_) {
+  pivot_ = 0.5 * (framing.low_ + framing.high_);
+  const double tan_y = std::tan(glm::radians(0.5 * kFieldOfView)) * kMargin;
+  const double tan_x = tan_y * aspect_;
+  std::array<double, Framing::kExtremes> all;
+  all.fill(-std::numeric_limits<double>::infinity());
+  for (const Framing::Turn& turn : framing.turns_)
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::max(all[i], turn.farthest[i] - glm::dot(turn.direction[i], pivot_));
+  const auto [right, left, up, down, front, behind] = all;
   eye_ = {0.5 * tan_x * (right - left), 0.5 * tan_y * (up - down), std::max(0.5 * (right + left), 0.5 * (up + down))};
-  const double depth = std::max(front - back, 1e-6);
-  near_ = std::max(eye_.z - front - 0.05 * depth, 0.01 * (eye_.z - back));
-  far_ = eye_.z - back + 0.05 * depth;
+  const double depth = std::max(front + behind, 1e-6);
+  near_ = std::max(eye_.z - front - 0.05 * depth, 0.01 * (eye_.z + behind));
+  far_ = eye_.z + behind + 0.05 * depth;
 }
 
 void Camera::apply(int turn, gl::View& view) const {
@@ -58,7 +61,7 @@ void Camera::apply(int turn, gl::View& view) const {
   view.sun_direction = glm::dvec3(aboutY(yaw) * glm::dvec4(-0.55, 0.8, 0.6, 0));
 }
 
-void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& points) {
+void addOutline(const runtime::Instance& instance, Framing& framing) {
   constexpr int kMostBricks = 24;  // along a side: fine enough to frame by, and few
   const std::span<const Part> parts = instance.asset->pack().parts();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
@@ -73,7 +76,7 @@ void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& poin
     for (int y = 0; y < level.grid.y; ++y) {
       for (int upper = 0; upper < 2; ++upper) {
         const float height = std::min(brick * static_cast<float>(y + upper), static_cast<float>(part.size.y));
-        const glm::dvec3 axis(toWorld(instance, p, {0, height, 0}));
+        const glm::dvec3 axis(to_world * glm::vec4(bend(instance, p, {0, height, 0}), 1.0f));
         for (int z = 0; z < level.grid.z; ++z) {
           for (int x = 0; x < level.grid.x; ++x) {
             const auto cell = static_cast<std::size_t>(x) +
@@ -82,7 +85,7 @@ void addOutline(const runtime::Instance& instance, std::vector<glm::dvec3>& poin
             for (int corner = 0; corner < 4; ++corner) {
               const float along_x = std::min(brick * static_cast<float>(x + (corner & 1)), static_cast<float>(part.size.x));
               const float along_z = std::min(brick * static_cast<float>(z + (corner >> 1)), static_cast<float>(part.size.z));
-              points.push_back(axis + glm::dvec3(along_x * to_world[0] + along_z * to_world[2]));
+              framing.add(axis + glm::dvec3(along_x * to_world[0] + along_z * to_world[2]));
             }
           }
         }

@@ -53,17 +53,16 @@ void run(const Options& options) {
   const auto pose = [&](int frame) { scene.pose(scene.duration() * frame / options.frames); };
 
   // The camera sees every frame; with a clip the models at rest too, so that pictures of single moments have one framing.
-  std::vector<glm::dvec3> points;
+  Framing framing(options.yaw, options.pitch, turntable ? options.frames : 1, static_cast<double>(options.size.x) / options.size.y);
   const auto addOutlines = [&] {
-    for (const runtime::Instance& instance : scene.instances()) addOutline(instance, points);
+    for (const runtime::Instance& instance : scene.instances()) addOutline(instance, framing);
   };
   if (!turntable) addOutlines();
   for (int frame = 0; frame < (turntable ? 1 : options.frames); ++frame) {
     pose(frame);
     addOutlines();
   }
-  const double aspect = static_cast<double>(options.size.x) / options.size.y;
-  const Camera camera(std::move(points), options.yaw, options.pitch, turntable ? options.frames : 1, aspect);
+  const Camera camera(framing);
   const ViewStyle style = styleOf(options.view, camera);
 
   const HeadlessContext context;

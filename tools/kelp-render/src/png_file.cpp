@@ -51,7 +51,8 @@ void writePng(const std::string& path, const Picture& picture) {
     ::unlink(temporary.c_str());
     throw RenderError(kIo, fmt::format("{}: {}: {}; check that the folder exists, is writable and has room", path, what, std::strerror(reason)));
   };
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  ::unlink(temporary.c_str());  // what a run of this number left, or somebody put there
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) fail("can not be written");
   const bool written = writeAll(file, bytes);
   const int reason = errno;

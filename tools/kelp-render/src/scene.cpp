@@ -6,10 +6,12 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "kelp/console/console.h"
 #include "render_error.h"
 
 namespace kelp::render {
@@ -34,6 +36,9 @@ void checkLevel(const Options& options, const std::string& path, const Pack& pac
   if (options.level.value_or(0) >= levels) throw RenderError(kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them", *options.level, path, levels - 1));
 }
 
+// For the voxels of all packs. OpenGL keeps them too; without a GPU, in the same memory.
+std::uint64_t mostMemory() { return console::physicalMemory() / 5 * 2; }
+
 glm::mat4 placeOf(const Item& item) {
   const glm::mat4 at = glm::translate(glm::mat4(1), item.at);
   return glm::scale(glm::rotate(at, static_cast<float>(glm::radians(item.turn)), glm::vec3(0, 1, 0)), glm::vec3(static_cast<float>(item.scale)));
@@ -48,7 +53,7 @@ Scene::Scene(const Options& options) {
     if (!pack.asset) {
       pack.file = openFile(item.pack);
       runtime::Options whole;
-      whole.memory_budget = ~std::uint64_t{0};
+      whole.memory_budget = mostMemory();
       pack.asset = checkPack(item.pack, runtime::Asset::open(pack.file.source(), whole));
       checkLevel(options, item.pack, pack.asset->pack());
     }
@@ -56,7 +61,14 @@ Scene::Scene(const Options& options) {
     posings_.emplace_back(*pack.asset, item);
     if (duration_ == 0) duration_ = posings_.back().duration();
   }
-  for (const auto& [path, pack] : packs_) checkPack(path, pack.asset->loadAll());
+  std::uint64_t memory = 0;
+  for (const auto& [path, pack] : packs_) {
+    Result<void> loaded = pack.asset->loadAll();
+    memory += pack.asset->memory();
+    if (memory > mostMemory() || (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
+      throw RenderError(kFailure, fmt::format("{}: takes more than the {} MiB of voxels that this machine has memory for, with what OpenGL makes of them; draw it on a larger one, or bake it with a lower --resolution", path, mostMemory() >> 20));
+    checkPack(path, std::move(loaded));
+  }
   for (std::size_t i = 0; i < options.items.size(); ++i) {
     runtime::Instance instance{packs_[options.items[i].pack].asset.get(), &poses_[i]};
     instance.to_world = placeOf(options.items[i]);

@@ -42,8 +42,6 @@ Cubic trackCubic(const RawTrack& track, int axis, double time) {
   return shifted(cubic, time - static_cast<double>(from.time));
 }
 
-bool moves(const RawTrack& track, const Term& term) { return track.knot == term.knot && track.target == term.target; }
-
 void addHarmonic(std::vector<Harmonic>& harmonics, const Wave& wave, double amplitude) {
   const double phase = kTau * static_cast<double>(wave.phase);
   const double period = wave.period;
@@ -65,6 +63,13 @@ Ratio smallRatio(double ratio) {
       return {static_cast<int>(numerator), denominator};
   }
   return {};
+}
+
+// Index of the first clock that holds the period, or clocks.size().
+std::size_t clockOf(std::span<const Clock> clocks, double period) {
+  std::size_t i = 0;
+  while (i < clocks.size() && !clocks[i].holds(period)) ++i;
+  return i;
 }
 
 }  // namespace
@@ -90,42 +95,59 @@ Range Motion::range() const {
   return range;
 }
 
-Motion makeMotion(const RawClip& clip, std::uint32_t part, std::span<const Term> terms) {
-  Motion motion;
-  motion.duration = clip.duration;
-  for (const Wave& wave : clip.waves) {
-    if (wave.part != part) continue;
-    double amplitude = 0;
-    for (const Term& term : terms) {
-      if (wave.knot == term.knot && wave.target == term.target) amplitude += term.weight * static_cast<double>(wave.amplitude[term.axis]);
-    }
-    if (amplitude != 0) addHarmonic(motion.harmonics, wave, amplitude);
-    if (motion.harmonics.size() > kMostPeriods)
-      throw RigError("clip '" + printable(clip.name) + "', part " + std::to_string(part) + ": more than " + std::to_string(kMostPeriods) + " periods move one segment; let waves share theirs");
+PartMotions::PartMotions(const RawClip& clip, std::uint32_t part) : clip_(clip), part_(part) {
+  for (const Wave& wave : clip.waves)
+    if (wave.part == part) knots_[wave.knot].waves.push_back(&wave);
+  for (const RawTrack& track : clip.tracks) {
+    if (track.part != part || track.keys.empty() || !movesKnot(track.target)) continue;
+    std::vector<const RawTrack*>& same = knots_[track.knot].tracks[track.target == Target::kKnotTangent ? 1 : 0];
+    same.push_back(&track);
+    if (same.size() > kMostTracks)
+      throw RigError("clip '" + printable(clip.name) + "', part " + std::to_string(part) + ": more than " + std::to_string(kMostTracks) + " tracks move knot " + std::to_string(track.knot) + "; let them be one");
   }
+}
+
+const PartMotions::OfKnot* PartMotions::find(std::uint32_t knot) const {
+  const auto found = knots_.find(knot);
+  return found == knots_.end() ? nullptr : &found->second;
+}
+
+Motion PartMotions::sum(std::span<const Term> terms) const {
+  Motion motion;
+  motion.duration = clip_.duration;
+  std::vector<std::pair<const RawTrack*, const Term*>> moved;
+  std::vector<std::uint32_t> seen;
+  for (const Term& term : terms) {
+    const OfKnot* const knot = find(term.knot);
+    if (!knot || term.weight == 0) continue;
+    for (const RawTrack* const track : knot->tracks[term.target == Target::kKnotTangent ? 1 : 0]) moved.emplace_back(track, &term);
+    if (std::find(seen.begin(), seen.end(), term.knot) != seen.end()) continue;
+    seen.push_back(term.knot);
+    for (const Wave* const wave : knot->waves) {
+      double amplitude = 0;
+      for (const Term& each : terms) {
+        if (wave->knot == each.knot && wave->target == each.target) amplitude += each.weight * static_cast<double>(wave->amplitude[each.axis]);
+      }
+      if (amplitude != 0) addHarmonic(motion.harmonics, *wave, amplitude);
+      if (motion.harmonics.size() > kMostPeriods)
+        throw RigError("clip '" + printable(clip_.name) + "', part " + std::to_string(part_) + ": more than " + std::to_string(kMostPeriods) + " periods move one segment; let waves share theirs");
+    }
+  }
+  if (moved.empty()) return motion;
 
   std::vector<double> cuts{0, motion.duration};
-  bool moved = false;
-  for (const RawTrack& track : clip.tracks) {
-    for (const Term& term : terms) {
-      if (track.part != part || track.keys.empty() || !moves(track, term) || term.weight == 0) continue;
-      moved = true;
-      for (const Key& key : track.keys) {
-        if (key.time > 0 && static_cast<double>(key.time) < motion.duration) cuts.push_back(key.time);
-      }
+  for (const auto& [track, term] : moved) {
+    for (const Key& key : track->keys) {
+      if (key.time > 0 && static_cast<double>(key.time) < motion.duration) cuts.push_back(key.time);
     }
   }
-  if (!moved) return motion;
   std::sort(cuts.begin(), cuts.end());
   cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     Piece piece{cuts[i], cuts[i + 1], {}};
-    for (const RawTrack& track : clip.tracks) {
-      for (const Term& term : terms) {
-        if (track.part != part || track.keys.empty() || !moves(track, term)) continue;
-        const Cubic cubic = trackCubic(track, term.axis, cuts[i]);
-        for (std::size_t k = 0; k < 4; ++k) piece.cubic[k] += term.weight * cubic[k];
-      }
+    for (const auto& [track, term] : moved) {
+      const Cubic cubic = trackCubic(*track, term->axis, cuts[i]);
+      for (std::size_t k = 0; k < 4; ++k) piece.cubic[k] += term->weight * cubic[k];
     }
     motion.pieces.push_back(piece);
   }
@@ -134,12 +156,6 @@ Motion makeMotion(const RawClip& clip, std::uint32_t part, std::span<const Term>
 
 bool Clock::holds(double member) const {
   return std::any_of(members.begin(), members.end(), [&](double m) { return samePeriod(m, member); });
-}
-
-std::size_t clockOf(std::span<const Clock> clocks, double period) {
-  std::size_t i = 0;
-  while (i < clocks.size() && !clocks[i].holds(period)) ++i;
-  return i;
 }
 
 std::vector<Clock> makeClocks(std::span<const Motion* const> motions) {
@@ -177,23 +193,30 @@ std::vector<Clock> makeClocks(std::span<const Motion* const> motions) {
   return clocks;
 }
 
-ClockedMotion::ClockedMotion(const Motion& motion, std::span<const Clock> clocks, std::size_t which) : duration_(motion.duration) {
-  const Clock& clock = clocks[which];
+std::vector<ClockedMotion> shareOut(const Motion& motion, std::span<const Clock> clocks) {
+  std::vector<ClockedMotion> shares(clocks.size());
   for (const Harmonic& h : motion.harmonics) {
-    if (clockOf(clocks, h.period) != which) continue;
-    const double swings = std::round(clock.period / h.period);  // exactly whole, so that the clock's period is the motion's
-    waves_.push_back({kTau * swings / clock.period, std::hypot(h.a, h.b), std::atan2(h.b, h.a)});
+    const std::size_t which = clockOf(clocks, h.period);
+    const double swings = std::round(clocks[which].period / h.period);  // exactly whole, so that the clock's period is the motion's
+    shares[which].waves_.push_back({kTau * swings / clocks[which].period, std::hypot(h.a, h.b), std::atan2(h.b, h.a)});
   }
-  cuts_ = {0, clock.period};
-  if (motion.pieces.empty() || clockOf(clocks, motion.duration) != which) return;
-  pieces_ = motion.pieces;
-  const auto repeats = static_cast<std::int64_t>(std::llround(clock.period / motion.duration));
-  duration_ = clock.period / static_cast<double>(repeats);
+  for (std::size_t i = 0; i < clocks.size(); ++i) {
+    shares[i].duration_ = motion.duration;
+    shares[i].cuts_ = {0, clocks[i].period};
+  }
+  if (motion.pieces.empty()) return shares;
+  const std::size_t which = clockOf(clocks, motion.duration);
+  const double period = clocks[which].period;
+  ClockedMotion& share = shares[which];
+  share.pieces_ = motion.pieces;
+  const auto repeats = static_cast<std::int64_t>(std::llround(period / motion.duration));
+  share.duration_ = period / static_cast<double>(repeats);
   for (std::int64_t r = 0; r < repeats; ++r) {
-    for (const Piece& piece : pieces_) cuts_.push_back(static_cast<double>(r) * duration_ + piece.start);
+    for (const Piece& piece : share.pieces_) share.cuts_.push_back(static_cast<double>(r) * share.duration_ + piece.start);
   }
-  std::sort(cuts_.begin(), cuts_.end());
-  cuts_.erase(std::unique(cuts_.begin(), cuts_.end()), cuts_.end());
+  std::sort(share.cuts_.begin(), share.cuts_.end());
+  share.cuts_.erase(std::unique(share.cuts_.begin(), share.cuts_.end()), share.cuts_.end());
+  return shares;
 }
 
 const Piece* ClockedMotion::pieceAt(double time, double& local) const {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "kelp/formats/raw_pack.h"
@@ -56,9 +57,27 @@ struct Motion {
   // Bounds over all time; does not look at the correlation between terms of different periods.
   Range range() const;
 };
-// RigError where it has more than kMostPeriods.
+// RigError of both where there are more. Tracks: of the same knot and target.
 inline constexpr std::size_t kMostPeriods = 1024;
-Motion makeMotion(const RawClip& clip, std::uint32_t part, std::span<const Term> terms);
+inline constexpr std::size_t kMostTracks = 64;
+
+// What of a clip moves the knots of a part, knot by knot. Refers to the clip.
+class PartMotions {
+ public:
+  PartMotions(const RawClip& clip, std::uint32_t part);
+  Motion sum(std::span<const Term> terms) const;
+
+ private:
+  struct OfKnot {
+    std::vector<const Wave*> waves;
+    std::array<std::vector<const RawTrack*>, 2> tracks;  // offsets, tangents
+  };
+  const OfKnot* find(std::uint32_t knot) const;
+
+  const RawClip& clip_;
+  std::uint32_t part_;
+  std::unordered_map<std::uint32_t, OfKnot> knots_;
+};
 
 // Periods that share a common multiple, and that multiple.
 struct Clock {
@@ -69,20 +88,22 @@ struct Clock {
 // Puts each period on a clock. Ratios that are one of small integers to within the rounding of floats are taken as exactly that. Ends at the first clock beyond kMostClocks.
 inline constexpr std::size_t kMostClocks = 64;
 std::vector<Clock> makeClocks(std::span<const Motion* const> motions);
-// Index of the first clock that holds the period, or clocks.size().
-std::size_t clockOf(std::span<const Clock> clocks, double period);
+// The shares of a motion that each of the clocks drives.
+class ClockedMotion;
+std::vector<ClockedMotion> shareOut(const Motion& motion, std::span<const Clock> clocks);
 
-// The share of a motion that one of the clocks drives.
 class ClockedMotion {
  public:
-  ClockedMotion(const Motion& motion, std::span<const Clock> clocks, std::size_t which);
   double at(double time) const;
   // Bounds over [t0, t1], which may not hold a cut in its inside.
   Range range(double t0, double t1) const;
   // Times where pieces meet, within the clock's period, 0 and the period included.
   const std::vector<double>& cuts() const { return cuts_; }
+  // What at() and range() take, in waves.
+  std::size_t cost() const { return waves_.size() + (pieces_.empty() ? 0 : 1); }
 
  private:
+  friend std::vector<ClockedMotion> shareOut(const Motion& motion, std::span<const Clock> clocks);
   const Piece* pieceAt(double time, double& local) const;
 
   struct Wave {

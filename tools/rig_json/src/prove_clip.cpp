@@ -22,6 +22,7 @@ namespace {
 using rig::Clock;
 using rig::ClockedMotion;
 using rig::Motion;
+using rig::PartMotions;
 using rig::printable;
 using rig::Range;
 using rig::Term;
@@ -32,6 +33,7 @@ constexpr double kSlopeTolerance = 5e-4;
 // A segment must keep this share of its natural length.
 constexpr double kLeastRise = 1e-6;
 constexpr std::size_t kMostSpans = 200000;
+constexpr std::size_t kMostWork = std::size_t{1} << 26;  // waves looked at for all of a part's segments: seconds
 constexpr double kShortestSpan = 1e-9;  // of a clock's period
 
 // What decides about one segment: d0, d1, d2 (each plus the tolerance) and the rise.
@@ -52,8 +54,9 @@ struct Spans {
 
 class SegmentProof {
  public:
-  SegmentProof(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots, std::size_t segment, double length)
-      : clip_(clip), part_(part), knots_(knots), segment_(segment) {
+  // `work`: what is left of kMostWork.
+  SegmentProof(const RawClip& clip, std::uint32_t part, const PartMotions& moved, std::span<const Knot> knots, std::size_t segment, double length, std::size_t& work)
+      : clip_(clip), part_(part), knots_(knots), segment_(segment), work_(work) {
     const Knot& k0 = knots[segment];
     const Knot& k1 = knots[segment + 1];
     const double share = static_cast<double>(k1.at) - static_cast<double>(k0.at);
@@ -71,7 +74,7 @@ class SegmentProof {
                                        {index + 1, Target::kKnotTangent, 1, w[3]}}};
       rest_.q[q] = w[0] * static_cast<double>(k0.position.y) + w[1] * static_cast<double>(k1.position.y) +
                    w[2] * static_cast<double>(k0.tangent.y) + w[3] * static_cast<double>(k1.tangent.y);
-      motions_[q] = rig::makeMotion(clip, part, terms);
+      motions_[q] = moved.sum(terms);
     }
   }
 
@@ -85,9 +88,7 @@ class SegmentProof {
     clocks_ = rig::makeClocks(all);
     if (clocks_.size() > rig::kMostClocks)
       throw RigError(place() + " is moved along the axis by waves of more than " + std::to_string(rig::kMostClocks) + " periods that have no common multiple; give them periods that have, such as halves and thirds of one");
-    for (std::size_t c = 0; c < clocks_.size(); ++c) {
-      for (const Quantity q : kAll) clocked_[q].emplace_back(motions_[q], clocks_, c);
-    }
+    for (const Quantity q : kAll) clocked_[q] = rig::shareOut(motions_[q], clocks_);
     search();
   }
 
@@ -117,7 +118,10 @@ class SegmentProof {
   void search() const {
     std::vector<Spans> open = firstSpans();
     std::reverse(open.begin(), open.end());  // earliest first
-    std::size_t looked_at = 0;
+    std::size_t looked_at = 0, cost = 1;
+    for (const Quantity q : kAll) {
+      for (const ClockedMotion& share : clocked_[q]) cost += share.cost();
+    }
     while (!open.empty()) {
       Spans spans = std::move(open.back());
       open.pop_back();
@@ -142,6 +146,9 @@ class SegmentProof {
       for (const auto& [from, to] : spans.times) middle.push_back(0.5 * (from + to));
       if (const Values there = at(middle); !holds(there, least_rise_)) refuse(there, when(middle));
       const auto [from, to] = spans.times[widest];
+      if (work_ < 2 * cost)
+        throw RigError(place() + " is moved by so many waves that proving it to stay monotone takes too long; use fewer, or make their y part smaller");
+      work_ -= 2 * cost;
       if (++looked_at + open.size() > kMostSpans || to - from < kShortestSpan * clocks_[widest].period) {
         throw RigError(place() + " could not be proven to stay monotone near " + when(middle) +
                        ": it comes too close to turning back; make the y part of its waves and keys smaller");
@@ -199,6 +206,7 @@ class SegmentProof {
   std::uint32_t part_;
   std::span<const Knot> knots_;
   std::size_t segment_;
+  std::size_t& work_;
   double least_rise_ = 0;
   Values rest_;
   std::array<Motion, kQuantities> motions_;
@@ -207,7 +215,7 @@ class SegmentProof {
 };
 
 // Bounds of one coordinate of a segment's four Bezier points over all time.
-Range boundSegment(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots, std::size_t segment, int axis) {
+Range boundSegment(const PartMotions& moved, std::span<const Knot> knots, std::size_t segment, int axis) {
   const Knot& k0 = knots[segment];
   const Knot& k1 = knots[segment + 1];
   const double third = (static_cast<double>(k1.at) - static_cast<double>(k0.at)) / 3;
@@ -216,9 +224,9 @@ Range boundSegment(const RawClip& clip, std::uint32_t part, std::span<const Knot
   for (const auto& [knot, index, reach] : {std::tuple(&k0, i0, 0.0), std::tuple(&k0, i0, third), std::tuple(&k1, i1, -third), std::tuple(&k1, i1, 0.0)}) {
     const std::array<Term, 2> terms{{{index, Target::kKnotOffset, axis, 1}, {index, Target::kKnotTangent, axis, reach}}};
     const double rest = static_cast<double>(knot->position[axis]) + reach * static_cast<double>(knot->tangent[axis]);
-    const Range moved = rig::makeMotion(clip, part, terms).range();
-    all.low = std::min(all.low, rest + moved.low);
-    all.high = std::max(all.high, rest + moved.high);
+    const Range by = moved.sum(terms).range();
+    all.low = std::min(all.low, rest + by.low);
+    all.high = std::max(all.high, rest + by.high);
   }
   return all;
 }
@@ -227,14 +235,16 @@ Range boundSegment(const RawClip& clip, std::uint32_t part, std::span<const Knot
 
 ClipReport proveClip(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots, const glm::ivec3& size) {
   const double length = size.y;
-  for (std::size_t s = 0; s + 1 < knots.size(); ++s) SegmentProof(clip, part, knots, s, length).run();
+  const PartMotions moved(clip, part);
+  std::size_t work = kMostWork;
+  for (std::size_t s = 0; s + 1 < knots.size(); ++s) SegmentProof(clip, part, moved, knots, s, length, work).run();
 
   ClipReport report;
   const double slack = 1e-5 * length;  // for those who evaluate the clip in float
   double beyond = 0;
   for (std::size_t s = 0; s + 1 < knots.size(); ++s) {
     for (int axis = 0; axis < 3; ++axis) {
-      const Range range = boundSegment(clip, part, knots, s, axis);
+      const Range range = boundSegment(moved, knots, s, axis);
       const double base = axis == 1 ? 0.0 : size[axis];  // copies of the base span [0, X] x [0, Z] from the spline
       beyond = std::max({beyond, -range.low, range.high + base - size[axis]});
       report.bounds.min[axis] = std::min(report.bounds.min[axis], static_cast<float>(range.low - slack));

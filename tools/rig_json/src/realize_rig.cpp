@@ -2,6 +2,8 @@
 // The artist's units -> voxels of a part: lengths times size.y, directions turned so that the axis is +y.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <string>
 #include <unordered_map>
 
@@ -112,6 +114,14 @@ void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips) {
     same->waves.insert(same->waves.end(), clip.waves.begin(), clip.waves.end());
     std::move(clip.tracks.begin(), clip.tracks.end(), std::back_inserter(same->tracks));
   }
+}
+
+std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip) {
+  std::map<std::uint32_t, RawClip> shares;
+  const auto shareOf = [&](std::uint32_t part) -> RawClip& { return shares.try_emplace(part, RawClip{clip.name, clip.duration, {}, {}}).first->second; };
+  for (const Wave& wave : clip.waves) shareOf(wave.part).waves.push_back(wave);
+  for (const RawTrack& track : clip.tracks) shareOf(track.part).tracks.push_back(track);
+  return {std::make_move_iterator(shares.begin()), std::make_move_iterator(shares.end())};
 }
 
 }  // namespace kelp

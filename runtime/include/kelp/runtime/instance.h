@@ -48,6 +48,8 @@ struct Hit {
 // is not monotone.
 std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
 
+// Rest point (level-0 voxels of the part) -> where the spline takes it, in the part's own space: partToWorld() takes it on from there.
+glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest);
 // Rest point (level-0 voxels of the part) -> world.
 glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest);
 // World -> rest point (level-0 voxels); nullopt where the point's height is beyond the spline's ends or the pose is not monotone.

@@ -25,6 +25,12 @@ bool isTerminal(Stream stream);
 // What a terminal would obey (control characters, U+0080 to U+009F among them) becomes a space: for messages that quote files and their names.
 std::string oneLine(std::string text);
 
+// The same of JSON, whose strings stay what they are: such characters are escaped. As JSON is printed, with U+0000 to U+001F escaped already.
+std::string escapeControls(std::string_view json);
+
+// Bytes of memory that this machine has; the greatest number if it does not say.
+std::uint64_t physicalMemory();
+
 // All of `text` to standard output, at once. Why not ("No space left on device"), or nothing.
 std::string writeOut(std::string_view text);
 

@@ -91,6 +91,8 @@ std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size
 // Clips in voxels; their waves and tracks name part `part`. Clips of several parts that share a name are merged with mergeClips.
 std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part);
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
+// What a clip does to each part that it moves, in the parts' order: of the clip's name and duration.
+std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
 // The way back, for `kelp-dump rig`: explicit tangents, in the axes of an artist for whom the part's axis is `axis`.
 RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part, const glm::ivec3& size, Axis axis = Axis::kPlusY);
 
