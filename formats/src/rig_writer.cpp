@@ -49,6 +49,7 @@ class RigWriter {
     };
     using Bytes = std::span<const std::byte>;
     if (const Result<void> r = readTable(found.part, [&](Bytes b) { return parseParts(b, limits_, parsed_); }); !r) return r;
+    if (const Result<void> r = readTable(found.matl, [&](Bytes b) { return parsePalette(b, parsed_); }); !r) return r;
     if (found.fogs == MetadataChunks::kNone) {
       if (const Result<void> r = parseFogs({}, parsed_); !r) return r;
     } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); }); !r) {
@@ -120,6 +121,11 @@ class RigWriter {
       chunks_[count_].info = container_.chunks[i];
       chunks_[count_++].from = container_.chunks[i].offset;
     }
+    // As findMetadata() will ask it of the new pack.
+    std::uint64_t metadata = info_.raw + knots_.raw + clips_.raw;
+    for (const std::size_t i : {found.part, found.matl, found.fogs})
+      if (i != MetadataChunks::kNone) metadata += container_.chunks[i].raw;
+    if (metadata > limits_.max_metadata_bytes) return Error{ErrorCode::kMisuse, "the metadata would be larger than the limits allow"};
     return {};
   }
 

@@ -111,6 +111,38 @@ TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
   EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {}).error().code, ErrorCode::kMisuse);
 }
 
+// A pack that opened goes on to open: what the new tables and all others take together is asked before the first byte is written.
+TEST(RigWriter, WhatIsWrittenOpensWithinTheSameLimits) {
+  RawPack pack = test::makeTinyPack();
+  pack.palette.resize(256);
+  RawRigs larger = rigsOf(pack);
+  larger.info_json = "{\"text\": \"" + std::string(5000, 'x') + "\"}";
+  const Bytes bytes = test::writeToMemory(pack);
+  int written = 0, refused = 0;
+  for (std::uint64_t most = 1000; most < 60000; most += 250) {
+    Limits limits;
+    limits.max_metadata_bytes = most;
+    MemorySource source(bytes);
+    if (!Pack::open(source.source(), limits)) continue;
+    Bytes out;
+    const auto take = [](void* user, std::span<const std::byte> more) {
+      auto& all = *static_cast<Bytes*>(user);
+      all.insert(all.end(), more.begin(), more.end());
+      return true;
+    };
+    if (!writeRigs(source.source(), larger, {take, &out}, limits)) {
+      EXPECT_TRUE(out.empty()) << most;
+      ++refused;
+      continue;
+    }
+    ++written;
+    MemorySource again(out);
+    EXPECT_TRUE(Pack::open(again.source(), limits)) << most;
+  }
+  EXPECT_GT(written, 10);
+  EXPECT_GT(refused, 10);
+}
+
 TEST(RigWriter, TrustsNoSource) {
   const RawPack pack = test::makeTinyPack();
   const Bytes bytes = test::writeToMemory(pack);

@@ -314,6 +314,51 @@ TEST(ProveClip, ManyUnrelatedPeriodsAreRefused) {
   EXPECT_NE(refusal(1100, {0.001f, 0, 0}).find("more than 1024 periods move one segment"), std::string::npos);
 }
 
+// What is bounded by a count of spans alone takes as long as each span has waves.
+TEST(ProveClip, ProofsEndAfterSoMuchWork) {
+  RawClip clip{"c", 1, {}, {}};
+  for (int period = 0; period < 60; ++period) {
+    for (int harmonic = 1; harmonic <= 16; ++harmonic)
+      clip.waves.push_back({0, 1, Target::kKnotOffset, {0, 0.5f / static_cast<float>(harmonic), 0}, (10 + std::sqrt(static_cast<float>(2 * period + 3))) / static_cast<float>(harmonic), 0});
+  }
+  try {
+    proveClip(clip, 0, straight(100), {8, 100, 8});
+    FAIL() << "proven";
+  } catch (const RigError& error) {
+    EXPECT_NE(std::string(error.what()).find("takes too long"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ProveClip, ManyTracksOfOneThingAreRefused) {
+  RawClip clip{"c", 1, {}, {}};
+  const RawTrack track{0, 1, Target::kKnotOffset, Interpolation::kLinear, {{0, glm::vec4(0), {}, {}}, {1, glm::vec4(0.01f), {}, {}}}};
+  clip.tracks.assign(64, track);
+  EXPECT_NO_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}));
+  clip.tracks.push_back(track);
+  EXPECT_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}), RigError);
+}
+
+// A part's share says the same as the whole clip does of it.
+TEST(ProveClip, ClipsAreSplitByPart) {
+  RawClip clip{"c", 2, {{3, 1, Target::kKnotOffset, {5, 1, 0}, 1, 0}, {1, 1, Target::kKnotTangent, {0, 2, 0}, 2, 0.5f}, {3, 0, Target::kKnotTangent, {0, 0, 4}, 0.5f, 0}}, {}};
+  clip.tracks.push_back({1, 0, Target::kPartTranslation, Interpolation::kStep, {{0, glm::vec4(1), {}, {}}}});
+  const auto shares = splitByPart(clip);
+  ASSERT_EQ(shares.size(), 2u);
+  EXPECT_EQ(shares[0].first, 1u);
+  EXPECT_EQ(shares[1].first, 3u);
+  EXPECT_EQ(shares[0].second.waves.size(), 1u);
+  EXPECT_EQ(shares[0].second.tracks.size(), 1u);
+  EXPECT_EQ(shares[1].second.waves.size(), 2u);
+  EXPECT_TRUE(shares[1].second.tracks.empty());
+  for (const auto& [part, share] : shares) {
+    EXPECT_EQ(share.name, "c");
+    EXPECT_EQ(share.duration, 2);
+    const ClipReport whole = proveClip(clip, part, straight(100), {8, 100, 8}), alone = proveClip(share, part, straight(100), {8, 100, 8});
+    EXPECT_EQ(whole.bounds.min, alone.bounds.min);
+    EXPECT_EQ(whole.bounds.max, alone.bounds.max);
+  }
+}
+
 TEST(ProveClip, RestRigThatTurnsBackIsRefused) {
   std::vector<Knot> knots = straight(100);
   knots[1].tangent.y = -10;

@@ -180,12 +180,13 @@ class MtlReader {
   static std::string readName(std::istringstream& words, SurfaceMap& map, MapPlace& place) {
     std::string rest;
     std::getline(words, rest);
-    std::string_view left = trim(rest);
-    while (left.starts_with('-')) {
+    std::string_view left = rest;
+    for (left = trim(left); left.starts_with('-'); left = trim(left)) {
       const std::string_view option = nextWord(left);
       if (option == "-o" || option == "-s" || option == "-t" || option == "-mm") {
+        const std::size_t most = option == "-mm" ? 2 : 3;
         std::vector<double> numbers;
-        for (std::string_view after = left; numbers.size() < (option == "-mm" ? 2 : 3); left = after) {
+        for (std::string_view after = left; numbers.size() < most; left = after) {
           const std::optional<double> number = parseDouble(nextWord(after));
           if (!number) break;
           numbers.push_back(*number);
@@ -200,7 +201,7 @@ class MtlReader {
         if (option == "-clamp" && value == "on") map.wrap_u = map.wrap_v = Wrap::kClamp;
       }
     }
-    return std::string(trim(left));
+    return std::string(left);
   }
 
   int loadImage(const std::string& reference) {

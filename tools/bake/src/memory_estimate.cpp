@@ -2,7 +2,9 @@
 #include "memory_estimate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__
@@ -31,6 +33,29 @@ PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat) {
   return result;
 }
 
+namespace {
+
+// Of each triangle: whether another before it has the same corners, in whatever order. Those are filled once.
+std::vector<bool> repeatedFaces(const TriangleSoup& soup) {
+  struct Face {
+    std::array<std::uint32_t, 3> corners;
+    std::uint32_t triangle;
+    auto operator<=>(const Face&) const = default;
+  };
+  std::vector<Face> faces;
+  faces.reserve(soup.triangles.size());
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+    Face& face = faces.emplace_back(Face{soup.triangles[i].vertex, i});
+    std::sort(face.corners.begin(), face.corners.end());
+  }
+  std::sort(faces.begin(), faces.end());
+  std::vector<bool> again(faces.size(), false);
+  for (std::size_t i = 1; i < faces.size(); ++i) again[faces[i].triangle] = faces[i].corners == faces[i - 1].corners;
+  return again;
+}
+
+}  // namespace
+
 PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& pad) {
   if (part.grid) {
     const auto solid = std::count_if(part.grid->solid.begin(), part.grid->solid.end(), [](std::uint8_t voxel) { return voxel != 0; });
@@ -43,12 +68,13 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
   const glm::dvec3 origin = glm::dvec3(frame.node_to_voxel[3]) - 0.5 * glm::dvec3(frame.size);
   double volume = 0;
   glm::dvec3 crossings(0);
+  const std::vector<bool> again = repeatedFaces(part.soup);
   for (const auto& triangle : part.soup.triangles) {
     glm::dvec3 corner[3];
     for (std::size_t i = 0; i < 3; ++i) corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]) + origin;
     const glm::dvec3 area = 0.5 * glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     volume += glm::dot(corner[0], area) / 3;
-    crossings += glm::abs(area);
+    if (!again[static_cast<std::size_t>(&triangle - part.soup.triangles.data())]) crossings += glm::abs(area);
   }
   result.crossings = crossings;
   result.surface_voxels = std::min(touchedCells(part.soup, frame, 1), result.voxels());
@@ -58,7 +84,7 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
 }
 
 bool PartSize::isPile() const {
-  constexpr double kOverEachOther = 2048, kLong = 1e8;
+  constexpr double kOverEachOther = 2048, kLong = 1e7;
   for (int axis = 0; axis < 3; ++axis)
     if (crossings[axis] > kLong && crossings[axis] > kOverEachOther * voxels() / size[axis]) return true;
   return false;

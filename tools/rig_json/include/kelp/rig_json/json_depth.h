@@ -30,8 +30,8 @@ inline std::optional<std::size_t> nestedDeeper(std::string_view text, int most) 
   return {};
 }
 
-// Whether its objects together have so many members that finding each among those before it would take longer than in four objects of `most` members. Of text that is no JSON, any
-// answer.
+// Whether an object has more than `most` members, or all of them so many that finding each among those before it would take longer than in four objects of `most` members. Of text that
+// is no JSON, any answer.
 inline bool hasLargerObjects(std::string_view text, std::size_t most) {
   std::vector<std::size_t> members;  // of each bracket that is open
   std::size_t compared = 0;
@@ -49,7 +49,7 @@ inline bool hasLargerObjects(std::string_view text, std::size_t most) {
       members.pop_back();
     } else if (c == ':' && !members.empty()) {
       compared += members.back()++;
-      if (compared > 2 * most * most) return true;
+      if (members.back() > most || compared > 2 * most * most) return true;
     }
   }
   return false;
