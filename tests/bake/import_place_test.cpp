@@ -195,8 +195,10 @@ TEST(ImportPlace, PicturesOfMtlFilesLieWhereTheySay) {
     scratch.write("a.mtl", "newmtl m\n" + line + "\n");
     const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.75\nusemtl m\nf 1/1 2/1 3/1\n"), {});
     EXPECT_EQ(model.images.size(), 1u) << line;
-    if (!model.images.empty()) EXPECT_EQ(model.images[0].name, image);
-    EXPECT_TRUE(model.notices.empty()) << line << ": " << model.notices.front();
+    if (!model.images.empty()) {
+      EXPECT_EQ(model.images[0].name, image);
+    }
+    EXPECT_TRUE(model.notices.empty()) << line << ": " << (model.notices.empty() ? "" : model.notices.front());
     return model.parts[0].soup.uvs[0][0];
   };
   EXPECT_EQ(corner("map_Kd a.tga", "a.tga"), glm::vec2(0.25f, 0.25f));
