@@ -121,11 +121,6 @@ class RigWriter {
       chunks_[count_].info = container_.chunks[i];
       chunks_[count_++].from = container_.chunks[i].offset;
     }
-    // As findMetadata() will ask it of the new pack.
-    std::uint64_t metadata = info_.raw + knots_.raw + clips_.raw;
-    for (const std::size_t i : {found.part, found.matl, found.fogs})
-      if (i != MetadataChunks::kNone) metadata += container_.chunks[i].raw;
-    if (metadata > limits_.max_metadata_bytes) return Error{ErrorCode::kMisuse, "the metadata would be larger than the limits allow"};
     return {};
   }
 

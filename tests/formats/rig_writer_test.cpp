@@ -119,7 +119,7 @@ TEST(RigWriter, WhatIsWrittenOpensWithinTheSameLimits) {
   larger.info_json = "{\"text\": \"" + std::string(5000, 'x') + "\"}";
   const Bytes bytes = test::writeToMemory(pack);
   int written = 0, refused = 0;
-  for (std::uint64_t most = 1000; most < 60000; most += 250) {
+  for (std::uint64_t most = 1000; most < 60000; most += 50) {
     Limits limits;
     limits.max_metadata_bytes = most;
     MemorySource source(bytes);
