@@ -35,12 +35,12 @@ std::string boxes(int count) {
   return out;
 }
 
-// Threads share what may be held at a time: for 1024 of them every slab is halved again and again, down to single columns.
+// Threads share what may be held at a time: for 256 of them every slab is halved again and again, down to single columns.
 TEST(ImportPile, ScannedInPiecesIsTheSame) {
   const Scratch scratch;
   const auto path = scratch.write("a.obj", boxes(400));
   Report report;
-  const RawPack whole = bake::bake(path, settingsOf(40, 1), report), pieces = bake::bake(path, settingsOf(40, 1024), report);
+  const RawPack whole = bake::bake(path, settingsOf(40, 1), report), pieces = bake::bake(path, settingsOf(40, 256), report);
   EXPECT_EQ(whole.parts[0].levels[0].cells, pieces.parts[0].levels[0].cells);
   EXPECT_EQ(whole.parts[0].levels[0].codes, pieces.parts[0].levels[0].codes);
   EXPECT_EQ(whole.parts[0].levels[0].attributes, pieces.parts[0].levels[0].attributes);
