@@ -66,15 +66,22 @@ PartSize partSize(const SourcePart& part, const Frame& frame, const glm::ivec3& 
   // Volume by the divergence theorem, about the middle of the box: right for closed meshes, and something between for open ones.
   const glm::dmat3 turn(frame.node_to_voxel);
   const glm::dvec3 origin = glm::dvec3(frame.node_to_voxel[3]) - 0.5 * glm::dvec3(frame.size);
+  const std::vector<TriangleSoup::Triangle>& triangles = part.soup.triangles;
+  const auto corner = [&](std::size_t triangle, std::size_t i) { return turn * glm::dvec3(part.soup.positions[triangles[triangle].vertex[i]]) + origin; };
+  const auto area = [&](std::size_t triangle) { return 0.5 * glm::cross(corner(triangle, 1) - corner(triangle, 0), corner(triangle, 2) - corner(triangle, 0)); };
   double volume = 0;
   glm::dvec3 crossings(0);
-  const std::vector<bool> again = repeatedFaces(part.soup);
-  for (const auto& triangle : part.soup.triangles) {
-    glm::dvec3 corner[3];
-    for (std::size_t i = 0; i < 3; ++i) corner[i] = turn * glm::dvec3(part.soup.positions[triangle.vertex[i]]) + origin;
-    const glm::dvec3 area = 0.5 * glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-    volume += glm::dot(corner[0], area) / 3;
-    if (!again[static_cast<std::size_t>(&triangle - part.soup.triangles.data())]) crossings += glm::abs(area);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const glm::dvec3 its = area(i);
+    volume += glm::dot(corner(i, 0), its) / 3;
+    crossings += glm::abs(its);
+  }
+  // Below, analysing the triangles takes more than their crossings do, and it does not matter how many are there twice.
+  constexpr double kMany = 6;  // crossings of a triangle
+  if (std::max({crossings.x, crossings.y, crossings.z}) > kMany * static_cast<double>(triangles.size())) {
+    const std::vector<bool> again = repeatedFaces(part.soup);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (again[i]) crossings -= glm::abs(area(i));
   }
   result.crossings = crossings;
   result.surface_voxels = std::min(touchedCells(part.soup, frame, 1), result.voxels());
