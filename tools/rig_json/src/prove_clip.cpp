@@ -123,6 +123,8 @@ class SegmentProof {
       for (const ClockedMotion& share : clocked_[q]) cost += share.cost();
     }
     while (!open.empty()) {
+      if (work_ < cost) throw RigError(place() + " is moved by so many waves that proving it to stay monotone takes too long; use fewer, or make their y part smaller");
+      work_ -= cost;
       Spans spans = std::move(open.back());
       open.pop_back();
       Values low = rest_;
@@ -146,9 +148,6 @@ class SegmentProof {
       for (const auto& [from, to] : spans.times) middle.push_back(0.5 * (from + to));
       if (const Values there = at(middle); !holds(there, least_rise_)) refuse(there, when(middle));
       const auto [from, to] = spans.times[widest];
-      if (work_ < 2 * cost)
-        throw RigError(place() + " is moved by so many waves that proving it to stay monotone takes too long; use fewer, or make their y part smaller");
-      work_ -= 2 * cost;
       if (++looked_at + open.size() > kMostSpans || to - from < kShortestSpan * clocks_[widest].period) {
         throw RigError(place() + " could not be proven to stay monotone near " + when(middle) +
                        ": it comes too close to turning back; make the y part of its waves and keys smaller");
