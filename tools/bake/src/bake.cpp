@@ -130,14 +130,13 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
     for (std::size_t i = 0; i < model.parts.size(); ++i) parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], changed.pad)));
     return parts;
   };
-  for (std::size_t i = 0; const PartSize& part : sizes(settings)) {
-    if (part.isPile()) refusePile(model.parts[i], input);
-    ++i;
-  }
+  const std::vector<PartSize> parts = sizes(settings);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (parts[i].isPile()) refusePile(model.parts[i], input);
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
   // The importer has asked for volumes, before it made their voxels.
-  report.estimated_bytes = isVolume(model) ? estimateMemory(sizes(settings), image_bytes) : requireMemory(sizes, image_bytes, settings, settings.resolution, input);
+  report.estimated_bytes = isVolume(model) ? estimateMemory(parts, image_bytes) : requireMemory(parts, sizes, image_bytes, settings, settings.resolution, input);
 }
 
 glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) { return affine(outer) * affine(inner); }

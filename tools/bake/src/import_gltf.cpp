@@ -13,23 +13,21 @@
 namespace kelp::bake {
 namespace {
 
-
 glm::mat4x3 toAffine(const glm::dmat4& matrix) { return glm::mat4x3(glm::dmat4x3(matrix)); }
 
 void noteNonFinite(const GltfModel& model, const std::string& part, const SoupBuilder& soup) {
   if (soup.droppedNonFinite() > 0) model.note("part '" + part + "': " + std::to_string(soup.droppedNonFinite()) + " triangles with corners that are not finite are dropped");
 }
 
-// Whether rounding to floats may have cost a soup more than a millionth of its size, or all of it.
-bool isFar(const TriangleSoup& soup) {
+// Whether rounding to floats may have cost a soup its shape, or all of it.
+bool mayHaveLostItsShape(const TriangleSoup& soup) {
   if (soup.triangles.empty()) return soup.dropped > 0;
   glm::vec3 low = soup.positions[0], high = low;
   for (const glm::vec3& p : soup.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const glm::dvec3 extent = glm::dvec3(high) - glm::dvec3(low), reach = glm::max(glm::abs(glm::dvec3(low)), glm::abs(glm::dvec3(high)));
-  return std::max({reach.x, reach.y, reach.z}) > 16 * std::max({extent.x, extent.y, extent.z});
+  return isFar(glm::dvec3(low), glm::dvec3(high));
 }
 
 class GltfImporter {
@@ -84,7 +82,7 @@ class GltfImporter {
     const std::set<std::string> said = whole ? model_.said : std::set<std::string>();
     part.soup = readSoup(plan, space, part.name);
     // A box far from the origin has no float left for its shape: then its place goes into the part's. Knots at the top of the scene are read in the world.
-    if (whole && isFar(part.soup)) {
+    if (whole && mayHaveLostItsShape(part.soup)) {
       model_.elements_read = 0;
       if (const std::optional<glm::dvec3> middle = middleOf(model_, plan.members)) {
         space[3] = glm::dvec4(*middle, 1);

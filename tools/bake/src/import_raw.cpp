@@ -254,7 +254,7 @@ void checkVolumeMemory(const InputFiles& files, const Field& field, const FieldE
     const glm::ivec3 pad = paddingOf(part, changed.pad);
     return std::vector<PartSize>{solid ? volumeSize(other.size, pad, extent.faces * finer * finer, extent.solid * finer * finer * finer) : fogSize(other.size, pad, false)};
   };
-  requireMemory(sizes, 0, in_metres, settings.resolution_given ? settings.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files.input());
+  requireMemory(sizes(in_metres), sizes, 0, in_metres, settings.resolution_given ? settings.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files.input());
 }
 
 void checkLength(const InputFiles& files, const RawVolume& volume, std::uint64_t bytes) {

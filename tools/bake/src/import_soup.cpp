@@ -68,6 +68,11 @@ bool SoupBuilder::add(const Triangle& triangle) {
   return true;
 }
 
+bool isFar(const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 extent = high - low, reach = glm::max(glm::abs(low), glm::abs(high));
+  return std::max({reach.x, reach.y, reach.z}) > 16 * std::max({extent.x, extent.y, extent.z});
+}
+
 glm::dvec3 farMiddle(std::span<const glm::dvec3> positions) {
   constexpr double kMost = std::numeric_limits<float>::max();
   glm::dvec3 low(kMost), high(-kMost);
@@ -76,8 +81,7 @@ glm::dvec3 farMiddle(std::span<const glm::dvec3> positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  const glm::dvec3 extent = high - low, reach = glm::max(glm::abs(low), glm::abs(high));
-  if (!(low.x <= high.x) || std::max({reach.x, reach.y, reach.z}) <= 16 * std::max({extent.x, extent.y, extent.z})) return glm::dvec3(0);
+  if (!(low.x <= high.x) || !isFar(low, high)) return glm::dvec3(0);
   return glm::dvec3(glm::vec3(0.5 * low + 0.5 * high));
 }
 

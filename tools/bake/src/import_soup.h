@@ -69,7 +69,10 @@ class SoupBuilder {
   std::vector<std::uint32_t> piece_;   // of each vertex: the first that has it
 };
 
-// Of positions that lie so far from 0 that floats would cost them more than a millionth of their extent: the middle of their box, as floats hold it. 0 of others.
+// Whether a box lies so far from 0 that floats would cost what is in it more than a millionth of its extent.
+bool isFar(const glm::dvec3& low, const glm::dvec3& high);
+
+// Of positions whose box is far: its middle, as floats hold it. 0 of others.
 glm::dvec3 farMiddle(std::span<const glm::dvec3> positions);
 
 // Moves vertices on open edges of different pieces onto one of them where rounding to the pieces' steps explains the distance. Triangles that

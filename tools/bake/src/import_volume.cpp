@@ -151,7 +151,7 @@ class VolumeImport {
       size.source_bytes += static_cast<double>(grid_.bytes() + bytes);
       return std::vector<PartSize>{size};
     };
-    requireMemory(sizes, 0, in_metres, settings_.resolution_given ? settings_.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files_.input());
+    requireMemory(sizes(in_metres), sizes, 0, in_metres, settings_.resolution_given ? settings_.resolution : std::max({lattice.size.x, lattice.size.y, lattice.size.z}), files_.input());
   }
 
   const InputFiles& files_;

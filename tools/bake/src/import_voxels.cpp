@@ -48,7 +48,7 @@ void VolumeMemory::require() const {
     for (const Known& part : parts_) all.push_back(volumeSize(part.size, changed.pad * part.padded, static_cast<double>(part.surface), static_cast<double>(part.solid)));
     return all;
   };
-  requireMemory(sizes, 0, settings_, 1, files_.input());  // the voxels are the file's: no resolution helps
+  requireMemory(sizes(settings_), sizes, 0, settings_, 1, files_.input());  // the voxels are the file's: no resolution helps
 }
 
 VoxelGrid paintVoxels(IndexedVoxels voxels, const VoxelPaint& paint, VolumeMemory& memory, int threads) {

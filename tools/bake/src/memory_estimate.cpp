@@ -176,10 +176,10 @@ std::string largestThatFits(const std::function<std::uint64_t(const Settings&)>&
 
 }  // namespace
 
-std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input) {
+std::uint64_t requireMemory(std::span<const PartSize> parts, const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input) {
   const std::uint64_t limit = settings.max_memory > 0 ? settings.max_memory : physicalMemory();
   const auto need = [&](const Settings& changed) { return estimateMemory(sizes(changed), image_bytes); };
-  const std::uint64_t estimate = need(settings);
+  const std::uint64_t estimate = estimateMemory(parts, image_bytes);
   if (estimate <= limit) return estimate;
   std::string advice = largestThatFits(need, settings, resolution, limit);
   if (settings.pad > 0) {

@@ -34,10 +34,10 @@ PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat);
 // Bytes at the peak of a bake: parts one after the other, the images (image_bytes as they are in memory) with their reductions, and the program itself.
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes);
 
-// The estimate for `settings`; where it is beyond what they allow, BakeError kRuntime with the largest resolution, or the smallest voxels, and the widest
+// The estimate of `parts`, as `settings` make them; where it is beyond what they allow, BakeError kRuntime with the largest resolution, or the smallest voxels, and the widest
 // padding, that would fit.
-// sizes(other settings): the parts as they would be; asked for smaller resolutions than `resolution`, the one in force, or for larger voxels, or for less padding.
-std::uint64_t requireMemory(const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input);
+// sizes(other settings): the parts as they would be with those; asked for smaller resolutions than `resolution`, the one in force, or for larger voxels, or for less padding.
+std::uint64_t requireMemory(std::span<const PartSize> parts, const std::function<std::vector<PartSize>(const Settings&)>& sizes, std::uint64_t image_bytes, const Settings& settings, int resolution, const std::filesystem::path& input);
 
 // The machine's physical memory; bytes.
 std::uint64_t physicalMemory();
