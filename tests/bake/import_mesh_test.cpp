@@ -4,7 +4,10 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <random>
+
+#include <fmt/format.h>
 
 #include "import_scratch.h"
 #include "support/assets.h"
@@ -301,6 +304,68 @@ TEST(ImportMesh, PlyElementsAreDeclaredOnce) {
   const std::string two = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + "element vertex 3\n" + xyz + "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   EXPECT_TRUE(contains(refusal(scratch.write("a.ply", two + faces + "end_header\n" + points + colored + "3 5 4 3\n"), Exit::kInvalid), "header line 7"));
   EXPECT_TRUE(contains(refusal(scratch.write("b.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz + faces + faces + "end_header\n" + points + "3 0 1 2\n3 0 1 2\n"), Exit::kInvalid), "'face'"));
+}
+
+// Whose product with the number of properties is 0 in 64 bits.
+TEST(ImportMesh, PlyCountsAreThoseOfTheFile) {
+  const Scratch scratch;
+  for (const auto& [count, properties] : {std::pair("4611686018427387904", 4), std::pair("1125899906842624", 16384)}) {
+    std::string header = std::string("ply\nformat binary_little_endian 1.0\nelement vertex ") + count + "\nproperty float x\nproperty float y\nproperty float z\n";
+    for (int i = 3; i < properties; ++i) header += "property uchar p" + std::to_string(i) + "\n";
+    EXPECT_TRUE(contains(refusal(scratch.write("a.ply", header + "end_header\n" + std::string(64, '\0')), Exit::kInvalid), "more than the file can hold")) << properties;
+  }
+}
+
+TEST(ImportMesh, PlyFacesMayComeFirst) {
+  const Scratch scratch;
+  const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  const SourceModel model = importFile(scratch.write("a.ply", "ply\nformat ascii 1.0\nelement edge 1\nproperty int a\n" + faces + vertices + "end_header\n7\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"), {});
+  ASSERT_EQ(model.parts[0].soup.triangles.size(), 1u);
+  EXPECT_EQ(model.parts[0].soup.positions.size(), 3u);
+}
+
+// Of Mac OS 9, and of texts that went through it.
+TEST(ImportMesh, LinesMayEndInCarriageReturns) {
+  const Scratch scratch;
+  scratch.write("a.mtl", "newmtl red\rKd 1 0 0\r");
+  const SourceModel obj = importFile(scratch.write("a.obj", "mtllib a.mtl\rv 0 0 0 # the first\rv 1 0 0\rv 0 1 0\rusemtl red\rf 1 2 3\r"), {});
+  ASSERT_EQ(obj.parts[0].soup.triangles.size(), 1u);
+  EXPECT_EQ(obj.materials[obj.parts[0].soup.triangles[0].material].base_color, glm::vec4(1, 0, 0, 1));
+  EXPECT_EQ(importFile(scratch.write("a.off", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r"), {}).parts[0].soup.triangles.size(), 1u);
+  // CR LF is one end: the line is the third.
+  EXPECT_TRUE(contains(refusal(scratch.write("b.obj", "v 0 0 0\r\n\r\nv x 0 0\r\n"), Exit::kInvalid), "line 3"));
+}
+
+TEST(ImportMesh, NoticesHaveAnEnd) {
+  const Scratch scratch;
+  std::string materials, uses;
+  for (int i = 0; i < 150; ++i) {
+    materials += "newmtl m" + std::to_string(i) + "\nmap_d a.png\n";
+    uses += "usemtl m" + std::to_string(i) + "\nf 1 2 3\n";
+  }
+  scratch.write("a.mtl", materials);
+  Report report;
+  bake::bake(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n" + uses), with([](Settings& settings) { settings.resolution = 8; }), report);
+  EXPECT_TRUE(anyContains(report.notices, "material 'm0': map_d is not read"));
+  EXPECT_TRUE(anyContains(report.notices, "more notices"));
+  EXPECT_LT(report.notices.size(), 110u);
+}
+
+// Emission has no bound: sums of eight are beyond floats.
+TEST(ImportMesh, GlowOfCoarseLevelsIsTheMean) {
+  const Scratch scratch;
+  const auto coarse = [&](const std::string& exponent) {
+    scratch.write("a.mtl", "newmtl a\nKd 0.5 0.5 0.5\nKe 1.1" + exponent + " 1.1" + exponent + " 1.1" + exponent + "\nnewmtl b\nKd 0.1 0.5 0.5\nKe 1" + exponent + " 1.1" + exponent + " 1.13" + exponent + "\n");
+    std::string text = "mtllib a.mtl\n";
+    for (int i = 0; i < 8; ++i) text += fmt::format("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2);
+    Report report;
+    const RawPack pack = bake::bake(scratch.write("a.obj", text + "usemtl a\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nusemtl b\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"), with([](Settings& settings) { settings.resolution = 16; settings.resolution_given = true; }), report);
+    std::map<std::uint32_t, int> voxels;
+    for (const std::uint32_t attribute : pack.parts[0].levels.at(1).attributes) ++voxels[attributePalette(attribute)];
+    return voxels;
+  };
+  EXPECT_EQ(coarse("e38").size(), 2u);
+  EXPECT_EQ(coarse("e38"), coarse("e3"));
 }
 
 TEST(ImportMesh, PlyElementsAreFew) {

@@ -69,28 +69,5 @@ TEST(ImportPile, IsRefusedBeforeTheWork) {
   EXPECT_NO_THROW(bake::bake(scratch.write("few.obj", boxes(100)), settingsOf(24, 0), report));
 }
 
-// The pages of a book thinner than a voxel: few crossings, so that no estimate tells; but every point near its spine is equally near to all of them.
-TEST(ImportPile, IsRefusedWhereOnlyTheSearchTells) {
-  const Scratch scratch;
-  constexpr int kEnds = 64;
-  std::string book = boxes(1);
-  for (int i = 0; i < kEnds; ++i) book += fmt::format("v {} 0 1.2\n", 1e-6 * i);
-  for (int i = 0; i < kEnds; ++i) book += fmt::format("v {} 1 1.2\n", 1e-6 * i);
-  for (int i = 0; i < kEnds; ++i) book += fmt::format("v {} 0.5 1.202\n", 1e-6 * i);
-  for (int a = 0; a < kEnds; ++a)
-    for (int b = 0; b < kEnds; ++b)
-      for (int c = 0; c < kEnds; ++c) book += fmt::format("f {} {} {}\n", 9 + a, 9 + kEnds + b, 9 + 2 * kEnds + c);
-  const auto path = scratch.write("book.obj", book);
-  Report report;
-  try {
-    bake::bake(path, settingsOf(128, 0), report);
-    ADD_FAILURE() << "accepted";
-  } catch (const BakeError& error) {
-    EXPECT_EQ(error.exit, Exit::kRuntime);
-    EXPECT_TRUE(contains(error.what(), "book.obj: part 'book': thousands of its triangles lie over each other")) << error.what();
-  }
-  EXPECT_EQ(report.parts.size(), 1u);  // after the estimates
-}
-
 }  // namespace
 }  // namespace kelp::bake::test

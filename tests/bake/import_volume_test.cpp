@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <map>
 
 #include "import_scratch.h"
 
@@ -208,7 +209,12 @@ TEST(ImportRaw, SpacingMayDifferByAnything) {
   settings.volume = VolumeKind::kSolid;
   EXPECT_EQ(importFile(path, settings).parts[0].grid->size, glm::ivec3(1, 1, 8));
   settings.volume = VolumeKind::kFog;
-  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, settings), "no density at this resolution"));
+  const FogGrid fog = *importFile(path, settings).parts[0].fog;
+  EXPECT_EQ(fog.size, glm::ivec3(1, 1, 8));
+  double mass = 0;
+  const double edge = glm::length(glm::dvec3(fog.to_node[2]));
+  for (const std::uint16_t density : fog.density) mass += density / 65535.0 * static_cast<double>(fog.extinction) * edge * edge;
+  EXPECT_NEAR(mass, 20 * 18 * 17 * 1e-12, 1e-3 * mass);
 }
 
 // One voxel that is no denser than the isovalue: no surface lies around it at any distance.
@@ -257,13 +263,63 @@ TEST(ImportRaw, FogHoldsTheDensities) {
   const FogGrid coarse = *importFile(path, settings).parts[0].fog;
   double mass = 0;
   for (const std::uint16_t d : coarse.density) mass += d / 65535.0 * static_cast<double>(coarse.extinction);
-  EXPECT_NEAR(mass * 8, wanted, 0.02 * wanted);
+  EXPECT_NEAR(mass * 8, wanted, 1e-3 * wanted);
   settings.volume = VolumeKind::kFog;
   settings.isovalue = 5;
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "fog has none"));
   settings = {};
   settings.volume = VolumeKind::kSolid;  // from half the greatest value on
   EXPECT_TRUE(importFile(path, settings).parts[0].grid);
+}
+
+// However many of the scan's voxels one of the part's spans: none is overlooked.
+TEST(ImportRaw, MeansOfFogAreExact) {
+  const Scratch scratch;
+  const glm::ivec3 size(600, 20, 12);
+  const glm::dvec3 spacing(0.25, 1.5, 1);
+  const auto droplets = [](const glm::dvec3& p) {
+    const glm::ivec3 v(p);
+    return v == glm::ivec3(0) || v == glm::ivec3(599, 19, 11) ? 30 : (v.x * 7919 + v.y * 104729 + v.z * 1299709) % 37 == 0 ? 200 : 0;
+  };
+  const auto path = writeRaw<std::uint8_t>(scratch, size, "u8", droplets, R"(, "spacing": [0.25, 1.5, 1])");
+  for (const int resolution : {4, 7, 23, 300}) {
+    const FogGrid fog = *importFile(path, with([&](Settings& settings) {
+                                      settings.resolution = resolution;
+                                      settings.resolution_given = true;
+                                    })).parts[0].fog;
+    const double edge = glm::length(glm::dvec3(fog.to_node[0])), most = static_cast<double>(fog.extinction) / edge;
+    // Each of the part's voxels along an axis of the scan: the share of each of the scan's, a box or, between neighbours, a tent, by summing it up in small steps.
+    std::array<std::vector<std::map<int, double>>, 3> shares;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int voxel = 0; voxel < fog.size[axis]; ++voxel) {
+        std::map<int, double>& share = shares[static_cast<std::size_t>(axis)].emplace_back();
+        constexpr int kSteps = 4000;
+        for (int step = 0; step < kSteps; ++step) {
+          glm::vec4 at(0, 0, 0, 1);
+          at[axis] = static_cast<float>(voxel + (step + 0.5) / kSteps);
+          const double place = (static_cast<double>(fog.to_node[3][axis]) + static_cast<double>(fog.to_node[axis][axis]) * (voxel + (step + 0.5) / kSteps)) / spacing[axis];
+          if (edge >= spacing[axis]) {
+            share[static_cast<int>(std::floor(place))] += 1.0 / kSteps;
+          } else {
+            const double below = std::floor(place - 0.5), part = place - 0.5 - below;
+            share[static_cast<int>(below)] += (1 - part) / kSteps;
+            share[static_cast<int>(below) + 1] += part / kSteps;
+          }
+        }
+      }
+    double worst = 0;
+    for (int z = 0; z < fog.size.z; ++z)
+      for (int y = 0; y < fog.size.y; ++y)
+        for (int x = 0; x < fog.size.x; ++x) {
+          double wanted = 0;
+          for (const auto& [k, c] : shares[2][static_cast<std::size_t>(z)])
+            for (const auto& [j, b] : shares[1][static_cast<std::size_t>(y)])
+              for (const auto& [i, a] : shares[0][static_cast<std::size_t>(x)])
+                if (glm::all(glm::greaterThanEqual(glm::ivec3(i, j, k), glm::ivec3(0))) && glm::all(glm::lessThan(glm::ivec3(i, j, k), size))) wanted += a * b * c * droplets(glm::dvec3(i, j, k) + 0.5);
+          worst = std::max(worst, std::abs(fog.density[static_cast<std::size_t>(x + fog.size.x * (y + fog.size.y * z))] / 65535.0 * most - wanted));
+        }
+    EXPECT_LT(worst, 0.004 * most) << resolution;
+  }
 }
 
 TEST(ImportRaw, ValuesThatAreNone) {
@@ -316,6 +372,9 @@ TEST(ImportRaw, TruncatedAndTooLarge) {
     bytes.resize(length, '\1');
     refusal(scratch.write("scan.raw", bytes), Exit::kInvalid);
   }
+  const auto wide = writeRaw<std::uint8_t>(scratch, {8193, 1, 1}, "u8", [](const glm::dvec3&) { return 1; });
+  EXPECT_TRUE(contains(refusal(wide, Exit::kUnsupported), "give a --resolution of at most 8192"));
+  refusal(wide, Exit::kUsage, with([](Settings& settings) { settings.voxel_size = 0.5; }));
   writeRaw<std::uint8_t>(scratch, {64, 64, 64}, "u8", [](const glm::dvec3&) { return 1; });
   Settings settings;
   settings.resolution = 4000;

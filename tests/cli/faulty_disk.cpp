@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -146,6 +147,14 @@ ssize_t write(int file, const void* bytes, size_t size) {
   const bool in = isIn(file);
   if (in && fails(kWrite)) return -1;
   return next<ssize_t (*)(int, const void*, size_t)>("write")(file, bytes, in ? atMost(kWrite, size) : size);
+}
+
+ssize_t writev(int file, const iovec* parts, int count) {
+  const bool in = isIn(file);
+  if (in && fails(kWrite)) return -1;
+  const iovec* const first = std::find_if(parts, parts + count, [](const iovec& part) { return part.iov_len > 0; });
+  if (in && first != parts + count && atMost(kWrite, first->iov_len) < first->iov_len) return next<ssize_t (*)(int, const void*, size_t)>("write")(file, first->iov_base, kShort);
+  return next<ssize_t (*)(int, const iovec*, int)>("writev")(file, parts, count);
 }
 
 int fsync(int file) {

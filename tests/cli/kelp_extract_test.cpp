@@ -216,7 +216,25 @@ TEST_F(Extract, SlicesOfFogAreItsCodes) {
       }
   }
 }
+
+TEST_F(Extract, SlicesOfHeatAreNeverAnotherPart) {
+  const glm::ivec3 size(17, 9, 20);
+  fogPack(size, true);
+  RawPack pack = test::fogPack(fog_, 0.3f);
+  pack.parts.resize(3, pack.parts[0]);
+  for (std::size_t i = 0; i < 3; ++i) pack.parts[i].name = i == 1 ? "smoke" : "smoke_heat";
+  run({folder_.write("named.kelp", std::span<const std::byte>(test::bytesOf(pack))), "--slices", folder_ / "named"});
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "named"), {}), 3 * 2 * size.y);
+}
 #endif
+
+TEST_F(Extract, AnotherProgramsTemporaryFileIsNoObstacle) {
+  const std::string pack = test::writePackFile(folder_, "ball.kelp", {test::rawPart(test::ball(test::scaled(1), 3), "ball")}, test::paletteOf(3));
+  // The shell's number is that of the program which it becomes.
+  const test::ProcessResult result = test::runProcess({"/bin/sh", "-c", "cd '" + folder_.folder().string() + "' && : > .out.vox.$$.tmp && exec '" KELP_DUMP "' extract ball.kelp --vox out.vox"});
+  EXPECT_EQ(result.exit, 0) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out.vox"));
+}
 
 TEST_F(Extract, RefusalsSayWhatToDo) {
   const std::string pack = test::writePackFile(folder_, "ball.kelp", {test::rawPart(test::ball(test::scaled(1), 3), "ball")}, test::paletteOf(3));

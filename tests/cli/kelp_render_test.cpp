@@ -294,6 +294,9 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
   damaged[12] = std::byte{9};  // the major version
   write(newer, damaged);
   std::ofstream(text) << "not a pack";
+  const std::string named_png = folder_ / "pack.png";
+  write(named_png, bytes);
+  std::filesystem::create_directory(folder_ / "folder.png");
   struct Case {
     std::vector<std::string> arguments;
     int exit;
@@ -332,6 +335,8 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--and", pack_, "--clip", "swim"}, 1, "Clips: lean"},
       {{pack_, "-o", out_, "--and", folder_ / "none.kelp"}, 2, "none.kelp: can not be opened"},
       {{pack_, "-o", out_, "--and", cut}, 3, "cut.kelp"},
+      {{named_png, "-o", named_png}, 1, "would overwrite"},
+      {{pack_, "-o", folder_ / "folder.png"}, 2, "is a folder"},
       {{folder_ / "none.kelp", "-o", out_}, 2, "No such file"},
       {{folder_ / ".", "-o", out_}, 2, "can not be opened"},
       {{pack_, "-o", folder_ / "no/such/folder/out.png"}, 2, "folder"},
@@ -356,7 +361,17 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
   }
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(out_).parent_path())) files += entry.is_regular_file();
-  EXPECT_EQ(files, 6) << "a temporary file was left behind";
+  EXPECT_EQ(files, 7) << "a temporary file was left behind";
+  EXPECT_EQ(test::readWhole(named_png), std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+TEST_F(KelpRender, LinksStayLinks) {
+  const std::filesystem::path link = folder_ / "link.png", real = folder_ / "real.png";
+  std::ofstream(real) << "the old one";
+  std::filesystem::create_symlink("real.png", link);
+  EXPECT_EQ(render({pack_, "-o", link.string(), "--size", "32x32"}).exit, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(test::readWhole(real.string()).substr(1, 3), "PNG");
 }
 
 TEST_F(KelpRender, WithoutAnEglDeviceSaysWhatToInstall) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "exercise_pack.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include "input_folder.h"
 #include "kelp/formats/verify.h"
 #include "kelp/runtime/instance.h"
+#include "kelp/runtime/spring.h"
 #include "raw_of_pack.h"
 
 using namespace kelp;
@@ -35,24 +37,52 @@ void report(void*, const Issue& issue) {
   if (std::strlen(toString(issue.id)) == 0 || std::strlen(toString(issue.error.code)) == 0 || !issue.error.detail) std::abort();  // every issue has its words
 }
 
-void playAndAsk(runtime::Asset& asset) {
-  runtime::Instance instance{&asset};
+// Questions that a game asks each frame.
+void ask(const runtime::Instance& instance) {
   const Box box = runtime::bounds(instance);
   const glm::vec3 middle = 0.5f * (box.min + box.max);
   for (int i = 0; i < 8; ++i) {
     const glm::vec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
     runtime::raycast(instance, {corner, middle - corner}, i % 3);
   }
-  const std::span<const Part> parts = asset.pack().parts();
+  const std::span<const Part> parts = instance.asset->pack().parts();
   for (int part = 0; part < static_cast<int>(parts.size()); ++part) {
     const glm::vec3 rest = 0.3f * glm::vec3(parts[static_cast<std::size_t>(part)].size);
     runtime::frameAt(instance, part, rest);
     runtime::toRest(instance, part, runtime::toWorld(instance, part, rest));
   }
-  auto pose = runtime::Pose::create(asset);
-  for (int clip = 0; pose && clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
-    if (runtime::addClip(asset, clip, 0.3, 1.0f, *pose)) pose->clampMonotone();
+}
+
+// At rest; then all clips at a moment, also one beyond their ends, half way back to rest, pushed and blown; where an instance may stand.
+void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
+  constexpr double kMoments[] = {0.3, 0, -7.25, 1e9 + 0.1, 1e300, -1e300, 5e-324, 1e-38};
+  constexpr float kScales[] = {1, -1, 1e-6f, 1e6f};
+  runtime::Instance instance{&asset};
+  ask(instance);
+  auto rest = runtime::Pose::create(asset), pose = runtime::Pose::create(asset);
+  if (!rest || !pose) return;
+  const double moment = kMoments[choice % 8];
+  for (int clip = 0; clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
+    if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose)) pose->clampMonotone();
   }
+  if (choice / 16 % 4 == 0 && !pose->blend(*rest, 0.5f)) std::abort();
+  if (choice / 64 % 4 == 0) {
+    auto spring = runtime::Spring::create(asset);
+    for (int part = 0; spring && part < spring->parts(); ++part) {
+      static_cast<void>(spring->push(part, {30, 0, 1e20f}));
+      static_cast<void>(spring->setWind(part, {0, 3, -5}));
+      static_cast<void>(spring->pushAway(instance, glm::vec3(asset.pack().parts()[static_cast<std::size_t>(part)].to_object[3]), 0.5f));
+      static_cast<void>(spring->step(static_cast<float>(moment)));
+      for (const runtime::Swing& swing : spring->knots(part))
+        for (int i = 0; i < 3; ++i)
+          if (!std::isfinite(swing.offset[i]) || !std::isfinite(swing.velocity[i])) std::abort();
+    }
+    if (spring && spring->addTo(*pose)) pose->clampMonotone();
+  }
+  instance.pose = &*pose;
+  const float scale = kScales[choice / 256 % 4];
+  instance.to_world = glm::mat4(glm::vec4(0, scale, 0, 0), glm::vec4(scale, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(choice / 1024 % 2 == 0 ? 0.0f : 1e5f, 0, 3, 1));
+  ask(instance);
 }
 
 }  // namespace
@@ -99,6 +129,6 @@ void exercisePack(std::span<const std::byte> bytes) {
   runtime::Options options{limits, allocator};
   if (is_drawn && (choice >> 25) % 4 == 0) options.memory_budget = 2048 * (1 + (choice >> 27) % 8);
   auto asset = runtime::Asset::open(source, options);
-  if (asset && !is_streamed && (*asset)->loadAll()) playAndAsk(**asset);
+  if (asset && !is_streamed && (*asset)->loadAll()) playAndAsk(**asset, choice >> 26);
   if (asset && is_drawn) exerciseRenderer(*std::move(asset), choice >> 30, allocator);
 }

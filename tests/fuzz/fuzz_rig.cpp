@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const RigDescription rig = parseRig({reinterpret_cast<const char*>(data), size});
     if (!(parseRig(printRig(rig)) == rig)) std::abort();
-    const glm::ivec3 voxels(32, 64, 32);
+    constexpr glm::ivec3 kSizes[] = {{32, 64, 32}, {1, 1, 1}, {8192, 8192, 8192}, {3, 8192, 1}};
+    const glm::ivec3 voxels = kSizes[size % 4];
     const std::vector<Knot> knots = realizeKnots(rig, voxels);
     for (const RawClip& clip : realizeClips(rig, voxels, 0)) proveClip(clip, 0, knots, voxels);
   } catch (const RigError&) {

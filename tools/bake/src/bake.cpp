@@ -21,7 +21,6 @@
 #include "mesh_counts.h"
 #include "parallel.h"
 #include "placement.h"
-#include "surface_bvh.h"
 
 namespace kelp::bake {
 namespace {
@@ -119,10 +118,6 @@ bool isVolume(const SourceModel& model) {
   return std::all_of(model.parts.begin(), model.parts.end(), [](const SourcePart& part) { return part.isVolume(); });
 }
 
-[[noreturn]] void refusePile(const SourcePart& part, const std::filesystem::path& input) {
-  throw BakeError(Exit::kRuntime, fmt::format("{}: thousands of its triangles lie over each other, and comparing them at every voxel takes too long; remove those that nobody sees, or bake with a lower --resolution", partPlace(input, part)));
-}
-
 void checkMemory(const SourceModel& model, const Settings& settings, const std::filesystem::path& input, Report& report) {
   const auto sizes = [&](const Settings& changed) {
     const std::vector<Frame> frames = makeFrames(model, changed, input);
@@ -132,7 +127,8 @@ void checkMemory(const SourceModel& model, const Settings& settings, const std::
   };
   const std::vector<PartSize> parts = sizes(settings);
   for (std::size_t i = 0; i < parts.size(); ++i)
-    if (parts[i].isPile()) refusePile(model.parts[i], input);
+    if (parts[i].isPile())
+      throw BakeError(Exit::kRuntime, fmt::format("{}: thousands of its triangles lie over each other, and comparing them at every voxel takes too long; remove those that nobody sees, or bake with a lower --resolution", partPlace(input, model.parts[i])));
   std::uint64_t image_bytes = 0;
   for (const Image& image : model.images) image_bytes += image.rgba.size();
   // The importer has asked for volumes, before it made their voxels.
@@ -211,14 +207,6 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   }
 }
 
-VoxelizeResult voxelizeOrRefuse(const SourceModel& model, std::size_t part, const Frame& frame, const Settings& settings, int threads, const Progress& progress, const std::filesystem::path& input) {
-  try {
-    return voxelize(model, model.parts[part], frame, settings.fill, threads, progress);
-  } catch (const TrianglePile&) {
-    refusePile(model.parts[part], input);
-  }
-}
-
 // What several parts have to say in the same words is said once.
 class PartNotices {
  public:
@@ -284,7 +272,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   if (settings.voxel_size) in_file_units.voxel_size = *settings.voxel_size / settings.unit;
   SourceModel model = importFile(input, in_file_units, &report.files);
   report.format = model.format;
-  report.notices = model.notices;
+  // A file may give as many reasons as it has lines.
+  constexpr std::size_t kMostNotices = 100;
+  report.notices.assign(model.notices.begin(), model.notices.begin() + static_cast<std::ptrdiff_t>(std::min(model.notices.size(), kMostNotices)));
+  if (model.notices.size() > kMostNotices) report.notices.push_back(fmt::format("{} more notices of this kind are left out", model.notices.size() - kMostNotices));
   report.materials = usedMaterials(model);
   report.images = model.images.size();
   const bool gltf = model.format.rfind("glTF", 0) == 0, nodes = gltf || model.format == "MagicaVoxel";
@@ -350,7 +341,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
       line.closed = true;
       line.voxel_size = std::cbrt(std::abs(glm::determinant(glm::dmat3(part.grid->to_node)))) * objectScale(part);
     } else {
-      VoxelizeResult result = voxelizeOrRefuse(model, i, frames[i], settings, threads, share(i), input);
+      VoxelizeResult result = voxelize(model, part, frames[i], settings.fill, threads, share(i));
       part.grid = std::move(result.grid);
       cut_out = std::any_of(part.soup.triangles.begin(), part.soup.triangles.end(), [&](const TriangleSoup::Triangle& t) { return model.materials[t.material].alpha_cutoff > 0; });
       part.soup = TriangleSoup();

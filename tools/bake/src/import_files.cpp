@@ -6,7 +6,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 
 #include "hash_file.h"
@@ -99,6 +101,25 @@ std::optional<std::string> percentDecode(std::string_view text) {
     i += 2;
   }
   return out;
+}
+
+void refuseThrown(const std::filesystem::path& file) {
+  try {
+    throw;
+  } catch (const BakeError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    refuse(Exit::kRuntime, file, "", "does not fit into memory");
+  } catch (const std::logic_error& error) {
+    refuse(Exit::kRuntime, file, "", std::string("kelp fails at it (") + error.what() + "); please report this as a defect, with the file");
+  } catch (const std::exception& error) {
+    refuse(Exit::kInvalid, file, "", std::string("can not be read: ") + error.what());
+  }
+}
+
+bool isDataUri(std::string_view uri) {
+  constexpr std::string_view kScheme = "data:";
+  return uri.size() >= kScheme.size() && std::equal(kScheme.begin(), kScheme.end(), uri.begin(), [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
 }
 
 bool hasScheme(std::string_view uri) {

@@ -17,6 +17,9 @@ namespace kelp::bake {
 // Throws a BakeError that reads "FILE: PLACE: WHAT". `place` may be empty. `what` ends in "; " and the remedy, or gets the general one. Control characters and overlong texts are made harmless.
 [[noreturn]] void refuse(Exit code, const std::filesystem::path& file, std::string_view place, std::string_view what);
 
+// For a catch block of an importer: the BakeError there is, or one of what else was thrown. Logic errors (std::length_error, std::out_of_range) are kelp's own defects, and said to be.
+[[noreturn]] void refuseThrown(const std::filesystem::path& file);
+
 // A file that is there and can not be read: no reason to bake as if it were not there.
 struct UnreadableFile : BakeError {
   using BakeError::BakeError;
@@ -44,6 +47,9 @@ std::optional<std::string> percentDecode(std::string_view text);
 
 // Whether a URI names what is no file beside the input: "http:", "data:". RFC 3986, section 3.1; a single letter is a drive.
 bool hasScheme(std::string_view uri);
+
+// Whether a URI is its own data. RFC 2397.
+bool isDataUri(std::string_view uri);
 
 // File extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);

@@ -249,12 +249,8 @@ SourceModel importGltf(const std::filesystem::path& path, const Settings& settin
   const InputFiles files(path, used);
   try {
     return GltfImporter(files, settings).import();
-  } catch (const BakeError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    refuse(Exit::kRuntime, path, "", "does not fit into memory");
-  } catch (const std::exception& error) {
-    refuse(Exit::kInvalid, path, "", std::string("can not be read: ") + error.what());
+  } catch (const std::exception&) {
+    refuseThrown(path);
   }
 }
 

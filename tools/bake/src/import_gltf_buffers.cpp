@@ -33,7 +33,7 @@ class BufferLoader {
     if (uri == buffer.end()) return index > 0 ? std::nullopt : binary_;
     if (!uri->is_string()) refuse(Exit::kInvalid, files_.input(), place, "has a uri that is not a string");
     const std::string& text = uri->get_ref<const std::string&>();
-    if (text.rfind("data:", 0) == 0) return keep(decodeDataUri(files_, text, place), place);
+    if (isDataUri(text)) return keep(decodeDataUri(files_, text, place), place);
     const std::filesystem::path path = files_.resolve(text, InputFiles::Reference::kUri);
     const auto found = read_.find(path);
     return found != read_.end() ? found->second : read_.emplace(path, keep(files_.readFile(path), place)).first->second;
@@ -104,7 +104,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
       if (isOfTheMachine(error)) throw;
       // What can not be had matters only to what reads it. What is against the rules of URIs is refused at once.
       const std::string* uri = buffer["uri"].get_ptr<const std::string*>();
-      if (!uri || uri->rfind("data:", 0) == 0) throw;
+      if (!uri || isDataUri(*uri)) throw;
       const BakeError placed = inPlace(files, place, error);
       if (error.exit != Exit::kIo && !hasScheme(*uri)) throw placed;
       document.missing.emplace(index, placed);
@@ -121,7 +121,7 @@ void loadBuffers(const InputFiles& files, Json& root, const GltfBinary& containe
     if (bytes->size() < length)
       refuse(Exit::kInvalid, files.input(), place,
              "declares " + std::to_string(length) + " bytes but has " + std::to_string(bytes->size()) + "; the file is truncated");
-    if (const auto uri = buffer.find("uri"); uri != buffer.end() && uri->get_ref<const std::string&>().rfind("data:", 0) == 0) checkDataUri(*uri, place, document.flaws);
+    if (const auto uri = buffer.find("uri"); uri != buffer.end() && isDataUri(uri->get_ref<const std::string&>())) checkDataUri(*uri, place, document.flaws);
     buffers.push_back(bytes->first(static_cast<std::size_t>(length)));
   }
 }

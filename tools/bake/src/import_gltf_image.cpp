@@ -64,7 +64,7 @@ const Image* GltfImages::image(int index, const std::string& place) {
 Image GltfImages::decode(std::size_t index) {
   const GltfDocument::ImageSource& source = model_.document.images[index];
   const std::string place = placeOf("images", index);
-  const bool data_uri = source.uri.rfind("data:", 0) == 0;
+  const bool data_uri = isDataUri(source.uri);
   try {
     std::vector<std::uint8_t> owned;
     std::span<const std::uint8_t> bytes;

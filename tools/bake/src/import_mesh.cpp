@@ -117,12 +117,8 @@ SourceModel importMesh(const std::filesystem::path& path, const Settings& settin
   const InputFiles files(path, used);
   try {
     return readMesh(files, settings);
-  } catch (const BakeError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    refuse(Exit::kRuntime, path, "", "does not fit into memory");
-  } catch (const std::exception& error) {
-    refuse(Exit::kInvalid, path, "", std::string("can not be read: ") + error.what());
+  } catch (const std::exception&) {
+    refuseThrown(path);
   }
 }
 

@@ -27,11 +27,8 @@ class MtlReader {
   MtlReader(const InputFiles& files, const std::string& name, PictureBudget& budget, SourceModel& out) : files_(files), name_(name), budget_(budget), out_(out) {}
 
   MtlMaterials read(std::string_view text) {
-    std::istringstream in{std::string(text)};
-    in.imbue(std::locale::classic());
-    for (std::string line; std::getline(in, line);) {
-      while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
-      std::istringstream words(line);
+    while (!text.empty()) {
+      std::istringstream words{std::string(trim(takeLine(text)))};
       words.imbue(std::locale::classic());
       std::string key;
       words >> key;

@@ -26,11 +26,8 @@ class ObjReader {
   void read(std::string_view text) {
     std::string joined;  // a line that a backslash continues
     while (!text.empty()) {
-      const std::size_t end = text.find('\n');
-      std::string_view line = text.substr(0, end);
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      const std::string_view trimmed = trim(takeLine(text));
       ++line_;
-      const std::string_view trimmed = trim(line);
       const bool comment = joined.empty() && trimmed.starts_with('#');  // which ends with its line: "# C:\models\"
       if (!comment && trimmed.ends_with('\\')) {
         joined.append(trimmed.substr(0, trimmed.size() - 1)).push_back(' ');
@@ -68,6 +65,7 @@ class ObjReader {
     std::array<double, 8> value{};
     std::size_t count = 0;
     for (std::string_view word = nextWord(line); !word.empty() && count < value.size(); word = nextWord(line)) {
+      if (word.starts_with('#')) break;
       const std::optional<double> number = parseDouble(word);
       if (!number) refuseLine("'" + oneLine(word, 40) + "' is not a number");
       value[count++] = *number;

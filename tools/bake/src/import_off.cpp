@@ -41,9 +41,7 @@ class OffReader {
   // The next line that holds something, without its comment; empty at the end of the file.
   std::string_view nextLine() {
     while (!text_.empty()) {
-      const std::size_t end = text_.find('\n');
-      std::string_view line = text_.substr(0, end);
-      text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+      std::string_view line = takeLine(text_);
       ++line_;
       line = trim(line.substr(0, line.find('#')));
       if (!line.empty()) return line;

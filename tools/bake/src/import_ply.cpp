@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "import_mesh.h"
 #include "import_text.h"
@@ -66,29 +67,40 @@ class PlyReader {
 
   void read() {
     readHeader();
-    bool vertices = false, faces = false;
-    for (const Element& element : elements_) {
-      if (element.name == "vertex") readVertices(element), vertices = true;
-      else if (element.name == "face") readFaces(element), faces = element.count > 0;
-      else if (element.name == "tristrips") readStrips(element), faces = element.count > 0;
-      else skip(element);
-      if (vertices && faces) return;  // what follows (edges, cameras) is not geometry
+    const auto vertices = std::find_if(elements_.begin(), elements_.end(), [](const Element& element) { return element.name == "vertex"; });
+    const std::string_view body = body_;
+    std::for_each(elements_.begin(), vertices, [&](const Element& element) { skip(element); });
+    if (vertices != elements_.end()) {
+      readVertices(*vertices);
+      if (readFirstFaces({vertices + 1, elements_.end()})) return;  // what follows (edges, cameras) is not geometry
+      body_ = body;
+      if (readFirstFaces({elements_.begin(), vertices})) return;
     }
-    if (vertices) refuse(Exit::kUnsupported, files_.input(), "", "holds points but no faces: there is nothing to voxelize; make a mesh of them first");
+    if (vertices != elements_.end()) refuse(Exit::kUnsupported, files_.input(), "", "holds points but no faces: there is nothing to voxelize; make a mesh of them first");
     refuse(Exit::kInvalid, files_.input(), "", "holds no vertices; export a model with faces");
   }
 
  private:
+  // Whether there are any.
+  bool readFirstFaces(std::span<const Element> elements) {
+    for (const Element& element : elements) {
+      if (element.name == "face") readFaces(element);
+      else if (element.name == "tristrips") readStrips(element);
+      else {
+        skip(element);
+        continue;
+      }
+      if (element.count > 0) return true;
+    }
+    return false;
+  }
+
   [[noreturn]] void refuseHeader(const std::string& what) const { refuse(Exit::kInvalid, files_.input(), "header line " + std::to_string(line_), what); }
 
   std::string_view nextLine() {
     if (body_.empty()) refuseHeader("the file ends inside its header; it is truncated");
-    const std::size_t end = body_.find_first_of("\n\r");
-    const std::string_view line = body_.substr(0, end);
-    const bool both = end != std::string_view::npos && body_.substr(end, 2) == "\r\n";
-    body_.remove_prefix(end == std::string_view::npos ? body_.size() : end + (both ? 2 : 1));
     ++line_;
-    return trim(line);
+    return trim(takeLine(body_));
   }
 
   void readHeader() {
@@ -136,7 +148,7 @@ class PlyReader {
     if (!format) refuseHeader("the format is missing");
     // Every instance takes at least a byte a property: a count beyond the file is refused before memory is taken for it.
     for (const Element& element : elements_)
-      if (static_cast<std::uint64_t>(element.count) * std::max<std::size_t>(element.properties.size(), 1) > body_.size() && element.count > 0)
+      if (static_cast<std::uint64_t>(element.count) > body_.size() / std::max<std::size_t>(element.properties.size(), 1))
         refuse(Exit::kInvalid, files_.input(), element.name, "declares " + std::to_string(element.count) + " instances, more than the file can hold; it is truncated");
   }
 

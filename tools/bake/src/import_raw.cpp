@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "axis_means.h"
 #include "frame.h"
 #include "import_rig.h"
 #include "import_voxels.h"
@@ -74,7 +75,6 @@ struct Lattice {
   glm::dmat4 to_index{1};   // part voxels, corners at whole numbers -> field, centres at whole numbers
   glm::mat4x3 to_node{1};
   double step = 1;          // edge of a voxel, in the file's unit
-  glm::ivec3 samples{1};    // along each axis of a voxel, where it is larger than the field's
 };
 
 struct FieldRange {
@@ -157,7 +157,8 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Fiel
   out.step = settings.voxel_size ? *settings.voxel_size : settings.resolution_given ? longest / settings.resolution : finest;
   if (!(out.step > 0) || !std::isfinite(longest / out.step)) refuse(Exit::kInvalid, files.input(), "", "has no extent; choose another --isovalue, or give the edge of a voxel with --voxel-size");
   if (longest / out.step > kMaxResolution + 0.5)
-    refuse(Exit::kUsage, files.input(), "", "makes more than " + std::to_string(kMaxResolution) + " voxels along a side; choose a smaller --resolution, or larger voxels");
+    refuse(settings.voxel_size || settings.resolution_given ? Exit::kUsage : Exit::kUnsupported, files.input(), "",
+           fmt::format("makes more than {0} voxels along a side; give a --resolution of at most {0}, or larger voxels (--voxel-size)", kMaxResolution));
   out.size = glm::max(glm::ivec3(glm::ceil(extent / out.step - 1e-4)), glm::ivec3(1));
   const glm::dvec3 corner = low - 0.5 * (glm::dvec3(out.size) * out.step - extent);
   const glm::dmat3 back = glm::transpose(to_rig) * out.step;
@@ -165,7 +166,6 @@ Lattice makeLattice(const InputFiles& files, const RawVolume& volume, const Fiel
   out.to_node = glm::mat4x3(glm::dmat4x3(back[0], back[1], back[2], origin));
   for (int i = 0; i < 3; ++i) out.to_index[i] = glm::dvec4(back[i] / volume.spacing, 0);
   out.to_index[3] = glm::dvec4(origin / volume.spacing - 0.5, 1);
-  for (int i = 0; i < 3; ++i) out.samples[i] = static_cast<int>(std::clamp(std::ceil(glm::length(glm::dvec3(out.to_index[i])) - 1e-4), 1.0, 8.0));
   return out;
 }
 
@@ -210,16 +210,18 @@ VoxelGrid makeSolid(const InputFiles& files, const Field& field, const Lattice& 
 }
 
 FogGrid makeFog(const InputFiles& files, const Field& field, const Lattice& lattice, const Settings& settings) {
-  // The mean over a voxel: of as many samples as it spans voxels of the field.
+  const AxisMeans means(lattice.to_index, lattice.size, glm::ivec3(0), field.volume().size);
   const auto mean = [&](const glm::ivec3& voxel) {
+    const AxisMeans::Taken taken = means.of(voxel);
+    const Taps &along_x = *taken[0], &along_y = *taken[1], &along_z = *taken[2];
     double sum = 0;
-    for (int k = 0; k < lattice.samples.z; ++k)
-      for (int j = 0; j < lattice.samples.y; ++j)
-        for (int i = 0; i < lattice.samples.x; ++i) {
-          const glm::dvec3 p = glm::dvec3(voxel) + (glm::dvec3(i, j, k) + 0.5) / glm::dvec3(lattice.samples);
-          sum += std::max(0.0, field.sample(glm::dvec3(lattice.to_index * glm::dvec4(p, 1))));
-        }
-    return sum / (lattice.samples.x * lattice.samples.y * lattice.samples.z);
+    for (int k = 0; k < along_z.count(); ++k)
+      for (int j = 0; j < along_y.count(); ++j) {
+        const double weight = along_z.weights[static_cast<std::size_t>(k)] * along_y.weights[static_cast<std::size_t>(j)];
+        for (int i = 0; i < along_x.count(); ++i)
+          sum += weight * along_x.weights[static_cast<std::size_t>(i)] * std::max(0.0, field.at(VoxelPoint(along_x.first + i, along_y.first + j, along_z.first + k)));
+      }
+    return sum;
   };
   FogGrid fog;
   fog.size = lattice.size;

@@ -19,6 +19,16 @@ inline std::string_view trim(std::string_view text) {
   return text;
 }
 
+// Takes the next line off `text`, without what ends it: LF, CR LF, or CR alone.
+inline std::string_view takeLine(std::string_view& text) {
+  std::size_t end = 0;
+  while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end);
+  text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1);
+  return line;
+}
+
 // Takes the next word off `text`; empty at the end.
 inline std::string_view nextWord(std::string_view& text) {
   text = trim(text);

@@ -49,14 +49,14 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
     std::size_t end = begin;
     glm::vec3 normal(0);
     glm::vec4 base(0);
-    glm::vec3 emissive(0);
+    glm::dvec3 emissive(0);  // of floats without a bound
     float metallic = 0, roughness = 0;
     std::array<std::uint32_t, 8> sources{};
     for (; end < children.size() && children[end].parent == children[begin].parent; ++end) {
       const Attribute& child = fine[children[end].at];
       normal += child.normal;
       base += child.material.base_color;
-      emissive += child.material.emissive;
+      emissive += glm::dvec3(child.material.emissive);
       metallic += child.material.metallic;
       roughness += child.material.roughness;
       sources[end - begin] = child.source;
@@ -68,7 +68,7 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
     // Children that face all ways, as on a thin sheet, cancel: any one of them is better than rounding.
     parent.normal = length * share > 0.1f ? normal / length : fine[children[begin].at].normal;
     parent.material.base_color = base * share;
-    parent.material.emissive = emissive * share;
+    parent.material.emissive = glm::vec3(emissive / static_cast<double>(end - begin));
     parent.material.metallic = metallic * share;
     parent.material.roughness = roughness * share;
     parent.source = commonest(sources, end - begin);

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <exception>
 #include <limits>
 #include <utility>
 
@@ -20,13 +18,7 @@ struct Nearest {
   glm::dvec3 weights{1, 0, 0};     // barycentric
 };
 
-// Thousands of triangles lie over each other again and again, where no hierarchy helps: the work would grow with their number times that of the voxels.
-struct TrianglePile : std::exception {
-  const char* what() const noexcept override { return "thousands of triangles lie over each other"; }
-};
-
-// A hierarchy of boxes over the triangles. Immutable once made; queries may run on any thread. They throw TrianglePile when all of them together, those of up to kUsual triangles apart, have
-// compared kMostPiled.
+// A hierarchy of boxes over the triangles. Immutable once made; queries may run on any thread.
 class TriangleBvh {
  public:
   // Over all triangles of `mesh`, caps too.
@@ -62,12 +54,6 @@ class TriangleBvh {
     glm::dvec3 a, b, c;
   };
 
-  static constexpr std::uint64_t kUsual = 1024, kMostPiled = std::uint64_t{1} << 28;
-  void count(std::uint64_t compared) const {
-    if (compared > kUsual && (piled_ += compared) > kMostPiled) throw TrianglePile();
-  }
-
-  mutable std::atomic<std::uint64_t> piled_{0};
   std::vector<std::uint32_t> order_;
   std::vector<Corners> corners_;   // of order_
   std::vector<Node> nodes_;
@@ -87,7 +73,6 @@ Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& ac
   };
   Entry stack[128];
   int top = 0;
-  std::uint64_t compared = 0;
   stack[top++] = {0, squaredToBox(p, nodes_[0])};
   while (top > 0) {
     const Entry entry = stack[--top];
@@ -96,7 +81,6 @@ Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& ac
     if (node.count > 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (!accept(order_[i])) continue;
-        ++compared;
         glm::dvec3 weights;
         const glm::dvec3 q = nearestOnTriangle(p, corners_[i].a, corners_[i].b, corners_[i].c, weights);
         const double squared = glm::dot(p - q, p - q);
@@ -111,7 +95,6 @@ Nearest TriangleBvh::nearest(const glm::dvec3& p, double bound, const Accept& ac
     if (far.squared <= best.squared) stack[top++] = far;
     if (near.squared <= best.squared) stack[top++] = near;
   }
-  count(compared);
   return best;
 }
 
@@ -126,7 +109,6 @@ Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double lengt
   };
   Entry stack[128];
   int top = 0;
-  std::uint64_t compared = 0;
   const auto push = [&](const Entry& entry) {
     const Node& node = nodes_[entry.node];
     const double far = sign > 0 ? static_cast<double>(node.high[axis]) - p[axis] : p[axis] - static_cast<double>(node.low[axis]);
@@ -147,7 +129,6 @@ Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double lengt
       push(near);
       continue;
     }
-    compared += node.count;
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const Corners& t = corners_[i];
       // Twice the areas of the three triangles that p makes with the sides, as seen along the axis.
@@ -163,7 +144,6 @@ Nearest TriangleBvh::first(const glm::dvec3& p, int axis, int sign, double lengt
       best = hit;
     }
   }
-  count(compared);
   return best;
 }
 

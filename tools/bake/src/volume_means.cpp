@@ -7,41 +7,10 @@
 #include <fmt/format.h>
 
 namespace kelp::bake {
-namespace {
 
-// The integral of a tent of width 2 and area 1 about 0, from the left to x.
-double tentBefore(double x) {
-  if (x <= -1) return 0;
-  if (x >= 1) return 1;
-  return x < 0 ? 0.5 * (x + 1) * (x + 1) : 1 - 0.5 * (1 - x) * (1 - x);
-}
-double boxBefore(double x) { return std::clamp(x + 0.5, 0.0, 1.0); }
-
-// Whether a lattice's centres are another's, along an axis: as near as rounding leaves it.
-bool isWhole(double x) { return std::abs(x - std::round(x)) < 1e-4; }
-
-int dominantAxis(const glm::dvec3& v) {
-  const glm::dvec3 a = glm::abs(v);
-  return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-}
-
-}  // namespace
-
-bool alongAxes(const glm::dmat4& m) {
-  int used = 0;
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 column(m[i]);
-    const int axis = dominantAxis(column);
-    for (int j = 0; j < 3; ++j)
-      if (j != axis && std::abs(column[j]) > 1e-6 * std::abs(column[axis])) return false;
-    used |= 1 << axis;
-  }
-  return used == 7;
-}
-
-VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size) : sampler_(grid), to_index_(to_index), along_axes_(alongAxes(to_index)) {
-  if (along_axes_) {
-    makeTaps(to_index, size);
+VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size) : sampler_(grid), to_index_(to_index) {
+  if (alongAxes(to_index)) {
+    means_ = std::make_shared<AxisMeans>(to_index, size, glm::ivec3(-kMaxCoordinate - 4), glm::ivec3(kMaxCoordinate + 4));
   } else {
     // Two along each voxel of the grid, 16 at most, and a billion in all. A shear makes edges long that enclose little: then fewer, up to 64 for each voxel of the grid.
     const double voxels = static_cast<double>(size.x) * size.y * size.z, most = std::clamp(std::floor(std::cbrt(0x1p30 / voxels)), 2.0, 16.0);
@@ -65,42 +34,13 @@ std::uint64_t VolumeMeans::bytes(const glm::dmat4& to_index, const glm::ivec3& s
   return static_cast<std::uint64_t>(std::min(sum, 1e18));
 }
 
-void VolumeMeans::makeTaps(const glm::dmat4& to_index, const glm::ivec3& size) {
-  const auto made = std::make_shared<AllTaps>();
-  for (int i = 0; i < 3; ++i) {
-    const int axis = index_axis_[i] = dominantAxis(glm::dvec3(to_index[i]));
-    const double scale = to_index[i][axis], origin = to_index[3][axis], width = std::abs(scale);
-    auto& all = (*made)[static_cast<std::size_t>(i)];
-    for (int voxel = 0; voxel < size[i]; ++voxel) {
-      Taps& taps = all.emplace_back();
-      const double centre = std::clamp(origin + scale * (voxel + 0.5), -1.0 * kMaxCoordinate, 1.0 * kMaxCoordinate), low = centre - width / 2, high = centre + width / 2;
-      if (std::abs(width - 1) < 1e-6 && isWhole(centre)) {
-        taps = {static_cast<int>(std::round(centre)), {1.0}, {0.0, 1.0}};
-        continue;
-      }
-      const auto before = width < 1 - 1e-6 ? tentBefore : boxBefore;
-      taps.first = static_cast<int>(std::floor(low)) - 1;
-      for (int j = taps.first; j <= static_cast<int>(std::ceil(high)) + 1; ++j) taps.weights.push_back((before(high - j) - before(low - j)) / width);
-      while (taps.weights.size() > 1 && taps.weights.back() == 0) taps.weights.pop_back();
-      taps.before.assign(1, 0.0);
-      for (const double weight : taps.weights) taps.before.push_back(taps.before.back() + weight);
-    }
-  }
-  taps_ = made;
-}
-
-double VolumeMeans::Taps::share(int low, int end) const {
-  const int count = static_cast<int>(weights.size());
-  return before[static_cast<std::size_t>(std::clamp(end - first, 0, count))] - before[static_cast<std::size_t>(std::clamp(low - first, 0, count))];
-}
-
 // Of the cube of `side` voxels at low: at once where it is constant.
-double VolumeMeans::within(const Taken& taps, const glm::ivec3& low, int side) const {
+double VolumeMeans::within(const AxisMeans::Taken& taps, const glm::ivec3& low, int side) const {
   glm::ivec3 from(0), end(0);
   for (int i = 0; i < 3; ++i) {
     const Taps& along = *taps[static_cast<std::size_t>(i)];
     from[i] = std::max(low[i], along.first);
-    end[i] = std::min(low[i] + side, along.first + static_cast<int>(along.weights.size()));
+    end[i] = std::min(low[i] + side, along.end());
     if (from[i] >= end[i]) return 0;
   }
   const SparseCell cell = sampler_.cellAt(from);
@@ -125,14 +65,12 @@ double VolumeMeans::within(const Taken& taps, const glm::ivec3& low, int side) c
 }
 
 double VolumeMeans::at(const glm::ivec3& voxel) const {
-  if (!along_axes_) return sampled(voxel);
-  Taken taps{};
+  if (!means_) return sampled(voxel);
+  const AxisMeans::Taken taps = means_->of(voxel);
   glm::ivec3 first(0), end(0);
   for (int i = 0; i < 3; ++i) {
-    const Taps& along = (*taps_)[static_cast<std::size_t>(i)][static_cast<std::size_t>(voxel[i])];
-    taps[static_cast<std::size_t>(index_axis_[i])] = &along;
-    first[index_axis_[i]] = along.first & ~(SparseGrid::kUpperSide - 1);
-    end[index_axis_[i]] = along.first + static_cast<int>(along.weights.size());
+    first[i] = taps[static_cast<std::size_t>(i)]->first & ~(SparseGrid::kUpperSide - 1);
+    end[i] = taps[static_cast<std::size_t>(i)]->end();
   }
   double sum = 0;
   glm::ivec3 low(0);

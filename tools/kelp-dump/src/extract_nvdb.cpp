@@ -2,8 +2,6 @@
 #include "output_file.h"
 #include "vdb_grids.h"
 
-#include <fstream>
-
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 
@@ -15,10 +13,7 @@ void extractNvdb(const ExtractRequest& request) {
     for (const openvdb::GridBase::Ptr& grid : vdbGrids(request))
       handles.push_back(nanovdb::openToNanoVDB(grid));
     OutputFile out(request.output);
-    std::ofstream stream(out.temporaryPath(), std::ios::binary);
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
-    nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles);
-    stream.close();
+    out.writeBy([&](std::ostream& stream) { nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles); });
     out.commit();
     noteRigs(request, request.parts, glm::dmat3(1));
   });

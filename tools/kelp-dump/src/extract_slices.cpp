@@ -13,8 +13,10 @@
 namespace kelp::dump {
 namespace {
 
-// A part's name as a file's: nothing that a shell or a file system would mind, and no two alike.
-std::string fileName(std::string_view name, std::uint32_t index, std::set<std::string>& taken) {
+constexpr const char* kHeat = "_heat";
+
+// A part's name as a file's: nothing that a shell or a file system would mind, and no two alike; nor with kHeat, if it is hot.
+std::string fileName(std::string_view name, std::uint32_t index, bool hot, std::set<std::string>& taken) {
   std::string safe;
   for (const char c : name.substr(0, 100)) {
     const auto byte = static_cast<unsigned char>(c);
@@ -22,7 +24,9 @@ std::string fileName(std::string_view name, std::uint32_t index, std::set<std::s
     safe += plain ? c : '_';
   }
   if (safe.empty()) safe = "part";
-  while (!taken.insert(safe).second) safe += fmt::format("_{}", index);  // also where another part is called so
+  while (taken.contains(safe) || (hot && taken.contains(safe + kHeat))) safe += fmt::format("_{}", index);  // also where another part is called so
+  taken.insert(safe);
+  if (hot) taken.insert(safe + kHeat);
   return safe;
 }
 
@@ -58,7 +62,7 @@ void writeFog(const LevelVoxels& level, const std::filesystem::path& stem) {
   for (int y = 0; y < size.y; ++y) {
     level.fogLayer(y, density, heat);
     writePicture(fmt::format("{}_y{:04}.png", stem.string(), y), {size.x, size.z}, 1, density);
-    if (level.hot()) writePicture(fmt::format("{}_heat_y{:04}.png", stem.string(), y), {size.x, size.z}, 1, heat);
+    if (level.hot()) writePicture(fmt::format("{}{}_y{:04}.png", stem.string(), kHeat, y), {size.x, size.z}, 1, heat);
   }
 }
 
@@ -73,7 +77,7 @@ void extractSlices(const ExtractRequest& request) {
   std::set<std::string> taken;
   for (const std::uint32_t part : request.parts) {
     const LevelVoxels level = request.read(part);
-    const std::filesystem::path stem = folder / fileName(request.part(part).name, part, taken);
+    const std::filesystem::path stem = folder / fileName(request.part(part).name, part, level.hot(), taken);
     if (level.fog()) writeFog(level, stem);
     else writeSolid(request, level, stem);
   }

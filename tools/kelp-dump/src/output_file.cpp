@@ -2,7 +2,10 @@
 #include "output_file.h"
 
 #include <bit>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -70,6 +73,19 @@ void OutputFile::flush() {
     check("can not be written", file_.write(buffer_));
   }
   buffer_.clear();
+}
+
+void OutputFile::writeBy(const std::function<void(std::ostream&)>& write) {
+  std::ofstream stream;
+  stream.exceptions(std::ios::failbit | std::ios::badbit);
+  errno = 0;
+  try {
+    stream.open(console::pathOf(file_.name()), std::ios::binary);
+    write(stream);
+    stream.close();
+  } catch (const std::ios_base::failure&) {
+    check("can not be written", std::strerror(errno != 0 ? errno : EIO));
+  }
 }
 
 void OutputFile::commit() {

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <iosfwd>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,8 +37,8 @@ class OutputFile {
     write(std::as_bytes(std::span(&value, 1)));
   }
 
-  // For a library that writes files by name: nothing else may be written then.
-  const std::string& temporaryPath() const { return file_.name(); }
+  // For a library that writes to a stream and goes back in it: nothing else may be written then, and "-" is no such file.
+  void writeBy(const std::function<void(std::ostream&)>& write);
   // Onto the disk, then into place.
   void commit();
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kInterrupted = 130;
 constexpr std::size_t kMostOfName = 200;  // of the 255 bytes that a name may have
+constexpr int kMostOthers = 100;
 
 // The name of the NewFile that there is, for a signal. Empty if there is none.
 char g_temporary[4096];
@@ -81,9 +82,12 @@ std::string NewFile::create(const std::string& path) {
   const bool replaces = ::stat(path.c_str(), &status) == 0;
   if (!replaces && errno == ENAMETOOLONG) return std::strerror(errno);  // the file beside it has a shorter one
   const std::size_t name_at = path.rfind('/') + 1;
-  const std::string name = path.substr(0, name_at) + "." + path.substr(name_at, kMostOfName) + "." + std::to_string(::getpid()) + ".tmp";
+  const std::string stem = path.substr(0, name_at) + "." + path.substr(name_at, kMostOfName) + "." + std::to_string(::getpid());
+  std::string name = stem + ".tmp";
   const SignalsWait wait;
-  file_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  // A killed program of this number, as in every container, may have left its own.
+  for (int others = 0; (file_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) < 0 && errno == EEXIST && others < kMostOthers;)
+    name = stem + "-" + std::to_string(++others) + ".tmp";
   if (file_ < 0) return std::strerror(errno);
   path_ = path;
   name_ = name;

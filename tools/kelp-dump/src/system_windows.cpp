@@ -22,6 +22,7 @@ namespace kelp::dump {
 namespace {
 
 constexpr int kInterrupted = 130;
+constexpr int kMostOthers = 100;
 constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
 
 // The NewFile that there is, for the thread that is told of Ctrl-C. Its name is complete while the file is not -1.
@@ -51,10 +52,15 @@ NewFile::~NewFile() {
 
 std::string NewFile::create(const std::string& path) {
   const std::size_t name_at = path.find_last_of("/\\:") + 1;
-  const std::string name = path.substr(0, name_at) + "." + path.substr(name_at) + "." + std::to_string(::GetCurrentProcessId()) + ".tmp";
-  g_temporary = console::pathOf(name);
-  file_ = ::_wopen(g_temporary.c_str(), _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
-  if (file_ < 0) return std::strerror(errno);
+  const std::string stem = path.substr(0, name_at) + "." + path.substr(name_at) + "." + std::to_string(::GetCurrentProcessId());
+  std::string name;
+  // A killed program of this number may have left its own.
+  for (int others = 0; file_ < 0; ++others) {
+    name = others == 0 ? stem + ".tmp" : stem + "-" + std::to_string(others) + ".tmp";
+    g_temporary = console::pathOf(name);
+    file_ = ::_wopen(g_temporary.c_str(), _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+    if (file_ < 0 && (errno != EEXIST || others == kMostOthers)) return std::strerror(errno);
+  }
   g_file = file_;
   path_ = path;
   name_ = name;

@@ -48,6 +48,9 @@ std::string frameName(const Options& options, int frame) {
 }
 
 void run(const Options& options) {
+  std::vector<std::string> inputs;
+  for (const Item& item : options.items) inputs.push_back(item.pack);
+  for (int frame = 0; frame < options.frames; ++frame) checkPng(frameName(options, frame), inputs);
   Scene scene(options);
   const bool turntable = scene.duration() == 0;
   const auto pose = [&](int frame) { scene.pose(scene.duration() * frame / options.frames); };

@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,6 +14,8 @@
 
 namespace kelp::render {
 namespace {
+
+namespace fs = std::filesystem;
 
 // All of the picture, encoded. libpng's simplified interface reports errors as values.
 std::vector<std::uint8_t> encode(const Picture& picture) {
@@ -43,9 +46,21 @@ bool writeAll(int file, const std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
+void checkPng(const std::string& path, const std::vector<std::string>& inputs) {
+  std::error_code none;
+  for (const std::string& input : inputs)
+    if (fs::equivalent(path, input, none)) throw RenderError(kUsage, fmt::format("{}: would overwrite {}, which is read; name another file", path, input));
+  if (const fs::file_status status = fs::status(path, none); fs::exists(status) && !fs::is_regular_file(status))
+    throw RenderError(kIo, fmt::format("{}: is {}; name a file for the picture", path, fs::is_directory(status) ? "a folder" : "no regular file"));
+}
+
 void writePng(const std::string& path, const Picture& picture) {
   const std::vector<std::uint8_t> bytes = encode(picture);
-  const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
+  // A link stays one.
+  std::error_code none;
+  fs::path target = path;
+  for (int hops = 0; hops < 40 && fs::is_symlink(target, none); ++hops) target = target.parent_path() / fs::read_symlink(target, none);
+  const std::string temporary = fmt::format("{}.{}.tmp", target.string(), ::getpid());
   const auto fail = [&](const char* what) {
     const int reason = errno;
     ::unlink(temporary.c_str());
@@ -59,7 +74,7 @@ void writePng(const std::string& path, const Picture& picture) {
   ::close(file);
   errno = reason;
   if (!written) fail("can not be written");
-  if (::rename(temporary.c_str(), path.c_str()) != 0) fail("can not be replaced");
+  if (::rename(temporary.c_str(), target.c_str()) != 0) fail("can not be replaced");
 }
 
 }  // namespace kelp::render

@@ -21,7 +21,7 @@ struct VoxelLevel {
 
 struct Options {
   Limits limits;
-  Allocator allocator;  // for all memory whose size depends on the pack
+  Allocator allocator;  // for grids, pages and what decodes them: all but some hundred bytes for each level of each part
   // Bytes of grids and pages that are kept in memory, at most. When it is used up, the pages that nobody asked for or looked at for longest
   // make room. The coarsest level of each part is never dropped. Nor is what rays look at all the time: where they look at more than the budget
   // leaves, a renderer waits for its pages, and draws coarser ones, until they rest.
