@@ -221,10 +221,11 @@ TEST_F(Extract, SlicesOfHeatAreNeverAnotherPart) {
   const glm::ivec3 size(17, 9, 20);
   fogPack(size, true);
   RawPack pack = test::fogPack(fog_, 0.3f);
-  pack.parts.resize(3, pack.parts[0]);
-  for (std::size_t i = 0; i < 3; ++i) pack.parts[i].name = i == 1 ? "smoke" : "smoke_heat";
+  pack.parts.resize(4, pack.parts[0]);
+  constexpr const char* kNames[] = {"smoke_heat", "smoke", "ash", "ash_heat"};
+  for (std::size_t i = 0; i < 4; ++i) pack.parts[i].name = kNames[i];
   run({folder_.write("named.kelp", std::span<const std::byte>(test::bytesOf(pack))), "--slices", folder_ / "named"});
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "named"), {}), 3 * 2 * size.y);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "named"), {}), 4 * 2 * size.y);
 }
 #endif
 
