@@ -4,7 +4,8 @@
 #   tests/run.sh                    everything, by clang, watched by the address and undefined-behaviour sanitizers; then the runtime alone, optimised by gcc, without the baker's
 #                                   dependencies, but for what draws
 #   tests/run.sh --require-assets   the same, and every skipped test is a failure, but for those of opt-in packages (samples.farm)
-#   tests/run.sh --all              besides: the runtime alone draws, on the oldest versions of OpenGL, too; everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS);
+#   tests/run.sh --all              besides: the runtime alone draws, on the oldest versions of OpenGL, too; and is built by gcc without optimisation and by clang as it
+#                                   ships; everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS);
 #                                   everything as it ships; what has threads, watched by the thread sanitizer; then packs of six builds compared byte by byte (tests/cli/same_packs.sh),
 #                                   and clang-tidy and cppcheck (tests/lint.sh). Hours
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
@@ -16,7 +17,7 @@ for argument in "$@"; do
   case "$argument" in
     --require-assets) require_assets=1 ;;
     --all) all=1 ;;
-    -h|--help) sed -n '3,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h|--help) sed -n '3,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option '$argument'; see --help" >&2; exit 1 ;;
   esac
 done
@@ -65,7 +66,7 @@ PY
 
 broken=0
 presets=(asan runtime-only)
-[ "$all" -eq 1 ] && presets+=(dev release tsan)
+[ "$all" -eq 1 ] && presets+=(gcc-debug clang-release dev release tsan)
 for preset in "${presets[@]}"; do
   if [ "$preset" = dev ]; then export KELP_ALL_TESTS=1; else unset KELP_ALL_TESTS; fi
   run_preset "$preset" || { echo "run.sh: preset $preset did not build or test" >&2; broken=1; }
