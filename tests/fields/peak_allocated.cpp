@@ -25,6 +25,7 @@ std::size_t peakAllocated() { return peak; }
 
 }  // namespace kelp::test
 
+#ifndef KELP_THREAD_SANITIZER
 void* operator new(std::size_t size) {
   void* const p = std::malloc(size ? size : 1);
   if (!p) throw std::bad_alloc();
@@ -45,3 +46,4 @@ void operator delete(void* p) noexcept {
   std::free(p);
 }
 void operator delete(void* p, std::size_t) noexcept { operator delete(p); }
+#endif

@@ -4,6 +4,13 @@
 
 #include <cstddef>
 
+// Which does not let operator new be replaced: nothing is counted there.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define KELP_THREAD_SANITIZER
+#endif
+#endif
+
 namespace kelp::test {
 
 // Bytes now, from which peakAllocated() counts on.
