@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
+#include <tuple>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__
@@ -40,7 +40,6 @@ std::vector<bool> repeatedFaces(const TriangleSoup& soup) {
   struct Face {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t triangle;
-    auto operator<=>(const Face&) const = default;
   };
   std::vector<Face> faces;
   faces.reserve(soup.triangles.size());
@@ -48,7 +47,7 @@ std::vector<bool> repeatedFaces(const TriangleSoup& soup) {
     Face& face = faces.emplace_back(Face{soup.triangles[i].vertex, i});
     std::sort(face.corners.begin(), face.corners.end());
   }
-  std::sort(faces.begin(), faces.end());
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return std::tie(a.corners, a.triangle) < std::tie(b.corners, b.triangle); });
   std::vector<bool> again(faces.size(), false);
   for (std::size_t i = 1; i < faces.size(); ++i) again[faces[i].triangle] = faces[i].corners == faces[i - 1].corners;
   return again;

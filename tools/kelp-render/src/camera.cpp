@@ -38,8 +38,7 @@ void Framing::add(const glm::dvec3& point) {
     for (std::size_t i = 0; i < kExtremes; ++i) turn.farthest[i] = std::max(turn.farthest[i], glm::dot(turn.direction[i], point));
 }
 
-Camera::Camera(const Framing& framing) : yaw_(framing.yaw_), pitch_(framing.pitch_), turns_(static_cast<int>(framing.turns_.size())), aspect_(framing.aspect_) {
-  pivot_ = 0.5 * (framing.low_ + framing.high_);
+Camera::Camera(const Framing& framing) : yaw_(framing.yaw_), pitch_(framing.pitch_), turns_(static_cast<int>(framing.turns_.size())), aspect_(framing.aspect_), pivot_(0.5 * (framing.low_ + framing.high_)) {
   const double tan_y = std::tan(glm::radians(0.5 * kFieldOfView)) * kMargin;
   const double tan_x = tan_y * aspect_;
   std::array<double, Framing::kExtremes> all;

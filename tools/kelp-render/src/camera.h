@@ -47,7 +47,7 @@ class Camera {
   double yaw_, pitch_;
   int turns_;
   double aspect_;
-  glm::dvec3 pivot_{0};
+  glm::dvec3 pivot_;
   glm::dvec3 eye_{0};  // in the camera's axes, from the pivot
   double near_ = 0, far_ = 0;
 };

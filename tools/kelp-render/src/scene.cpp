@@ -67,7 +67,7 @@ Scene::Scene(const Options& options) {
     memory += pack.asset->memory();
     if (memory > mostMemory() || (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
       throw RenderError(kFailure, fmt::format("{}: takes more than the {} MiB of voxels that this machine has memory for, with what OpenGL makes of them; draw it on a larger one, or bake it with a lower --resolution", path, mostMemory() >> 20));
-    checkPack(path, std::move(loaded));
+    checkPack(path, loaded);
   }
   for (std::size_t i = 0; i < options.items.size(); ++i) {
     runtime::Instance instance{packs_[options.items[i].pack].asset.get(), &poses_[i]};
