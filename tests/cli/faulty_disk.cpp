@@ -3,6 +3,7 @@
 // with a number fails. KELP_FAULT="write 3 28": the third write answers errno 28; "read short": every read gives at most three bytes, and so for
 // write; "rename 1 crash": at the first one the process crashes; "write 2 hang": at the second one it waits for ever. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end. Processes that the program starts count on.
 // KELP_FAULT="crash model.obj", "hang model.obj", "spin model.obj": so a library may do at a file, the last with all of a processor; here a process that the program starts does, as it opens the first file whose name ends so.
+#undef _FORTIFY_SOURCE  // whose read() and pread() clang does not let be defined again
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
