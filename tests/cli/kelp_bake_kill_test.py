@@ -97,6 +97,8 @@ def main():
             elif found == packs[now] and killed % 16 == 0:
                 seconds *= 1.02
         print(f"{killed} bakes killed, {finished} finished first: {replaced} new packs, {killed + finished - replaced} old ones, {left} temporaries left, 0 damaged")
+        if KILLS >= 1000 and left == 0:
+            sys.exit("no kill fell where the pack is written: nothing was tried")
         subprocess.run([KELP_DUMP, "verify", output], check=True, stdout=subprocess.DEVNULL)
     finally:
         shutil.rmtree(folder)

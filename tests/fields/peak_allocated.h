@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-// Which does not let operator new be replaced: nothing is counted there.
+// The thread sanitizer does not let operator new be replaced: nothing is counted there.
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define KELP_THREAD_SANITIZER

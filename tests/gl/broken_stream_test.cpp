@@ -226,7 +226,6 @@ TEST_P(BrokenStreamTest, DestroyedAssetsAreRefusedAndTheOthersGoOn) {
   }
 }
 
-// Assets are made and destroyed, and never removed, until some have lain where others lay.
 // AddressSanitizer gives freed memory out again only when 256 MiB were freed after it.
 void outlastQuarantine() {
   for (int i = 0; i < 5; ++i) {
@@ -235,6 +234,7 @@ void outlastQuarantine() {
   }
 }
 
+// Assets are made and destroyed, and never removed, until some have lain where others lay.
 TEST_P(BrokenStreamTest, AnotherAssetAtTheSameAddress) {
   HostSource source(bytesOf(packOf(ballClump({40, 50, 30}, 20, 2))));
   const DepthCanvas canvas(GetParam(), {60, 80}, GL_DEPTH_COMPONENT32F);
