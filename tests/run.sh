@@ -7,7 +7,7 @@
 #   tests/run.sh --all              besides: the runtime alone draws, on the oldest versions of OpenGL, too; and is built by gcc without optimisation and by clang as it
 #                                   ships; everything optimised by gcc, all that tests can try there (KELP_ALL_TESTS);
 #                                   everything as it ships; what has threads, watched by the thread sanitizer; then packs of six builds compared byte by byte (tests/cli/same_packs.sh),
-#                                   and clang-tidy and cppcheck (tests/lint.sh). Hours
+#                                   what the fuzzers' seeds reach of the pack reader (tests/fuzz.sh --coverage), and clang-tidy and cppcheck (tests/lint.sh). Hours
 # Ends with a line that counts the tests: N passed, N failed, N skipped.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -73,8 +73,8 @@ for preset in "${presets[@]}"; do
 done
 
 if [ "$all" -eq 1 ]; then
-  for check in tests/cli/same_packs.sh tests/lint.sh; do
-    if "$check"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+  for check in tests/cli/same_packs.sh "tests/fuzz.sh --coverage" tests/lint.sh; do
+    if $check; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
   done
 fi
 
