@@ -14,6 +14,8 @@ using runtime::Instance;
 struct Counter {
   long calls = 0;
   long left = -1;  // allocations that still succeed; -1: all
+  bool and_on = true;  // after them none does; or one alone does not
+  bool refused = false;
   long held = 0;
   Allocator allocator() {
     Allocator out;
@@ -21,7 +23,11 @@ struct Counter {
     out.allocate = [](void* user, std::size_t bytes) -> void* {
       auto& self = *static_cast<Counter*>(user);
       ++self.calls;
-      if (self.left == 0) return nullptr;
+      if (self.left == 0) {
+        if (!self.and_on) self.left = -1;
+        self.refused = true;
+        return nullptr;
+      }
       if (self.left > 0) --self.left;
       ++self.held;
       return std::malloc(bytes);
@@ -85,29 +91,39 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   EXPECT_GE(draws, 10u);
 }
 
+// Alone, and with all after it.
 TEST_F(MemoryTest, EveryAllocationMayFail) {
   const Instance instance{loaded_.asset.get(), nullptr};
-  int failures = 0;
-  bool complete = false;
-  for (long allowed = 0; !complete; ++allowed) {
-    ASSERT_LT(allowed, 100);
-    counter_.left = allowed;
-    complete = true;
-    const auto check = [&](const auto& result) {
-      if (result) return true;
-      complete = false;
-      ++failures;
-      EXPECT_EQ(result.error().code, ErrorCode::kOutOfMemory) << result.error().detail;
-      return false;
-    };
-    const auto renderer = gl::Renderer::create(config());
-    if (!check(renderer) || !check((*renderer)->add(*loaded_.asset))) continue;
-    check((*renderer)->upload(~std::uint64_t{0}));
-    check((*renderer)->draw(view(), {&instance, 1}));
-    check((*renderer)->bindTrace(1, view(), {&instance, 1}));
+  for (const bool and_on : {false, true}) {
+    counter_.and_on = and_on;
+    int failures = 0;
+    counter_.refused = true;
+    for (long allowed = 0; counter_.refused; ++allowed) {
+      ASSERT_LT(allowed, 100);
+      counter_.left = allowed;
+      counter_.refused = false;
+      const auto check = [&](const auto& result) {
+        if (result) return true;
+        ++failures;
+        EXPECT_TRUE(counter_.refused);
+        EXPECT_EQ(result.error().code, ErrorCode::kOutOfMemory) << result.error().detail;
+        return false;
+      };
+      const auto renderer = gl::Renderer::create(config());
+      if (!check(renderer) || !check((*renderer)->add(*loaded_.asset))) continue;
+      check((*renderer)->upload(~std::uint64_t{0}));
+      check((*renderer)->draw(view(), {&instance, 1}));
+      check((*renderer)->bindTrace(1, view(), {&instance, 1}));
+      if (and_on) continue;
+      // What a moment's want of memory kept from the GPU is there with the next upload, at the latest.
+      ASSERT_TRUE((*renderer)->upload(~std::uint64_t{0})) << allowed;
+      const auto drawn = (*renderer)->draw(view(), {&instance, 1});
+      ASSERT_TRUE(drawn) << allowed;
+      EXPECT_EQ(drawn->instances, 1u) << allowed;
+    }
+    EXPECT_GT(failures, 4);
+    EXPECT_EQ(counter_.held, 0);
   }
-  EXPECT_GT(failures, 4);
-  EXPECT_EQ(counter_.held, 0);
 }
 
 TEST_F(MemoryTest, TheGpusMemoryMayBeShort) {

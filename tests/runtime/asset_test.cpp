@@ -141,38 +141,48 @@ TEST(Asset, ADamagedFineLevelLeavesTheCoarseOnes) {
   EXPECT_FALSE(*again);
 }
 
+// Each allocation alone, and with all after it.
 TEST(Asset, AllocationFailureIsAnErrorEachTime) {
   const std::vector<std::byte> bytes = clumpBytes();
   struct Counter {
+    bool and_on = false;
     std::int64_t left = 0;
     std::int64_t live = 0;
   };
-  int failures = 0;
-  for (int n = 0; n < 400; ++n) {
-    Counter counter{n, 0};
-    Options options;
-    options.allocator = {[](void* user, std::size_t size) -> void* {
-                           auto& c = *static_cast<Counter*>(user);
-                           if (c.left-- <= 0) return nullptr;
-                           ++c.live;
-                           return std::malloc(size);
-                         },
-                         [](void* user, void* memory, std::size_t) {
-                           --static_cast<Counter*>(user)->live;
-                           std::free(memory);
-                         },
-                         &counter};
-    {
-      MemorySource source(bytes);
-      auto asset = Asset::open(source.source(), options);
-      const bool loaded = asset && (*asset)->loadAll();
-      if (loaded) n = 400;
-      failures += !loaded;
+  for (const bool and_on : {false, true}) {
+    int failures = 0;
+    bool refused = true;
+    for (std::int64_t n = 0; refused; ++n) {
+      ASSERT_LT(n, 400) << "never loaded";
+      Counter counter{and_on, n, 0};
+      Options options;
+      options.allocator = {[](void* user, std::size_t size) -> void* {
+                             auto& c = *static_cast<Counter*>(user);
+                             const std::int64_t left = c.left--;
+                             if (left == 0 || (c.and_on && left < 0)) return nullptr;
+                             ++c.live;
+                             return std::malloc(size);
+                           },
+                           [](void* user, void* memory, std::size_t) {
+                             --static_cast<Counter*>(user)->live;
+                             std::free(memory);
+                           },
+                           &counter};
+      {
+        MemorySource source(bytes);
+        auto asset = Asset::open(source.source(), options);
+        const Result<void> loaded = asset ? (*asset)->loadAll() : Result<void>(asset.error());
+        refused = counter.left < 0;
+        EXPECT_EQ(!loaded, refused) << n;
+        if (!loaded) {
+          ++failures;
+          EXPECT_EQ(loaded.error().code, ErrorCode::kOutOfMemory) << n << ": " << loaded.error().detail;
+        }
+      }
+      EXPECT_EQ(counter.live, 0);
     }
-    EXPECT_EQ(counter.live, 0);
+    EXPECT_GT(failures, 5);
   }
-  EXPECT_GT(failures, 5);
-  EXPECT_LT(failures, 400) << "never loaded";
 }
 
 TEST(Asset, KeepsToItsMemoryBudget) {

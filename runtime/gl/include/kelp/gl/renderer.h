@@ -137,6 +137,7 @@ class Renderer {
   // the most pixels first, and asks the assets for what is not in memory, so that their pump() reads it. What was not drawn for longest, or
   // is worth fewer pixels, makes room. Large grids and pages take several frames. kLimit: the coarsest levels of all assets do not fit into
   // gpu_budget; what does is drawn. Before the first draw everything is wanted: a loading screen calls until `pending` is 0.
+  // What the allocator has no memory to keep account of is tried again at the next upload().
   Result<Stats> upload(std::uint64_t max_bytes);
 
   // Draws into the current framebuffer and viewport with depth writes and the depth test GL_LEQUAL (GL_GEQUAL), so that Pass::kColour after Pass::kDepth
