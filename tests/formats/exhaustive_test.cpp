@@ -8,7 +8,7 @@
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
-#include "short_memory.h"
+#include "support/short_memory.h"
 #include "support/all_tests.h"
 #include "support/random_pack.h"
 #include "tiny_fog_pack.h"

@@ -8,7 +8,7 @@
 #include "kelp/formats/pack.h"
 #include "kelp/formats/verify.h"
 #include "lying_pack.h"
-#include "short_memory.h"
+#include "support/short_memory.h"
 #include "tiny_fog_pack.h"
 
 namespace kelp {

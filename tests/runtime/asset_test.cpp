@@ -7,6 +7,7 @@
 #include <cstring>
 #include <thread>
 
+#include "support/short_memory.h"
 #include "support/test_pack.h"
 
 namespace kelp::runtime {
@@ -144,42 +145,28 @@ TEST(Asset, ADamagedFineLevelLeavesTheCoarseOnes) {
 // Each allocation alone, and with all after it.
 TEST(Asset, AllocationFailureIsAnErrorEachTime) {
   const std::vector<std::byte> bytes = clumpBytes();
-  struct Counter {
-    bool and_on = false;
-    std::int64_t left = 0;
-    std::int64_t live = 0;
-  };
   for (const bool and_on : {false, true}) {
     int failures = 0;
     bool refused = true;
-    for (std::int64_t n = 0; refused; ++n) {
-      ASSERT_LT(n, 400) << "never loaded";
-      Counter counter{and_on, n, 0};
+    for (std::size_t n = 0; refused; ++n) {
+      ASSERT_LT(n, 400u) << "never loaded";
+      test::ShortMemory memory;
+      memory.refuse_at = n;
+      memory.and_on = and_on;
       Options options;
-      options.allocator = {[](void* user, std::size_t size) -> void* {
-                             auto& c = *static_cast<Counter*>(user);
-                             const std::int64_t left = c.left--;
-                             if (left == 0 || (c.and_on && left < 0)) return nullptr;
-                             ++c.live;
-                             return std::malloc(size);
-                           },
-                           [](void* user, void* memory, std::size_t) {
-                             --static_cast<Counter*>(user)->live;
-                             std::free(memory);
-                           },
-                           &counter};
+      options.allocator = memory.allocator();
       {
         MemorySource source(bytes);
         auto asset = Asset::open(source.source(), options);
         const Result<void> loaded = asset ? (*asset)->loadAll() : Result<void>(asset.error());
-        refused = counter.left < 0;
+        refused = memory.requests > n;
         EXPECT_EQ(!loaded, refused) << n;
         if (!loaded) {
           ++failures;
           EXPECT_EQ(loaded.error().code, ErrorCode::kOutOfMemory) << n << ": " << loaded.error().detail;
         }
       }
-      EXPECT_EQ(counter.live, 0);
+      EXPECT_EQ(memory.live, 0u);
     }
     EXPECT_GT(failures, 5);
   }
