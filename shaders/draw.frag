@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Traces the pixel's ray through a posed part, gives the hit to kelpSurface, writes real depth.
+// Traces the pixel's ray through a posed part, calls kelpSurface with the hit, writes real depth.
 
 layout(location = 0) out vec4 kelp_color;
 
-uniform bool kelp_depth_only;  // one program for both passes: the depths are the same to the bit
+uniform bool kelp_depth_only;  // one program for both passes, so that their depths are bit-identical
 
 // Where a point of the undeformed part was in clip space in the frame before.
 vec4 kelpPreviousClip(vec3 rest) {
   int rows = kelp_record + KELP_RECORD + 3 * kelp_segment_count;
   int spline = rows + 4;
-  float low = kelpStart(spline, 0).y;
-  float y = low + rest.y / kelp_size.y * (kelpEnd(spline, kelp_segment_count - 1).y - low);
+  float low = kelpP0(spline, 0).y;
+  float y = low + rest.y / kelp_size.y * (kelpP1(spline, kelp_segment_count - 1).y - low);
   int i = 0;
-  while (i + 1 < kelp_segment_count && y > kelpEnd(spline, i).y) ++i;
+  while (i + 1 < kelp_segment_count && y > kelpP1(spline, i).y) ++i;
   KelpSegment g = KELP_SEGMENT_AT(spline, i);
   vec3 shift = kelpSplineAt(g, kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
   return kelpRows(rows, kelpRecord(rows + 3)) * vec4(rest.x + shift.x, y, rest.z + shift.z, 1.0);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The proxy of a posed part: what its deformed bounds cover in the picture, in at most four triangles between the corners of their outline. One
-// fragment for every ray that meets the box in front of the eye. Drawn as a strip of six vertices.
+// The proxy of a posed part: what its deformed bounds cover in the picture, as at most four triangles
+// between the corners of their outline. One fragment for every ray that meets the box in front of the eye.
+// Drawn as a strip of six vertices.
 
-out vec3 kelp_near;          // a point of the pixel's ray near the voxels, part space
-flat out int kelp_texel;     // of the record
+out vec3 kelp_near;       // a point of the pixel's ray near the voxels, part space
+flat out int kelp_texel;  // of the record
 
 void main() {
   kelpLoadRecord(kelpRecordOf(gl_InstanceID));
@@ -14,9 +15,11 @@ void main() {
   uint outline = kelpRecordBits(kelp_record + 12).w;
   vec3 clip;
   if (outline == 0u) {
-    // The eye is in the box, or close to it: the whole picture. The rays at its corners go through where both planes across the picture meet,
-    // as far as the farthest corner of the box is.
-    float reach = 0.5 * (dot(w.xyz, kelp_bounds_min + kelp_bounds_max) + dot(abs(w.xyz), kelp_bounds_max - kelp_bounds_min)) + w.w;
+    // The eye is in the box, or close to it: the whole picture. kelp_near at its corners is as far away as
+    // the farthest corner of the box.
+    float reach = 0.5 * (dot(w.xyz, kelp_bounds_min + kelp_bounds_max) +
+                         dot(abs(w.xyz), kelp_bounds_max - kelp_bounds_min)) +
+                  w.w;
     clip = vec3(gl_VertexID % 2 == 0 ? -reach : reach, gl_VertexID % 4 < 2 ? -reach : reach, reach);
     if (gl_VertexID > 3) clip.xy = vec2(reach);
     vec3 along = reach * cross(x.xyz, y.xyz) + clip.x * cross(y.xyz, w.xyz) + clip.y * cross(w.xyz, x.xyz);
@@ -28,7 +31,8 @@ void main() {
     clip = vec3(dot(x, at), dot(y, at), dot(w, at));
   }
 
-  // Depth is written per fragment. Here z = w / 2, between the planes in either of the clip controls, keeps what lies before the near or
-  // beyond the far plane from being clipped away: the volume between them still has to be traced.
+  // Each fragment writes its depth. Here z = w / 2, which is between the planes with either clip control: a
+  // box that reaches beyond the near or far plane must not be clipped, because the part between them is still
+  // traced.
   gl_Position = vec4(clip.xy, 0.5 * clip.z, clip.z);
 }

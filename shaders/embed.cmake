@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# cmake -DOUT=file.cpp -DDIR=folder [-DHEADER=file.h -DSPACE=namespace] -P embed.cmake NAME=file ...: text files as C++ string constants,
-# which the header declares.
+# cmake -DOUT=file.cpp -DDIR=folder [-DHEADER=file.h -DSPACE=namespace] -P embed.cmake NAME=file ...
+# Writes text files as C++ string constants. The header declares them.
 if(NOT DEFINED HEADER)
   set(HEADER kelp/shaders/shaders.h)
   set(SPACE kelp::shaders)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Draws fog over what is there: premultiplied colour, and in alpha how much of what is behind is hidden. The depth written is where the fog begins; no
-// depth buffer keeps it, but the depth test may do where no copy of the scene's depth could be had.
+// Draws fog over what is there: premultiplied colour, and in alpha how much of what is behind is hidden.
+// Writes the depth at which the fog begins. No depth buffer keeps it: it serves the depth test where there
+// is no copy of the scene's depth.
 
 layout(location = 0) out vec4 kelp_color;
 

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: MIT
 // Fog: how much of the light behind a ray comes through a posed part, and what the part adds to it.
 //
-// The ray is the same cubic curve q(b) in the volume as in trace.glsl. Clear bricks are left behind in one step, by the box or the ball that their
-// cell promises. Where it is not clear the way is taken cube by cube, from face to face: within a cube the field is trilinear, so along a straight line
-// it is a cubic polynomial, and Gauss's rule of two points integrates it exactly; a curve is bent too little within a cube for the eye to see. What is left to
-// choose is nothing: a denser fog needs no smaller steps. Transmittance is exp(-optical depth), so a cube's share of the light is exact too.
+// The ray is the same cubic curve q(b) in the volume as in trace.glsl. One step leaves a clear brick, by the
+// box or the ball that its cell promises. Elsewhere the ray goes cube by cube, from face to face. Within a
+// cube the field is trilinear, so along a straight line it is a cubic polynomial, and Gauss's rule of two
+// points integrates it exactly; within one cube a curve is nearly straight. Transmittance is exp(-optical
+// depth), so a cube's share of the light is exact too. There is no step length to choose: a denser fog needs
+// no smaller steps.
 //
-// Positions in level space count from the volume's corner; samples are at voxels' centres, so cube (i, j, k) begins at (i, j, k) + 1/2. Between the outermost
-// samples and the volume's faces is a rim half a voxel wide, in which the field is as at the nearest point between samples.
+// Positions in level space count from the volume's corner. Samples are at voxels' centres, so cube (i, j, k)
+// begins at (i, j, k) + 1/2. Between the outermost samples and the volume's faces is a rim half a voxel wide;
+// the field there is that of the nearest point between samples.
+//
+// Two features are compiled in only where they are needed, because some GPUs, and CPUs in their place, also
+// run the branches that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for
+// kelp::gl::View::self_shadow.
 
-// Two things that most fog does not need are not in the program unless its text is told, for there are GPUs, and CPUs in their place, that run the branches
-// that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for kelp::gl::View::self_shadow.
-
-#define KELP_FOG_CHANNEL 576u     // words of a brick's channel: kelp/runtime/page.h
-#define KELP_GAUSS 0.2113248654   // 1/2 - 1/sqrt(12)
-#define KELP_FOG_DEEP 9.0         // optical depth at which a ray ends: 1/8000 comes through, and counts as nothing
-#define KELP_FOG_SEEN 0.0009765625  // the sun's shadow is asked for once for so much of the light
-#define KELP_FOG_STEPS 65536      // a guard against the unforeseen: a ray crosses 3 * 8192 cubes at most
+#define KELP_FOG_CHANNEL 576u       // words of a brick's channel: kelp/runtime/page.h
+#define KELP_GAUSS 0.2113248654     // 1/2 - 1/sqrt(12)
+#define KELP_FOG_DEEP 9.0           // optical depth at which a ray ends: 1/8000 comes through
+#define KELP_FOG_SEEN 0.0009765625  // share of the light that one shadow ray stands for
+#define KELP_FOG_STEPS 65536        // a guard: a ray crosses 3 * 8192 cubes at most
 
 // As in surface.glsl, from kelp::gl::View.
 uniform vec3 kelp_sun_direction;
@@ -24,12 +28,12 @@ uniform vec3 kelp_sun_color;
 uniform vec3 kelp_sky_color;
 uniform vec3 kelp_ground_color;
 
-// What the part's samples mean; kelpLoadFog fills these.
+// What the part's samples mean. kelpLoadFog sets these.
 vec3 kelp_fog_color;
 float kelp_fog_anisotropy;
 float kelp_fog_glow;
 uint kelp_fog_stride;       // words of a brick
-uint kelp_fog_extinctions;  // where they are, one a level
+uint kelp_fog_extinctions;  // where they are, one for each level
 uint kelp_fog_ramp;
 int kelp_fog_ramp_colors;
 
@@ -52,15 +56,20 @@ vec3 kelpRamp(float heat) {
   float at = clamp(heat, 0.0, 1.0) * float(kelp_fog_ramp_colors - 1);
   int below = min(int(at), kelp_fog_ramp_colors - 2);
   uint first = kelp_fog_ramp + 3u * uint(below);
-  return mix(vec3(kelpFloat(first), kelpFloat(first + 1u), kelpFloat(first + 2u)), vec3(kelpFloat(first + 3u), kelpFloat(first + 4u), kelpFloat(first + 5u)), at - float(below));
+  return mix(vec3(kelpFloat(first), kelpFloat(first + 1u), kelpFloat(first + 2u)),
+             vec3(kelpFloat(first + 3u), kelpFloat(first + 4u), kelpFloat(first + 5u)), at - float(below));
 }
 
-// The samples at the corners of a cube: at its low z and at its high z, each (x, y) = (0, 0), (1, 0), (0, 1), (1, 1).
+// The samples at the corners of a cube: at its low z and at its high z, each (x, y) = (0, 0), (1, 0), (0, 1),
+// (1, 1).
 struct KelpCorners {
   vec4 low;
   vec4 high;
 };
-vec4 kelpBytes(uint word) { return vec4(float(word & 255u), float((word >> 8u) & 255u), float((word >> 16u) & 255u), float(word >> 24u)); }
+vec4 kelpBytes(uint word) {
+  return vec4(float(word & 255u), float((word >> 8u) & 255u), float((word >> 16u) & 255u),
+              float(word >> 24u));
+}
 KelpCorners kelpCorners(uint brick, ivec3 cube) {
   uint at = brick + uint((cube.x & 7) | ((cube.y & 7) << 3) | ((cube.z & 7) << 6));
   return KelpCorners(kelpBytes(kelpWord(at)), kelpBytes(kelpWord(at + 64u)));
@@ -73,35 +82,37 @@ float kelpBetween(KelpCorners c, vec3 f) {
   return mix(n.x, n.y, f.x);
 }
 
-// The brick that is drawn at a place in level space, or that it is clear there.
+// The brick that is drawn at a place in level space, or a clear place.
 struct KelpFogPlace {
   bool clear;
-  KelpBox box;      // in which it is clear, or in which the brick is drawn; in voxels of the level that is traced
-  float clearance;  // of what is clear: kelpStep's
+  KelpBox box;      // where it is clear, or where the brick is drawn; voxels of the level that is traced
+  float clearance;  // of a clear place, for kelpStep
   int coarser;      // levels between the traced one and the brick's
   uint brick;
-  ivec3 at;         // the brick's place in its grid
-  ivec3 samples;    // of its level
+  ivec3 at;       // the brick's place in its grid
+  ivec3 samples;  // of its level
 };
 
 ivec3 kelpSamples(int level) { return (ivec3(kelp_size) + ((1 << level) - 1)) >> level; }
 ivec3 kelpCubes(ivec3 samples) { return max(samples - 1, ivec3(1)); }
-// The cube that a place is in, or beside, if it is in the rim.
+// The cube that a place is in; for a place in the rim, the cube beside it.
 ivec3 kelpCube(vec3 u, ivec3 samples) { return clamp(ivec3(floor(u)), ivec3(0), kelpCubes(samples) - 1); }
-// The box of a run of cubes; what touches the rim has it too.
+// The box of a run of cubes, with the rim where it touches it.
 KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   vec3 low = (vec3(first) + 0.5 - vec3(lessThanEqual(first, ivec3(0)))) * side;
   vec3 high = (vec3(end) + 0.5 + vec3(greaterThanEqual(end, cubes))) * side;
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
-KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) { return kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side); }
+KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) {
+  return kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side);
+}
 KelpBox kelpOverlap(KelpBox a, KelpBox b) {
   vec3 low = max(a.centre - a.half_size, b.centre - b.half_size);
   vec3 high = min(a.centre + a.half_size, b.centre + b.half_size);
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
 
-// What the finest coarser level says where a brick is not resident, as far as that brick reaches.
+// Where a brick is not resident: what the finest coarser level says, within that brick.
 KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
   KelpFogPlace place = missing;
   place.clear = true;
@@ -114,7 +125,8 @@ KelpFogPlace kelpFogAbove(KelpFogPlace missing, vec3 q) {
     uint table = kelp_levels_at + 3u * uint(kelp_level + place.coarser);
     uint grid = kelpWord(table + 2u);
     ivec2 bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
-    uint cell = kelpWord(kelpWord(table) + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
+    uint cell =
+        kelpWord(kelpWord(table) + uint(place.at.x + bricks.x * (place.at.y + bricks.y * place.at.z)));
     bool stored = cell >= 0x80000000u;
     place.brick = stored ? kelpBrickOf(kelpWord(table + 1u), cell, kelp_fog_stride) : 0u;
     if (stored && place.brick == 0u) continue;
@@ -138,7 +150,8 @@ KelpFogPlace kelpFogAt(vec3 q) {
   if (cell < 0x80000000u) {
     place.clear = true;
     KelpBox box = kelpCellBox(cell, place.at);
-    place.box = kelpCubesBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
+    place.box =
+        kelpCubesBox(ivec3(box.centre - box.half_size), ivec3(box.centre + box.half_size), cubes, 1.0);
     place.clearance = kelp_complete ? float(cell >> 24u) : 0.0;
     return place;
   }
@@ -148,9 +161,9 @@ KelpFogPlace kelpFogAt(vec3 q) {
   return place;
 }
 
-// The curve's speed: lengths of the ray for each b.
+// The curve's speed: length of the ray per b.
 float kelpSpeed(KelpCurve c, float b) { return c.s.y + b * (2.0 * c.s.z + 3.0 * b * c.s.w); }
-// b at s_max, at most the curve's end: s rises with b, by Newton's method inside a bracket.
+// b at s_max, at most the curve's end. s rises with b, so Newton's method inside a bracket finds it.
 float kelpCurveUntil(KelpCurve c, float s_max) {
   float end = min(c.end, 1e9);
   if (kelpCurveRay(c, end) <= s_max) return end;
@@ -159,7 +172,11 @@ float kelpCurveUntil(KelpCurve c, float s_max) {
   float b = 0.0;
   for (int i = 0; i < 24; ++i) {
     float excess = kelpCurveRay(c, b) - s_max;
-    if (excess > 0.0) { high = b; } else { low = b; }
+    if (excess > 0.0) {
+      high = b;
+    } else {
+      low = b;
+    }
     float next = b - excess / max(kelpSpeed(c, b), 1e-20);
     next = next >= low && next <= high ? next : 0.5 * (low + high);
     if (next == b) break;
@@ -168,8 +185,9 @@ float kelpCurveUntil(KelpCurve c, float s_max) {
   return b;
 }
 
-// u is where a point is among a level's samples: q / side - 1/2. How far in b the curve goes at least to just beyond the face of the cube that u is in, and at most
-// `range`. Not by its tangent alone: at a knot the curve may begin with no slope at all.
+// A lower bound of how far in b the curve goes until it is just beyond a face of the cube that u is in, at
+// most `range`. u: a place among a level's samples, q / side - 1/2. The tangent alone does not do: at a knot
+// the curve may start without any slope.
 float kelpCubeStep(KelpCurve c, float b, vec3 u, float per_side, float range) {
   vec3 slope = per_side * kelpCurveSlope(c, b);
   vec3 bend = per_side * (abs(c.c2 + (3.0 * b) * c.c3) + range * abs(c.c3));
@@ -178,33 +196,35 @@ float kelpCubeStep(KelpCurve c, float b, vec3 u, float per_side, float range) {
   vec3 x = 2.0 * ahead / max(abs(slope) + sqrt(slope * slope + 4.0 * bend * ahead), vec3(1e-20));
   return min(min(x.x, x.y), min(x.z, range));
 }
-// Where in a cube a point is, 0 to 1 on each axis, and in the rim as at the nearest point between samples.
-vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) { return clamp(clamp(u, vec3(0.0), vec3(samples - 1)) - vec3(cube), 0.0, 1.0); }
+// Where in a cube a point is, 0 to 1 on each axis. In the rim: the nearest point between samples.
+vec3 kelpWithin(vec3 u, ivec3 cube, ivec3 samples) {
+  return clamp(clamp(u, vec3(0.0), vec3(samples - 1)) - vec3(cube), 0.0, 1.0);
+}
 
 float kelpExtinction(int level) { return kelpFloat(kelp_fog_extinctions + uint(level)) * (1.0 / 65025.0); }
 
-// What the ray has gathered.
+// What the ray has collected.
 struct KelpFog {
-  vec3 light;     // that the fog sends to the eye, times what comes through on the way
-  float depth;    // optical
-  float s;        // where the fog begins; KELP_NEVER: nowhere
-  float unlit;    // share of the sun's light whose shadow has not been asked for
-  float lit;      // what the shadow left last
+  vec3 light;   // that reaches the eye from the fog
+  float depth;  // optical
+  float s;      // where the fog begins; KELP_NEVER: nowhere
+  float unlit;  // share of the sun's light for which no shadow ray was cast yet
+  float lit;    // what the last shadow ray left of the sun's light
   int steps;
 };
 
-// How much of what is behind the fog hides: all of it where the ray ended.
+// How much of what is behind it the fog hides: all of it where the ray ended.
 float kelpHidden(KelpFog fog) { return min((1.0 - exp(-fog.depth)) / (1.0 - exp(-KELP_FOG_DEEP)), 1.0); }
 
-// Given off at a place, on the stretch of ray that counts there.
+// Light given off at a place, over a length `way` of the ray.
 vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
   float h = kelpBetween(heat, f);
   return h > 0.0 ? (kelp_fog_glow * way * h) * kelpRamp(h) : vec3(0.0);
 }
 
 #ifdef KELP_FOG_SHADOW
-// How much of the sun's light reaches a point of part space through the part. At a level four times coarser, by the middle of each cube.
-// Its steps are added to `steps`.
+// How much of the sun's light reaches a point of part space through the part. Integrated at a level four
+// times coarser, by the middle of each cube. Adds its steps to `steps`.
 float kelpFogSun(vec3 o, vec3 r, inout int steps) {
   int level = kelp_level;
   kelpLoadLevel(min(level + 2, level + kelp_coarser));
@@ -237,7 +257,8 @@ float kelpFogSun(vec3 o, vec3 r, inout int steps) {
         ++steps;
         float x = kelpCubeStep(c, b, u, per_side, leave - b);
         vec3 f = kelpWithin(per_side * kelpCurveAt(c, b + 0.5 * x) - 0.5, cube, place.samples);
-        depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x * kelpSpeed(c, b + 0.5 * x);
+        depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x *
+                 kelpSpeed(c, b + 0.5 * x);
         b = kelpAdvance(b, x);
         u = per_side * kelpCurveAt(c, b) - 0.5;
         cube = kelpCube(u, place.samples);
@@ -250,9 +271,11 @@ float kelpFogSun(vec3 o, vec3 r, inout int steps) {
 }
 #endif
 
-// Along one curve. sun: what a white, even fog would send to the eye of the sun's light, unshadowed; sky: of all other light; sun_at: towards the
-// sun, part space.
-KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sky, vec3 sun_at, KelpFog before) {
+// Along one curve. `sun`: the sun's light that the fog sends to the eye, without shadow; `sky`: all other
+// light; `sun_at`: towards the sun, part space.
+// Long: its loops share the curve's parameter and the place.
+KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sky, vec3 sun_at,
+                     KelpFog before) {
   KelpFog fog = before;
   vec3 extent = kelp_level_scale * kelp_size;
   float end = kelpCurveUntil(c, s_max);
@@ -266,7 +289,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
       if (max(gap.x, gap.z) <= 0.5 * KELP_ERODE) break;
       ++fog.steps;
       b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
-      // A number that is none ends the march too.
+      // NaN also ends the march.
       going = b < end && dot(gap, gap) < KELP_NEVER && fog.steps < KELP_FOG_STEPS;
       beside = going;
     }
@@ -281,7 +304,7 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
       if (!(max(gap.x, gap.z) <= 0.75 * KELP_ERODE)) break;
       ++fog.steps;
       place = kelpFogAt(q);
-      // To the end of the box. A brick ends there too, but for rounding: its cubes say where.
+      // To the end of the box. A brick also ends there; because of rounding, its cubes say where.
       leave = b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance);
       if (!place.clear) break;
       b = kelpAdvance(b, leave - b);
@@ -313,8 +336,9 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
         if (kelp_fog_ramp_colors > 0) {
           KelpCorners heat = kelpCorners(place.brick + KELP_FOG_CHANNEL, cube);
           heat = KelpCorners(heat.low * (1.0 / 255.0), heat.high * (1.0 / 255.0));
-          // What is given off, dimmed by what is before it: the integral of the line through the two rates.
-          vec2 dimmed = exp(-max(vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))), 0.0));
+          // What is given off, dimmed by what lies before it: the integral of the line through both rates.
+          vec2 dimmed =
+              exp(-max(vec2(dot(rates, vec2(0.25, -0.0386751)), dot(rates, vec2(0.5386751, 0.25))), 0.0));
           vec3 glow = 0.5 * (dimmed.x * kelpGlow(heat, f1, way.x) + dimmed.y * kelpGlow(heat, f2, way.y));
           fog.light += exp(-fog.depth) * glow;
           if (fog.s == KELP_NEVER && glow != vec3(0.0)) fog.s = kelpCurveRay(c, b);
@@ -333,7 +357,8 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
         b = next;
         u = per_side * kelpCurveAt(c, b) - 0.5;
         cube = kelpCube(u, place.samples);
-        inside = b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_FOG_STEPS;
+        inside =
+            b < leave && fog.depth < KELP_FOG_DEEP && cube >> 3 == place.at && fog.steps < KELP_FOG_STEPS;
       }
     }
     going = going && b < end && fog.depth < KELP_FOG_DEEP && fog.steps < KELP_FOG_STEPS;
@@ -341,19 +366,14 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
   return fog;
 }
 
-// The fog of the part that is loaded, with its level, along o + s r, s in [s_min, s_max]; o and r as in kelpEnter, in part space. light then is all
-// that comes from the fog.
+// The fog of the loaded part and level along o + s r, s in [s_min, s_max], part space; o and r as in
+// kelpEnter. In the result `light` is complete.
 KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
-  KelpFog fog;
-  fog.light = vec3(0.0);
-  fog.depth = 0.0;
-  fog.s = KELP_NEVER;
-  fog.unlit = 0.0;
-  fog.lit = 1.0;
-  fog.steps = 0;
+  KelpFog fog = KelpFog(vec3(0.0), 0.0, KELP_NEVER, 0.0, 1.0, 0);
   kelpLoadFog();
 
-  // Light is even over a part. Turned into all directions, or, by Henyey's and Greenstein's law, more into some.
+  // The light is the same everywhere in a part. It is scattered evenly, or by the law of Henyey and
+  // Greenstein.
   mat3 to_world = mat3(kelpPartToWorld());
   float forward = dot(normalize(to_world * r), kelp_sun_direction);
   float g = kelp_fog_anisotropy;
@@ -372,7 +392,7 @@ KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
     if (fog.depth >= KELP_FOG_DEEP) break;
     walk = kelpWalkOn(walk, r, c);
   }
-  // Even light: what is stopped is turned, wherever on the way. Shadows were taken off above.
+  // Of even light, what is stopped is scattered, wherever on the ray. Shadows were subtracted above.
   fog.light += (fog.unlit * (fog.lit - 1.0)) * sun + kelpHidden(fog) * (sun + sky);
   return fog;
 }

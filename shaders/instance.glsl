@@ -1,37 +1,44 @@
 // SPDX-License-Identifier: MIT
-// Where the tracing core and the proxy find a posed part on the GPU: the frame's records and the pool of voxels.
-// The renderer puts the version and the precisions before this text.
+// Where the tracing core and the proxy find a posed part on the GPU: the frame's records and the pool of
+// voxels. The renderer puts the version and the precisions before this text.
 
-// The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. What lies in it, written by runtime/gl/src:
-//   of an asset   9 words for each palette entry (base colour, emissive, metallic, roughness), then for each part 3 for each of its levels, finest first:
-//                 where its cells are, where its page table is, and its grid: bricks along x - 1 | along y - 1 << 10 | complete << 31
-//                 and, of fog, what its samples mean: fog.glsl, kelpLoadFog
-//   of a level    cells and pages as kelp/runtime/page.h; the page table has a word for each page: where it is, 0 if it is not resident
+// The pool: all voxels of all assets as 32-bit words, 1024 to a row, 1024 rows to a layer. runtime/gl/src
+// writes it:
+//   of an asset  9 words for each palette entry: base colour, emissive, metallic, roughness
+//                then for each part 3 words for each of its levels, finest first: where its cells are, where
+//                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31)
+//                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
+//   of a level   cells and pages as in kelp/runtime/page.h
+//                the page table has a word for each page: where the page is, 0 if it is not resident
 uniform usampler2DArray kelp_pool;
 
-// The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the texel of its record.
-//   0..3   rows: part space -> clip space; in what a host's own shader traces (scene.glsl) 0..2, world -> part space
+// The frame's records, 1024 texels to a row. First a number for each part that is drawn, four to a texel: the
+// texel of its record. A record:
+//   0..3   rows: part space -> clip space; for a host's own shader (scene.glsl) 0..2: world -> part space
 //   4..6   rows: part space -> world
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
 //   8      tint
 //   9      lowest corner of the deformed bounds | number of spline segments
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
-//   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw the next coarser one (8..15),
-//          levels of the part (16..23)
-//   12     where the palette is in the pool | index of the instance | part | outline of the bounds (draw.vert): six corners of three bits, x y z,
-//          set where it is the high one; 0: the eye is in or beside them
-//   13..   per segment 3 texels: p0, m0, p1, m1 in a row (trace.glsl, KelpSegment)
-//   then, while kelp_motion: 4 texels as 0..3 and the segments, of the frame before
+//   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
+//          the next coarser level (8..15), number of the part's levels (16..23)
+//   12     where the palette is in the pool | index of the instance | part | outline of the bounds
+//          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
+//          the bounds
+//   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment)
+//   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before
 #define KELP_RECORD 13
 uniform usampler2D kelp_records;
 uniform int kelp_first_instance;
 uniform bool kelp_motion;
 
-uint kelpWord(uint at) { return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r; }
+uint kelpWord(uint at) {
+  return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r;
+}
 uvec4 kelpRecordBits(int texel) { return texelFetch(kelp_records, ivec2(texel & 1023, texel >> 10), 0); }
 vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 
-// The record this invocation works on; kelpLoadRecord fills these.
+// The record that this invocation works on. kelpLoadRecord sets these.
 int kelp_record;
 int kelp_segment_count;
 vec3 kelp_bounds_min;
@@ -57,7 +64,8 @@ mat4 kelpRows(int texel, vec4 last) {
 
 mat4 kelpPartToClip() { return kelpRows(kelp_record, kelpRecord(kelp_record + 3)); }
 mat4 kelpPartToWorld() { return kelpRows(kelp_record + 4, vec4(0.0, 0.0, 0.0, 1.0)); }
-// Up to length. The cofactors are the inverse transpose times the determinant, whose sign a mirrored part turns.
+// Up to length. The cofactors are the inverse transpose times the determinant, which is negative for mirrored
+// parts.
 vec3 kelpNormalToWorld(vec3 n) {
   mat3 m = mat3(kelpPartToWorld());
   vec3 a = cross(m[1], m[2]);
@@ -71,17 +79,17 @@ vec3 kelpViewRay(vec3 p) {
   return eye.w > 0.0 ? p - eye.xyz : eye.xyz;
 }
 
-// The level that is traced; kelpLoadLevel fills these.
+// The level that is traced. kelpLoadLevel sets these.
 int kelp_level;
-int kelp_coarser;          // levels above it
+int kelp_coarser;  // number of coarser levels
 bool kelp_complete;
-vec3 kelp_size;            // of the part, level-0 voxels
+vec3 kelp_size;  // of the part, level-0 voxels
 ivec3 kelp_level_size;
 float kelp_level_scale;
 uint kelp_levels_at;
 uint kelp_cells_at;
 uint kelp_pages_at;
-ivec2 kelp_grid;           // bricks along x and y
+ivec2 kelp_grid;  // bricks along x and y
 
 void kelpLoadLevel(int level) {
   uvec4 volume = kelpRecordBits(kelp_record + 11);
@@ -99,17 +107,20 @@ void kelpLoadLevel(int level) {
   kelp_complete = grid >= 0x80000000u;
 }
 
-// The level that a pixel draws: neighbours take turns between two levels, by an ordered 8 x 8 pattern, so that a part that comes nearer changes
-// from one to the other without a switch. runtime/gl/src/detail.cpp has the same pattern.
+// The level that a pixel draws. An ordered 8 x 8 pattern of pixels mixes two levels, so that a part that
+// comes nearer changes gradually from one to the other. runtime/gl/src/detail.cpp has the same pattern.
 int kelpPixelLevel(ivec2 pixel) {
   uint bits = kelpRecordBits(kelp_record + 11).w;
   int x = pixel.x ^ pixel.y;
-  int order = ((x & 1) << 5) | ((pixel.y & 1) << 4) | ((x & 2) << 2) | ((pixel.y & 2) << 1) | ((x & 4) >> 1) | ((pixel.y & 4) >> 2);
+  int order = ((x & 1) << 5) | ((pixel.y & 1) << 4) | ((x & 2) << 2) | ((pixel.y & 2) << 1) | ((x & 4) >> 1) |
+              ((pixel.y & 4) >> 2);
   return int(bits & 255u) + (order < int((bits >> 8u) & 255u) ? 1 : 0);
 }
 
-uint kelpCell(ivec3 brick) { return kelpWord(kelp_cells_at + uint(brick.x + kelp_grid.x * (brick.y + kelp_grid.y * brick.z))); }
-// A brick, of so many words, is named by where its first one is.
+uint kelpCell(ivec3 brick) {
+  return kelpWord(kelp_cells_at + uint(brick.x + kelp_grid.x * (brick.y + kelp_grid.y * brick.z)));
+}
+// A brick is named by the place of its first word; `words`: how many a brick has.
 uint kelpBrickOf(uint pages_at, uint cell, uint words) {
   uint page = kelpWord(pages_at + ((cell >> 7u) & 0x1ffffu));
   return page == 0u ? 0u : page + words * (cell & 127u);
@@ -127,12 +138,12 @@ uint kelpCode(uint brick, ivec3 voxel) {
   return (kelpWord(brick + 4u + uint(i >> 2)) >> uint(8 * (i & 3))) & 255u;
 }
 
-// Of segment i of the spline whose first texel is `at`.
-vec3 kelpStart(int at, int i) { return kelpRecord(at + 3 * i).xyz; }
-vec3 kelpStartSlope(int at, int i) { return vec3(kelpRecord(at + 3 * i).w, kelpRecord(at + 3 * i + 1).xy); }
-vec3 kelpEnd(int at, int i) { return vec3(kelpRecord(at + 3 * i + 1).zw, kelpRecord(at + 3 * i + 2).x); }
-vec3 kelpEndSlope(int at, int i) { return kelpRecord(at + 3 * i + 2).yzw; }
-#define KELP_SEGMENT_AT(at, i) KelpSegment(kelpStart(at, i), kelpStartSlope(at, i), kelpEnd(at, i), kelpEndSlope(at, i))
+// Segment i of the spline whose first texel is `at`, as in KelpSegment.
+vec3 kelpP0(int at, int i) { return kelpRecord(at + 3 * i).xyz; }
+vec3 kelpM0(int at, int i) { return vec3(kelpRecord(at + 3 * i).w, kelpRecord(at + 3 * i + 1).xy); }
+vec3 kelpP1(int at, int i) { return vec3(kelpRecord(at + 3 * i + 1).zw, kelpRecord(at + 3 * i + 2).x); }
+vec3 kelpM1(int at, int i) { return kelpRecord(at + 3 * i + 2).yzw; }
+#define KELP_SEGMENT_AT(at, i) KelpSegment(kelpP0(at, i), kelpM0(at, i), kelpP1(at, i), kelpM1(at, i))
 
 #define KELP_FN
 #define KELP_CONTEXT_

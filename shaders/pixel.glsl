@@ -1,36 +1,38 @@
 // SPDX-License-Identifier: MIT
-// The ray of a fragment: from the proxy's varyings to a stretch of a line in part space.
+// The ray of a fragment: from the proxy's varyings to a range of a line in part space.
 
 in vec3 kelp_near;
 flat in int kelp_texel;
 
-uniform float kelp_clip_low;   // z / w of the lower clip plane: -1, or 0 with clip control GL_ZERO_TO_ONE
-uniform int kelp_scene;        // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
-uniform highp sampler2D kelp_scene_depth;  // a texel a pixel: nothing beyond it need be drawn
+uniform float kelp_clip_low;  // z / w of the lower clip plane: -1, or 0 with clip control GL_ZERO_TO_ONE
+uniform int kelp_scene;       // what kelp_scene_depth is: 0 nothing, 1 depth, 2 reversed depth
+uniform highp sampler2D kelp_scene_depth;  // one texel for each pixel; rays end there
 
-// Depth buffers round, those of 16 bits by 1/131070: what lies this little beyond theirs is left to the depth test. Of the buffer's own 0..1. Fog, which the
-// depth test knows by its beginning alone, has none.
+// Depth buffers round, those of 16 bits by 1/131070. So rays end this much beyond the scene's depth, in the
+// buffer's own 0..1, and the depth test decides. Fog has no margin: the depth test knows only where it
+// begins.
 #ifndef KELP_SCENE_MARGIN
 #define KELP_SCENE_MARGIN 1.5e-5
 #endif
 
-// kelp_near + s ray, s in range: between near and far plane, and before the scene.
+// kelp_near + s ray, s in range: between the near and far plane, and in front of the scene.
 struct KelpPixelRay {
-  bool good;  // there is such a stretch
+  bool good;  // the range is not empty
   vec3 ray;   // unit
   vec2 range;
   vec4 clip_at;     // clip coordinates at s = 0
-  vec4 clip_slope;  // and what they gain with s
+  vec4 clip_slope;  // their change per s
 };
 
-// Narrows s so that value + s * slope >= 0: a clip plane, exact because clip coordinates are linear along the ray.
+// Narrows s so that value + s * slope >= 0: a clip plane. Exact, because clip coordinates are linear along
+// the ray.
 vec2 kelpClip(vec2 s, float value, float slope) {
   if (slope > 0.0) return vec2(max(s.x, -value / slope), s.y);
   if (slope < 0.0) return vec2(s.x, min(s.y, -value / slope));
   return value < 0.0 ? vec2(1.0, 0.0) : s;
 }
 
-// Loads the record.
+// Loads the part's record.
 KelpPixelRay kelpPixelRay(ivec2 pixel) {
   KelpPixelRay p;
   kelpLoadRecord(kelp_texel);
@@ -39,25 +41,30 @@ KelpPixelRay kelpPixelRay(ivec2 pixel) {
   p.good = reach > 0.0;
   p.ray *= inversesqrt(reach);
 
-  // s = 0 beside the voxels, so that numbers are small there, however far the eye is.
+  // s = 0 near the voxels, so that numbers are small there, however far away the eye is.
   mat4 to_clip = kelpPartToClip();
   p.clip_at = to_clip * vec4(kelp_near, 1.0);
   p.clip_slope = to_clip * vec4(p.ray, 0.0);
   vec3 extent = kelp_bounds_max - kelp_bounds_min;
   float most = length(extent) + length(kelp_near - kelp_bounds_min - 0.5 * extent);
   p.range = vec2(-most, most);
-  p.range = kelpClip(p.range, p.clip_at.z - kelp_clip_low * p.clip_at.w, p.clip_slope.z - kelp_clip_low * p.clip_slope.w);
+  p.range = kelpClip(p.range, p.clip_at.z - kelp_clip_low * p.clip_at.w,
+                     p.clip_slope.z - kelp_clip_low * p.clip_slope.w);
   p.range = kelpClip(p.range, p.clip_at.w - p.clip_at.z, p.clip_slope.w - p.clip_slope.z);
   if (kelp_scene != 0) {
-    // The scene's depth is one more plane across this ray.
+    // The scene's depth is one more plane that cuts this ray.
     float side = kelp_scene == 1 ? 1.0 : -1.0;
     float depth = (texelFetch(kelp_scene_depth, pixel, 0).r - gl_DepthRange.near) / gl_DepthRange.diff;
     float plane = mix(kelp_clip_low, 1.0, depth + side * KELP_SCENE_MARGIN / abs(gl_DepthRange.diff));
-    p.range = kelpClip(p.range, side * (plane * p.clip_at.w - p.clip_at.z), side * (plane * p.clip_slope.w - p.clip_slope.z));
+    p.range = kelpClip(p.range, side * (plane * p.clip_at.w - p.clip_at.z),
+                       side * (plane * p.clip_slope.w - p.clip_slope.z));
   }
   if (!(p.range.x <= p.range.y)) p.good = false;
   return p;
 }
 
-// What the depth buffer holds of a point in clip space.
-float kelpDepthOf(vec4 clip) { return gl_DepthRange.near + gl_DepthRange.diff * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low)); }
+// The depth buffer's value for a point in clip space.
+float kelpDepthOf(vec4 clip) {
+  return gl_DepthRange.near +
+         gl_DepthRange.diff * ((clip.z / clip.w - kelp_clip_low) / (1.0 - kelp_clip_low));
+}

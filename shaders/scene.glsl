@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Rays through posed instances for a host's own shaders: mirrors, shadows, picking on the GPU. kelp::gl::Renderer::traceGlsl() gives this text
-// with all that it needs; bindTrace() says which instances there are.
+// Rays through posed instances for a host's own shaders: mirrors, shadows, picking on the GPU.
+// kelp::gl::Renderer::traceGlsl() returns this text with everything that it needs; bindTrace() sets the
+// instances.
 //
-//     KelpSceneHit hit = kelpTrace(origin, direction, t_max);   // world; t in lengths of `direction`, which may have any but 0
-//     if (hit.found) color = kelpSurface(hit.surface);          // kelp's own look, or yours, out of KelpSurface (surface.glsl)
-//     bool shadow = kelpBlocked(origin, direction, t_max);      // any hit at all: what a shadow needs, and cheaper
+//     KelpSceneHit hit = kelpTrace(origin, direction, t_max);  // world; t in lengths of `direction`
+//     if (hit.found) color = kelpSurface(hit.surface);         // kelp's own look, or yours (surface.glsl)
+//     bool shadow = kelpBlocked(origin, direction, t_max);     // any hit: for shadows, and cheaper
 //
-// Cost: linear in the number of parts, of which each is asked whether the ray meets its deformed bounds; those that it does are traced.
-// A ray that starts on a surface should start a little off it, or it meets that surface. In vertex and in fragment shaders alike.
-// Right after kelpTrace, kelpVisible and kelpOccluded speak of the part that it hit.
-// kelpTrace with four parameters is the core's (trace.glsl): in the space of one part.
+// For vertex and fragment shaders. A ray that starts on a surface should start a little off it, or it meets
+// that surface. Right after kelpTrace, kelpVisible and kelpOccluded refer to the part that was hit. kelpTrace
+// with four parameters is the core's (trace.glsl), in the space of one part. `direction` may have any length
+// but 0.
+//
+// Cost: each ray tests the deformed bounds of every part, and traces the parts whose bounds it meets.
 
 uniform int kelp_part_count;
 
@@ -19,7 +22,8 @@ struct KelpSceneHit {
   KelpSurface surface;  // undefined if nothing was found
 };
 
-// The nearest hit, or, with `any`, the first that comes along; t is where it is, or t_max. Loads the part's record and level.
+// The nearest hit, or, with `any`, the first hit found. t: where it is, or t_max. Loads the part's record and
+// level.
 KelpHit kelpTraceParts(vec3 origin, vec3 direction, float t_max, bool any, out float t) {
   KelpHit nearest;
   nearest.found = false;
@@ -41,7 +45,7 @@ KelpHit kelpTraceParts(vec3 origin, vec3 direction, float t_max, bool any, out f
     float t1 = min(min(min(leave.x, leave.y), leave.z), t);
     if (!(t0 <= t1)) continue;
     kelpLoadLevel(int(kelpRecordBits(kelp_record + 11).w & 255u));
-    // s = 0 where the ray enters: numbers are small where the voxels are.
+    // s = 0 where the ray enters, so that numbers are small where the voxels are.
     KelpHit hit = kelpTrace(o + t0 * d, d / speed, 0.0, (t1 - t0) * speed);
     if (!hit.found) continue;
     nearest = hit;
@@ -63,7 +67,8 @@ KelpSceneHit kelpTrace(vec3 origin, vec3 direction, float t_max) {
   if (hit.found) {
     mat4 to_part = kelpRows(kelp_record, vec4(0.0, 0.0, 0.0, 1.0));
     kelp_jitter = kelpJitter(vec2(hit.voxel.xy + 37 * hit.voxel.z));
-    result.surface = kelpSurfaceAt(hit, (to_part * vec4(origin + result.t * direction, 1.0)).xyz, normalize(mat3(to_part) * direction));
+    result.surface = kelpSurfaceAt(hit, (to_part * vec4(origin + result.t * direction, 1.0)).xyz,
+                                   normalize(mat3(to_part) * direction));
   }
   return result;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the voxels at a hit say of it: their material and their normal, in one of the three ways of kelp::gl::Shading.
-// Nothing here runs before a ray has hit, and only kSmooth reads more than a few texels.
+// The material and the normal of a hit, in one of the three ways of kelp::gl::Shading. Runs only for rays
+// that hit; only kSmooth reads more than a few texels.
 
 // Palette entries as numbers, so that they can be averaged.
 struct KelpMaterial {
@@ -9,11 +9,12 @@ struct KelpMaterial {
   float roughness;
 };
 
-// Codes of voxels (formats/SPEC.md): solid ones with an attribute, and solid ones at all.
+// Codes of voxels (formats/SPEC.md): solid with an attribute, and solid.
 bool kelpIsSurface(uint code) { return code >= 64u && code <= 127u; }
 bool kelpIsSolid(uint code) { return code >= 64u && code <= 128u; }
 
-// The code of any voxel of the level, and its brick. 0, which is an empty voxel's, beyond the level, in empty bricks and in absent ones.
+// The code of any voxel of the level, and its brick. 0, as of an empty voxel: outside the level, in an empty
+// brick, and in a brick that is not resident.
 uint kelpCodeAt(ivec3 voxel, out uint brick) {
   brick = 0u;
   if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, kelp_level_size))) return 0u;
@@ -23,7 +24,7 @@ uint kelpCodeAt(ivec3 voxel, out uint brick) {
   return brick == 0u ? 0u : kelpCode(brick, voxel);
 }
 
-// Of a surface voxel: palette entry and normal.
+// The attribute of a surface voxel: palette entry and normal.
 uint kelpAttribute(uint brick, int slice, uint code) {
   uint first = (kelpWord(brick + uint(slice >> 1)) >> uint(16 * (slice & 1))) & 0xffffu;
   return kelpWord(brick + first + (code - 64u));
@@ -33,14 +34,16 @@ float kelpPaletteFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
 KelpMaterial kelpMaterial(int entry) {
   uint at = kelpRecordBits(kelp_record + 12).x + 9u * uint(entry);
   KelpMaterial m;
-  m.color = vec4(kelpPaletteFloat(at), kelpPaletteFloat(at + 1u), kelpPaletteFloat(at + 2u), kelpPaletteFloat(at + 3u));
-  m.glow = vec4(kelpPaletteFloat(at + 4u), kelpPaletteFloat(at + 5u), kelpPaletteFloat(at + 6u), kelpPaletteFloat(at + 7u));
+  m.color = vec4(kelpPaletteFloat(at), kelpPaletteFloat(at + 1u), kelpPaletteFloat(at + 2u),
+                 kelpPaletteFloat(at + 3u));
+  m.glow = vec4(kelpPaletteFloat(at + 4u), kelpPaletteFloat(at + 5u), kelpPaletteFloat(at + 6u),
+                kelpPaletteFloat(at + 7u));
   m.roughness = kelpPaletteFloat(at + 8u);
   return m;
 }
 
-// An inner voxel, seen where the near plane or the eye cuts into a solid, has no attribute: the material of the nearest surface voxel among
-// its 26 neighbours, or the palette's first.
+// The material of an inner voxel, which has no attribute and is seen where the near plane or the eye cuts
+// into a solid: that of the nearest surface voxel among its 26 neighbours, or the palette's first.
 uint kelpInnerMaterial(ivec3 voxel) {
   uint material = 0u;
   int nearest = 4;
@@ -58,22 +61,27 @@ uint kelpInnerMaterial(ivec3 voxel) {
   return material;
 }
 
-// Where the ray's image in the undeformed volume is heading at the hit, up to length: the inverse of the map's derivative, times S.y' >= 0.
+// The direction of the ray's image in the undeformed volume at the hit, up to length: the inverse of the
+// map's derivative, times S.y' >= 0.
 vec3 kelpRestDirection(KelpSegment g, float t, float stretch, vec3 ray) {
   vec3 slope = kelpSplineSlope(g, clamp(t, 1e-4, 1.0 - 1e-4));
-  return normalize(vec3(ray.x * slope.y - ray.y * slope.x, stretch * ray.y * slope.y, ray.z * slope.y - ray.y * slope.z));
+  return normalize(
+      vec3(ray.x * slope.y - ray.y * slope.x, stretch * ray.y * slope.y, ray.z * slope.y - ray.y * slope.z));
 }
 
-// Outward normal of the face of the voxel's cube that the ray came in through, undeformed: back along `ahead` to the nearest of the three
-// faces that look against it, of those that no solid voxel covers. Zero where the near plane or the eye cuts in.
+// The outward normal, undeformed, of the face through which the ray entered the voxel's cube: back along
+// `ahead` to the nearest of the three faces that look against it and that no solid voxel covers. Zero where
+// the near plane or the eye cuts into the voxel.
 vec3 kelpEntryFace(KelpHit hit, vec3 ahead) {
-  const float kDeep = 4.0 * KELP_ERODE;        // a trace ends less far below the surface
-  const float kRounding = 0.25 * KELP_ERODE;   // of q; decides at the spline's steep ends, where `ahead` may lie in the face that is met
+  const float kDeep = 4.0 * KELP_ERODE;  // a trace ends less far below the surface
+  // Of q. Decides at the spline's steep ends, where `ahead` may lie in the face that is met.
+  const float kRounding = 0.25 * KELP_ERODE;
   vec3 q = kelp_level_scale * hit.rest;
   vec3 low = vec3(hit.voxel);
-  vec3 high = min(low + 1.0, kelp_level_scale * kelp_size);  // a coarse voxel may stand out of the volume
+  vec3 high = min(low + 1.0, kelp_level_scale * kelp_size);  // a coarse voxel may reach beyond the volume
   vec3 face = vec3(0.0);
-  vec3 seam = vec3(0.0);  // two solid voxels that share an edge only are eroded, so a ray may pass between them and meet a covered face
+  // Solid voxels are eroded, so a ray may pass between two that share an edge only, and meet a covered face.
+  vec3 seam = vec3(0.0);
   float face_back = KELP_NEVER;
   float face_depth = KELP_NEVER;
   float seam_back = KELP_NEVER;
@@ -97,9 +105,10 @@ vec3 kelpEntryFace(KelpHit hit, vec3 ahead) {
   return face_depth < kDeep || seam_back == KELP_NEVER ? face : seam;
 }
 
-// Normal and material averaged over the surface voxels within 1.5 voxels, weighted by a quadratic B-spline around the hit: the weights
-// of the 27 voxels and their slopes change without a jump from one voxel to the next. (A trilinear filter reads 8, but its slopes jump, and the eye sees that.)
-// Voxels that face away from the ray hardly count, or the far side of a leaf would turn the near side's normals over.
+// Normal and material averaged over the surface voxels within 1.5 voxels, weighted by a quadratic B-spline
+// around the hit: the weights of the 27 voxels and their slopes change without a jump from one voxel to the
+// next. (A trilinear filter reads 8, but its slopes jump visibly.) Voxels that face away from the ray hardly
+// count; else the far side of a leaf would turn the near side's normals around.
 vec3 kelpSmoothNormal(KelpHit hit, vec3 ahead, out KelpMaterial mean) {
   vec3 f = clamp(kelp_level_scale * hit.rest - vec3(hit.voxel) - 0.5, -0.5, 0.5);
   vec3 normal = vec3(0.0);
@@ -129,8 +138,8 @@ vec3 kelpSmoothNormal(KelpHit hit, vec3 ahead, out KelpMaterial mean) {
   return normal;
 }
 
-// All there is to say of a hit with the part and the level that are loaded, whose voxel is of that level. Position and ray (unit, into the
-// surface) in part space. Only draw.frag knows of clip space.
+// The surface at a hit. The part and the voxel's level must be loaded. Position and ray (unit, into the
+// surface) are in part space. clip and previous_clip are 0: draw.frag sets them.
 KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
   uint entry;
   KelpMaterial material;
@@ -146,8 +155,9 @@ KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
     if (kelp_shading == KELP_SHADING_SMOOTH) {
       rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);
     } else {
-      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
-                                                       : kelpDecodeNormal(bits >> 8u);
+      rest_normal = kelp_shading == KELP_SHADING_FACES
+                        ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
+                        : kelpDecodeNormal(bits >> 8u);
       material = kelpMaterial(int(entry));
     }
     vec3 bent = kelpDeformNormal(g, hit.t, stretch, rest_normal);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-// What a hit looks like. The host may replace kelpSurface (kelp::gl::Config::surface_glsl): its text is compiled in the place of the
-// default below, with everything here and in instance.glsl and trace.glsl in scope. It may declare functions and constants of its own.
+// What a hit looks like. A host may replace kelpSurface (kelp::gl::Config::surface_glsl): its text is
+// compiled in place of the default below, and may use everything here, in instance.glsl and in the tracing
+// core. It may declare functions and constants of its own.
 //
-// A G-buffer: the text declares outputs of its own, at locations from 1 on (0 is what kelpSurface returns), and fills them:
+// A G-buffer: the text declares outputs of its own, at locations from 1 on (0 is what kelpSurface returns),
+// and writes them:
 //
 //     layout(location = 1) out vec4 gbuffer_normal;
 //     layout(location = 2) out vec4 gbuffer_motion;
 //     layout(location = 3) out uvec2 gbuffer_tags;
 //     vec4 kelpSurface(KelpSurface s) {
 //       gbuffer_normal = vec4(0.5 + 0.5 * s.normal, s.roughness);
-//       gbuffer_motion = vec4(s.clip.xy / s.clip.w - s.previous_clip.xy / s.previous_clip.w, 0.0, s.metallic);
+//       vec2 moved = s.clip.xy / s.clip.w - s.previous_clip.xy / s.previous_clip.w;
+//       gbuffer_motion = vec4(moved, 0.0, s.metallic);
 //       gbuffer_tags = uvec2(s.instance, s.material);
 //       return s.color;
 //     }
@@ -17,50 +20,54 @@
 // Its own uniforms and textures are set in kelp::gl::View::bind.
 
 struct KelpSurface {
-  vec3 position;    // world
-  vec3 normal;      // world, unit, outward
-  vec3 view;        // world, unit, from the surface towards the eye
-  vec4 color;       // base colour, linear, times the instance's tint; a = coverage
-  vec3 emissive;    // linear
+  vec3 position;  // world
+  vec3 normal;    // world, unit, outward
+  vec3 view;      // world, unit, from the surface towards the eye
+  vec4 color;     // base colour, linear, times the instance's tint; a = coverage
+  vec3 emissive;  // linear
   float metallic;
   float roughness;
-  int material;     // palette index
-  int level;        // of the voxel
-  int steps;        // fetching steps that the ray took
-  ivec3 voxel;      // of that level
-  vec3 rest;        // the point in the undeformed part, level-0 voxels
-  vec3 size;        // of the undeformed part, level-0 voxels
-  int instance;     // index in the span that was drawn
+  int material;  // palette index
+  int level;     // of the voxel
+  int steps;     // fetching steps that the ray took
+  ivec3 voxel;   // of that level
+  vec3 rest;     // the point in the undeformed part, level-0 voxels
+  vec3 size;     // of the undeformed part, level-0 voxels
+  int instance;  // index in the span that was drawn
   int part;
-  vec4 clip;        // where the point is in clip space, and
-  vec4 previous_clip;  // where it was in the frame before (the same, unless kelp::gl::View::previous_world_to_clip is given). Both 0 in what
-                       // a host's own shader traces (scene.glsl)
+  vec4 clip;           // where the point is in clip space, and
+  vec4 previous_clip;  // where it was in the frame before: the same without View::previous_world_to_clip.
+                       // Both are 0 in what a host's own shader traces (scene.glsl).
 };
 
-// From kelp::gl::View. Light that falls on a white, diffuse surface facing the sun leaves it as kelp_sun_color / pi.
+// From kelp::gl::View. A white, diffuse surface that faces the sun sends kelp_sun_color / pi to the eye.
 uniform vec3 kelp_sun_direction;  // world, unit, towards the sun
 uniform vec3 kelp_sun_color;
 uniform vec3 kelp_sky_color;
 uniform vec3 kelp_ground_color;
 uniform bool kelp_self_shadow;
-uniform int kelp_occlusion_rays;      // 0 .. 16; 0: none
-uniform float kelp_occlusion_reach;   // of the part's longest side
-uniform int kelp_shading;             // kelp::gl::Shading
+uniform int kelp_occlusion_rays;     // 0 .. 16; 0: none
+uniform float kelp_occlusion_reach;  // of the part's longest side
+uniform int kelp_shading;            // kelp::gl::Shading
 #define KELP_SHADING_FACES 1
 #define KELP_SHADING_SMOOTH 2
 
-// Two numbers in [0, 1) that turn a pixel's rays of occlusion: its neighbours' are others, its own stay.
+// Two numbers in [0, 1) that rotate a pixel's occlusion rays. They differ between neighbours, and stay the
+// same from frame to frame.
 vec2 kelp_jitter = vec2(0.5);
-// Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare").
+// Interleaved gradient noise (J. Jimenez, "Next Generation Post Processing in Call of Duty:
+// Advanced Warfare").
 vec2 kelpJitter(vec2 place) {
   vec4 both = vec4(place, place + vec2(95.00005, 53.0));
-  return fract(52.9829189 * fract(vec2(dot(both.xy, vec2(0.06711056, 0.00583715)), dot(both.zw, vec2(0.00583715, 0.06711056)))));
+  float first = dot(both.xy, vec2(0.06711056, 0.00583715));
+  float second = dot(both.zw, vec2(0.00583715, 0.06711056));
+  return fract(52.9829189 * fract(vec2(first, second)));
 }
 
-#define KELP_WRAP 0.15  // how far behind its terminator a surface still gets light from the sun
+#define KELP_WRAP 0.15  // how far beyond the terminator the sun still lights a surface
 
-// Whether the voxels of the same part of the same instance stand between a point and the light: `distance` is in world units. Start a
-// little off the surface, or the surface's own voxel is met.
+// Whether voxels of the same part of the same instance are between a point and the light. `distance` in world
+// units. Start a little off the surface, or the ray meets the surface's own voxel.
 bool kelpOccluded(vec3 world_position, vec3 world_direction, float distance) {
   mat4 to_world = kelpPartToWorld();
   mat3 to_part = inverse(mat3(to_world));
@@ -70,11 +77,12 @@ bool kelpOccluded(vec3 world_position, vec3 world_direction, float distance) {
   return reach > 0.0 && kelpTrace(origin, direction / reach, 0.0, reach).found;
 }
 
-// The light that voxels of the same part of the same instance leave to a surface: x of the sun's, 0 or 1 (1 unless `sun`), y of the sky's, the
-// mean over `rays` cosine-weighted rays (1 without any). A ray that hits at the distance d counts as stopped by 1 - (d / reach)^2; `reach` is a
-// fraction of the longest side of the undeformed part.
-// Rays start off the surface, by 1.75 voxels: a surface of cubes has steps that its normal knows nothing of; by 1/16 if faces are shown, which have
-// none. Where that is inside a solid, as in a narrow cleft, by half as much, up to three times.
+// How much light reaches a surface past the voxels of the same part of the same instance. x: the sun's, 0 or
+// 1 (1 without `sun`). y: the sky's, the mean over `rays` cosine-weighted rays (1 without any). A ray that
+// hits at distance d counts as stopped by 1 - (d / reach)^2; `reach` is a fraction of the longest side of the
+// undeformed part. Rays start 1.75 voxels off the surface, because a surface of cubes has steps that its
+// normal does not show. If faces are shown, 1/16 of a voxel. Where that is inside a solid, as in a narrow
+// gap, half as much, up to three times.
 vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   const float kTurn = 2.39996323;  // the golden angle
   vec2 visible = vec2(1.0);
@@ -88,12 +96,13 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   vec3 foot = to_part * (s.position - to_world[3].xyz);
   vec3 off = to_part * (voxel * s.normal);
   float far = reach * max(max(s.size.x, s.size.y), s.size.z);
-  vec3 across = normalize(abs(s.normal.y) < 0.9 ? vec3(s.normal.z, 0.0, -s.normal.x) : vec3(0.0, -s.normal.z, s.normal.y));
+  vec3 across = normalize(abs(s.normal.y) < 0.9 ? vec3(s.normal.z, 0.0, -s.normal.x)
+                                                : vec3(0.0, -s.normal.z, s.normal.y));
   vec3 beside = cross(s.normal, across);
   float stopped = 0.0;
   int halvings = 0;
   for (int i = first; i < rays; ++i) {
-    // Just behind the terminator, where kelpSunLight is still soft, the sun's ray runs along the surface.
+    // Just beyond the terminator, where kelpSunLight is not 0 yet, the sun's ray runs along the surface.
     vec3 towards = kelp_sun_direction + max(-facing, 0.0) * s.normal;
     if (i >= 0) {
       float inner = (float(i) + kelp_jitter.y) / float(rays);
@@ -109,17 +118,21 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
       --i;  // once more
       continue;
     }
-    if (i < 0) visible.x = 0.0;
-    else stopped += 1.0 - hit.s * hit.s / (limit * limit);
+    if (i < 0)
+      visible.x = 0.0;
+    else
+      stopped += 1.0 - hit.s * hit.s / (limit * limit);
   }
   if (rays > 0) visible.y -= stopped / float(rays);
   return visible;
 }
 // As kelp::gl::View::self_shadow, occlusion_rays and occlusion_reach say.
-vec2 kelpVisible(KelpSurface s) { return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach); }
+vec2 kelpVisible(KelpSurface s) {
+  return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach);
+}
 
-// The sun's light that a surface sends to the eye: Lambert, softened where it would end abruptly, and a GGX highlight (Trowbridge-Reitz
-// distribution; Smith visibility after Hammon's approximation; Schlick's Fresnel).
+// The sun's light that a surface sends to the eye: Lambert, softened at the terminator, and a GGX highlight
+// (Trowbridge-Reitz distribution, Smith visibility as approximated by Hammon, Schlick's Fresnel).
 vec3 kelpSunLight(KelpSurface s, vec3 diffuse, vec3 specular) {
   float facing = dot(s.normal, kelp_sun_direction);
   float soft = max((facing + KELP_WRAP) / ((1.0 + KELP_WRAP) * (1.0 + KELP_WRAP)), 0.0);
@@ -136,11 +149,12 @@ vec3 kelpSunLight(KelpSurface s, vec3 diffuse, vec3 specular) {
   return kelp_sun_color * (diffuse * (soft / 3.14159265) + fresnel * (distribution * visibility * to_light));
 }
 
-// The sky above and the ground below, as a hemisphere each.
+// The light of the sky above and the ground below, a hemisphere each.
 vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
   vec3 around = mix(kelp_ground_color, kelp_sky_color, 0.5 + 0.5 * s.normal.y);
   float mirror = dot(reflect(-s.view, s.normal), vec3(0.0, 1.0, 0.0));
-  vec3 reflected = mix(kelp_ground_color, kelp_sky_color, smoothstep(-s.roughness - 0.1, s.roughness + 0.1, mirror));
+  vec3 reflected =
+      mix(kelp_ground_color, kelp_sky_color, smoothstep(-s.roughness - 0.1, s.roughness + 0.1, mirror));
   return diffuse * around + specular * (1.0 - 0.5 * s.roughness) * reflected;
 }
 
@@ -153,6 +167,8 @@ vec4 kelpSurface(KelpSurface s) {
 #else
   const vec2 visible = vec2(1.0);
 #endif
-  return vec4(visible.x * kelpSunLight(s, diffuse, specular) + visible.y * kelpSkyLight(s, diffuse, specular) + s.emissive, 1.0);
+  return vec4(visible.x * kelpSunLight(s, diffuse, specular) +
+                  visible.y * kelpSkyLight(s, diffuse, specular) + s.emissive,
+              1.0);
 }
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// trace.glsl compiled as C++ with GLM: the CPU queries and the tests run the text that the GPU runs.
-// Include it from .cpp files only; it is part of no public interface.
+// The tracing core (spline.glsl, curve.glsl, trace.glsl) compiled as C++ with GLM: CPU queries and tests run
+// the text that the GPU runs. Include it from .cpp files only; it is not installed.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +47,7 @@ struct Level {
   const void* user = nullptr;
 };
 
-// A posed part, traced at levels[0], which `coarser` levels lie over: what the macros of trace.glsl read.
+// A posed part, traced at levels[0], with `coarser` levels above it: what the macros of trace.glsl read.
 struct Context {
   const KelpSegment* segments = nullptr;
   int segment_count = 0;
@@ -61,14 +61,23 @@ struct Context {
   bool complete = true;
 };
 
+#include "spline.glsl"
+// After spline.glsl.
+#include "curve.glsl"
+// After both.
 #include "trace.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
 inline uint cellAt(const Level& level, ivec3 v) {
-  return level.cells[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(level.grid.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(v.z))];
+  return level.cells[static_cast<std::size_t>(v.x) +
+                     static_cast<std::size_t>(level.grid.x) *
+                         (static_cast<std::size_t>(v.y) +
+                          static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(v.z))];
 }
 // A brick's handle is its cell's lower 31 bits plus one.
-inline const std::uint8_t* codesOf(const Level& level, uint brick) { return level.brick(level.user, (brick - 1u) | 0x80000000u); }
+inline const std::uint8_t* codesOf(const Level& level, uint brick) {
+  return level.brick(level.user, (brick - 1u) | 0x80000000u);
+}
 inline uint brickOf(const Context& context, int above, uint cell) {
   const uint brick = (cell & 0x7fffffffu) + 1u;
   return codesOf(context.levels[above], brick) ? brick : 0u;

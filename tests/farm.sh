@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# 200 assets by the workflow of samples/farm: on this machine, and on a Slurm of this machine alone, where one job is killed midway and another is
-# cancelled; the packs must be those of one kelp-bake, byte for byte. Opt-in, minutes: tests/run.sh needs nothing of this.
+# 200 assets by the workflow of samples/farm: on this machine, and on a Slurm of this machine alone, where one
+# job is killed midway and another is
+# cancelled; the packs must be those of one kelp-bake, byte for byte. Opt-in, minutes: tests/run.sh needs
+# nothing of this.
 #   tests/farm.sh [KELP_BAKE]   default: build/dev/bin/kelp-bake, which is built if it is not there
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,10 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Fuzzes kelp: tests/fuzz/README.md says what each fuzzer reaches. Opt-in, for Debian 12 (clang); everything goes to build/.
-#   tests/fuzz.sh [MINUTES] [NAME...]   builds preset fuzz, then runs the fuzzers named, or all of them, for MINUTES of processor time each (1), as many at once as there are
-#                                       processors. Their corpora grow under build/fuzz/corpus. Ends with a table; fails if there was a finding, which it names
-#   tests/fuzz.sh --totals              processor time and executions of each fuzzer in all its runs here so far, also those that were cut short
-#   tests/fuzz.sh --coverage            the share of the pack reader's lines that the seeds of the packs' fuzzers reach; fails at 95 % or less
+# Fuzzes kelp: tests/fuzz/README.md says what each fuzzer reaches. Opt-in, for Debian 12 (clang); everything
+# goes to build/.
+#   tests/fuzz.sh [MINUTES] [NAME...]   builds preset fuzz, then runs the fuzzers named, or all of them, for
+#   MINUTES of processor time each (1), as many at once as there are
+#                                       processors. Their corpora grow under build/fuzz/corpus. Ends with a
+#                                       table; fails if there was a finding, which it names
+#   tests/fuzz.sh --totals              processor time and executions of each fuzzer in all its runs here so
+#   far, also those that were cut short
+#   tests/fuzz.sh --coverage            the share of the pack reader's lines that the seeds of the packs'
+#   fuzzers reach; fails at 95 % or less
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -18,7 +23,9 @@ build() {
   ninja -C "build/$preset" "$@"
 }
 
-# One fuzzer for so many seconds of processor time, in turns, since libFuzzer counts by the clock; ten minutes at most, so that little is lost where it is cut short. Each is noted. Leaves a line of the table in build/fuzz/log/NAME.
+# One fuzzer for so many seconds of processor time, in turns, since libFuzzer counts by the clock; ten minutes
+# at most, so that little is lost where it is cut short. Each is noted. Leaves a line of the table in
+# build/fuzz/log/NAME.
 fuzz_one() {
   local name=$1 wanted=$2 used=0 runs=0 coverage=- code=0 left log=build/fuzz/log/$1
   mkdir -p "build/fuzz/corpus/$name" "build/fuzz/findings"
@@ -93,9 +100,10 @@ totals() {
   awk '{ seconds[$1] += $2; runs[$1] += $3 } END { for (name in runs) printf "%-12s %8.1f %12d\n", name, seconds[name] / 60, runs[name] }' build/fuzz/turns | sort
 }
 
-# All of formats/ but its writers, what only writers use, other systems' sources, and the arithmetic of poses, which a runtime does each frame: what decides whether
-# a pack is read, and decodes it.
-readonly NOT_READER='/(tests|tools|runtime|shaders|usr)/|_writer|_encode|raw_pack|source_windows|worker_threads|lanes8?[.]h|bound_knots|add_waves'
+# All of formats/ except its writers, what only writers use, and the sources of other systems: what decides
+# whether a
+# pack is read, and decodes it.
+readonly NOT_READER='/(tests|tools|runtime|shaders|usr)/|_writer|_encode|raw_pack|source_windows|worker_threads'
 
 coverage() {
   need clang libclang-rt-14-dev llvm

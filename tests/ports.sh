@@ -1,31 +1,38 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # kelp elsewhere than on the machine that builds it. Opt-in: tests/run.sh needs nothing of this.
-#   tests/ports.sh debian    both Debian packages, looked at by lintian, installed into a fresh Debian and used there   (as root; downloads some 500 MB)
+#   tests/ports.sh debian    makes both Debian packages, checks them with lintian, installs them into a fresh
+#                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   the runtime and kelp-dump, cross-compiled by mingw-w64, their tests under wine
-#   tests/ports.sh web       the runtime, compiled by emscripten, its tests under node; links a program with WebGL 2
+#   tests/ports.sh web       the runtime, compiled by emscripten, its tests under node; links a program with
+#                            WebGL 2
 # Says which packages to install where one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 source tests/support/opt_in.sh
 
-# Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages, zstd and GoogleTest from the sources that
-# Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...
+# Kelp's dependencies for another system, in build/ports/SYSTEM/prefix: headers of this machine's packages,
+# zstd and GoogleTest from the sources that Debian has of them. prepare SYSTEM CMAKE_ARGUMENT...
 prepare() {
   local system=$1 work=$PWD/build/ports
   shift
   local prefix=$work/$system/prefix
-  need libglm-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev dpkg-dev cmake ninja-build
+  need libglm-dev libxxhash-dev nlohmann-json3-dev libcli11-dev libfmt-dev libgtest-dev dpkg-dev cmake \
+    ninja-build
   [ -e "$prefix/complete" ] && return 0
   mkdir -p "$prefix/include" "$prefix/share/cmake"
-  cp -r /usr/include/glm /usr/include/nlohmann /usr/include/CLI /usr/include/fmt /usr/include/xxhash.h "$prefix/include/"
+  cp -r /usr/include/{glm,nlohmann,CLI,fmt,xxhash.h} "$prefix/include/"
   cp -r /usr/share/cmake/glm /usr/share/cmake/nlohmann_json /usr/share/cmake/CLI11 "$prefix/share/cmake/"
   mkdir -p "$prefix/share/cmake/fmt"  # its headers alone, in place of this machine's library
-  printf 'add_library(fmt::fmt INTERFACE IMPORTED)\ntarget_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)\ntarget_include_directories(fmt::fmt INTERFACE "%s")\n' \
-    "$prefix/include" >"$prefix/share/cmake/fmt/fmt-config.cmake"
+  cat >"$prefix/share/cmake/fmt/fmt-config.cmake" <<END
+add_library(fmt::fmt INTERFACE IMPORTED)
+target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
+target_include_directories(fmt::fmt INTERFACE "$prefix/include")
+END
   fetch_zstd
-  build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
+  build_dependency "$work/zstd/build/cmake" "$work/$system/zstd" "$prefix" \
+    -DZSTD_BUILD_PROGRAMS=OFF -DZSTD_BUILD_SHARED=OFF -DZSTD_MULTITHREAD_SUPPORT=OFF "$@"
   build_dependency /usr/src/googletest "$work/$system/googletest" "$prefix" -DBUILD_GMOCK=OFF "$@"
   touch "$prefix/complete"
 }
@@ -33,20 +40,41 @@ prepare() {
 build_dependency() {
   local source=$1 build=$2 prefix=$3
   shift 3
-  cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" -DKELP_PORT_PREFIX="$prefix" "$@" >"$build.log" 2>&1 &&
-    cmake --build "$build" >>"$build.log" 2>&1 && cmake --install "$build" >>"$build.log" 2>&1 || { tail -20 "$build.log" >&2; fail "$source did not build, see $build.log"; }
+  {
+    cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
+      -DKELP_PORT_PREFIX="$prefix" "$@" && cmake --build "$build" && cmake --install "$build"
+  } >"$build.log" 2>&1 || { tail -20 "$build.log" >&2; fail "$source did not build, see $build.log"; }
 }
 
-# zstd's source as Debian has it: the version that libzstd-dev is of, with apt's own signatures, without a change to this machine's lists.
-fetch_zstd() {
-  local work=$PWD/build/ports suite
-  [ -d "$work/zstd" ] && return 0
+# The Debian repository that apt on this machine is configured with: "URI SUITE".
+debian_repository() {
+  local suite found
   suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 'Origin: Debian' \
+    'Component: main' "Codename: $suite")
+  [ -n "$found" ] || fail "apt has no repository of Debian's $suite; add it, then apt-get update"
+  head -n 1 <<<"$found"
+}
+
+# zstd's source from Debian: the version that libzstd-dev has. apt checks its signature. A list of sources of
+# its own leaves this machine's lists as they are.
+fetch_zstd() {
+  local work=$PWD/build/ports repository
+  [ -d "$work/zstd" ] && return 0
+  repository=$(debian_repository)
   rm -rf "$work/apt" "$work/source" && mkdir -p "$work/apt/lists/partial" "$work/source"
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $suite main" >"$work/apt/sources.list"
-  (cd "$work/source" && apt() { apt-get -qq -o Dir::Etc::SourceList="$work/apt/sources.list" -o Dir::Etc::SourceParts=/nonexistent -o Dir::State::Lists="$work/apt/lists" \
-      -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root "$@"; }
-    apt update && apt source --download-only libzstd && dpkg-source --no-check -x libzstd_*.dsc "$work/zstd") >"$work/source.log" 2>&1 ||
+  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $repository main" \
+    >"$work/apt/sources.list"
+  (
+    cd "$work/source" || exit 1
+    own_apt() {
+      apt-get -qq -o Dir::Etc::SourceList="$work/apt/sources.list" -o Dir::Etc::SourceParts=/nonexistent \
+        -o Dir::State::Lists="$work/apt/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= \
+        -o APT::Sandbox::User=root "$@"
+    }
+    own_apt update && own_apt source --download-only libzstd &&
+      dpkg-source --no-check -x libzstd_*.dsc "$work/zstd"
+  ) >"$work/source.log" 2>&1 ||
     { tail -5 "$work/source.log" >&2; fail "no source of zstd from Debian, see $work/source.log"; }
 }
 
@@ -56,10 +84,17 @@ port_debian() {
   rm -f build/package/*.deb
   cmake --workflow --preset package
   # No manual pages: --help has it all. No bug of Debian's asks for the packages.
-  lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs build/package/*.deb
+  lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs \
+    build/package/*.deb
   tests/install/hardened.sh build/package/bin/kelp-*
   local root=build/debian-root
-  [ -x "$root/usr/bin/apt-get" ] || { rm -rf "$root"; debootstrap --variant=minbase bookworm "$root" >build/debian-root.log || { tail -5 build/debian-root.log >&2; exit 1; }; }
+  if [ ! -x "$root/usr/bin/apt-get" ]; then
+    local repository
+    repository=$(debian_repository)
+    rm -rf "$root"
+    debootstrap --variant=minbase "${repository#* }" "$root" "${repository% *}" >build/debian-root.log ||
+      { tail -5 build/debian-root.log >&2; exit 1; }
+  fi
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
   cp -r tests/install/consumer tests/install/packs "$root/kelp"
@@ -78,19 +113,21 @@ port_windows() {
 
 port_web() {
   need emscripten nodejs
-  export NODE_PATH=/usr/share/nodejs  # where Debian's modules are; a node that is not Debian's does not look there
+  # where Debian's modules are; a node that is not Debian's does not look there
+  export NODE_PATH=/usr/share/nodejs
   export NODE_OPTIONS=--no-experimental-fetch  # emscripten 3.1.6 takes a node with fetch() for a browser
-  prepare web -DCMAKE_TOOLCHAIN_FILE=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
+  local toolchain=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake
+  prepare web -DCMAKE_TOOLCHAIN_FILE=$toolchain -DCMAKE_CXX_FLAGS=-fexceptions -Dgtest_disable_pthreads=ON
   cmake --preset web
   cmake --build --preset web
   ctest --preset web
   # A page, against what is installed; without exceptions, as pages are.
   cmake --install build/web --prefix "$PWD/build/ports/web/kelp" >build/ports/web/install.log
-  cmake -S tests/install/web -B build/ports/web/page -G Ninja -DCMAKE_TOOLCHAIN_FILE=/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake \
+  cmake -S tests/install/web -B build/ports/web/page -G Ninja -DCMAKE_TOOLCHAIN_FILE=$toolchain \
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_ROOT_PATH="$PWD/build/ports/web/kelp;$PWD/build/ports/web/prefix"
   cmake --build build/ports/web/page
   local said
-  said=$(node build/ports/web/page/draw.js tests/formats/golden/v1_tiny.kelp 2>&1 || true)
+  said=$(node build/ports/web/page/draw.js tests/formats/golden/solid.kelp 2>&1 || true)
   echo "$said"
   [[ "$said" == *"parts loaded"*"no WebGL 2 here"* ]] || fail "the page did not load its pack"
 }
@@ -98,7 +135,7 @@ port_web() {
 main() {
   case "${1:-}" in
     debian|windows|web) "port_$1" ;;
-    -h|--help) sed -n '3,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
+    -h|--help) sed -n '3,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" ;;
     *) fail "give one of debian, windows, web; see --help" ;;
   esac
 }

@@ -1,29 +1,39 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing to build kelp on Debian 12: `tools/setup.sh` for everything, `tools/setup.sh runtime` for the runtime, kelp-dump
-# and kelp-render alone. `tools/setup.sh tests`: for tests/run.sh, which builds by clang too. `tools/setup.sh lint`: for tests/lint.sh. `tools/setup.sh farm`: for samples/farm, which nothing else needs (some 700 MB).
-# Does nothing, and needs no rights, when all is there.
+# Installs what is missing to build kelp on Debian 12. Does nothing, and needs no rights, when all is there.
+#   tools/setup.sh             everything that is built: programs and samples
+#   tools/setup.sh runtime     for the runtime, kelp-dump and kelp-render alone
+#   tools/setup.sh tests       for tests/run.sh
+#   tools/setup.sh sanitizers  for tests/run.sh --sanitizers, besides
+#   tools/setup.sh lint        for tests/lint.sh
+#   tools/setup.sh farm        for samples/farm; nothing else needs it (some 700 MB)
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
 runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
          python3-jsonschema)  # tests only: published schemas by another validator
-baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev libtinygltf-dev libdraco-dev
+baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
+       libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
-       libopenmesh-dev make)  # tests only: reads the same meshes for comparison; reads the rules of kelp-bake -MD
+       # tests only: OpenMesh reads the same meshes; make reads the rules of kelp-bake -MD
+       libopenmesh-dev make)
 samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
+format=(clang-format)  # tests/check_house.py
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)
 farm=(snakemake slurm-wlm munge)
 
 case "${1:-all}" in
   all) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}") ;;
-  tests) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${sanitizers[@]}") ;;
+  tests) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${format[@]}") ;;
+  sanitizers) packages=("${build[@]}" "${sanitizers[@]}") ;;
   runtime) packages=("${build[@]}" "${runtime[@]}") ;;
   lint) packages=("${build[@]}" "${runtime[@]}" "${baker[@]}" "${samples[@]}" "${lint[@]}") ;;
   farm) packages=("${farm[@]}") ;;
-  *) echo "setup.sh: unknown set '$1': give 'all', 'tests', 'runtime', 'lint' or 'farm'" >&2; exit 1 ;;
+  *)
+    echo "setup.sh: unknown set '$1': give 'all', 'runtime', 'tests', 'sanitizers', 'lint' or 'farm'" >&2
+    exit 1 ;;
 esac
 
 missing=()
@@ -34,7 +44,8 @@ done
 
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null || { echo "setup.sh: run as root, or install sudo; missing packages: ${missing[*]}" >&2; exit 1; }
+  command -v sudo >/dev/null ||
+    { echo "setup.sh: run as root, or install sudo; missing packages: ${missing[*]}" >&2; exit 1; }
   as_root=(sudo)
 fi
 echo "Installing: ${missing[*]}" >&2

@@ -10,10 +10,11 @@
 namespace kelp {
 namespace {
 
-// Octahedral coordinates are stored as code - 2047 over 2047, so that 0 and the six axes are exact; 4095 reads as 4094.
+// An octahedral coordinate is (code - 2047) / 2047, so that 0 and the six axes are exact. Code 4095 reads as
+// 4094.
 constexpr int kOctahedralHalf = 2047;
 
-// x into bits 0, 3, 6, ...
+// Moves the bits of x to bits 0, 3, 6, ...
 std::uint64_t spreadBits(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | (x << 32)) & 0x001f00000000ffffu;
@@ -45,7 +46,8 @@ Direction octahedralDirection(int u, int v) {
 
 glm::ivec3 levelSize(const glm::ivec3& size, int level) {
   const auto shrink = [level](int n) {
-    return static_cast<int>(std::max<std::int64_t>(1, (std::int64_t{n} + (std::int64_t{1} << level) - 1) >> level));
+    return static_cast<int>(
+        std::max<std::int64_t>(1, (std::int64_t{n} + (std::int64_t{1} << level) - 1) >> level));
   };
   return {shrink(size.x), shrink(size.y), shrink(size.z)};
 }
@@ -53,7 +55,8 @@ glm::ivec3 levelSize(const glm::ivec3& size, int level) {
 glm::ivec3 brickGrid(const glm::ivec3& size) { return levelSize(size, 3); }
 
 std::uint64_t mortonCode(const glm::ivec3& brick) {
-  return spreadBits(static_cast<std::uint64_t>(brick.x)) | (spreadBits(static_cast<std::uint64_t>(brick.y)) << 1) |
+  return spreadBits(static_cast<std::uint64_t>(brick.x)) |
+         (spreadBits(static_cast<std::uint64_t>(brick.y)) << 1) |
          (spreadBits(static_cast<std::uint64_t>(brick.z)) << 2);
 }
 
@@ -69,7 +72,7 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
     x = folded_x;
     z = folded_z;
   }
-  // The map stretches space, so that plain rounding is not always the nearest: try the codes around.
+  // The map is not uniform, so rounding does not always give the nearest normal: try the codes around it.
   const int u0 = static_cast<int>(std::floor(x * kOctahedralHalf)) + kOctahedralHalf;
   const int v0 = static_cast<int>(std::floor(z * kOctahedralHalf)) + kOctahedralHalf;
   std::uint32_t best = 0;
@@ -78,7 +81,7 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
     for (int u = u0 - 1; u <= u0 + 2; ++u) {
       if (u < 0 || v < 0 || u > 2 * kOctahedralHalf || v > 2 * kOctahedralHalf) continue;
       const Direction d = octahedralDirection(u, v);
-      // The chord, not the cosine: cosines near 1 can not tell such small angles apart.
+      // Compares chords. Cosines near 1 cannot distinguish such small angles.
       const double dx = d.x - nx / length, dy = d.y - ny / length, dz = d.z - nz / length;
       const double distance = dx * dx + dy * dy + dz * dz;
       if (distance < best_distance) {
@@ -87,7 +90,7 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
       }
     }
   }
-  // On the square's border two codes are one direction: the greater is written.
+  // On the border of the square, two codes are the same direction: write the greater.
   std::uint32_t u = best & 0xfffu, v = best >> 12;
   constexpr std::uint32_t kEnd = 2 * kOctahedralHalf;
   if (u == 0 || u == kEnd) v = std::max(v, kEnd - v);
@@ -96,11 +99,13 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
 }
 
 glm::vec3 decodeNormal(std::uint32_t bits24) {
-  const Direction d = octahedralDirection(static_cast<int>(bits24 & 0xfffu), static_cast<int>((bits24 >> 12) & 0xfffu));
+  const Direction d =
+      octahedralDirection(static_cast<int>(bits24 & 0xfffu), static_cast<int>((bits24 >> 12) & 0xfffu));
   return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 
-std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first, std::span<std::uint32_t> slice_base) {
+std::int64_t computeSliceBase(std::span<const std::uint8_t> codes, std::uint32_t first,
+                              std::span<std::uint32_t> slice_base) {
   if (codes.size() % kBrickVoxels != 0 || slice_base.size() < codes.size() / EightCodes::kSlice) return -1;
   std::uint64_t wrong = 0;
   std::uint32_t count = 0;

@@ -19,6 +19,8 @@ void RunningChecksum::add(std::span<const std::byte> bytes) {
   XXH3_64bits_update(reinterpret_cast<XXH3_state_t*>(state_), bytes.data(), bytes.size());
 }
 
-std::uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(reinterpret_cast<const XXH3_state_t*>(state_)); }
+std::uint64_t RunningChecksum::value() const {
+  return XXH3_64bits_digest(reinterpret_cast<const XXH3_state_t*>(state_));
+}
 
 }  // namespace kelp

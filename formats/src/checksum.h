@@ -10,7 +10,7 @@ namespace kelp {
 
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-// The same over bytes that come in pieces.
+// The same for bytes that come in pieces.
 class RunningChecksum {
  public:
   RunningChecksum();
@@ -18,7 +18,7 @@ class RunningChecksum {
   std::uint64_t value() const;
 
  private:
-  alignas(64) std::byte state_[576];  // XXH3_state_t, which stays out of this header
+  alignas(64) std::byte state_[576];  // an XXH3_state_t; this header does not include xxhash.h
 };
 
 }  // namespace kelp

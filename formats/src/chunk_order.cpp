@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The order of chunks: INFO PART MATL FOGS RIGS CLIP, then per level, coarse to fine, and per part GRID BRCK, or GRID FOGB. Optional chunks that
-// this version does not know may stand anywhere between.
+// The order of chunks: INFO PART MATL FOGS RIGS CLIP; then for each level, coarse to fine, and for each
+// part, GRID and BRCK or FOGB. Unknown optional chunks may stand anywhere between.
 #include <algorithm>
 
 #include "container.h"
@@ -17,7 +17,8 @@ Error wrongOrder(const char* detail, std::size_t index) {
 
 bool isMetadata(std::uint32_t fourcc) {
   using namespace layout;
-  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kFogs || fourcc == kRigs || fourcc == kClip;
+  return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kFogs || fourcc == kRigs ||
+         fourcc == kClip;
 }
 
 bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || layout::isPages(fourcc); }
@@ -30,12 +31,9 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
     std::uint32_t fourcc;
     std::size_t* index;
   };
-  const Slot slots[] = {{layout::kInfo, &found.info},
-                        {layout::kPart, &found.part},
-                        {layout::kMatl, &found.matl},
-                        {layout::kFogs, &found.fogs},
-                        {layout::kRigs, &found.rigs},
-                        {layout::kClip, &found.clip}};
+  const Slot slots[] = {{layout::kInfo, &found.info}, {layout::kPart, &found.part},
+                        {layout::kMatl, &found.matl}, {layout::kFogs, &found.fogs},
+                        {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip}};
   const Slot* next = std::begin(slots);
   bool levels = false;
   std::uint64_t total = 0;
@@ -43,8 +41,9 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
     levels = levels || isLevel(chunks[i].fourcc);
     if (!isMetadata(chunks[i].fourcc)) continue;
     if (levels) return wrongOrder("a metadata chunk comes after the levels", i);
-    const Slot* slot = std::find_if(next, std::end(slots), [&](const Slot& s) { return s.fourcc == chunks[i].fourcc; });
-    if (slot == std::end(slots)) return wrongOrder("a metadata chunk is there twice or out of order", i);
+    const Slot* slot =
+        std::find_if(next, std::end(slots), [&](const Slot& s) { return s.fourcc == chunks[i].fourcc; });
+    if (slot == std::end(slots)) return wrongOrder("a metadata chunk is repeated or out of order", i);
     *slot->index = i;
     next = slot + 1;
     if (chunks[i].raw > limits.max_metadata_bytes - total) {
@@ -65,7 +64,7 @@ Result<void> findLevels(std::span<const ChunkInfo> chunks, std::span<const Part>
     levels += static_cast<std::size_t>(part.levels);
     coarsest = std::max(coarsest, part.levels - 1);
   }
-  // Before memory is taken: a pack can not have more levels than chunks.
+  // Checked before memory is allocated.
   if (levels > chunks.size()) return wrongOrder("the parts have more levels than there are chunks", 0);
   if (!out.first.reset(parts.size()) || !out.grids.reset(levels) || !out.bricks.reset(levels)) {
     return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
@@ -85,7 +84,8 @@ Result<void> findLevels(std::span<const ChunkInfo> chunks, std::span<const Part>
       const std::size_t slot = out.first[p] + static_cast<std::size_t>(level);
       if (!expect(layout::kGrid, level, p)) return wrongOrder("a grid is missing or out of order", i);
       out.grids[slot] = static_cast<std::uint32_t>(i++);
-      if (!expect(parts[p].kind == PartKind::kFog ? layout::kFogb : layout::kBrck, level, p)) return wrongOrder("bricks are missing or out of order", i);
+      if (!expect(parts[p].kind == PartKind::kFog ? layout::kFogb : layout::kBrck, level, p))
+        return wrongOrder("bricks are missing or out of order", i);
       out.bricks[slot] = static_cast<std::uint32_t>(i++);
     }
   }

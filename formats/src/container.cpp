@@ -13,27 +13,30 @@ namespace {
 
 using ChunkInfo = Pack::ChunkInfo;
 
-// INFO and CLIP are for those who want them; without the others nothing can be drawn.
+// A pack can be drawn without INFO and CLIP, but not without the others.
 bool mustBeRequired(std::uint32_t fourcc) { return fourcc != layout::kInfo && fourcc != layout::kClip; }
 
-std::uint64_t entryOffset(std::size_t index) { return layout::kHeaderBytes + index * layout::kIndexEntryBytes; }
+std::uint64_t entryOffset(std::size_t index) {
+  return layout::kHeaderBytes + index * layout::kIndexEntryBytes;
+}
 
-// The rules that concern one known chunk by itself.
+// Checks a known chunk by itself.
 Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
   const bool level_chunk = chunk.fourcc == layout::kGrid || layout::isPages(chunk.fourcc);
   if (chunk.flags & ~layout::kKnownFlags)
-    return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know", at + 4};
+    return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know",
+                 at + 4};
   if (((chunk.flags & layout::kFlagRequired) != 0) != mustBeRequired(chunk.fourcc)) {
-    return Error{ErrorCode::kCorrupt, "a chunk's required flag is not as its kind demands", at + 4};
+    return Error{ErrorCode::kCorrupt, "a chunk's required flag is wrong for its kind", at + 4};
   }
   if (!level_chunk && (chunk.level != 0 || chunk.part != 0))
     return Error{ErrorCode::kCorrupt, "a metadata chunk names a level or part", at + 8};
   if (chunk.raw == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 32};
   if (chunk.flags & layout::kFlagZstd) {
     if (layout::isPages(chunk.fourcc))
-      return Error{ErrorCode::kCorrupt, "a brick chunk is flagged as compressed in one piece", at + 4};
+      return Error{ErrorCode::kCorrupt, "a chunk of pages has the zstd flag", at + 4};
     if (chunk.raw / layout::kMaxExpansion > chunk.stored)
-      return Error{ErrorCode::kCorrupt, "a chunk claims to expand further than zstd can", at + 32};
+      return Error{ErrorCode::kCorrupt, "a chunk's raw size is more than zstd can produce", at + 32};
   } else if (chunk.raw != chunk.stored) {
     return Error{ErrorCode::kCorrupt, "an uncompressed chunk's two sizes differ", at + 32};
   }
@@ -49,7 +52,7 @@ Result<void> checkIndex(const Container& container, const Limits& limits) {
     const ChunkInfo& chunk = container.chunks[i];
     const std::uint64_t at = entryOffset(i);
     if (chunk.offset != layout::align(end, layout::kAlignment))
-      return Error{ErrorCode::kCorrupt, "a chunk is not where the one before it ends", at + 16};
+      return Error{ErrorCode::kCorrupt, "a chunk does not start where the previous one ends", at + 16};
     if (chunk.stored == 0) return Error{ErrorCode::kCorrupt, "a chunk is empty", at + 24};
     if (chunk.offset > container.file_size || chunk.stored > container.file_size - chunk.offset) {
       return Error{ErrorCode::kCorrupt, "a chunk reaches beyond the end of the file", at + 24};
@@ -58,30 +61,34 @@ Result<void> checkIndex(const Container& container, const Limits& limits) {
     if (layout::isKnown(chunk.fourcc)) {
       if (const Result<void> checked = checkKnownChunk(chunk, limits, at); !checked) return checked;
     } else if (chunk.flags & layout::kFlagRequired) {
-      return Error{ErrorCode::kUnsupportedFeature, "a required chunk is of a kind that this version does not know", at};
+      return Error{ErrorCode::kUnsupportedFeature,
+                   "a required chunk has a kind that this version does not know", at};
     }
   }
-  if (end != container.file_size) return Error{ErrorCode::kCorrupt, "the last chunk does not end where the file does", 16};
+  if (end != container.file_size)
+    return Error{ErrorCode::kCorrupt, "the last chunk does not end at the end of the file", 16};
   return {};
 }
 
 }  // namespace
 
 Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes) {
-  if (!source.read(source.user, offset, bytes)) return Error{ErrorCode::kIo, "the source could not be read", offset};
+  if (!source.read(source.user, offset, bytes))
+    return Error{ErrorCode::kIo, "the source could not be read", offset};
   return {};
 }
 
-Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator, Container& out) {
+Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator,
+                           Container& out) {
   using namespace layout;
   if (!source.read) return Error{ErrorCode::kMisuse, "the source has no read function"};
   std::array<std::byte, kHeaderBytes> header{};
   const std::size_t there = static_cast<std::size_t>(std::min<std::uint64_t>(source.size, kHeaderBytes));
   if (const Result<void> read = readBytes(source, 0, std::span(header).first(there)); !read) return read;
-  // What there is of the identifier tells a cut pack from another kind of file.
+  // Even the first bytes of the identifier distinguish a truncated pack from another kind of file.
   const std::size_t compared = std::min(there, kIdentifier.size());
   if (compared == 0 || std::memcmp(header.data(), kIdentifier.data(), compared) != 0) {
-    return Error{ErrorCode::kNotAPack, "the file does not begin as a .kelp pack does", 0};
+    return Error{ErrorCode::kNotAPack, "the file does not start like a .kelp pack", 0};
   }
   if (there < kHeaderBytes) return Error{ErrorCode::kTruncated, "the file ends within its header", there};
   if (load<std::uint16_t>(header, 12) > kFormatMajor)
@@ -90,17 +97,21 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
     return Error{ErrorCode::kCorrupt, "there is no such version of the format", 12};
   out.minor = load<std::uint16_t>(header, 14);
   out.file_size = load<std::uint64_t>(header, 16);
-  if (source.size < out.file_size) return Error{ErrorCode::kTruncated, "the file is shorter than its header says", source.size};
-  if (source.size > out.file_size) return Error{ErrorCode::kCorrupt, "the file is longer than its header says", out.file_size};
+  if (source.size < out.file_size)
+    return Error{ErrorCode::kTruncated, "the file is shorter than its header says", source.size};
+  if (source.size > out.file_size)
+    return Error{ErrorCode::kCorrupt, "the file is longer than its header says", out.file_size};
   for (std::size_t i = 28; i < kHeaderChecksum; ++i) {
-    if (header[i] != std::byte{0}) return Error{ErrorCode::kCorrupt, "a reserved byte of the header is not zero", i};
+    if (header[i] != std::byte{0})
+      return Error{ErrorCode::kCorrupt, "a reserved byte of the header is not zero", i};
   }
   const std::uint32_t count = load<std::uint32_t>(header, 24);
   if (count < 1 || count > (out.file_size - kHeaderBytes) / kIndexEntryBytes) {
-    return Error{ErrorCode::kCorrupt, "the index does not fit the file", 24};
+    return Error{ErrorCode::kCorrupt, "the index does not fit into the file", 24};
   }
   const std::uint64_t index_bytes = std::uint64_t{count} * kIndexEntryBytes;
-  if (index_bytes > limits.max_decoded_bytes) return Error{ErrorCode::kLimit, "the index is larger than the limits allow", 24};
+  if (index_bytes > limits.max_decoded_bytes)
+    return Error{ErrorCode::kLimit, "the index is larger than the limits allow", 24};
 
   Buffer<std::byte> index(allocator);
   if (!index.reset(index_bytes) || !out.chunks.reset(count)) {
@@ -113,14 +124,15 @@ Result<void> readContainer(const Source& source, const Limits& limits, const All
   running.add(header);
   running.add(index.span());
   if (running.value() != stated)
-    return Error{ErrorCode::kChecksum, "header and index differ from their checksum", kHeaderChecksum};
+    return Error{ErrorCode::kChecksum, "the header and the index differ from their checksum",
+                 kHeaderChecksum};
 
   for (std::size_t i = 0; i < count; ++i) out.chunks[i] = loadIndexEntry(index.span(), i * kIndexEntryBytes);
   return checkIndex(out, limits);
 }
 
-Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits, Buffer<std::byte>& out,
-                       const Allocator& allocator) {
+Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limits& limits,
+                       Buffer<std::byte>& out, const Allocator& allocator) {
   if (chunk.raw > limits.max_decoded_bytes)
     return Error{ErrorCode::kLimit, "a chunk is larger than the limits allow", chunk.offset};
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
@@ -138,7 +150,7 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
     return Error{ErrorCode::kOutOfMemory, "no memory for a chunk", chunk.offset};
   }
   if (!decodeFrame(frame.span(), out.span(), workspace.span())) {
-    return Error{ErrorCode::kCorrupt, "a chunk does not decompress to the size it states", chunk.offset};
+    return Error{ErrorCode::kCorrupt, "a chunk does not decompress to its raw size", chunk.offset};
   }
   return {};
 }
@@ -146,8 +158,10 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
 Error inFile(const Error& error, const ChunkInfo& chunk) {
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
   const ErrorCode code =
-      error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;  // a pose may turn back; a pack is broken
-  return {code, error.detail, chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset)};
+      // In a pack this is corruption; only a pose may turn back.
+      error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;
+  return {code, error.detail,
+          chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset)};
 }
 
 }  // namespace kelp

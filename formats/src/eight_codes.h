@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Eight voxels' codes in a word, the first in the lowest byte, so that ranks are counted eight at a time and without a branch.
+// The codes of eight voxels in one word, the first in the lowest byte. Ranks are counted eight at a time,
+// without branches.
 #pragma once
 
 #include <bit>
@@ -19,16 +20,21 @@ struct EightCodes {
   explicit EightCodes(const std::uint8_t* from) { std::memcpy(&codes, from, sizeof codes); }
   void store(std::uint8_t* to) const { std::memcpy(to, &codes, sizeof codes); }
 
-  // A one in the byte of each voxel whose code has bit 6: the surface voxels, if nothing is reserved.
+  // A 1 in the byte of each voxel whose code has bit 6. If no code is reserved, these are the surface
+  // voxels.
   std::uint64_t surface() const { return codes >> 6 & kOnes; }
   std::uint64_t surfaceBytes() const { return surface() * 0xff; }
-  // The highest byte of the product is the sum of all. Without an instruction for it, std::popcount is a call.
+  // The sum of all bytes is the highest byte of the product. Without a processor instruction for it,
+  // std::popcount is slower.
   std::uint64_t surfaceVoxels() const { return surface() * kOnes >> 56; }
   // Not 0 if a code is above kInnerCode.
   std::uint64_t reservedBits() const { return codes & (codes >> 7 & kOnes) * 0x7f; }
-  // The code of the n-th of the surface voxels from here on, the first being the `rank`-th of its slice, in its byte; other bytes mean nothing.
-  // A byte of the product with kOnes is the sum of the bytes up to it; none is above 63 + 8.
-  std::uint64_t ranked(std::uint64_t rank) const { return (surface() * kOnes - surface()) + (kSurfaceCode + rank) * kOnes; }
+  // In the byte of each surface voxel: its code if the first surface voxel here has rank `rank` in its
+  // slice. Other bytes are undefined. Byte i of the product with kOnes is the sum of bytes 0 to i; no sum
+  // exceeds 63 + 8.
+  std::uint64_t ranked(std::uint64_t rank) const {
+    return (surface() * kOnes - surface()) + (kSurfaceCode + rank) * kOnes;
+  }
 
   std::uint64_t codes = 0;
 };

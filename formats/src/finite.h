@@ -12,7 +12,11 @@ namespace kelp {
 
 inline bool isFinite(float v) { return std::isfinite(v); }
 inline bool isFinite(const glm::vec3& v) { return isFinite(v.x) && isFinite(v.y) && isFinite(v.z); }
-inline bool isFinite(const glm::vec4& v) { return isFinite(v.x) && isFinite(v.y) && isFinite(v.z) && isFinite(v.w); }
-inline bool isFinite(const glm::mat4x3& m) { return isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(m[3]); }
+inline bool isFinite(const glm::vec4& v) {
+  return isFinite(v.x) && isFinite(v.y) && isFinite(v.z) && isFinite(v.w);
+}
+inline bool isFinite(const glm::mat4x3& m) {
+  return isFinite(m[0]) && isFinite(m[1]) && isFinite(m[2]) && isFinite(m[3]);
+}
 
 }  // namespace kelp

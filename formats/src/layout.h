@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of a .kelp file, shared by reader, writer and verifier. formats/SPEC.md is the law; the numbers of its tables stand
-// here.
+// The numbers of the tables in formats/SPEC.md, for reader, writer and verifier.
 #pragma once
 
 #include <array>
@@ -14,10 +13,12 @@
 
 namespace kelp::layout {
 
-static_assert(std::endian::native == std::endian::little, "kelp reads and writes packs on little-endian machines only");
+static_assert(std::endian::native == std::endian::little,
+              "kelp reads and writes packs on little-endian machines only");
 
-// 0xAB K E L P A K 0xBB CR LF ^Z LF: a transfer that treats the file as text damages it visibly.
-inline constexpr std::array<std::uint8_t, 12> kIdentifier = {0xAB, 'K', 'E', 'L', 'P', 'A', 'K', 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
+// 0xAB K E L P A K 0xBB CR LF ^Z LF. A transfer in text mode changes these bytes.
+inline constexpr std::array<std::uint8_t, 12> kIdentifier = {0xAB, 'K',  'E',  'L',  'P',  'A',
+                                                             'K',  0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
 
 constexpr std::uint32_t fourcc(const char (&name)[5]) {
   return static_cast<std::uint32_t>(name[0]) | (static_cast<std::uint32_t>(name[1]) << 8) |
@@ -34,11 +35,11 @@ inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 inline constexpr std::uint32_t kFogb = fourcc("FOGB");
 
 constexpr bool isKnown(std::uint32_t chunk) {
-  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs || chunk == kClip || chunk == kGrid ||
-         chunk == kBrck || chunk == kFogb;
+  return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs ||
+         chunk == kClip || chunk == kGrid || chunk == kBrck || chunk == kFogb;
 }
 
-// Pages of bricks: compressed one by one.
+// Whether the chunk consists of pages, which are compressed one by one.
 constexpr bool isPages(std::uint32_t chunk) { return chunk == kBrck || chunk == kFogb; }
 
 inline constexpr std::uint32_t kFlagRequired = 1;
@@ -46,7 +47,8 @@ inline constexpr std::uint32_t kFlagZstd = 2;
 inline constexpr std::uint32_t kKnownFlags = kFlagRequired | kFlagZstd;
 
 inline constexpr std::size_t kHeaderBytes = 64;
-inline constexpr std::size_t kHeaderChecksum = 56;  // where the header keeps the checksum of itself and the index
+// offset of the checksum of header and index
+inline constexpr std::size_t kHeaderChecksum = 56;
 inline constexpr std::size_t kIndexEntryBytes = 48;
 inline constexpr std::uint64_t kAlignment = 64;
 inline constexpr std::uint32_t kMaxPageRaw = 64 * 1024;
@@ -54,13 +56,14 @@ inline constexpr std::uint32_t kMaxPageStored = 128 * 1024;
 inline constexpr std::size_t kPageEntryBytes = 32;
 inline constexpr std::uint32_t kMaxSide = 32768;  // level-0 voxels
 inline constexpr std::uint32_t kMaxNameBytes = 255;
-inline constexpr std::uint64_t kLeastFrame = 10;  // bytes of a zstd frame that holds something: magic number, descriptor, size, a block's header, a byte
-// No zstd block expands further: 128 KiB from the 4 bytes of a run.
+// Size of the smallest zstd frame that is not empty: magic number, descriptor, size, block header, one byte.
+inline constexpr std::uint64_t kLeastFrame = 10;
+// The most that zstd can expand: 128 KiB from a block of 4 bytes.
 inline constexpr std::uint64_t kMaxExpansion = 32768;
 
 constexpr std::uint64_t align(std::uint64_t n, std::uint64_t unit) { return (n + unit - 1) / unit * unit; }
 
-// One value at `at`, which the caller has checked.
+// Loads the value at `at`. The caller has checked the size.
 template <class T>
 T load(std::span<const std::byte> bytes, std::size_t at) {
   T value;
@@ -73,7 +76,7 @@ void store(std::span<std::byte> bytes, std::size_t at, const T& value) {
   std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-// The fourcc, flags, level, part, offset, stored, raw and checksum of an index entry, in this order and without gaps.
+// An index entry: fourcc, flags, level, part, offset, stored size, raw size, checksum.
 inline Pack::ChunkInfo loadIndexEntry(std::span<const std::byte> bytes, std::size_t at) {
   Pack::ChunkInfo chunk;
   chunk.fourcc = load<std::uint32_t>(bytes, at);
@@ -98,11 +101,12 @@ inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pa
   store(bytes, at + 40, chunk.checksum);
 }
 
-// Sizes of the records in the metadata chunks.
+// Sizes of headers and records in the metadata chunks.
 inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
 inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
 inline constexpr std::size_t kFogsHeader = 4, kFogRecord = 28, kRampRecord = 12;
 inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 4, kKnotRecord = 28;
-inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16, kKeyRecord = 52;
+inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16,
+                             kKeyRecord = 52;
 
 }  // namespace kelp::layout

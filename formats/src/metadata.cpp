@@ -9,12 +9,15 @@
 namespace kelp {
 namespace {
 
-// Whether the matrix can be inverted: the runtime goes both ways.
+// Whether the matrix has an inverse. The runtime uses both directions.
 bool isInvertible(const glm::mat4x3& m) {
   const double determinant =
-      static_cast<double>(m[0].x) * (static_cast<double>(m[1].y) * m[2].z - static_cast<double>(m[1].z) * m[2].y) -
-      static_cast<double>(m[1].x) * (static_cast<double>(m[0].y) * m[2].z - static_cast<double>(m[0].z) * m[2].y) +
-      static_cast<double>(m[2].x) * (static_cast<double>(m[0].y) * m[1].z - static_cast<double>(m[0].z) * m[1].y);
+      static_cast<double>(m[0].x) *
+          (static_cast<double>(m[1].y) * m[2].z - static_cast<double>(m[1].z) * m[2].y) -
+      static_cast<double>(m[1].x) *
+          (static_cast<double>(m[0].y) * m[2].z - static_cast<double>(m[0].z) * m[2].y) +
+      static_cast<double>(m[2].x) *
+          (static_cast<double>(m[0].y) * m[1].z - static_cast<double>(m[0].z) * m[1].y);
   return isFinite(m) && std::isfinite(determinant) && determinant != 0.0;
 }
 
@@ -30,20 +33,45 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   if (part.parent < -1 || part.parent >= static_cast<std::int64_t>(index))
     return corrupt("a part's parent is not an earlier part", at);
   if (kind > static_cast<std::uint8_t>(PartKind::kFog)) {
-    return Error{ErrorCode::kUnsupportedFeature, "a part is of a kind that this version does not know", at + 4};
+    return Error{ErrorCode::kUnsupportedFeature, "a part has a kind that this version does not know", at + 4};
   }
   part.kind = static_cast<PartKind>(kind);
-  if (part.levels < 1 || part.levels > kMaxLevels) return corrupt("a part's number of levels is not 1 to 16", at + 5);
+  if (part.levels < 1 || part.levels > kMaxLevels)
+    return corrupt("a part's number of levels is not 1 to 16", at + 5);
   if (reserved != 0) return corrupt("a reserved field of a part is not zero", at + 6);
   for (int axis = 0; axis < 3; ++axis) {
-    if (size[axis] < 1 || size[axis] > layout::kMaxSide) return corrupt("a part's size is not 1 to 32768", at + 8);
+    if (size[axis] < 1 || size[axis] > layout::kMaxSide)
+      return corrupt("a part's size is not 1 to 32768", at + 8);
     if (size[axis] > limits.max_side)
       return Error{ErrorCode::kLimit, "a part has more voxels along an axis than the limits allow", at + 8};
     part.size[axis] = static_cast<int>(size[axis]);
   }
-  if (!isInvertible(part.to_object)) return corrupt("a part's transform to the object can not be inverted", at + 20);
-  if (!isInvertible(part.pivot)) return corrupt("a part's pivot can not be inverted", at + 68);
+  if (!isInvertible(part.to_object))
+    return corrupt("a part's transform to the object cannot be inverted", at + 20);
+  if (!isInvertible(part.pivot)) return corrupt("a part's pivot cannot be inverted", at + 68);
   return {};
+}
+
+bool isUnit(float v) { return v >= 0.0f && v <= 1.0f; }
+
+// Reads a fog record. Returns the number of colours of its ramp, at most `colors`.
+Result<std::uint32_t> readFog(RecordReader& in, std::size_t colors, Fog& fog) {
+  const std::size_t at = in.at();
+  fog.color = in.vec3();
+  fog.anisotropy = in.f32();
+  fog.glow = in.f32();
+  const std::uint32_t ramp = in.u32();
+  const std::uint32_t reserved = in.u32();
+  if (!isUnit(fog.color.x) || !isUnit(fog.color.y) || !isUnit(fog.color.z))
+    return corrupt("a fog's colour is outside 0 to 1", at);
+  if (!(fog.anisotropy > -1.0f && fog.anisotropy < 1.0f))
+    return corrupt("a fog's anisotropy is not between -1 and 1", at + 12);
+  if (!isFinite(fog.glow) || !(fog.glow >= 0.0f))
+    return corrupt("a fog's glow is negative or not finite", at + 16);
+  if (ramp == 1 || ramp > 256 || ramp > colors)
+    return corrupt("a fog's ramp does not have 0 or 2 to 256 colours", at + 20);
+  if (reserved != 0) return corrupt("a reserved field of a fog is not zero", at + 24);
+  return ramp;
 }
 
 }  // namespace
@@ -63,10 +91,13 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
   const std::uint32_t text_bytes = in.u32();
   if (count < 1) return corrupt("there are no parts", 0);
   const std::uint64_t names_at = layout::kPartHeader + std::uint64_t{count} * layout::kPartRecord;
-  if (chunk.size() != names_at + text_bytes) return corrupt("the part table's size does not fit its counts", 0);
-  if (count > limits.max_parts) return Error{ErrorCode::kLimit, "more parts than the limits allow", 0};
+  if (chunk.size() != names_at + text_bytes)
+    return corrupt("the part table's size does not match its counts", 0);
+  if (count > limits.max_parts)
+    return Error{ErrorCode::kLimit, "there are more parts than the limits allow", 0};
   if (!out.takeRoom(count, sizeof(Part)) || !out.takeRoom(text_bytes, 1)) return tooLarge();
-  if (!out.parts.reset(count) || !out.part_names.reset(text_bytes)) return outOfMemory("no memory for the parts");
+  if (!out.parts.reset(count) || !out.part_names.reset(text_bytes))
+    return outOfMemory("no memory for the parts");
   if (text_bytes > 0) std::memcpy(out.part_names.data(), chunk.data() + names_at, text_bytes);
 
   std::uint64_t text = 0;
@@ -74,15 +105,17 @@ Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, 
     const std::size_t at = in.at();
     Part part;
     const std::uint32_t name_bytes = in.u32();
-    if (name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text) return corrupt("a part's name is too long", at);
+    if (name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text)
+      return corrupt("a part's name is too long", at);
     part.name = {out.part_names.data() + text, name_bytes};
     if (!isName(part.name))
-      return corrupt("a part's name is not UTF-8 without control characters", static_cast<std::size_t>(names_at + text));
+      return corrupt("a part's name is not UTF-8 without control characters",
+                     static_cast<std::size_t>(names_at + text));
     text += name_bytes;
     if (const Result<void> read = readPart(in, i, limits, part); !read) return read;
     out.parts[i] = part;
   }
-  if (text != text_bytes) return corrupt("the part names' size does not fit the text", 4);
+  if (text != text_bytes) return corrupt("the lengths of the part names do not match their text", 4);
   return {};
 }
 
@@ -90,13 +123,12 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
   if (chunk.size() < layout::kMatlHeader) return corrupt("the palette is too short", 0);
   RecordReader in(chunk);
   const std::uint32_t count = in.u32();
-  if (count < 1 || count > 256) return corrupt("the palette has not 1 to 256 entries", 0);
+  if (count < 1 || count > 256) return corrupt("the palette does not have 1 to 256 entries", 0);
   if (chunk.size() != layout::kMatlHeader + count * layout::kMatlRecord)
-    return corrupt("the palette's size does not fit its count", 0);
+    return corrupt("the palette's size does not match its count", 0);
   if (!out.takeRoom(count, sizeof(Material))) return tooLarge();
   if (!out.palette.reset(count)) return outOfMemory("no memory for the palette");
 
-  const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
   for (Material& material : out.palette) {
     const std::size_t at = in.at();
     material.base_color = in.vec4();
@@ -105,12 +137,12 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out) {
     material.roughness = in.f32();
     const glm::vec4& c = material.base_color;
     const glm::vec3& e = material.emissive;
-    if (!in_unit(c.x) || !in_unit(c.y) || !in_unit(c.z) || !in_unit(c.w))
-      return corrupt("a base colour is not within 0 to 1", at);
+    if (!isUnit(c.x) || !isUnit(c.y) || !isUnit(c.z) || !isUnit(c.w))
+      return corrupt("a base colour is outside 0 to 1", at);
     if (!isFinite(e) || !(e.x >= 0 && e.y >= 0 && e.z >= 0))
       return corrupt("an emissive colour is negative or not finite", at + 16);
-    if (!in_unit(material.metallic) || !in_unit(material.roughness))
-      return corrupt("metallic or roughness is not within 0 to 1", at + 28);
+    if (!isUnit(material.metallic) || !isUnit(material.roughness))
+      return corrupt("metallic or roughness is outside 0 to 1", at + 28);
   }
   return {};
 }
@@ -123,47 +155,44 @@ Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out) {
     levels += static_cast<std::size_t>(part.levels);
   }
   if (count == 0 && chunk.empty()) return {};
-  if (count == 0) return corrupt("there is a table of fog, and no part is fog", 0);
-  const std::uint64_t ramps_at = layout::kFogsHeader + std::uint64_t{count} * layout::kFogRecord + std::uint64_t{levels} * sizeof(float);
-  if (chunk.size() < ramps_at || (chunk.size() - ramps_at) % layout::kRampRecord != 0) return corrupt("the table of fog is missing or of a wrong size", 0);
+  if (count == 0) return corrupt("there is a fog table, but no part is fog", 0);
+  const std::uint64_t ramps_at =
+      layout::kFogsHeader + std::uint64_t{count} * layout::kFogRecord + std::uint64_t{levels} * sizeof(float);
+  if (chunk.size() < ramps_at || (chunk.size() - ramps_at) % layout::kRampRecord != 0)
+    return corrupt("the fog table is missing or has the wrong size", 0);
   RecordReader in(chunk);
-  if (in.u32() != count) return corrupt("the table of fog is not for this number of parts", 0);
+  if (in.u32() != count) return corrupt("the fog table has a different number of parts", 0);
   const std::size_t colors = (chunk.size() - static_cast<std::size_t>(ramps_at)) / layout::kRampRecord;
-  if (!out.takeRoom(count, sizeof(Fog)) || !out.takeRoom(levels, sizeof(float)) || !out.takeRoom(colors, sizeof(glm::vec3))) return tooLarge();
-  if (!out.fogs.reset(count) || !out.extinctions.reset(levels) || !out.ramps.reset(colors)) return outOfMemory("no memory for the table of fog");
+  if (!out.takeRoom(count, sizeof(Fog)) || !out.takeRoom(levels, sizeof(float)) ||
+      !out.takeRoom(colors, sizeof(glm::vec3)))
+    return tooLarge();
+  if (!out.fogs.reset(count) || !out.extinctions.reset(levels) || !out.ramps.reset(colors))
+    return outOfMemory("no memory for the fog table");
 
-  const auto in_unit = [](float v) { return v >= 0.0f && v <= 1.0f; };
   std::size_t next = 0, next_level = 0, next_color = 0;
   for (Part& part : out.parts) {
     if (part.kind != PartKind::kFog) continue;
-    const std::size_t at = in.at();
     Fog& fog = out.fogs[next++];
-    fog.color = in.vec3();
-    fog.anisotropy = in.f32();
-    fog.glow = in.f32();
-    const std::uint32_t ramp = in.u32();
-    const std::uint32_t reserved = in.u32();
-    if (!in_unit(fog.color.x) || !in_unit(fog.color.y) || !in_unit(fog.color.z)) return corrupt("a fog's colour is not within 0 to 1", at);
-    if (!(fog.anisotropy > -1.0f && fog.anisotropy < 1.0f)) return corrupt("a fog's anisotropy is not between -1 and 1", at + 12);
-    if (!isFinite(fog.glow) || !(fog.glow >= 0.0f)) return corrupt("a fog's glow is negative or not finite", at + 16);
-    if (ramp == 1 || ramp > 256 || ramp > colors - next_color) return corrupt("a fog's ramp has not 2 to 256 colours, nor none", at + 20);
-    if (reserved != 0) return corrupt("a reserved field of a fog is not zero", at + 24);
+    const Result<std::uint32_t> ramp = readFog(in, colors - next_color, fog);
+    if (!ramp) return ramp.error();
     fog.extinction = out.extinctions.span().subspan(next_level, static_cast<std::size_t>(part.levels));
-    fog.ramp = out.ramps.span().subspan(next_color, ramp);
+    fog.ramp = out.ramps.span().subspan(next_color, *ramp);
     next_level += static_cast<std::size_t>(part.levels);
-    next_color += ramp;
+    next_color += *ramp;
     part.fog = &fog;
   }
   if (next_color != colors) return corrupt("the fogs do not use every colour of the ramps", 0);
   for (float& extinction : out.extinctions) {
     const std::size_t at = in.at();
     extinction = in.f32();
-    if (!isFinite(extinction) || !(extinction > 0.0f)) return corrupt("an extinction is not above 0, or not finite", at);
+    if (!isFinite(extinction) || !(extinction > 0.0f))
+      return corrupt("an extinction is not above 0 and finite", at);
   }
   for (glm::vec3& color : out.ramps) {
     const std::size_t at = in.at();
     color = in.vec3();
-    if (!isFinite(color) || !(color.x >= 0 && color.y >= 0 && color.z >= 0)) return corrupt("a ramp's colour is negative or not finite", at);
+    if (!isFinite(color) || !(color.x >= 0 && color.y >= 0 && color.z >= 0))
+      return corrupt("a ramp's colour is negative or not finite", at);
   }
   return {};
 }
@@ -173,10 +202,10 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
   const std::uint64_t knots_at = layout::kRigsHeader + parts * layout::kRigsPerPart;
   if (chunk.size() < knots_at) return corrupt("the rig table is too short", 0);
   RecordReader in(chunk);
-  if (in.u32() != parts) return corrupt("the rig table is not for this number of parts", 0);
+  if (in.u32() != parts) return corrupt("the rig table has a different number of parts", 0);
   const std::uint32_t total = in.u32();
   if (chunk.size() != knots_at + std::uint64_t{total} * layout::kKnotRecord)
-    return corrupt("the rig table's size does not fit its counts", 4);
+    return corrupt("the rig table's size does not match its counts", 4);
   if (!out.takeRoom(total, sizeof(Knot))) return tooLarge();
   if (!out.knots.reset(total)) return outOfMemory("no memory for the knots");
 
@@ -185,7 +214,7 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     const std::size_t at = in.at();
     const std::uint32_t count = in.u32();
     if (count < 2 || count > static_cast<std::uint32_t>(kMaxKnots) || count > total - used)
-      return corrupt("a rig has not 2 to 64 knots", at);
+      return corrupt("a rig does not have 2 to 64 knots", at);
     part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
     used += count;
   }
@@ -198,7 +227,8 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
   for (const Part& part : out.parts) {
     const Result<void> checked = checkKnots(part.knots);
     if (checked) continue;
-    const std::uint64_t knot = static_cast<std::uint64_t>(part.knots.data() - out.knots.data()) + checked.error().offset;
+    const std::uint64_t knot =
+        static_cast<std::uint64_t>(part.knots.data() - out.knots.data()) + checked.error().offset;
     const bool turns = checked.error().code == ErrorCode::kNotMonotone;
     return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail,
                  knots_at + knot * layout::kKnotRecord};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The metadata chunks as tables in memory. Each function reads one decoded chunk, checks every rule of SPEC.md and trusts
-// nothing; the writer runs them too, on what it is about to write. The offset of their errors counts from the chunk's first byte;
-// codes are kCorrupt, kNotMonotone (rigs), kLimit, kUnsupportedFeature (parts) and kOutOfMemory.
+// The metadata chunks as tables in memory. Each function reads one decoded chunk and checks every rule of
+// SPEC.md. Safe for hostile chunks. The writer calls them too, on what it is about to write. The offset of
+// an error counts from the start of the chunk. Codes: kCorrupt, kNotMonotone (rigs), kLimit,
+// kUnsupportedFeature (parts), kOutOfMemory.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@
 namespace kelp {
 
 struct Metadata {
-  // `most`: bytes of all tables together.
+  // most: bytes of all tables together.
   explicit Metadata(const Allocator& memory, std::uint64_t most)
       : allocator(memory),
         room(most),
@@ -32,12 +33,11 @@ struct Metadata {
         clip_names(allocator),
         clips(allocator),
         waves(allocator),
-        wave_blocks(allocator),
-        wave_sums(allocator),
         tracks(allocator),
         keys(allocator) {}
 
-  // Takes room for what is about to be allocated; false if the limits leave none. Counts are of 32 bits, so that no product overflows.
+  // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
+  // have 32 bits, so the product does not overflow.
   bool takeRoom(std::uint64_t count, std::size_t bytes) {
     if (count * bytes > room) return false;
     room -= count * bytes;
@@ -48,34 +48,30 @@ struct Metadata {
   std::uint64_t room;
   Buffer<char> info;
   Buffer<char> part_names;
-  Buffer<Part> parts;  // names point into part_names, knots into knots
+  Buffer<Part> parts;  // names point into part_names, knots into `knots`
   Buffer<Material> palette;
-  Buffer<Fog> fogs;  // which parts point to; spans point into the two tables that follow
+  Buffer<Fog> fogs;  // parts point here; spans point into the next two tables
   Buffer<float> extinctions;
   Buffer<glm::vec3> ramps;
   Buffer<Knot> knots;
   Buffer<char> clip_names;
-  Buffer<Clip> clips;  // names point into clip_names, waves and tracks into the tables below
+  Buffer<Clip> clips;  // names point into clip_names; waves and tracks into the next tables
   Buffer<Wave> waves;
-  Buffer<WaveBlock> wave_blocks;  // sums point into wave_sums
-  Buffer<WaveSums> wave_sums;
-  Buffer<Track> tracks;  // keys point into keys
+  Buffer<Track> tracks;  // keys point into `keys`
   Buffer<Key> keys;
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
 Result<void> parseParts(std::span<const std::byte> chunk, const Limits& limits, Metadata& out);
 Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
-// After parts; `chunk` is empty if there is none. Of fog parts, without which there must be none.
+// Call it after parseParts. `chunk` is empty if the file has no FOGS. There must be a table if a part is
+// fog, and only then.
 Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
-Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // after parts
-Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // after rigs
-// What adding them up takes for each wave, at most.
-inline constexpr std::size_t kWaveSumBytes = sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(const Wave*);  // NOLINT(bugprone-sizeof-expression): of a pointer
-// Adds up the waves of every clip (kelp/formats/model.h). kOutOfMemory.
-Result<void> sumWaves(Metadata& out);
+Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // call it after parseParts
+Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // call it after parseRigs
 
-// Whether the text is UTF-8 without overlong forms, surrogates and null. Names must have no control characters either.
+// Whether the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
+// characters either.
 bool isUtf8(std::string_view text);
 bool isName(std::string_view text);
 

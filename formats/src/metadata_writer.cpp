@@ -10,7 +10,7 @@
 namespace kelp {
 namespace {
 
-// Puts values behind one another into a table whose size was computed before.
+// Writes values one after the other into a table of known size.
 class RecordWriter {
  public:
   explicit RecordWriter(Buffer<std::byte>& out) : out_(out) {}
@@ -44,7 +44,7 @@ bool buildParts(const RawPack& pack, Buffer<std::byte>& out) {
     to.count(part.name.size());
     to.put(static_cast<std::int32_t>(part.parent));
     to.put(part.fog ? PartKind::kFog : PartKind::kSolid);
-    // Too many levels must not wrap around to a number that is allowed.
+    // Too many levels must not wrap around to a valid number.
     to.put(static_cast<std::uint8_t>(part.levels.size() < 255 ? part.levels.size() : 255));
     to.put(std::uint16_t{0});
     to.put(part.size);
@@ -77,7 +77,9 @@ bool buildFogs(const RawPack& pack, Buffer<std::byte>& out) {
     colors += part.fog->ramp.size();
   }
   if (fogs == 0) return out.reset(0);
-  if (!out.reset(layout::kFogsHeader + fogs * layout::kFogRecord + levels * sizeof(float) + colors * layout::kRampRecord)) return false;
+  if (!out.reset(layout::kFogsHeader + fogs * layout::kFogRecord + levels * sizeof(float) +
+                 colors * layout::kRampRecord))
+    return false;
   RecordWriter to(out);
   to.count(fogs);
   for (const RawPart& part : pack.parts) {
@@ -102,7 +104,9 @@ bool buildFogs(const RawPack& pack, Buffer<std::byte>& out) {
 bool buildRigs(const RawPack& pack, Buffer<std::byte>& out) {
   std::size_t knots = 0;
   for (const RawPart& part : pack.parts) knots += part.knots.size();
-  if (!out.reset(layout::kRigsHeader + pack.parts.size() * layout::kRigsPerPart + knots * layout::kKnotRecord)) return false;
+  if (!out.reset(layout::kRigsHeader + pack.parts.size() * layout::kRigsPerPart +
+                 knots * layout::kKnotRecord))
+    return false;
   RecordWriter to(out);
   to.count(pack.parts.size());
   to.count(knots);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// RawPack -> the bytes of the metadata chunks. The inverse of metadata.h.
+// RawPack -> bytes of the metadata chunks: the reverse of metadata.h.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,10 @@
 
 namespace kelp {
 
-// What a writer answers where one of these is false.
+// The error if one of these functions returns false.
 inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write the pack"};
 
-// Each answers false when memory is short. Only sizes are looked at: whether the content keeps the rules is for the functions of
-// metadata.h to say.
+// Each returns false if memory is short. They do not check the content; the functions of metadata.h do.
 [[nodiscard]] bool buildParts(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildPalette(const RawPack& pack, Buffer<std::byte>& out);
 // Empty if no part is fog.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The cells of a grid in Morton order, without sorting and without memory.
+// Walks through the cells of a grid in Morton order, without sorting and without memory.
 #pragma once
 
 #include <bit>
@@ -13,8 +13,9 @@ namespace kelp {
 class MortonWalk {
  public:
   explicit MortonWalk(const glm::ivec3& grid) : grid_(grid) {
-    // Or-ing leaves the highest bit of the largest: the side of the cube of cells that is walked.
-    const auto bits = static_cast<int>(std::bit_width(static_cast<std::uint32_t>((grid.x - 1) | (grid.y - 1) | (grid.z - 1))));
+    // The bitwise or has the highest bit of the largest coordinate. The walk covers a cube of that side.
+    const auto bits = static_cast<int>(
+        std::bit_width(static_cast<std::uint32_t>((grid.x - 1) | (grid.y - 1) | (grid.z - 1))));
     end_ = std::uint64_t{1} << (3 * bits);
   }
 
@@ -24,7 +25,8 @@ class MortonWalk {
   std::uint64_t index() const {
     return static_cast<std::uint64_t>(cell_.x) +
            static_cast<std::uint64_t>(grid_.x) *
-               (static_cast<std::uint64_t>(cell_.y) + static_cast<std::uint64_t>(grid_.y) * static_cast<std::uint64_t>(cell_.z));
+               (static_cast<std::uint64_t>(cell_.y) +
+                static_cast<std::uint64_t>(grid_.y) * static_cast<std::uint64_t>(cell_.z));
   }
 
   void next() {
@@ -32,13 +34,13 @@ class MortonWalk {
     while (code_ < end_) {
       cell_ = {compactBits(code_), compactBits(code_ >> 1), compactBits(code_ >> 2)};
       if (cell_.x < grid_.x && cell_.y < grid_.y && cell_.z < grid_.z) return;
-      // Where the first cell of an aligned block lies beyond the grid, so does the whole block.
+      // If the first cell of an aligned block lies beyond the grid, the whole block does.
       code_ += std::uint64_t{1} << (std::countr_zero(code_) / 3 * 3);
     }
   }
 
  private:
-  // Bits 0, 3, 6, ... of x.
+  // Collects bits 0, 3, 6, ... of x.
   static int compactBits(std::uint64_t x) {
     x &= 0x1249249249249249u;
     x = (x | (x >> 2)) & 0x10c30c30c30c30c3u;

@@ -13,7 +13,12 @@ namespace kelp {
 
 struct Pack::Impl {
   Impl(const Source& from, const Limits& at_most, const Allocator& memory)
-      : source(from), limits(at_most), allocator(memory), container(memory), metadata(memory, at_most.max_metadata_bytes), levels(memory) {}
+      : source(from),
+        limits(at_most),
+        allocator(memory),
+        container(memory),
+        metadata(memory, at_most.max_metadata_bytes),
+        levels(memory) {}
 
   Source source;
   Limits limits;
@@ -39,14 +44,20 @@ Result<void> Pack::Impl::readMetadata() {
     return {};
   };
   using Bytes = std::span<const std::byte>;
-  if (const Result<void> r = readTable(found->info, [&](Bytes b) { return parseInfo(b, metadata); }); !r) return r;
-  if (const Result<void> r = readTable(found->part, [&](Bytes b) { return parseParts(b, limits, metadata); }); !r) return r;
-  if (const Result<void> r = readTable(found->matl, [&](Bytes b) { return parsePalette(b, metadata); }); !r) return r;
+  if (const Result<void> r = readTable(found->info, [&](Bytes b) { return parseInfo(b, metadata); }); !r)
+    return r;
+  if (const Result<void> r = readTable(found->part, [&](Bytes b) { return parseParts(b, limits, metadata); });
+      !r)
+    return r;
+  if (const Result<void> r = readTable(found->matl, [&](Bytes b) { return parsePalette(b, metadata); }); !r)
+    return r;
   if (found->fogs == MetadataChunks::kNone) {
     if (const Result<void> r = parseFogs({}, metadata); !r) return r;
   }
-  if (const Result<void> r = readTable(found->fogs, [&](Bytes b) { return parseFogs(b, metadata); }); !r) return r;
-  if (const Result<void> r = readTable(found->rigs, [&](Bytes b) { return parseRigs(b, metadata); }); !r) return r;
+  if (const Result<void> r = readTable(found->fogs, [&](Bytes b) { return parseFogs(b, metadata); }); !r)
+    return r;
+  if (const Result<void> r = readTable(found->rigs, [&](Bytes b) { return parseRigs(b, metadata); }); !r)
+    return r;
   return readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); });
 }
 
@@ -62,7 +73,8 @@ Pack& Pack::operator=(Pack&&) noexcept = default;
 Pack::~Pack() = default;
 
 Result<Pack> Pack::open(const Source& source, const Limits& limits, const Allocator& allocator) {
-  if (!allocator.allocate || !allocator.deallocate) return Error{ErrorCode::kMisuse, "the allocator lacks a function"};
+  if (!allocator.allocate || !allocator.deallocate)
+    return Error{ErrorCode::kMisuse, "the allocator lacks a function"};
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(source, limits, allocator));
   if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the pack"};
   if (const Result<void> read = impl->read(); !read) return read.error();
@@ -79,10 +91,12 @@ std::span<const Pack::ChunkInfo> Pack::chunks() const { return impl_->container.
 
 Result<LevelGrid> Pack::readGrid(int part, int level) const {
   const std::span<const Part> all = parts();
-  if (part < 0 || static_cast<std::size_t>(part) >= all.size()) return Error{ErrorCode::kMisuse, "there is no such part"};
+  if (part < 0 || static_cast<std::size_t>(part) >= all.size())
+    return Error{ErrorCode::kMisuse, "there is no such part"};
   const Part& of = all[static_cast<std::size_t>(part)];
   if (level < 0 || level >= of.levels) return Error{ErrorCode::kMisuse, "the part has no such level"};
-  const std::size_t slot = impl_->levels.first[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
+  const std::size_t slot =
+      impl_->levels.first[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
   const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
   const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
 
@@ -92,17 +106,18 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
 Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
   const std::uint64_t size = impl_->container.file_size;
   if (!isPossiblePage(page) || page.offset > size || page.stored > size - page.offset) {
-    return Error{ErrorCode::kMisuse, "the page does not come from a grid of this pack"};
+    return Error{ErrorCode::kMisuse, "the page is not from a grid of this pack"};
   }
   if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
   if (page.channels > 0) {
-    if (findClearBrick(out.fog.span(), page.channels) >= 0) return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
+    if (findClearBrick(out.fog.span(), page.channels) >= 0)
+      return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
     return {};
   }
   if (findBrickWithoutSolid(out.codes.span()) >= 0)
     return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
   if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {
-    return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that is not there", page.offset};
+    return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that does not exist", page.offset};
   }
   return {};
 }

@@ -18,7 +18,7 @@
 namespace kelp {
 namespace {
 
-// A chunk to be: either bytes of its own, or pages behind one another.
+// A chunk to write: bytes of its own, or pages.
 struct ChunkPlan {
   Pack::ChunkInfo info;
   Packed own;
@@ -37,14 +37,16 @@ class Writer {
   }
 
  private:
-  // What the 32-bit counts of the format can hold, and what later steps take for granted.
+  // Checks that counts fit the 32 bits of the format, and what later steps rely on.
   Result<void> checkSizes() {
-    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 64;  // bytes of any table then fit 32 bits too
+    // The bytes of every table then fit into 32 bits too.
+    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 64;
     if (pack_.parts.size() > kMost || pack_.clips.size() > kMost) return misuse("too many parts or clips");
     std::size_t entries = 0;
     for (const RawPart& part : pack_.parts) {
       if (part.name.size() > layout::kMaxNameBytes) return misuse("a part's name is longer than 255 bytes");
-      if (part.knots.size() > static_cast<std::size_t>(kMaxKnots)) return misuse("a part has more than 64 knots");
+      if (part.knots.size() > static_cast<std::size_t>(kMaxKnots))
+        return misuse("a part has more than 64 knots");
       levels_ += part.levels.size();
     }
     for (const RawClip& clip : pack_.clips) {
@@ -56,7 +58,7 @@ class Writer {
     return {};
   }
 
-  // Builds the tables, and lets the reader's own rules judge them.
+  // Builds the tables and checks them with the functions of the reader.
   Result<void> packMetadata() {
     chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * levels_]);
     if (!chunks_) return kNoMemory;
@@ -66,7 +68,9 @@ class Writer {
     Metadata parsed(Allocator(), std::numeric_limits<std::uint64_t>::max());
     Buffer<std::byte> table;
     const auto add = [&](std::uint32_t fourcc, bool required, const Result<void>& verdict) -> Result<void> {
-      if (!verdict) return verdict.error().code == ErrorCode::kOutOfMemory ? verdict.error() : misuse(verdict.error().detail);
+      if (!verdict)
+        return verdict.error().code == ErrorCode::kOutOfMemory ? verdict.error()
+                                                               : misuse(verdict.error().detail);
       ChunkPlan& chunk = chunks_[chunk_count_++];
       if (!packBytes(table.span(), chunk.own)) return kNoMemory;
       describe(chunk, fourcc, required ? layout::kFlagRequired : 0, 0, 0);
@@ -78,12 +82,12 @@ class Writer {
       if (const Result<void> r = add(layout::kInfo, false, parseInfo(table.span(), parsed)); !r) return r;
     }
     if (!buildParts(pack_, table)) return kNoMemory;
-    if (const Result<void> r = add(layout::kPart, true, parseParts(table.span(), limits, parsed)); !r) return r;
+    if (const Result<void> r = add(layout::kPart, true, parseParts(table.span(), limits, parsed)); !r)
+      return r;
     if (!buildPalette(pack_, table)) return kNoMemory;
     if (const Result<void> r = add(layout::kMatl, true, parsePalette(table.span(), parsed)); !r) return r;
     if (!buildFogs(pack_, table)) return kNoMemory;
     if (!table.empty()) {
-      minor_ = kMinorWithFog;
       if (const Result<void> r = add(layout::kFogs, true, parseFogs(table.span(), parsed)); !r) return r;
     }
     if (!buildRigs(pack_, table)) return kNoMemory;
@@ -98,8 +102,7 @@ class Writer {
     for (const RawPart& part : pack_.parts) {
       for (std::size_t level = 0; level < part.levels.size(); ++level) {
         const RawLevel& raw = part.levels[level];
-        if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r)
-          return r;
+        if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r) return r;
         page_count += planPages(raw, {});
       }
       coarsest = std::max(coarsest, part.levels.size() - 1);
@@ -108,12 +111,13 @@ class Writer {
     packed_.reset(new (std::nothrow) Packed[page_count]);
     if (!plans || !packed_) return kNoMemory;
 
-    // In the order of the file: coarse to fine, then part by part.
+    // In the order of the file: levels coarse to fine, then parts.
     std::size_t first_page = 0;
     for (std::size_t level = coarsest + 1; level-- > 0;) {
       for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
         if (level >= pack_.parts[part].levels.size()) continue;
-        const std::size_t pages = planPages(pack_.parts[part].levels[level], {plans.get() + first_page, page_count - first_page});
+        const std::size_t pages =
+            planPages(pack_.parts[part].levels[level], {plans.get() + first_page, page_count - first_page});
         ChunkPlan& grid = chunks_[chunk_count_++];
         ChunkPlan& bricks = chunks_[chunk_count_++];
         bricks.pages = {packed_.get() + first_page, pages};
@@ -131,7 +135,8 @@ class Writer {
       const std::size_t page = static_cast<std::size_t>(bricks.pages.data() - packed_.get());
       if (!packGrid({plans.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
       describe(grid, layout::kGrid, layout::kFlagRequired, grid.info.level, grid.info.part);
-      describe(bricks, pack_.parts[bricks.info.part].fog ? layout::kFogb : layout::kBrck, layout::kFlagRequired, bricks.info.level, bricks.info.part);
+      describe(bricks, pack_.parts[bricks.info.part].fog ? layout::kFogb : layout::kBrck,
+               layout::kFlagRequired, bricks.info.level, bricks.info.part);
     }
     return {};
   }
@@ -139,7 +144,8 @@ class Writer {
   // Cells, padding to 8 bytes, page table.
   static bool packGrid(std::span<const PagePlan> plans, std::span<const Packed> pages, Packed& out) {
     const std::vector<std::uint32_t>& cells = plans.front().level->cells;
-    const std::size_t table_at = static_cast<std::size_t>(layout::align(cells.size() * sizeof(std::uint32_t), 8));
+    const std::size_t table_at =
+        static_cast<std::size_t>(layout::align(cells.size() * sizeof(std::uint32_t), 8));
     Buffer<std::byte> raw;
     if (!raw.reset(table_at + pages.size() * layout::kPageEntryBytes)) return false;
     std::memcpy(raw.data(), cells.data(), cells.size() * sizeof(std::uint32_t));
@@ -157,8 +163,9 @@ class Writer {
     return packBytes(raw.span(), out);
   }
 
-  // Fills the index entry of a chunk whose bytes are known; the offset comes last.
-  static void describe(ChunkPlan& chunk, std::uint32_t fourcc, std::uint32_t flags, std::uint32_t level, std::uint32_t part) {
+  // Fills the index entry of a chunk whose bytes are known, except for its offset.
+  static void describe(ChunkPlan& chunk, std::uint32_t fourcc, std::uint32_t flags, std::uint32_t level,
+                       std::uint32_t part) {
     Pack::ChunkInfo& info = chunk.info;
     info.fourcc = fourcc;
     info.flags = flags | (chunk.own.compressed ? layout::kFlagZstd : 0);
@@ -191,7 +198,7 @@ class Writer {
     }
     layout::store(head.span(), 0, layout::kIdentifier);
     layout::store(head.span(), 12, kFormatMajor);
-    layout::store(head.span(), 14, minor_);
+    layout::store(head.span(), 14, kFormatMinor);
     layout::store(head.span(), 16, end);
     layout::store(head.span(), 24, static_cast<std::uint32_t>(chunk_count_));
     layout::store(head.span(), layout::kHeaderChecksum, checksum(head.span()));
@@ -200,9 +207,10 @@ class Writer {
     for (std::size_t i = 0; i < chunk_count_ && taken; ++i) {
       const ChunkPlan& chunk = chunks_[i];
       taken = pad(chunk.info.offset) && (chunk.pages.empty() ? send(chunk.own.stored.span()) : true);
-      for (std::size_t page = 0; page < chunk.pages.size() && taken; ++page) taken = send(chunk.pages[page].stored.span());
+      for (std::size_t page = 0; page < chunk.pages.size() && taken; ++page)
+        taken = send(chunk.pages[page].stored.span());
     }
-    if (!taken) return Error{ErrorCode::kIo, "the sink did not take the bytes", written_};
+    if (!taken) return Error{ErrorCode::kIo, "the sink could not write", written_};
     return {};
   }
 
@@ -218,7 +226,6 @@ class Writer {
   }
 
   static constexpr std::size_t kMetadataChunks = 6;
-  static constexpr std::uint16_t kMinorWithFog = 1;
 
   const RawPack& pack_;
   const Sink& sink_;
@@ -228,14 +235,13 @@ class Writer {
   std::size_t chunk_count_ = 0;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
-  std::uint16_t minor_ = 0;  // the lowest that has all that the pack uses
 };
 
 }  // namespace
 
 Result<void> writePack(const RawPack& pack, const Sink& sink, int threads) {
   if (!sink.write) return misuse("the sink has no write function");
-  if (threads < 1) return misuse("at least one thread must do the work");
+  if (threads < 1) return misuse("the number of threads is less than 1");
   return Writer(pack, sink, threads).run();
 }
 

@@ -18,9 +18,10 @@ std::uint32_t surfaceVoxels(std::span<const std::uint8_t> codes) {
   return static_cast<std::uint32_t>(std::count_if(codes.begin(), codes.end(), isSurfaceCode));
 }
 
-// A page as it is before it is compressed.
+// The bytes of a page before compression.
 bool fillFogPage(const PagePlan& page, Buffer<std::byte>& raw) {
-  const std::size_t bytes = std::size_t{page.count} * kFogSamples, from = std::size_t{page.first_slot} * kFogSamples;
+  const std::size_t bytes = std::size_t{page.count} * kFogSamples,
+                    from = std::size_t{page.first_slot} * kFogSamples;
   const RawLevel& level = *page.level;
   if (!raw.reuse(level.heat.empty() ? bytes : 2 * bytes)) return false;
   std::memcpy(raw.data(), level.density.data() + from, bytes);
@@ -32,16 +33,21 @@ bool fillSolidPage(const PagePlan& page, Buffer<std::byte>& raw) {
   const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
   const std::size_t attribute_bytes = std::size_t{page.attributes} * sizeof(std::uint32_t);
   if (!raw.reuse(code_bytes + attribute_bytes)) return false;
-  // Ranks are not stored: a reader counts.
+  // Ranks are not stored; the reader counts them.
   const std::uint8_t* const codes = page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels;
-  for (std::size_t i = 0; i < code_bytes; ++i) raw[i] = std::byte{isSurfaceCode(codes[i]) ? kSurfaceCode : codes[i]};
+  for (std::size_t i = 0; i < code_bytes; ++i)
+    raw[i] = std::byte{isSurfaceCode(codes[i]) ? kSurfaceCode : codes[i]};
   if (attribute_bytes > 0)
-    std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute, attribute_bytes);
+    std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute,
+                attribute_bytes);
   return true;
 }
 
-bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<std::byte>& frame, Packed& packed) {
-  if (!(page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw)) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return false;
+bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<std::byte>& frame,
+              Packed& packed) {
+  if (!(page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw)) ||
+      !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw)))
+    return false;
   const std::size_t size = encoder.encode(raw.span(), frame.span());
   if (size == 0 || !packed.stored.reset(size)) return false;
   std::memcpy(packed.stored.data(), frame.data(), size);
@@ -85,9 +91,10 @@ std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
     page.count = page.attributes = 0;
   };
   for (std::size_t slot = 0; slot < bricks; ++slot) {
-    const std::uint32_t surface = fog ? 0 : surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
-    const std::size_t raw =
-        std::size_t{page.count + 1} * brick_bytes + std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
+    const std::uint32_t surface =
+        fog ? 0 : surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
+    const std::size_t raw = std::size_t{page.count + 1} * brick_bytes +
+                            std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
     if (raw > layout::kMaxPageRaw) close();
     ++page.count;
     page.attributes += surface;
@@ -100,7 +107,8 @@ bool packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int th
   Work work;
   work.pages = pages;
   work.packed = packed;
-  const std::size_t useful = std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(pages.size(), 1));
+  const std::size_t useful =
+      std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(pages.size(), 1));
   runOnThreads(static_cast<int>(useful), packNextPages, &work);
   return !work.failed;
 }
@@ -112,7 +120,8 @@ bool packBytes(std::span<const std::byte> bytes, Packed& packed) {
   const std::size_t size = encoder.encode(bytes, frame.span());
   if (size == 0) return false;
   packed.compressed = size < bytes.size();
-  const std::span<const std::byte> kept = packed.compressed ? std::span<const std::byte>(frame.span()).first(size) : bytes;
+  const std::span<const std::byte> kept =
+      packed.compressed ? std::span<const std::byte>(frame.span()).first(size) : bytes;
   if (!packed.stored.reset(kept.size())) return false;
   std::memcpy(packed.stored.data(), kept.data(), kept.size());
   packed.checksum = checksum(kept);

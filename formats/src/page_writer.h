@@ -12,7 +12,7 @@
 
 namespace kelp {
 
-// A block of bytes as the file will hold it.
+// Bytes as they are in the file.
 struct Packed {
   Buffer<std::byte> stored;
   std::uint64_t checksum = 0;
@@ -20,7 +20,7 @@ struct Packed {
   bool compressed = false;
 };
 
-// Some bricks of a level that travel together.
+// The bricks of one page.
 struct PagePlan {
   const RawLevel* level = nullptr;
   std::uint32_t first_slot = 0;
@@ -29,14 +29,15 @@ struct PagePlan {
   std::uint32_t attributes = 0;
 };
 
-// Shares the bricks of a level out, in order, as many to a page as fit. Answers the number of pages; `pages`, unless it is empty,
-// receives them.
+// Distributes the bricks of a level to pages, in order, as many to a page as fit. Writes them to `pages`
+// unless it is empty. Returns the number of pages.
 std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages);
 
-// Compresses every page; packed has one entry a page. False when memory is short. The bytes do not depend on `threads`.
+// Compresses every page. `packed` has one entry a page. False if memory is short. The bytes do not depend on
+// `threads`.
 [[nodiscard]] bool packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads);
 
-// Compresses bytes if that makes them smaller. False when memory is short.
+// Compresses the bytes if that makes them smaller. False if memory is short.
 [[nodiscard]] bool packBytes(std::span<const std::byte> bytes, Packed& packed);
 
 }  // namespace kelp

@@ -13,19 +13,27 @@ namespace {
 
 Result<void> checkFogLevel(const RawLevel& level, const glm::ivec3& samples, bool heat) {
   const glm::ivec3 grid = brickGrid(latticeSize(PartKind::kFog, samples));
-  if (level.cells.size() != cellCount(grid)) return misuse("a level has not one cell for each brick of its grid");
+  if (level.cells.size() != cellCount(grid))
+    return misuse("a level does not have one cell for each brick of its grid");
   const Result<std::uint32_t> bricks = checkCells(level.cells, grid);
   if (!bricks) return misuse(bricks.error().detail);
   const std::size_t bytes = std::size_t{*bricks} * kFogSamples;
-  if (level.density.size() != bytes || level.heat.size() != (heat ? bytes : 0)) return misuse("a level of fog has not 729 samples for each stored brick");
-  if (!level.codes.empty() || !level.attributes.empty()) return misuse("a level of fog has codes or attributes");
+  if (level.density.size() != bytes || level.heat.size() != (heat ? bytes : 0))
+    return misuse("a level of fog does not have 729 samples for each stored brick");
+  if (!level.codes.empty() || !level.attributes.empty())
+    return misuse("a level of fog has codes or attributes");
   std::size_t slot = 0;
   for (MortonWalk walk(grid); !walk.done(); walk.next()) {
     if (!(level.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) continue;
-    const auto samplesOf = [&](const std::vector<std::uint8_t>& channel) { return std::span(channel).subspan(slot * kFogSamples, kFogSamples); };
-    if (hasFogOutside(samplesOf(level.density), walk.cell(), samples) || (heat && hasFogOutside(samplesOf(level.heat), walk.cell(), samples)))
+    const auto samplesOf = [&](const std::vector<std::uint8_t>& channel) {
+      return std::span(channel).subspan(slot * kFogSamples, kFogSamples);
+    };
+    if (hasFogOutside(samplesOf(level.density), walk.cell(), samples) ||
+        (heat && hasFogOutside(samplesOf(level.heat), walk.cell(), samples)))
       return misuse("a brick of fog has a sample outside the level");
-    if (findClearBrick(samplesOf(level.density), 1) >= 0 && !(heat && findClearBrick(samplesOf(level.heat), 1) < 0)) return misuse("a stored brick holds no fog");
+    if (findClearBrick(samplesOf(level.density), 1) >= 0 &&
+        !(heat && findClearBrick(samplesOf(level.heat), 1) < 0))
+      return misuse("a stored brick holds no fog");
     ++slot;
   }
   return {};
@@ -37,13 +45,16 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
   const RawLevel& level = part.levels[index];
   const glm::ivec3 size = levelSize(part.size, static_cast<int>(index));
   if (part.fog) return checkFogLevel(level, size, !part.fog->ramp.empty());
-  if (!level.density.empty() || !level.heat.empty()) return misuse("a level of a solid part has samples of fog");
+  if (!level.density.empty() || !level.heat.empty())
+    return misuse("a level of a solid part has samples of fog");
   const glm::ivec3 grid = brickGrid(size);
-  if (level.cells.size() != cellCount(grid)) return misuse("a level has not one cell for each brick of its grid");
+  if (level.cells.size() != cellCount(grid))
+    return misuse("a level does not have one cell for each brick of its grid");
   const Result<std::uint32_t> bricks = checkCells(level.cells, grid);
   if (!bricks) return misuse(bricks.error().detail);
   const std::span<const std::uint8_t> codes(level.codes);
-  if (codes.size() != std::size_t{*bricks} * kBrickVoxels) return misuse("a level has not 512 codes for each stored brick");
+  if (codes.size() != std::size_t{*bricks} * kBrickVoxels)
+    return misuse("a level does not have 512 codes for each stored brick");
 
   std::uint64_t attributes = 0;
   std::size_t slot = 0;
@@ -54,12 +65,14 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
     const std::int64_t surface = computeSliceBase(brick, 0, slice_base);
     if (surface < 0) return misuse("a brick holds a reserved code or a wrong rank");
     if (findBrickWithoutSolid(brick) >= 0) return misuse("a stored brick holds no solid voxel");
-    if (hasSolidOutside(brick, walk.cell(), size)) return misuse("a brick holds a solid voxel outside the level");
+    if (hasSolidOutside(brick, walk.cell(), size))
+      return misuse("a brick holds a solid voxel outside the level");
     attributes += static_cast<std::uint64_t>(surface);
   }
-  if (level.attributes.size() != attributes) return misuse("a level has not one attribute for each surface voxel");
+  if (level.attributes.size() != attributes)
+    return misuse("a level does not have one attribute for each surface voxel");
   if (findWrongPaletteIndex(level.attributes, palette_size) >= 0)
-    return misuse("an attribute names a palette entry that is not there");
+    return misuse("an attribute names a palette entry that does not exist");
   return {};
 }
 

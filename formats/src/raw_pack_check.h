@@ -8,7 +8,7 @@ namespace kelp {
 
 inline Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
 
-// Whether the voxels of a level keep the rules of SPEC.md; kMisuse with a word if not. size: voxels of this level.
+// Checks that the voxels of a level keep the rules of SPEC.md. kMisuse, with a text, if not.
 Result<void> checkRawLevel(const RawPart& part, std::size_t level, std::size_t palette_size);
 
 }  // namespace kelp

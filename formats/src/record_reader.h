@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Takes values off a table whose size was checked before.
+// Reads values one after the other from a table. The caller has checked the size.
 #pragma once
 
 #include <cassert>

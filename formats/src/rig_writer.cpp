@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pack once more with other rigs: new tables where INFO, RIGS and CLIP stood, all other chunks as they are.
+// Writes a pack again with other rigs: new INFO, RIGS and CLIP; all other chunks are copied.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -16,16 +16,17 @@
 namespace kelp {
 namespace {
 
-// A chunk to be: new bytes, or those of the source.
+// A chunk to write: new bytes, or a copy from the source.
 struct ChunkOrigin {
-  Pack::ChunkInfo info;      // offset: in the new file
-  std::uint64_t from = 0;    // in the source, if it is copied
+  Pack::ChunkInfo info;    // offset: in the new file
+  std::uint64_t from = 0;  // in the source, if it is copied
   const Packed* own = nullptr;
 };
 
 class RigWriter {
  public:
-  RigWriter(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits) : source_(source), rigs_(rigs), sink_(sink), limits_(limits) {}
+  RigWriter(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits)
+      : source_(source), rigs_(rigs), sink_(sink), limits_(limits) {}
 
   Result<void> run() {
     if (const Result<void> r = readContainer(source_, limits_, Allocator(), container_); !r) return r;
@@ -38,21 +39,28 @@ class RigWriter {
   }
 
  private:
-  // What the new tables are judged by. A source whose parts and levels do not fit together is refused.
+  // Reads the parts, which the new tables must fit, and refuses a source whose parts and levels do not
+  // match.
   Result<void> readParts(const MetadataChunks& found) {
     const auto readTable = [&](std::size_t index, auto parse) -> Result<void> {
       Buffer<std::byte> bytes;
       const Pack::ChunkInfo& chunk = container_.chunks[index];
       if (const Result<void> r = readChunk(source_, chunk, limits_, bytes, Allocator()); !r) return r;
-      if (const Result<void> r = parse(std::span<const std::byte>(bytes.span())); !r) return inFile(r.error(), chunk);
+      if (const Result<void> r = parse(std::span<const std::byte>(bytes.span())); !r)
+        return inFile(r.error(), chunk);
       return {};
     };
     using Bytes = std::span<const std::byte>;
-    if (const Result<void> r = readTable(found.part, [&](Bytes b) { return parseParts(b, limits_, parsed_); }); !r) return r;
-    if (const Result<void> r = readTable(found.matl, [&](Bytes b) { return parsePalette(b, parsed_); }); !r) return r;
+    if (const Result<void> r =
+            readTable(found.part, [&](Bytes b) { return parseParts(b, limits_, parsed_); });
+        !r)
+      return r;
+    if (const Result<void> r = readTable(found.matl, [&](Bytes b) { return parsePalette(b, parsed_); }); !r)
+      return r;
     if (found.fogs == MetadataChunks::kNone) {
       if (const Result<void> r = parseFogs({}, parsed_); !r) return r;
-    } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); }); !r) {
+    } else if (const Result<void> r = readTable(found.fogs, [&](Bytes b) { return parseFogs(b, parsed_); });
+               !r) {
       return r;
     }
     LevelChunks levels{Allocator()};
@@ -64,20 +72,25 @@ class RigWriter {
     return Error{ErrorCode::kMisuse, verdict.error().detail};
   }
 
-  // The reader's own rules judge the new tables.
+  // Builds the new tables and checks them with the functions of the reader.
   Result<void> packTables() {
-    if (rigs_.knots.size() != parsed_.parts.size()) return Error{ErrorCode::kMisuse, "there must be knots for each part"};
+    if (rigs_.knots.size() != parsed_.parts.size())
+      return Error{ErrorCode::kMisuse, "there are not knots for each part"};
     for (const std::vector<Knot>& knots : rigs_.knots)
-      if (knots.size() > static_cast<std::size_t>(kMaxKnots)) return Error{ErrorCode::kMisuse, "a part has more than 64 knots"};
+      if (knots.size() > static_cast<std::size_t>(kMaxKnots))
+        return Error{ErrorCode::kMisuse, "a part has more than 64 knots"};
     std::size_t entries = rigs_.clips.size();
     for (const RawClip& clip : rigs_.clips) {
-      if (clip.name.size() > layout::kMaxNameBytes) return Error{ErrorCode::kMisuse, "a clip's name is longer than 255 bytes"};
+      if (clip.name.size() > layout::kMaxNameBytes)
+        return Error{ErrorCode::kMisuse, "a clip's name is longer than 255 bytes"};
       entries += clip.waves.size() + clip.tracks.size();
       for (const RawTrack& track : clip.tracks) entries += track.keys.size();
     }
-    if (entries > ~std::uint32_t{0} / 256) return Error{ErrorCode::kMisuse, "too many clips, waves, tracks or keys"};  // names too fit 32 bits then
+    // The names then fit into 32 bits too.
+    if (entries > ~std::uint32_t{0} / 256)
+      return Error{ErrorCode::kMisuse, "too many clips, waves, tracks or keys"};
 
-    RawPack pack;  // of which these functions look at knots and clips alone
+    RawPack pack;  // buildRigs and buildClips read only knots and clips
     pack.parts.resize(rigs_.knots.size());
     for (std::size_t i = 0; i < pack.parts.size(); ++i) pack.parts[i].knots = rigs_.knots[i];
     pack.clips = rigs_.clips;
@@ -126,12 +139,15 @@ class RigWriter {
 
   Result<void> write() {
     Buffer<std::byte> head;
-    if (!head.reset(layout::kHeaderBytes + count_ * layout::kIndexEntryBytes) || !block_.reset(std::size_t{1} << 16)) return kNoMemory;
+    if (!head.reset(layout::kHeaderBytes + count_ * layout::kIndexEntryBytes) ||
+        !block_.reset(std::size_t{1} << 16))
+      return kNoMemory;
     std::uint64_t end = head.size();
     for (std::size_t i = 0; i < count_; ++i) {
       chunks_[i].info.offset = layout::align(end, layout::kAlignment);
       end = chunks_[i].info.offset + chunks_[i].info.stored;
-      layout::storeIndexEntry(head.span(), layout::kHeaderBytes + i * layout::kIndexEntryBytes, chunks_[i].info);
+      layout::storeIndexEntry(head.span(), layout::kHeaderBytes + i * layout::kIndexEntryBytes,
+                              chunks_[i].info);
     }
     layout::store(head.span(), 0, layout::kIdentifier);
     layout::store(head.span(), 12, kFormatMajor);
@@ -142,8 +158,12 @@ class RigWriter {
     if (const Result<void> r = send(head.span()); !r) return r;
     for (std::size_t i = 0; i < count_; ++i) {
       static constexpr std::byte kZeros[layout::kAlignment] = {};
-      if (const Result<void> r = send(std::span(kZeros).first(static_cast<std::size_t>(chunks_[i].info.offset - written_))); !r) return r;
-      if (const Result<void> r = chunks_[i].own ? send(chunks_[i].own->stored.span()) : copy(chunks_[i]); !r) return r;
+      if (const Result<void> r =
+              send(std::span(kZeros).first(static_cast<std::size_t>(chunks_[i].info.offset - written_)));
+          !r)
+        return r;
+      if (const Result<void> r = chunks_[i].own ? send(chunks_[i].own->stored.span()) : copy(chunks_[i]); !r)
+        return r;
     }
     return {};
   }
@@ -151,18 +171,21 @@ class RigWriter {
   Result<void> copy(const ChunkOrigin& chunk) {
     RunningChecksum running;
     for (std::uint64_t done = 0; done < chunk.info.stored;) {
-      const auto block = block_.span().first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.info.stored - done)));
+      const auto block = block_.span().first(
+          static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.info.stored - done)));
       if (const Result<void> r = readBytes(source_, chunk.from + done, block); !r) return r;
       running.add(block);
       if (const Result<void> r = send(block); !r) return r;
       done += block.size();
     }
-    if (running.value() != chunk.info.checksum) return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.from};
+    if (running.value() != chunk.info.checksum)
+      return Error{ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.from};
     return {};
   }
 
   Result<void> send(std::span<const std::byte> bytes) {
-    if (!bytes.empty() && !sink_.write(sink_.user, bytes)) return Error{ErrorCode::kIo, "the sink did not take the bytes", written_};
+    if (!bytes.empty() && !sink_.write(sink_.user, bytes))
+      return Error{ErrorCode::kIo, "the sink could not write", written_};
     written_ += bytes.size();
     return {};
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files where there is POSIX.
+// FileSource for POSIX.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,13 +17,13 @@ FileSource::~FileSource() {
 
 Result<FileSource> FileSource::open(const char* path) {
   if (!path) return Error{ErrorCode::kMisuse, "the path is null"};
-  // O_NONBLOCK: a named pipe in place of the pack is refused below instead of blocking the caller for ever.
+  // O_NONBLOCK: opening a named pipe must not block for ever. It is refused below.
   const int file = ::open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) return Error{ErrorCode::kIo, "the file can not be opened"};
+  if (file < 0) return Error{ErrorCode::kIo, "the file cannot be opened"};
   FileSource source;
   source.file_ = file;
   struct stat status {};
-  if (::fstat(file, &status) != 0) return Error{ErrorCode::kIo, "the file's size can not be read"};
+  if (::fstat(file, &status) != 0) return Error{ErrorCode::kIo, "the file's size cannot be read"};
   if (!S_ISREG(status.st_mode)) {
     errno = S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
     return Error{ErrorCode::kIo, "not a regular file"};
@@ -36,9 +36,10 @@ bool FileSource::read(void* user, std::uint64_t offset, std::span<std::byte> byt
   const FileSource& self = *static_cast<const FileSource*>(user);
   if (offset > self.size_ || bytes.size() > self.size_ - offset) return false;
   while (!bytes.empty()) {
-    const ssize_t got = ::pread(static_cast<int>(self.file_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const ssize_t got =
+        ::pread(static_cast<int>(self.file_), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;  // an error, or the file has shrunk since it was opened
+    if (got <= 0) return false;  // an error, or the file became shorter
     bytes = bytes.subspan(static_cast<std::size_t>(got));
     offset += static_cast<std::uint64_t>(got);
   }

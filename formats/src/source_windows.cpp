@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files on Windows.
+// FileSource for Windows.
 #define WIN32_LEAN_AND_MEAN
 #define NOMINMAX
 #include <windows.h>
@@ -17,21 +17,33 @@ namespace {
 
 HANDLE handleOf(std::intptr_t file) { return reinterpret_cast<HANDLE>(file); }
 
-// What the C library would have said.
+// Sets errno as the C library would.
 void setErrno(DWORD error) {
   switch (error) {
     case ERROR_FILE_NOT_FOUND:
     case ERROR_PATH_NOT_FOUND:
     case ERROR_INVALID_DRIVE:
-    case ERROR_BAD_NETPATH: errno = ENOENT; break;
+    case ERROR_BAD_NETPATH:
+      errno = ENOENT;
+      break;
     case ERROR_ACCESS_DENIED:
     case ERROR_SHARING_VIOLATION:
-    case ERROR_LOCK_VIOLATION: errno = EACCES; break;
-    case ERROR_TOO_MANY_OPEN_FILES: errno = EMFILE; break;
+    case ERROR_LOCK_VIOLATION:
+      errno = EACCES;
+      break;
+    case ERROR_TOO_MANY_OPEN_FILES:
+      errno = EMFILE;
+      break;
     case ERROR_NOT_ENOUGH_MEMORY:
-    case ERROR_OUTOFMEMORY: errno = ENOMEM; break;
-    case ERROR_FILENAME_EXCED_RANGE: errno = ENAMETOOLONG; break;
-    default: errno = EINVAL; break;
+    case ERROR_OUTOFMEMORY:
+      errno = ENOMEM;
+      break;
+    case ERROR_FILENAME_EXCED_RANGE:
+      errno = ENAMETOOLONG;
+      break;
+    default:
+      errno = EINVAL;
+      break;
   }
 }
 
@@ -43,16 +55,17 @@ FileSource::~FileSource() {
 
 Result<FileSource> FileSource::open(const char* path) {
   if (!path) return Error{ErrorCode::kMisuse, "the path is null"};
-  // UTF-8 never has fewer bytes than UTF-16 has units.
+  // UTF-8 has at least as many bytes as UTF-16 has units.
   const std::size_t length = std::strlen(path) + 1;
-  constexpr std::size_t kLongest = 1 << 15;  // of what the system takes
+  constexpr std::size_t kLongest = 1 << 15;  // the longest path that the system accepts
   if (length > 3 * kLongest) {
     errno = ENAMETOOLONG;
     return Error{ErrorCode::kIo, "the path is too long"};
   }
   Buffer<wchar_t> wide;
   if (!wide.reset(length)) return Error{ErrorCode::kOutOfMemory, "no memory for the path"};
-  if (::MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, static_cast<int>(length), wide.data(), static_cast<int>(length)) == 0) {
+  if (::MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, static_cast<int>(length), wide.data(),
+                            static_cast<int>(length)) == 0) {
     errno = EILSEQ;
     return Error{ErrorCode::kIo, "the path is not UTF-8"};
   }
@@ -61,12 +74,13 @@ Result<FileSource> FileSource::open(const char* path) {
     errno = EISDIR;
     return Error{ErrorCode::kIo, "not a regular file"};
   }
-  // Others may replace, rename and remove the file meanwhile, as they may elsewhere.
-  const HANDLE file = ::CreateFileW(wide.data(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr, OPEN_EXISTING,
-                                    FILE_ATTRIBUTE_NORMAL | FILE_FLAG_RANDOM_ACCESS, nullptr);
+  // Other processes may replace, rename and remove the file meanwhile, as on POSIX.
+  const HANDLE file =
+      ::CreateFileW(wide.data(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
+                    nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL | FILE_FLAG_RANDOM_ACCESS, nullptr);
   if (file == INVALID_HANDLE_VALUE) {
     setErrno(::GetLastError());
-    return Error{ErrorCode::kIo, "the file can not be opened"};
+    return Error{ErrorCode::kIo, "the file cannot be opened"};
   }
   FileSource source;
   source.file_ = reinterpret_cast<std::intptr_t>(file);
@@ -77,7 +91,7 @@ Result<FileSource> FileSource::open(const char* path) {
   LARGE_INTEGER size{};
   if (!::GetFileSizeEx(file, &size)) {
     setErrno(::GetLastError());
-    return Error{ErrorCode::kIo, "the file's size can not be read"};
+    return Error{ErrorCode::kIo, "the file's size cannot be read"};
   }
   source.size_ = static_cast<std::uint64_t>(size.QuadPart);
   return Result<FileSource>(std::move(source));
@@ -87,12 +101,13 @@ bool FileSource::read(void* user, std::uint64_t offset, std::span<std::byte> byt
   const FileSource& self = *static_cast<const FileSource*>(user);
   if (offset > self.size_ || bytes.size() > self.size_ - offset) return false;
   while (!bytes.empty()) {
-    OVERLAPPED place{};  // a read at a place leaves the handle's own alone: any number of threads
+    OVERLAPPED place{};  // reads at an offset, so threads share no file position
     place.Offset = static_cast<DWORD>(offset);
     place.OffsetHigh = static_cast<DWORD>(offset >> 32);
     const DWORD most = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), std::size_t{1} << 30));
     DWORD got = 0;
-    if (!::ReadFile(handleOf(self.file_), bytes.data(), most, &got, &place) || got == 0) return false;  // the latter: the file has shrunk
+    // 0 bytes: the file became shorter
+    if (!::ReadFile(handleOf(self.file_), bytes.data(), most, &got, &place) || got == 0) return false;
     bytes = bytes.subspan(got);
     offset += got;
   }

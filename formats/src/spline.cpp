@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
-#include "bound_knots.h"
 #include "finite.h"
 
 namespace kelp {
 namespace {
 
-// One coordinate of a segment in double precision, so that the questions below are about the stored floats and nothing else.
+// One coordinate of a segment in double precision, so that the answers below concern the stored floats alone.
 struct Cubic {
   double a, b, c, d;
   double operator()(double t) const { return d + t * (c + t * (b + t * a)); }
@@ -23,7 +21,7 @@ Cubic axisOf(const Segment& s, int axis) {
   return {m0 + m1 - 2 * rise, 3 * rise - 2 * m0 - m1, m0, s.p0[axis]};
 }
 
-// The same in float, for every coordinate: S(t) = d + t (c + t (b + t a)).
+// The same in float, for all three coordinates: S(t) = d + t (c + t (b + t a)).
 struct Power {
   glm::vec3 a, b, c, d;
 };
@@ -31,15 +29,18 @@ Power powerOf(const glm::vec3& p0, const glm::vec3& m0, const glm::vec3& p1, con
   const glm::vec3 rise = p1 - p0;
   return {m0 + m1 - 2.0f * rise, 3.0f * rise - 2.0f * m0 - m1, m0, p0};
 }
-// From the end that is nearer to t, so that both are met exactly.
+// Evaluates from the end that is nearer to t, so that both ends are exact.
 bool fromEnd(float t) { return t > 0.5f; }
-Power powerFrom(const Segment& s, bool end) { return end ? powerOf(s.p1, -s.m1, s.p0, -s.m0) : powerOf(s.p0, s.m0, s.p1, s.m1); }
+Power powerFrom(const Segment& s, bool end) {
+  return end ? powerOf(s.p1, -s.m1, s.p0, -s.m0) : powerOf(s.p0, s.m0, s.p1, s.m1);
+}
 
-// Parameters where the cubic may turn, ascending: 0, the roots of its derivative inside (0, 1), 1. Answers how many, 2 to 4.
+// The parameters where the cubic may turn, ascending: 0, the roots of its derivative inside (0, 1), 1.
+// Returns their number, 2 to 4.
 int turningPoints(const Cubic& f, double (&t)[4]) {
   int count = 0;
   t[count++] = 0.0;
-  // 3a t^2 + 2b t + c = 0 by the form that does not cancel; a double or missing root is no turn.
+  // 3a t^2 + 2b t + c = 0 by the form without cancellation. A double root is not a turn.
   const double qa = 3.0 * f.a, half_b = f.b, qc = f.c;
   const double discriminant = half_b * half_b - qa * qc;
   if (discriminant > 0.0) {
@@ -54,7 +55,7 @@ int turningPoints(const Cubic& f, double (&t)[4]) {
   return count;
 }
 
-// The same in double precision, for numbers of any size.
+// Extends the box by the exact range of the segment, and by what evaluation in float may add.
 void addExactRange(const Segment& segment, glm::vec3& low, glm::vec3& high) {
   for (int axis = 0; axis < 3; ++axis) {
     const Cubic f = axisOf(segment, axis);
@@ -69,38 +70,38 @@ void addExactRange(const Segment& segment, glm::vec3& low, glm::vec3& high) {
   }
 }
 
-// Numbers up to here may be added, multiplied by 3 and subtracted in float without a thought of infinity.
+// Numbers up to this size can be added, subtracted and multiplied by 3 in float without overflow.
 constexpr float kSafe = 1e30f;
 
-// Not negative: the slopes are not, and add up to no more than 3 times the rise, so a rising segment is monotone (Fritsch and Carlson 1980).
-// Rounding here is far less than the tolerance of isMonotone.
-float roomToTurn(float m0, float m1, float rise) { return std::min(std::min(m0, m1), 3.0f * rise - (m0 + m1)); }
-
-// A knot's vectors in lanes 1 to 3. In the first is the number before them: `at`, and the position's z.
-static_assert(sizeof(Knot) == 28 && offsetof(Knot, at) == 0 && offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
-Lanes positionOf(const Knot& knot) { return Lanes::load(&knot.at); }
-Lanes tangentOf(const Knot& knot) { return Lanes::load(&knot.position.z); }
-
-// What nearly every rig of every frame is, in a few nanoseconds: false only says that it takes a closer look.
-bool areFine(std::span<const Knot> knots) {
-  if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots) || knots.front().at != 0.0f || knots.back().at != 1.0f) return false;
-  Lanes sizes = 0.0f;
-  for (const Knot& knot : knots) sizes = sizes + (abs(positionOf(knot)) + abs(tangentOf(knot)));
-  float size[4];
-  sizes.store(size);
-  bool ascends = true;
-  float least_rise = kSafe, least_room = kSafe;
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const float share = knots[i + 1].at - knots[i].at, rise = knots[i + 1].position.y - knots[i].position.y;
-    ascends &= share > 0.0f;
-    least_rise = std::min(least_rise, rise);
-    least_room = std::min(least_room, roomToTurn(knots[i].tangent.y * share, knots[i + 1].tangent.y * share, rise));
-  }
-  // The sum is not below the limit either where a number is none, and the minima are of numbers.
-  return ascends && size[1] + size[2] + size[3] < kSafe && least_rise > 0.0f && least_room >= 0.0f;
+// At least 0 if both slopes are at least 0 and their sum is at most 3 times the rise. A rising segment is
+// then monotone (Fritsch and Carlson 1980). The rounding here is far below the tolerance of isMonotone.
+float roomToTurn(float m0, float m1, float rise) {
+  return std::min(std::min(m0, m1), 3.0f * rise - (m0 + m1));
 }
 
-// Also of what is computed from them in float.
+float sizeOf(const glm::vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+// A fast test that nearly every rig of a frame passes. False: look closer.
+bool areFine(std::span<const Knot> knots) {
+  if (knots.size() < 2 || knots.size() > static_cast<std::size_t>(kMaxKnots) || knots.front().at != 0.0f ||
+      knots.back().at != 1.0f)
+    return false;
+  bool ascends = true;
+  float sizes = sizeOf(knots[0].position) + sizeOf(knots[0].tangent);
+  float least_rise = kSafe, least_room = kSafe;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const Knot &k0 = knots[i - 1], &k1 = knots[i];
+    const float share = k1.at - k0.at, rise = k1.position.y - k0.position.y;
+    sizes += sizeOf(k1.position) + sizeOf(k1.tangent);
+    ascends &= share > 0.0f;
+    least_rise = std::min(least_rise, rise);
+    least_room = std::min(least_room, roomToTurn(k0.tangent.y * share, k1.tangent.y * share, rise));
+  }
+  // NaN anywhere makes `sizes` NaN, and the comparison false.
+  return ascends && sizes < kSafe && least_rise > 0.0f && least_room >= 0.0f;
+}
+
+// Whether the coefficients computed in float are finite.
 bool staysFinite(const Segment& s) {
   for (const bool end : {false, true}) {
     const Power f = powerFrom(s, end);
@@ -133,7 +134,8 @@ bool isMonotone(const Segment& segment) {
   const Cubic y = axisOf(segment, 1);
   const double rise = double{segment.p1.y} - double{segment.p0.y};
   if (!(rise > 0.0) || !std::isfinite(y.a) || !std::isfinite(y.b)) return false;
-  // The largest fall below any earlier height; the tolerance absorbs the rounding of positions and tangents to float.
+  // The largest fall below an earlier height. The tolerance absorbs the rounding of positions and tangents to
+  // float.
   double t[4];
   const int count = turningPoints(y, t);
   double highest = y(0.0), fall = 0.0;
@@ -148,42 +150,32 @@ bool isMonotone(const Segment& segment) {
 Result<void> checkKnots(std::span<const Knot> knots) {
   if (areFine(knots)) return {};
   if (knots.size() < 2) return Error{ErrorCode::kMisuse, "a rig needs at least 2 knots", 0};
-  if (knots.size() > static_cast<std::size_t>(kMaxKnots)) return Error{ErrorCode::kMisuse, "a rig has at most 64 knots", 0};
+  if (knots.size() > static_cast<std::size_t>(kMaxKnots))
+    return Error{ErrorCode::kMisuse, "a rig has at most 64 knots", 0};
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!std::isfinite(knots[i].at) || !isFinite(knots[i].position) || !isFinite(knots[i].tangent)) {
       return Error{ErrorCode::kMisuse, "a knot holds a number that is not finite", i};
     }
-    if (i > 0 && !(knots[i].at > knots[i - 1].at)) return Error{ErrorCode::kMisuse, "knots do not ascend along the axis", i};
+    if (i > 0 && !(knots[i].at > knots[i - 1].at))
+      return Error{ErrorCode::kMisuse, "knots do not ascend along the axis", i};
   }
   if (knots.front().at != 0.0f) return Error{ErrorCode::kMisuse, "the first knot is not at 0", 0};
-  if (knots.back().at != 1.0f) return Error{ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1};
+  if (knots.back().at != 1.0f)
+    return Error{ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1};
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment segment = makeSegment(knots[i], knots[i + 1]);
-    if (!staysFinite(segment)) return Error{ErrorCode::kMisuse, "a knot is too far away to compute with", i};
+    if (!staysFinite(segment))
+      return Error{ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i};
     if (!isMonotone(segment)) return Error{ErrorCode::kNotMonotone, "the spline turns back after a knot", i};
   }
   return {};
 }
 
-void straightKnots(const glm::ivec3& size, Knot (&knots)[2]) {
-  const float height = static_cast<float>(size.y);
-  knots[0] = {0.0f, glm::vec3(0.0f), glm::vec3(0.0f, height, 0.0f)};
-  knots[1] = {1.0f, glm::vec3(0.0f, height, 0.0f), glm::vec3(0.0f, height, 0.0f)};
-}
-
 Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
   Box box;
   if (knots.size() < 2) return box;
-  const std::span<const Knot> rigs[8] = {knots, knots, knots, knots};
-  BoxLanes boxes;
-  if (four::boundSoundKnots(rigs, 0, 0.0f, boxes) & 1) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.min[axis] = boxes.min[axis].of[0];
-      box.max[axis] = boxes.max[axis].of[0];
-    }
-  } else {
-    for (std::size_t i = 0; i + 1 < knots.size(); ++i) addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
-  }
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+    addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
   // Every copy of the base spans [0, X] x [0, Z] from the spline.
   box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
   return box;

@@ -20,7 +20,8 @@ using ChunkInfo = Pack::ChunkInfo;
 
 class Verifier {
  public:
-  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator)
+  Verifier(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue),
+           void* user, const Allocator& allocator)
       : source_(source), limits_(limits), report_(report), user_(user), allocator_(allocator) {}
 
   std::uint64_t run() {
@@ -60,11 +61,12 @@ class Verifier {
   void checkPadding(std::uint64_t from, std::uint64_t to) {
     std::array<std::byte, layout::kAlignment> bytes;
     const auto gap = std::span(bytes).first(static_cast<std::size_t>(to - from));
-    if (const Result<void> read = readBytes(source_, from, gap); !read) return issue(IssueId::kUnreadable, read.error());
+    if (const Result<void> read = readBytes(source_, from, gap); !read)
+      return issue(IssueId::kUnreadable, read.error());
     const auto stain = std::find_if(gap.begin(), gap.end(), [](std::byte b) { return b != std::byte{0}; });
     if (stain == gap.end()) return;
-    issue(IssueId::kPaddingNotZero,
-          {ErrorCode::kCorrupt, "a byte between two chunks is not zero", from + static_cast<std::uint64_t>(stain - gap.begin())});
+    issue(IssueId::kPaddingNotZero, {ErrorCode::kCorrupt, "a byte between two chunks is not zero",
+                                     from + static_cast<std::uint64_t>(stain - gap.begin())});
   }
 
   void checkChunk(std::size_t index, const MetadataChunks& metadata) {
@@ -95,10 +97,11 @@ class Verifier {
     } else if (index == metadata.clip && rigs_good_) {
       checkTable(chunk, [&](Bytes b) { return parseClips(b, model_); });
     } else {
-      // A kind that is unknown, or whose content can not be judged without the tables that failed before.
+      // An unknown kind, or a chunk whose content cannot be checked because an earlier table is wrong.
       checkStored(chunk);
       if (!layout::isKnown(chunk.fourcc)) {
-        issue(IssueId::kUnknownChunk, {ErrorCode::kUnsupportedFeature, "an optional chunk of an unknown kind", chunk.offset});
+        issue(IssueId::kUnknownChunk,
+              {ErrorCode::kUnsupportedFeature, "an optional chunk has an unknown kind", chunk.offset});
       }
     }
   }
@@ -107,15 +110,16 @@ class Verifier {
   void checkStored(const ChunkInfo& chunk) {
     RunningChecksum running;
     for (std::uint64_t done = 0; done < chunk.stored;) {
-      const auto block =
-          std::span(block_).first(static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.stored - done)));
+      const auto block = std::span(block_).first(
+          static_cast<std::size_t>(std::min<std::uint64_t>(block_.size(), chunk.stored - done)));
       if (const Result<void> read = readBytes(source_, chunk.offset + done, block); !read)
         return issue(IssueId::kUnreadable, read.error());
       running.add(block);
       done += block.size();
     }
     if (running.value() != chunk.checksum) {
-      issue(IssueId::kChunkChecksum, {ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset});
+      issue(IssueId::kChunkChecksum,
+            {ErrorCode::kChecksum, "a chunk differs from its checksum", chunk.offset});
     }
   }
 
@@ -133,7 +137,7 @@ class Verifier {
     return static_cast<bool>(parsed);
   }
 
-  // There is no table of fog: no part may be fog.
+  // The file has no FOGS: no part may be fog.
   bool checkNoFog(const ChunkInfo& parts) {
     const Result<void> parsed = parseFogs({}, model_);
     if (!parsed) issue(IssueId::kMetadata, inFile(parsed.error(), parts));
@@ -155,14 +159,15 @@ class Verifier {
 
   void checkGrid(const ChunkInfo& chunk) {
     const std::size_t slot = levels_.first[chunk.part] + chunk.level;
-    grid_ = LevelGrid(allocator_);  // the last one goes first
-    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]], latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
+    grid_ = LevelGrid(allocator_);  // frees the previous one before the next is read
+    Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]],
+                                           latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
     if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
     grid_ = *std::move(grid);
   }
 
-  // The pages of the grid that came just before.
+  // Checks the pages of the grid that came just before.
   void checkPages() {
     MortonWalk walk(grid_.grid);
     for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkPage(i, walk);
@@ -171,7 +176,9 @@ class Verifier {
   void checkPage(std::size_t index, MortonWalk& walk) {
     const PageInfo& page = grid_.pages[index];
     const auto number = static_cast<std::int64_t>(index);
-    const auto broken = [&](IssueId id, const char* detail) { issue(id, {ErrorCode::kCorrupt, detail, page.offset}, number); };
+    const auto broken = [&](IssueId id, const char* detail) {
+      issue(id, {ErrorCode::kCorrupt, detail, page.offset}, number);
+    };
     const Result<void> decoded = decodePage(source_, page, page_);
     if (!decoded) issue(IssueId::kPage, decoded.error(), number);
     bool outside = false;
@@ -181,7 +188,8 @@ class Verifier {
     }
     if (!decoded) return;
     if (page.channels > 0) {
-      if (findClearBrick(page_.fog.span(), page.channels) >= 0) broken(IssueId::kBrickWithoutSolid, "a stored brick holds no fog");
+      if (findClearBrick(page_.fog.span(), page.channels) >= 0)
+        broken(IssueId::kBrickWithoutSolid, "a stored brick holds no fog");
       if (outside) broken(IssueId::kOutsideVolume, "a sample of fog lies outside the level");
       return;
     }
@@ -189,16 +197,20 @@ class Verifier {
       broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
     if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
     if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
-      broken(IssueId::kPaletteIndex, "an attribute names a palette entry that is not there");
+      broken(IssueId::kPaletteIndex, "an attribute names a palette entry that does not exist");
     }
   }
 
-  // Whether a brick of the page in hand holds something beyond the level.
+  // Whether a brick of the current page has something outside the level.
   bool holdsOutside(const PageInfo& page, std::uint32_t brick, const glm::ivec3& at) const {
-    if (page.channels == 0) return hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), at, grid_.size);
+    if (page.channels == 0)
+      return hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), at,
+                             grid_.size);
     const glm::ivec3 samples = levelSize(model_.parts[static_cast<std::size_t>(part_)].size, level_);
     for (int channel = 0; channel < page.channels; ++channel) {
-      if (hasFogOutside(fogChannel(page_, channel).subspan(std::size_t{brick} * kFogSamples, kFogSamples), at, samples)) return true;
+      if (hasFogOutside(fogChannel(page_, channel).subspan(std::size_t{brick} * kFogSamples, kFogSamples), at,
+                        samples))
+        return true;
     }
     return false;
   }
@@ -209,11 +221,12 @@ class Verifier {
   void* const user_;
   const Allocator& allocator_;
   std::uint64_t errors_ = 0;
-  int part_ = -1, level_ = -1;  // of the chunk in hand
+  int part_ = -1, level_ = -1;  // of the current chunk
   Container container_{allocator_};
   Metadata model_{allocator_, limits_.max_metadata_bytes};
   LevelChunks levels_{allocator_};
-  bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false, grid_good_ = false;
+  bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false,
+       grid_good_ = false;
   LevelGrid grid_{allocator_};
   PageData page_{allocator_};
   std::array<std::byte, 16384> block_;
@@ -221,9 +234,13 @@ class Verifier {
 
 }  // namespace
 
-std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator) {
+std::uint64_t verify(const Source& source, const Limits& limits,
+                     void (*report)(void* user, const Issue& issue), void* user, const Allocator& allocator) {
   if (!allocator.allocate || !allocator.deallocate) {
-    if (report) report(user, {IssueId::kUnreadable, Severity::kError, {ErrorCode::kMisuse, "the allocator lacks a function"}});
+    if (report)
+      report(
+          user,
+          {IssueId::kUnreadable, Severity::kError, {ErrorCode::kMisuse, "the allocator lacks a function"}});
     return 1;
   }
   return Verifier(source, limits, report, user, allocator).run();
@@ -232,30 +249,29 @@ std::uint64_t verify(const Source& source, const Limits& limits, void (*report)(
 const char* toString(IssueId id) {
   switch (id) {
     case IssueId::kUnreadable:
-      return "The file, its header or its index can not be read as a .kelp pack. Check that the file is complete, and bake it "
+      return "The file, its header or its index cannot be read. Check that the file is complete, or bake it "
              "again.";
     case IssueId::kChunkChecksum:
-      return "A chunk's bytes differ from their checksum: the file was damaged after it was written. Copy or bake it again.";
+      return "The bytes of a chunk differ from their checksum: the file was damaged. Copy or bake it again.";
     case IssueId::kPaddingNotZero:
-      return "A byte that must be zero is not: the file was changed after it was written, or its writer is wrong. Bake it again.";
+      return "A byte that must be zero is not: the file was changed, or its writer has a bug. Bake it again.";
     case IssueId::kUnknownChunk:
-      return "An optional chunk is of a kind that this version does not know; it is skipped. A newer kelp may use it.";
+      return "This version does not know an optional chunk and skips it. A newer kelp may use it.";
     case IssueId::kMetadata:
-      return "Parts, palette, rigs, clips or information contradict the format. The program that wrote the pack is wrong: report "
-             "it.";
+      return "Parts, palette, rigs, clips or information break a rule. The writer has a bug: report it.";
     case IssueId::kNotMonotone:
-      return "The rest rig of a part turns back along its axis, so that it can not be drawn. Shorten the tangents of its knots "
-             "and bake again.";
+      return "The rest rig of a part turns back along its axis. Shorten the tangents of its knots and bake "
+             "again.";
     case IssueId::kGrid:
-      return "The grid of a level can not be read. Copy or bake the pack again.";
+      return "The grid of a level cannot be read. Copy or bake the pack again.";
     case IssueId::kPage:
-      return "A page of bricks can not be read. Copy or bake the pack again.";
+      return "A page of bricks cannot be read. Copy or bake the pack again.";
     case IssueId::kBrickWithoutSolid:
-      return "A stored brick holds nothing. The program that wrote the pack is wrong: report it.";
+      return "A stored brick holds nothing. The writer has a bug: report it.";
     case IssueId::kOutsideVolume:
-      return "A solid voxel, or a sample of fog, lies outside its level. The program that wrote the pack is wrong: report it.";
+      return "A solid voxel or a sample of fog lies outside its level. The writer has a bug: report it.";
     case IssueId::kPaletteIndex:
-      return "A voxel's palette entry does not exist. The program that wrote the pack is wrong: report it.";
+      return "A voxel's palette entry does not exist. The writer has a bug: report it.";
   }
   return "Unknown issue.";
 }

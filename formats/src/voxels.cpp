@@ -21,7 +21,8 @@ constexpr std::uint32_t kMaxPageBricks = layout::kMaxPageRaw / kBrickVoxels;
 }  // namespace
 
 std::uint64_t cellCount(const glm::ivec3& grid) {
-  return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) * static_cast<std::uint64_t>(grid.z);
+  return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) *
+         static_cast<std::uint64_t>(grid.z);
 }
 
 Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid) {
@@ -29,24 +30,28 @@ Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm
   for (MortonWalk walk(grid); !walk.done(); walk.next()) {
     const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
     if (!(cell & kCellSolid)) continue;
-    if (next > kCellSlotMask) return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
+    if (next > kCellSlotMask)
+      return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
     if (cell != (kCellSolid | next))
       return Error{ErrorCode::kCorrupt, "a cell's slot is not the next in Morton order", walk.index()};
     ++next;
   }
-  if (next == 0) return Error{ErrorCode::kCorrupt, "a level holds no brick", 0};
+  if (next == 0) return Error{ErrorCode::kCorrupt, "a level has no brick", 0};
   return next;
 }
 
-Lattice latticeOf(const Part& part, int level) { return {latticeSize(part.kind, levelSize(part.size, level)), part.fog ? part.fog->channels() : 0}; }
+Lattice latticeOf(const Part& part, int level) {
+  return {latticeSize(part.kind, levelSize(part.size, level)), part.fog ? part.fog->channels() : 0};
+}
 
-Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice, const Pack::ChunkInfo& bricks, LevelGrid& out) {
+Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
+                       const Pack::ChunkInfo& bricks, LevelGrid& out) {
   out.size = lattice.size;
   out.grid = brickGrid(lattice.size);
   const std::uint64_t cells = cellCount(out.grid);
   const std::uint64_t table_at = layout::align(cells * sizeof(std::uint32_t), 8);
   if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
-    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", 0};
+    return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", 0};
   }
   const std::uint64_t pages = (chunk.size() - table_at) / layout::kPageEntryBytes;
   if (!out.cells.reset(cells) || !out.pages.reset(pages)) {
@@ -54,13 +59,15 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
   }
   std::memcpy(out.cells.data(), chunk.data(), static_cast<std::size_t>(cells) * sizeof(std::uint32_t));
   for (std::uint64_t i = cells * sizeof(std::uint32_t); i < table_at; ++i) {
-    if (chunk[static_cast<std::size_t>(i)] != std::byte{0}) return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
+    if (chunk[static_cast<std::size_t>(i)] != std::byte{0})
+      return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
   }
   const Result<std::uint32_t> count = checkCells(out.cells.span(), out.grid);
-  if (!count) return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
+  if (!count)
+    return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
   out.bricks = *count;
 
-  // Pages follow one another without gaps, in bytes and in slots, and cover the chunk and all bricks.
+  // Pages follow each other without gaps, in bytes and in slots, and cover the chunk and all bricks.
   std::uint64_t offset = 0, slot = 0;
   for (std::size_t i = 0; i < out.pages.size(); ++i) {
     const std::size_t at = static_cast<std::size_t>(table_at) + i * layout::kPageEntryBytes;
@@ -74,37 +81,47 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
     page.channels = static_cast<std::uint8_t>(lattice.channels);
     if (!isPossiblePage(page)) return Error{ErrorCode::kCorrupt, "a page's sizes are impossible", at + 8};
     if (page.offset != offset || page.stored > bricks.stored - offset)
-      return Error{ErrorCode::kCorrupt, "a page is not where the one before it ends", at};
+      return Error{ErrorCode::kCorrupt, "a page does not start where the previous one ends", at};
     if (page.first_slot != slot || page.count > out.bricks - slot)
-      return Error{ErrorCode::kCorrupt, "a page's slots do not follow the one before", at + 24};
+      return Error{ErrorCode::kCorrupt, "a page's slots do not follow the previous page's", at + 24};
     offset += page.stored;
     slot += page.count;
     page.offset += bricks.offset;
     out.pages[i] = page;
   }
-  if (offset != bricks.stored) return Error{ErrorCode::kCorrupt, "the pages do not fill the chunk of bricks", table_at};
+  if (offset != bricks.stored)
+    return Error{ErrorCode::kCorrupt, "the pages do not fill the chunk of bricks", table_at};
   if (slot != out.bricks) return Error{ErrorCode::kCorrupt, "the pages do not hold every brick", table_at};
   return {};
 }
 
-Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
-                                const Lattice& lattice, const Limits& limits, const Allocator& allocator) {
-  // Before memory is taken for it: all cells, and no more pages than bricks, nor than what is stored can be.
-  const std::uint64_t cells = cellCount(brickGrid(lattice.size)), table_at = layout::align(cells * sizeof(std::uint32_t), 8);
-  if (chunk.raw < table_at || (chunk.raw - table_at) / layout::kPageEntryBytes > std::min(cells, bricks.stored / layout::kLeastFrame)) {
-    return Error{ErrorCode::kCorrupt, "a grid's size does not fit the part's", chunk.offset};
+Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk,
+                                const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,
+                                const Allocator& allocator) {
+  // Checked before memory is allocated: the chunk has all cells, and no more pages than bricks or than the
+  // stored bytes can hold.
+  const std::uint64_t cells = cellCount(brickGrid(lattice.size)),
+                      table_at = layout::align(cells * sizeof(std::uint32_t), 8);
+  if (chunk.raw < table_at || (chunk.raw - table_at) / layout::kPageEntryBytes >
+                                  std::min(cells, bricks.stored / layout::kLeastFrame)) {
+    return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", chunk.offset};
   }
   Buffer<std::byte> bytes(allocator);
-  if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read) return read.error();
+  if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read)
+    return read.error();
   LevelGrid grid(allocator);
-  if (const Result<void> parsed = parseGrid(bytes.span(), lattice, bricks, grid); !parsed) return inFile(parsed.error(), chunk);
+  if (const Result<void> parsed = parseGrid(bytes.span(), lattice, bricks, grid); !parsed)
+    return inFile(parsed.error(), chunk);
   return Result<LevelGrid>(std::move(grid));
 }
 
 bool isPossiblePage(const PageInfo& page) {
-  if (page.stored < 1 || page.stored > layout::kMaxPageStored || page.raw > layout::kMaxPageRaw || page.count < 1 || page.count > kMaxPageBricks) return false;
+  if (page.stored < 1 || page.stored > layout::kMaxPageStored || page.raw > layout::kMaxPageRaw ||
+      page.count < 1 || page.count > kMaxPageBricks)
+    return false;
   if (page.channels > 0) return page.channels <= 2 && page.raw == page.count * page.channels * kFogSamples;
-  return page.raw >= page.count * kBrickVoxels && (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
+  return page.raw >= page.count * kBrickVoxels &&
+         (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
 }
 
 std::int64_t giveRanks(std::span<std::uint8_t> codes) {
@@ -127,7 +144,7 @@ std::int64_t giveRanks(std::span<std::uint8_t> codes) {
 }
 
 Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out) {
-  // One block of memory for what decoding needs: zstd's workspace, the decoded page, the stored page.
+  // One block of memory for everything that decoding needs: workspace of zstd, decoded page, stored page.
   const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
   const std::size_t raw_bytes = static_cast<std::size_t>(layout::align(page.raw, 16));
   const bool fog = page.channels > 0;
@@ -141,9 +158,10 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
   const std::span<std::byte> raw = out.scratch.span().subspan(workspace_bytes, page.raw);
   const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes + raw_bytes, page.stored);
   if (const Result<void> read = readBytes(source, page.offset, stored); !read) return read;
-  if (checksum(stored) != page.checksum) return Error{ErrorCode::kChecksum, "a page differs from its checksum", page.offset};
+  if (checksum(stored) != page.checksum)
+    return Error{ErrorCode::kChecksum, "a page differs from its checksum", page.offset};
   if (!decodeFrame(stored, raw, workspace))
-    return Error{ErrorCode::kCorrupt, "a page does not decompress to the size it states", page.offset};
+    return Error{ErrorCode::kCorrupt, "a page does not decompress to its raw size", page.offset};
 
   out.first_slot = page.first_slot;
   out.count = page.count;
@@ -152,11 +170,13 @@ Result<void> decodePage(const Source& source, const PageInfo& page, PageData& ou
     return {};
   }
   std::memcpy(out.codes.data(), raw.data(), code_bytes);
-  if (attributes > 0) std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
+  if (attributes > 0)
+    std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
   const std::int64_t surface = giveRanks(out.codes.span());
   if (surface < 0) return Error{ErrorCode::kCorrupt, "a page holds a reserved code", page.offset};
   if (static_cast<std::uint64_t>(surface) != attributes) {
-    return Error{ErrorCode::kCorrupt, "a page has not one attribute for each surface voxel", page.offset};
+    return Error{ErrorCode::kCorrupt, "a page does not have one attribute for each surface voxel",
+                 page.offset};
   }
   return {};
 }
@@ -172,18 +192,21 @@ std::int64_t findClearBrick(std::span<const std::uint8_t> fog, int channels) {
     bool clear = true;
     for (std::size_t channel = 0; channel < static_cast<std::size_t>(channels); ++channel) {
       const auto samples = fog.subspan((channel * bricks + brick) * kFogSamples, kFogSamples);
-      clear = clear && std::all_of(samples.begin(), samples.end(), [](std::uint8_t sample) { return sample == 0; });
+      clear = clear &&
+              std::all_of(samples.begin(), samples.end(), [](std::uint8_t sample) { return sample == 0; });
     }
     if (clear) return static_cast<std::int64_t>(brick);
   }
   return -1;
 }
 
-bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick, const glm::ivec3& samples) {
+bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick,
+                   const glm::ivec3& samples) {
   const glm::ivec3 room = samples - brick * kBrickSide;
   if (room.x >= kFogSide && room.y >= kFogSide && room.z >= kFogSide) return false;
   for (int i = 0; i < kFogSamples; ++i) {
-    const bool inside = i % kFogSide < room.x && i / kFogSide % kFogSide < room.y && i / (kFogSide * kFogSide) < room.z;
+    const bool inside =
+        i % kFogSide < room.x && i / kFogSide % kFogSide < room.y && i / (kFogSide * kFogSide) < room.z;
     if (!inside && channel[static_cast<std::size_t>(i)] != 0) return true;
   }
   return false;
@@ -198,15 +221,17 @@ std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
 }
 
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size) {
-  // The greatest first, eight at a time on any machine: there is nothing wrong nearly always.
+  // Compares only the greatest index first, which the compiler does with SIMD. It is nearly always valid.
   std::uint32_t greatest = 0;
   for (const std::uint32_t a : attributes) greatest = std::max(greatest, a & 0xffu);
   if (greatest < palette_size) return -1;
-  return std::find_if(attributes.begin(), attributes.end(), [&](std::uint32_t a) { return attributePalette(a) >= palette_size; }) - attributes.begin();
+  return std::find_if(attributes.begin(), attributes.end(),
+                      [&](std::uint32_t a) { return attributePalette(a) >= palette_size; }) -
+         attributes.begin();
 }
 
 bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size) {
-  const glm::ivec3 room = size - brick * kBrickSide;  // voxels of the level from the brick's corner on
+  const glm::ivec3 room = size - brick * kBrickSide;  // the level's voxels from the brick's corner on
   if (room.x >= kBrickSide && room.y >= kBrickSide && room.z >= kBrickSide) return false;
   for (int i = 0; i < kBrickVoxels; ++i) {
     const bool inside = (i & 7) < room.x && ((i >> 3) & 7) < room.y && (i >> 6) < room.z;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Grids and pages: the rules of SPEC.md about voxels, used by reader, writer and verifier alike.
+// The rules of SPEC.md for grids and pages, for reader, writer and verifier.
 #pragma once
 
 #include <cstddef>
@@ -10,49 +10,55 @@
 
 namespace kelp {
 
-// Checks the cells of a grid: reserved bits, and slots that count up from 0 in Morton order. Answers the number of stored bricks,
-// at least one. The offset of the error is the cell's index.
+// Checks the cells of a grid: reserved bits, and slots that ascend from 0 in Morton order. Returns the
+// number of stored bricks, at least 1. The offset of an error is the index of the cell.
 Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid);
 
 // Number of cells of a grid.
 std::uint64_t cellCount(const glm::ivec3& grid);
 
-// What a level's grid is divided by: its voxels or, of fog, its cubes; and the channels of its pages.
+// What the grid of a level divides: voxels of a solid part, cubes of fog. And the channels of its pages.
 struct Lattice {
   glm::ivec3 size{0};
   int channels = 0;  // see PageInfo
 };
 Lattice latticeOf(const Part& part, int level);
 
-// Reads a decoded GRID chunk of a level whose BRCK or FOGB chunk is `bricks`. The offset of errors counts from the chunk's begin.
-Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice, const Pack::ChunkInfo& bricks, LevelGrid& out);
+// Reads a decoded GRID chunk of a level whose BRCK or FOGB chunk is `bricks`. The offset of an error counts
+// from the start of the chunk.
+Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
+                       const Pack::ChunkInfo& bricks, LevelGrid& out);
 
-// Reads, checks and decodes the grid of a level. The offset of errors is that in the file.
-Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk, const Pack::ChunkInfo& bricks,
-                                const Lattice& lattice, const Limits& limits, const Allocator& allocator);
+// Reads, checks and decodes the grid of a level. The offset of an error is that in the file.
+Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk,
+                                const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,
+                                const Allocator& allocator);
 
-// Whether the page's numbers are possible at all; memory for it is then bounded.
+// Whether the page's numbers are possible. If so, its memory is bounded.
 bool isPossiblePage(const PageInfo& page);
 
-// Turns codes as a page holds them, whole bricks with 64 for each surface voxel, into codes with ranks (brick.h). Answers the number of surface voxels,
-// or -1 when a code is reserved.
+// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64. Returns the number
+// of surface voxels, or -1 if a code is reserved.
 std::int64_t giveRanks(std::span<std::uint8_t> codes);
 
-// Reads a page, checks its checksum and decodes it: sizes and, of solids, codes and ranks are then right. The offset of errors is the page's.
+// Reads a page, checks its checksum and decodes it. Its sizes, and the codes and ranks of a solid part, are
+// then right. The offset of an error is the page's.
 Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out);
 
-// Bytes of a fog brick's samples in one channel, of a page's whole channel.
+// The samples of one channel of all bricks of a page of fog.
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel);
-// Index of the first brick of fog whose cubes are all clear, or -1. `channels` as in PageData::fog.
+// Index of the first brick of fog that is clear, or -1. channels: as in PageData::fog.
 std::int64_t findClearBrick(std::span<const std::uint8_t> fog, int channels);
-// Whether a brick of fog has a sample that is not 0 outside a level of `samples`. brick: its place in the grid; channel: its 729 samples.
+// Whether a brick of fog has a sample that is not 0 outside a level of `samples`. brick: its place in the
+// grid. channel: its 729 samples.
 bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick, const glm::ivec3& samples);
 
 // Index of the first brick without a solid voxel, or -1.
 std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes);
 // Index of the first attribute whose palette index is not below `palette_size`, or -1.
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size);
-// Whether a brick holds a solid voxel outside a level of `size` voxels. codes: the brick's 512; brick: its place in the grid.
+// Whether a brick has a solid voxel outside a level of `size` voxels. codes: its 512 codes. brick: its place
+// in the grid.
 bool hasSolidOutside(std::span<const std::uint8_t> codes, const glm::ivec3& brick, const glm::ivec3& size);
 
 }  // namespace kelp

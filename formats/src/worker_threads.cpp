@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The one file of formats that is compiled with exceptions: std::thread has no other way to say that there are no more threads.
+// The only file of formats that is compiled with exceptions: std::thread throws if there are no more
+// threads.
 #include "worker_threads.h"
 
 #include <thread>
@@ -13,7 +14,7 @@ void runOnThreads(int threads, void (*work)(void* user), void* user) {
     others.reserve(static_cast<std::size_t>(threads > 1 ? threads - 1 : 0));
     for (int i = 1; i < threads; ++i) others.emplace_back(work, user);
   } catch (...) {
-    // Those that started, and this one, do the work.
+    // The threads that started, and this one, do the work.
   }
   work(user);
   for (std::thread& thread : others) thread.join();

@@ -3,8 +3,8 @@
 
 namespace kelp {
 
-// Calls work(user) on `threads` threads at once, the caller's among them, and comes back when all have ended. Where the system
-// refuses more threads, fewer do it: work must therefore share its jobs out by itself.
+// Calls work(user) on `threads` threads at the same time, including the calling one, and returns when all
+// have ended. If the system refuses a thread, fewer run. So work() must distribute its jobs itself.
 void runOnThreads(int threads, void (*work)(void* user), void* user);
 
 }  // namespace kelp

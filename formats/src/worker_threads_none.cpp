@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where programs have no threads: the web, unless asked for.
+// For systems without threads: the web, unless asked for.
 #include "worker_threads.h"
 
 namespace kelp {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#define ZSTD_STATIC_LINKING_ONLY  // for the contexts in memory of our own
+#define ZSTD_STATIC_LINKING_ONLY  // for contexts in our own memory
 #include <zstd.h>
 
 namespace kelp {
@@ -12,7 +12,7 @@ namespace kelp {
 std::size_t decodeWorkspaceBytes() { return ZSTD_estimateDCtxSize(); }
 
 bool decodeFrame(std::span<const std::byte> frame, std::span<std::byte> out, std::span<std::byte> workspace) {
-  // zstd would also take skippable frames and, where it was built so, the frames of its first versions.
+  // zstd would also accept skippable frames and, in some builds, frames of its first versions.
   std::uint32_t magic = 0;
   if (frame.size() < sizeof(magic)) return false;
   std::memcpy(&magic, frame.data(), sizeof(magic));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Decompression, apart from compression so that a game links no compressor.
+// Decompression. Separate from compression, so that a game links no compressor.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace kelp {
 
-// Bytes of workspace that decodeFrame needs, whatever the frame.
+// Bytes of workspace that decodeFrame needs for any frame.
 std::size_t decodeWorkspaceBytes();
 
-// Decodes the one zstd frame that fills `frame` exactly into `out`, which it fills exactly; the frame must state its content size
-// and use no dictionary. False if anything is otherwise. Safe for hostile frames; allocates nothing. workspace: aligned to 8
-// bytes.
+// Decodes a zstd frame. `frame` must be exactly one frame that states its content size and uses no
+// dictionary, and it must fill `out` exactly. False if not. Safe for hostile frames. Allocates nothing.
+// workspace: aligned to 8 bytes.
 bool decodeFrame(std::span<const std::byte> frame, std::span<std::byte> out, std::span<std::byte> workspace);
 
 }  // namespace kelp

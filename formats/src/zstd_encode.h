@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Compression, for the writer alone.
+// Compression; only the writer uses it.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace kelp {
 
-// Compresses blocks one after the other. The frame depends on the block alone, not on what came before. Not thread-safe.
+// Compresses blocks. A frame depends on its block alone. Not thread-safe.
 class FrameEncoder {
  public:
   FrameEncoder();
@@ -15,9 +15,9 @@ class FrameEncoder {
   FrameEncoder(const FrameEncoder&) = delete;
   FrameEncoder& operator=(const FrameEncoder&) = delete;
 
-  // Room that encode needs in `frame` for any block of `bytes`.
+  // Size of `frame` that is enough for any block of `bytes`.
   static std::size_t bound(std::size_t bytes);
-  // One zstd frame that states its content size. Answers its size, 0 when memory is short.
+  // Writes one zstd frame that states its content size. Returns the size of the frame; 0 if memory is short.
   std::size_t encode(std::span<const std::byte> block, std::span<std::byte> frame);
 
  private:

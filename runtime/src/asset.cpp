@@ -19,17 +19,16 @@ Result<void> Asset::Impl::prepareLevels() {
   const std::span<const Part> parts = pack.parts();
   std::uint32_t total = 0;
   int deepest = 0;
-  if (!first_level.reset(parts.size())) return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
+  if (!first_level.reset(parts.size()))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     first_level[i] = total;
     total += static_cast<std::uint32_t>(parts[i].levels);
     deepest = parts[i].levels > deepest ? parts[i].levels : deepest;
   }
   states.reset(new (std::nothrow) LevelState[total]);
-  ceilings.reset(new (std::nothrow) Ceiling[total]);
-  level_group_count = (total + kGroup - 1) / kGroup;
-  level_groups.reset(new (std::nothrow) LevelGroup[level_group_count]);
-  if (!states || !ceilings || !level_groups || !place.reset(total)) return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
+  if (!states || !place.reset(total))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
   state_count = total;
   std::uint32_t n = 0;
   for (int level = deepest - 1; level >= 0; --level) {
@@ -46,7 +45,8 @@ Result<void> Asset::Impl::prepareLevels() {
   constexpr std::uint32_t kGridChunk = 'G' | 'R' << 8 | 'I' << 16 | 'D' << 24;
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
     if (chunk.fourcc != kGridChunk) continue;
-    if (LevelState* state = find(static_cast<int>(chunk.part), static_cast<int>(chunk.level))) state->grid_raw = chunk.raw;
+    if (LevelState* state = find(static_cast<int>(chunk.part), static_cast<int>(chunk.level)))
+      state->grid_raw = chunk.raw;
   }
   return {};
 }
@@ -57,15 +57,22 @@ LevelState* Asset::Impl::find(int part, int level) const {
   return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
 }
 
-Result<void> Asset::Impl::loadPage(const Task& task, Scratch& decoded) {
+Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
+  if (!memory) {
+    memory = new (std::nothrow) Scratch;
+    if (!memory) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
+    memory->page = PageData(options.allocator);
+  }
+  Scratch& decoded = *memory;
   const PageInfo& info = task.level->grid.pages[task.page];
   if (Result<void> read = pack.readPage(info, decoded.page); !read) return read;
   const std::uint32_t count = pageWords(info);
-  auto* words = static_cast<std::uint32_t*>(options.allocator.allocate(options.allocator.user, count * sizeof(std::uint32_t)));
+  auto* words = static_cast<std::uint32_t*>(
+      options.allocator.allocate(options.allocator.user, count * sizeof(std::uint32_t)));
   if (!words) return Error{ErrorCode::kOutOfMemory, "no memory for a page", info.offset};
   if (!arrangePage(decoded.page, {words, count})) {
     options.allocator.deallocate(options.allocator.user, words, count * sizeof(std::uint32_t));
-    return Error{ErrorCode::kCorrupt, "codes and attributes disagree", info.offset};
+    return Error{ErrorCode::kCorrupt, "codes and attributes do not match", info.offset};
   }
   PageSlot& slot = task.level->pages[task.page];
   slot.used.store(round.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -88,9 +95,8 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
   if (done) {
     noteOpen(level);
     level.ready.store(true, std::memory_order_release);
-    // Whoever asked for the next finer one asked in vain until now.
-    if (const LevelState* finer = find(level.part, level.level - 1)) raise(*finer, finer->request.urgency.load(std::memory_order_relaxed));
-  } else {  // the finer levels rest on it
+    changes.fetch_add(1, std::memory_order_relaxed);  // the next finer grid can be loaded now
+  } else {                                            // the finer levels need it
     for (int finer = level.level; finer >= 0; --finer) {
       LevelState& lost = *find(level.part, finer);
       lost.stage = Stage::kFailed;
@@ -111,10 +117,12 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     reserved = bytesOf(task);
     const auto may_wait = [&] {
       const std::uint64_t kept_for_ever = used_bytes.load(std::memory_order_relaxed) - page_bytes;
-      return in_hand > 0 || (reserved <= options.memory_budget && kept_for_ever <= options.memory_budget - reserved);
+      return in_hand > 0 ||
+             (reserved <= options.memory_budget && kept_for_ever <= options.memory_budget - reserved);
     };
-    if (!task.level->coarsest && used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
-      // What there is no room for now must not keep smaller things from coming.
+    if (!task.level->coarsest &&
+        used_bytes.load(std::memory_order_relaxed) + reserved > options.memory_budget) {
+      // Smaller things must not wait for one that does not fit now.
       if (const std::uint64_t left = roomLeft(reserved); reserved > left && may_wait()) {
         task = choose(wanted, left + 1);
         if (!task.level) return false;
@@ -125,14 +133,12 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     if (!room && may_wait()) return false;
     const bool grid = task.page == Task::kGrid;
     (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
-    if (!grid) {
-      --task.level->absent;
-      --task.level->groups[task.page / kGroup].absent;
-    }
+    if (!grid) --task.level->absent;
     noteOpen(*task.level);
     if (!room) {
       finish(task, 0, false);
-      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid" : "memory_budget is too small for a page"});
+      return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid"
+                                           : "memory_budget is too small for a page"});
     }
     if (!grid && scratch) {
       memory = scratch;
@@ -141,17 +147,8 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
     ++in_hand;
   }
 
-  Result<void> done;
-  if (task.page == Task::kGrid) {
-    done = task.level->load(pack, options.allocator);
-  } else {
-    if (!memory) {
-      memory = new (std::nothrow) Scratch;
-      if (memory) memory->page = PageData(options.allocator);
-    }
-    done = memory ? loadPage(task, *memory) : Result<void>(Error{ErrorCode::kOutOfMemory, "no memory to decode a page"});
-  }
-
+  const Result<void> done =
+      task.page == Task::kGrid ? task.level->load(pack, options.allocator) : loadPage(task, memory);
   std::lock_guard lock(mutex);
   finish(task, reserved, static_cast<bool>(done));
   if (memory) {
@@ -198,6 +195,8 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   if (!pack) return pack.error();
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(*std::move(pack), options));
   if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  if (Result<void> prepared = impl->waves.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
+    return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
   auto* const life = new (std::nothrow) AssetWatch::Life;
   if (!life) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
@@ -222,7 +221,7 @@ Result<void> Asset::loadAll() {
       const Result<bool> more = a.pump(Impl::Wanted::kAll);
       if (more && !*more) break;
     }
-    // Nothing is left to take; a grid in another thread's hands may bring new pages, or has brought them meanwhile.
+    // Nothing is left to load here. A grid that another thread was loading may have brought new pages.
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
     if (a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
@@ -238,12 +237,12 @@ void Asset::retry() {
   Impl& a = *impl_;
   std::lock_guard lock(a.mutex);
   a.any_error = false;
+  a.changes.fetch_add(1, std::memory_order_relaxed);
   for (std::size_t i = 0; i < a.state_count; ++i) {
     LevelState& level = a.states[i];
     level.request.failed.store(false, std::memory_order_relaxed);
     if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
     a.noteOpen(level);
-    if (level.stage == Stage::kAbsent) a.raise(level, level.request.urgency.load(std::memory_order_relaxed));
     if (level.stage != Stage::kResident) continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
       if (level.pages[page].stage != Stage::kFailed) continue;
@@ -262,7 +261,8 @@ int Asset::residentLevel(int part, int wanted) const {
   if (part < 0 || static_cast<std::size_t>(part) >= impl_->pack.parts().size()) return -1;
   const auto whole = [&](int level) {
     const LevelState* state = impl_->find(part, level);
-    return state->ready.load(std::memory_order_acquire) && state->resident.load(std::memory_order_acquire) == state->data.pages.size();
+    return state->ready.load(std::memory_order_acquire) &&
+           state->resident.load(std::memory_order_acquire) == state->data.pages.size();
   };
   const int levels = impl_->pack.parts()[static_cast<std::size_t>(part)].levels;
   const int from = wanted < 0 ? 0 : (wanted < levels ? wanted : levels - 1);
@@ -282,13 +282,15 @@ AssetWatch Asset::watch() const { return watch_; }
 void Asset::beginRequests() const { impl_->round.fetch_add(1, std::memory_order_relaxed); }
 
 void Asset::request(int part, int level, float urgency) const {
-  if (LevelState* state = impl_->find(part, level)) impl_->ask(*state, urgency, impl_->round.load(std::memory_order_relaxed));
+  if (LevelState* state = impl_->find(part, level))
+    impl_->ask(*state, urgency, impl_->round.load(std::memory_order_relaxed));
 }
 
 PinnedPage Asset::pin(int part, int level, std::uint32_t page, float urgency) const {
   PinnedPage pinned;
   LevelState* state = impl_->find(part, level);
-  if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size()) return pinned;
+  if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size())
+    return pinned;
   PageSlot& slot = state->pages[page];
   const std::uint32_t now = impl_->round.load(std::memory_order_relaxed);
   const std::shared_lock lock(impl_->readers);
@@ -315,7 +317,8 @@ bool Asset::hasFailed(int part, int level, std::uint32_t page) const {
          state->pages[page].request.failed.load(std::memory_order_relaxed);
 }
 
-PinnedPage::PinnedPage(PinnedPage&& other) noexcept : words_(std::exchange(other.words_, {})), pins_(std::exchange(other.pins_, nullptr)) {}
+PinnedPage::PinnedPage(PinnedPage&& other) noexcept
+    : words_(std::exchange(other.words_, {})), pins_(std::exchange(other.pins_, nullptr)) {}
 
 PinnedPage& PinnedPage::operator=(PinnedPage&& other) noexcept {
   if (this != &other) {

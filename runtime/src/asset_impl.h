@@ -1,38 +1,38 @@
 // SPDX-License-Identifier: MIT
-// What an asset holds. pump() decides under `mutex` what is loaded next, and reads and decodes without it.
+// The state of an asset. pump() chooses what to load while it holds `mutex`, and reads and decodes without
+// it.
 #pragma once
 
 #include <condition_variable>
 #include <mutex>
 #include <shared_mutex>
 
+#include "kelp/simd/wave_sums.h"
 #include "level_store.h"
 
 namespace kelp::runtime {
 
-// A request, or a look at a page, counts for this many rounds.
+// A request, or the use of a page, counts for so many rounds.
 constexpr std::uint32_t kPatience = 8;
 
-// Memory a thread decodes pages into; kept for the next one.
+// Memory for decoding pages, kept for the next page.
 struct Scratch {
   PageData page;
   Scratch* next = nullptr;
 };
 
-// Levels that follow each other in the order of loading. Counts are guarded by the asset's mutex.
-struct LevelGroup {
-  std::uint32_t open = 0;           // levels of which something is absent
-  std::uint32_t open_coarsest = 0;  // of these the coarsest of their parts
-  Ceiling ceiling;
-};
-
 struct Asset::Impl {
-  Impl(Pack&& opened, const Options& given) : pack(std::move(opened)), options(given), first_level(given.allocator), place(given.allocator) {}
+  Impl(Pack&& opened, const Options& given)
+      : pack(std::move(opened)),
+        options(given),
+        waves(given.allocator),
+        first_level(given.allocator),
+        place(given.allocator) {}
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  // Something to load: a page, or (kGrid) the level's grid.
+  // What to load: a page, or (kGrid) the grid of the level.
   struct Task {
     static constexpr std::uint32_t kGrid = ~0u;
     LevelState* level = nullptr;
@@ -41,7 +41,11 @@ struct Asset::Impl {
   enum class Wanted : std::uint8_t { kAsked, kAll };
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
 
-  // A resident page, and when it was last looked at.
+  struct Asked {
+    Task task;
+    float urgency = 0;
+  };
+  // A page in memory, and the round in which it was last used.
   struct Idle {
     LevelState* level = nullptr;
     std::uint32_t page = 0;
@@ -54,13 +58,16 @@ struct Asset::Impl {
   void ask(LevelState& level, float urgency, std::uint32_t now);
   void ask(const LevelState& level, std::uint32_t page, float urgency, std::uint32_t now);
 
-  // With the mutex held.
+  // Call these with the mutex held.
   Task choose(Wanted wanted, std::uint64_t below);
   bool isNext(const LevelState& level) const;
   Task firstAbsent(bool coarsest_only, std::uint64_t below);
   Task mostUrgent();
   Task mostUrgentBelow(std::uint64_t below);
-  float mostUrgentOf(LevelState& level, Task& task);
+  template <class Visit>
+  void visitAsked(const Visit& visit);
+  void findAsked();
+  bool isAbsent(const Task& task) const;
   float urgencyOf(const Request& request) const;
   void noteOpen(LevelState& level);
   void setAbsent(LevelState& level, std::uint32_t page);
@@ -74,48 +81,66 @@ struct Asset::Impl {
   void finish(const Task& task, std::uint64_t reserved, bool done);
   Error fail(const Error& error);
 
-  // Without.
-  void raise(const LevelState& level, float urgency);
-  void raise(const LevelState& level, std::uint32_t page, float urgency);
-  Result<void> loadPage(const Task& task, Scratch& scratch);
+  // Call these without it.
+  // Makes `memory` if it is null.
+  Result<void> loadPage(const Task& task, Scratch*& memory);
 
   Pack pack;
   Options options;
+  simd::ClipWaves waves;
   std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
   std::size_t state_count = 0;
-  std::unique_ptr<Ceiling[]> ceilings;        // of each of them
-  std::unique_ptr<LevelGroup[]> level_groups;
-  std::size_t level_group_count = 0;
+  // No level before first_open is open; no coarsest level before first_open_coarsest.
+  std::size_t first_open = 0, first_open_coarsest = 0;
   Buffer<std::uint32_t> first_level;  // of each part, into `place`
   Buffer<std::uint32_t> place;        // part-major -> index into `states`
 
   std::mutex mutex;
-  std::condition_variable idle;       // in_hand became 0
-  std::uint64_t ended = 0;            // tasks that left hands, well or not
-  std::uint32_t in_hand = 0;          // grids and pages that threads work on now
+  std::condition_variable idle;  // signalled when in_hand becomes 0
+  std::uint64_t ended = 0;       // tasks that ended, with or without success
+  std::uint32_t in_hand = 0;     // grids and pages that threads are loading now
   Scratch* scratch = nullptr;
   Error first_error;
   bool any_error = false;
   std::atomic<std::uint64_t> used_bytes{0};
-  std::uint64_t page_bytes = 0;       // of these, the resident pages that may be dropped, sooner or later
-  static constexpr std::size_t kIdleKept = 64;
-  Idle idle_pages[kIdleKept];         // [idle_next, idle_count): those that were not looked at for longest, first the oldest
+  std::uint64_t page_bytes = 0;  // of these, the pages of levels that are not a coarsest one
+  // How many pages findIdle() and findAsked() keep.
+  static constexpr std::size_t kKept = 64;
+  // [idle_next, idle_count): the pages that were not used for longest, the oldest first.
+  Idle idle_pages[kKept];
   std::size_t idle_next = 0, idle_count = 0;
+  // [asked_next, asked_count): the most urgent requests, the most urgent first. Stale if `changes` or
+  // `round` differ from asked_change and asked_round.
+  Asked asked[kKept];
+  std::size_t asked_next = 0, asked_count = 0;
+  bool asked_all = true;  // the list has everything that was asked for
+  std::uint64_t asked_change = 0;
+  std::uint32_t asked_round = 0;
 
-  std::atomic<std::uint32_t> round{0};     // of requests; 0: nobody asked yet
-  std::shared_mutex readers;          // shared by those who look at pages; owned while pages are dropped
+  // Counts requests, and everything else that made something ready to load.
+  std::atomic<std::uint64_t> changes{1};
+  std::atomic<std::uint32_t> round{0};  // of requests; 0: no request yet
+  std::shared_mutex readers;            // shared by readers of pages; exclusive while a page is dropped
 };
 
-// Looks at pages: those that it finds stay in memory while it lives. Any number at a time, on any threads.
+// Access for addClip().
+struct ClipReader {
+  static std::span<const simd::WaveBlock> waves(const Asset& asset, int clip) {
+    return asset.impl_->waves.of(static_cast<std::size_t>(clip));
+  }
+};
+
+// Gives access to pages, which stay in memory while it lives. Any number at a time, on any threads.
 class PageReader {
  public:
-  explicit PageReader(const Asset& asset) : impl_(*asset.impl_), lock_(asset.impl_->readers), now_(impl_.round.load(std::memory_order_relaxed)) {}
+  explicit PageReader(const Asset& asset)
+      : impl_(*asset.impl_), lock_(asset.impl_->readers), now_(impl_.round.load(std::memory_order_relaxed)) {}
 
   const LevelState* level(int part, int level) const {
     const LevelState* state = impl_.find(part, level);
     return state && state->ready.load(std::memory_order_acquire) ? state : nullptr;
   }
-  // The page's words; null, and it is asked for, if it is not resident.
+  // The words of the page. If it is not in memory: null, and the page is requested.
   const std::uint32_t* words(const LevelState& level, std::uint32_t page) const {
     PageSlot& slot = level.pages[page];
     const std::uint32_t* found = slot.words.load(std::memory_order_acquire);

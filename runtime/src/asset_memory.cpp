@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is dropped for it, so that an asset keeps within its budget.
+// Which pages are dropped, so that an asset stays within its budget.
 #include <algorithm>
 
 #include "asset_impl.h"
@@ -11,8 +11,10 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   std::uint32_t* words = nullptr;
   {
     std::lock_guard alone(readers);
-    if (slot.pins.load(std::memory_order_acquire) == 0) words = slot.words.exchange(nullptr, std::memory_order_relaxed);
-    if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);  // here: no reader may take the level for whole
+    if (slot.pins.load(std::memory_order_acquire) == 0)
+      words = slot.words.exchange(nullptr, std::memory_order_relaxed);
+    // Under the lock, so that no reader takes the level for complete.
+    if (words) level.resident.fetch_sub(1, std::memory_order_relaxed);
   }
   if (!words) return;
   const std::uint64_t bytes = std::uint64_t{pageWords(level.grid.pages[page])} * sizeof(std::uint32_t);
@@ -22,22 +24,24 @@ void Asset::Impl::evict(LevelState& level, std::uint32_t page) {
   setAbsent(level, page);
 }
 
-// Whether a resident page may be dropped: nobody looks at it, nor did lately.
+// Whether a page in memory may be dropped: it is not pinned and was not used recently.
 bool Asset::Impl::mayGo(const PageSlot& slot) const {
   return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&
          round.load(std::memory_order_relaxed) - slot.used.load(std::memory_order_relaxed) >= kPatience;
 }
 
-// Whether a page that findIdle() found is as it was.
+// Whether a page has not been used since findIdle() found it.
 bool Asset::Impl::isStillIdle(const Idle& found) const {
   const PageSlot& slot = found.level->pages[found.page];
-  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 && slot.used.load(std::memory_order_relaxed) == found.used;
+  return slot.stage == Stage::kResident && slot.pins.load(std::memory_order_relaxed) == 0 &&
+         slot.used.load(std::memory_order_relaxed) == found.used;
 }
 
-// Finds the pages that were not looked at for longest: the next to be dropped, since whatever is loaded or looked at from now on is younger.
+// Finds the pages that were not used for longest. They are the next to drop, because every page that is
+// loaded or used later is younger.
 void Asset::Impl::findIdle() {
   const std::uint32_t now = round.load(std::memory_order_relaxed);
-  const auto goesBefore = [now](const Idle& a, const Idle& b) {  // the finest of equals: it is last
+  const auto goesBefore = [now](const Idle& a, const Idle& b) {  // the finest first among equals
     if (a.used != b.used) return now - a.used > now - b.used;
     return a.level != b.level ? a.level->index > b.level->index : a.page > b.page;
   };
@@ -45,12 +49,14 @@ void Asset::Impl::findIdle() {
   idle_count = 0;
   for (std::size_t i = 0; i < state_count; ++i) {
     LevelState& level = states[i];
-    if (level.coarsest || level.stage != Stage::kResident || level.resident.load(std::memory_order_relaxed) == 0) continue;
+    if (level.coarsest || level.stage != Stage::kResident ||
+        level.resident.load(std::memory_order_relaxed) == 0)
+      continue;
     for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
       const PageSlot& slot = level.pages[page];
       if (slot.stage != Stage::kResident || slot.pins.load(std::memory_order_relaxed) != 0) continue;
       const Idle found{&level, page, slot.used.load(std::memory_order_relaxed)};
-      if (idle_count == kIdleKept) {
+      if (idle_count == kKept) {
         if (!goesBefore(found, idle_pages[0])) continue;
         std::pop_heap(idle_pages, idle_pages + idle_count--, goesBefore);
       }
@@ -61,13 +67,15 @@ void Asset::Impl::findIdle() {
   std::sort_heap(idle_pages, idle_pages + idle_count, goesBefore);
 }
 
-// Bytes of the budget that are free or can be made free; of more than `enough` only so many as are found first.
+// Bytes of the budget that are free or can be freed. Stops counting at `enough`.
 std::uint64_t Asset::Impl::roomLeft(std::uint64_t enough) const {
-  const std::uint64_t unused = options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
+  const std::uint64_t unused =
+      options.memory_budget - std::min(options.memory_budget, used_bytes.load(std::memory_order_relaxed));
   std::uint64_t room = unused;
   for (std::size_t i = idle_next; i < idle_count && room < enough; ++i) {
     const Idle& found = idle_pages[i];
-    if (isStillIdle(found) && mayGo(found.level->pages[found.page])) room += bytesOf({found.level, found.page});
+    if (isStillIdle(found) && mayGo(found.level->pages[found.page]))
+      room += bytesOf({found.level, found.page});
   }
   if (room >= enough) return room;
   room = unused;
@@ -81,13 +89,14 @@ std::uint64_t Asset::Impl::roomLeft(std::uint64_t enough) const {
   return room;
 }
 
-// Takes `bytes` of the budget, dropping what was not used for longest; for a coarsest level, which nothing stands in for, whatever nobody
-// looks at right now. False: there is not enough that may be dropped.
+// Reserves `bytes` of the budget and drops the pages that were not used for longest. For a coarsest level,
+// which nothing can replace, it drops any page that is not pinned. False if that is not enough.
 bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
   bool is_fresh = false;
   while (used_bytes.load(std::memory_order_relaxed) + bytes > options.memory_budget) {
     while (idle_next < idle_count && !isStillIdle(idle_pages[idle_next])) ++idle_next;
-    const bool found = idle_next < idle_count && (coarsest || mayGo(idle_pages[idle_next].level->pages[idle_pages[idle_next].page]));
+    const bool found = idle_next < idle_count &&
+                       (coarsest || mayGo(idle_pages[idle_next].level->pages[idle_pages[idle_next].page]));
     if (found) {
       const Idle& oldest = idle_pages[idle_next++];
       evict(*oldest.level, oldest.page);
@@ -102,10 +111,11 @@ bool Asset::Impl::makeRoom(std::uint64_t bytes, bool coarsest) {
   return true;
 }
 
-// What the task will add to used_bytes.
+// Bytes that the task will add to used_bytes.
 std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
   const LevelState& level = *task.level;
-  if (task.page != Task::kGrid) return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
+  if (task.page != Task::kGrid)
+    return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
   return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)]);
 }
 

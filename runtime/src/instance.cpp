@@ -5,12 +5,13 @@
 
 #include <glm/glm.hpp>
 
+#include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 
 namespace kelp::runtime {
 namespace {
 
-// The motion of one part about its pivot, object -> object.
+// The motion of a part about its pivot, object -> object.
 glm::mat4 motionMatrix(const Part& part, const Motion& motion) {
   const glm::mat4 pivot = affine(part.pivot);
   glm::mat4 trs = glm::mat4_cast(motion.rotation);
@@ -19,7 +20,7 @@ glm::mat4 motionMatrix(const Part& part, const Motion& motion) {
   return pivot * trs * glm::inverse(pivot);
 }
 
-// Segment and parameter at a height in rest space: where the map's y = size.y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)).
+// Segment and parameter at a height in rest space, where y = size.y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)).
 struct SplinePoint {
   Segment segment;
   float t = 0;
@@ -37,13 +38,15 @@ SplinePoint splineAtHeight(std::span<const Knot> knots, float y) {
 }
 
 bool isPart(const Instance& instance, int part) {
-  return instance.asset && part >= 0 && static_cast<std::size_t>(part) < instance.asset->pack().parts().size();
+  return instance.asset && part >= 0 &&
+         static_cast<std::size_t>(part) < instance.asset->pack().parts().size();
 }
 
 }  // namespace
 
 std::span<const Knot> knotsOf(const Instance& instance, int part) {
-  return instance.pose ? instance.pose->knots(part) : instance.asset->pack().parts()[static_cast<std::size_t>(part)].knots;
+  return instance.pose ? instance.pose->knots(part)
+                       : instance.asset->pack().parts()[static_cast<std::size_t>(part)].knots;
 }
 
 glm::mat4 partToWorld(const Instance& instance, int part) {
@@ -64,7 +67,8 @@ Box bounds(const Instance& instance) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::span<const Knot> knots = knotsOf(instance, static_cast<int>(i));
     if (knots.size() < 2) continue;
-    const Box box = transformed(partToWorld(instance, static_cast<int>(i)), deformedBounds(knots, parts[i].size));
+    const Box box =
+        transformed(partToWorld(instance, static_cast<int>(i)), simd::boundKnots(knots, parts[i].size));
     all.add(box.min);
     all.add(box.max);
   }
@@ -75,7 +79,8 @@ glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPart(instance, part)) return glm::vec3(0);
   const std::span<const Knot> knots = knotsOf(instance, part);
   if (knots.size() < 2) return glm::vec3(0);
-  const float height = static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
+  const float height =
+      static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
   const float low = knots.front().position.y;
   const float y = low + rest.y / height * (knots.back().position.y - low);
   const SplinePoint at = splineAtHeight(knots, y);
@@ -98,7 +103,8 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
   if (!(p.y >= low && p.y <= high)) return std::nullopt;
   const SplinePoint at = splineAtHeight(knots, p.y);
   const glm::vec3 s = evaluate(at.segment, at.t);
-  const float height = static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
+  const float height =
+      static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
   return glm::vec3(p.x - s.x, (p.y - low) / (high - low) * height, p.z - s.z);
 }
 
@@ -106,7 +112,8 @@ glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPart(instance, part)) return glm::mat4(1);
   const std::span<const Knot> knots = knotsOf(instance, part);
   if (knots.size() < 2) return glm::mat4(1);
-  const float height = static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
+  const float height =
+      static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
   const float low = knots.front().position.y;
   const SplinePoint at = splineAtHeight(knots, low + rest.y / height * (knots.back().position.y - low));
   glm::vec3 along = derivative(at.segment, glm::clamp(at.t, 1e-4f, 1.0f - 1e-4f));
@@ -115,9 +122,11 @@ glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest) {
   const glm::mat3 turn(to_world);
   const glm::vec3 y = glm::normalize(turn * along);
   glm::vec3 x = turn[0] - glm::dot(turn[0], y) * y;
-  if (!(glm::dot(x, x) > 1e-12f * glm::dot(turn[0], turn[0]))) x = turn[2] - glm::dot(turn[2], y) * y;  // the spline runs along x here
+  // The spline runs along x here.
+  if (!(glm::dot(x, x) > 1e-12f * glm::dot(turn[0], turn[0]))) x = turn[2] - glm::dot(turn[2], y) * y;
   x = glm::normalize(x);
-  return glm::mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(glm::cross(x, y), 0), glm::vec4(toWorld(instance, part, rest), 1.0f));
+  return glm::mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(glm::cross(x, y), 0),
+                   glm::vec4(toWorld(instance, part, rest), 1.0f));
 }
 
 }  // namespace kelp::runtime

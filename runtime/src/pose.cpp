@@ -15,7 +15,8 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   for (const Part& part : parts) total += part.knots.size();
   Pose pose;
   pose.memory_ = Buffer<std::byte>(allocator);
-  if (!pose.memory_.reset(2 * (parts.size() * sizeof(Motion) + total * sizeof(Knot)) + (parts.size() + 1) * sizeof(std::uint32_t))) {
+  if (!pose.memory_.reset(2 * (parts.size() * sizeof(Motion) + total * sizeof(Knot)) +
+                          (parts.size() + 1) * sizeof(std::uint32_t))) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a pose"};
   }
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
@@ -50,12 +51,14 @@ bool Pose::fits(const Asset& asset) const {
 }
 
 bool Pose::sameShape(const Pose& other) const {
-  return other.parts_ == parts_ && other.knots_ == knots_ && std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
+  return other.parts_ == parts_ && other.knots_ == knots_ &&
+         std::equal(firstKnots(), firstKnots() + parts_, other.firstKnots());
 }
 
 void Pose::reset() {
   if (parts_ == 0) return;
-  // Some hundred bytes, of thousands of poses a frame: memmove takes longer to choose its way than this. The last step overlaps the one before.
+  // memmove is slower for some hundred bytes, in thousands of poses a frame. The last step overlaps the one
+  // before.
   constexpr std::size_t kStep = 16;
   static_assert(sizeof(Motion) >= kStep);
   std::byte* const to = state();
@@ -74,10 +77,11 @@ bool Pose::assign(const Pose& other) {
 
 Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> part_weights) {
   const auto isWeight = [](float w) { return w >= 0.0f && w <= 1.0f; };
-  if (!sameShape(to)) return Error{ErrorCode::kMisuse, "the poses belong to different assets"};
-  if (!part_weights.empty() && part_weights.size() != parts_) return Error{ErrorCode::kMisuse, "a mask needs one weight per part"};
+  if (!sameShape(to)) return Error{ErrorCode::kMisuse, "the poses differ in parts or knots"};
+  if (!part_weights.empty() && part_weights.size() != parts_)
+    return Error{ErrorCode::kMisuse, "a mask needs one weight per part"};
   if (!isWeight(weight) || !std::all_of(part_weights.begin(), part_weights.end(), isWeight)) {
-    return Error{ErrorCode::kMisuse, "a weight is not within 0 and 1"};
+    return Error{ErrorCode::kMisuse, "a weight is outside 0 to 1"};
   }
   for (int part = 0; part < parts(); ++part) {
     const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
@@ -108,24 +112,27 @@ void Pose::clampMonotone() {
   for (int part = 0; part < parts(); ++part) {
     const std::span<Knot> k = knots(part);
     if (k.empty() || checkKnots(k)) continue;
-    // Knots must rise: at least a thousandth of their share of the height at rest.
+    // Each knot rises by at least a thousandth of its share of the height at rest.
     const Knot* const rest = restKnots() + (k.data() - knotData());
     const float height = rest[k.size() - 1].position.y - rest[0].position.y;
     for (std::size_t i = 1; i < k.size(); ++i) {
       const float least = k[i - 1].position.y + 1e-3f * height * (k[i].at - k[i - 1].at);
       k[i].position.y = std::max(k[i].position.y, least);
     }
-    // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 + m1^2 <= 9 d^2.
+    // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 +
+    // m1^2 <= 9 d^2.
     for (Knot& knot : k) knot.tangent.y = std::max(knot.tangent.y, 0.0f);
-    // Shrinking a tangent may spoil the neighbour's segment, if that was monotone outside the circle; a segment inside stays there. So each
-    // pass brings one more segment to rest, or is the last.
+    // Shrinking a tangent can make the neighbour segment not monotone if it was outside the circle. A
+    // segment inside the circle stays there. So each pass puts at least one more segment inside, or is the
+    // last.
     bool mended = true;
     while (mended) {
       mended = false;
       for (std::size_t i = 0; i + 1 < k.size(); ++i) {
         const float share = k[i + 1].at - k[i].at;
         const float rise = (k[i + 1].position.y - k[i].position.y) / share;
-        const float length = std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
+        const float length =
+            std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
         if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1]))) continue;
         k[i].tangent.y *= 2.999f * rise / length;
         k[i + 1].tangent.y *= 2.999f * rise / length;

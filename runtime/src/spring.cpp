@@ -8,35 +8,40 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "kelp/simd/bound_knots.h"
+
 namespace kelp::runtime {
 namespace {
 
 constexpr float kHighestFrequency = 10000;
-// A load nearer to the root than this bends the beam as one at this height: a beam pushed at its very root would fly off.
+// The lowest height of a load. A beam that is loaded lower would bend beyond all bounds.
 constexpr float kLowestLoad = 0.25f;
 
 bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 float squared(const glm::vec3& v) { return glm::dot(v, v); }
 
-// How far a beam that is clamped at 0 bends at `at`, as a share of what its free end at 1 does, under an even load (Euler and Bernoulli).
+// The deflection at `at` of a beam that is clamped at 0, under an even load, relative to that of its free
+// end at 1 (Euler and Bernoulli).
 float evenLoad(float at) { return at * at * (at * (at - 4) + 6) / 3; }
-// How far it bends under a load at `load`, as a share of what it bends there.
+// Its deflection at `at` under a load at `load`, relative to that at the load.
 float pointLoad(float at, float load) {
   const float a = std::max(load, kLowestLoad);
   return at < a ? at * at * (3 * a - at) / (2 * a * a * a) : (3 * at - a) / (2 * a);
 }
 
-// A damped harmonic oscillator after some time: offset = a offset + b velocity, velocity = c offset + d velocity.
+// A damped harmonic oscillator after some time: offset = a offset + b velocity, velocity = c offset + d
+// velocity.
 struct Advance {
   float a, b, c, d;
 };
 
 Advance advanceBy(double seconds, double omega, double damping) {
   const double decay = damping * omega;
-  const double k2 = omega * omega * (1 - damping * damping);  // squared angular frequency of the damped swing; negative: it creeps
-  double sine, cosine;                                        // e^(-decay t) times sin(k t) / k and cos(k t)
+  // Squared angular frequency of the damped swing; negative if it is overdamped.
+  const double k2 = omega * omega * (1 - damping * damping);
+  double sine, cosine;  // e^(-decay t) times sin(k t) / k and cos(k t)
   if (const double x = k2 * seconds * seconds; std::abs(x) < 1e-4) {
-    // Around critical damping: the series, to the last digit.
+    // Near critical damping: the series, accurate to the last digit.
     const double e = std::exp(-decay * seconds);
     sine = e * seconds * (1 - x / 6 * (1 - x / 20 * (1 - x / 42)));
     cosine = e * (1 - x / 2 * (1 - x / 12 * (1 - x / 30)));
@@ -45,24 +50,26 @@ Advance advanceBy(double seconds, double omega, double damping) {
     sine = e * std::sin(k * seconds) / k;
     cosine = e * std::cos(k * seconds);
   } else {
-    // Both exponents in a form that neither overflows nor cancels: their product is omega^2.
+    // Both exponents without overflow and cancellation: their product is omega^2.
     const double k = std::sqrt(-k2), fast = decay + k, slow = omega * omega / fast;
     const double e_slow = std::exp(-slow * seconds), e_fast = std::exp(-fast * seconds);
     sine = (e_slow - e_fast) / (2 * k);
     cosine = (e_slow + e_fast) / 2;
   }
-  return {static_cast<float>(cosine + decay * sine), static_cast<float>(sine), static_cast<float>(-omega * omega * sine),
-          static_cast<float>(cosine - decay * sine)};
+  return {static_cast<float>(cosine + decay * sine), static_cast<float>(sine),
+          static_cast<float>(-omega * omega * sine), static_cast<float>(cosine - decay * sine)};
 }
 
-// Where the curve, moved by `middle`, comes nearest to a point in the world. Straight pieces stand for the curve.
+// The point of the curve, moved by `middle`, that is nearest to a point in the world. The curve is
+// approximated by straight pieces.
 struct Nearest {
   float distance = HUGE_VALF;
   glm::vec3 from{0};  // from the point to the curve; world
   float at = 0;       // along the axis
 };
 
-Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm::vec3& middle, const glm::mat4& to_world) {
+Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm::vec3& middle,
+                  const glm::mat4& to_world) {
   constexpr int kPieces = 8;
   Nearest nearest;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
@@ -87,14 +94,18 @@ Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm
   return nearest;
 }
 
-Error foreign() { return {ErrorCode::kMisuse, "the spring is not one of this asset"}; }
+Error foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asset or pose"}; }
 
 }  // namespace
 
-Result<Spring> Spring::create(const Asset& asset, const SpringSettings& settings, const Allocator& allocator) {
-  if (!(settings.frequency > 0 && settings.frequency <= kHighestFrequency)) return Error{ErrorCode::kMisuse, "a spring's frequency is out of range"};
-  if (!(settings.damping >= 0) || !std::isfinite(settings.damping)) return Error{ErrorCode::kMisuse, "a spring's damping is out of range"};
-  if (!(settings.reach > 0 && settings.reach <= 1000)) return Error{ErrorCode::kMisuse, "a spring's reach is out of range"};
+Result<Spring> Spring::create(const Asset& asset, const SpringSettings& settings,
+                              const Allocator& allocator) {
+  if (!(settings.frequency > 0 && settings.frequency <= kHighestFrequency))
+    return Error{ErrorCode::kMisuse, "a spring's frequency is out of range"};
+  if (!(settings.damping >= 0) || !std::isfinite(settings.damping))
+    return Error{ErrorCode::kMisuse, "a spring's damping is out of range"};
+  if (!(settings.reach > 0 && settings.reach <= 1000))
+    return Error{ErrorCode::kMisuse, "a spring's reach is out of range"};
   const std::span<const Part> parts = asset.pack().parts();
   std::size_t total = 0;
   for (const Part& part : parts) total += part.knots.size();
@@ -110,7 +121,11 @@ Result<Spring> Spring::create(const Asset& asset, const SpringSettings& settings
   std::uint32_t n = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const glm::vec3 size(parts[i].size);
-    spring.bodies_[i] = {n, static_cast<std::uint32_t>(parts[i].knots.size()), size.y, {0.5f * size.x, 0, 0.5f * size.z}, glm::vec3(0)};
+    spring.bodies_[i] = {n,
+                         static_cast<std::uint32_t>(parts[i].knots.size()),
+                         size.y,
+                         {0.5f * size.x, 0, 0.5f * size.z},
+                         glm::vec3(0)};
     for (const Knot& knot : parts[i].knots) spring.at_[n++] = knot.at;
   }
   return spring;
@@ -129,7 +144,8 @@ void Spring::reset() {
 
 bool Spring::fits(const Asset& asset) const {
   const std::span<const Part> parts = asset.pack().parts();
-  return std::equal(parts.begin(), parts.end(), bodies_.begin(), bodies_.end(), [](const Part& part, const Body& body) { return part.knots.size() == body.knots; });
+  return std::equal(parts.begin(), parts.end(), bodies_.begin(), bodies_.end(),
+                    [](const Part& part, const Body& body) { return part.knots.size() == body.knots; });
 }
 
 bool Spring::fits(const Pose& pose) const {
@@ -140,16 +156,18 @@ bool Spring::fits(const Pose& pose) const {
   return true;
 }
 
-// What a knot gets of a push to the free end.
-float Spring::share(const Body& body, std::uint32_t knot) const { return settings_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f; }
+// The share of a push to the free end that a knot gets.
+float Spring::share(const Body& body, std::uint32_t knot) const {
+  return settings_.rooted ? evenLoad(at_[body.first + knot]) : 1.0f;
+}
 
-// Square of the farthest that the knot would swing from where the wind holds it, if nothing damped it.
+// Squared amplitude of the undamped swing about the place where the wind holds the knot.
 float Spring::energyOf(const Body& body, std::uint32_t knot) const {
   const Swing& swing = swings_[body.first + knot];
   return squared(swing.offset - share(body, knot) * body.lean) + squared(swing.velocity / omega_);
 }
 
-// Takes off what a push gave the knot beyond its reach, or beyond what it had before.
+// Cuts what a push added beyond the reach of the knot, or beyond its energy before the push.
 void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
   Swing& swing = swings_[body.first + knot];
   const glm::vec3 held = share(body, knot) * body.lean;
@@ -165,10 +183,10 @@ void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
 }
 
 Result<void> Spring::push(int part, const glm::vec3& velocity) {
-  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "no part of that index"};
-  if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not a number"};
+  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "there is no part of that index"};
+  if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not finite"};
   const Body& body = bodies_[static_cast<std::size_t>(part)];
-  // Squares of what is pushed must not overflow; more than this is taken off anyway.
+  // So that squares do not overflow. limit() cuts more than this anyway.
   const float most = 4 * omega_ * settings_.reach * body.height;
   const glm::vec3 change = glm::clamp(velocity, glm::vec3(-most), glm::vec3(most));
   for (std::uint32_t i = 0; i < body.knots; ++i) {
@@ -180,8 +198,8 @@ Result<void> Spring::push(int part, const glm::vec3& velocity) {
 }
 
 Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
-  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "no part of that index"};
-  if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not a number"};
+  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "there is no part of that index"};
+  if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not finite"};
   Body& body = bodies_[static_cast<std::size_t>(part)];
   const double reach = double{settings_.reach} * double{body.height};
   const glm::dvec3 lean = glm::dvec3(acceleration) / (double{omega_} * double{omega_});
@@ -191,12 +209,14 @@ Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
 }
 
 Result<void> Spring::step(float seconds) {
-  if (!(seconds >= 0) || !std::isfinite(seconds)) return Error{ErrorCode::kMisuse, "a time step is negative or not a number"};
+  if (!(seconds >= 0) || !std::isfinite(seconds))
+    return Error{ErrorCode::kMisuse, "a time step is negative or not finite"};
   const Advance by = advanceBy(double{seconds}, double{omega_}, double{settings_.damping});
   for (const Body& body : bodies_) {
     for (std::uint32_t i = 0; i < body.knots; ++i) {
       Swing& swing = swings_[body.first + i];
-      const glm::vec3 held = share(body, i) * body.lean, away = swing.offset - held, velocity = swing.velocity;
+      const glm::vec3 held = share(body, i) * body.lean, away = swing.offset - held,
+                      velocity = swing.velocity;
       swing.offset = held + (by.a * away + by.b * velocity);
       swing.velocity = by.c * away + by.d * velocity;
     }
@@ -208,14 +228,18 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
   const std::size_t n = knots.size();
   if (n < 2) return;
   const std::span<const Swing> swings = swings_.span().subspan(body.first, n);
-  const auto secant = [&](std::size_t i) { return (swings[i + 1].offset - swings[i].offset) / (knots[i + 1].at - knots[i].at); };
-  // Between two neighbours the slope of the parabola through the three.
+  const auto secant = [&](std::size_t i) {
+    return (swings[i + 1].offset - swings[i].offset) / (knots[i + 1].at - knots[i].at);
+  };
+  // At an inner knot: the slope of the parabola through it and its neighbours.
   const auto inner = [&](std::size_t i) {
     const float below = knots[i].at - knots[i - 1].at, above = knots[i + 1].at - knots[i].at;
     return (above * secant(i - 1) + below * secant(i)) / (below + above);
   };
-  // At a free end the slope that leaves no curvature there, given the slope at the segment's other end.
-  const auto free_end = [](const glm::vec3& slope, const glm::vec3& other) { return 0.5f * (3.0f * slope - other); };
+  // At a free end: the slope without curvature there, given the slope at the other end of the segment.
+  const auto free_end = [](const glm::vec3& slope, const glm::vec3& other) {
+    return 0.5f * (3.0f * slope - other);
+  };
   glm::vec3 first(0);
   if (!settings_.rooted) first = n == 2 ? secant(0) : free_end(secant(0), inner(1));
   const glm::vec3 last = free_end(secant(n - 2), n == 2 ? first : inner(n - 2));
@@ -234,23 +258,27 @@ Result<void> Spring::addTo(Pose& pose) const {
 
 Result<void> Spring::pushAway(const Instance& instance, const glm::vec3& center, float radius) {
   if (!instance.asset || !fits(*instance.asset) || (instance.pose && !fits(*instance.pose))) return foreign();
-  if (!isFinite(center) || !std::isfinite(radius)) return Error{ErrorCode::kMisuse, "a sphere is not a number"};
+  if (!isFinite(center) || !std::isfinite(radius)) return Error{ErrorCode::kMisuse, "a sphere is not finite"};
   if (!(radius > 0)) return {};
   const std::span<const Part> parts = instance.asset->pack().parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::span<const Knot> pose = instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
+    const std::span<const Knot> pose =
+        instance.pose ? instance.pose->knots(static_cast<int>(i)) : parts[i].knots;
     if (pose.size() < 2) continue;
     pushAway(bodies_[i], parts[i], pose, partToWorld(instance, static_cast<int>(i)), center, radius);
   }
   return {};
 }
 
-void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world, const glm::vec3& center, float radius) {
+void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> pose,
+                      const glm::mat4& to_world, const glm::vec3& center, float radius) {
   const glm::mat3 turn(to_world);
   const glm::mat3 to_part = glm::inverse(turn);
-  if (!isFinite(to_part[0]) || !isFinite(to_part[1]) || !isFinite(to_part[2])) return;  // a part without extent
-  const float scale = std::sqrt(squared(turn[0]) + squared(turn[1]) + squared(turn[2]));  // no vector grows by more
-  // A bent beam moves less where it is touched than its knots say: a few rounds until it is out.
+  // The part has no extent.
+  if (!isFinite(to_part[0]) || !isFinite(to_part[1]) || !isFinite(to_part[2])) return;
+  // An upper bound of how much a vector grows.
+  const float scale = std::sqrt(squared(turn[0]) + squared(turn[1]) + squared(turn[2]));
+  // The contact moves less than the knots do, so repeat until the part is outside.
   constexpr int kRounds = 8;
   for (int round = 0; round < kRounds; ++round) {
     Knot bent[kMaxKnots];
@@ -258,15 +286,16 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
     const std::span<Knot> knots(bent, pose.size());
     addTo(body, knots);
     if (round == 0) {
-      // Most parts are far away: compare spheres.
-      const Box box = deformedBounds(knots, part.size);
+      // Most parts are far away: compare bounding spheres first.
+      const Box box = simd::boundKnots(knots, part.size);
       const glm::vec3 middle(to_world * glm::vec4(0.5f * (box.min + box.max), 1));
       if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max))) return;
     }
     const Nearest nearest = nearestTo(center, knots, body.middle, to_world);
     if (!(nearest.distance < 0.999f * radius)) return;
-    const glm::vec3 direction = nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
-    // Of a deeper sphere all but this would be taken off anyway.
+    const glm::vec3 direction =
+        nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
+    // limit() would cut more than this anyway.
     const float most = 4 * scale * settings_.reach * body.height;
     const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction);
     if (!isFinite(out)) return;

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Runs a command with a Slurm of its own, of this machine alone; for trying things.
 #   one_node_slurm.sh FOLDER COMMAND [ARGUMENT]...
-# FOLDER must not be there yet. It holds all that this Slurm has (configuration, key, state, logs) and is removed at the end; only if Slurm did not start, it stays, with the logs.
-# Nothing outside of it is touched, nothing that runs is disturbed: ports are free ones, and daemons run as whoever calls this. Exit code: the command's; 4 if Slurm did not start.
-# KELP_SLURM_CPUS: how many CPUs this Slurm says it has (default: those of the machine). Needs munge and slurm-wlm: tools/setup.sh farm.
+# FOLDER must not be there yet. It holds all that this Slurm has (configuration, key, state, logs) and is
+# removed at the end; only if Slurm did not start, it stays, with the logs. Nothing outside of it is touched,
+# nothing that runs is disturbed: ports are free ones, and daemons run as whoever calls this. Exit code: the
+# command's; 4 if Slurm did not start. KELP_SLURM_CPUS: how many CPUs this Slurm says it has (default: those
+# of the machine). Needs munge and slurm-wlm: tools/setup.sh farm.
 set -euo pipefail
 
 case "${1:-}" in
@@ -13,7 +15,8 @@ esac
 [ $# -ge 2 ] || { echo "one_node_slurm.sh: give a folder and a command; see --help" >&2; exit 1; }
 PATH=$PATH:/usr/sbin:/sbin  # where Debian has the daemons
 for program in munged slurmctld slurmd sbatch; do
-  command -v "$program" >/dev/null || { echo "one_node_slurm.sh: $program is not here; install it: tools/setup.sh farm" >&2; exit 1; }
+  command -v "$program" >/dev/null ||
+    { echo "one_node_slurm.sh: $program is not here; install it: tools/setup.sh farm" >&2; exit 1; }
 done
 [ ! -e "$1" ] || { echo "one_node_slurm.sh: $1: is there already; name a folder that is not" >&2; exit 1; }
 mkdir -p "$1" && chmod 755 "$1"
@@ -83,7 +86,8 @@ CONF
 export SLURM_CONF=$folder/slurm.conf
 
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
-munged --foreground --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munge.pid" --seed-file="$folder/munge.seed" \
+munged --foreground --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
+  --pid-file="$folder/munge.pid" --seed-file="$folder/munge.seed" \
   --log-file="$folder/munge.log" >"$folder/munged.out" 2>&1 &
 pids+=($!)
 for _ in $(seq 50); do [ ! -S "$folder/munge.socket" ] || break; sleep 0.1; done
@@ -95,6 +99,7 @@ for _ in $(seq 150); do
   if sinfo --noheader --format=%T 2>/dev/null | grep -qx idle; then started=1; break; fi
   sleep 0.2
 done
-[ "$started" -eq 1 ] || { echo "one_node_slurm.sh: Slurm did not start; its logs are in $folder" >&2; exit 4; }
+[ "$started" -eq 1 ] ||
+  { echo "one_node_slurm.sh: Slurm did not start; its logs are in $folder" >&2; exit 4; }
 
 "$@"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The smallest honest embedding of kelp: window, context, thread, clock and depth buffer are the host's. Its own triangles, a
-// ground and a striped hoop, go through the voxels: both write real depth, so each hides the other where it is nearer.
+// The smallest honest embedding of kelp: window, context, thread, clock and depth buffer are the host's. Its
+// own triangles, a ground and a striped hoop, go through the voxels: both write real depth, so each hides the
+// other where it is nearer.
 #define GL_GLEXT_PROTOTYPES
 #define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
@@ -18,7 +19,8 @@
 
 #include "kelp/gl/renderer.h"
 
-// Vertices 0 to 3 are the ground, the other 194 the hoop: no vertex buffer needed. scene = reach, height of the ground, seconds.
+// Vertices 0 to 3 are the ground, the other 194 the hoop: no vertex buffer needed. scene = reach, height of
+// the ground, seconds.
 static const char* const kVertexShader = R"(#version 330 core
 uniform mat4 to_clip; uniform vec3 scene;
 flat out vec3 color; out vec2 across;
@@ -38,7 +40,8 @@ static const char* const kFragmentShader = R"(#version 330 core
 flat in vec3 color; in vec2 across; out vec4 result;
 void main() { result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0); })";
 
-// Compiles the triangles' program and sets all OpenGL state of this host, once: kelp leaves the state as it finds it.
+// Compiles the triangles' program and sets all OpenGL state of this host, once: kelp leaves the state as it
+// finds it.
 static GLuint prepareTriangles() {
   const GLuint program = glCreateProgram();
   for (int i = 0; i < 2; ++i) {
@@ -71,7 +74,8 @@ static int writePicture(const char* path, const glm::ivec2& size) {
   glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   std::ofstream file(path, std::ios::binary);
   file << "P6\n" << size.x << " " << size.y << "\n255\n";
-  for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
+  for (std::size_t at = pixels.size(); at > 0; at -= row)
+    file.write(&pixels[at - row], static_cast<std::streamsize>(row));
   return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture can not be written"});
 }
 
@@ -84,7 +88,9 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   if (!pose) return fail(path, pose.error());
 
   kelp::gl::Config config;
-  config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
+  config.getProcAddress = [](void*, const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
   if (const auto added = (*renderer)->add(**asset); !added) return fail(path, added.error());
@@ -94,7 +100,8 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   const GLuint triangles = prepareTriangles();
   std::atomic<bool> quit = false;
   std::atomic<int> exit_code = 0;
-  std::thread loader([&] {  // reads the voxels that the renderer asks for; a game would call pump() from its jobs
+  // reads the voxels that the renderer asks for; a game would call pump() from its jobs
+  std::thread loader([&] {
     while (exit_code == 0 && !quit) {
       const kelp::Result<bool> more = (*asset)->pump();
       if (!more) exit_code = fail(path, more.error());
@@ -110,19 +117,25 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     kelp::gl::View view;
     glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
     const float size = glm::length(extent), now = static_cast<float>(seconds), turn = 0.3f * now;
-    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)), centre, {0, 1, 0});
+    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)),
+                                    centre, {0, 1, 0});
     const glm::vec2 pixels = glm::max(view.viewport, 1);
     view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
     glViewport(0, 0, view.viewport.x, view.viewport.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     const glm::mat4 to_clip = view.eye_to_clip * glm::translate(view.world_to_eye, centre);
     glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
-    glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y, now);
-    for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)}) glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
+    glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y,
+                now);
+    for (const glm::ivec2 strip : {glm::ivec2(0, 4), glm::ivec2(4, 194)})
+      glDrawArrays(GL_TRIANGLE_STRIP, strip.x, strip.y);
     auto drawn = (*renderer)->draw(view, {&instance, 1});
-    if (drawn) drawn = (*renderer)->draw(view, {&instance, 1}, kelp::gl::Pass::kFog);  // smoke and clouds, over all that is opaque
-    if (!sent || (!drawn && view.viewport.x * view.viewport.y > 0)) exit_code = fail(path, sent ? drawn.error() : sent.error());
-    if (sent && sent->pending == 0) ++frame;  // frames count from when all the voxels are there that are to be seen
+    // smoke and clouds, over all that is opaque
+    if (drawn) drawn = (*renderer)->draw(view, {&instance, 1}, kelp::gl::Pass::kFog);
+    if (!sent || (!drawn && view.viewport.x * view.viewport.y > 0))
+      exit_code = fail(path, sent ? drawn.error() : sent.error());
+    // frames count from when all the voxels are there that are to be seen
+    if (sent && sent->pending == 0) ++frame;
     if (frame == frames && picture) exit_code = writePicture(picture, view.viewport);
     glfwSwapBuffers(window);
     glfwPollEvents();
@@ -135,16 +148,23 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 int main(int count, char** words) {
   const bool once = count >= 4 && std::string_view(words[2]) == "--frames" && std::atoi(words[3]) > 0;
   if (count != 2 && !(once && count <= 5))
-    return std::fputs("usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)\n", stderr), 1;
-  if (!glfwInit()) return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
+    return std::fputs(
+               "usage: game_loop PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)\n",
+               stderr),
+           1;
+  if (!glfwInit())
+    return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
   GLFWwindow* const window = glfwCreateWindow(960, 720, "kelp: game_loop", nullptr, nullptr);
-  if (!window) return fail("window", {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
+  if (!window)
+    return fail("window",
+                {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
   glfwMakeContextCurrent(window);
-  const int exit_code = run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr);
+  const int exit_code =
+      run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr);
   glfwTerminate();
   return exit_code;
 }

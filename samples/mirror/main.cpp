@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Ray tracing in a shader of the host's own: a bent model between two mirrors and on a polished floor, all plain triangles, whose fragment shader
-// follows its reflected rays through kelp's voxels with kelpTrace. The model itself is drawn as ever.
+// Ray tracing in a shader of the host's own: a bent model between two mirrors and on a polished floor, all
+// plain triangles, whose fragment shader follows its reflected rays through kelp's voxels with kelpTrace. The
+// model itself is drawn as ever.
 #define GL_GLEXT_PROTOTYPES
 #define GLFW_INCLUDE_GLCOREARB
 #include <GLFW/glfw3.h>
@@ -15,8 +16,8 @@
 
 #include "kelp/gl/renderer.h"
 
-// Three squares of four vertices, no vertex buffer: 0 is the floor, 1 stands behind, 2 to the right. room = half its side, its height, the
-// height of the floor.
+// Three squares of four vertices, no vertex buffer: 0 is the floor, 1 stands behind, 2 to the right. room =
+// half its side, its height, the height of the floor.
 static const char* const kVertexShader = R"(#version 330 core
 uniform mat4 to_clip; uniform vec3 room;
 out vec3 at; flat out int wall;
@@ -29,7 +30,8 @@ void main() {
   gl_Position = to_clip * vec4(at, 1.0);
 })";
 
-// After kelp's own text. A ray that leaves a mirror meets the model, or a wall, which is a mirror again, or the sky.
+// After kelp's own text. A ray that leaves a mirror meets the model, or a wall, which is a mirror again, or
+// the sky.
 static const char* const kFragmentShader = R"(
 uniform vec3 eye, room;
 in vec3 at; flat in int wall;
@@ -100,8 +102,10 @@ static GLuint makeMirrors(const kelp::gl::Renderer& renderer) {
   const GLuint program = glCreateProgram();
   for (const GLenum kind : {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER}) {
     const GLuint shader = glCreateShader(kind);
-    if (kind == GL_VERTEX_SHADER) glShaderSource(shader, 1, &kVertexShader, nullptr);
-    else glShaderSource(shader, static_cast<GLsizei>(fragment.size()), fragment.data(), nullptr);
+    if (kind == GL_VERTEX_SHADER)
+      glShaderSource(shader, 1, &kVertexShader, nullptr);
+    else
+      glShaderSource(shader, static_cast<GLsizei>(fragment.size()), fragment.data(), nullptr);
     glCompileShader(shader);
     glAttachShader(program, shader);
   }
@@ -124,7 +128,8 @@ static int writePicture(const char* path, const glm::ivec2& size) {
   glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   std::ofstream file(path, std::ios::binary);
   file << "P6\n" << size.x << " " << size.y << "\n255\n";
-  for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
+  for (std::size_t at = pixels.size(); at > 0; at -= row)
+    file.write(&pixels[at - row], static_cast<std::streamsize>(row));
   return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture can not be written"});
 }
 
@@ -133,12 +138,15 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   if (!file) return fail(path, file.error());
   const auto asset = kelp::runtime::Asset::open(file->source());
   if (!asset) return fail(path, asset.error());
-  if (const auto loaded = (*asset)->loadAll(); !loaded) return fail(path, loaded.error());  // game_loop does it in a thread
+  // game_loop does it in a thread
+  if (const auto loaded = (*asset)->loadAll(); !loaded) return fail(path, loaded.error());
   auto pose = kelp::runtime::Pose::create(**asset);
   if (!pose) return fail(path, pose.error());
 
   kelp::gl::Config config;
-  config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
+  config.getProcAddress = [](void*, const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
   config.secondary_rays = true;  // for View::self_shadow
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
@@ -200,16 +208,22 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 int main(int count, char** words) {
   const bool once = count >= 4 && std::string_view(words[2]) == "--frames" && std::atoi(words[3]) > 0;
   if (count != 2 && !(once && count <= 5))
-    return std::fputs("usage: mirror PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)\n", stderr), 1;
-  if (!glfwInit()) return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
+    return std::fputs("usage: mirror PACK.kelp [--frames N [PICTURE.ppm]]  (ends after N, saves the last)\n",
+                      stderr),
+           1;
+  if (!glfwInit())
+    return fail("window", {kelp::ErrorCode::kGraphics, "no display: set DISPLAY, or use xvfb-run"});
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
   GLFWwindow* const window = glfwCreateWindow(960, 720, "kelp: mirror", nullptr, nullptr);
-  if (!window) return fail("window", {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
+  if (!window)
+    return fail("window",
+                {kelp::ErrorCode::kGraphics, "no OpenGL 3.3 core context: update the graphics driver"});
   glfwMakeContextCurrent(window);
-  const int exit_code = run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr);
+  const int exit_code =
+      run(window, words[1], once ? std::atoi(words[3]) : 0, once && count == 5 ? words[4] : nullptr);
   glfwTerminate();
   return exit_code;
 }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Dulse, a red seaweed: a rosette of broad, ruffled leaves that fork into lobes; 0.5 m tall, its foot at the origin."""
+"""Dulse, a red seaweed: a rosette of broad, ruffled leaves that fork into lobes; 0.5 m tall, its foot at the
+origin."""
 
 import math
 
@@ -9,7 +10,8 @@ from rig import rig as make_rig
 from rig import travelling_wave
 
 HEIGHT = 0.5
-DARK, WINE, ROSE, EDGE, FOOT = srgb("#4a0f22"), srgb("#8e1f3c"), srgb("#cf4a5c"), srgb("#f29a86"), srgb("#5b4436")
+DARK, WINE, ROSE, EDGE, FOOT = srgb("#4a0f22"), srgb("#8e1f3c"), srgb("#cf4a5c"), srgb("#f29a86"), srgb(
+    "#5b4436")
 LEAVES = 9
 
 
@@ -19,7 +21,8 @@ def leaf(mesh, azimuth, rise, droop, length, width, seed, root, depth=0):
     index = {s: k for k, s in enumerate(steps)}
     line, wander = [root], between(-0.5, 0.5, seed, 320)
     for before, s in zip(steps, steps[1:]):
-        turn, tilt = 2.0 * math.pi * azimuth + wander * s, 2.0 * math.pi * (rise - droop * smoothstep(0.15, 1.1, s))
+        turn, tilt = 2.0 * math.pi * azimuth + wander * s, 2.0 * math.pi * (
+            rise - droop * smoothstep(0.15, 1.1, s))
         heading = (math.cos(turn) * math.cos(tilt), math.sin(tilt), math.sin(turn) * math.cos(tilt))
         line.append(along(line[-1], (heading, length * (s - before))))
     half = ((0.0, 0.10), (0.15, 0.12), (0.45, 0.80), (0.65, 1.0), (0.85, 0.85), (1.0, 0.45))
@@ -28,22 +31,27 @@ def leaf(mesh, azimuth, rise, droop, length, width, seed, root, depth=0):
     def section(s):
         k = index[s]
         tangent = normalize(sub(line[min(k + 1, len(line) - 1)], line[max(k - 1, 0)]))
-        side = normalize(cross(tangent, (math.cos(2.0 * math.pi * azimuth), 0.35, math.sin(2.0 * math.pi * azimuth))))
+        side = normalize(cross(tangent,
+                               (math.cos(2.0 * math.pi * azimuth), 0.35, math.sin(2.0 * math.pi * azimuth))))
         normal = cross(side, tangent)
         end = dome(s / 0.02) * dome((1.0 - s) / 0.06)
-        wide, thick = (width * interpolate(half, s) + 0.002) * end, (0.0062 - 0.0012 * smoothstep(0.1, 0.4, s)) * end
+        wide, thick = (width * interpolate(half, s) + 0.002) * end, (0.0062
+                                                                     - 0.0012 * smoothstep(0.1, 0.4, s)) * end
         ruffle = 0.34 * width * smoothstep(0.2, 0.6, s) * end
-        notch = [1.0 - 0.10 * smoothstep(0.35, 0.6, s) * (0.5 + 0.5 * math.sin(2.0 * math.pi * (2.6 * waves * s + 0.5 * j))) for j in (0, 1)]
+        notch = [1.0 - 0.10 * smoothstep(0.35, 0.6, s)
+                 * (0.5 + 0.5 * math.sin(2.0 * math.pi * (2.6 * waves * s + 0.5 * j))) for j in (0, 1)]
         lift = [ruffle * math.sin(2.0 * math.pi * (waves * s + j * lag) + seed) for j in (0, 1)]
 
         def point(angle):
             u, v = superellipse(angle, 3.0)
             j = u > 0
-            return along(line[k], (side, u * wide * notch[j]), (normal, v * thick + lift[j] * abs(u) ** 1.6 + 0.25 * wide * u * u))
+            return along(line[k], (side, u * wide * notch[j]),
+                         (normal, v * thick + lift[j] * abs(u) ** 1.6 + 0.25 * wide * u * u))
 
         def colour(angle, p):
             u = abs(math.cos(angle))
-            base = ramp(((0.0, DARK), (0.35, WINE), (0.8, ROSE), (1.0, EDGE)), s + 0.15 * fractal_noise(20 * p[0], 20 * p[1], 20 * p[2], 2, 323))
+            base = ramp(((0.0, DARK), (0.35, WINE), (0.8, ROSE), (1.0, EDGE)),
+                        s + 0.15 * fractal_noise(20 * p[0], 20 * p[1], 20 * p[2], 2, 323))
             base = mix(base, EDGE, 0.55 * smoothstep(0.78, 1.0, u) * smoothstep(0.2, 0.5, s))
             vein = abs(math.sin(math.pi * (5.0 * s - 1.2 * u)))
             base = mix(base, DARK, 0.35 * (1.0 - smoothstep(0.0, 0.35, vein)))
@@ -55,7 +63,8 @@ def leaf(mesh, azimuth, rise, droop, length, width, seed, root, depth=0):
     if depth == 0:
         for j, sign in enumerate((-1.0, 1.0)):
             at = line[26 + 6 * j]
-            leaf(mesh, azimuth + sign * between(0.09, 0.15, seed, 325 + j), rise - 0.35 * droop, 0.7 * droop, 0.52 * length,
+            leaf(mesh, azimuth + sign * between(0.09, 0.15, seed, 325 + j), rise - 0.35 * droop, 0.7 * droop,
+                 0.52 * length,
                  0.62 * width, 31 * seed + j, at, 1)
 
 
@@ -65,7 +74,8 @@ def foot(mesh):
         r = 0.035 * (1.0 + 0.3 * value_noise(2.5 * d[0], 2.5 * d[1], 2.5 * d[2], 326))
         return (r * d[0], y if y > 0.004 else 0.004 * math.exp((y - 0.004) / 0.004), r * d[2])
 
-    mesh.ball(4, point, lambda d, p: shade(FOOT, 1.0 + 0.4 * value_noise(120 * p[0], 120 * p[1], 120 * p[2], 327)))
+    mesh.ball(4, point, lambda d,
+              p: shade(FOOT, 1.0 + 0.4 * value_noise(120 * p[0], 120 * p[1], 120 * p[2], 327)))
 
 
 def surfaces():
@@ -74,7 +84,8 @@ def surfaces():
     for i in range(LEAVES):
         outer, turn = i / (LEAVES - 1), 2.0 * math.pi * 0.382 * i
         leaf(leaves, 0.382 * i + between(-0.04, 0.04, i, 328), 0.235 - 0.13 * outer, 0.02 + 0.07 * outer,
-             HEIGHT * (0.87 - 0.22 * outer) * (1.0 if i == 0 else between(0.92, 1.02, i, 329)), 0.072 - 0.014 * outer, 10 + i,
+             HEIGHT * (0.87 - 0.22 * outer) * (1.0 if i == 0 else between(0.92, 1.02, i, 329)),
+             0.072 - 0.014 * outer, 10 + i,
              (0.012 * math.cos(turn), 0.012, 0.012 * math.sin(turn)))
     return [("foot", 0.9, disc), ("dulse", 0.35, leaves)]
 

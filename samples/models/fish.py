@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A reef fish, after the regal angelfish: golden, with white and blue bands; 0.3 m long, swimming along +x."""
+"""A reef fish, after the regal angelfish: golden, with white and blue bands; 0.3 m long, swimming along
++x."""
 
 import math
 
@@ -13,11 +14,14 @@ ICE, BLUE, NAVY, INK = srgb("#e4f6ff"), srgb("#2f8df0"), srgb("#12286b"), srgb("
 BELLY = srgb("#ffeeb8")
 
 NOSE, PEDUNCLE = 0.149, -0.097
-TOP = ((0.0, 0.002), (0.03, 0.010), (0.08, 0.019), (0.15, 0.032), (0.27, 0.055), (0.43, 0.070), (0.58, 0.068), (0.73, 0.051),
+TOP = ((0.0, 0.002), (0.03, 0.010), (0.08, 0.019), (0.15, 0.032), (0.27, 0.055), (0.43, 0.070), (0.58, 0.068),
+       (0.73, 0.051),
        (0.86, 0.029), (0.94, 0.019), (1.0, 0.0165))
-BOTTOM = ((0.0, -0.003), (0.03, -0.010), (0.08, -0.018), (0.15, -0.030), (0.27, -0.049), (0.43, -0.062), (0.58, -0.061), (0.73, -0.047),
+BOTTOM = ((0.0, -0.003), (0.03, -0.010), (0.08, -0.018), (0.15, -0.030), (0.27, -0.049), (0.43, -0.062),
+          (0.58, -0.061), (0.73, -0.047),
           (0.86, -0.027), (0.94, -0.0185), (1.0, -0.016))
-HALF = ((0.0, 0.003), (0.03, 0.0085), (0.08, 0.0135), (0.15, 0.0195), (0.27, 0.0265), (0.43, 0.0290), (0.58, 0.0265), (0.73, 0.0190),
+HALF = ((0.0, 0.003), (0.03, 0.0085), (0.08, 0.0135), (0.15, 0.0195), (0.27, 0.0265), (0.43, 0.0290),
+        (0.58, 0.0265), (0.73, 0.0190),
         (0.86, 0.0105), (0.94, 0.0070), (1.0, 0.0055))
 EYE = (0.110, 0.0105)
 
@@ -36,13 +40,17 @@ def bottom(x):
 
 def bands(x, y):
     """The body's colour at x, y: five pale bands between dark lines, bowed like brackets, on gold."""
-    base = ramp(((-0.06, BELLY), (-0.03, LEMON), (0.0, GOLD), (0.06, AMBER)), y + 0.012 * fractal_noise(30 * x, 30 * y, 0.0, 2, 4))
-    for centre, bow, reach, width in ((0.083, 2.2, 0.075, 0.0050), (0.046, 3.2, 0.080, 0.0058), (0.008, 3.8, 0.085, 0.0060),
-                                      (-0.029, 4.0, 0.080, 0.0056), (-0.061, 3.6, 0.075, 0.0046), (-0.086, 2.6, 0.06, 0.0034)):
+    base = ramp(((-0.06, BELLY), (-0.03, LEMON), (0.0, GOLD), (0.06, AMBER)),
+                y + 0.012 * fractal_noise(30 * x, 30 * y, 0.0, 2, 4))
+    for centre, bow, reach, width in ((0.083, 2.2, 0.075, 0.0050), (0.046, 3.2, 0.080, 0.0058),
+                                      (0.008, 3.8, 0.085, 0.0060),
+                                      (-0.029, 4.0, 0.080, 0.0056), (-0.061, 3.6, 0.075, 0.0046),
+                                      (-0.086, 2.6, 0.06, 0.0034)):
         d = abs(x - centre + bow * (y - 0.004) ** 2 - 0.0018 * value_noise(55 * y, 9 * centre, 0.0, 6))
         w = width * (1.0 - 0.55 * smoothstep(0.2, 1.0, abs(y) / reach))
         base = mix(base, NAVY, 1.0 - smoothstep(w + 0.0028, w + 0.0046, d))
-        base = mix(base, mix(BLUE, ICE, 1.0 - smoothstep(0.25 * w, 0.95 * w, d)), 1.0 - smoothstep(w - 0.0006, w + 0.0010, d))
+        base = mix(base, mix(BLUE, ICE, 1.0 - smoothstep(0.25 * w, 0.95 * w, d)),
+                   1.0 - smoothstep(w - 0.0006, w + 0.0010, d))
     return base
 
 
@@ -70,13 +78,15 @@ def body(mesh):
     def section(s):
         x = NOSE + (PEDUNCLE - NOSE) * s
         end = dome(s / 0.02)
-        upper, lower, half = interpolate(TOP, s) * end, -interpolate(BOTTOM, s) * end, interpolate(HALF, s) * end
+        upper, lower, half = interpolate(TOP, s) * end, -interpolate(BOTTOM,
+                                                                     s) * end, interpolate(HALF, s) * end
         scaly = 1.0 - smoothstep(0.07, 0.085, x)
 
         def point(angle):
             c, h = math.cos(angle), math.sin(angle)
             y = (upper if h > 0 else lower) * h
-            cheek = 0.0022 * math.exp(-((x - 0.073 - 2.6 * (y + 0.004) ** 2) / 0.006) ** 2) * (1.0 - smoothstep(0.024, 0.036, abs(y + 0.004)))
+            cheek = 0.0022 * math.exp(-((x - 0.073 - 2.6 * (y + 0.004) ** 2) / 0.006) ** 2) * (
+                1.0 - smoothstep(0.024, 0.036, abs(y + 0.004)))
             return (x, y, math.copysign(half * abs(c) ** 0.92 + cheek * abs(c), c))
 
         def colour(angle, p):
@@ -91,7 +101,9 @@ def body(mesh):
 
 def lips(mesh):
     for lift, size in ((0.0030, 0.0052), (-0.0042, 0.0046)):
-        mesh.ball(3, lambda d, lift=lift, size=size: (NOSE - 0.002 + 1.05 * size * d[0], lift + 0.72 * size * d[1], 1.25 * size * d[2]),
+        mesh.ball(3, lambda d, lift=lift,
+                  size=size: (NOSE - 0.002 + 1.05 * size * d[0], lift + 0.72 * size * d[1],
+                              1.25 * size * d[2]),
                   lambda d, p: mix(GOLD, LEMON, 0.5 + 0.5 * d[1]))
 
 
@@ -111,7 +123,8 @@ def eyes(mesh):
 
 
 def fin(mesh, base, tip, colour, rays, thick=0.0029, count=70, around=48, across=(0.0, 0.0, 1.0)):
-    """A fin between the curves base(u) and tip(u): a sheet 2 * thick strong with rounded edges and rays, closed in a pole at either end.
+    """A fin between the curves base(u) and tip(u): a sheet 2 * thick strong with rounded edges and rays,
+    closed in a pole at either end.
 
     colour(u, v, position): v runs from 0 at the base to 1 at the tip.
     """
@@ -125,7 +138,8 @@ def fin(mesh, base, tip, colour, rays, thick=0.0029, count=70, around=48, across
         def point(angle):
             w, v = superellipse(angle, 3.0)
             out = 0.5 + 0.5 * w * span
-            return along(tuple(p + (q - p) * out for p, q in zip(a, b)), (across, v * sheet * (1.0 - 0.15 * out)))
+            return along(tuple(p + (q - p) * out for p, q in zip(a, b)),
+                         (across, v * sheet * (1.0 - 0.15 * out)))
 
         def paint(angle, p):
             w, _ = superellipse(angle, 3.0)
@@ -143,14 +157,17 @@ def dorsal(mesh):
 
     def tip(u):
         x, y, _ = base(u)
-        rise = interpolate(((0.0, 0.010), (0.12, 0.022), (0.45, 0.032), (0.76, 0.054), (0.90, 0.040), (1.0, 0.014)), u)
+        rise = interpolate(((0.0, 0.010), (0.12, 0.022), (0.45, 0.032), (0.76, 0.054), (0.90, 0.040),
+                            (1.0, 0.014)), u)
         spines = 0.0040 * abs(math.sin(math.pi * 11.0 * u)) * (1.0 - smoothstep(0.5, 0.65, u))
         trail = interpolate(((0.0, 0.004), (0.5, 0.016), (0.8, 0.044), (0.92, 0.048), (1.0, 0.032)), u)
         return (x - trail, y + rise + spines, 0.0)
 
     def colour(u, v, p):
         front = mix(AMBER, GOLD, v)
-        speckle = 1.0 - smoothstep(0.10, 0.34, math.hypot((26.0 * u + 2.0 * v) % 1.0 - 0.5, 0.9 * ((6.0 * v) % 1.0 - 0.5)))
+        speckle = 1.0 - smoothstep(0.10, 0.34,
+                                   math.hypot((26.0 * u + 2.0 * v) % 1.0 - 0.5,
+                                              0.9 * ((6.0 * v) % 1.0 - 0.5)))
         rear = mix(mix(NAVY, BLUE, 0.45), mix(BLUE, ICE, 0.35), speckle)
         # The blue of the rear begins at a slanting line with a dark rim.
         line = u + 0.45 * v - 0.62
@@ -193,7 +210,9 @@ def tail(mesh):
 
     def tip(u):
         k = spread(u)
-        reach = 0.0580 + 0.0085 * abs(k) ** 2.2 - 0.004 * (1 - abs(k)) + 0.0012 * math.cos(2.0 * math.pi * 8.0 * u)
+        reach = 0.0580 + 0.0085 * abs(k) ** 2.2 - 0.004 * (1
+                                                           - abs(k)) + 0.0012 * math.cos(
+                                                               2.0 * math.pi * 8.0 * u)
         angle = 0.80 * k
         return (-0.088 - reach * math.cos(0.75 * angle), 0.0125 * k + reach * math.sin(angle), 0.0)
 
@@ -216,10 +235,12 @@ def paired(mesh):
         def tip(u, side=side):
             angle = math.pi * (0.14 - 0.50 * u)
             reach = 0.046 - 0.010 * (2 * u - 1) ** 2
-            return (0.052 - reach * math.cos(angle), -0.006 - 0.010 * u + reach * math.sin(angle) * 0.85, side * (0.0245 + 0.024))
+            return (0.052 - reach * math.cos(angle), -0.006 - 0.010 * u + reach * math.sin(angle) * 0.85,
+                    side * (0.0245 + 0.024))
 
         outward = normalize((0.45, 0.0, side * 0.9))
-        fin(mesh, base, tip, lambda u, v, p: ramp(((0.0, AMBER), (0.25, LEMON), (0.8, BELLY), (1.0, LEMON)), v), 9.0, 0.0028, 50,
+        fin(mesh, base, tip, lambda u, v,
+            p: ramp(((0.0, AMBER), (0.25, LEMON), (0.8, BELLY), (1.0, LEMON)), v), 9.0, 0.0028, 50,
             across=outward)
 
         def root(u, side=side):
@@ -230,7 +251,8 @@ def paired(mesh):
             x, y, z = root(u)
             return (x - 0.66 * length, y - 0.72 * length, side * (0.009 + 0.10 * length))
 
-        fin(mesh, root, end, lambda u, v, p: ramp(((0.0, GOLD), (0.5, LEMON), (0.8, ICE), (1.0, BLUE)), v), 6.0, 0.0029, 44)
+        fin(mesh, root, end, lambda u, v, p: ramp(((0.0, GOLD), (0.5, LEMON), (0.8, ICE), (1.0, BLUE)), v),
+            6.0, 0.0029, 44)
 
 
 def surfaces():

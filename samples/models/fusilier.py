@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A fusilier, the slender fish of the open reef: silver below, blue above, a yellow back and forked tail; 0.24 m long, swimming along +x."""
+"""A fusilier, the slender fish of the open reef: silver below, blue above, a yellow back and forked tail;
+0.24 m long, swimming along +x."""
 
 import math
 
@@ -9,14 +10,18 @@ from noise import fractal_noise, mix, ramp, shade, smoothstep, srgb, value_noise
 from rig import rig as make_rig
 from rig import travelling_wave
 
-BACK, BLUE, PALE, SILVER, BELLY = srgb("#f4c21b"), srgb("#1f74d6"), srgb("#6fc4ff"), srgb("#cfe6f2"), srgb("#f3fafc")
+BACK, BLUE, PALE, SILVER, BELLY = srgb("#f4c21b"), srgb("#1f74d6"), srgb("#6fc4ff"), srgb("#cfe6f2"), srgb(
+    "#f3fafc")
 INK, NAVY, ROSE = srgb("#05080f"), srgb("#0d2a63"), srgb("#e9b7b0")
 
 NOSE, PEDUNCLE = 0.120, -0.072
-TOP = ((0.0, 0.002), (0.04, 0.009), (0.12, 0.018), (0.28, 0.027), (0.45, 0.030), (0.65, 0.025), (0.85, 0.013), (0.95, 0.0085), (1.0, 0.008))
-BOTTOM = ((0.0, -0.002), (0.04, -0.008), (0.12, -0.017), (0.28, -0.026), (0.45, -0.028), (0.65, -0.023), (0.85, -0.012), (0.95, -0.0085),
+TOP = ((0.0, 0.002), (0.04, 0.009), (0.12, 0.018), (0.28, 0.027), (0.45, 0.030), (0.65, 0.025), (0.85, 0.013),
+       (0.95, 0.0085), (1.0, 0.008))
+BOTTOM = ((0.0, -0.002), (0.04, -0.008), (0.12, -0.017), (0.28, -0.026), (0.45, -0.028), (0.65, -0.023),
+          (0.85, -0.012), (0.95, -0.0085),
           (1.0, -0.008))
-HALF = ((0.0, 0.003), (0.04, 0.008), (0.12, 0.0125), (0.28, 0.0165), (0.45, 0.0175), (0.65, 0.0145), (0.85, 0.0085), (0.95, 0.006), (1.0, 0.0055))
+HALF = ((0.0, 0.003), (0.04, 0.008), (0.12, 0.0125), (0.28, 0.0165), (0.45, 0.0175), (0.65, 0.0145),
+        (0.85, 0.0085), (0.95, 0.006), (1.0, 0.0055))
 EYE = (0.096, 0.0045)
 
 
@@ -27,7 +32,8 @@ def at(table, x):
 def body(mesh):
     def section(s):
         x, end = NOSE + (PEDUNCLE - NOSE) * s, dome(s / 0.025)
-        upper, lower, half = interpolate(TOP, s) * end, -interpolate(BOTTOM, s) * end, interpolate(HALF, s) * end
+        upper, lower, half = interpolate(TOP, s) * end, -interpolate(BOTTOM,
+                                                                     s) * end, interpolate(HALF, s) * end
 
         def point(angle):
             c, h = math.cos(angle), math.sin(angle)
@@ -41,7 +47,8 @@ def body(mesh):
             line = abs(y - 0.10 - 0.15 * math.sin(3.0 * s))
             base = mix(base, NAVY, 0.6 * (1.0 - smoothstep(0.02, 0.06, line)) * smoothstep(0.2, 0.3, s))
             base = mix(base, ROSE, 0.5 * smoothstep(0.10, 0.0, s))
-            scale = math.hypot((x / 0.006 + 0.5 * (round(p[1] / 0.005) % 2)) % 1.0 - 0.5, p[1] / 0.005 - round(p[1] / 0.005))
+            scale = math.hypot((x / 0.006 + 0.5 * (round(p[1] / 0.005) % 2)) % 1.0 - 0.5,
+                               p[1] / 0.005 - round(p[1] / 0.005))
             light = 1.05 - 0.18 * smoothstep(0.3, 0.6, scale) * smoothstep(0.2, 0.25, s)
             return shade(base, light + 0.08 * fractal_noise(40 * x, 60 * p[1], 0.0, 2, 340))
 
@@ -58,10 +65,15 @@ def fins(mesh):
         return lambda u, v, p: mix(low, high, smoothstep(0.1, 0.9, v))
 
     back = ridge(TOP, 0.050, -0.060, 0.005)
-    fin(mesh, back, lambda u: (back(u)[0] - 0.012 - 0.010 * u, back(u)[1] + interpolate(((0.0, 0.008), (0.2, 0.024), (0.6, 0.016), (1.0, 0.009)), u), 0.0),
+    fin(mesh, back,
+        lambda u: (back(u)[0] - 0.012 - 0.010 * u,
+                   back(u)[1] + interpolate(((0.0, 0.008), (0.2, 0.024), (0.6, 0.016), (1.0, 0.009)), u),
+                   0.0),
         paint(BLUE, BACK), 14.0, 0.0025)
     keel = ridge(BOTTOM, -0.010, -0.060, -0.005)
-    fin(mesh, keel, lambda u: (keel(u)[0] - 0.012, keel(u)[1] - interpolate(((0.0, 0.008), (0.3, 0.020), (1.0, 0.008)), u), 0.0),
+    fin(mesh, keel,
+        lambda u: (keel(u)[0] - 0.012,
+                   keel(u)[1] - interpolate(((0.0, 0.008), (0.3, 0.020), (1.0, 0.008)), u), 0.0),
         paint(SILVER, PALE), 9.0, 0.0025)
     for sign in (1.0, -1.0):  # the two lobes of the tail
         def root(u, sign=sign):
@@ -70,7 +82,8 @@ def fins(mesh):
         def tip(u, sign=sign):
             return (-0.083 - 0.036 * u ** 1.3, sign * (0.003 + 0.041 * u), 0.0)
 
-        fin(mesh, root, tip, lambda u, v, p: mix(BACK, shade(BACK, 0.75), value_noise(20 * v, 6 * u, 0.0, 341)), 8.0, 0.0026)
+        fin(mesh, root, tip, lambda u, v,
+            p: mix(BACK, shade(BACK, 0.75), value_noise(20 * v, 6 * u, 0.0, 341)), 8.0, 0.0026)
 
     for side in (1.0, -1.0):
         def base(u, side=side):
@@ -88,7 +101,9 @@ def eyes(mesh):
             iris = shade(mix(SILVER, BACK, 0.3 + 0.3 * d[1]), 0.8 + 0.3 * math.hypot(d[0], d[1]))
             return mix(INK, iris, smoothstep(0.5, 0.58, math.hypot(d[0], d[1])))
 
-        mesh.ball(4, lambda d, side=side: (EYE[0] + 0.0075 * d[0], EYE[1] + 0.0075 * d[1], side * 0.0112 + 0.0042 * d[2]), colour)
+        mesh.ball(4, lambda d,
+                  side=side: (EYE[0] + 0.0075 * d[0], EYE[1] + 0.0075 * d[1], side * 0.0112 + 0.0042 * d[2]),
+                  colour)
 
 
 def surfaces():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Closed surfaces: everything a sample model is made of is a skin between two poles or a subdivided icosahedron."""
+"""Closed surfaces: everything a sample model is made of is a skin between two poles or a subdivided
+icosahedron."""
 
 import math
 
@@ -37,7 +38,8 @@ def along(origin, *terms):
 
 
 def interpolate(table, x):
-    """Smooth curve through ((x, y), ...): cubic Hermite with slopes that never overshoot the data (Fritsch and Butland)."""
+    """Smooth curve through ((x, y), ...): cubic Hermite with slopes that never overshoot the data (Fritsch
+    and Butland)."""
     def rise(k):
         (x0, y0), (x1, y1) = table[k], table[k + 1]
         return (y1 - y0) / (x1 - x0)
@@ -52,11 +54,13 @@ def interpolate(table, x):
     i = next(i for i in range(len(table) - 1) if x <= table[i + 1][0])
     (x0, y0), (x1, y1) = table[i], table[i + 1]
     h, t = x1 - x0, (x - x0) / (x1 - x0)
-    return (y0 * (1 + 2 * t) + slope(i) * h * t) * (1 - t) ** 2 + (y1 * (3 - 2 * t) - slope(i + 1) * h * (1 - t)) * t * t
+    return (y0 * (1 + 2 * t) + slope(i) * h * t) * (1 - t) ** 2 + (y1 * (3 - 2 * t)
+                                                                   - slope(i + 1) * h * (1 - t)) * t * t
 
 
 def superellipse(angle, exponent):
-    """Point of the unit superellipse: 2 is the circle, larger is boxier, so that a thin leaf keeps its thickness up to the edge."""
+    """Point of the unit superellipse: 2 is the circle, larger is boxier, so that a thin leaf keeps its
+    thickness up to the edge."""
     c, s = math.cos(angle), math.sin(angle)
     return (math.copysign(abs(c) ** (2.0 / exponent), c), math.copysign(abs(s) ** (2.0 / exponent), s))
 
@@ -68,11 +72,13 @@ def dome(distance):
 
 def rounded(count, ends=0.04):
     """count + 1 positions in [0, 1], denser towards both ends, where a skin closes."""
-    return [(1.0 - ends) * i / count + ends * 0.5 * (1.0 - math.cos(math.pi * i / count)) for i in range(count + 1)]
+    return [(1.0 - ends) * i / count + ends * 0.5 * (1.0 - math.cos(math.pi * i / count))
+            for i in range(count + 1)]
 
 
 class Mesh:
-    """Triangles with one position and one linear colour per vertex; vertices are shared, normals are smooth."""
+    """Triangles with one position and one linear colour per vertex; vertices are shared, normals are
+    smooth."""
 
     def __init__(self):
         self.positions, self.colours, self.triangles = [], [], []
@@ -84,12 +90,15 @@ class Mesh:
         self.positions += positions
         self.colours += colours
         for a, b, c in triangles:
-            self.triangles.append((first + a, first + b, first + c) if volume > 0 else (first + a, first + c, first + b))
+            self.triangles.append((first + a, first + b, first + c) if volume > 0
+                                  else (first + a, first + c, first + b))
 
     def skin(self, steps, around, section):
-        """A closed surface of cross sections, one for each of `steps`; it closes in a pole at the first and the last of them.
+        """A closed surface of cross sections, one for each of `steps`; it closes in a pole at the first and
+        the last of them.
 
-        section(s) -> (point, colour); point(angle) -> position; colour(angle, position) -> linear colour. A pole is its section's mean.
+        section(s) -> (point, colour); point(angle) -> position; colour(angle, position) -> linear colour. A
+        pole is its section's mean.
         """
         angles = [2.0 * math.pi * j / around for j in range(around)]
         positions, colours, triangles = [], [], []
@@ -135,8 +144,10 @@ def icosphere(subdivisions):
     g = (1.0 + math.sqrt(5.0)) / 2.0
     corners = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g),
                (0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
-    triangles = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8),
-                 (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    triangles = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4),
+                 (11, 10, 2), (10, 7, 6), (7, 1, 8),
+                 (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
+                 (8, 6, 7), (9, 8, 1)]
     directions = [normalize(c) for c in corners]
     for _ in range(subdivisions):
         middles, finer = {}, []

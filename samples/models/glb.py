@@ -22,19 +22,27 @@ def write(path, name, surfaces, rig):
     for material, roughness, mesh in surfaces:
         count = len(mesh.positions)
         packed = struct.pack("<%df" % (3 * count), *(x for p in mesh.positions for x in p))
-        stored = struct.unpack("<%df" % (3 * count), packed)  # min and max must bound what is stored, not what was meant
+        # min and max must bound what is stored, not what was meant
+        stored = struct.unpack("<%df" % (3 * count), packed)
         position = accessor(packed, ARRAY_BUFFER, componentType=FLOAT, count=count, type="VEC3",
-                            min=[min(stored[i::3]) for i in range(3)], max=[max(stored[i::3]) for i in range(3)])
+                            min=[min(stored[i::3]) for i in range(3)],
+                            max=[max(stored[i::3]) for i in range(3)])
         normal = accessor(struct.pack("<%df" % (3 * count), *(x for n in mesh.normals() for x in n)),
                           ARRAY_BUFFER, componentType=FLOAT, count=count, type="VEC3")
-        colour = accessor(struct.pack("<%dH" % (4 * count), *(round(65535 * min(max(x, 0.0), 1.0)) for c in mesh.colours for x in (*c, 1.0))),
+        colour = accessor(struct.pack("<%dH" % (4 * count),
+                                      *(round(65535 * min(max(x, 0.0), 1.0)) for c in mesh.colours
+                                        for x in (*c, 1.0))),
                           ARRAY_BUFFER, componentType=USHORT, normalized=True, count=count, type="VEC4")
         wide = count > 65535
-        indices = accessor(struct.pack("<%d%s" % (3 * len(mesh.triangles), "I" if wide else "H"), *(i for t in mesh.triangles for i in t)),
-                           ELEMENT_ARRAY_BUFFER, componentType=UINT if wide else USHORT, count=3 * len(mesh.triangles), type="SCALAR")
-        primitives.append({"attributes": {"POSITION": position, "NORMAL": normal, "COLOR_0": colour}, "indices": indices,
+        indices = accessor(struct.pack("<%d%s" % (3 * len(mesh.triangles), "I" if wide else "H"),
+                                       *(i for t in mesh.triangles for i in t)),
+                           ELEMENT_ARRAY_BUFFER, componentType=UINT if wide else USHORT,
+                           count=3 * len(mesh.triangles), type="SCALAR")
+        primitives.append({"attributes": {"POSITION": position, "NORMAL": normal, "COLOR_0": colour},
+                           "indices": indices,
                            "material": len(materials)})
-        materials.append({"name": material, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": roughness}})
+        materials.append({"name": material,
+                          "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": roughness}})
 
     document = {
         "asset": {"version": "2.0", "generator": "kelp samples/models/make_models.py"},

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Giant kelp on its stone: fronds of ruffled blades, each held up by a gas bladder; 1.2 m tall, its foot at the origin."""
+"""Giant kelp on its stone: fronds of ruffled blades, each held up by a gas bladder; 1.2 m tall, its foot at
+the origin."""
 
 import math
 
-from geometry import Mesh, add, along, cross, dome, dot, interpolate, normalize, rounded, scale, sub, superellipse
+from geometry import (Mesh, add, along, cross, dome, dot, interpolate, normalize, rounded, scale, sub,
+                      superellipse)
 from noise import between, fractal_noise, mix, ramp, shade, smoothstep, srgb, value_noise
 from rig import rig as make_rig
 from rig import travelling_wave
@@ -52,7 +54,8 @@ def stone(mesh):
     def point(d):
         r = stone_radius(d)
         x, y, z = 0.165 * d[0] * r, 0.062 * d[1] * r + 0.038, 0.135 * d[2] * r
-        return (x, y if y > 0.012 else 0.012 * math.exp((y - 0.012) / 0.012), z)  # it lies on the ground, almost flat
+        # it lies on the ground, almost flat
+        return (x, y if y > 0.012 else 0.012 * math.exp((y - 0.012) / 0.012), z)
 
     def colour(d, p):
         grain = fractal_noise(45 * p[0], 45 * p[1], 45 * p[2], 3, 50)
@@ -64,12 +67,15 @@ def stone(mesh):
 
 
 def holdfast(mesh):
-    """A crown that gathers the stipes, and root-like haptera that drape from it over the stone and grip it."""
+    """A crown that gathers the stipes, and root-like haptera that drape from it over the stone and grip
+    it."""
     def bark(s, angle, p):
-        return shade(mix(ROOT, STIPE_LOW, s), 1.0 + 0.3 * value_noise(2.5 * math.cos(angle), 14 * p[1], 2.5 * math.sin(angle), 79))
+        return shade(mix(ROOT, STIPE_LOW, s),
+                     1.0 + 0.3 * value_noise(2.5 * math.cos(angle), 14 * p[1], 2.5 * math.sin(angle), 79))
 
     crown = ((0.0, 0.056), (0.5, 0.036), (1.0, 0.017))
-    tube(mesh, lambda s: (0.0, 0.06 + 0.11 * s, 0.0), lambda s: interpolate(crown, s), bark, rounded(24, 0.3), 24)
+    tube(mesh, lambda s: (0.0, 0.06 + 0.11 * s, 0.0), lambda s: interpolate(crown, s), bark, rounded(24, 0.3),
+         24)
 
     count = 21
     for i in range(count):
@@ -88,7 +94,8 @@ def holdfast(mesh):
             return (0.165 * d[0] * r, 0.062 * d[1] * r + 0.038 + lift, 0.135 * d[2] * r)
 
         def colour(s, angle, p, i=i):
-            return shade(mix(ROOT, ROOT_TIP, s ** 1.5), 1.0 + 0.3 * value_noise(70 * p[0], 70 * p[1], 70 * p[2], 80 + i))
+            return shade(mix(ROOT, ROOT_TIP, s ** 1.5),
+                         1.0 + 0.3 * value_noise(70 * p[0], 70 * p[1], 70 * p[2], 80 + i))
 
         tube(mesh, path, lambda s: 0.0135 - 0.0035 * s, colour, rounded(30, 0.3), 10)
 
@@ -116,7 +123,8 @@ def stipe(mesh, frond):
 
 
 def mid_line(root, azimuth, elevation, droop, length, steps, roll, seed):
-    """Points and cross-section frames of a blade: it rises with its bladder, then bends over in an arc while it twists."""
+    """Points and cross-section frames of a blade: it rises with its bladder, then bends over in an arc while
+    it twists."""
     turn = between(-0.09, 0.09, seed, 3)
     line = [root]
     for before, s in zip(steps, steps[1:]):
@@ -126,7 +134,8 @@ def mid_line(root, azimuth, elevation, droop, length, steps, roll, seed):
     frames = []
     for i, s in enumerate(steps):
         tangent = normalize(sub(line[min(i + 1, len(steps) - 1)], line[max(i - 1, 0)]))
-        flat = normalize(cross(tangent, direction(azimuth + 0.25, 0.0)))  # in the upright plane of the blade, across it
+        # in the upright plane of the blade, across it
+        flat = normalize(cross(tangent, direction(azimuth + 0.25, 0.0)))
         normal = cross(flat, tangent)
         angle = roll * (1.0 - 0.75 * s) + 0.5 * math.sin(3.6 * s + seed) * smoothstep(0.1, 0.5, s)
         frames.append((add(scale(flat, math.cos(angle)), scale(normal, math.sin(angle))),
@@ -135,7 +144,8 @@ def mid_line(root, azimuth, elevation, droop, length, steps, roll, seed):
 
 
 def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bladder=0.0215):
-    """One blade from the stipe outward: petiole, bladder, neck and a ruffled, tapering leaf, in a single closed skin."""
+    """One blade from the stipe outward: petiole, bladder, neck and a ruffled, tapering leaf, in a single
+    closed skin."""
     steps = rounded(66, 0.35)
     index = {s: i for i, s in enumerate(steps)}
     roll = between(0.35, 0.8, seed, 1) * (1.0 if between(0.0, 1.0, seed, 6) < 0.5 else -1.0)
@@ -148,7 +158,8 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
                   (0.82, 0.62 * width), (0.94, 0.36 * width), (1.0, 0.24 * width))
     half_thick = ((0.0, 0.0092), (c, 0.0104), (d, 0.0104), (1.0, 0.0096))
 
-    leaf_at = ramp(((0.0, OLD), (0.35, MATURE), (0.72, YOUNG), (1.0, mix(YOUNG, TIP, 0.4))), young + 0.1 * between(-1, 1, seed, 5))
+    leaf_at = ramp(((0.0, OLD), (0.35, MATURE), (0.72, YOUNG), (1.0, mix(YOUNG, TIP, 0.4))),
+                   young + 0.1 * between(-1, 1, seed, 5))
 
     def section(s):
         centre, (side, normal) = line[index[s]], frames[index[s]]
@@ -158,13 +169,15 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
         thick = math.hypot(interpolate(half_thick, s) ** 2, egg ** 2) ** 0.5 * end
         wide = math.hypot(interpolate(half_width, s) ** 2, egg ** 2) ** 0.5 * end
         ruffle = 0.30 * width * leafy * end * (1.0 - 0.6 * smoothstep(0.65, 1.0, s))
-        serration = [1.0 + 0.045 * leafy * math.sin(2.0 * math.pi * (2.0 * waves * s + lag)) for lag in (0.0, 0.4)]
+        serration = [1.0 + 0.045 * leafy * math.sin(2.0 * math.pi * (2.0 * waves * s + lag))
+                     for lag in (0.0, 0.4)]
         lift = [ruffle * math.sin(2.0 * math.pi * (waves * s + lag) + seed) for lag in (0.0, edge_lag)]
 
         def point(angle):
             u, v = superellipse(angle, 2.0 + 1.2 * leafy)
             k = u > 0
-            return along(centre, (side, u * wide * serration[k]), (normal, v * thick + lift[k] * abs(u) ** 1.7))
+            return along(centre, (side, u * wide * serration[k]),
+                         (normal, v * thick + lift[k] * abs(u) ** 1.7))
 
         base = mix(leaf_at, TIP, 0.8 * smoothstep(0.3, 1.0, s) ** 1.6)
         rib = 0.6 * (1.0 - 0.75 * s)
@@ -175,7 +188,9 @@ def blade(mesh, root, azimuth, elevation, droop, length, width, young, seed, bla
             u = math.cos(angle)
             leaf = mix(base, TIP, 0.5 * smoothstep(0.70, 1.0, abs(u)))  # light shines through the thin edge
             leaf = mix(leaf, RIB, rib * (1.0 - smoothstep(0.02, 0.24, abs(u))))
-            leaf = shade(leaf, 1.0 + 0.18 * value_noise(4.0 * u, 24.0 * s, 0.0, seed) + 0.12 * value_noise(9.0 * u, 7.0 * s, 3.0, seed + 7))
+            leaf = shade(leaf,
+                         1.0 + 0.18 * value_noise(4.0 * u, 24.0 * s, 0.0, seed)
+                         + 0.12 * value_noise(9.0 * u, 7.0 * s, 3.0, seed + 7))
             float_colour = mix(BLADDER, BLADDER_TOP, smoothstep(-0.6, 0.9, (p[1] - centre[1]) / bladder))
             return mix(mix(RIB, float_colour, stalk), leaf, leaf_part)
 
@@ -195,12 +210,15 @@ def frond_blades(mesh, frond):
         key = 100 * seed + i
         # Two ranks that wind slowly around the stipe: full from every side, open from the front.
         turn = azimuth + 0.5 * (i % 2) + 0.06 * i + between(-0.04, 0.04, key, 11)
-        length = interpolate(((0.0, 0.32), (0.4, 0.42), (0.75, 0.37), (1.0, 0.27)), t) * between(0.92, 1.06, key, 12) * (0.78 + 0.2 * height)
-        blade(mesh, root, turn, 0.155 + 0.045 * t + between(-0.015, 0.015, key, 13), between(0.17, 0.25, key, 15) * (1.0 - 0.5 * t),
+        length = interpolate(((0.0, 0.32), (0.4, 0.42), (0.75, 0.37), (1.0, 0.27)),
+                             t) * between(0.92, 1.06, key, 12) * (0.78 + 0.2 * height)
+        blade(mesh, root, turn, 0.155 + 0.045 * t + between(-0.015, 0.015, key, 13),
+              between(0.17, 0.25, key, 15) * (1.0 - 0.5 * t),
               length, length * between(0.092, 0.106, key, 14), root[1] / HEIGHT, key)
     # The growing tip: two young blades that part.
     for k, (turn, lift, size) in enumerate(((azimuth + 0.06, 0.205, 0.25), (azimuth + 0.55, 0.19, 0.20))):
-        blade(mesh, path(0.985 - 0.012 * k), turn, lift, 0.06, size * (0.8 + 0.2 * height), 0.021, 1.0, 100 * seed + 90 + k, 0.0165)
+        blade(mesh, path(0.985 - 0.012 * k), turn, lift, 0.06, size * (0.8 + 0.2 * height), 0.021, 1.0,
+              100 * seed + 90 + k, 0.0165)
 
 
 def surfaces():
@@ -214,7 +232,8 @@ def surfaces():
 
 
 def rig():
-    """`sway`: the swell rocks it; `current`: it is dragged to and fro, and ripples run up the blades. The foot never moves."""
+    """`sway`: the swell rocks it; `current`: it is dragged to and fro, and ripples run up the blades. The
+    foot never moves."""
     knots = (0, 0.3, 0.65, 1)
     sway = (travelling_wave(knots, (1, 0, 0.15), (0, 0, 0.16, 0.02), 0.22, 6)
             + travelling_wave(knots, (-0.2, 0, 1), (0, 0, 0.07), 0.30, 3, 0.2)

@@ -16,13 +16,15 @@ import orange  # noqa: E402
 import sea_grass  # noqa: E402
 import seabed  # noqa: E402
 
-MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish, "fusilier": fusilier, "seabed": seabed}
+MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish,
+          "fusilier": fusilier, "seabed": seabed}
 
 
 def main(arguments):
     if len(arguments) != 1 or arguments[0].startswith("-"):
         print("usage: make_models.py FOLDER\nWrites %s into FOLDER, which is made if need be."
-              % ", ".join(name + ".glb" for name in MODELS), file=sys.stdout if arguments in (["-h"], ["--help"]) else sys.stderr)
+              % ", ".join(name + ".glb" for name in MODELS),
+              file=sys.stdout if arguments in (["-h"], ["--help"]) else sys.stderr)
         return 0 if arguments in (["-h"], ["--help"]) else 1
     try:
         os.makedirs(arguments[0], exist_ok=True)
@@ -32,7 +34,8 @@ def main(arguments):
             glb.write(path, name, surfaces, model.rig())
             print("%s: %d triangles" % (path, sum(len(mesh.triangles) for _, _, mesh in surfaces)))
     except OSError as error:
-        print("make_models.py: %s: %s; give a folder that can be written" % (error.filename, error.strerror), file=sys.stderr)
+        print("make_models.py: %s: %s; give a folder that can be written" % (error.filename, error.strerror),
+              file=sys.stderr)
         return 2
     return 0
 

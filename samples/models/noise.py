@@ -23,7 +23,8 @@ def smoothstep(low, high, x):
     return t * t * (3.0 - 2.0 * t)
 
 
-# One random permutation and one random value for each of 256 lattice points: noise repeats every 256 units, which no model reaches.
+# One random permutation and one random value for each of 256 lattice points: noise repeats every 256 units,
+# which no model reaches.
 SHUFFLED = sorted(range(256), key=lambda i: hash01(i, 1)) * 2
 VALUES = [2.0 * hash01(i, 2) - 1.0 for i in range(256)]
 
@@ -55,7 +56,8 @@ def fractal_noise(x, y, z, octaves=3, seed=0):
 
 
 def cell_distance(x, y, z, jitter=1.0):
-    """Distance to the nearest of the points scattered one per unit cell (Worley's F1); jitter 0 is a regular grid."""
+    """Distance to the nearest of the points scattered one per unit cell (Worley's F1); jitter 0 is a regular
+    grid."""
     xi, yi, zi = math.floor(x), math.floor(y), math.floor(z)
     shuffled, values, half, best = SHUFFLED, VALUES, 0.5 * jitter, 9.0
     for i in (xi - 1, xi, xi + 1):

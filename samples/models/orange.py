@@ -14,7 +14,8 @@ CENTRE = 0.0395
 PEEL, PEEL_WARM, PEEL_LIGHT, PORE = srgb("#f98a0c"), srgb("#ee6a05"), srgb("#ffb02e"), srgb("#d9560a")
 GREENISH, CALYX, CALYX_EDGE = srgb("#9aa324"), srgb("#5d7a2b"), srgb("#93a24c")
 WOOD, CUT = srgb("#6e5a2e"), srgb("#cdb98a")
-LEAF, LEAF_DEEP, LEAF_LIGHT, VEIN, UNDERSIDE = srgb("#2f7d2a"), srgb("#1c5a22"), srgb("#69a83a"), srgb("#a9cf6a"), srgb("#6f9b55")
+LEAF, LEAF_DEEP, LEAF_LIGHT, VEIN, UNDERSIDE = srgb("#2f7d2a"), srgb("#1c5a22"), srgb("#69a83a"), srgb(
+    "#a9cf6a"), srgb("#6f9b55")
 
 
 def pore(d):
@@ -23,7 +24,8 @@ def pore(d):
 
 
 def peel_radius(d):
-    """Distance from the centre without pores: a slightly flattened, slightly uneven ball with a dent for the stem and one below."""
+    """Distance from the centre without pores: a slightly flattened, slightly uneven ball with a dent for the
+    stem and one below."""
     lumps = 0.012 * fractal_noise(1.6 * d[0], 1.6 * d[1], 1.6 * d[2], 2, 3)
     above = math.exp(-((1.0 - d[1]) / 0.055))
     below = math.exp(-((1.0 + d[1]) / 0.020))
@@ -56,7 +58,8 @@ def peel(mesh):
 
 
 def calyx(mesh):
-    """The five-pointed star on which the fruit hung, draped over the dent; s runs from below to the rim at 1/2 and back on top."""
+    """The five-pointed star on which the fruit hung, draped over the dent; s runs from below to the rim at
+    1/2 and back on top."""
     def section(s):
         r, v = superellipse(math.pi * (s - 0.5), 2.6)
 
@@ -69,7 +72,8 @@ def calyx(mesh):
 
         def colour(angle, p):
             edge = smoothstep(0.4, 1.0, math.hypot(p[0], p[2]) / 0.012)
-            return shade(mix(CALYX, CALYX_EDGE, edge), 1.0 + 0.2 * value_noise(900 * p[0], 0.0, 900 * p[2], 21))
+            return shade(mix(CALYX, CALYX_EDGE, edge),
+                         1.0 + 0.2 * value_noise(900 * p[0], 0.0, 900 * p[2], 21))
 
         return point, colour
 
@@ -83,7 +87,8 @@ def stem_path(s):
 def stem(mesh):
     def section(s):
         x, y, z = stem_path(s)
-        thick = interpolate(((0.0, 0.0036), (0.35, 0.0025), (0.85, 0.0024), (1.0, 0.0029)), s) * dome(20.0 * (1.0 - s))
+        thick = interpolate(((0.0, 0.0036), (0.35, 0.0025), (0.85, 0.0024), (1.0, 0.0029)),
+                            s) * dome(20.0 * (1.0 - s))
 
         def point(angle):
             r = thick * (1.0 + 0.06 * math.cos(5 * angle))
@@ -91,7 +96,8 @@ def stem(mesh):
 
         def colour(angle, p):
             grain = value_noise(6 * math.cos(angle), 500 * p[1], 6 * math.sin(angle), 23)
-            return mix(shade(mix(CALYX, WOOD, smoothstep(0.0, 0.45, s)), 1.0 + 0.25 * grain), CUT, smoothstep(0.955, 0.97, s))
+            return mix(shade(mix(CALYX, WOOD, smoothstep(0.0, 0.45, s)), 1.0 + 0.25 * grain), CUT,
+                       smoothstep(0.955, 0.97, s))
 
         return point, colour
 
@@ -104,10 +110,12 @@ def leaf(mesh, start, azimuth, lift, droop, length, width, seed):
     index = {s: i for i, s in enumerate(steps)}
     line = [start]
     for before, s in zip(steps, steps[1:]):
-        turn, rise = 2.0 * math.pi * azimuth + 0.25 * s, 2.0 * math.pi * (lift - droop * smoothstep(0.05, 1.0, s))
+        turn, rise = 2.0 * math.pi * azimuth + 0.25 * s, 2.0 * math.pi * (
+            lift - droop * smoothstep(0.05, 1.0, s))
         heading = (math.cos(turn) * math.cos(rise), math.sin(rise), math.sin(turn) * math.cos(rise))
         line.append(along(line[-1], (heading, length * (s - before))))
-    half = ((0.0, 0.0016), (0.13, 0.0016), (0.2, 0.004), (0.48, width), (0.62, 0.93 * width), (0.86, 0.45 * width), (1.0, 0.0014))
+    half = ((0.0, 0.0016), (0.13, 0.0016), (0.2, 0.004), (0.48, width), (0.62, 0.93 * width),
+            (0.86, 0.45 * width), (1.0, 0.0014))
 
     def section(s):
         i = index[s]
@@ -126,9 +134,11 @@ def leaf(mesh, start, azimuth, lift, droop, length, width, seed):
         def colour(angle, p):
             u, v = superellipse(angle, 2.0 + blade)
             body = mix(LEAF_DEEP, LEAF, 0.5 + 0.5 * value_noise(3 * u, 6 * s, 0.0, seed))
-            body = mix(body, LEAF_LIGHT, 0.45 * smoothstep(0.55, 1.0, abs(u)) + 0.25 * smoothstep(0.6, 1.0, s))
+            body = mix(body, LEAF_LIGHT,
+                       0.45 * smoothstep(0.55, 1.0, abs(u)) + 0.25 * smoothstep(0.6, 1.0, s))
             side_vein = abs(math.sin(math.pi * (9.0 * s - 1.7 * abs(u))))
-            body = mix(body, LEAF_LIGHT, 0.6 * (1.0 - smoothstep(0.0, 0.42, side_vein)) * smoothstep(0.0, 0.15, abs(u)))
+            body = mix(body, LEAF_LIGHT,
+                       0.6 * (1.0 - smoothstep(0.0, 0.42, side_vein)) * smoothstep(0.0, 0.15, abs(u)))
             if v < 0:
                 body = mix(body, UNDERSIDE, 0.7)
             body = mix(body, VEIN, 0.85 * (1.0 - smoothstep(0.05, 0.16, abs(u))))

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Rigs that move like living things: waves that travel along the spline.
 
-A clip adds offsets and tangents to the knots at rest. If only the offsets moved, the spline would stand upright at every knot, and a
-swaying stalk would look like a staircase. So every wave is sampled from one continuous motion
+A clip adds offsets and tangents to the knots at rest. If only the offsets moved, the spline would stand
+upright at every knot, and a swaying stalk would look like a staircase. So every wave is sampled from one
+continuous motion
 
-    d(at, time) = envelope(at) * sin(2 pi (time / period - lag * at + phase))
+d(at, time) = envelope(at) * sin(2 pi (time / period - lag * at + phase))
 
 and each knot gets its value as an offset and its derivative along the spline as a tangent.
 """
@@ -13,7 +14,8 @@ import math
 
 
 def travelling_wave(knots, direction, envelope, lag, period, phase=0.0):
-    """Waves for the knots at `knots`. envelope: polynomial coefficients, constant first; lag: turns from one end to the other."""
+    """Waves for the knots at `knots`. envelope: polynomial coefficients, constant first; lag: turns from one
+    end to the other."""
     waves = []
     for index, at in enumerate(knots):
         amplitude = sum(c * at ** k for k, c in enumerate(envelope))
@@ -24,7 +26,8 @@ def travelling_wave(knots, direction, envelope, lag, period, phase=0.0):
         slope, lead = math.hypot(rise, cosine), math.atan2(cosine, rise) / (2.0 * math.pi)
         for target, size, at_phase in (("offset", amplitude, turn), ("tangent", slope, turn + lead)):
             if abs(size) > 1e-6:
-                waves.append({"knot": index, target: [round(size * d, 4) for d in direction], "period": period,
+                waves.append({"knot": index, target: [round(size * d, 4) for d in direction],
+                              "period": period,
                               "phase": round(at_phase - math.floor(at_phase), 4)})
     return waves
 

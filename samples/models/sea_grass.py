@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A tuft of sea grass: ribbons that rise from one root, the outer ones leaning out and curling over; 0.8 m tall, its foot at the origin."""
+"""A tuft of sea grass: ribbons that rise from one root, the outer ones leaning out and curling over; 0.8 m
+tall, its foot at the origin."""
 
 import math
 
@@ -9,7 +10,8 @@ from rig import rig as make_rig
 from rig import travelling_wave
 
 HEIGHT = 0.8
-SHEATH, DEEP, LEAF, LIGHT, TIP = srgb("#8a8a4a"), srgb("#1f6b3a"), srgb("#3f9a3c"), srgb("#8cc850"), srgb("#c9d873")
+SHEATH, DEEP, LEAF, LIGHT, TIP = srgb("#8a8a4a"), srgb("#1f6b3a"), srgb("#3f9a3c"), srgb("#8cc850"), srgb(
+    "#c9d873")
 ROOT, ROOT_LIGHT = srgb("#5a4630"), srgb("#9c8560")
 RIBBONS = 17
 
@@ -28,7 +30,8 @@ def ribbon(mesh, i):
     line = [along((0.0, 0.004, 0.0), (out, 0.028 * outer))]
     for before, s in zip(steps, steps[1:]):
         tilt = lean * smoothstep(-0.1, 0.35, s) + curl * s ** 2.2
-        heading = along((0.0, math.cos(tilt), 0.0), (out, math.sin(tilt)), (side, 0.08 * math.sin(7.0 * s + i)))
+        heading = along((0.0, math.cos(tilt), 0.0), (out, math.sin(tilt)),
+                        (side, 0.08 * math.sin(7.0 * s + i)))
         line.append(along(line[-1], (normalize(heading), length * (s - before))))
 
     def section(s):
@@ -48,7 +51,8 @@ def ribbon(mesh, i):
 
         def colour(angle, p):
             u = math.cos(angle)
-            base = ramp(((0.0, SHEATH), (0.14, DEEP), (0.5, LEAF), (0.85, LIGHT), (1.0, TIP)), s + 0.25 * warm)
+            base = ramp(((0.0, SHEATH), (0.14, DEEP), (0.5, LEAF), (0.85, LIGHT), (1.0, TIP)),
+                        s + 0.25 * warm)
             base = mix(base, LIGHT, 0.35 * (1.0 - smoothstep(0.05, 0.3, abs(u))))
             return shade(base, 1.0 + 0.16 * value_noise(5.0 * u, 16.0 * s, i, 306))
 
@@ -64,7 +68,8 @@ def root(mesh):
         y = 0.02 + 0.026 * d[1] * r
         return (0.055 * d[0] * r, y if y > 0.006 else 0.006 * math.exp((y - 0.006) / 0.006), 0.055 * d[2] * r)
 
-    mesh.ball(4, point, lambda d, p: mix(ROOT, ROOT_LIGHT, 0.4 + 0.6 * value_noise(90 * p[0], 90 * p[1], 90 * p[2], 308)))
+    mesh.ball(4, point, lambda d,
+              p: mix(ROOT, ROOT_LIGHT, 0.4 + 0.6 * value_noise(90 * p[0], 90 * p[1], 90 * p[2], 308)))
 
 
 def surfaces():

@@ -10,13 +10,16 @@ from rig import rig as make_rig
 HALF_WIDTH, HALF_DEPTH, THICKNESS = 1.25, 0.72, 0.045
 SHADE, SAND, SUN = srgb("#a98f62"), srgb("#d8c08c"), srgb("#f0e0b4")
 GRIT = srgb("#7d6a4c")
-PEBBLES = (srgb("#6f757c"), srgb("#9aa0a2"), srgb("#b98d78"), srgb("#4d555e"), srgb("#d5cdbd"), srgb("#8f6f72"))
+PEBBLES = (srgb("#6f757c"), srgb("#9aa0a2"), srgb("#b98d78"), srgb("#4d555e"), srgb("#d5cdbd"),
+           srgb("#8f6f72"))
 
 
 def ripple(x, z):
     """-1 in a trough, 1 on a crest; the crests wander and fork."""
     bend = 0.9 * fractal_noise(1.3 * x, 1.3 * z, 0.0, 2, 200)
-    return math.sin(2.0 * math.pi * (7.5 * z + 1.1 * x + bend)) * (0.55 + 0.45 * fractal_noise(2.2 * x, 2.2 * z, 1.0, 2, 210))
+    return math.sin(2.0 * math.pi * (7.5 * z + 1.1 * x + bend)) * (0.55
+                                                                   + 0.45 * fractal_noise(2.2 * x, 2.2 * z,
+                                                                                          1.0, 2, 210))
 
 
 def height(x, z):
@@ -26,7 +29,8 @@ def height(x, z):
 
 def sand(mesh):
     def point(d):
-        # The sphere's upper half becomes the top, its lower half the bottom; a rounded rectangle, and a soft edge where they meet.
+        # The sphere's upper half becomes the top, its lower half the bottom; a rounded rectangle, and a soft
+        # edge where they meet.
         flat = math.hypot(d[0], d[2])
         reach = math.sqrt(1.0 - abs(d[1]))
         c, s = (d[0] / flat, d[2] / flat) if flat > 1e-9 else (1.0, 0.0)
@@ -54,7 +58,8 @@ def pebbles(mesh):
 
         def point(d, i=i, x=x, z=z, size=size, wide=wide, long=long):
             r = 1.0 + 0.18 * fractal_noise(1.4 * d[0] + 3.1 * i, 1.4 * d[1], 1.4 * d[2], 2, 246)
-            return (x + wide * d[0] * r, height(x, z) + 0.2 * size + 0.65 * size * d[1] * r, z + long * d[2] * r)
+            return (x + wide * d[0] * r, height(x, z) + 0.2 * size + 0.65 * size * d[1] * r,
+                    z + long * d[2] * r)
 
         def colour(d, p, i=i, base=base):
             return shade(base, 1.0 + 0.25 * fractal_noise(3.0 * d[0] + i, 3.0 * d[1], 3.0 * d[2], 2, 247))

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws Figures 6 and 7 of the paper with kelp's own programs: bakes the models, renders every tile, and lays out two labelled sheets.
+"""Draws Figures 6 and 7 of the paper with kelp's own programs: bakes the models, renders every tile, and lays
+out two labelled sheets.
 
 samples/pictures/figures.sh builds all that this needs, and calls it."""
 
@@ -16,22 +17,24 @@ import png  # noqa: E402
 
 PAPER, INK, FAINT = (247, 248, 249), (38, 43, 52), (112, 120, 132)
 
-# Figure 6: tangents of the two ends, and from where the pose is seen best (yaw, pitch). The extreme ones are many times as wide as the
-# model is high, so they are seen from one end.
+# Figure 6: tangents of the two ends, and from where the pose is seen best (yaw, pitch). The extreme ones are
+# many times as wide as the model is high, so they are seen from one end.
 REST = None
 POSES = (
     ((REST, (30, 12)), (((3, 0, 1), (3, 0, 2)), (30, 12)), (((13, 0, 7), (14, 0, -4)), (70, 20))),
     ((REST, (215, 12)), (((-2, 0, 0), (2, 0, 3)), (215, 12)), (((-40, 0, 0), (20, 0, -13)), (285, 30))),
     ((REST, (20, 12)), (((0, 0, 3), (-3, 0, 4)), (20, 12)), (((0, 0, -3), (-54, 0, -10)), (60, 14))),
 )
-# Of each column: what it is called, the asset and its colour, and the sample model that stands in where there are no assets.
+# Of each column: what it is called, the asset and its colour, and the sample model that stands in where there
+# are no assets.
 COLUMNS = (
     ("an orange", None, None, "orange"),
     ("spot, for the pig", "mesh/common3d/spot.obj", (0.93, 0.60, 0.56), "fish"),
     ("the bunny", "mesh/common3d/stanford-bunny.obj", (0.78, 0.64, 0.50), "kelp_plant"),
 )
 
-# Figure 7: where everything stands, in metres. The camera's two places are level with the scene and straight above it.
+# Figure 7: where everything stands, in metres. The camera's two places are level with the scene and straight
+# above it.
 SCENE = (
     ("kelp_plant", "--clip current --time 0.7 --at=-0.6,0,-0.1 --turn 20"),
     ("kelp_plant", "--clip current --time 2.2 --at=0.64,0,-0.22 --turn 200 --scale 0.85"),
@@ -72,20 +75,23 @@ class Studio:
     def sample(self, name, *more):
         # The sea floor is large and flat: its edge needs voxels as small as the plants'.
         resolution = ("--resolution", self.options.resolution * 3 // 2) if name == "seabed" else ()
-        return self.bake(os.path.join(self.options.models, name + ".glb"), name + ("_straight" if more else ""), *resolution, *more)
+        return self.bake(os.path.join(self.options.models, name + ".glb"),
+                         name + ("_straight" if more else ""), *resolution, *more)
 
     def asset(self, file, color):
         """The mesh in one colour: a copy among the results, never in the source tree."""
         name = os.path.splitext(os.path.basename(file))[0]
         with open(self.path(name + ".mtl"), "w", encoding="ascii") as material:
             material.write("newmtl paint\nKd %g %g %g\n" % color)
-        with open(os.path.join(self.options.assets, file), encoding="utf-8", errors="replace") as mesh, open(self.path(name + ".obj"), "w", encoding="utf-8") as copy:
+        with open(os.path.join(self.options.assets, file), encoding="utf-8",
+                  errors="replace") as mesh, open(self.path(name + ".obj"), "w", encoding="utf-8") as copy:
             copy.write("mtllib %s.mtl\nusemtl paint\n" % name)
             copy.writelines(line for line in mesh if not line.startswith(("mtllib", "usemtl")))
         return self.bake(self.path(name + ".obj"), name, "--rig", "none")
 
     def render(self, name, size, *arguments):
-        self.run("kelp-render", *arguments[:1], "-o", self.path(name + ".png"), "--size", "%dx%d" % size, "--samples", 4, *arguments[1:])
+        self.run("kelp-render", *arguments[:1], "-o", self.path(name + ".png"), "--size", "%dx%d" % size,
+                 "--samples", 4, *arguments[1:])
         return self.path(name + ".png")
 
 
@@ -95,7 +101,8 @@ class Sheet:
     def __init__(self, columns, rows, tile, letters, title, note):
         self.tile, self.gap, self.letters = tile, letters, letters
         self.label, self.head = 3 * self.letters, 4 * self.letters
-        self.picture = png.Picture(self.gap + columns * (tile[0] + self.gap), self.head + rows * (tile[1] + self.label), PAPER)
+        self.picture = png.Picture(self.gap + columns * (tile[0] + self.gap),
+                                   self.head + rows * (tile[1] + self.label), PAPER)
         base = self.head - 1.5 * self.letters
         lettering.write(self.picture, title, self.gap, base, 1.3 * self.letters, INK, 1.4)
         left = self.picture.width - self.gap - lettering.width(note, self.letters)
@@ -126,15 +133,18 @@ def figure6(studio, side):
             pack = studio.asset(asset, color)
         else:
             if asset:
-                print("figures.py: %s is absent, so kelp's own %s stands in; set KELP_ASSETS to a folder that holds it" %
+                print("figures.py: %s is absent, so kelp's own %s stands in; "
+                      "set KELP_ASSETS to a folder that holds it" %
                       (os.path.join(studio.options.assets, asset), stand_in), file=sys.stderr)
                 name = {"fish": "a fish", "kelp_plant": "a kelp plant"}[stand_in]
             pack = studio.sample(stand_in, "--rig", "none", "--axis", "-x" if stand_in == "fish" else "+y")
         for row, (tangents, (yaw, pitch)) in enumerate(POSES[column]):
-            bend = [] if tangents is REST else ["--tangent", "0=%g,%g,%g" % tangents[0], "--tangent", "1=%g,%g,%g" % tangents[1]]
+            bend = [] if tangents is REST else ["--tangent", "0=%g,%g,%g" % tangents[0], "--tangent",
+                                                "1=%g,%g,%g" % tangents[1]]
             file = studio.render("figure6_%d%d" % (row, column), tile, pack, "--yaw", yaw, "--pitch", pitch,
                                  "--background", "214,221,229:250,250,249", *bend)
-            sheet.place(column, row, file, name if tangents is REST else "%s  %s" % (vector(tangents[0]), vector(tangents[1])))
+            sheet.place(column, row, file,
+                        name if tangents is REST else "%s  %s" % (vector(tangents[0]), vector(tangents[1])))
     png.write(studio.path("figure6.png"), sheet.picture)
 
 
@@ -143,7 +153,8 @@ def figure7(studio, side):
     sheet = Sheet(2, 2, tile, letters(side), "figure 7", "water plants in a current, and a fish that swims")
     packs = {name: studio.sample(name) for name in sorted({name for name, _ in SCENE})}
     for row, (seen, camera) in enumerate(VIEWS):
-        arguments = [packs[SCENE[0][0]], *camera.split(), "--frames", 2, "--background", "146,203,222:16,60,94", *SCENE[0][1].split()]
+        arguments = [packs[SCENE[0][0]], *camera.split(), "--frames", 2, "--background",
+                     "146,203,222:16,60,94", *SCENE[0][1].split()]
         for name, words in SCENE[1:]:
             arguments += ["--and", packs[name], *words.split()]
         file = studio.render("figure7_%d" % row, tile, *arguments)
@@ -154,14 +165,19 @@ def figure7(studio, side):
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
-    parser = Parser(description="Draws Figures 6 and 7 of the paper: figure6.png and figure7.png in the folder --out.")
+    parser = Parser(
+        description="Draws Figures 6 and 7 of the paper: figure6.png and figure7.png in the folder --out.")
     parser.add_argument("--bin", required=True, help="the folder of kelp-bake and kelp-render")
-    parser.add_argument("--models", required=True, help="the folder of kelp's sample models, made by samples/models/make_models.py")
+    parser.add_argument("--models", required=True,
+                        help="the folder of kelp's sample models, made by samples/models/make_models.py")
     parser.add_argument("--out", required=True, help="the folder for packs, tiles and the two sheets")
-    parser.add_argument("--assets", default=os.environ.get("KELP_ASSETS", os.path.join(here, "../../../shared/assets")),
-                        help="the folder of the paper's models; default KELP_ASSETS, or shared/assets beside the checkout")
+    parser.add_argument("--assets",
+                        default=os.environ.get("KELP_ASSETS", os.path.join(here, "../../../shared/assets")),
+                        help="the folder of the paper's models; default KELP_ASSETS, or shared/assets "
+                             "beside the checkout")
     parser.add_argument("--tile", type=int, default=290, help="the width of a tile in pixels")
-    parser.add_argument("--resolution", type=int, default=256, help="voxels along the longest side of a model")
+    parser.add_argument("--resolution", type=int, default=256,
+                        help="voxels along the longest side of a model")
     options = parser.parse_args()
     options.assets = os.path.normpath(options.assets)
     if options.tile < 40:

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them: installs what is missing (as root, or with sudo), builds kelp, makes
-# the sample models, and leaves two sheets in samples/out/figures. Spot and the Stanford bunny come from KELP_ASSETS, or from shared/assets
-# beside the checkout; where they are not, kelp's own models stand in.
+# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them: installs what is missing (as
+# root, or with sudo), builds kelp, makes the sample models, and leaves two sheets in samples/out/figures.
+# Spot and the Stanford bunny come from KELP_ASSETS, or from shared/assets beside the checkout; where they are
+# not, kelp's own models stand in.
 #   samples/pictures/figures.sh [OPTION OF figures.py]...    for instance --tile 600
 #   samples/pictures/figures.sh --help                       this text
 set -euo pipefail
@@ -20,7 +21,8 @@ mkdir -p "$out"
 step() {
   printf '  %s\n' "$1" >&2
   shift
-  "$@" >"$log" 2>&1 || { tail -n 40 "$log" >&2; echo "figures.sh: '$*' failed; all it said is in $log" >&2; exit 4; }
+  "$@" >"$log" 2>&1 ||
+    { tail -n 40 "$log" >&2; echo "figures.sh: '$*' failed; the whole log is $log" >&2; exit 4; }
 }
 
 step "packages (minutes, the first time)" tools/setup.sh

@@ -95,5 +95,7 @@ def write(path, picture):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
     with open(path, "wb") as file:
-        file.write(SIGNATURE + chunk(b"IHDR", struct.pack(">IIBBBBB", picture.width, picture.height, 8, 2, 0, 0, 0)) +
-                   chunk(b"sRGB", b"\0") + chunk(b"IDAT", zlib.compress(bytes(packed), 9)) + chunk(b"IEND", b""))
+        file.write(SIGNATURE
+                   + chunk(b"IHDR", struct.pack(">IIBBBBB", picture.width, picture.height, 8, 2, 0, 0, 0)) +
+                   chunk(b"sRGB", b"\0") + chunk(b"IDAT", zlib.compress(bytes(packed), 9))
+                   + chunk(b"IEND", b""))

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws the pictures of tools/rig_json/README.md: what knots, tangents, waves and keys do to a post whose knots are painted yellow. Every tile is a rig
-that kelp-bake has read.
+"""Draws the pictures of tools/rig/README.md: what knots, tangents, waves and keys do to a post whose knots
+are painted yellow. Every tile is a rig that kelp-bake has read.
 
-    python3 samples/pictures/rigs.py --bin build/release/bin --out samples/out/rigs     (programs: kelp-bake, kelp-render)
+python3 samples/pictures/rigs.py --bin build/release/bin --out samples/out/rigs     (programs: kelp-bake,
+kelp-render)
 """
 
 import argparse
@@ -20,15 +21,23 @@ SAND, MOSS, FERN, YELLOW = (0.55, 0.50, 0.42), (0.10, 0.22, 0.12), (0.16, 0.36, 
 HALF = 0.075  # of the post's side, metres; it is 1 m high
 
 BEND = [{"at": 0}, {"at": 0.5, "offset": [0.2, 0, 0]}, {"at": 1}]
-SWAY = {"sway": {"waves": [{"knot": 1, "offset": [0.25, 0, 0], "period": 4}, {"knot": 1, "tangent": [0.6, 0, 0], "period": 4, "phase": -0.05}]}}
+SWAY = {"sway": {"waves": [{"knot": 1, "offset": [0.25, 0, 0], "period": 4},
+                           {"knot": 1, "tangent": [0.6, 0, 0], "period": 4, "phase": -0.05}]}}
 # A wave of 0.14 that runs up once: the knots' places, and the slopes of the same wave there.
 RUN = {"run": {"waves": [wave for knot, at in enumerate((0, 0.25, 0.5, 0.75, 1)) for wave in (
-    {"knot": knot, "offset": [0.14, 0, 0], "period": 4, "phase": -at}, {"knot": knot, "tangent": [0.88, 0, 0], "period": 4, "phase": -at - 0.25})]}}
-NOD = {"nod": {"duration": 4, "interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.3, -0.15, 0]},
-                                                                {"time": 2, "knot": 1, "offset": [-0.1, 0.1, 0]}, {"time": 4, "knot": 1, "offset": [0, 0, 0]}]}}
+    {"knot": knot, "offset": [0.14, 0, 0], "period": 4, "phase": -at},
+    {"knot": knot, "tangent": [0.88, 0, 0], "period": 4, "phase": -at - 0.25})]}}
+NOD = {"nod": {"duration": 4, "interpolation": "cubic",
+               "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]},
+                        {"time": 1, "knot": 1, "offset": [0.3, -0.15, 0]},
+                                                                {"time": 2, "knot": 1,
+                                                                 "offset": [-0.1, 0.1, 0]},
+                                                                 {"time": 4, "knot": 1,
+                                                                  "offset": [0, 0, 0]}]}}
 TWO, FIVE = [{"at": 0}, {"at": 1}], [{"at": at} for at in (0, 0.25, 0.5, 0.75, 1)]
 
-# Sheet: title, note, and rows of tiles: what is written below, knots, clips, and the clip and second that are shown.
+# Sheet: title, note, and rows of tiles: what is written below, knots, clips, and the clip and second that are
+# shown.
 SHEETS = {
     "rig_knots": ("knots", "the rig at rest", [[
         ("two knots, straight", TWO, {}, None), ("offset (0.2, 0, 0) at 0.5", BEND, {}, None),
@@ -52,7 +61,8 @@ def write_boxes(path, boxes):
         file.write("mtllib %s.mtl\n" % name)
         for low, high, _ in boxes:
             for corner in range(8):
-                file.write("v %g %g %g\n" % tuple((high if corner >> axis & 1 else low)[axis] for axis in range(3)))
+                file.write("v %g %g %g\n"
+                           % tuple((high if corner >> axis & 1 else low)[axis] for axis in range(3)))
         for i, (_, _, colour) in enumerate(boxes):
             file.write("usemtl m%d\n" % colours.index(colour))
             for face in ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)):
@@ -64,7 +74,8 @@ def write_post(path, knots):
     boxes = [((-HALF, 0.1 * i, -HALF), (HALF, 0.1 * (i + 1), HALF), (MOSS, FERN)[i % 2]) for i in range(10)]
     for knot in knots:
         middle = min(max(knot["at"], 0.02), 0.98)
-        boxes.append(((-1.35 * HALF, middle - 0.02, -1.35 * HALF), (1.35 * HALF, middle + 0.02, 1.35 * HALF), YELLOW))
+        boxes.append(((-1.35 * HALF, middle - 0.02, -1.35 * HALF), (1.35 * HALF, middle + 0.02, 1.35 * HALF),
+                      YELLOW))
     write_boxes(path, boxes)
 
 
@@ -90,7 +101,8 @@ def main():
                     json.dump({"kelp": 1, "knots": knots, "clips": clips}, file)
                 pack = studio.bake(studio.path(own + ".obj"), own)
                 play = ["--clip", moment[0], "--time", moment[1]] if moment else []
-                file = studio.render(own, tile, pack, "--yaw", 12, "--pitch", 8, "--background", "214,221,229:250,250,249", *play, "--and", floor)
+                file = studio.render(own, tile, pack, "--yaw", 12, "--pitch", 8, "--background",
+                                     "214,221,229:250,250,249", *play, "--and", floor)
                 sheet.place(column, row, file, label)
         png.write(studio.path(name + ".png"), sheet.picture)
         print(os.path.abspath(studio.path(name + ".png")))

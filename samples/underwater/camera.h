@@ -15,8 +15,8 @@ class Camera {
   bool circling() const { return circling_; }
   void release() { circling_ = true; }
 
-  // The user's: from where it is. Turns by radians; swims at `wish` metres a second (right, up, forward) for some seconds. It
-  // keeps off the sand, below the surface and not far from the reef.
+  // The user's: from where it is. Turns by radians; swims at `wish` metres a second (right, up, forward) for
+  // some seconds. It keeps off the sand, below the surface and not far from the reef.
   void look(const glm::vec2& turn);
   void swim(const glm::vec3& wish, float seconds);
 

@@ -7,10 +7,13 @@ namespace underwater {
 
 FloorMesh makeFloorMesh(float radius, int rings, int spokes) {
   FloorMesh mesh;
-  const auto add = [&mesh](const glm::vec2& at) { mesh.vertices.push_back({{at.x, sandHeight(at), at.y}, sandNormal(at)}); };
+  const auto add = [&mesh](const glm::vec2& at) {
+    mesh.vertices.push_back({{at.x, sandHeight(at), at.y}, sandNormal(at)});
+  };
   add(glm::vec2(0));
   for (int ring = 1; ring <= rings; ++ring) {
-    const float share = static_cast<float>(ring) / static_cast<float>(rings), distance = radius * share * (0.4f + 0.6f * share);
+    const float share = static_cast<float>(ring) / static_cast<float>(rings),
+                distance = radius * share * (0.4f + 0.6f * share);
     for (int spoke = 0; spoke < spokes; ++spoke) {
       const float angle = 6.2831853f * static_cast<float>(spoke) / static_cast<float>(spokes);
       add(distance * glm::vec2(glm::cos(angle), glm::sin(angle)));

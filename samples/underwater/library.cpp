@@ -6,7 +6,8 @@
 namespace underwater {
 
 kelp::Result<std::unique_ptr<Library>> Library::open(const std::string& folder, std::string& wrong) {
-  constexpr std::array<const char*, kSpecies> kNames = {"kelp_plant", "sea_grass", "dulse", "fish", "fusilier"};
+  constexpr std::array<const char*, kSpecies> kNames = {"kelp_plant", "sea_grass", "dulse", "fish",
+                                                        "fusilier"};
   std::unique_ptr<Library> library(new Library);
   for (std::size_t i = 0; i < kSpecies; ++i) {
     wrong = library->paths_[i] = folder + "/" + kNames[i] + ".kelp";

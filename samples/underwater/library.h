@@ -13,24 +13,30 @@
 
 namespace underwater {
 
-enum class Species { kKelpPlant, kSeaGrass, kDulse, kFish, kFusilier, kCount };  // the plants in the order of scatter.h's Plant
+// the plants in the order of scatter.h's Plant
+enum class Species { kKelpPlant, kSeaGrass, kDulse, kFish, kFusilier, kCount };
 inline constexpr int kSpecies = static_cast<int>(Species::kCount);
 
 class Library {
  public:
-  // Opens NAME.kelp of every species in the folder. On failure `wrong` is the path of the pack that the error is about.
+  // Opens NAME.kelp of every species in the folder. On failure `wrong` is the path of the pack that the error
+  // is about.
   static kelp::Result<std::unique_ptr<Library>> open(const std::string& folder, std::string& wrong);
   ~Library();
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
 
-  const kelp::runtime::Asset& asset(Species species) const { return *assets_[static_cast<std::size_t>(species)]; }
+  const kelp::runtime::Asset& asset(Species species) const {
+    return *assets_[static_cast<std::size_t>(species)];
+  }
 
-  // Once a frame, after it was drawn: what it lacked is read by the thread, which sleeps when there is nothing to read.
+  // Once a frame, after it was drawn: what it lacked is read by the thread, which sleeps when there is
+  // nothing to read.
   void ask();
   // Whether all that was asked for has been read.
   bool idle() const;
-  // Whether a pack turned out to be bad while it was read: the thread has said so on stderr, and what is sound is drawn.
+  // Whether a pack turned out to be bad while it was read: the thread has said so on stderr, and what is
+  // sound is drawn.
   bool damaged() const;
 
  private:

@@ -31,7 +31,8 @@ bool writePicture(const std::string& path, const glm::ivec2& size) {
   glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   std::ofstream file(path, std::ios::binary);
   file << "P6\n" << size.x << " " << size.y << "\n255\n";
-  for (std::size_t at = pixels.size(); at > 0; at -= row) file.write(&pixels[at - row], static_cast<std::streamsize>(row));
+  for (std::size_t at = pixels.size(); at > 0; at -= row)
+    file.write(&pixels[at - row], static_cast<std::streamsize>(row));
   return file.flush().good();
 }
 
@@ -68,7 +69,8 @@ class Title {
     ++frames_;
     if (seconds - told_ < 1) return;
     char text[160];
-    std::snprintf(text, sizeof text, "kelp: underwater - %.1f ms, %u drawn, %u culled, %u draws, %.1f MiB on the GPU",
+    std::snprintf(text, sizeof text,
+                  "kelp: underwater - %.1f ms, %u drawn, %u culled, %u draws, %.1f MiB on the GPU",
                   1e3 * (seconds - told_) / frames_, stats.instances, stats.culled, stats.draws,
                   static_cast<double>(stats.gpu_bytes) / (1 << 20));
     glfwSetWindowTitle(window_, text);
@@ -95,7 +97,8 @@ int run(GLFWwindow* window, const Arguments& arguments) {
   Controls controls(window);
   Title title(window);
   double seconds = arguments.start, last = glfwGetTime();
-  for (int frame = 0; !glfwWindowShouldClose(window) && (arguments.frames == 0 || frame < arguments.frames);) {
+  for (int frame = 0;
+       !glfwWindowShouldClose(window) && (arguments.frames == 0 || frame < arguments.frames);) {
     glfwPollEvents();
     const double now = glfwGetTime(), passed = arguments.frames > 0 ? kFrame : glm::min(now - last, kLongest);
     last = now;
@@ -114,7 +117,8 @@ int run(GLFWwindow* window, const Arguments& arguments) {
       const bool complete = all_read && drawn->pending == 0;
       if (complete) ++frame;  // frames count while all the voxels are there
       if (arguments.frames == 0 || complete) seconds += passed;
-      if (frame == arguments.frames && !arguments.picture.empty() && !writePicture(arguments.picture, viewport)) {
+      if (frame == arguments.frames && !arguments.picture.empty() &&
+          !writePicture(arguments.picture, viewport)) {
         return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture can not be written"});
       }
     }
@@ -134,8 +138,10 @@ int main(int count, char** words) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_TRUE);
-  GLFWwindow* const window = glfwCreateWindow(arguments->size.x, arguments->size.y, "kelp: underwater", nullptr, nullptr);
-  if (!window) return std::fputs("underwater: no OpenGL 3.3 core context: update the graphics driver\n", stderr), 4;
+  GLFWwindow* const window =
+      glfwCreateWindow(arguments->size.x, arguments->size.y, "kelp: underwater", nullptr, nullptr);
+  if (!window)
+    return std::fputs("underwater: no OpenGL 3.3 core context: update the graphics driver\n", stderr), 4;
   glfwMakeContextCurrent(window);
   const int exit_code = underwater::run(window, *arguments);
   glfwTerminate();

@@ -14,8 +14,9 @@ using kelp::runtime::Spring;
 
 namespace {
 
-constexpr float kFrequency = 0.65f;  // swings a second of a plant of scale 1; what is large swings more slowly
-constexpr float kReach = 0.45f;      // heights: what bends a plant farther pulls in vain
+// swings a second of a plant of scale 1; what is large swings more slowly
+constexpr float kFrequency = 0.65f;
+constexpr float kReach = 0.45f;  // heights: what bends a plant farther pulls in vain
 
 }  // namespace
 
@@ -31,7 +32,8 @@ kelp::Result<std::unique_ptr<Meadow>> Meadow::plant(const Library& library, int 
     Rooted& plant = meadow->plants_.emplace_back(Rooted{&asset, *std::move(pose), *std::move(spring), site});
     const kelp::Part& part = asset.pack().parts()[0];
     plant.foot = {site.at.x, sandHeight(site.at) - 0.02f * site.scale, site.at.y};
-    plant.to_world = glm::translate(glm::mat4(1), plant.foot) * glm::rotate(glm::mat4(1), site.yaw, {0, 1, 0}) *
+    plant.to_world = glm::translate(glm::mat4(1), plant.foot) *
+                     glm::rotate(glm::mat4(1), site.yaw, {0, 1, 0}) *
                      glm::scale(glm::mat4(1), glm::vec3(site.scale));
     const glm::mat3 axes(plant.to_world * glm::mat4(part.to_object));
     plant.to_part = glm::inverse(axes);
@@ -49,7 +51,8 @@ void Meadow::update(double seconds, float passed, std::span<const Visitor> visit
     plant.pose.reset();
     const float slack = 0.55f * (1 - 1.8f * glm::length(current));
     if (plant.clip >= 0)
-      (void)addClip(*plant.asset, plant.clip, seconds / glm::sqrt(plant.site.scale) + plant.site.phase, slack, plant.pose);
+      (void)addClip(*plant.asset, plant.clip, seconds / glm::sqrt(plant.site.scale) + plant.site.phase, slack,
+                    plant.pose);
     // The spring on top: leant by the current as far as it says, out of everyone's way.
     const glm::vec3 lean = plant.height * glm::vec3(current.x, 0, current.y);
     (void)plant.spring.setWind(0, plant.stiffness * (plant.to_part * lean));

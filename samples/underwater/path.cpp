@@ -15,7 +15,8 @@ constexpr float kNearby = 0.02f;  // metres, for differences
 float lengthBetween(const kelp::Segment& segment, float t0, float t1) {
   const float middle = 0.5f * (t0 + t1), half = 0.5f * (t1 - t0), aside = 0.7745967f * half;
   return half / 9 *
-         (5 * glm::length(derivative(segment, middle - aside)) + 8 * glm::length(derivative(segment, middle)) +
+         (5 * glm::length(derivative(segment, middle - aside)) +
+          8 * glm::length(derivative(segment, middle)) +
           5 * glm::length(derivative(segment, middle + aside)));
 }
 
@@ -25,14 +26,15 @@ ClosedPath::ClosedPath(std::span<const glm::vec3> points) {
   const std::size_t n = points.size();
   assert(n >= 3);
   for (std::size_t i = 0; i < n; ++i) {
-    const glm::vec3 &before = points[(i + n - 1) % n], &from = points[i], &to = points[(i + 1) % n], &after = points[(i + 2) % n];
+    const glm::vec3 &before = points[(i + n - 1) % n], &from = points[i], &to = points[(i + 1) % n],
+                    &after = points[(i + 2) % n];
     segments_.push_back({from, 0.5f * (to - before), to, 0.5f * (after - from)});
   }
   std::vector<float> along{0.0f};  // length up to each piece's end
   for (const kelp::Segment& segment : segments_) {
     for (int i = 0; i < kPieces; ++i) {
-      along.push_back(along.back() +
-                      lengthBetween(segment, static_cast<float>(i) / kPieces, static_cast<float>(i + 1) / kPieces));
+      along.push_back(along.back() + lengthBetween(segment, static_cast<float>(i) / kPieces,
+                                                   static_cast<float>(i + 1) / kPieces));
     }
   }
   length_ = along.back();

@@ -9,7 +9,8 @@
 
 namespace underwater {
 
-// Catmull-Rom through its points, closed. Questions are answered by tables, in constant time and without memory.
+// Catmull-Rom through its points, closed. Questions are answered by tables, in constant time and without
+// memory.
 class ClosedPath {
  public:
   // At least 3 points, metres, none equal to the next.

@@ -12,7 +12,8 @@ GLuint makeProgram(const char* name, const char* vertex, const char* fragment) {
   const GLuint program = glCreateProgram();
   char words[1024] = "";
   for (const GLenum kind : {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER}) {
-    const char* const text[] = {"#version 330 core\n", glsl::kWater, kind == GL_VERTEX_SHADER ? vertex : fragment};
+    const char* const text[] = {"#version 330 core\n", glsl::kWater,
+                                kind == GL_VERTEX_SHADER ? vertex : fragment};
     const GLuint shader = glCreateShader(kind);
     glShaderSource(shader, 3, text, nullptr);
     glCompileShader(shader);

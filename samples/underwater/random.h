@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Numbers that look random and are the same on every machine, which those of <random>'s distributions are not.
+// Numbers that look random and are the same on every machine, which those of <random>'s distributions are
+// not.
 #pragma once
 
 #include <cstdint>

@@ -11,10 +11,11 @@ class Reef {
  public:
   static kelp::Result<std::unique_ptr<Reef>> grow(const Library& library, int plants);
 
-  // The scene at a time, `passed` seconds after the last one; plants make way for fish and for the one who looks. Allocates
-  // nothing.
+  // The scene at a time, `passed` seconds after the last one; plants make way for fish and for the one who
+  // looks. Allocates nothing.
   void update(double seconds, float passed, const Visitor& player);
-  std::span<const kelp::runtime::Instance> instances() const { return instances_; }  // good until the next update()
+  // good until the next update()
+  std::span<const kelp::runtime::Instance> instances() const { return instances_; }
 
  private:
   std::unique_ptr<Meadow> meadow_;

@@ -41,7 +41,8 @@ std::vector<Site> scatter(int count, std::uint32_t seed) {
       float room = 1e30f;  // squared distance to the nearest, in units of what the two want
       for (const Site& other : sites) {
         const glm::vec2 apart = other.at - site.at;
-        const float wanted = own + kKinds[static_cast<int>(other.plant)].room;  // the newcomer minds bare sand
+        // the newcomer minds bare sand
+        const float wanted = own + kKinds[static_cast<int>(other.plant)].room;
         room = std::min(room, glm::dot(apart, apart) / (wanted * wanted));
       }
       if (room > best_room) {
@@ -53,7 +54,8 @@ std::vector<Site> scatter(int count, std::uint32_t seed) {
     const float grown = random.next();
     best.scale = kind.small + (kind.large - kind.small) * grown * glm::sqrt(grown);  // few are tall
     best.scale *=
-        glm::mix(0.55f, 1.0f, glm::smoothstep(0.5f, 1.3f, glm::abs(glm::length(best.at) - kCameraRing)));  // it looks over these
+        // it looks over these
+        glm::mix(0.55f, 1.0f, glm::smoothstep(0.5f, 1.3f, glm::abs(glm::length(best.at) - kCameraRing)));
     best.yaw = random.between(0, 6.2831853f);
     best.phase = random.between(0, 60);
     const float light = random.between(0.78f, 1.12f), warm = random.between(-0.12f, 0.12f);

@@ -20,9 +20,10 @@ struct Site {
   glm::vec3 tint{1};  // of the base colour
 };
 
-// `count` sites in the disc of kReefRadius: kelp in groves, grass between them and in the glade, dulse in spots. Mitchell's best
-// candidate (1991), with room for each kind: close to Poisson discs, any number, and the first sites stay where they are when the
-// number grows. Time grows with the square of count: 2,000 take some 50 ms.
+// `count` sites in the disc of kReefRadius: kelp in groves, grass between them and in the glade, dulse in
+// spots. Mitchell's best candidate (1991), with room for each kind: close to Poisson discs, any number, and
+// the first sites stay where they are when the number grows. Time grows with the square of count: 2,000 take
+// some 50 ms.
 std::vector<Site> scatter(int count, std::uint32_t seed);
 
 }  // namespace underwater

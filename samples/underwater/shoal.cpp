@@ -81,11 +81,12 @@ kelp::Result<std::unique_ptr<Shoal>> Shoal::gather(const Library& library) {
       const Asset& asset = library.asset(school.species);
       auto pose = Pose::create(asset);
       if (!pose) return pose.error();
-      Fish& fish = shoal->fish_.emplace_back(
-          Fish{&asset, *std::move(pose), &shoal->anatomies_[school.species == Species::kFusilier ? 1 : 0], {}});
+      Fish& fish = shoal->fish_.emplace_back(Fish{
+          &asset, *std::move(pose), &shoal->anatomies_[school.species == Species::kFusilier ? 1 : 0], {}});
       const glm::vec2 beside = random.inDisc(1);
       fish.lane = {&shoal->paths_[i], school.across * beside.x, school.high * beside.y};
-      fish.start = school.along * (static_cast<float>(k) + random.between(-0.35f, 0.35f)) / static_cast<float>(school.count);
+      fish.start = school.along * (static_cast<float>(k) + random.between(-0.35f, 0.35f)) /
+                   static_cast<float>(school.count);
       fish.speed = school.speed;
       fish.scale = random.between(school.small, school.large);
       fish.phase = random.between(0, 6.2831853f);
@@ -101,13 +102,15 @@ kelp::Result<std::unique_ptr<Shoal>> Shoal::gather(const Library& library) {
 void Shoal::update(double seconds) {
   for (std::size_t i = 0; i < fish_.size(); ++i) {
     Fish& fish = fish_[i];
-    // Everyone drifts about the place in the school: forward and back more slowly than it swims, and from lane to lane.
+    // Everyone drifts about the place in the school: forward and back more slowly than it swims, and from
+    // lane to lane.
     const double slow = 0.31 * seconds + fish.phase;
     Lane lane = fish.lane;
     lane.right += 0.10f * static_cast<float>(std::sin(1.3 * slow));
     lane.up += 0.07f * static_cast<float>(std::sin(1.7 * slow + 1));
     const double travelled =
-        std::fmod(seconds * fish.speed, static_cast<double>(lane.path->length()));  // in double: the scene runs for days
+        // in double: the scene runs for days
+        std::fmod(seconds * fish.speed, static_cast<double>(lane.path->length()));
     const float head = fish.start + static_cast<float>(travelled) + 0.3f * static_cast<float>(std::sin(slow));
     const float length = fish.scale * fish.anatomy->length, middle = head - 0.5f * length;
     const float bank = glm::clamp(0.35f * lane.path->turn(middle), -0.3f, 0.3f);

@@ -15,7 +15,8 @@ constexpr int kSunMapSize = 1024;                   // pixels: 25 mm of sand eac
 constexpr float kFloorRadius = 45;                  // metres: where the sand's edge is lost in the water
 const glm::vec3 kSun = glm::normalize(glm::vec3(0.28f, 1.0f, -0.42f));
 
-// kelp's View::bind: the sun's map for the surface function. In the map's own pass there is none yet: `map` is null.
+// kelp's View::bind: the sun's map for the surface function. In the map's own pass there is none yet: `map`
+// is null.
 void bindSunMap(void* map, std::uint32_t program) {
   glUniform1i(glGetUniformLocation(program, "water_sun_map"), kelp::gl::kFirstHostUnit);
   glActiveTexture(GL_TEXTURE0 + kelp::gl::kFirstHostUnit);
@@ -38,14 +39,17 @@ kelp::Result<std::unique_ptr<Stage>> Stage::build(const Library& library) {
     return kelp::Error{kelp::ErrorCode::kGraphics, "the scene's shaders do not compile"};
   const std::string surface = std::string(glsl::kWater) + glsl::kVoxels;
   kelp::gl::Config config;
-  config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); };
+  config.getProcAddress = [](void*, const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
   config.surface_glsl = surface.c_str();
   config.log = [](void*, const char* text) { std::fprintf(stderr, "underwater: %s\n", text); };
   auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return renderer.error();
   stage->renderer_ = *std::move(renderer);
   for (int i = 0; i < kSpecies; ++i) {
-    if (const auto added = stage->renderer_->add(library.asset(static_cast<Species>(i))); !added) return added.error();
+    if (const auto added = stage->renderer_->add(library.asset(static_cast<Species>(i))); !added)
+      return added.error();
   }
   return stage;
 }

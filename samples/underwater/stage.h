@@ -19,8 +19,8 @@ class Stage {
   // Sets the OpenGL state of the scene, once: kelp leaves the state as it finds it.
   static kelp::Result<std::unique_ptr<Stage>> build(const Library& library);
 
-  // Sends voxels that have been read, as many as a frame may; then pending in the answer tells of more to send. The rest is of
-  // what was drawn.
+  // Sends voxels that have been read, as many as a frame may; then pending in the answer tells of more to
+  // send. The rest is of what was drawn.
   kelp::Result<kelp::gl::Stats> draw(const Camera& camera, double seconds, const glm::ivec2& viewport,
                                      std::span<const kelp::runtime::Instance> instances);
 

@@ -10,11 +10,14 @@ namespace underwater {
 SunMap::SunMap(int size) : size_(size) {
   glGenTextures(1, &texture_);
   glBindTexture(GL_TEXTURE_2D, texture_);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-  for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(GL_TEXTURE_2D, side, GL_CLAMP_TO_BORDER);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, size, size, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+               nullptr);
+  for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, side, GL_CLAMP_TO_BORDER);
   const float lit[] = {1, 1, 1, 1};
   glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, lit);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
@@ -35,7 +38,9 @@ void SunMap::begin() const {
   glClear(GL_DEPTH_BUFFER_BIT);
 }
 
-glm::mat4 SunMap::worldToSun(const glm::vec3& sun) { return glm::lookAt(20.0f * sun, glm::vec3(0), glm::vec3(0, 0, 1)); }
+glm::mat4 SunMap::worldToSun(const glm::vec3& sun) {
+  return glm::lookAt(20.0f * sun, glm::vec3(0), glm::vec3(0, 0, 1));
+}
 
 glm::mat4 SunMap::sunToClip(float radius, float height) {
   return glm::ortho(-radius, radius, -radius, radius, 20 - radius - height, 20 + radius);

@@ -8,7 +8,8 @@
 
 namespace underwater {
 
-// A depth texture that the scene is drawn into from the sun. Needs the context of its creation, also when it goes.
+// A depth texture that the scene is drawn into from the sun. Needs the context of its creation, also when it
+// goes.
 class SunMap {
  public:
   explicit SunMap(int size);  // pixels on a side

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The shape of the place: how high the sand lies, where the glade is that the camera circles in, where the water ends.
+// The shape of the place: how high the sand lies, where the glade is that the camera circles in, where the
+// water ends.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The water, for everything that is drawn: what it does to light on its way down, and on its way to the eye. One text for the voxels'
-// surface function and for the triangles' programs, one uniform block for all of them.
+// What water does to light on its way down, and on its way to the eye. The voxels' surface function and the
+// triangles' programs include this one text and share its uniform block.
 
 layout(std140) uniform Water {   // water.h has the same in C++
   mat4 water_world_to_clip;
@@ -19,8 +19,9 @@ const vec3 kWaterAbove = vec3(0.070, 0.430, 0.560);
 const vec3 kWaterSun = vec3(0.95, 1.00, 0.88);
 const vec3 kWaterSunlight = vec3(4.6, 3.6, 2.75);  // under the surface, on a white wall that faces it
 
-// How strongly waves on the surface gather the sun's light at a point: 1 in the mean. Where the surface's height is h, light that fell on a
-// small square is spread over the determinant of 1 + d Hess h of its area some way d below, so bright lines stand where that is 0.
+// How strongly waves on the surface gather the sun's light at a point: 1 in the mean. Let the surface have
+// height h. Light that fell on a small square is spread, at depth d, over det(1 + d Hess h) times its area.
+// Bright lines stand where that is 0.
 float waterCaustics(vec3 at) {
   vec2 p = at.xz + water_sun.xz / water_sun.y * (water_sun.w - at.y);
   float t = water_eye.w;
@@ -43,19 +44,23 @@ float waterCaustics(vec3 at) {
   return 0.30 + 0.70 * min(0.36 / (area + 0.07), 4.0);
 }
 
-// Sunlight that arrives at a point, before anything shades it. Far away, where a pixel is wider than a bright line, the mean.
+// Sunlight that arrives at a point, before anything shades it. Far away, where a pixel is wider than a bright
+// line, this is the mean.
 vec3 waterSunlight(vec3 at) {
   float depth = max(water_sun.w - at.y, 0.0);
   float clear = exp(-0.015 * dot(at - water_eye.xyz, at - water_eye.xyz));
   return kWaterSunlight * exp(-0.45 * kWaterLoss * depth / water_sun.y) * mix(1.0, waterCaustics(at), clear);
 }
 
-// How much of the sun no plant and no fish keeps off a point.
+// The share of the sun that no plant or fish hides from a point.
 float waterSunlit(vec3 at) {
   vec3 place = (water_world_to_sun * vec4(at, 1.0)).xyz;
   vec2 texel = 1.0 / vec2(textureSize(water_sun_map, 0));
   float light = 0.0;
-  for (int i = 0; i < 9; ++i) light += texture(water_sun_map, vec3(place.xy + 1.2 * texel * vec2(i % 3 - 1, i / 3 - 1), place.z - 0.0015));
+  for (int i = 0; i < 9; ++i) {
+    vec2 at_texel = place.xy + 1.2 * texel * vec2(i % 3 - 1, i / 3 - 1);
+    light += texture(water_sun_map, vec3(at_texel, place.z - 0.0015));
+  }
   return light / 9.0;
 }
 
@@ -72,12 +77,13 @@ float waterShafts(vec3 direction) {
   vec3 other = cross(side, sun);
   float angle = atan(dot(direction, other), dot(direction, side));
   float t = water_eye.w;
-  float bands = sin(11.0 * angle + 0.21 * t) + sin(23.0 * angle - 0.34 * t + 1.0) + 0.7 * sin(37.0 * angle + 0.5 * t + 4.0);
+  float bands = sin(11.0 * angle + 0.21 * t) + sin(23.0 * angle - 0.34 * t + 1.0) +
+                0.7 * sin(37.0 * angle + 0.5 * t + 4.0);
   float near = smoothstep(-0.35, 0.75, dot(direction, sun));
   return near * near * smoothstep(0.0, 2.6, bands);
 }
 
-// What is seen where nothing is in the way.
+// The colour of open water in a direction.
 vec3 waterColour(vec3 direction) {
   vec3 colour = mix(kWaterDeep, kWaterLevel, smoothstep(-0.55, 0.10, direction.y));
   colour = mix(colour, kWaterAbove, smoothstep(0.02, 0.85, direction.y));
@@ -86,7 +92,7 @@ vec3 waterColour(vec3 direction) {
   return colour + kWaterAbove * 0.30 * waterShafts(direction);
 }
 
-// Light made fit for the screen: what is bright runs into white instead of being cut off.
+// Tone mapping: bright light runs into white instead of being clipped.
 vec3 waterTone(vec3 colour) {
   colour = 1.0 - exp(-1.5 * colour);
   return mix(colour, colour * colour * (3.0 - 2.0 * colour), 0.55);

@@ -27,8 +27,8 @@ class Water {
   Water& operator=(const Water&) = delete;
 
   bool good() const { return background_ != 0; }
-  // Binds the block to binding point 0. That is where a block is taken from whose program says nothing else: also kelp's program
-  // with a surface_glsl that declares it.
+  // Binds the block to binding point 0. That is where a block is taken from whose program says nothing else:
+  // also kelp's program with a surface_glsl that declares it.
   void set(const WaterBlock& block) const;
   void drawBackground() const;  // behind everything: wants the depth test LEQUAL
 

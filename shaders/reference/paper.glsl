@@ -1,22 +1,37 @@
 // SPDX-License-Identifier: MIT
-// The method of Groen, Rensen, Eisemann and Molenaar, "Spline Based Shell Mapping for Smooth Voxel Deformation", as published: what kelp is
-// measured against. Tests and benchmarks only; in the same subset of GLSL and C++ as trace.glsl, whose KelpSegment it takes.
-// One spline segment, as in the paper; lengths in voxels, so the paper's step of 0.001 is PAPER_STEP = 0.001 of the volume's longest side.
-// Where the paper leaves a choice, README.md in this folder says which one was made, and why it is the kindest to the paper.
+// The method of Groen, Rensen, Eisemann and Molenaar, "Spline Based Shell Mapping for Smooth Voxel
+// Deformation", as published: what kelp is compared with, in kelp-render --method, tests and benchmarks. In
+// the same subset of GLSL and C++ as trace.glsl. Comes after spline.glsl, whose KelpSegment it takes.
 //
-// The text before defines, beside trace.glsl's macros:
-//   PAPER_FETCH(v)   float: value of the dense 3D texture at voxel v: the distance to the nearest solid voxel's centre, 0 in a solid voxel
+// One spline segment, as in the paper. Lengths are in voxels: the paper's step of 0.001 is PAPER_STEP = 0.001
+// of the volume's longest side. README.md in this folder says where the paper leaves a choice, which one was
+// made, and why it favours the paper.
+//
+// The text before defines KELP_FN, KELP_CONTEXT_, KELP_CONTEXT, KELP_SEGMENT, KELP_SIZE and KELP_LEVEL_SIZE
+// as trace.glsl wants them, and:
+//   PAPER_FETCH(v)   float: the dense 3D texture at voxel v: distance to the nearest solid voxel's centre,
+//                    0 in solid voxels
 //   PAPER_STEP       float: the constant step, voxels
-//   PAPER_DENSITY(q) float: optical depth of a length of 1 at q of texture space, trilinear; for paperFog alone, which is there if this is
-//   PAPER_LEAST      float: of what is behind; where less comes through, paperFog ends
-//   PAPER_ARCSINE    defined: S.y = y by arcsine, a shortcut that the paper does not have. Only for tangents without y, or a straight spline
+//   PAPER_FOOT       float, optional: voxels below the segment, where it bends only a slice of the volume;
+//                    KELP_SIZE.y is then the height of the slice. Default 0: it bends all of the volume
+//   PAPER_DENSITY(q) float, optional: optical depth of a length of 1 at q of texture space, trilinear.
+//                    paperFog exists if this is defined
+//   PAPER_LEAST      float: paperFog ends where less than this share of the light comes through
+//   PAPER_ARCSINE    optional: solves S.y = y by arcsine, a shortcut that the paper does not have. Only for
+//                    tangents without y, or a straight spline
+
+#ifndef PAPER_FOOT
+#define PAPER_FOOT 0.0f
+#endif
 
 struct PaperRoots {
   int count;
   vec3 t;
 };
 
-KELP_FN float paperCubeRoot(float x) { return x < 0.0f ? -pow(-x, 0.33333333f) : pow(max(x, 0.0f), 0.33333333f); }
+KELP_FN float paperCubeRoot(float x) {
+  return x < 0.0f ? -pow(-x, 0.33333333f) : pow(max(x, 0.0f), 0.33333333f);
+}
 
 // Section 3.2: the real roots of a t^3 + b t^2 + c t + d by the depressed cubic.
 KELP_FN PaperRoots paperCubic(float a, float b, float c, float d) {
@@ -55,7 +70,8 @@ KELP_FN PaperRoots paperCubic(float a, float b, float c, float d) {
   float cosine = radius > 0.0f ? clamp(-0.5f * q / (radius * radius * radius), -1.0f, 1.0f) : 1.0f;
   float angle = acos(cosine) / 3.0f;
   roots.count = 3;
-  roots.t = vec3(2.0f * radius * cos(angle) - shift, 2.0f * radius * cos(angle - 2.0943951f) - shift, 2.0f * radius * cos(angle + 2.0943951f) - shift);
+  roots.t = vec3(2.0f * radius * cos(angle) - shift, 2.0f * radius * cos(angle - 2.0943951f) - shift,
+                 2.0f * radius * cos(angle + 2.0943951f) - shift);
   return roots;
 }
 
@@ -98,7 +114,7 @@ KELP_FN float paperSplinePlane(PaperSpline g, float y) {
 struct PaperMap {
   bool inside;
   float t;
-  vec3 q;     // texture space, voxels
+  vec3 q;  // texture space, voxels
 };
 
 // Section 3.3: a point of spline space to texture space.
@@ -107,7 +123,7 @@ KELP_FN PaperMap paperMap(KELP_CONTEXT_ PaperSpline g, vec3 p) {
   m.t = paperSplinePlane(g, p.y);
   vec3 s = paperSplineAt(g, m.t);
   float rise = g.c.y + g.b.y + g.a.y;
-  m.q = vec3(p.x - s.x, (p.y - g.d.y) * (KELP_SIZE.y / rise), p.z - s.z);
+  m.q = vec3(p.x - s.x, PAPER_FOOT + (p.y - g.d.y) * (KELP_SIZE.y / rise), p.z - s.z);
   m.inside = m.t >= 0.0f && m.q.x >= 0.0f && m.q.z >= 0.0f && m.q.x < KELP_SIZE.x && m.q.z < KELP_SIZE.z;
   return m;
 }
@@ -127,8 +143,8 @@ KELP_FN PaperSpan paperAdd(PaperSpan span, float s, float across, float extent) 
   return out_;
 }
 
-// Section 4.1: the tight entry and exit. Each side face is met where the plane through the ray and one spanning vector cuts the spline of
-// a corner; then the two bases. entry > leave: the ray misses.
+// Section 4.1: the tight entry and exit. Each side face is met where the plane through the ray and one
+// spanning vector cuts the spline of a corner; then the two bases. entry > leave: the ray misses.
 KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ PaperSpline g, vec3 o, vec3 r) {
   PaperSpan span;
   span.entry = 1e30f;
@@ -141,7 +157,8 @@ KELP_FN PaperSpan paperEntryExit(KELP_CONTEXT_ PaperSpline g, vec3 o, vec3 r) {
     // (S.y - o.y) rr = (S.w + corner - ro) r.y, a cubic in t.
     vec3 u = vec3(along_x ? g.a.z : g.a.x, along_x ? g.b.z : g.b.x, along_x ? g.c.z : g.c.x);
     float d = along_x ? g.d.z : g.d.x;
-    PaperRoots roots = paperCubic(g.a.y * rr - u.x * r.y, g.b.y * rr - u.y * r.y, g.c.y * rr - u.z * r.y, (g.d.y - o.y) * rr - (d + corner - ro) * r.y);
+    PaperRoots roots = paperCubic(g.a.y * rr - u.x * r.y, g.b.y * rr - u.y * r.y, g.c.y * rr - u.z * r.y,
+                                  (g.d.y - o.y) * rr - (d + corner - ro) * r.y);
     for (int i = 0; i < roots.count; ++i) {
       float t = i == 0 ? roots.t.x : (i == 1 ? roots.t.y : roots.t.z);
       if (t < 0.0f || t > 1.0f) continue;
@@ -181,7 +198,9 @@ KELP_FN PaperHit paperNoHit() {
   return hit;
 }
 
-KELP_FN ivec3 paperVoxel(KELP_CONTEXT_ vec3 q) { return clamp(ivec3(floor(q)), ivec3(0), KELP_LEVEL_SIZE - ivec3(1)); }
+KELP_FN ivec3 paperVoxel(KELP_CONTEXT_ vec3 q) {
+  return clamp(ivec3(floor(q)), ivec3(0), KELP_LEVEL_SIZE - ivec3(1));
+}
 
 // Section 4.1: constant steps from entry to exit, each mapped by one spline-plane intersection.
 KELP_FN PaperHit paperStandard(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
@@ -212,7 +231,8 @@ struct PaperFog {
   int steps;
 };
 
-// The same steps through a volume that accumulates: each sample stands for the stretch around it. It ends where next to nothing comes through.
+// The same steps through a volume that absorbs: each sample stands for the length around it. Ends where
+// hardly any light comes through.
 KELP_FN PaperFog paperFog(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   PaperFog fog;
   fog.through = 1.0f;
@@ -220,7 +240,8 @@ KELP_FN PaperFog paperFog(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   PaperSpline g = paperSpline(KELP_SEGMENT(0));
   PaperSpan span = paperEntryExit(KELP_CONTEXT g, o, r);
   float leave = min(span.leave, s_max);
-  for (float s = max(span.entry, s_min) + 0.5f * PAPER_STEP; s <= leave && fog.through > PAPER_LEAST; s += PAPER_STEP) {
+  for (float s = max(span.entry, s_min) + 0.5f * PAPER_STEP; s <= leave && fog.through > PAPER_LEAST;
+       s += PAPER_STEP) {
     ++fog.steps;
     PaperMap m = paperMap(KELP_CONTEXT g, o + s * r);
     if (m.inside) fog.through *= exp(-PAPER_STEP * PAPER_DENSITY(m.q));
@@ -229,15 +250,18 @@ KELP_FN PaperFog paperFog(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
 }
 #endif
 
-// One axis of equation 3a, for a ray of either sign: positive where the step and the change of deformation together go forward.
+// One axis of equation 3a, for a ray of either sign: positive if the step and the change of deformation
+// together go forward.
 KELP_FN float paperAxis(float step, float change) {
   float v = abs(step) + (step < 0.0f ? -change : change);
   return v < 0.0f ? -v * v : v * v;
 }
 
-// Section 4.2, equation 3: steps by the distance field, corrected by the change of the deformation over the step.
-// mapped_direction: r in equation 3 is the ray's direction in texture space at the sample (the paper's words); else the world ray's.
-KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max, bool mapped_direction) {
+// Section 4.2, equation 3: steps by the distance field, corrected by the change of the deformation over the
+// step. mapped_direction: r in equation 3 is the ray's direction in texture space at the sample (the paper's
+// words); else that of the world's ray.
+KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max,
+                                    bool mapped_direction) {
   PaperHit hit = paperNoHit();
   PaperSpline g = paperSpline(KELP_SEGMENT(0));
   float rise = g.c.y + g.b.y + g.a.y;
@@ -263,22 +287,26 @@ KELP_FN PaperHit paperDistanceField(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, f
       vec3 direction = r;
       if (mapped_direction) {
         vec3 slope = paperSplineSlope(g, m.t);
-        vec3 mapped = vec3(r.x * slope.y - r.y * slope.x, r.y * slope.y, r.z * slope.y - r.y * slope.z);  // times S.y' >= 0
+        // Times S.y' >= 0.
+        vec3 mapped = vec3(r.x * slope.y - r.y * slope.x, r.y * slope.y, r.z * slope.y - r.y * slope.z);
         float size = dot(mapped, mapped);
         direction = size > 0.0f ? mapped * inversesqrt(size) : r;
       }
       float y = clamp(p.y + d * direction.y, g.d.y, g.d.y + rise);
       vec3 change = paperSplineAt(g, paperSplinePlane(g, y)) - paperSplineAt(g, m.t);
       float along_y = d * direction.y;
-      step = sqrt(max(paperAxis(d * direction.x, change.x) + along_y * along_y + paperAxis(d * direction.z, change.z), 0.0f));
+      step = sqrt(
+          max(paperAxis(d * direction.x, change.x) + along_y * along_y + paperAxis(d * direction.z, change.z),
+              0.0f));
     }
     s += max(step, PAPER_STEP);
   }
   return hit;
 }
 
-// Equations 4 and 5: the normal turned by the angles of the slope at the voxel's height. The angles' signs are those that make a bend along x
-// right for normals in the plane of the bend; nothing else comes out right.
+// Equations 4 and 5: the normal turned by the angles of the slope at the voxel's height. The signs of the
+// angles are those that are right for a bend along x and normals in the plane of the bend. For all others the
+// equations are not exact.
 KELP_FN vec3 paperNormal(PaperSpline g, float t, vec3 n) {
   vec3 slope = paperSplineSlope(g, t);
   float x = atan(slope.x / max(slope.y, 1e-20f));

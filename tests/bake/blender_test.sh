@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Bakes files that Blender itself exported. Opt-in, since Blender is large: apt-get install --no-install-recommends blender python3-numpy
+# Bakes files that Blender itself exported. Opt-in, since Blender is large: apt-get install
+# --no-install-recommends blender python3-numpy
 #   tests/bake/blender_test.sh [BUILD_FOLDER]        (default build/dev)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -29,7 +30,8 @@ assert clip["name"] == "sway" and abs(clip["duration"] - 49 / 24) < 0.01, clip
 assert not report["notices"], report["notices"]
 PYTHON
 
-# The steps of tools/rig_json/README.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in lengths of the reed, which is 2 m.
+# The steps of tools/rig/README.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in
+# lengths of the reed, which is 2 m.
 blender --background --factory-startup --python-exit-code 1 --python "$here/blender_steps.py" -- "$folder" >"$folder/blender.log" 2>&1 ||
   { cat "$folder/blender.log" >&2; exit 4; }
 for name in empties property; do
@@ -48,7 +50,8 @@ def near(vector, wanted):
     assert all(abs(a - b) < 2e-3 for a, b in zip(vector, wanted)), (vector, wanted)
 
 report, rig = load("empties.report.json"), load("empties.rig.json")
-assert len(report["notices"]) == 2 and all("at rest" in notice for notice in report["notices"]), report["notices"]  # it leans as it should
+# it leans as it should
+assert len(report["notices"]) == 2 and all("at rest" in notice for notice in report["notices"]), report["notices"]
 assert report["parts"][0]["rig"].startswith("3 knot empties"), report["parts"]
 near(rig["knots"][1]["offset"], [0.1, 0, -0.05])
 near([rig["knots"][2]["tangent"][i] for i in range(3)], [math.sin(math.radians(30)), math.cos(math.radians(30)), 0])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A second reader of glTF, as short as it can be: the JSON as it stands, in double precision, for what nodes and vertices do over time.
-// Knows what the tests' files hold (one buffer, no sparse or compressed data) and checks nothing.
+// A second reader of glTF, as short as it can be: the JSON as it stands, in double precision, for what nodes
+// and vertices do over time. Knows what the tests' files hold (one buffer, no sparse or compressed data) and
+// checks nothing.
 #pragma once
 
 #include <array>
@@ -29,7 +30,8 @@ class GltfTruth {
     }
     parents_.assign(json_["nodes"].size(), -1);
     for (std::size_t i = 0; i < parents_.size(); ++i)
-      for (const auto& child : json_["nodes"][i].value("children", nlohmann::json::array())) parents_[child.get<std::size_t>()] = static_cast<int>(i);
+      for (const auto& child : json_["nodes"][i].value("children", nlohmann::json::array()))
+        parents_[child.get<std::size_t>()] = static_cast<int>(i);
   }
 
   // A node's transform at a time of an animation; animation -1: at rest.
@@ -69,15 +71,18 @@ class GltfTruth {
     std::vector<glm::dmat4> joints;
     for (std::size_t j = 0; j < skin["joints"].size(); ++j) {
       glm::dmat4 bind(1);
-      for (int c = 0; c < 16 && !binds.empty(); ++c) bind[c / 4][c % 4] = binds[16 * j + static_cast<std::size_t>(c)];
+      for (int c = 0; c < 16 && !binds.empty(); ++c)
+        bind[c / 4][c % 4] = binds[16 * j + static_cast<std::size_t>(c)];
       joints.push_back(world(skin["joints"][j], animation, time) * bind);
     }
     std::size_t corner = 0;
     for (const auto& primitive : meshOf(node)["primitives"]) {
-      const std::vector<double> which = numbers(primitive["attributes"]["JOINTS_0"]), weight = numbers(primitive["attributes"]["WEIGHTS_0"]);
+      const std::vector<double> which = numbers(primitive["attributes"]["JOINTS_0"]),
+                                weight = numbers(primitive["attributes"]["WEIGHTS_0"]);
       each(primitive, weight.size() / 4, [&](std::size_t i) {
         glm::dvec4 sum(0);
-        for (std::size_t c = 4 * i; c < 4 * i + 4; ++c) sum += weight[c] * (joints[static_cast<std::size_t>(which[c])] * glm::dvec4(out[corner], 1));
+        for (std::size_t c = 4 * i; c < 4 * i + 4; ++c)
+          sum += weight[c] * (joints[static_cast<std::size_t>(which[c])] * glm::dvec4(out[corner], 1));
         out[corner++] = glm::dvec3(sum) / sum.w;
       });
     }
@@ -104,10 +109,14 @@ class GltfTruth {
     const Json& a = json_["accessors"][accessor];
     const Json& view = json_["bufferViews"][a["bufferView"].get<std::size_t>()];
     const std::string type = a["type"];
-    const std::size_t width = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : static_cast<std::size_t>(type[3] - '0');
+    const std::size_t width = type == "SCALAR" ? 1
+                              : type == "MAT4" ? 16
+                                               : static_cast<std::size_t>(type[3] - '0');
     const int component = a["componentType"];
     const std::size_t size = component == 5126 || component == 5125 ? 4 : component == 5123 ? 2 : 1;
-    const std::size_t stride = view.value("byteStride", width * size), first = view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
+    const std::size_t stride = view.value("byteStride", width * size),
+                      first =
+                          view.value("byteOffset", std::size_t{0}) + a.value("byteOffset", std::size_t{0});
     std::vector<double> out;
     for (std::size_t i = 0; i < a["count"].get<std::size_t>(); ++i) {
       for (std::size_t c = 0; c < width; ++c) {
@@ -138,10 +147,14 @@ class GltfTruth {
     }
   }
 
-  const Json& meshOf(int node) const { return json_["meshes"][json_["nodes"][static_cast<std::size_t>(node)]["mesh"].get<std::size_t>()]; }
+  const Json& meshOf(int node) const {
+    return json_["meshes"][json_["nodes"][static_cast<std::size_t>(node)]["mesh"].get<std::size_t>()];
+  }
 
-  // What the animation makes of a property of a node; empty: it leaves it alone. Sections 3.11 and C of the specification.
-  std::vector<double> animated(int node, const std::string& path, std::size_t width, int animation, double time) const {
+  // What the animation makes of a property of a node; empty: it leaves it alone. Sections 3.11 and C of the
+  // specification.
+  std::vector<double> animated(int node, const std::string& path, std::size_t width, int animation,
+                               double time) const {
     if (animation < 0) return {};
     const Json& source = json_["animations"][static_cast<std::size_t>(animation)];
     for (const Json& channel : source["channels"]) {
@@ -164,7 +177,8 @@ class GltfTruth {
       if (rows == 3) {
         const std::vector<double> leave = row(k, 2), arrive = row(k + 1, 0);
         for (std::size_t i = 0; i < width; ++i)
-          out[i] = (1 + 2 * t) * (1 - t) * (1 - t) * a[i] + span * t * (1 - t) * (1 - t) * leave[i] + t * t * (3 - 2 * t) * b[i] + span * t * t * (t - 1) * arrive[i];
+          out[i] = (1 + 2 * t) * (1 - t) * (1 - t) * a[i] + span * t * (1 - t) * (1 - t) * leave[i] +
+                   t * t * (3 - 2 * t) * b[i] + span * t * t * (t - 1) * arrive[i];
         return out;
       }
       double wa = 1 - t, wb = t;

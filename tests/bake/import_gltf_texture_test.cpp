@@ -13,7 +13,8 @@ using Texels = std::vector<std::array<std::uint8_t, 4>>;
 
 std::string webp(const Texels& texels, int width) {
   std::uint8_t* out = nullptr;
-  const std::size_t size = WebPEncodeLosslessRGBA(texels[0].data(), width, static_cast<int>(texels.size()) / width, 4 * width, &out);
+  const std::size_t size = WebPEncodeLosslessRGBA(texels[0].data(), width,
+                                                  static_cast<int>(texels.size()) / width, 4 * width, &out);
   const std::string bytes(reinterpret_cast<const char*>(out), size);
   WebPFree(out);
   return bytes;
@@ -24,7 +25,9 @@ std::string tga(const Texels& texels, int width) {
   const auto height = texels.size() / static_cast<std::size_t>(width);
   std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
   bytes += {static_cast<char>(width), 0, static_cast<char>(height), 0, 32, 0x28};
-  for (const auto& t : texels) bytes += {static_cast<char>(t[2]), static_cast<char>(t[1]), static_cast<char>(t[0]), static_cast<char>(t[3])};
+  for (const auto& t : texels)
+    bytes +=
+        {static_cast<char>(t[2]), static_cast<char>(t[1]), static_cast<char>(t[0]), static_cast<char>(t[3])};
   return bytes;
 }
 
@@ -47,10 +50,15 @@ class Textured : public ::testing::Test {
     maker.floats(uvs, 2);
     for (float& uv : uvs) uv = 0.25f;
     maker.floats(uvs, 2);
-    return scratch_.write("model.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2,"TEXCOORD_1":3},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
-                                                   material + "}]" + (members.empty() ? "" : "," + members)));
+    return scratch_.write(
+        "model.gltf",
+        maker.text(
+            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2,"TEXCOORD_1":3},"indices":1,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
+            material + "}]" + (members.empty() ? "" : "," + members)));
   }
-  static std::string plain(const std::string& more = "") { return R"("pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0)" + more + "}}"; }
+  static std::string plain(const std::string& more = "") {
+    return R"("pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0)" + more + "}}";
+  }
   static std::string images(const std::vector<std::string>& uris) {
     std::string text;
     for (const std::string& uri : uris) text += (text.empty() ? R"({"uri":")" : R"(,{"uri":")") + uri + "\"}";
@@ -61,7 +69,8 @@ class Textured : public ::testing::Test {
 };
 
 TEST_F(Textured, WebpPicturesAreRead) {
-  const std::string extension = R"("textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}],"extensionsUsed":["EXT_texture_webp"],"extensionsRequired":["EXT_texture_webp"],)";
+  const std::string extension =
+      R"("textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}],"extensionsUsed":["EXT_texture_webp"],"extensionsRequired":["EXT_texture_webp"],)";
   const SourceModel model = import(plain(), extension + images({dataUri(webp(kRedGreen, 2))}));
   ASSERT_EQ(model.images.size(), 1u);
   EXPECT_EQ(model.images[0].width, 2);
@@ -69,24 +78,34 @@ TEST_F(Textured, WebpPicturesAreRead) {
   EXPECT_TRUE(model.notices.empty()) << model.notices[0];
   // Beside the file, and named as if it were a plain one.
   scratch_.write("picture.webp", webp(kBlue, 1));
-  EXPECT_EQ(import(plain(), R"("textures":[{"source":0}],)" + images({"picture.webp"})).images.at(0).rgba, (std::vector<std::uint8_t>{0, 0, 255, 255}));
+  EXPECT_EQ(import(plain(), R"("textures":[{"source":0}],)" + images({"picture.webp"})).images.at(0).rgba,
+            (std::vector<std::uint8_t>{0, 0, 255, 255}));
 }
 
 TEST_F(Textured, ADamagedWebpPictureGivesWayToThePlainOne) {
   const std::string textures = R"("textures":[{"source":1,"extensions":{"EXT_texture_webp":{"source":0}}}],)";
   const std::string good = webp(kRedGreen, 2);
-  EXPECT_EQ(import(plain(), textures + images({dataUri(good), dataUri(tga(kBlue, 1))})).images.at(0).width, 2);
-  const SourceModel model = import(plain(), textures + images({dataUri(good.substr(0, good.size() - 4)), dataUri(tga(kBlue, 1))}));
+  EXPECT_EQ(import(plain(), textures + images({dataUri(good), dataUri(tga(kBlue, 1))})).images.at(0).width,
+            2);
+  const SourceModel model =
+      import(plain(), textures + images({dataUri(good.substr(0, good.size() - 4)), dataUri(tga(kBlue, 1))}));
   EXPECT_EQ(model.images.at(0).rgba, (std::vector<std::uint8_t>{0, 0, 255, 255}));
-  EXPECT_TRUE(anyContains(model.notices, "images[0]: is a WebP picture that can not be decoded"));
+  EXPECT_TRUE(anyContains(model.notices, "images[0]: is a WebP picture that cannot be decoded"));
 }
 
 TEST_F(Textured, BasisTexturesFallBackOrAreRefused) {
-  const std::string required = R"("extensionsUsed":["KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"],)";
+  const std::string required =
+      R"("extensionsUsed":["KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"],)";
   const std::string both = images({"absent.ktx2", dataUri(tga(kBlue, 1))});
-  EXPECT_EQ(import(plain(), required + R"("textures":[{"source":1,"extensions":{"KHR_texture_basisu":{"source":0}}}],)" + both).images.size(), 1u);
+  EXPECT_EQ(
+      import(
+          plain(),
+          required + R"("textures":[{"source":1,"extensions":{"KHR_texture_basisu":{"source":0}}}],)" + both)
+          .images.size(),
+      1u);
   const std::string alone = R"("textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],)";
-  EXPECT_TRUE(contains(refusal(write(plain(), required + alone + both), Exit::kUnsupported), "textures[0]: is in KTX2 alone (KHR_texture_basisu)"));
+  EXPECT_TRUE(contains(refusal(write(plain(), required + alone + both), Exit::kUnsupported),
+                       "textures[0]: has only a KTX2 picture (KHR_texture_basisu)"));
   // What no voxel shows may be as it likes.
   EXPECT_EQ(import(R"("normalTexture":{"index":0})", required + alone + both).materials[0].texture, -1);
 }
@@ -95,8 +114,12 @@ TEST_F(Textured, CoordinateSetsAndTransformsAreThoseOfTheTexture) {
   const std::string rest = R"("textures":[{"source":0}],)" + images({dataUri(tga(kRedGreen, 2))});
   const SourceModel second = import(plain(R"(,"texCoord":1)"), rest);
   for (const glm::vec2& corner : second.parts[0].soup.uvs.at(0)) EXPECT_EQ(corner, glm::vec2(0.25f));
-  // The example of KHR_texture_transform: the lower left quadrant of the picture, turned clockwise by a quarter.
-  const SourceModel turned = import(plain(R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1.57079632679,"scale":[0.5,0.5]}})"), rest);
+  // The example of KHR_texture_transform: the lower left quadrant of the picture, turned clockwise by a
+  // quarter.
+  const SourceModel turned = import(
+      plain(
+          R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1.57079632679,"scale":[0.5,0.5]}})"),
+      rest);
   const SourceModel as_is = import(plain(), rest);
   ASSERT_EQ(turned.parts[0].soup.uvs.size(), 12u);
   for (std::size_t t = 0; t < 12; ++t) {
@@ -107,46 +130,61 @@ TEST_F(Textured, CoordinateSetsAndTransformsAreThoseOfTheTexture) {
     }
   }
   // Its texCoord overrides the texture's.
-  const SourceModel moved = import(plain(R"(,"extensions":{"KHR_texture_transform":{"texCoord":1,"offset":[0.5,0]}})"), rest);
+  const SourceModel moved =
+      import(plain(R"(,"extensions":{"KHR_texture_transform":{"texCoord":1,"offset":[0.5,0]}})"), rest);
   for (const glm::vec2& corner : moved.parts[0].soup.uvs.at(0)) EXPECT_EQ(corner, glm::vec2(0.75f, 0.25f));
 }
 
 TEST_F(Textured, SamplersSayHowToWrapAndFilter) {
-  const std::string rest = R"("textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728}],)" + images({dataUri(tga(kRedGreen, 2))});
+  const std::string rest =
+      R"("textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728}],)" +
+      images({dataUri(tga(kRedGreen, 2))});
   const SurfaceMaterial material = import(plain(), rest).materials[0];
   EXPECT_EQ(material.wrap_u, Wrap::kClamp);
   EXPECT_EQ(material.wrap_v, Wrap::kMirror);
   EXPECT_TRUE(material.nearest);
-  const SurfaceMaterial standard = import(plain(), R"("textures":[{"source":0}],)" + images({dataUri(tga(kRedGreen, 2))})).materials[0];
+  const SurfaceMaterial standard =
+      import(plain(), R"("textures":[{"source":0}],)" + images({dataUri(tga(kRedGreen, 2))})).materials[0];
   EXPECT_EQ(standard.wrap_u, Wrap::kRepeat);
   EXPECT_EQ(standard.wrap_v, Wrap::kRepeat);
   EXPECT_FALSE(standard.nearest);
 }
 
 TEST_F(Textured, SpecularGlossinessKeepsTheColourOfPaintAndOfMetal) {
-  const auto import = [&](const std::string& value, const std::string& rest = "") { return Textured::import(R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{)" + value + "}}", rest); };
-  const SurfaceMaterial paint = import(R"("diffuseFactor":[0.8,0.2,0.1,1],"specularFactor":[0.04,0.04,0.04],"glossinessFactor":0.75)").materials[0];
+  const auto import = [&](const std::string& value, const std::string& rest = "") {
+    return Textured::import(R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{)" + value + "}}", rest);
+  };
+  const SurfaceMaterial paint =
+      import(R"("diffuseFactor":[0.8,0.2,0.1,1],"specularFactor":[0.04,0.04,0.04],"glossinessFactor":0.75)")
+          .materials[0];
   EXPECT_EQ(paint.base_color, glm::vec4(0.8f, 0.2f, 0.1f, 1));
   EXPECT_EQ(paint.metallic, 0.0f);
   EXPECT_NEAR(paint.roughness, 0.25f, 1e-6);
   // Gold: nothing is diffuse, all of its colour is specular.
-  const SurfaceMaterial gold = import(R"("diffuseFactor":[0,0,0,1],"specularFactor":[1,0.766,0.336],"glossinessFactor":0.5)").materials[0];
+  const SurfaceMaterial gold =
+      import(R"("diffuseFactor":[0,0,0,1],"specularFactor":[1,0.766,0.336],"glossinessFactor":0.5)")
+          .materials[0];
   EXPECT_EQ(gold.base_color, glm::vec4(1, 0.766f, 0.336f, 1));
   EXPECT_GT(gold.metallic, 0.9f);
   // An exporter that wrote no specular half means the diffuse colour.
-  EXPECT_EQ(import(R"("diffuseFactor":[0.8,0.2,0.1,1])").materials[0].base_color, glm::vec4(0.8f, 0.2f, 0.1f, 1));
+  EXPECT_EQ(import(R"("diffuseFactor":[0.8,0.2,0.1,1])").materials[0].base_color,
+            glm::vec4(0.8f, 0.2f, 0.1f, 1));
   // A metal in its texture, whose alpha is the gloss and no transparency.
-  const SourceModel textured = import(R"("diffuseFactor":[0,0,0,1],"specularGlossinessTexture":{"index":0,"texCoord":1})", R"("textures":[{"source":0}],)" + images({dataUri(tga({{255, 200, 100, 51}}, 1))}));
+  const SourceModel textured =
+      import(R"("diffuseFactor":[0,0,0,1],"specularGlossinessTexture":{"index":0,"texCoord":1})",
+             R"("textures":[{"source":0}],)" + images({dataUri(tga({{255, 200, 100, 51}}, 1))}));
   ASSERT_EQ(textured.materials[0].texture, 0);
   EXPECT_EQ(textured.images[0].rgba[3], 255);
   EXPECT_NEAR(textured.materials[0].roughness, 0.8f, 1e-5);
   EXPECT_EQ(textured.parts[0].soup.uvs.at(0)[0], glm::vec2(0.25f));
 }
 
-// A square of one metre in the plane of x and y, one material, as voxels. TEXCOORD_0 is the picture upright, TEXCOORD_1 exchanges u and v.
+// A square of one metre in the plane of x and y, one material, as voxels. TEXCOORD_0 is the picture upright,
+// TEXCOORD_1 exchanges u and v.
 class Square : public ::testing::Test {
  protected:
-  void bake(const std::string& material, const std::vector<std::string>& pictures, int resolution = 32, const std::string& filter = "9728") {
+  void bake(const std::string& material, const std::vector<std::string>& pictures, int resolution = 32,
+            const std::string& filter = "9728") {
     GltfMaker maker;
     maker.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, 3);
     maker.floats({0, 1, 1, 1, 0, 0, 1, 0}, 2);
@@ -157,9 +195,14 @@ class Square : public ::testing::Test {
       textures += (i ? "," : "") + std::string(R"({"sampler":0,"source":)") + std::to_string(i) + "}";
       images += (i ? "," : "") + std::string(R"({"uri":")") + pictures[i] + "\"}";
     }
-    model_ = importFile(scratch_.write("square.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
-                                                                 material + R"(}],"samplers":[{"magFilter":)" + filter + R"(}],"textures":[)" + textures + R"(],"images":[)" + images + "]")),
-                        {});
+    model_ = importFile(
+        scratch_.write(
+            "square.gltf",
+            maker.text(
+                R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"indices":3,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{)" +
+                material + R"(}],"samplers":[{"magFilter":)" + filter + R"(}],"textures":[)" + textures +
+                R"(],"images":[)" + images + "]")),
+        {});
     const Frame frame = makeFrame(model_.parts[0].soup, Axis::kPlusY, 1.0 / resolution, "square");
     grid_ = voxelize(model_, model_.parts[0], frame, Fill::kAuto, 2, {}).grid;
     ASSERT_GE(grid_.surface.size(), static_cast<std::size_t>(resolution * resolution));
@@ -169,8 +212,11 @@ class Square : public ::testing::Test {
   template <class Expect>
   void forEachVoxel(const Expect& expect) const {
     for (const SurfaceSample& sample : grid_.surface) {
-      const auto x = sample.index % static_cast<std::uint64_t>(grid_.size.x), y = sample.index / static_cast<std::uint64_t>(grid_.size.x) % static_cast<std::uint64_t>(grid_.size.y);
-      const glm::vec3 at = grid_.to_node * glm::vec4(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 0, 1);
+      const auto x = sample.index % static_cast<std::uint64_t>(grid_.size.x),
+                 y = sample.index / static_cast<std::uint64_t>(grid_.size.x) %
+                     static_cast<std::uint64_t>(grid_.size.y);
+      const glm::vec3 at =
+          grid_.to_node * glm::vec4(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 0, 1);
       expect(sample.material, at.x > 0.5f, at.y > 0.5f);
       if (HasFatalFailure()) return;
     }
@@ -181,14 +227,16 @@ class Square : public ::testing::Test {
   VoxelGrid grid_;
 };
 
-const Texels kLamp = {{255, 128, 0, 0}, {0, 0, 0, 0}};                 // glows on the left; its alpha says nothing
+// glows on the left; its alpha says nothing
+const Texels kLamp = {{255, 128, 0, 0}, {0, 0, 0, 0}};
 const Texels kSteelAndChalk = {{99, 51, 255, 255}, {7, 204, 0, 255}};  // one above the other
-constexpr float kHalfAsLight = 0.21586050f;                                   // 128 of 255 as light
+constexpr float kHalfAsLight = 0.21586050f;                            // 128 of 255 as light
 
 TEST_F(Square, GlowMetalAndRoughnessAreThoseOfTheirPictures) {
-  bake(R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"roughnessFactor":0.5,"metallicRoughnessTexture":{"index":1}},
+  bake(
+      R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1],"roughnessFactor":0.5,"metallicRoughnessTexture":{"index":1}},
       "emissiveFactor":[1,1,0.5],"emissiveTexture":{"index":0},"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":4}})",
-       {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1))});
+      {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1))});
   EXPECT_FALSE(anyContains(model_.notices, "glow"));
   EXPECT_TRUE(model_.parts[0].soup.more_uvs[0].empty());  // all pictures lie alike
   forEachVoxel([](const Material& m, bool right, bool above) {
@@ -202,13 +250,14 @@ TEST_F(Square, GlowMetalAndRoughnessAreThoseOfTheirPictures) {
 }
 
 TEST_F(Square, EachPictureLiesWhereItsOwnCoordinatesSay) {
-  bake(R"("pbrMetallicRoughness":{"baseColorTexture":{"index":2},"metallicRoughnessTexture":{"index":1,"texCoord":1}},
+  bake(
+      R"("pbrMetallicRoughness":{"baseColorTexture":{"index":2},"metallicRoughnessTexture":{"index":1,"texCoord":1}},
       "emissiveFactor":[1,1,1],"emissiveTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0]}}})",
-       {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1)), dataUri(tga(kRedGreen, 2))});
+      {dataUri(tga(kLamp, 2)), dataUri(tga(kSteelAndChalk, 1)), dataUri(tga(kRedGreen, 2))});
   forEachVoxel([](const Material& m, bool right, bool) {
     ASSERT_EQ(glm::vec3(m.base_color), right ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0));
     ASSERT_NEAR(m.emissive.g, right ? kHalfAsLight : 0, 1e-6);  // moved by half the picture
-    ASSERT_NEAR(m.metallic, right ? 0 : 1, 1e-6);        // its rows are columns
+    ASSERT_NEAR(m.metallic, right ? 0 : 1, 1e-6);               // its rows are columns
     ASSERT_NEAR(m.roughness, right ? 0.8f : 0.2f, 1e-6);
   });
 }
@@ -220,7 +269,9 @@ TEST_F(Square, FinePicturesAreAveragedInLight) {
     glow.push_back({value, value, value, 255});
     metal.push_back({0, value, static_cast<std::uint8_t>(255 - value), 255});
   }
-  bake(R"("pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":1}},"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})", {dataUri(tga(glow, 64)), dataUri(tga(metal, 64))}, 8, "9729");
+  bake(
+      R"("pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":1}},"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})",
+      {dataUri(tga(glow, 64)), dataUri(tga(metal, 64))}, 8, "9729");
   forEachVoxel([](const Material& m, bool, bool) {
     ASSERT_NEAR(m.emissive.g, 0.5f, 1e-5);
     ASSERT_NEAR(m.metallic, 0.5f, 1e-5);
@@ -230,16 +281,22 @@ TEST_F(Square, FinePicturesAreAveragedInLight) {
 
 TEST_F(Square, ALampWithoutItsPictureIsDark) {
   bake(R"("emissiveFactor":[1,1,1],"emissiveTexture":{"index":0})", {"absent.png"});
-  EXPECT_TRUE(anyContains(model_.notices, "materials[0]: its emissive texture can not be had: the surface does not glow"));
+  EXPECT_TRUE(anyContains(model_.notices,
+                          "materials[0]: its emissive texture cannot be read: the surface does not glow"));
   forEachVoxel([](const Material& m, bool, bool) { ASSERT_EQ(m.emissive, glm::vec3(0)); });
 }
 
 TEST_F(Textured, PicturesThatLeaveTheFolderAreRefused) {
   const Scratch& scratch = scratch_;
   scratch.write("secret.tga", tga(kBlue, 1));
-  const std::string said = refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid);
-  EXPECT_TRUE(contains(said, ".gltf: images[0]: reference '../x/secret.tga': leaves the input's folder")) << said;
-  EXPECT_TRUE(contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"sub/../../x/secret.tga"})), Exit::kInvalid), "leaves the input's folder"));
+  const std::string said =
+      refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"../x/secret.tga"})), Exit::kInvalid);
+  EXPECT_TRUE(contains(said, ".gltf: images[0]: reference '../x/secret.tga': leaves the input's folder"))
+      << said;
+  EXPECT_TRUE(
+      contains(refusal(write(plain(), R"("textures":[{"source":0}],)" + images({"sub/../../x/secret.tga"})),
+                       Exit::kInvalid),
+               "leaves the input's folder"));
 }
 
 // Only where a path ends decides, and a link is no way out.
@@ -249,7 +306,8 @@ TEST_F(Textured, PathsAndLinksThatStayInTheFolderAreFollowed) {
   const std::filesystem::path folder = picture.parent_path().parent_path();
   std::filesystem::create_directories(folder / "sub dir");
   std::filesystem::create_symlink(picture, folder / "inside.tga");
-  for (const char* uri : {"sub%20dir/../in/picture.tga", "./in//picture.tga", "absent/../in/picture.tga", "inside.tga"}) {
+  for (const char* uri :
+       {"sub%20dir/../in/picture.tga", "./in//picture.tga", "absent/../in/picture.tga", "inside.tga"}) {
     const SourceModel model = import(plain(), textures + images({uri}));
     EXPECT_EQ(model.images.size(), 1u) << uri;
     EXPECT_TRUE(model.notices.empty()) << model.notices[0];
@@ -265,11 +323,16 @@ TEST_F(Textured, PathsAndLinksThatStayInTheFolderAreFollowed) {
   EXPECT_TRUE(contains(refusal(below / "model.gltf", Exit::kInvalid), "leaves the input's folder by a link"));
 }
 
-// What is wrong with a picture is said, and costs the model no more than its texture. Every kind: import_picture_test.cpp.
+// What is wrong with a picture is said, and costs the model no more than its texture. Every kind:
+// import_picture_test.cpp.
 TEST_F(Textured, DamagedPicturesAreDoneWithout) {
-  const std::pair<std::string, const char*> cases[] = {{"\xff\xd8\xff", "images[0]: is a JPEG picture that can not be decoded (Premature end of JPEG file): the colour factor alone is used"},
-                                                       {"\x89PNG\r\n\x1a\n", "images[0]: is a PNG picture whose header is damaged or cut off: the colour factor alone is used"},
-                                                       {"BM", "images[0]: is not a PNG, JPEG, WebP, BMP or TGA image: the colour factor alone is used"}};
+  const std::pair<std::string, const char*> cases[] = {
+      {"\xff\xd8\xff",
+       "images[0]: is a JPEG picture that cannot be decoded (Premature end of JPEG file): the colour factor "
+       "alone is used"},
+      {"\x89PNG\r\n\x1a\n",
+       "images[0]: is a PNG picture whose header is damaged or cut off: the colour factor alone is used"},
+      {"BM", "images[0]: is not a PNG, JPEG, WebP, BMP or TGA image: the colour factor alone is used"}};
   for (const auto& [bytes, said] : cases) {
     const SourceModel model = import(plain(), R"("textures":[{"source":0}],)" + images({dataUri(bytes)}));
     ASSERT_EQ(model.notices.size(), 1u) << said;
@@ -282,7 +345,8 @@ TEST_F(Textured, PicturesOnTheNetCanNotBeHad) {
   const SourceModel model = import(plain(), R"("textures":[{"source":0}],)" + images({"http://a/b.png"}));
   EXPECT_TRUE(model.images.empty());
   ASSERT_EQ(model.notices.size(), 1u);
-  EXPECT_TRUE(contains(model.notices[0], "images[0]: reference 'http://a/b.png'") && contains(model.notices[0], "the colour factor alone is used"));
+  EXPECT_TRUE(contains(model.notices[0], "images[0]: reference 'http://a/b.png'") &&
+              contains(model.notices[0], "the colour factor alone is used"));
 }
 
 }  // namespace

@@ -9,8 +9,8 @@ namespace {
 
 constexpr float kHalf = 0.70710678f;
 
-// A reed of length 2 with three empties along it. Accessors: 0, 1 the box; 2 times {0, 1}; 3 knot.2's places; 4 knot.1's turns (90 degrees
-// about z); 5 the reed's own places; 6 its turns (90 degrees about y).
+// A reed of length 2 with three empties along it. Accessors: 0, 1 the box; 2 times {0, 1}; 3 knot.2's places;
+// 4 knot.1's turns (90 degrees about z); 5 the reed's own places; 6 its turns (90 degrees about y).
 class Reed {
  public:
   Reed() {
@@ -21,14 +21,18 @@ class Reed {
     maker_.floats({1, 0, 0, 1, 3, 0}, 3);
     maker_.floats({0, 0, 0, 1, 0, kHalf, 0, kHalf}, 4);
   }
-  std::string knots = R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
+  std::string knots =
+      R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
   std::string reed = R"("name":"Reed","mesh":0,"children":[1,2,3])";
   std::string animations = R"([{"name":"sway","samplers":[{"input":2,"output":3},{"input":2,"output":4}],
       "channels":[{"sampler":0,"target":{"node":3,"path":"translation"}},{"sampler":1,"target":{"node":2,"path":"rotation"}}]}])";
   std::string text() const {
-    return maker_.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0]}],"nodes":[{)" + reed + "}," + knots + R"(],"animations":)" + animations);
+    return maker_.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0]}],"nodes":[{)" + reed + "}," +
+                       knots + R"(],"animations":)" + animations);
   }
-  SourceModel import(const Settings& settings = {}) const { return importFile(scratch_.write("reed.gltf", text()), settings); }
+  SourceModel import(const Settings& settings = {}) const {
+    return importFile(scratch_.write("reed.gltf", text()), settings);
+  }
   const Scratch& scratch() const { return scratch_; }
 
  private:
@@ -74,7 +78,8 @@ TEST(ImportKnots, KeysBecomeAClipInUnitsOfTheExtent) {
       EXPECT_EQ(track.target, Target::kKnotTangent);
       EXPECT_EQ(track.knot, 1);
       ASSERT_GE(track.keys.size(), 30u);
-      for (const auto& key : track.keys) {  // the tangent (-sin, cos, 0) of a turn at constant speed, minus (0, 1, 0)
+      // the tangent (-sin, cos, 0) of a turn at constant speed, minus (0, 1, 0)
+      for (const auto& key : track.keys) {
         const float angle = key.time * 1.57079633f;
         expectNear(glm::vec3(key.value), {-std::sin(angle), std::cos(angle) - 1, 0}, 1e-5f);
       }
@@ -84,7 +89,8 @@ TEST(ImportKnots, KeysBecomeAClipInUnitsOfTheExtent) {
 
 TEST(ImportKnots, TheMeshNodesOwnMotionIsRelativeToItsRest) {
   Reed reed;
-  reed.reed = R"("name":"Reed","mesh":0,"children":[1,2,3],"translation":[1,0,0],"rotation":[0,0.70710678,0,0.70710678],"scale":[2,2,2])";
+  reed.reed =
+      R"("name":"Reed","mesh":0,"children":[1,2,3],"translation":[1,0,0],"rotation":[0,0.70710678,0,0.70710678],"scale":[2,2,2])";
   reed.animations = R"([{"name":"walk","samplers":[{"input":2,"output":5},{"input":2,"output":6}],
       "channels":[{"sampler":0,"target":{"node":0,"path":"translation"}},{"sampler":1,"target":{"node":0,"path":"rotation"}}]}])";
   const SourceModel model = reed.import();
@@ -104,7 +110,8 @@ TEST(ImportKnots, TheMeshNodesOwnMotionIsRelativeToItsRest) {
 
 TEST(ImportKnots, AFishAlongXNeedsNoTurnedEmpties) {
   Reed reed;
-  reed.knots = R"({"name":"knot_0","translation":[0.1,1,0]},{"name":"knot_1","translation":[0,1,0]},{"name":"knot_2","translation":[-0.1,1,0]})";
+  reed.knots =
+      R"({"name":"knot_0","translation":[0.1,1,0]},{"name":"knot_1","translation":[0,1,0]},{"name":"knot_2","translation":[-0.1,1,0]})";
   reed.animations = "[]";
   const SourceModel model = reed.import();
   const auto& rig = model.parts[0].rig;
@@ -117,8 +124,10 @@ TEST(ImportKnots, AFishAlongXNeedsNoTurnedEmpties) {
 
 TEST(ImportKnots, BlendersActionNamesJoinIntoOneClip) {
   Reed reed;
-  reed.knots = R"({"name":"knot.0"},{"name":"knot.1.002","translation":[0,1,0]},{"name":"knot.2.001","translation":[0,2,0]})";
-  reed.animations = R"([{"name":"knot.2.001Action","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]},
+  reed.knots =
+      R"({"name":"knot.0"},{"name":"knot.1.002","translation":[0,1,0]},{"name":"knot.2.001","translation":[0,2,0]})";
+  reed.animations =
+      R"([{"name":"knot.2.001Action","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]},
       {"name":"knot.1.002Action.001","samplers":[{"input":2,"output":4}],"channels":[{"sampler":0,"target":{"node":2,"path":"rotation"}}]}])";
   const SourceModel model = reed.import();
   ASSERT_EQ(model.parts[0].rig.clips.size(), 1u);
@@ -128,7 +137,8 @@ TEST(ImportKnots, BlendersActionNamesJoinIntoOneClip) {
 
 TEST(ImportKnots, TwoAnimationsOfOneNameAreTwoClips) {
   Reed reed;
-  const std::string one = R"({"name":"sway","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]})";
+  const std::string one =
+      R"({"name":"sway","samplers":[{"input":2,"output":3}],"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}]})";
   reed.animations = "[" + one + "," + one + "]";
   const SourceModel model = reed.import();
   ASSERT_EQ(model.parts[0].rig.clips.size(), 2u);
@@ -136,9 +146,11 @@ TEST(ImportKnots, TwoAnimationsOfOneNameAreTwoClips) {
 }
 
 TEST(ImportKnots, GapsDoublesAndDisorderMakeANoticeAndNoRig) {
-  for (const std::string knots : {R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.3","translation":[0,2,0]})",
-                                  R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.1.001","translation":[0,2,0]})",
-                                  R"({"name":"knot.0"},{"name":"knot.1","translation":[0,2.5,0]},{"name":"knot.2","translation":[0,2,0]})"}) {
+  for (
+      const std::string knots :
+      {R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.3","translation":[0,2,0]})",
+       R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.1.001","translation":[0,2,0]})",
+       R"({"name":"knot.0"},{"name":"knot.1","translation":[0,2.5,0]},{"name":"knot.2","translation":[0,2,0]})"}) {
     Reed reed;
     reed.knots = knots;
     const SourceModel model = reed.import();
@@ -149,7 +161,8 @@ TEST(ImportKnots, GapsDoublesAndDisorderMakeANoticeAndNoRig) {
 
 TEST(ImportKnots, KnotsAwayFromTheEndsAreTakenThereWithANotice) {
   Reed reed;
-  reed.knots = R"({"name":"knot.0","translation":[0,0.3,0]},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
+  reed.knots =
+      R"({"name":"knot.0","translation":[0,0.3,0]},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
   const SourceModel model = reed.import();
   EXPECT_EQ(model.parts[0].rig.knots[0].at, 0.0f);
   EXPECT_TRUE(anyContains(model.notices, "knot.0 of node 'Reed' lies 15 %"));
@@ -160,11 +173,14 @@ TEST(ImportKnots, ExtrasMakePartsAndNestedPartsHaveParents) {
   GltfMaker maker;
   maker.addBox();
   const std::string rig = R"("extras":{"kelp":{"kelp":1}})";
-  const SourceModel model = importFile(scratch.write("herd.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[
+  const SourceModel model = importFile(scratch.write("herd.gltf",
+                                                     maker.text(GltfMaker::boxMesh() + R"(,"nodes":[
       {"name":"Stone","mesh":0},
-      {"name":"Stem","mesh":0,"translation":[5,0,0],"children":[2,3],)" + rig + R"(},
+      {"name":"Stem","mesh":0,"translation":[5,0,0],"children":[2,3],)" +
+                                                                rig + R"(},
       {"name":"Leaf","mesh":0,"translation":[0,2,0],)" + rig + R"(},
-      {"name":"Bud","mesh":0,"translation":[0,2,1]}],"scenes":[{"nodes":[0,1]}])")), {});
+      {"name":"Bud","mesh":0,"translation":[0,2,1]}],"scenes":[{"nodes":[0,1]}])")),
+                                       {});
   ASSERT_EQ(model.parts.size(), 3u);
   EXPECT_EQ(model.parts[0].name, "herd");
   EXPECT_EQ(model.parts[0].parent, -1);
@@ -179,20 +195,26 @@ TEST(ImportKnots, ExtrasMakePartsAndNestedPartsHaveParents) {
 }
 
 // The box as a node beside `others`, with `rest` as further members of the file.
-SourceModel importBox(const Scratch& scratch, const std::string& box, const std::string& others = "", const std::string& rest = "") {
+SourceModel importBox(const Scratch& scratch, const std::string& box, const std::string& others = "",
+                      const std::string& rest = "") {
   GltfMaker maker;
   maker.addBox();
-  return importFile(scratch.write("box.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Box","mesh":0)" + box + "}" + others + "]" + rest)), {});
+  return importFile(
+      scratch.write("box.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Box","mesh":0)" +
+                                           box + "}" + others + "]" + rest)),
+      {});
 }
 
-constexpr const char* kLooseKnots = R"(,{"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
+constexpr const char* kLooseKnots =
+    R"(,{"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0]})";
 
 TEST(ImportKnots, KnotsThatNobodyParentedBendTheOnlyModel) {
   Reed reed;
   reed.reed = R"("name":"Reed","mesh":0)";
   const std::string text = reed.text();
   const std::string all = R"("scenes":[{"nodes":[0,1,2,3]}])", one = R"("scenes":[{"nodes":[0]}])";
-  const SourceModel model = importFile(reed.scratch().write("loose.gltf", std::string(text).replace(text.find(one), one.size(), all)), {});
+  const SourceModel model = importFile(
+      reed.scratch().write("loose.gltf", std::string(text).replace(text.find(one), one.size(), all)), {});
   ASSERT_EQ(model.parts.size(), 1u);
   EXPECT_EQ(model.parts[0].rig_origin, "3 knot empties of the scene");
   ASSERT_EQ(model.parts[0].rig.knots.size(), 3u);
@@ -206,7 +228,8 @@ TEST(ImportKnots, KnotsThatNobodyParentedBendTheOnlyModel) {
 TEST(ImportKnots, KnotsThatNobodyParentedAreNeverPassedOverInSilence) {
   const Scratch scratch;
   // Two models: whose knots are they?
-  SourceModel model = importBox(scratch, "", std::string(kLooseKnots) + R"(,{"name":"Other","mesh":0,"translation":[3,0,0]})");
+  SourceModel model = importBox(
+      scratch, "", std::string(kLooseKnots) + R"(,{"name":"Other","mesh":0,"translation":[3,0,0]})");
   EXPECT_TRUE(model.parts[0].rig.knots.empty());
   EXPECT_TRUE(anyContains(model.notices, "parent them to the mesh")) << model.notices.size();
   // Another rig in the file.
@@ -218,7 +241,9 @@ TEST(ImportKnots, KnotsThatNobodyParentedAreNeverPassedOverInSilence) {
   EXPECT_TRUE(model.parts[0].rig.knots.empty());
   EXPECT_TRUE(anyContains(model.notices, "parent them to it"));
   // Below an empty of their own.
-  model = importBox(scratch, "", R"(,{"name":"Rig","children":[2,3]},{"name":"knot.0"},{"name":"knot.1","translation":[0,2,0]})");
+  model = importBox(
+      scratch, "",
+      R"(,{"name":"Rig","children":[2,3]},{"name":"knot.0"},{"name":"knot.1","translation":[0,2,0]})");
   EXPECT_TRUE(anyContains(model.notices, "parent the knots to the mesh"));
   // A mesh of that name is no empty.
   model = importBox(scratch, "", R"(,{"name":"knot.0","mesh":0})");
@@ -229,8 +254,11 @@ TEST(ImportKnots, ExtrasOfAMeshAreTheRigOfItsOnlyNode) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  const std::string mesh = R"("meshes":[{"name":"Blade","primitives":[{"attributes":{"POSITION":0},"indices":1}],"extras":{"kelp":"{\"kelp\":1,\"axis\":\"-y\"}"}}],"nodes":[{"name":"Box","mesh":0)";
-  const auto import = [&](const std::string& nodes) { return importFile(scratch.write("blade.gltf", maker.text(mesh + nodes)), {}); };
+  const std::string mesh =
+      R"("meshes":[{"name":"Blade","primitives":[{"attributes":{"POSITION":0},"indices":1}],"extras":{"kelp":"{\"kelp\":1,\"axis\":\"-y\"}"}}],"nodes":[{"name":"Box","mesh":0)";
+  const auto import = [&](const std::string& nodes) {
+    return importFile(scratch.write("blade.gltf", maker.text(mesh + nodes)), {});
+  };
   SourceModel model = import("}]");
   ASSERT_EQ(model.parts.size(), 1u);
   EXPECT_EQ(model.parts[0].rig_origin, "extras.kelp of mesh 'Blade'");
@@ -247,8 +275,11 @@ TEST(ImportKnots, ExtrasOfAMeshAreTheRigOfItsOnlyNode) {
 
 TEST(ImportKnots, ExtrasOfTheSceneOrTheFileAreTheRigOfAllThatHasNone) {
   const Scratch scratch;
-  const std::string rig = R"("extras":{"kelp":{"kelp":1,"axis":"+z"}})", scene = R"(,"scenes":[{"name":"Scene","nodes":[0,1],)" + rig + "}]";
-  const std::string other = R"(,{"name":"Other","mesh":0,"translation":[3,0,0],"extras":{"kelp":{"kelp":1}}})", plain = R"(,{"mesh":0,"translation":[3,0,0]})";
+  const std::string rig = R"("extras":{"kelp":{"kelp":1,"axis":"+z"}})",
+                    scene = R"(,"scenes":[{"name":"Scene","nodes":[0,1],)" + rig + "}]";
+  const std::string other =
+                        R"(,{"name":"Other","mesh":0,"translation":[3,0,0],"extras":{"kelp":{"kelp":1}}})",
+                    plain = R"(,{"mesh":0,"translation":[3,0,0]})";
   SourceModel model = importBox(scratch, "", plain, scene);
   ASSERT_EQ(model.parts.size(), 1u);
   EXPECT_EQ(model.parts[0].rig_origin, "extras.kelp of scene 'Scene'");
@@ -268,15 +299,20 @@ TEST(ImportKnots, ExtrasOfTheSceneOrTheFileAreTheRigOfAllThatHasNone) {
 TEST(ImportKnots, ExtrasThatAreTheRigOfNothingAreNamed) {
   const Scratch scratch;
   const std::string rig = R"("extras":{"kelp":{"kelp":1}})";
-  const SourceModel model = importBox(scratch, "", R"(,{"name":"Hidden","mesh":0,)" + rig + "}", R"(,"scenes":[{"nodes":[0]},{"nodes":[1],)" + rig + R"(}],"scene":0,"materials":[{)" + rig + "}]");
-  for (const char* place : {"nodes[1].extras.kelp", "scenes[1].extras.kelp", "materials[0].extras.kelp"}) EXPECT_TRUE(anyContains(model.notices, place)) << place;
+  const SourceModel model = importBox(
+      scratch, "", R"(,{"name":"Hidden","mesh":0,)" + rig + "}",
+      R"(,"scenes":[{"nodes":[0]},{"nodes":[1],)" + rig + R"(}],"scene":0,"materials":[{)" + rig + "}]");
+  for (const char* place : {"nodes[1].extras.kelp", "scenes[1].extras.kelp", "materials[0].extras.kelp"})
+    EXPECT_TRUE(anyContains(model.notices, place)) << place;
 }
 
 TEST(ImportKnots, BrokenExtrasNameTheNode) {
   Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Stem","mesh":0,"extras":{"kelp":{"kelp":1,"knobs":[]}}}])"));
+  const auto path = scratch.write(
+      "m.gltf", maker.text(GltfMaker::boxMesh() +
+                           R"(,"nodes":[{"name":"Stem","mesh":0,"extras":{"kelp":{"kelp":1,"knobs":[]}}}])"));
   const std::string message = refusal(path, Exit::kInvalid);
   EXPECT_TRUE(contains(message, "Stem") && contains(message, "knobs")) << message;
 }
@@ -317,7 +353,8 @@ TEST(ImportRig, AnAxisIsForRigsThatNameNone) {
   EXPECT_EQ(importFile(gltf, settings).parts[0].rig.axis, Axis::kPlusX);
   settings.rig_file = reed.scratch().write("other.rig.json", R"({"kelp":1,"axis":"-z"})");
   std::string message = refusal(gltf, Exit::kUsage, settings);
-  EXPECT_TRUE(contains(message, "--axis +x: the rig (rig file other.rig.json) names the axis -z itself; ")) << message;
+  EXPECT_TRUE(contains(message, "--axis +x: the rig (rig file other.rig.json) names the axis -z itself; "))
+      << message;
   settings.rig_file.reset();
   reed.scratch().write("reed.rig.json", R"({"kelp":1,"axis":"+y"})");
   message = refusal(gltf, Exit::kUsage, settings);
@@ -325,7 +362,12 @@ TEST(ImportRig, AnAxisIsForRigsThatNameNone) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  message = refusal(scratch.write("own.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"Stem","mesh":0,"extras":{"kelp":{"kelp":1,"axis":"+y"}}}])")), Exit::kUsage, settings);
+  message = refusal(
+      scratch.write(
+          "own.gltf",
+          maker.text(GltfMaker::boxMesh() +
+                     R"(,"nodes":[{"name":"Stem","mesh":0,"extras":{"kelp":{"kelp":1,"axis":"+y"}}}])")),
+      Exit::kUsage, settings);
   EXPECT_TRUE(contains(message, "extras.kelp of node 'Stem'")) << message;
 }
 

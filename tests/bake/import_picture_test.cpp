@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PNG pictures against pixels that are packed here by the format's own rules, JPEG pictures against what a coder was given; both cut off, changed and lying.
+// PNG pictures against pixels that are packed here by the format's own rules, JPEG pictures against what a
+// coder was given; both cut off, changed and lying.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,12 +16,14 @@
 #include <sys/resource.h>
 #include <zlib.h>
 
-#include "import_image.h"
+#include "kelp/import/image/image.h"
 
 namespace kelp::bake::test {
 namespace {
 
-std::span<const std::uint8_t> asBytes(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
+std::span<const std::uint8_t> asBytes(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 // Why a picture is not read; empty: it is.
 std::string refusal(const std::string& bytes) {
@@ -36,14 +39,17 @@ std::vector<std::uint8_t> pixels(const std::string& bytes) {
   }
   const Image& decoded = std::get<Image>(image);
   EXPECT_EQ(imageSize(asBytes(bytes)), glm::ivec2(decoded.width, decoded.height));
-  EXPECT_EQ(decoded.rgba.size(), std::size_t{4} * static_cast<std::size_t>(decoded.width) * static_cast<std::size_t>(decoded.height));
+  EXPECT_EQ(decoded.rgba.size(), std::size_t{4} * static_cast<std::size_t>(decoded.width) *
+                                     static_cast<std::size_t>(decoded.height));
   EXPECT_EQ(decoded.name, "picture");
   return decoded.rgba;
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
-// --- PNG ---------------------------------------------------------------------------------------------------------------------------------
+// --- PNG -----------------------------------------------------------------------------------------
 
 std::string number(std::uint32_t value, int bytes = 4) {
   std::string text;
@@ -53,13 +59,17 @@ std::string number(std::uint32_t value, int bytes = 4) {
 
 std::string chunk(const std::string& name, const std::string& content) {
   const std::string checked = name + content;
-  return number(static_cast<std::uint32_t>(content.size())) + checked + number(static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))));
+  return number(static_cast<std::uint32_t>(content.size())) + checked +
+         number(static_cast<std::uint32_t>(
+             crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))));
 }
 
 std::string deflated(const std::string& plain) {
   uLongf size = compressBound(plain.size());
   std::string out(size, '\0');
-  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(plain.data()), plain.size()), Z_OK);
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &size,
+                     reinterpret_cast<const Bytef*>(plain.data()), plain.size()),
+            Z_OK);
   return out.substr(0, size);
 }
 
@@ -67,46 +77,62 @@ const std::string kSignature = "\x89PNG\r\n\x1a\n";
 const std::string kEnd = chunk("IEND", "");
 
 std::string header(int width, int height, int depth, int colour, bool interlaced = false) {
-  return chunk("IHDR", number(static_cast<std::uint32_t>(width)) + number(static_cast<std::uint32_t>(height)) + std::string{static_cast<char>(depth), static_cast<char>(colour), 0, 0, interlaced});
+  return chunk("IHDR",
+               number(static_cast<std::uint32_t>(width)) + number(static_cast<std::uint32_t>(height)) +
+                   std::string{static_cast<char>(depth), static_cast<char>(colour), 0, 0, interlaced});
 }
 
 constexpr int kGrey = 0, kColour = 2, kPalette = 3, kGreyAlpha = 4, kColourAlpha = 6;
 
-// Random samples of a kind of picture, how they are stored, and what pixels they are. PNG specification, sections 6 to 9 and 11.
+// Random samples of a kind of picture, how they are stored, and what pixels they are. PNG specification,
+// sections 6 to 9 and 11.
 struct PngCase {
   int colour = kColourAlpha, depth = 8, width = 5, height = 7;
   bool transparency = false, interlaced = false;
   std::vector<unsigned> samples;
   std::vector<std::array<unsigned, 4>> palette;
 
-  int channels() const { return colour == kColour ? 3 : colour == kGreyAlpha ? 2 : colour == kColourAlpha ? 4 : 1; }
-  const unsigned* at(int x, int y) const { return &samples[static_cast<std::size_t>((y * width + x) * channels())]; }
+  int channels() const {
+    return colour == kColour ? 3 : colour == kGreyAlpha ? 2 : colour == kColourAlpha ? 4 : 1;
+  }
+  const unsigned* at(int x, int y) const {
+    return &samples[static_cast<std::size_t>((y * width + x) * channels())];
+  }
 
   void fill(unsigned seed) {
     std::mt19937 numbers(seed);
     const auto random = [&] { return static_cast<unsigned>(numbers()); };
     if (colour == kPalette)
-      for (unsigned i = 0; i < std::min(1u << depth, 200u); ++i) palette.push_back({random() & 255, random() & 255, random() & 255, transparency && i < 100 ? random() & 255 : 255});
+      for (unsigned i = 0; i < std::min(1u << depth, 200u); ++i)
+        palette.push_back(
+            {random() & 255, random() & 255, random() & 255, transparency && i < 100 ? random() & 255 : 255});
     const unsigned most = colour == kPalette ? static_cast<unsigned>(palette.size()) : 1u << depth;
     for (int i = 0; i < width * height * channels(); ++i) samples.push_back(random() % most);
     // The colour that is transparent occurs twice, and once with another lowest bit: of 16 bits all count.
     const auto texel = static_cast<std::size_t>(channels());
     if (transparency && colour != kPalette && width * height > 2)
-      for (std::size_t i = 0; i < texel; ++i) samples[i + texel] = samples[i], samples[i + 2 * texel] = samples[i] ^ 1u;
+      for (std::size_t i = 0; i < texel; ++i)
+        samples[i + texel] = samples[i], samples[i + 2 * texel] = samples[i] ^ 1u;
   }
 
   std::vector<std::uint8_t> pixels() const {
     std::vector<std::uint8_t> rgba;
-    const auto eight = [&](unsigned sample) { return static_cast<std::uint8_t>(depth == 16 ? sample >> 8 : sample * 255 / ((1u << depth) - 1)); };
+    const auto eight = [&](unsigned sample) {
+      return static_cast<std::uint8_t>(depth == 16 ? sample >> 8 : sample * 255 / ((1u << depth) - 1));
+    };
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const unsigned* s = at(x, y);
         const bool hidden = transparency && std::equal(s, s + channels(), samples.data());
-        if (colour == kPalette) for (unsigned value : palette[*s]) rgba.push_back(static_cast<std::uint8_t>(value));
+        if (colour == kPalette)
+          for (unsigned value : palette[*s]) rgba.push_back(static_cast<std::uint8_t>(value));
         else {
           const bool grey = colour == kGrey || colour == kGreyAlpha;
           for (int i = 0; i < 3; ++i) rgba.push_back(eight(s[grey ? 0 : i]));
-          rgba.push_back(colour == kGreyAlpha ? eight(s[1]) : colour == kColourAlpha ? eight(s[3]) : hidden ? 0 : 255);
+          rgba.push_back(colour == kGreyAlpha     ? eight(s[1])
+                         : colour == kColourAlpha ? eight(s[3])
+                         : hidden                 ? 0
+                                                  : 255);
         }
       }
     }
@@ -134,8 +160,11 @@ struct PngCase {
       const int filter = y / step_y % 5;
       all += static_cast<char>(filter);
       for (std::size_t i = 0; i < row.size(); ++i) {
-        const auto byte = [](const std::string& from, std::size_t at) { return static_cast<int>(static_cast<unsigned char>(from[at])); };
-        const int a = i >= back ? byte(row, i - back) : 0, b = byte(before, i), c = i >= back ? byte(before, i - back) : 0;
+        const auto byte = [](const std::string& from, std::size_t at) {
+          return static_cast<int>(static_cast<unsigned char>(from[at]));
+        };
+        const int a = i >= back ? byte(row, i - back) : 0, b = byte(before, i),
+                  c = i >= back ? byte(before, i - back) : 0;
         const int pa = std::abs(b - c), pb = std::abs(a - c), pc = std::abs(a + b - 2 * c);
         const int guess[] = {0, a, b, (a + b) / 2, pa <= pb && pa <= pc ? a : pb <= pc ? b : c};
         all += static_cast<char>(byte(row, i) - guess[filter]);
@@ -147,7 +176,8 @@ struct PngCase {
 
   std::string data() const {
     if (!interlaced) return deflated(rows(0, 0, 1, 1));
-    constexpr int kAdam7[7][4] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
+    constexpr int kAdam7[7][4] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
+                                  {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
     std::string all;
     for (const auto& [left, top, step_x, step_y] : kAdam7) all += rows(left, top, step_x, step_y);
     return deflated(all);
@@ -165,23 +195,30 @@ struct PngCase {
   }
 
   std::string file(const std::string& first = "", const std::string& last = "") const {
-    return kSignature + header(width, height, depth, colour, interlaced) + first + colours() + chunk("IDAT", data()) + last + kEnd;
+    return kSignature + header(width, height, depth, colour, interlaced) + first + colours() +
+           chunk("IDAT", data()) + last + kEnd;
   }
 };
 
 TEST(PngPictures, EveryKindHasThePixelsThatWereWritten) {
-  const std::pair<int, std::vector<int>> kinds[] = {{kGrey, {1, 2, 4, 8, 16}}, {kColour, {8, 16}}, {kPalette, {1, 2, 4, 8}}, {kGreyAlpha, {8, 16}}, {kColourAlpha, {8, 16}}};
+  const std::pair<int, std::vector<int>> kinds[] = {{kGrey, {1, 2, 4, 8, 16}},
+                                                    {kColour, {8, 16}},
+                                                    {kPalette, {1, 2, 4, 8}},
+                                                    {kGreyAlpha, {8, 16}},
+                                                    {kColourAlpha, {8, 16}}};
   unsigned seed = 0;
   for (const auto& [colour, depths] : kinds) {
     for (int depth : depths) {
       for (bool transparency : {false, true}) {
         if (transparency && (colour == kGreyAlpha || colour == kColourAlpha)) continue;
         for (bool interlaced : {false, true}) {
-          for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 2), std::pair(1, 9), std::pair(29, 17)}) {
+          for (const auto& [width, height] :
+               {std::pair(1, 1), std::pair(3, 2), std::pair(1, 9), std::pair(29, 17)}) {
             PngCase png{colour, depth, width, height, transparency, interlaced, {}, {}};
             png.fill(++seed);
             ASSERT_EQ(pixels(png.file()), png.pixels())
-                << "colour type " << colour << ", depth " << depth << ", tRNS " << transparency << ", interlaced " << interlaced << ", " << width << " x " << height;
+                << "colour type " << colour << ", depth " << depth << ", tRNS " << transparency
+                << ", interlaced " << interlaced << ", " << width << " x " << height;
           }
         }
       }
@@ -189,7 +226,8 @@ TEST(PngPictures, EveryKindHasThePixelsThatWereWritten) {
   }
 }
 
-// glTF 2.0, section 3.8.2: colour information in a picture is ignored. So is all else that no pixel needs, however much there is of it.
+// glTF 2.0, section 3.8.2: colour information in a picture is ignored. So is all else that no pixel needs,
+// however much there is of it.
 TEST(PngPictures, WhatIsSaidOfColoursChangesNone) {
   PngCase png;
   png.depth = 16;
@@ -198,18 +236,19 @@ TEST(PngPictures, WhatIsSaidOfColoursChangesNone) {
   std::string texts;
   for (int i = 0; i < 3000; ++i) texts += chunk("tEXt", "Comment" + std::string(1, '\0') + "text");
   const std::string zeros = deflated(std::string(1 << 22, '\0')), noise(9 << 20, 'n');
-  const std::pair<const char*, std::string> cases[] = {{"gamma 1", chunk("gAMA", number(100000))},
-                                                       {"gamma 1/5", chunk("gAMA", number(20000))},
-                                                       {"sRGB", chunk("sRGB", std::string(1, '\0'))},
-                                                       {"a profile", chunk("iCCP", profile)},
-                                                       {"chromaticities", chunk("cHRM", std::string(32, '\1'))},
-                                                       {"significant bits", chunk("sBIT", "\1\1\1\1")},
-                                                       {"a background", chunk("bKGD", std::string(6, '\1'))},
-                                                       {"many texts", texts},
-                                                       {"a long text", chunk("zTXt", "Comment" + std::string(2, '\0') + zeros)},
-                                                       {"a longer text", chunk("tEXt", "Comment" + std::string(1, '\0') + noise)},
-                                                       {"an unknown chunk", chunk("kEpl", noise)},
-                                                       {"a damaged time", chunk("tIME", "never")}};
+  const std::pair<const char*, std::string> cases[] = {
+      {"gamma 1", chunk("gAMA", number(100000))},
+      {"gamma 1/5", chunk("gAMA", number(20000))},
+      {"sRGB", chunk("sRGB", std::string(1, '\0'))},
+      {"a profile", chunk("iCCP", profile)},
+      {"chromaticities", chunk("cHRM", std::string(32, '\1'))},
+      {"significant bits", chunk("sBIT", "\1\1\1\1")},
+      {"a background", chunk("bKGD", std::string(6, '\1'))},
+      {"many texts", texts},
+      {"a long text", chunk("zTXt", "Comment" + std::string(2, '\0') + zeros)},
+      {"a longer text", chunk("tEXt", "Comment" + std::string(1, '\0') + noise)},
+      {"an unknown chunk", chunk("kEpl", noise)},
+      {"a damaged time", chunk("tIME", "never")}};
   for (const auto& [what, said] : cases) {
     EXPECT_EQ(pixels(png.file(said)), png.pixels()) << what;
     EXPECT_EQ(pixels(png.file("", said)), png.pixels()) << what << ", at the end";
@@ -221,7 +260,8 @@ TEST(PngPictures, WhatNoPixelNeedsTakesNoMemory) {
   PngCase png;
   png.fill(1);
   std::string texts;
-  const std::string text = chunk("zTXt", "Comment" + std::string(2, '\0') + deflated(std::string(4 << 20, 'x')));
+  const std::string text =
+      chunk("zTXt", "Comment" + std::string(2, '\0') + deflated(std::string(4 << 20, 'x')));
   for (int i = 0; i < 50; ++i) texts += text;
   const std::string file = png.file(texts);
   const auto peak = [] {
@@ -239,7 +279,8 @@ TEST(PngPictures, DataMayLieInPieces) {
   png.fill(2);
   std::string pieces = chunk("IDAT", "");
   for (char byte : png.data()) pieces += chunk("IDAT", std::string(1, byte));
-  EXPECT_EQ(pixels(kSignature + header(png.width, png.height, png.depth, png.colour) + pieces + kEnd), png.pixels());
+  EXPECT_EQ(pixels(kSignature + header(png.width, png.height, png.depth, png.colour) + pieces + kEnd),
+            png.pixels());
 }
 
 TEST(PngPictures, LiesAreRefused) {
@@ -251,33 +292,41 @@ TEST(PngPictures, LiesAreRefused) {
   unknown.insert(unknown.find("PLTE") - 4, chunk("KELP", "?"));
   const std::string data = chunk("IDAT", deflated(std::string(100, '\0')));
   const std::pair<std::string, const char*> cases[] = {
-      {kSignature + header(8193, 8192, 8, kGrey) + data + kEnd, "has 8193 x 8192 pixels; at most 8192 x 8192 are read"},
-      {kSignature + header(16385, 1, 8, kGrey) + data + kEnd, "has 16385 x 1 pixels; at most 8192 x 8192 are read, and 16384 in a row or a column"},
+      {kSignature + header(8193, 8192, 8, kGrey) + data + kEnd,
+       "has 8193 x 8192 pixels; at most 8192 x 8192 are read"},
+      {kSignature + header(16385, 1, 8, kGrey) + data + kEnd,
+       "has 16385 x 1 pixels; at most 8192 x 8192 are read, and 16384 in a row or a column"},
       {kSignature + header(1, 16385, 8, kGrey) + data + kEnd, "has 1 x 16385 pixels"},
-      {kSignature + header(0, 5, 8, kGrey) + data + kEnd, "is a PNG picture whose header is damaged or cut off"},
-      {kSignature + header(5, -5, 8, kGrey) + data + kEnd, "is a PNG picture whose header is damaged or cut off"},
+      {kSignature + header(0, 5, 8, kGrey) + data + kEnd,
+       "is a PNG picture whose header is damaged or cut off"},
+      {kSignature + header(5, -5, 8, kGrey) + data + kEnd,
+       "is a PNG picture whose header is damaged or cut off"},
       {kSignature + data + kEnd, "is a PNG picture whose header is damaged or cut off"},
       {kSignature, "is a PNG picture whose header is damaged or cut off"},
-      {kSignature + header(5, 5, 3, kGrey) + data + kEnd, "can not be decoded (Invalid IHDR data)"},
-      {kSignature + header(5, 5, 8, kPalette) + data + kEnd, "can not be decoded"},
-      {kSignature + header(5, 5, 8, kGrey) + kEnd, "can not be decoded"},
-      {kSignature + header(20, 20, 8, kGrey) + data + kEnd, "can not be decoded (Not enough image data)"},
-      {kSignature + header(5, 5, 8, kGrey) + chunk("IDAT", "no zlib stream") + kEnd, "can not be decoded (IDAT: "},
-      {kSignature + header(5, 5, 8, kGrey) + number(0x40000000) + "IDATx", "can not be decoded (the file ends too early)"},
-      {kSignature + header(5, 5, 8, kGrey) + number(0x7fffffff) + "tEXtx", "can not be decoded (the file ends too early)"},
-      {untrue, "can not be decoded (tRNS: CRC error)"},
-      {unknown, "can not be decoded (KELP: unhandled critical chunk)"}};
+      {kSignature + header(5, 5, 3, kGrey) + data + kEnd, "cannot be decoded (Invalid IHDR data)"},
+      {kSignature + header(5, 5, 8, kPalette) + data + kEnd, "cannot be decoded"},
+      {kSignature + header(5, 5, 8, kGrey) + kEnd, "cannot be decoded"},
+      {kSignature + header(20, 20, 8, kGrey) + data + kEnd, "cannot be decoded (Not enough image data)"},
+      {kSignature + header(5, 5, 8, kGrey) + chunk("IDAT", "no zlib stream") + kEnd,
+       "cannot be decoded (IDAT: "},
+      {kSignature + header(5, 5, 8, kGrey) + number(0x40000000) + "IDATx",
+       "cannot be decoded (the file ends too early)"},
+      {kSignature + header(5, 5, 8, kGrey) + number(0x7fffffff) + "tEXtx",
+       "cannot be decoded (the file ends too early)"},
+      {untrue, "cannot be decoded (tRNS: CRC error)"},
+      {unknown, "cannot be decoded (KELP: unhandled critical chunk)"}};
   for (const auto& [bytes, said] : cases) {
     const std::string reason = refusal(bytes);
     EXPECT_TRUE(contains(reason, said)) << reason << " instead of " << said;
   }
 }
 
-// --- JPEG --------------------------------------------------------------------------------------------------------------------------------
+// --- JPEG ----------------------------------------------------------------------------------------
 
 constexpr int kWidth = 45, kHeight = 35;
 
-// A smooth picture of four channels: the first three are the colour, the fourth is what is left of the light beside black ink.
+// A smooth picture of four channels: the first three are the colour, the fourth is what is left of the light
+// beside black ink.
 std::array<double, 4> smooth(int x, int y) {
   const double u = static_cast<double>(x) / kWidth, v = static_cast<double>(y) / kHeight;
   return {20 + 200 * u, 230 - 180 * v, 60 + 120 * u * v, 255 - 100 * v};
@@ -309,7 +358,8 @@ std::string jpeg(const JpegCase& wanted, const std::vector<jpeg_scan_info>& scan
   jpeg_set_quality(&out, 100, TRUE);
   out.comp_info[0].h_samp_factor = wanted.across;
   out.comp_info[0].v_samp_factor = wanted.down;
-  if (wanted.given == JCS_CMYK) out.comp_info[3].h_samp_factor = wanted.across, out.comp_info[3].v_samp_factor = wanted.down;
+  if (wanted.given == JCS_CMYK)
+    out.comp_info[3].h_samp_factor = wanted.across, out.comp_info[3].v_samp_factor = wanted.down;
   out.restart_interval = wanted.restart;
   if (wanted.progressive) jpeg_simple_progression(&out);
   if (!scans.empty()) {
@@ -320,7 +370,8 @@ std::string jpeg(const JpegCase& wanted, const std::vector<jpeg_scan_info>& scan
   for (int y = 0; y < kHeight; ++y) {
     std::vector<std::uint8_t> row;
     for (int x = 0; x < kWidth; ++x)
-      for (int i = 0; i < wanted.channels(); ++i) row.push_back(static_cast<std::uint8_t>(std::lround(smooth(x, y)[static_cast<std::size_t>(i)])));
+      for (int i = 0; i < wanted.channels(); ++i)
+        row.push_back(static_cast<std::uint8_t>(std::lround(smooth(x, y)[static_cast<std::size_t>(i)])));
     JSAMPROW rows = row.data();
     jpeg_write_scanlines(&out, &rows, 1);
   }
@@ -341,7 +392,12 @@ const JpegCase kJpegs[] = {{.name = "grey", .given = JCS_GRAYSCALE, .stored = JC
                            {.name = "4:2:0, progressive", .across = 2, .down = 2, .progressive = true},
                            {.name = "RGB", .stored = JCS_RGB},
                            {.name = "CMYK", .given = JCS_CMYK, .stored = JCS_CMYK},
-                           {.name = "YCCK 4:2:0, progressive", .given = JCS_CMYK, .stored = JCS_YCCK, .across = 2, .down = 2, .progressive = true}};
+                           {.name = "YCCK 4:2:0, progressive",
+                            .given = JCS_CMYK,
+                            .stored = JCS_YCCK,
+                            .across = 2,
+                            .down = 2,
+                            .progressive = true}};
 
 TEST(JpegPictures, EveryKindIsNearWhatItsCoderWasGiven) {
   for (const JpegCase& wanted : kJpegs) {
@@ -378,7 +434,9 @@ TEST(JpegPictures, AreTheSameBytesOnEveryMachine) {
 }
 
 // Where `marker` stands; its segment's content is four bytes further.
-std::size_t find(const std::string& file, unsigned char marker) { return file.find(std::string{'\xff', static_cast<char>(marker)}); }
+std::size_t find(const std::string& file, unsigned char marker) {
+  return file.find(std::string{'\xff', static_cast<char>(marker)});
+}
 
 // What cameras and programs write beside the specification, and no pixel depends on.
 TEST(JpegPictures, HarmlessFaultsAreBorne) {
@@ -391,8 +449,10 @@ TEST(JpegPictures, HarmlessFaultsAreBorne) {
     return file;
   };
   EXPECT_EQ(pixels(sound + std::string(100, '\0')), expected) << "bytes behind the end";
-  EXPECT_EQ(pixels(sound.substr(0, sound.size() - 2) + std::string(3, '\0') + "\xff\xd9"), expected) << "bytes before the end";
-  EXPECT_EQ(pixels(sound.substr(0, scan) + "\xff\xff" + sound.substr(scan)), expected) << "padding before a marker";
+  EXPECT_EQ(pixels(sound.substr(0, sound.size() - 2) + std::string(3, '\0') + "\xff\xd9"), expected)
+      << "bytes before the end";
+  EXPECT_EQ(pixels(sound.substr(0, scan) + "\xff\xff" + sound.substr(scan)), expected)
+      << "padding before a marker";
   EXPECT_EQ(pixels(changed(scan + 12, 0)), expected) << "a baseline scan of other coefficients";
   EXPECT_EQ(pixels(changed(find(sound, 0xe0) + 9, 3)), expected) << "JFIF 3";
 }
@@ -403,36 +463,41 @@ TEST(JpegPictures, LiesAreRefused) {
     std::string content(1 + 8, '\0');
     for (int length = 0; length < 8; ++length) content += static_cast<char>(codes / 8);
     content += std::string(static_cast<std::size_t>(codes), '\1');
-    return sound.substr(0, 2) + "\xff\xc4" + number(static_cast<std::uint32_t>(content.size() + 2), 2) + content + sound.substr(2);
+    return sound.substr(0, 2) + "\xff\xc4" + number(static_cast<std::uint32_t>(content.size() + 2), 2) +
+           content + sound.substr(2);
   };
   const auto sized = [&](std::uint32_t width, std::uint32_t height) {
     std::string file = sound;
     return file.replace(find(file, 0xc0) + 5, 4, number(height, 2) + number(width, 2));
   };
-  const std::string beyond = sound.substr(0, 2) + "\xff\xc4" + number(12, 2) + std::string(10, '\x10') + sound.substr(2);
+  const std::string beyond =
+      sound.substr(0, 2) + "\xff\xc4" + number(12, 2) + std::string(10, '\x10') + sound.substr(2);
   std::string resync = restarts, codes = sound;
   resync[find(resync, 0xd1) + 1] = '\xd5';
   for (std::size_t i = find(codes, 0xda) + 40; i < codes.size() - 2; ++i) codes[i] = i % 2 ? '\xff' : '\0';
   EXPECT_EQ(refusal(table(256)), "");
-  const std::pair<std::string, const char*> cases[] = {{table(264), "is a JPEG picture that can not be decoded (Bogus Huffman table definition)"},
-                                                       {beyond, "can not be decoded (Bogus marker length)"},
-                                                       {sound.substr(0, find(sound, 0xda)) + "\xff\xd9", "can not be decoded (Invalid JPEG file structure: missing SOS marker)"},
-                                                       {"\xff\xd8", "can not be decoded (Premature end of JPEG file)"},
-                                                       {"\xff\xd8" + std::string(100, 'x'), "can not be decoded"},
-                                                       {sized(8193, 8192), "has 8193 x 8192 pixels; at most 8192 x 8192 are read"},
-                                                       {sized(65500, 1), "has 65500 x 1 pixels"},
-                                                       {sized(0, 20), "can not be decoded (Empty JPEG image (DNL not supported))"},
-                                                       {sized(4000, 4000), "can not be decoded (Corrupt JPEG data: premature end of data segment)"},
-                                                       {sound.substr(0, sound.size() - 2), "can not be decoded (Premature end of JPEG file)"},
-                                                       {resync, "can not be decoded (Corrupt JPEG data: found marker 0xd5 instead of RST1)"},
-                                                       {codes, "can not be decoded (Corrupt JPEG data: "}};
+  const std::pair<std::string, const char*> cases[] = {
+      {table(264), "is a JPEG picture that cannot be decoded (Bogus Huffman table definition)"},
+      {beyond, "cannot be decoded (Bogus marker length)"},
+      {sound.substr(0, find(sound, 0xda)) + "\xff\xd9",
+       "cannot be decoded (Invalid JPEG file structure: missing SOS marker)"},
+      {"\xff\xd8", "cannot be decoded (Premature end of JPEG file)"},
+      {"\xff\xd8" + std::string(100, 'x'), "cannot be decoded"},
+      {sized(8193, 8192), "has 8193 x 8192 pixels; at most 8192 x 8192 are read"},
+      {sized(65500, 1), "has 65500 x 1 pixels"},
+      {sized(0, 20), "cannot be decoded (Empty JPEG image (DNL not supported))"},
+      {sized(4000, 4000), "cannot be decoded (Corrupt JPEG data: premature end of data segment)"},
+      {sound.substr(0, sound.size() - 2), "cannot be decoded (Premature end of JPEG file)"},
+      {resync, "cannot be decoded (Corrupt JPEG data: found marker 0xd5 instead of RST1)"},
+      {codes, "cannot be decoded (Corrupt JPEG data: "}};
   for (const auto& [bytes, said] : cases) {
     const std::string reason = refusal(bytes);
     EXPECT_TRUE(contains(reason, said)) << reason << " instead of " << said;
   }
 }
 
-// Sound, but for how many they are: a small file may have thousands, each of which is a walk through all of its pixels.
+// Sound, but for how many they are: a small file may have thousands, each of which is a walk through all of
+// its pixels.
 TEST(JpegPictures, ScansAreCounted) {
   const auto scans = [](int count) {
     std::vector<jpeg_scan_info> all = {{3, {0, 1, 2}, 0, 0, 0, 0}};
@@ -440,10 +505,10 @@ TEST(JpegPictures, ScansAreCounted) {
     return jpeg({}, all);
   };
   EXPECT_EQ(refusal(scans(100)), "");
-  EXPECT_EQ(refusal(scans(101)), "is a JPEG picture that can not be decoded (it has more than 100 scans)");
+  EXPECT_EQ(refusal(scans(101)), "is a JPEG picture that cannot be decoded (it has more than 100 scans)");
 }
 
-// --- both ---------------------------------------------------------------------------------------------------------------------------------
+// --- both ----------------------------------------------------------------------------------------
 
 std::vector<std::pair<std::string, std::string>> smallPictures() {
   std::vector<std::pair<std::string, std::string>> all;
@@ -462,15 +527,17 @@ TEST(Pictures, CutOffTheyAreRefused) {
   for (const auto& [name, sound] : smallPictures()) {
     EXPECT_EQ(refusal(sound), "") << name;
     // Every length of the head, of the tail, and every 7th between.
-    for (std::size_t length = 0; length < sound.size(); length += length < 800 || length + 200 > sound.size() ? 1 : 7) {
-      ASSERT_FALSE(refusal(sound.substr(0, length)).empty()) << name << " cut at " << length << " of " << sound.size();
+    for (std::size_t length = 0; length < sound.size();
+         length += length < 800 || length + 200 > sound.size() ? 1 : 7) {
+      ASSERT_FALSE(refusal(sound.substr(0, length)).empty())
+          << name << " cut at " << length << " of " << sound.size();
       imageSize(asBytes(sound.substr(0, length)));
     }
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// A JPEG has no checksums: much of its damage can not be seen. A PNG is refused, or its pixels are sound.
+// A JPEG has no checksums: much of its damage cannot be seen. A PNG is refused, or its pixels are sound.
 TEST(Pictures, ChangedTheyAreRefusedOrRead) {
   testing::internal::CaptureStderr();
   for (const auto& [name, sound] : smallPictures()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where meshes lie: far from the origin, on lattices of whole numbers, beyond all floats. The same shape elsewhere has the same voxels.
+// Where meshes lie: far from the origin, on lattices of whole numbers, beyond all floats. The same shape
+// elsewhere has the same voxels.
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -29,19 +30,25 @@ struct Ball {
   explicit Ball(const glm::dvec3& middle) {
     for (int ring = 0; ring <= kRings; ++ring)
       for (int segment = 0; segment < kSegments; ++segment) {
-        const double polar = std::numbers::pi * ring / kRings, around = 2 * std::numbers::pi * segment / kSegments;
-        corners.push_back(middle + 2.0 * glm::dvec3(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around)));
+        const double polar = std::numbers::pi * ring / kRings,
+                     around = 2 * std::numbers::pi * segment / kSegments;
+        corners.push_back(middle + 2.0 * glm::dvec3(std::sin(polar) * std::cos(around), std::cos(polar),
+                                                    std::sin(polar) * std::sin(around)));
       }
     for (int ring = 0; ring < kRings; ++ring)
       for (int segment = 0; segment < kSegments; ++segment) {
-        const int a = ring * kSegments + segment, b = ring * kSegments + (segment + 1) % kSegments, c = a + kSegments, d = b + kSegments;
+        const int a = ring * kSegments + segment, b = ring * kSegments + (segment + 1) % kSegments,
+                  c = a + kSegments, d = b + kSegments;
         if (ring > 0) faces.push_back({a, b, c});
         if (ring + 1 < kRings) faces.push_back({b, d, c});
       }
   }
 
   std::string text(const std::string& format) const {
-    const auto number = [&](int i) { return fmt::format("{:.17g} {:.17g} {:.17g}", corners[static_cast<std::size_t>(i)].x, corners[static_cast<std::size_t>(i)].y, corners[static_cast<std::size_t>(i)].z); };
+    const auto number = [&](int i) {
+      return fmt::format("{:.17g} {:.17g} {:.17g}", corners[static_cast<std::size_t>(i)].x,
+                         corners[static_cast<std::size_t>(i)].y, corners[static_cast<std::size_t>(i)].z);
+    };
     const int count = static_cast<int>(corners.size());
     std::string out;
     if (format == ".stl") {
@@ -55,8 +62,10 @@ struct Ball {
     }
     if (format == ".off") out = fmt::format("OFF\n{} {} 0\n", count, faces.size());
     if (format == ".ply" || format == ".bin.ply")
-      out = fmt::format("ply\nformat {} 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                        format == ".ply" ? "ascii" : "binary_little_endian", count, faces.size());
+      out = fmt::format(
+          "ply\nformat {} 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
+          "z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+          format == ".ply" ? "ascii" : "binary_little_endian", count, faces.size());
     if (format == ".bin.ply") {
       out.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof corners[0]);
       for (const auto& face : faces) {
@@ -67,7 +76,9 @@ struct Ball {
     }
     const bool obj = format == ".obj";
     for (int i = 0; i < count; ++i) out += (obj ? "v " : "") + number(i) + "\n";
-    for (const auto& face : faces) out += fmt::format("{} {} {} {}\n", obj ? "f" : "3", face[0] + (obj ? 1 : 0), face[1] + (obj ? 1 : 0), face[2] + (obj ? 1 : 0));
+    for (const auto& face : faces)
+      out += fmt::format("{} {} {} {}\n", obj ? "f" : "3", face[0] + (obj ? 1 : 0), face[1] + (obj ? 1 : 0),
+                         face[2] + (obj ? 1 : 0));
     return out;
   }
 };
@@ -89,7 +100,8 @@ TEST(ImportPlace, ShapesFarFromTheOriginAreTheSame) {
     for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i] ? 1 : 0;
     EXPECT_LE(other, a.size() / 50) << format;
     for (int axis = 0; axis < 3; ++axis) {
-      const double moved = static_cast<double>(away.parts[0].to_object[3][axis]) - static_cast<double>(near.parts[0].to_object[3][axis]);
+      const double moved = static_cast<double>(away.parts[0].to_object[3][axis]) -
+                           static_cast<double>(near.parts[0].to_object[3][axis]);
       EXPECT_NEAR(moved, far[axis], 0.26) << format;  // half a float's step there
     }
     EXPECT_TRUE(anyContains(there.notices, "off its place; its shape is right")) << format;
@@ -100,12 +112,14 @@ TEST(ImportPlace, ShapesFarFromTheOriginAreTheSame) {
 // Near it nothing is moved: positions are the file's own floats.
 TEST(ImportPlace, ShapesNearTheOriginStayWhereTheyAre) {
   const Scratch scratch;
-  const SourceModel model = importFile(scratch.write("a.obj", "v 10 10 10\nv 11 10 10\nv 10 11 10\nf 1 2 3\n"), {});
+  const SourceModel model =
+      importFile(scratch.write("a.obj", "v 10 10 10\nv 11 10 10\nv 10 11 10\nf 1 2 3\n"), {});
   EXPECT_EQ(model.parts[0].to_object, glm::mat4x3(1));
   EXPECT_EQ(model.parts[0].soup.positions[0], glm::vec3(10));
 }
 
-// Sheets a unit apart, of a material each, in bytes as they are: whole numbers are exact, and no compressor has moved their borders.
+// Sheets a unit apart, of a material each, in bytes as they are: whole numbers are exact, and no compressor
+// has moved their borders.
 class IntegerSheets : public testing::Test {
  protected:
   static constexpr int kHeights[3] = {0, 1, 8};
@@ -116,7 +130,8 @@ class IntegerSheets : public testing::Test {
     std::string meshes;
     for (std::size_t sheet = 0; sheet < 3; ++sheet) {
       const int side = sheet < 2 ? 8 : 1, y = heights[sheet];
-      const std::array<std::array<int, 3>, 4> corners = {{{0, y, 0}, {side, y, 0}, {side, y, side}, {0, y, side}}};
+      const std::array<std::array<int, 3>, 4> corners = {
+          {{0, y, 0}, {side, y, 0}, {side, y, side}, {0, y, side}}};
       int positions = 0;
       if (bytes) {
         std::string raw;
@@ -130,12 +145,18 @@ class IntegerSheets : public testing::Test {
         positions = maker.floats(values, 3);
       }
       const int faces = maker.indices({0, 1, 2, 0, 2, 3});
-      meshes += fmt::format(R"({}{{"primitives":[{{"attributes":{{"POSITION":{}}},"indices":{}}}]}})", sheet ? "," : "", positions, faces);
+      meshes += fmt::format(R"({}{{"primitives":[{{"attributes":{{"POSITION":{}}},"indices":{}}}]}})",
+                            sheet ? "," : "", positions, faces);
     }
-    const SourceModel model = importText(scratch_, maker.text(R"("extensionsUsed":["KHR_mesh_quantization"],"scene":0,"scenes":[{"nodes":[0,1,2]}],"nodes":)" + nodes + R"(,"meshes":[)" + meshes + "]"));
+    const SourceModel model = importText(
+        scratch_,
+        maker.text(
+            R"("extensionsUsed":["KHR_mesh_quantization"],"scene":0,"scenes":[{"nodes":[0,1,2]}],"nodes":)" +
+            nodes + R"(,"meshes":[)" + meshes + "]"));
     EXPECT_EQ(model.parts[0].soup.triangles.size(), 6u);
     std::set<std::uint32_t> used;
-    for (const auto& triangle : model.parts[0].soup.triangles) used.insert(triangle.vertex.begin(), triangle.vertex.end());
+    for (const auto& triangle : model.parts[0].soup.triangles)
+      used.insert(triangle.vertex.begin(), triangle.vertex.end());
     return used.size();
   }
 
@@ -147,12 +168,15 @@ TEST_F(IntegerSheets, OnOneLatticeAreApart) {
   EXPECT_EQ(vertices(still, {0, 1, 8}, false), 12u);
   EXPECT_EQ(vertices(still, {0, 1, 8}, true), 12u);
   // The same lattice, which begins elsewhere.
-  EXPECT_EQ(vertices(R"([{"mesh":0},{"mesh":1,"translation":[0,1,0]},{"mesh":2,"translation":[3,-5,7]}])", {0, 0, 13}, true), 12u);
+  EXPECT_EQ(vertices(R"([{"mesh":0},{"mesh":1,"translation":[0,1,0]},{"mesh":2,"translation":[3,-5,7]}])",
+                     {0, 0, 13}, true),
+            12u);
 }
 
 // What stands between two lattices may have been one border before it was rounded to either.
 TEST_F(IntegerSheets, OnOtherLatticesAreJoined) {
-  EXPECT_EQ(vertices(R"([{"mesh":0},{"mesh":1,"translation":[0.25,0.25,0.25]},{"mesh":2}])", {0, 0, 8}, true), 8u);
+  EXPECT_EQ(vertices(R"([{"mesh":0},{"mesh":1,"translation":[0.25,0.25,0.25]},{"mesh":2}])", {0, 0, 8}, true),
+            8u);
 }
 
 TEST(ImportPlace, PartsBeyondFloatsAreRefusedBeforeTheWork) {
@@ -164,8 +188,11 @@ TEST(ImportPlace, PartsBeyondFloatsAreRefusedBeforeTheWork) {
     settings.parts = Parts::kNodes;
     Report report;
     try {
-      bake::bake(scratch.write("model.gltf", maker.text(R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,)" + node + "}]," + GltfMaker::boxMesh())), settings, report);
-    } catch (const BakeError& error) {
+      bake::bake(
+          scratch.write("model.gltf", maker.text(R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,)" +
+                                                 node + "}]," + GltfMaker::boxMesh())),
+          settings, report);
+    } catch (const ToolError& error) {
       EXPECT_EQ(error.exit, Exit::kInvalid) << error.what();
       EXPECT_TRUE(contains(error.what(), word)) << error.what();
       return;
@@ -174,31 +201,39 @@ TEST(ImportPlace, PartsBeyondFloatsAreRefusedBeforeTheWork) {
   };
   refused(R"("translation":[1e39,0,0])", "beyond what 32-bit floats can hold");
   for (const double scale : {1e-41, 1e38}) {
-    scratch.write("b.binvox", fmt::format("#binvox 1\ndim 4 4 4\ntranslate 0 0 0\nscale {:g}\ndata\n", scale) + std::string("\1\100", 2));
+    scratch.write("b.binvox",
+                  fmt::format("#binvox 1\ndim 4 4 4\ntranslate 0 0 0\nscale {:g}\ndata\n", scale) +
+                      std::string("\1\100", 2));
     Report report;
     try {
       bake::bake(scratch / "b.binvox", {}, report);
       ADD_FAILURE() << scale << " was accepted";
-    } catch (const BakeError& error) {
+    } catch (const ToolError& error) {
       EXPECT_EQ(error.exit, Exit::kInvalid) << error.what();
-      EXPECT_TRUE(contains(error.what(), "b.binvox") && contains(error.what(), "32-bit floats")) << error.what();
+      EXPECT_TRUE(contains(error.what(), "b.binvox") && contains(error.what(), "32-bit floats"))
+          << error.what();
     }
   }
 }
 
-// -s and -o, as viewers show them: at s u + o, v from below. Options take their own words and none of the name.
+// -s and -o, as viewers show them: at s u + o, v from below. Options take their own words and none of the
+// name.
 TEST(ImportPlace, PicturesOfMtlFilesLieWhereTheySay) {
   const Scratch scratch;
   const std::string texel = std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\40\50", 18) + "\x10\x20\xff\xff";
   for (const char* name : {"a.tga", "2half.tga", "01 wood.tga"}) scratch.write(name, texel);
   const auto corner = [&](const std::string& line, const char* image) {
     scratch.write("a.mtl", "newmtl m\n" + line + "\n");
-    const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.75\nusemtl m\nf 1/1 2/1 3/1\n"), {});
+    const SourceModel model = importFile(
+        scratch.write("a.obj",
+                      "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.75\nusemtl m\nf 1/1 2/1 3/1\n"),
+        {});
     EXPECT_EQ(model.images.size(), 1u) << line;
     if (!model.images.empty()) {
       EXPECT_EQ(model.images[0].name, image);
     }
-    EXPECT_TRUE(model.notices.empty()) << line << ": " << (model.notices.empty() ? "" : model.notices.front());
+    EXPECT_TRUE(model.notices.empty())
+        << line << ": " << (model.notices.empty() ? "" : model.notices.front());
     return model.parts[0].soup.uvs[0][0];
   };
   EXPECT_EQ(corner("map_Kd a.tga", "a.tga"), glm::vec2(0.25f, 0.25f));
@@ -214,17 +249,26 @@ TEST(ImportPlace, WhatIsNotReadOfTexturesIsSaid) {
   const Scratch scratch;
   scratch.write("a.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\40\50", 18) + "\x10\x20\xff\xff");
   scratch.write("a.mtl", "newmtl m\nmap_Kd -s 2 2 a.tga\nmap_Ke -s 3 3 a.tga\nmap_d a.tga\n");
-  const SourceModel model = importFile(scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"), {});
-  EXPECT_TRUE(anyContains(model.notices, "material 'm': -s and -o of map_Ke are not those of its first picture"));
+  const SourceModel model = importFile(
+      scratch.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"),
+      {});
+  EXPECT_TRUE(
+      anyContains(model.notices, "material 'm': -s and -o of map_Ke are not those of its first picture"));
   EXPECT_TRUE(anyContains(model.notices, "material 'm': map_d is not read"));
-  const SourceModel ply = importFile(scratch.write("a.ply", "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), {});
+  const SourceModel ply = importFile(
+      scratch.write("a.ply",
+                    "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 3\nproperty float "
+                    "x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int "
+                    "vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+      {});
   EXPECT_TRUE(anyContains(ply.notices, "names a texture (skin.png)"));
 }
 
 // "# C:\models\" ends with its line; a line of data may go on.
 TEST(ImportPlace, ObjCommentsEndWithTheirLine) {
   const Scratch scratch;
-  const SourceModel model = importFile(scratch.write("a.obj", "# from C:\\models\\\nv 0 0 0\nv 1 0 0\nv 0 \\\n1 0\nf 1 2 \\\n3\n"), {});
+  const SourceModel model = importFile(
+      scratch.write("a.obj", "# from C:\\models\\\nv 0 0 0\nv 1 0 0\nv 0 \\\n1 0\nf 1 2 \\\n3\n"), {});
   ASSERT_EQ(model.parts[0].soup.positions.size(), 3u);
   EXPECT_EQ(model.parts[0].soup.positions[2], glm::vec3(0, 1, 0));
 }

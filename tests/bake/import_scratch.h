@@ -21,13 +21,16 @@ namespace kelp::bake::test {
 
 using kelp::test::Scratch;
 
-inline SourceModel importText(const Scratch& scratch, const std::string& text, const Settings& settings = {}) { return importFile(scratch.write("model.gltf", text), settings); }
+inline SourceModel importText(const Scratch& scratch, const std::string& text,
+                              const Settings& settings = {}) {
+  return importFile(scratch.write("model.gltf", text), settings);
+}
 
-// The message of the BakeError that importing a file throws; its code must be `code`.
+// The message of the ToolError that importing a file throws; its code must be `code`.
 inline std::string refusal(const std::filesystem::path& path, Exit code, const Settings& settings = {}) {
   try {
     importFile(path, settings);
-  } catch (const BakeError& error) {
+  } catch (const ToolError& error) {
     EXPECT_EQ(static_cast<int>(error.exit), static_cast<int>(code)) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     return error.what();
@@ -47,7 +50,9 @@ inline std::string contentOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 inline bool anyContains(const std::vector<std::string>& lines, const std::string& part) {
   for (const std::string& line : lines)
@@ -68,7 +73,8 @@ inline Bounds boundsOf(const SourcePart& part) {
   return bounds;
 }
 
-// Volume by the divergence theorem, in the object: positive where the triangles wind counter-clockwise seen from outside.
+// Volume by the divergence theorem, in the object: positive where the triangles wind counter-clockwise seen
+// from outside.
 inline double signedVolume(const SourcePart& part) {
   double volume = 0;
   for (const auto& triangle : part.soup.triangles) {
@@ -84,8 +90,10 @@ inline std::string base64(const std::string& bytes) {
   std::string out;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t bits = 0;
-    for (std::size_t j = 0; j < 3; ++j) bits = bits << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-    for (std::size_t j = 0; j < 4; ++j) out += j <= bytes.size() - i ? digits[bits >> (18 - 6 * j) & 63] : '=';
+    for (std::size_t j = 0; j < 3; ++j)
+      bits = bits << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+    for (std::size_t j = 0; j < 4; ++j)
+      out += j <= bytes.size() - i ? digits[bits >> (18 - 6 * j) & 63] : '=';
   }
   return out;
 }
@@ -100,13 +108,19 @@ class GltfMaker {
  public:
   int floats(const std::vector<float>& values, int components) {
     static const char* const kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-    return add(bytesOf(values), 5126, values.size() / static_cast<std::size_t>(components), kTypes[components - 1]);
+    return add(bytesOf(values), 5126, values.size() / static_cast<std::size_t>(components),
+               kTypes[components - 1]);
   }
-  int indices(const std::vector<std::uint16_t>& values) { return add(bytesOf(values), 5123, values.size(), "SCALAR"); }
+  int indices(const std::vector<std::uint16_t>& values) {
+    return add(bytesOf(values), 5123, values.size(), "SCALAR");
+  }
 
-  int joints(const std::vector<std::uint16_t>& values) { return add(bytesOf(values), 5123, values.size() / 4, "VEC4"); }
+  int joints(const std::vector<std::uint16_t>& values) {
+    return add(bytesOf(values), 5123, values.size() / 4, "VEC4");
+  }
 
-  // Accessor 0: eight corners of the box [-0.1, 0.1] x [0, 2] x [-0.1, 0.1]; accessor 1: its twelve triangles, wound outward.
+  // Accessor 0: eight corners of the box [-0.1, 0.1] x [0, 2] x [-0.1, 0.1]; accessor 1: its twelve
+  // triangles, wound outward.
   void addBox() {
     std::vector<float> corners;
     for (int i = 0; i < 8; ++i) {
@@ -115,10 +129,12 @@ class GltfMaker {
       corners.push_back(i & 4 ? 0.1f : -0.1f);
     }
     floats(corners, 3);
-    indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+    indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+             2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
   }
 
-  // JOINTS_0 and WEIGHTS_0 of addBox's corners: how much joints 0 and 1 of the skin hold its lower and its upper end.
+  // JOINTS_0 and WEIGHTS_0 of addBox's corners: how much joints 0 and 1 of the skin hold its lower and its
+  // upper end.
   std::pair<int, int> addBoxWeights(const glm::vec2& lower, const glm::vec2& upper) {
     std::vector<std::uint16_t> held;
     std::vector<float> weights;
@@ -132,11 +148,14 @@ class GltfMaker {
   }
 
   // An accessor over bytes of its own; `more` is further members of it.
-  int add(const std::string& bytes, int component, std::size_t count, const char* type, const std::string& more = "") {
+  int add(const std::string& bytes, int component, std::size_t count, const char* type,
+          const std::string& more = "") {
     const std::string comma = next_ == 0 ? "" : ",";
-    views_ += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(buffer_.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) + "}";
-    accessors_ += comma + R"({"bufferView":)" + std::to_string(next_) + R"(,"componentType":)" + std::to_string(component) + R"(,"count":)" + std::to_string(count) +
-                  R"(,"type":")" + type + "\"" + (more.empty() ? "" : "," + more) + "}";
+    views_ += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(buffer_.size()) + R"(,"byteLength":)" +
+              std::to_string(bytes.size()) + "}";
+    accessors_ += comma + R"({"bufferView":)" + std::to_string(next_) + R"(,"componentType":)" +
+                  std::to_string(component) + R"(,"count":)" + std::to_string(count) + R"(,"type":")" + type +
+                  "\"" + (more.empty() ? "" : "," + more) + "}";
     buffer_ += bytes;
     buffer_.resize((buffer_.size() + 3) / 4 * 4);
     return next_++;
@@ -144,10 +163,13 @@ class GltfMaker {
 
   // `rest` is the other members of the root object.
   std::string text(const std::string& rest) const {
-    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(buffer_.size()) + R"(,"uri":"data:application/octet-stream;base64,)" +
-           base64(buffer_) + R"("}],"bufferViews":[)" + views_ + R"(],"accessors":[)" + accessors_ + "]," + rest + "}";
+    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(buffer_.size()) +
+           R"(,"uri":"data:application/octet-stream;base64,)" + base64(buffer_) + R"("}],"bufferViews":[)" +
+           views_ + R"(],"accessors":[)" + accessors_ + "]," + rest + "}";
   }
-  static std::string boxMesh() { return R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])"; }
+  static std::string boxMesh() {
+    return R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])";
+  }
 
  private:
   std::string buffer_, views_, accessors_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One model written plain, quantized, for meshopt and for Draco: the voxels are the same but for what quantization moves.
-// Encoded by the formats' own libraries (variant_writer), or found in pairs among the assets.
+// One model written plain, quantized, for meshopt and for Draco: the voxels are the same but for what
+// quantization moves. Encoded by the formats' own libraries (variant_writer), or found in pairs among the
+// assets.
 #include <cmath>
 
 #include "import_scratch.h"
@@ -23,18 +24,22 @@ Baked bakeGrid(const std::filesystem::path& path, int resolution) {
   const glm::vec3 extent = bounds.high - bounds.low;
   const double longest = std::max({extent.x, extent.y, extent.z});
   const double voxels = std::floor(extent.y / longest * resolution + 1e-4);
-  const Frame frame = makeFrame(part.soup, Axis::kPlusY, voxels < 8 ? longest / resolution : extent.y / voxels, path.filename().string());
+  const Frame frame =
+      makeFrame(part.soup, Axis::kPlusY, voxels < 8 ? longest / resolution : extent.y / voxels,
+                path.filename().string());
   Baked out{voxelize(model, part, frame, Fill::kAuto, 2, {}).grid, 0};
   for (std::uint8_t solid : out.grid.solid) out.solid += solid;
   return out;
 }
 
 // The share of solid voxels that only one of both has.
-void expectSameVoxels(const Baked& plain, const Baked& variant, const std::string& what, double colour = 0.01) {
+void expectSameVoxels(const Baked& plain, const Baked& variant, const std::string& what,
+                      double colour = 0.01) {
   ASSERT_EQ(plain.grid.size, variant.grid.size) << what;
   ASSERT_GT(plain.solid, 1000u) << what;
   std::size_t differ = 0;
-  for (std::size_t i = 0; i < plain.grid.solid.size(); ++i) differ += plain.grid.solid[i] != variant.grid.solid[i];
+  for (std::size_t i = 0; i < plain.grid.solid.size(); ++i)
+    differ += plain.grid.solid[i] != variant.grid.solid[i];
   EXPECT_LT(static_cast<double>(differ), 0.01 * static_cast<double>(plain.solid)) << what;
   // Colours where both have a surface.
   double sum = 0;
@@ -43,11 +48,14 @@ void expectSameVoxels(const Baked& plain, const Baked& variant, const std::strin
     while (j < variant.grid.surface.size() && variant.grid.surface[j].index < sample.index) ++j;
     if (j == variant.grid.surface.size() || variant.grid.surface[j].index != sample.index) continue;
     ++both;
-    sum += glm::length(glm::vec3(sample.material.base_color) - glm::vec3(variant.grid.surface[j].material.base_color));
+    sum += glm::length(glm::vec3(sample.material.base_color) -
+                       glm::vec3(variant.grid.surface[j].material.base_color));
   }
   ASSERT_GT(both, plain.grid.surface.size() / 2) << what;
   EXPECT_LT(sum / static_cast<double>(both), colour) << what;
-  ::testing::Test::RecordProperty(what + "_differ_per_10000", static_cast<int>(10000.0 * static_cast<double>(differ) / static_cast<double>(plain.solid)));
+  ::testing::Test::RecordProperty(
+      what + "_differ_per_10000",
+      static_cast<int>(10000.0 * static_cast<double>(differ) / static_cast<double>(plain.solid)));
 }
 
 void expectVariantsAgree(const char* asset, int resolution) {
@@ -62,15 +70,21 @@ void expectVariantsAgree(const char* asset, int resolution) {
     EXPECT_EQ(source.grid.size, plain.grid.size);
     EXPECT_EQ(source.grid.solid, plain.grid.solid);
   }
-  expectSameVoxels(plain, bakeGrid(scratch.write("quantized.gltf", writer.quantized()), resolution), "quantized");
-  expectSameVoxels(plain, bakeGrid(scratch.write("meshopt.gltf", writer.meshopt(false)), resolution), "meshopt");
-  expectSameVoxels(plain, bakeGrid(scratch.write("meshopt_quantized.gltf", writer.meshopt(true)), resolution), "meshopt_quantized");
+  expectSameVoxels(plain, bakeGrid(scratch.write("quantized.gltf", writer.quantized()), resolution),
+                   "quantized");
+  expectSameVoxels(plain, bakeGrid(scratch.write("meshopt.gltf", writer.meshopt(false)), resolution),
+                   "meshopt");
+  expectSameVoxels(plain, bakeGrid(scratch.write("meshopt_quantized.gltf", writer.meshopt(true)), resolution),
+                   "meshopt_quantized");
   expectSameVoxels(plain, bakeGrid(scratch.write("draco.gltf", writer.draco()), resolution), "draco");
-  expectSameVoxels(plain, bakeGrid(scratch.write("draco_sequential.gltf", writer.draco(false)), resolution), "draco_sequential");
+  expectSameVoxels(plain, bakeGrid(scratch.write("draco_sequential.gltf", writer.draco(false)), resolution),
+                   "draco_sequential");
 }
 
 TEST(ImportVariants, Duck) { expectVariantsAgree("gltf/draco_testdata/Duck.glb", 128); }
-TEST(ImportVariants, Truck) { expectVariantsAgree("gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", 96); }
+TEST(ImportVariants, Truck) {
+  expectVariantsAgree("gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", 96);
+}
 TEST(ImportVariants, Barrel) { expectVariantsAgree("gltf/plants/barrel.glb", 96); }
 TEST(ImportVariants, Bunny) { expectVariantsAgree("gltf/pmndrs/bunny.glb", 128); }
 TEST(ImportVariants, VertexColours) { expectVariantsAgree("mesh/draco_testdata/test_pos_color.ply", 64); }
@@ -78,19 +92,25 @@ TEST(ImportVariants, VertexColours) { expectVariantsAgree("mesh/draco_testdata/t
 TEST(ImportVariants, PairsAmongTheAssets) {
   KELP_ASSET(folder, "gltf");
   const auto at = [&](const char* name) { return folder.parent_path() / name; };
-  expectSameVoxels(bakeGrid(at("gltf/draco_testdata/Box.glb"), 64), bakeGrid(at("gltf/draco_testdata/Box_Draco.glb"), 64), "box");
+  expectSameVoxels(bakeGrid(at("gltf/draco_testdata/Box.glb"), 64),
+                   bakeGrid(at("gltf/draco_testdata/Box_Draco.glb"), 64), "box");
   // The OBJ names no material that the glTF file shares: colours are not compared.
-  expectSameVoxels(bakeGrid(at("mesh/meshopt/pirate.obj"), 128), bakeGrid(at("gltf/meshopt/pirate.glb"), 128), "pirate", 2.0);
+  expectSameVoxels(bakeGrid(at("mesh/meshopt/pirate.obj"), 128), bakeGrid(at("gltf/meshopt/pirate.glb"), 128),
+                   "pirate", 2.0);
 }
 
-// A card of a millimetre beside a field of a kilometre: what the field's rounding would explain, the card's own does not.
+// A card of a millimetre beside a field of a kilometre: what the field's rounding would explain, the card's
+// own does not.
 TEST(ImportVariants, RoundingClosesSeamsAndNothingElse) {
   const Scratch scratch;
   GltfMaker maker;
-  maker.add(bytesOf(std::vector<std::uint16_t>{0, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 65535, 0, 65535, 0, 65535, 0}), 5123, 4, "VEC3");
+  maker.add(
+      bytesOf(std::vector<std::uint16_t>{0, 0, 0, 0, 65535, 0, 0, 0, 0, 0, 65535, 0, 65535, 0, 65535, 0}),
+      5123, 4, "VEC3");
   maker.floats({0, 0.0005f, 0, 0.001f, 0.0005f, 0, 0, 0.0015f, 0, 0.001f, 0.0015f, 0}, 3);
   maker.indices({0, 2, 1, 1, 2, 3});
-  std::string text = maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":2}]},{"primitives":[{"attributes":{"POSITION":1},"indices":2}]}],
+  std::string text = maker.text(
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":2}]},{"primitives":[{"attributes":{"POSITION":1},"indices":2}]}],
       "nodes":[{"mesh":0,"scale":[0.0152590,1,0.0152590]},{"mesh":1}])");
   text.replace(text.find(R"("byteLength":32})"), 16, R"("byteLength":32,"byteStride":8})");
   const SourceModel model = importFile(scratch.write("model.gltf", text), {});
@@ -104,17 +124,20 @@ TEST(ImportVariants, DracoFilesOnTheirOwn) {
     const Scratch scratch;
     const VariantWriter writer(importFile(path, {}));
     for (bool metadata : {false, true})
-      expectSameVoxels(bakeGrid(path, 96), bakeGrid(scratch.write("mesh.drc", writer.drc(metadata)), 96), asset, std::string(asset).find("color") != std::string::npos ? 0.01 : 2.0);
+      expectSameVoxels(bakeGrid(path, 96), bakeGrid(scratch.write("mesh.drc", writer.drc(metadata)), 96),
+                       asset, std::string(asset).find("color") != std::string::npos ? 0.01 : 2.0);
   }
 }
 
-// Memory of a mebibyte is enough for what is unpacked once, however often it is named, and not for twenty of it.
+// Memory of a mebibyte is enough for what is unpacked once, however often it is named, and not for twenty of
+// it.
 Settings mebibyte() {
   return with([](Settings& settings) { settings.max_memory = std::uint64_t{1} << 20; });
 }
 
 std::string bufferOf(const std::string& bytes) {
-  return R"({"byteLength":)" + std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + R"("})";
+  return R"({"byteLength":)" + std::to_string(bytes.size()) +
+         R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + R"("})";
 }
 
 TEST(ImportVariants, AMeshoptViewIsUnpackedOnceHoweverManyNameIt) {
@@ -124,13 +147,18 @@ TEST(ImportVariants, AMeshoptViewIsUnpackedOnceHoweverManyNameIt) {
     std::string buffers = bufferOf(packed), list;
     for (int i = 1; i < places; ++i) buffers += "," + bufferOf(packed);
     for (int i = 0; i < views; ++i)
-      list += (i ? "," : "") + std::string(R"({"buffer":)") + std::to_string(places) + R"(,"byteLength":65536,"byteStride":16,"extensions":{"EXT_meshopt_compression":{"buffer":)" + std::to_string(i % places) + R"(,"byteLength":)" +
-              std::to_string(packed.size()) + R"(,"byteStride":16,"count":4096,"mode":"ATTRIBUTES","junk":)" + std::to_string(i) + "}}}";
-    return R"({"asset":{"version":"2.0"},"buffers":[)" + buffers + R"(,{"byteLength":65536}],"bufferViews":[)" + list + "]}";
+      list += (i ? "," : "") + std::string(R"({"buffer":)") + std::to_string(places) +
+              R"(,"byteLength":65536,"byteStride":16,"extensions":{"EXT_meshopt_compression":{"buffer":)" +
+              std::to_string(i % places) + R"(,"byteLength":)" + std::to_string(packed.size()) +
+              R"(,"byteStride":16,"count":4096,"mode":"ATTRIBUTES","junk":)" + std::to_string(i) + "}}}";
+    return R"({"asset":{"version":"2.0"},"buffers":[)" + buffers +
+           R"(,{"byteLength":65536}],"bufferViews":[)" + list + "]}";
   };
   EXPECT_TRUE(importFile(scratch.write("once.gltf", text(2000, 1)), mebibyte()).parts.empty());
   const std::string said = refusal(scratch.write("often.gltf", text(20, 20)), Exit::kRuntime, mebibyte());
-  EXPECT_TRUE(contains(said, "bufferViews[15].EXT_meshopt_compression: ") && contains(said, "1.0 MiB of memory, unpacked; ") && contains(said, "--max-memory")) << said;
+  EXPECT_TRUE(contains(said, "bufferViews[15].EXT_meshopt_compression: ") &&
+              contains(said, "1.0 MiB of memory, unpacked; ") && contains(said, "--max-memory"))
+      << said;
   EXPECT_TRUE(importFile(scratch.folder() / "often.gltf", {}).parts.empty());
 }
 
@@ -142,7 +170,8 @@ TEST(ImportVariants, ADracoStreamIsUnpackedOnceHoweverManyNameIt) {
     const std::uint32_t x = i % kSide, y = i / kSide;
     grid.positions.emplace_back(static_cast<float>(x), static_cast<float>(y), 0.0f);
     grid.uvs.emplace_back(static_cast<float>(x), static_cast<float>(y));
-    if (x + 1 < kSide && y + 1 < kSide) grid.indices.insert(grid.indices.end(), {i, i + 1, i + kSide, i + 1, i + kSide + 1, i + kSide});
+    if (x + 1 < kSide && y + 1 < kSide)
+      grid.indices.insert(grid.indices.end(), {i, i + 1, i + kSide, i + 1, i + kSide + 1, i + kSide});
   }
   std::map<std::string, int> ids;
   const std::string packed = encodeDraco(grid, true, false, false, ids);
@@ -150,14 +179,22 @@ TEST(ImportVariants, ADracoStreamIsUnpackedOnceHoweverManyNameIt) {
     std::string buffers, views, list;
     for (int i = 0; i < places; ++i) {
       buffers += (i ? "," : "") + bufferOf(packed);
-      views += (i ? "," : "") + std::string(R"({"buffer":)") + std::to_string(i) + R"(,"byteLength":)" + std::to_string(packed.size()) + "}";
+      views += (i ? "," : "") + std::string(R"({"buffer":)") + std::to_string(i) + R"(,"byteLength":)" +
+               std::to_string(packed.size()) + "}";
     }
     // Every third asks for less of it.
     for (int i = 0; i < primitives; ++i)
-      list += (i ? "," : "") + std::string(R"({"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":)") + std::to_string(i % places) + R"(,"junk":)" + std::to_string(i) +
-              R"(,"attributes":{"POSITION":)" + std::to_string(ids["POSITION"]) + (i % 3 ? R"(,"TEXCOORD_0":)" + std::to_string(ids["TEXCOORD_0"]) : "") + "}}}}";
-    return R"({"asset":{"version":"2.0"},"buffers":[)" + buffers + R"(],"bufferViews":[)" + views + R"(],"accessors":[{"componentType":5126,"count":3,"type":"VEC3"},{"componentType":5125,"count":3,"type":"SCALAR"}],
-           "meshes":[{"primitives":[)" + list + R"(]}],"nodes":[{"mesh":0}]})";
+      list +=
+          (i ? "," : "") +
+          std::string(
+              R"({"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":)") +
+          std::to_string(i % places) + R"(,"junk":)" + std::to_string(i) + R"(,"attributes":{"POSITION":)" +
+          std::to_string(ids["POSITION"]) +
+          (i % 3 ? R"(,"TEXCOORD_0":)" + std::to_string(ids["TEXCOORD_0"]) : "") + "}}}}";
+    return R"({"asset":{"version":"2.0"},"buffers":[)" + buffers + R"(],"bufferViews":[)" + views +
+           R"(],"accessors":[{"componentType":5126,"count":3,"type":"VEC3"},{"componentType":5125,"count":3,"type":"SCALAR"}],
+           "meshes":[{"primitives":[)" +
+           list + R"(]}],"nodes":[{"mesh":0}]})";
   };
   const SourceModel model = importFile(scratch.write("once.gltf", text(60, 1)), mebibyte());
   EXPECT_EQ(model.parts.at(0).soup.triangles.size(), 60 * grid.indices.size() / 3);

@@ -28,7 +28,7 @@ openvdb::FloatGrid::Ptr sphere(float radius, const openvdb::Vec3f& center, float
 }
 
 struct Measure {
-  double volume = 0;          // of the object
+  double volume = 0;  // of the object
   glm::dvec3 centre{0};
   double mean_normal_error = 0;  // degrees, against the direction from the centre
 };
@@ -41,7 +41,10 @@ Measure measure(const SourceModel& model) {
   for (int z = 0; z < grid.size.z; ++z)
     for (int y = 0; y < grid.size.y; ++y)
       for (int x = 0; x < grid.size.x; ++x)
-        if (grid.solid[static_cast<std::size_t>(x) + static_cast<std::size_t>(grid.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))]) {
+        if (grid.solid[static_cast<std::size_t>(x) +
+                       static_cast<std::size_t>(grid.size.x) *
+                           (static_cast<std::size_t>(y) +
+                            static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))]) {
           ++count;
           out.centre += to_node * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1);
         }
@@ -49,11 +52,14 @@ Measure measure(const SourceModel& model) {
   out.volume = count * std::abs(glm::determinant(glm::dmat3(to_node)));
   for (const SurfaceSample& sample : grid.surface) {
     const auto i = sample.index;
-    const glm::dvec3 voxel(double(i % std::uint64_t(grid.size.x)) + 0.5, double(i / std::uint64_t(grid.size.x) % std::uint64_t(grid.size.y)) + 0.5,
+    const glm::dvec3 voxel(double(i % std::uint64_t(grid.size.x)) + 0.5,
+                           double(i / std::uint64_t(grid.size.x) % std::uint64_t(grid.size.y)) + 0.5,
                            double(i / (std::uint64_t(grid.size.x) * std::uint64_t(grid.size.y))) + 0.5);
     const glm::dvec3 wanted = glm::normalize(to_node * glm::dvec4(voxel, 1) - out.centre);
-    const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(glm::dmat3(to_node))) * glm::dvec3(sample.normal));
-    out.mean_normal_error += std::acos(std::clamp(glm::dot(wanted, normal), -1.0, 1.0)) * 57.29578 / double(grid.surface.size());
+    const glm::dvec3 normal =
+        glm::normalize(glm::transpose(glm::inverse(glm::dmat3(to_node))) * glm::dvec3(sample.normal));
+    out.mean_normal_error +=
+        std::acos(std::clamp(glm::dot(wanted, normal), -1.0, 1.0)) * 57.29578 / double(grid.surface.size());
   }
   return out;
 }
@@ -104,17 +110,19 @@ TEST(ImportVdb, PaddingTakesMemoryToo) {
   try {
     needs(400, std::uint64_t{300} << 20);
     FAIL() << "baked";
-  } catch (const BakeError& error) {
+  } catch (const ToolError& error) {
     EXPECT_EQ(error.exit, Exit::kRuntime);
     EXPECT_NE(std::string(error.what()).find("would fit"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("--pad 2"), std::string::npos) << error.what();
   }
-  EXPECT_GT(needs(60, 0), needs(0, 0) + 200 * 200 * 200 - 80 * 80 * 80) << "a byte for each voxel that is added";
+  EXPECT_GT(needs(60, 0), needs(0, 0) + 200 * 200 * 200 - 80 * 80 * 80)
+      << "a byte for each voxel that is added";
 }
 
 TEST(ImportVdb, TransformsThatTurnOrStretchAreApplied) {
   const Scratch scratch;
-  // An ellipsoid with the half axes 1, 2 and 1: a sphere of radius 20 voxels under a stretch and a turn of 30 degrees about z.
+  // An ellipsoid with the half axes 1, 2 and 1: a sphere of radius 20 voxels under a stretch and a turn of 30
+  // degrees about z.
   auto grid = sphere(20.0f, {0, 0, 0}, 1.0f);
   openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(0.05);
   transform->preScale(openvdb::Vec3d(1, 2, 1));

@@ -15,8 +15,10 @@ namespace {
 using Value = std::function<double(const glm::dvec3& centre)>;
 
 // y fastest, then z, then x; in runs of at most 255.
-std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::ivec3&)>& solid, const std::string& more = "") {
-  std::string out = "#binvox 1\ndim " + std::to_string(size.x) + " " + std::to_string(size.z) + " " + std::to_string(size.y) + "\n" + more + "data\n";
+std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::ivec3&)>& solid,
+                   const std::string& more = "") {
+  std::string out = "#binvox 1\ndim " + std::to_string(size.x) + " " + std::to_string(size.z) + " " +
+                    std::to_string(size.y) + "\n" + more + "data\n";
   int value = -1, length = 0;
   const auto end = [&] {
     if (length > 0) (out += static_cast<char>(value)) += static_cast<char>(length);
@@ -35,7 +37,8 @@ std::string binvox(const glm::ivec3& size, const std::function<bool(const glm::i
 }
 
 // What is solid in the object, by the lattice that voxels of `edge` have from `origin` on.
-std::size_t expectSolid(const SourcePart& part, double edge, const glm::dvec3& origin, const std::function<bool(const glm::ivec3&)>& solid) {
+std::size_t expectSolid(const SourcePart& part, double edge, const glm::dvec3& origin,
+                        const std::function<bool(const glm::ivec3&)>& solid) {
   const VoxelGrid& grid = *part.grid;
   std::size_t count = 0;
   for (int z = 0; z < grid.size.z; ++z)
@@ -43,20 +46,27 @@ std::size_t expectSolid(const SourcePart& part, double edge, const glm::dvec3& o
       for (int x = 0; x < grid.size.x; ++x) {
         const glm::dvec3 place = glm::dvec3(grid.to_node * glm::vec4(x + 0.5f, y + 0.5f, z + 0.5f, 1));
         const glm::ivec3 voxel(glm::floor((place - origin) / edge));
-        const bool is = grid.solid[static_cast<std::size_t>(x) + static_cast<std::size_t>(grid.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z))] != 0;
+        const bool is = grid.solid[static_cast<std::size_t>(x) +
+                                   static_cast<std::size_t>(grid.size.x) *
+                                       (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) *
+                                                                          static_cast<std::size_t>(z))] != 0;
         EXPECT_EQ(is, solid(voxel)) << voxel.x << ' ' << voxel.y << ' ' << voxel.z;
         count += is;
       }
   return count;
 }
 
-// Degrees between the normals and the direction from the centre, which is in voxels of the grid; the mean and the largest.
+// Degrees between the normals and the direction from the centre, which is in voxels of the grid; the mean and
+// the largest.
 std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& centre) {
   double sum = 0, most = 0;
   for (const SurfaceSample& sample : grid.surface) {
     const auto x = static_cast<std::uint64_t>(grid.size.x), y = static_cast<std::uint64_t>(grid.size.y);
-    const glm::dvec3 at = glm::dvec3(double(sample.index % x), double(sample.index / x % y), double(sample.index / (x * y))) + 0.5;
-    const double error = std::acos(std::min(1.0, glm::dot(glm::normalize(at - centre), glm::dvec3(sample.normal)))) * 57.29578;
+    const glm::dvec3 at =
+        glm::dvec3(double(sample.index % x), double(sample.index / x % y), double(sample.index / (x * y))) +
+        0.5;
+    const double error =
+        std::acos(std::min(1.0, glm::dot(glm::normalize(at - centre), glm::dvec3(sample.normal)))) * 57.29578;
     sum += error;
     most = std::max(most, error);
   }
@@ -65,11 +75,14 @@ std::pair<double, double> normalErrors(const VoxelGrid& grid, const glm::dvec3& 
 
 TEST(ImportBinvox, VoxelsAndPlace) {
   const Scratch scratch;
-  const auto solid = [](const glm::ivec3& v) { return v.x >= 1 && v.x < 4 && v.y >= 2 && v.y < 9 && v.z >= 0 && v.z < 6 && (v.x + v.y * v.z) % 3 != 0; };
+  const auto solid = [](const glm::ivec3& v) {
+    return v.x >= 1 && v.x < 4 && v.y >= 2 && v.y < 9 && v.z >= 0 && v.z < 6 && (v.x + v.y * v.z) % 3 != 0;
+  };
   const auto path = scratch.write("a.binvox", binvox({5, 10, 6}, solid, "translate 1.5 -2 0.25\nscale 20\n"));
   std::size_t count = 0;
   for (int i = 0; i < 300; ++i) count += solid({i % 5, i / 5 % 10, i / 50});
-  for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
     Settings settings;
     settings.axis = axis;
     const SourceModel model = importFile(path, settings);
@@ -85,7 +98,9 @@ TEST(ImportBinvox, VoxelsAndPlace) {
 
 TEST(ImportBinvox, NormalsOfABall) {
   const Scratch scratch;
-  const auto path = scratch.write("ball.binvox", binvox({64, 64, 64}, [](const glm::ivec3& v) { return glm::length(glm::dvec3(v) + 0.5 - 32.0) <= 30; }));
+  const auto path = scratch.write("ball.binvox", binvox({64, 64, 64}, [](const glm::ivec3& v) {
+                                    return glm::length(glm::dvec3(v) + 0.5 - 32.0) <= 30;
+                                  }));
   const VoxelGrid grid = *importFile(path, {}).parts[0].grid;
   const auto [mean, most] = normalErrors(grid, glm::dvec3(grid.size) * 0.5);
   EXPECT_LT(mean, 1.3);
@@ -94,16 +109,23 @@ TEST(ImportBinvox, NormalsOfABall) {
 
 TEST(ImportBinvox, DamagedFiles) {
   const Scratch scratch;
-  const std::string good = binvox({3, 4, 5}, [](const glm::ivec3& v) { return (v.x + v.y) % 2 == 0; }, "translate 0 0 0\nscale 1\n");
+  const std::string good = binvox(
+      {3, 4, 5}, [](const glm::ivec3& v) { return (v.x + v.y) % 2 == 0; }, "translate 0 0 0\nscale 1\n");
   const auto path = [&](const std::string& bytes) { return scratch.write("bad.binvox", bytes); };
-  for (std::size_t length = 0; length < good.size(); ++length) refusal(path(good.substr(0, length)), Exit::kInvalid);
+  for (std::size_t length = 0; length < good.size(); ++length)
+    refusal(path(good.substr(0, length)), Exit::kInvalid);
   EXPECT_TRUE(contains(refusal(path("voxels\n"), Exit::kInvalid), "#binvox"));
-  EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 65536 65536 65536\ndata\n\1\377"), Exit::kInvalid), "ends after 255"));
+  EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 65536 65536 65536\ndata\n\1\377"), Exit::kInvalid),
+                       "ends after 255"));
   EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 0 1 1\ndata\n"), Exit::kInvalid), "line 2"));
   EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 1 1 x\ndata\n"), Exit::kInvalid), "has no 3 numbers"));
-  EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 2 2 2\nscale -1\ndata\n\1\10"), Exit::kInvalid), "scale"));
-  EXPECT_TRUE(contains(refusal(path("#binvox 1\ndim 2 2 2\ndata\n\1\11"), Exit::kInvalid), "beyond the volume"));
-  EXPECT_TRUE(contains(refusal(path(std::string("#binvox 1\ndim 2 2 2\ndata\n\0\10", 27)), Exit::kUnsupported), "no solid voxel"));
+  EXPECT_TRUE(
+      contains(refusal(path("#binvox 1\ndim 2 2 2\nscale -1\ndata\n\1\10"), Exit::kInvalid), "scale"));
+  EXPECT_TRUE(
+      contains(refusal(path("#binvox 1\ndim 2 2 2\ndata\n\1\11"), Exit::kInvalid), "beyond the volume"));
+  EXPECT_TRUE(
+      contains(refusal(path(std::string("#binvox 1\ndim 2 2 2\ndata\n\0\10", 27)), Exit::kUnsupported),
+               "no solid voxel"));
   EXPECT_TRUE(contains(refusal(path("#binvox 1\ndata\n"), Exit::kInvalid), "no line 'dim'"));
   EXPECT_TRUE(contains(refusal(path("#binvox 1\n" + std::string(5000, 'x')), Exit::kInvalid), "header"));
   for (std::size_t at = 0; at < good.size(); ++at)
@@ -114,15 +136,19 @@ TEST(ImportBinvox, DamagedFiles) {
       settings.max_memory = std::uint64_t{256} << 20;
       try {
         importFile(path(flipped), settings);
-      } catch (const BakeError& error) {
-        EXPECT_TRUE(error.exit == Exit::kInvalid || error.exit == Exit::kUnsupported || error.exit == Exit::kRuntime) << at << ": " << error.what();
+      } catch (const ToolError& error) {
+        EXPECT_TRUE(error.exit == Exit::kInvalid || error.exit == Exit::kUnsupported ||
+                    error.exit == Exit::kRuntime)
+            << at << ": " << error.what();
       }
     }
 }
 
 // A volume of `size` voxels whose values are those at their centres, in voxels, with its sidecar.
 template <class T>
-std::filesystem::path writeRaw(const Scratch& scratch, const glm::ivec3& size, const std::string& type, const Value& value, const std::string& more = "", bool big_endian = false, const std::string& head = "") {
+std::filesystem::path writeRaw(const Scratch& scratch, const glm::ivec3& size, const std::string& type,
+                               const Value& value, const std::string& more = "", bool big_endian = false,
+                               const std::string& head = "") {
   std::string bytes = head;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
@@ -132,7 +158,9 @@ std::filesystem::path writeRaw(const Scratch& scratch, const glm::ivec3& size, c
         std::memcpy(raw, &number, sizeof(T));
         for (std::size_t i = 0; i < sizeof(T); ++i) bytes += raw[big_endian ? sizeof(T) - 1 - i : i];
       }
-  scratch.write("scan.raw.json", R"({"size": [)" + std::to_string(size.x) + "," + std::to_string(size.y) + "," + std::to_string(size.z) + R"(], "type": ")" + type + "\"" + more + "}");
+  scratch.write("scan.raw.json", R"({"size": [)" + std::to_string(size.x) + "," + std::to_string(size.y) +
+                                     "," + std::to_string(size.z) + R"(], "type": ")" + type + "\"" + more +
+                                     "}");
   return scratch.write("scan.raw", bytes);
 }
 
@@ -153,9 +181,14 @@ TEST(ImportRaw, EveryTypeAndByteOrderIsTheSameSolid) {
   check(writeRaw<std::uint8_t>(scratch, size, "u8", positive));
   check(writeRaw<std::uint16_t>(scratch, size, "u16", positive));
   check(writeRaw<std::uint16_t>(scratch, size, "u16", positive, R"(, "endian": "big")", true));
-  check(writeRaw<std::int16_t>(scratch, size, "i16", [](const glm::dvec3& p) { return std::floor(hill(p)); }));
-  check(writeRaw<std::int16_t>(scratch, size, "i16", [](const glm::dvec3& p) { return std::floor(hill(p)); }, R"(, "endian": "big", "offset": 7)", true, "header."));
-  check(writeRaw<float>(scratch, size, "f32", [](const glm::dvec3& p) { return std::floor(hill(p)); }, R"(, "endian": "little")"));
+  check(
+      writeRaw<std::int16_t>(scratch, size, "i16", [](const glm::dvec3& p) { return std::floor(hill(p)); }));
+  check(writeRaw<std::int16_t>(
+      scratch, size, "i16", [](const glm::dvec3& p) { return std::floor(hill(p)); },
+      R"(, "endian": "big", "offset": 7)", true, "header."));
+  check(writeRaw<float>(
+      scratch, size, "f32", [](const glm::dvec3& p) { return std::floor(hill(p)); },
+      R"(, "endian": "little")"));
 }
 
 TEST(ImportRaw, NormalsAreTheDensitysOwn) {
@@ -167,7 +200,8 @@ TEST(ImportRaw, NormalsAreTheDensitysOwn) {
     settings.axis = axis;
     const SourceModel model = importFile(path, settings);
     const VoxelGrid& grid = *model.parts[0].grid;
-    const glm::dvec3 centre = glm::inverse(glm::dmat3(grid.to_node)) * (glm::dvec3(10, 9, 8) - glm::dvec3(grid.to_node[3]));
+    const glm::dvec3 centre =
+        glm::inverse(glm::dmat3(grid.to_node)) * (glm::dvec3(10, 9, 8) - glm::dvec3(grid.to_node[3]));
     EXPECT_LT(normalErrors(grid, centre).second, 2.0);
   }
 }
@@ -178,10 +212,15 @@ TEST(ImportRaw, SpacingIsResampledToCubes) {
   settings.isovalue = 50;
   // A ball of radius 15 in lengths; voxels are twice as deep along z.
   const auto path = writeRaw<float>(
-      scratch, {40, 38, 18}, "f32", [](const glm::dvec3& p) { return 100 - 50 / 15.0 * glm::length(p * glm::dvec3(1, 1, 2) - glm::dvec3(20, 19, 18)); }, R"(, "spacing": [1, 1, 2])");
+      scratch, {40, 38, 18}, "f32",
+      [](const glm::dvec3& p) {
+        return 100 - 50 / 15.0 * glm::length(p * glm::dvec3(1, 1, 2) - glm::dvec3(20, 19, 18));
+      },
+      R"(, "spacing": [1, 1, 2])");
   const auto volume = [&](const SourceModel& model) {
     const VoxelGrid& grid = *model.parts[0].grid;
-    return static_cast<double>(std::count(grid.solid.begin(), grid.solid.end(), 1)) * std::abs(glm::determinant(glm::dmat3(grid.to_node)));
+    return static_cast<double>(std::count(grid.solid.begin(), grid.solid.end(), 1)) *
+           std::abs(glm::determinant(glm::dmat3(grid.to_node)));
   };
   const double ball = 4.0 / 3 * 3.14159265 * 3375;
   SourceModel model = importFile(path, settings);
@@ -190,7 +229,8 @@ TEST(ImportRaw, SpacingIsResampledToCubes) {
   settings.resolution = 40;
   settings.resolution_given = true;
   model = importFile(path, settings);
-  EXPECT_EQ(std::max({model.parts[0].grid->size.x, model.parts[0].grid->size.y, model.parts[0].grid->size.z}), 40);
+  EXPECT_EQ(std::max({model.parts[0].grid->size.x, model.parts[0].grid->size.y, model.parts[0].grid->size.z}),
+            40);
   EXPECT_NEAR(volume(model), ball, 0.02 * ball);
   settings.resolution_given = false;
   settings.voxel_size = 0.5;
@@ -199,10 +239,13 @@ TEST(ImportRaw, SpacingIsResampledToCubes) {
   EXPECT_NEAR(volume(model), ball, 0.02 * ball);
 }
 
-// Voxels a million million million million times as deep as they are wide: between them there is next to nothing of any.
+// Voxels a million million million million times as deep as they are wide: between them there is next to
+// nothing of any.
 TEST(ImportRaw, SpacingMayDifferByAnything) {
   const Scratch scratch;
-  const auto path = writeRaw<float>(scratch, {20, 18, 17}, "f32", [](const glm::dvec3&) { return 1.0; }, R"(, "spacing": [1e-12, 1e-12, 1e12])");
+  const auto path = writeRaw<float>(
+      scratch, {20, 18, 17}, "f32", [](const glm::dvec3&) { return 1.0; },
+      R"(, "spacing": [1e-12, 1e-12, 1e12])");
   Settings settings;
   settings.resolution = 8;
   settings.resolution_given = true;
@@ -213,19 +256,23 @@ TEST(ImportRaw, SpacingMayDifferByAnything) {
   EXPECT_EQ(fog.size, glm::ivec3(1, 1, 8));
   double mass = 0;
   const double edge = glm::length(glm::dvec3(fog.to_node[2]));
-  for (const std::uint16_t density : fog.density) mass += density / 65535.0 * static_cast<double>(fog.extinction) * edge * edge;
+  for (const std::uint16_t density : fog.density)
+    mass += density / 65535.0 * static_cast<double>(fog.extinction) * edge * edge;
   EXPECT_NEAR(mass, 20 * 18 * 17 * 1e-12, 1e-3 * mass);
 }
 
 // One voxel that is no denser than the isovalue: no surface lies around it at any distance.
 TEST(ImportRaw, ASolidMayHaveNoExtent) {
   const Scratch scratch;
-  const auto path = writeRaw<float>(scratch, {8, 8, 8}, "f32", [](const glm::dvec3& p) { return glm::floor(p) == glm::dvec3(4) ? 2.0 : 0.0; });
+  const auto path = writeRaw<float>(scratch, {8, 8, 8}, "f32", [](const glm::dvec3& p) {
+    return glm::floor(p) == glm::dvec3(4) ? 2.0 : 0.0;
+  });
   Settings settings;
   settings.volume = VolumeKind::kSolid;
   settings.isovalue = 2;
   settings.voxel_size = 0.5;
-  EXPECT_EQ(importFile(path, settings).parts[0].grid->size.x, importFile(path, settings).parts[0].grid->size.y);
+  EXPECT_EQ(importFile(path, settings).parts[0].grid->size.x,
+            importFile(path, settings).parts[0].grid->size.y);
   settings.voxel_size.reset();
   settings.resolution = 64;
   settings.resolution_given = true;
@@ -239,7 +286,7 @@ TEST(ImportRaw, FogHoldsTheDensities) {
   const SourceModel model = importFile(path, {});
   ASSERT_TRUE(model.parts[0].fog);
   EXPECT_FALSE(model.parts[0].grid);
-  EXPECT_TRUE(anyContains(model.notices, "are below 0, and count as empty"));
+  EXPECT_TRUE(anyContains(model.notices, "voxels of the volume are negative and count as no density"));
   const FogGrid& fog = *model.parts[0].fog;
   const double most = density({9.5, 8.5, 7.5});
   EXPECT_NEAR(fog.extinction, most * 0.5, 1e-3);
@@ -248,7 +295,8 @@ TEST(ImportRaw, FogHoldsTheDensities) {
     for (int y = 0; y < fog.size.y; ++y)
       for (int x = 0; x < fog.size.x; ++x) {
         const glm::dvec3 place = glm::dvec3(fog.to_node * glm::vec4(x + 0.5f, y + 0.5f, z + 0.5f, 1)) * 2.0;
-        const double here = fog.density[static_cast<std::size_t>(x + fog.size.x * (y + fog.size.y * z))] / 65535.0 * most;
+        const double here =
+            fog.density[static_cast<std::size_t>(x + fog.size.x * (y + fog.size.y * z))] / 65535.0 * most;
         EXPECT_NEAR(here, density(place), most / 65535);
         sum += here;
       }
@@ -266,7 +314,7 @@ TEST(ImportRaw, FogHoldsTheDensities) {
   EXPECT_NEAR(mass * 8, wanted, 1e-3 * wanted);
   settings.volume = VolumeKind::kFog;
   settings.isovalue = 5;
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "fog has none"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "fog has no surface"));
   settings = {};
   settings.volume = VolumeKind::kSolid;  // from half the greatest value on
   EXPECT_TRUE(importFile(path, settings).parts[0].grid);
@@ -279,16 +327,22 @@ TEST(ImportRaw, MeansOfFogAreExact) {
   const glm::dvec3 spacing(0.25, 1.5, 1);
   const auto droplets = [](const glm::dvec3& p) {
     const glm::ivec3 v(p);
-    return v == glm::ivec3(0) || v == glm::ivec3(599, 19, 11) ? 30 : (v.x * 7919 + v.y * 104729 + v.z * 1299709) % 37 == 0 ? 200 : 0;
+    return v == glm::ivec3(0) || v == glm::ivec3(599, 19, 11)      ? 30
+           : (v.x * 7919 + v.y * 104729 + v.z * 1299709) % 37 == 0 ? 200
+                                                                   : 0;
   };
   const auto path = writeRaw<std::uint8_t>(scratch, size, "u8", droplets, R"(, "spacing": [0.25, 1.5, 1])");
   for (const int resolution : {4, 7, 23, 300}) {
     const FogGrid fog = *importFile(path, with([&](Settings& settings) {
                                       settings.resolution = resolution;
                                       settings.resolution_given = true;
-                                    })).parts[0].fog;
-    const double edge = glm::length(glm::dvec3(fog.to_node[0])), most = static_cast<double>(fog.extinction) / edge;
-    // Each of the part's voxels along an axis of the scan: the share of each of the scan's, a box or, between neighbours, a tent, by summing it up in small steps.
+                                    }))
+                             .parts[0]
+                             .fog;
+    const double edge = glm::length(glm::dvec3(fog.to_node[0])),
+                 most = static_cast<double>(fog.extinction) / edge;
+    // Each of the part's voxels along an axis of the scan: the share of each of the scan's, a box or, between
+    // neighbours, a tent, by summing it up in small steps.
     std::array<std::vector<std::map<int, double>>, 3> shares;
     for (int axis = 0; axis < 3; ++axis)
       for (int voxel = 0; voxel < fog.size[axis]; ++voxel) {
@@ -297,7 +351,10 @@ TEST(ImportRaw, MeansOfFogAreExact) {
         for (int step = 0; step < kSteps; ++step) {
           glm::vec4 at(0, 0, 0, 1);
           at[axis] = static_cast<float>(voxel + (step + 0.5) / kSteps);
-          const double place = (static_cast<double>(fog.to_node[3][axis]) + static_cast<double>(fog.to_node[axis][axis]) * (voxel + (step + 0.5) / kSteps)) / spacing[axis];
+          const double place =
+              (static_cast<double>(fog.to_node[3][axis]) +
+               static_cast<double>(fog.to_node[axis][axis]) * (voxel + (step + 0.5) / kSteps)) /
+              spacing[axis];
           if (edge >= spacing[axis]) {
             share[static_cast<int>(std::floor(place))] += 1.0 / kSteps;
           } else {
@@ -315,8 +372,13 @@ TEST(ImportRaw, MeansOfFogAreExact) {
           for (const auto& [k, c] : shares[2][static_cast<std::size_t>(z)])
             for (const auto& [j, b] : shares[1][static_cast<std::size_t>(y)])
               for (const auto& [i, a] : shares[0][static_cast<std::size_t>(x)])
-                if (glm::all(glm::greaterThanEqual(glm::ivec3(i, j, k), glm::ivec3(0))) && glm::all(glm::lessThan(glm::ivec3(i, j, k), size))) wanted += a * b * c * droplets(glm::dvec3(i, j, k) + 0.5);
-          worst = std::max(worst, std::abs(fog.density[static_cast<std::size_t>(x + fog.size.x * (y + fog.size.y * z))] / 65535.0 * most - wanted));
+                if (glm::all(glm::greaterThanEqual(glm::ivec3(i, j, k), glm::ivec3(0))) &&
+                    glm::all(glm::lessThan(glm::ivec3(i, j, k), size)))
+                  wanted += a * b * c * droplets(glm::dvec3(i, j, k) + 0.5);
+          worst = std::max(
+              worst, std::abs(fog.density[static_cast<std::size_t>(x + fog.size.x * (y + fog.size.y * z))] /
+                                  65535.0 * most -
+                              wanted));
         }
     EXPECT_LT(worst, 0.004 * most) << resolution;
   }
@@ -326,7 +388,9 @@ TEST(ImportRaw, ValuesThatAreNone) {
   const Scratch scratch;
   Settings settings;
   settings.isovalue = 50;
-  const auto holed = writeRaw<float>(scratch, {20, 18, 17}, "f32", [](const glm::dvec3& p) { return p == glm::dvec3(3.5, 3.5, 3.5) ? NAN : hill(p); });
+  const auto holed = writeRaw<float>(scratch, {20, 18, 17}, "f32", [](const glm::dvec3& p) {
+    return p == glm::dvec3(3.5, 3.5, 3.5) ? NAN : hill(p);
+  });
   EXPECT_TRUE(anyContains(importFile(holed, settings).notices, "1 voxels are not finite"));
   settings.isovalue = 500;
   EXPECT_TRUE(contains(refusal(holed, Exit::kUnsupported, settings), "at or above the isovalue"));
@@ -345,27 +409,37 @@ TEST(ImportRaw, Sidecars) {
     return path;
   };
   EXPECT_TRUE(importFile(with(R"({"size": [2, 2, 2], "type": "u8"})", "scan.json"), {}).parts[0].fog);
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u16"})"), Exit::kInvalid), "holds 8 bytes"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "offset": 18446744073709551615})"), Exit::kInvalid), "holds 8 bytes"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [65536, 65536, 65536], "type": "f32"})"), Exit::kInvalid), "holds 8 bytes"));
+  EXPECT_TRUE(
+      contains(refusal(with(R"({"size": [2, 2, 2], "type": "u16"})"), Exit::kInvalid), "holds 8 bytes"));
+  EXPECT_TRUE(contains(
+      refusal(with(R"({"size": [2, 2, 2], "type": "u8", "offset": 18446744073709551615})"), Exit::kInvalid),
+      "holds 8 bytes"));
+  EXPECT_TRUE(contains(refusal(with(R"({"size": [65536, 65536, 65536], "type": "f32"})"), Exit::kInvalid),
+                       "holds 8 bytes"));
   EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2.5], "type": "u8"})"), Exit::kInvalid), "size"));
   EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, -2], "type": "u8"})"), Exit::kInvalid), "size"));
   EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2], "type": "u8"})"), Exit::kInvalid), "size"));
   EXPECT_TRUE(contains(refusal(with(R"({"type": "u8"})"), Exit::kInvalid), "size: is missing"));
   EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2]})"), Exit::kInvalid), "type: is missing"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u12"})"), Exit::kInvalid), "none of u8, u16, i16, f32"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "spacing": [1, 0, 1]})"), Exit::kInvalid), "spacing"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "endian": 1})"), Exit::kInvalid), "endian"));
-  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "dims": 3})"), Exit::kInvalid), "dims: is not known"));
-  EXPECT_TRUE(contains(refusal(with("[]"), Exit::kInvalid), "is no JSON object"));
-  EXPECT_TRUE(contains(refusal(with(std::string(60000, '[')), Exit::kInvalid), "is no JSON object"));
+  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u12"})"), Exit::kInvalid),
+                       "is not one of u8, u16, i16, f32"));
+  EXPECT_TRUE(
+      contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "spacing": [1, 0, 1]})"), Exit::kInvalid),
+               "spacing"));
+  EXPECT_TRUE(
+      contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "endian": 1})"), Exit::kInvalid), "endian"));
+  EXPECT_TRUE(contains(refusal(with(R"({"size": [2, 2, 2], "type": "u8", "dims": 3})"), Exit::kInvalid),
+                       "dims: is not known"));
+  EXPECT_TRUE(contains(refusal(with("[]"), Exit::kInvalid), "is not a JSON object"));
+  EXPECT_TRUE(contains(refusal(with(std::string(60000, '[')), Exit::kInvalid), "is not a JSON object"));
   EXPECT_TRUE(contains(refusal(with(std::string(70000, ' ')), Exit::kInvalid), "too long"));
   EXPECT_TRUE(contains(refusal(scratch.write("scan.bin", "x"), Exit::kUnsupported), ".raw"));
 }
 
 TEST(ImportRaw, TruncatedAndTooLarge) {
   const Scratch scratch;
-  const auto path = writeRaw<std::uint16_t>(scratch, {5, 4, 3}, "u16", [](const glm::dvec3& p) { return p.x; });
+  const auto path =
+      writeRaw<std::uint16_t>(scratch, {5, 4, 3}, "u16", [](const glm::dvec3& p) { return p.x; });
   std::string bytes(120, '\1');
   for (std::size_t length = 0; length <= 122; ++length) {
     if (length == 120) continue;

@@ -18,7 +18,8 @@ std::string sampler() {
   maker.model({2, 2, 2}, {{0, 1, 1, 7}});
   maker.transform(0, 1, {{}});
   maker.group(1, {2, 4});
-  maker.transform(2, 3, {{{"_f", "0"}, {"_r", "17"}, {"_t", "5 0 -3"}}, {{"_f", "5"}, {"_t", "1 1 1"}}}, {{"_name", "a"}, {"_loop", "1"}}, 1);
+  maker.transform(2, 3, {{{"_f", "0"}, {"_r", "17"}, {"_t", "5 0 -3"}}, {{"_f", "5"}, {"_t", "1 1 1"}}},
+                  {{"_name", "a"}, {"_loop", "1"}}, 1);
   maker.shape(3, {{0, {{"_f", "0"}}}, {1, {{"_f", "4"}}}});
   maker.transform(4, 5, {{{"_t", "0 4 0"}}}, {{"_hidden", "0"}}, 0);
   maker.shape(5, {{1, {}}});
@@ -35,8 +36,10 @@ bool refusedWell(const std::filesystem::path& path, const std::string& what) {
   settings.max_memory = std::uint64_t{256} << 20;
   try {
     importFile(path, settings);
-  } catch (const BakeError& error) {
-    EXPECT_TRUE(error.exit == Exit::kInvalid || error.exit == Exit::kUnsupported || error.exit == Exit::kRuntime) << what << ": " << error.what();
+  } catch (const ToolError& error) {
+    EXPECT_TRUE(error.exit == Exit::kInvalid || error.exit == Exit::kUnsupported ||
+                error.exit == Exit::kRuntime)
+        << what << ": " << error.what();
     EXPECT_TRUE(contains(error.what(), "; ")) << error.what();
     return true;
   }
@@ -66,7 +69,8 @@ TEST(HostileVox, EveryByte) {
     for (const int value : {whole[at] ^ 1 << at % 8, whole[at] ^ 0x80, 0x7f, 0xff}) {
       std::string changed = whole;
       changed[at] = static_cast<char>(value);
-      refused += refusedWell(scratch.write("model.vox", changed), "byte " + std::to_string(at) + " as " + std::to_string(value & 255));
+      refused += refusedWell(scratch.write("model.vox", changed),
+                             "byte " + std::to_string(at) + " as " + std::to_string(value & 255));
     }
   EXPECT_GT(refused, whole.size());
 }
@@ -75,10 +79,17 @@ TEST(HostileVox, Signatures) {
   const Scratch scratch;
   std::string whole = sampler();
   EXPECT_TRUE(contains(refusal(scratch.write("model.vox", ""), Exit::kInvalid), "is empty"));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", "Xraw" + whole.substr(4)), Exit::kInvalid), "signature"));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", whole.substr(0, 4) + VoxMaker::integer(151) + whole.substr(8)), Exit::kUnsupported), "version 151"));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", whole.substr(0, 8) + "PACK" + whole.substr(12)), Exit::kInvalid), "MAIN"));
-  EXPECT_TRUE(anyContains(importFile(scratch.write("model.vox", whole + "more"), {}).notices, "4 bytes after the end"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", "Xraw" + whole.substr(4)), Exit::kInvalid), "signature"));
+  EXPECT_TRUE(contains(
+      refusal(scratch.write("model.vox", whole.substr(0, 4) + VoxMaker::integer(151) + whole.substr(8)),
+              Exit::kUnsupported),
+      "version 151"));
+  EXPECT_TRUE(contains(
+      refusal(scratch.write("model.vox", whole.substr(0, 8) + "PACK" + whole.substr(12)), Exit::kInvalid),
+      "MAIN"));
+  EXPECT_TRUE(anyContains(importFile(scratch.write("model.vox", whole + "more"), {}).notices,
+                          "4 bytes after the end"));
 }
 
 TEST(HostileVox, CountsBeyondTheFile) {
@@ -86,15 +97,24 @@ TEST(HostileVox, CountsBeyondTheFile) {
   const auto made = [&](const std::string& id, const std::string& content) {
     VoxMaker maker;
     maker.box({2, 2, 2});
-    if (id == "XYZI") maker.chunk("SIZE", VoxMaker::integer(200) + VoxMaker::integer(200) + VoxMaker::integer(200));
+    if (id == "XYZI")
+      maker.chunk("SIZE", VoxMaker::integer(200) + VoxMaker::integer(200) + VoxMaker::integer(200));
     maker.chunk(id, content);
     return scratch.write("model.vox", maker.bytes());
   };
-  EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(std::int64_t{1} << 31)), Exit::kInvalid), "claims 2147483648 voxels"));
-  EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(0x20000000)), Exit::kInvalid), "claims 536870912 voxels"));
+  EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(std::int64_t{1} << 31)), Exit::kInvalid),
+                       "claims 2147483648 voxels"));
+  EXPECT_TRUE(contains(refusal(made("XYZI", VoxMaker::integer(0x20000000)), Exit::kInvalid),
+                       "claims 536870912 voxels"));
   for (const char* id : {"nTRN", "nGRP", "nSHP", "LAYR", "MATL"})
-    EXPECT_TRUE(contains(refusal(made(id, VoxMaker::integer(0) + VoxMaker::integer(0x7fffffff)), Exit::kInvalid), "claims 2147483647 attributes")) << id;
-  EXPECT_TRUE(contains(refusal(made("nGRP", VoxMaker::integer(0) + VoxMaker::dictionary({}) + VoxMaker::integer(-1)), Exit::kInvalid), "claims 4294967295 children"));
+    EXPECT_TRUE(
+        contains(refusal(made(id, VoxMaker::integer(0) + VoxMaker::integer(0x7fffffff)), Exit::kInvalid),
+                 "claims 2147483647 attributes"))
+        << id;
+  EXPECT_TRUE(
+      contains(refusal(made("nGRP", VoxMaker::integer(0) + VoxMaker::dictionary({}) + VoxMaker::integer(-1)),
+                       Exit::kInvalid),
+               "claims 4294967295 children"));
   EXPECT_TRUE(contains(refusal(made("RGBA", std::string(1023, 'x')), Exit::kInvalid), "RGBA chunk at byte"));
   EXPECT_TRUE(contains(refusal(made("IMAP", ""), Exit::kInvalid), "IMAP chunk at byte"));
 }
@@ -118,12 +138,16 @@ TEST(HostileVox, Sizes) {
   alone.chunk("XYZI", VoxMaker::integer(0));
   EXPECT_TRUE(contains(refusal(scratch.write("model.vox", alone.bytes()), Exit::kInvalid), "no SIZE"));
   twice.chunk("SIZE", VoxMaker::integer(1) + VoxMaker::integer(1) + VoxMaker::integer(1));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "SIZE without voxels"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "SIZE without voxels"));
   twice.chunk("SIZE", VoxMaker::integer(1) + VoxMaker::integer(1) + VoxMaker::integer(1));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "without voxels between"));
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no model"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", twice.bytes()), Exit::kInvalid), "without voxels between"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no model"));
   bare.model({4, 4, 4}, {{1, 1, 1, 0}});
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no voxel"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", bare.bytes()), Exit::kUnsupported), "has no voxel"));
 }
 
 TEST(HostileVox, ScenesThatAreNone) {
@@ -134,36 +158,62 @@ TEST(HostileVox, ScenesThatAreNone) {
     make(maker);
     return scratch.write("model.vox", maker.bytes());
   };
-  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 0, {{}}); }), Exit::kInvalid), "node 0: is below itself"));
+  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 0, {{}}); }), Exit::kInvalid),
+                       "node 0: is below itself"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
-    m.transform(0, 1, {{}});
-    m.group(1, {2, 3});
-    m.transform(2, 4, {{}});
-    m.shape(4, {{0, {}}});
-    m.transform(3, 1, {{}});
-  }), Exit::kInvalid), "node 1: is below itself"));
-  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 77, {{}}); }), Exit::kInvalid), "node 77: is named, and is not there"));
-  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(5, 6, {{}}); }), Exit::kInvalid), "node 0: is named, and is not there"));
+                                 m.transform(0, 1, {{}});
+                                 m.group(1, {2, 3});
+                                 m.transform(2, 4, {{}});
+                                 m.shape(4, {{0, {}}});
+                                 m.transform(3, 1, {{}});
+                               }),
+                               Exit::kInvalid),
+                       "node 1: is below itself"));
+  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 77, {{}}); }), Exit::kInvalid),
+                       "node 77: is named but does not exist"));
+  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(5, 6, {{}}); }), Exit::kInvalid),
+                       "node 0: is named but does not exist"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
-    m.transform(0, 1, {{}});
-    m.shape(1, {{1, {}}});
-  }), Exit::kInvalid), "shows model 1 of 1"));
+                                 m.transform(0, 1, {{}});
+                                 m.shape(1, {{1, {}}});
+                               }),
+                               Exit::kInvalid),
+                       "shows model 1 of 1"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
-    m.transform(0, 1, {{}});
-    m.shape(1, {{-1, {}}});
-  }), Exit::kInvalid), "shows model -1"));
+                                 m.transform(0, 1, {{}});
+                                 m.shape(1, {{-1, {}}});
+                               }),
+                               Exit::kInvalid),
+                       "shows model -1"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
-    m.transform(0, 1, {{}});
-    m.shape(1, {{0, {}}});
-    m.shape(1, {{0, {}}});
-  }), Exit::kInvalid), "second node 1"));
-  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.transform(0, 1, {}); }), Exit::kInvalid), "has no frame"));
+                                 m.transform(0, 1, {{}});
+                                 m.shape(1, {{0, {}}});
+                                 m.shape(1, {{0, {}}});
+                               }),
+                               Exit::kInvalid),
+                       "second node 1"));
+  EXPECT_TRUE(
+      contains(refusal(scene([](VoxMaker& m) { m.transform(0, 1, {}); }), Exit::kInvalid), "has no frame"));
   EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.shape(0, {}); }), Exit::kInvalid), "has no model"));
   for (const char* turn : {"0", "3", "5", "12", "128", "-1", "x", "1e9", "99999999999999999999"})
-    EXPECT_TRUE(contains(refusal(scene([&](VoxMaker& m) { m.scene({{0, {{"_r", turn}}}}); }), Exit::kInvalid), "_r that makes no sense")) << turn;
+    EXPECT_TRUE(contains(refusal(scene([&](VoxMaker& m) {
+                                   m.scene({{0, {{"_r", turn}}}});
+                                 }),
+                                 Exit::kInvalid),
+                         "_r that makes no sense"))
+        << turn;
   for (const char* shift : {"", "1 2", "1 2 x", "1 2 99999999999", "1 2 -2147483648", "nan 0 0"})
-    EXPECT_TRUE(contains(refusal(scene([&](VoxMaker& m) { m.scene({{0, {{"_t", shift}}}}); }), Exit::kInvalid), "_t that makes no sense")) << shift;
-  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) { m.scene({{0, {{"_f", "-1"}}}}); }), Exit::kInvalid), "_f that makes no sense"));
+    EXPECT_TRUE(contains(refusal(scene([&](VoxMaker& m) {
+                                   m.scene({{0, {{"_t", shift}}}});
+                                 }),
+                                 Exit::kInvalid),
+                         "_t that makes no sense"))
+        << shift;
+  EXPECT_TRUE(contains(refusal(scene([](VoxMaker& m) {
+                                 m.scene({{0, {{"_f", "-1"}}}});
+                               }),
+                               Exit::kInvalid),
+                       "_f that makes no sense"));
 }
 
 TEST(HostileVox, FarPlaces) {
@@ -186,7 +236,8 @@ TEST(HostileVox, FarPlaces) {
   maker.box({2, 2, 2});
   for (int i = 0; i < 8; ++i) maker.transform(i, i + 1, {{{"_t", "16000000 0 0"}}});
   maker.shape(8, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", maker.bytes()), Exit::kInvalid), "from the origin"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", maker.bytes()), Exit::kInvalid), "from the origin"));
 }
 
 TEST(HostileVox, DeepAndManifold) {
@@ -202,22 +253,29 @@ TEST(HostileVox, DeepAndManifold) {
   wide.box({2, 2, 2});
   for (int i = 0; i < 40; ++i) wide.group(i, {i + 1, i + 1});
   wide.shape(40, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", wide.bytes()), Exit::kInvalid), "more than 1048576 objects"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", wide.bytes()), Exit::kInvalid),
+                       "more than 1048576 objects"));
   // A large model many times in one place.
   VoxMaker heavy;
   heavy.filled({64, 64, 64}, 1);
   std::vector<std::pair<int, VoxMaker::Attributes>> places(4097, {0, {}});
   heavy.scene(places);
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", heavy.bytes()), Exit::kUnsupported), "more than 1073741824 voxels"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", heavy.bytes()), Exit::kUnsupported),
+                       "more than 1073741824 voxels"));
 }
 
-// Names that are no text: bytes that are no UTF-8, controls of one byte and of two, and a long one that may not be cut within a letter. Found by fuzz_vox.
+// Names that are no text: bytes that are no UTF-8, controls of one byte and of two, and a long one that may
+// not be cut within a letter. Found by fuzz_vox.
 TEST(HostileVox, NamesThatAreNoText) {
   const std::string sign = "?";
   std::string fish;
   for (int i = 0; i < 27; ++i) fish += "\xe9\xad\x9a";  // 81 bytes
   const std::vector<std::pair<std::string, std::string>> names = {
-      {"a\xff\xc0\x80z", "a" + sign + sign + sign + "z"}, {"\xed\xa0\x80", sign + sign + sign}, {"b\xc2\x9b\x1b[2J", "b [2J"}, {"\xf0\x9f\x90\x9f\xf0\x9f", "\xf0\x9f\x90\x9f" + sign + sign}, {fish, fish.substr(0, 78) + "..."}};
+      {"a\xff\xc0\x80z", "a" + sign + sign + sign + "z"},
+      {"\xed\xa0\x80", sign + sign + sign},
+      {"b\xc2\x9b\x1b[2J", "b [2J"},
+      {"\xf0\x9f\x90\x9f\xf0\x9f", "\xf0\x9f\x90\x9f" + sign + sign},
+      {fish, fish.substr(0, 78) + "..."}};
   Settings settings;
   settings.parts = Parts::kNodes;
   for (const auto& [name, shown] : names) {
@@ -236,7 +294,8 @@ TEST(HostileVox, NamesThatAreNoText) {
   }
 }
 
-// A node of many keys, named often: four times as much of both takes no sixteen times as long. Seconds of the processor.
+// A node of many keys, named often: four times as much of both takes no sixteen times as long. Seconds of the
+// processor.
 TEST(HostileVox, ManyKeysOfANodeThatIsNamedOften) {
   const Scratch scratch;
   const auto seconds = [&](int count) {
@@ -250,7 +309,8 @@ TEST(HostileVox, ManyKeysOfANodeThatIsNamedOften) {
     maker.shape(3, {{0, {}}});
     const auto path = scratch.write("model.vox", maker.bytes());
     const std::clock_t begin = std::clock();
-    EXPECT_EQ(importFile(path, with([&](Settings& settings) { settings.frame = count - 1; })).parts.size(), 1u);
+    EXPECT_EQ(importFile(path, with([&](Settings& settings) { settings.frame = count - 1; })).parts.size(),
+              1u);
     return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   };
   const double few = seconds(10000);

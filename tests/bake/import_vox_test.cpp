@@ -6,8 +6,8 @@
 #include <set>
 
 #include "import_scratch.h"
-#include "import_voxels_normals.h"
 #include "kelp/fields/fields.h"
+#include "kelp/import/voxels/voxel_normals.h"
 #include "support/assets.h"
 #include "vox_truth.h"
 
@@ -16,7 +16,8 @@ namespace {
 
 using Place = std::array<int, 3>;
 
-// A pack's finest voxels in MagicaVoxel's own axes: x, y to the back, z up. The palette entry of those that have one, -1 of inner ones.
+// A pack's finest voxels in MagicaVoxel's own axes: x, y to the back, z up. The palette entry of those that
+// have one, -1 of inner ones.
 std::map<Place, int> voxelsOf(const RawPack& pack, double voxel_size = 1) {
   std::map<Place, int> out;
   for (const RawPart& part : pack.parts) {
@@ -27,14 +28,18 @@ std::map<Place, int> voxelsOf(const RawPack& pack, double voxel_size = 1) {
     for (int z = 0; z < bricks.z; ++z)
       for (int y = 0; y < bricks.y; ++y)
         for (int x = 0; x < bricks.x; ++x)
-          if (const std::uint32_t cell = level.cells[static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z))]; cell & kCellSolid) brick_of[cell & kCellSlotMask] = {x, y, z};
+          if (const std::uint32_t cell =
+                  level.cells[static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z))];
+              cell & kCellSolid)
+            brick_of[cell & kCellSlotMask] = {x, y, z};
     for (const auto& [slot, brick] : brick_of)
       for (int i = 0; i < kBrickVoxels; ++i) {
         const std::uint8_t code = level.codes[slot * std::size_t{kBrickVoxels} + static_cast<std::size_t>(i)];
         if (!isSolidCode(code)) continue;
         const glm::vec3 centre = glm::vec3(brick * kBrickSide + glm::ivec3(i & 7, i >> 3 & 7, i >> 6)) + 0.5f;
         const glm::dvec3 object = glm::dvec3(part.to_object * glm::vec4(centre, 1)) / voxel_size;
-        const Place at = {static_cast<int>(std::floor(object.x)), static_cast<int>(std::floor(-object.z)), static_cast<int>(std::floor(object.y))};
+        const Place at = {static_cast<int>(std::floor(object.x)), static_cast<int>(std::floor(-object.z)),
+                          static_cast<int>(std::floor(object.y))};
         out[at] = isSurfaceCode(code) ? attributePalette(level.attributes[next++]) : -1;
       }
   }
@@ -66,14 +71,16 @@ void expectTruth(const RawPack& pack, const VoxTruth& truth, double voxel_size =
     ++painted;
     if (!truth.has_palette) continue;
     for (int k = 0; k < 3; ++k)
-      ASSERT_NEAR(pack.palette[static_cast<std::size_t>(entry)].base_color[k], linear(truth.rgb[static_cast<std::size_t>(index)][static_cast<std::size_t>(k)]), 1e-6);
+      ASSERT_NEAR(pack.palette[static_cast<std::size_t>(entry)].base_color[k],
+                  linear(truth.rgb[static_cast<std::size_t>(index)][static_cast<std::size_t>(k)]), 1e-6);
   }
   EXPECT_GT(painted, 0u);
 }
 
 TEST(ImportVox, EveryAssetHasTheVoxelsAndColoursOfASecondReader) {
   const std::filesystem::path folder = kelp::test::assetsFolder() / "vox";
-  if (kelp::test::assetsFolder().empty() || !std::filesystem::exists(folder)) GTEST_SKIP() << "asset vox is absent: set KELP_ASSETS to a folder that holds it";
+  if (kelp::test::assetsFolder().empty() || !std::filesystem::exists(folder))
+    GTEST_SKIP() << "asset vox is absent: set KELP_ASSETS to a folder that holds it";
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.path().extension() != ".vox") continue;
@@ -140,7 +147,8 @@ TEST(ImportVox, TheAxisOfTheRigChangesNoPlace) {
   maker.box({3, 4, 7});
   maker.scene({{0, {{"_r", "24"}, {"_t", "5 -8 11"}}}});
   const auto path = scratch.write("model.vox", maker.bytes());
-  for (const Axis axis : {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
     Settings settings;
     settings.axis = axis;
     settings.pad = 2;
@@ -155,10 +163,14 @@ TEST(ImportVox, WithoutAPaletteTheDefaultOne) {
   VoxMaker maker;
   maker.box({15, 17, 1});
   const RawPack pack = baked(scratch.write("model.vox", maker.bytes()));
-  const std::pair<int, glm::ivec3> known[] = {{1, {255, 255, 255}}, {2, {255, 255, 0xcc}}, {7, {255, 0xcc, 255}}, {37, {0xcc, 255, 255}}, {215, {0, 0, 0x33}}, {216, {0xee, 0, 0}},
-                                              {226, {0, 0xee, 0}}, {236, {0, 0, 0xee}}, {246, {0xee, 0xee, 0xee}}, {255, {0x11, 0x11, 0x11}}};
+  const std::pair<int, glm::ivec3> known[] = {
+      {1, {255, 255, 255}},      {2, {255, 255, 0xcc}},    {7, {255, 0xcc, 255}}, {37, {0xcc, 255, 255}},
+      {215, {0, 0, 0x33}},       {216, {0xee, 0, 0}},      {226, {0, 0xee, 0}},   {236, {0, 0, 0xee}},
+      {246, {0xee, 0xee, 0xee}}, {255, {0x11, 0x11, 0x11}}};
   for (const auto& [index, color] : known)
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(pack.palette[static_cast<std::size_t>(index - 1)].base_color[k], linear(color[k]), 1e-6) << index;
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(pack.palette[static_cast<std::size_t>(index - 1)].base_color[k], linear(color[k]), 1e-6)
+          << index;
 }
 
 TEST(ImportVox, MaterialsInThePacksTerms) {
@@ -174,7 +186,8 @@ TEST(ImportVox, MaterialsInThePacksTerms) {
   maker.material(5, {{"_type", "_metal"}, {"_weight", "0.5"}, {"_rough", "nan"}});
   std::string old = VoxMaker::integer(6) + VoxMaker::integer(1);
   const float numbers[] = {0.3f, 0.8f};  // its weight; its roughness
-  old += std::string(reinterpret_cast<const char*>(&numbers[0]), 4) + VoxMaker::integer(2) + std::string(reinterpret_cast<const char*>(&numbers[1]), 4);
+  old += std::string(reinterpret_cast<const char*>(&numbers[0]), 4) + VoxMaker::integer(2) +
+         std::string(reinterpret_cast<const char*>(&numbers[1]), 4);
   maker.chunk("MATT", old);
   const auto path = scratch.write("model.vox", maker.bytes());
   const std::vector<Material> palette = baked(path).palette;
@@ -241,13 +254,15 @@ TEST(ImportVox, WhatIsHiddenIsLeftOut) {
   const auto path = scratch.write("model.vox", maker.bytes());
   expectTruth(baked(path), readVoxTruth(path));
   EXPECT_EQ(voxelsOf(baked(path)).size(), 8u);
-  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "3 hidden objects were left out (layers 'scaffold')"));
+  EXPECT_TRUE(
+      anyContains(importFile(path, {}).notices, "3 hidden objects were left out (layers 'scaffold')"));
 
   VoxMaker unseen;
   unseen.box({2, 2, 2});
   unseen.transform(0, 1, {{}}, {{"_hidden", "1"}});
   unseen.shape(1, {{0, {}}});
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", unseen.bytes()), Exit::kUnsupported), "all of its objects are hidden"));
+  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", unseen.bytes()), Exit::kUnsupported),
+                       "all of its objects are hidden"));
 }
 
 TEST(ImportVox, WhereObjectsOverlapTheVersionSaysWhichIsSeen) {
@@ -282,7 +297,8 @@ TEST(ImportVox, FramesOfAScene) {
     expectTruth(baked(path, settings), readVoxTruth(path, frame));
   }
   expectTruth(baked(path), readVoxTruth(path));
-  EXPECT_TRUE(anyContains(importFile(path, {}).notices, "its animation of 10 frames was taken where it begins"));
+  EXPECT_TRUE(
+      anyContains(importFile(path, {}).notices, "its animation of 10 frames was taken where it begins"));
   for (const int frame : {-1, 10}) {
     Settings settings;
     settings.frame = frame;
@@ -319,14 +335,16 @@ TEST(ImportVox, ModelsWithoutASceneAreFrames) {
     expectTruth(baked(path, settings), readVoxTruth(path, frame));
   }
   EXPECT_EQ(voxelsOf(baked(path)).size(), 15u);
-  EXPECT_EQ(voxelsOf(baked(path)).begin()->first, (Place{0, -2, 0}));  // it stands on the ground, about the middle
+  // it stands on the ground, about the middle
+  EXPECT_EQ(voxelsOf(baked(path)).begin()->first, (Place{0, -2, 0}));
   Settings settings;
   settings.frame = 3;
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "frames 0 to 2"));
   VoxMaker still;
   still.box({2, 2, 2});
   settings.frame = 1;
-  EXPECT_TRUE(contains(refusal(scratch.write("model.vox", still.bytes()), Exit::kUsage, settings), "no animation"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("model.vox", still.bytes()), Exit::kUsage, settings), "no animation"));
 }
 
 TEST(ImportVox, ObjectsAsParts) {
@@ -373,19 +391,22 @@ TEST(ImportVox, SizesAreWhatTheUserSays) {
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, settings), "voxel by voxel"));
 }
 
-// Whoever swaps palettes gets the same pattern on every level: no coarse voxel has an index that none of those below it has.
+// Whoever swaps palettes gets the same pattern on every level: no coarse voxel has an index that none of
+// those below it has.
 TEST(ImportVox, CoarserLevelsUseNoOtherIndices) {
   const Scratch scratch;
   VoxMaker maker;
   std::vector<std::array<int, 4>> voxels;
   for (int z = 0; z < 32; ++z)
     for (int y = 0; y < 32; ++y)
-      for (int x = 0; x < 32; ++x) voxels.push_back({x, y, z, (x / 4 + y / 4 + z / 4) % 2 ? 1 : 220});  // white and dark red: their mean is a colour of the palette too
+      // white and dark red: their mean is a colour of the palette too
+      for (int x = 0; x < 32; ++x) voxels.push_back({x, y, z, (x / 4 + y / 4 + z / 4) % 2 ? 1 : 220});
   maker.model({32, 32, 32}, voxels);
   const RawPack pack = baked(scratch.write("model.vox", maker.bytes()));
   ASSERT_GT(pack.parts[0].levels.size(), 2u);
   for (const RawLevel& level : pack.parts[0].levels)
-    for (const std::uint32_t attribute : level.attributes) ASSERT_TRUE(attributePalette(attribute) == 0 || attributePalette(attribute) == 219);
+    for (const std::uint32_t attribute : level.attributes)
+      ASSERT_TRUE(attributePalette(attribute) == 0 || attributePalette(attribute) == 219);
 }
 
 TEST(ImportVox, APaletteFromOutsideWins) {
@@ -446,15 +467,19 @@ TEST(ImportVox, ShellsHaveAnOutside) {
   for (int z = 0; z < 50; ++z)
     for (int y = 0; y < 50; ++y)
       for (int x = 0; x < 50; ++x)
-        if (inside(x, y, z) && !(inside(x - 1, y, z) && inside(x + 1, y, z) && inside(x, y - 1, z) && inside(x, y + 1, z) && inside(x, y, z - 1) && inside(x, y, z + 1))) voxels.push_back({x, y, z, 1});
+        if (inside(x, y, z) && !(inside(x - 1, y, z) && inside(x + 1, y, z) && inside(x, y - 1, z) &&
+                                 inside(x, y + 1, z) && inside(x, y, z - 1) && inside(x, y, z + 1)))
+          voxels.push_back({x, y, z, 1});
   shell.model({50, 50, 50}, voxels);
   const SourceModel model = importFile(scratch.write("model.vox", shell.bytes()), {});
   const VoxelGrid& grid = *model.parts[0].grid;
   EXPECT_EQ(grid.surface.size(), voxels.size());
   for (const SurfaceSample& sample : grid.surface) {
     const auto side = static_cast<std::uint64_t>(grid.size.x);
-    const glm::dvec3 at(double(sample.index % side), double(sample.index / side % side), double(sample.index / (side * side)));
-    EXPECT_GT(glm::dot(glm::normalize(at + 0.5 - glm::dvec3(grid.size) * 0.5), glm::dvec3(sample.normal)), 0.93);
+    const glm::dvec3 at(double(sample.index % side), double(sample.index / side % side),
+                        double(sample.index / (side * side)));
+    EXPECT_GT(glm::dot(glm::normalize(at + 0.5 - glm::dvec3(grid.size) * 0.5), glm::dvec3(sample.normal)),
+              0.93);
   }
 }
 
@@ -465,7 +490,8 @@ TEST(VoxelNormals, CavitiesAreWhatNoFloodReaches) {
     fields::Occupancy occupancy{{13, 11, 9}, {}};
     for (int i = 0; i < 13 * 11 * 9; ++i) {
       random = random * 1664525u + 1013904223u;
-      occupancy.solid.push_back(random >> 16 & 0xff ? ((random >> 8) % 100 < static_cast<std::uint32_t>(share) ? 7 : 0) : 0);
+      occupancy.solid.push_back(
+          random >> 16 & 0xff ? ((random >> 8) % 100 < static_cast<std::uint32_t>(share) ? 7 : 0) : 0);
     }
     std::vector<std::uint8_t> wanted(occupancy.solid.size(), 1);
     std::vector<glm::ivec3> front;
@@ -483,7 +509,9 @@ TEST(VoxelNormals, CavitiesAreWhatNoFloodReaches) {
     while (!front.empty()) {
       const glm::ivec3 v = front.back();
       front.pop_back();
-      for (const glm::ivec3& step : {glm::ivec3(1, 0, 0), glm::ivec3(-1, 0, 0), glm::ivec3(0, 1, 0), glm::ivec3(0, -1, 0), glm::ivec3(0, 0, 1), glm::ivec3(0, 0, -1)}) reach(v + step);
+      for (const glm::ivec3& step : {glm::ivec3(1, 0, 0), glm::ivec3(-1, 0, 0), glm::ivec3(0, 1, 0),
+                                     glm::ivec3(0, -1, 0), glm::ivec3(0, 0, 1), glm::ivec3(0, 0, -1)})
+        reach(v + step);
     }
     EXPECT_EQ(withoutCavities(occupancy), wanted) << share;
   }

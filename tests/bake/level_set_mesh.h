@@ -3,11 +3,12 @@
 
 #include <filesystem>
 
-#include "kelp/bake/source_model.h"
+#include "kelp/import/core/source_model.h"
 
 namespace kelp::test {
 
-// The zero surface of the first level set in a .vdb file as triangles, in the grid's world space: OpenVDB's own mesher.
+// The zero surface of the first level set in a .vdb file as triangles, in the grid's world space: OpenVDB's
+// own mesher.
 bake::TriangleSoup levelSetMesh(const std::filesystem::path& path);
 
 }  // namespace kelp::test

@@ -20,7 +20,9 @@ using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
 template <class Build, class Tree>
 Handle convert(const openvdb::Grid<Tree>& grid, NvdbSum sum) {
-  const auto mode = sum == NvdbSum::kNone ? nanovdb::ChecksumMode::Disable : sum == NvdbSum::kHead ? nanovdb::ChecksumMode::Partial : nanovdb::ChecksumMode::Full;
+  const auto mode = sum == NvdbSum::kNone   ? nanovdb::ChecksumMode::Disable
+                    : sum == NvdbSum::kHead ? nanovdb::ChecksumMode::Partial
+                                            : nanovdb::ChecksumMode::Full;
   return nanovdb::openToNanoVDB<nanovdb::HostBuffer, Tree, Build>(grid, nanovdb::StatsMode::All, mode);
 }
 
@@ -37,7 +39,8 @@ Handle convertFloats(const openvdb::FloatGrid& grid, NvdbSum sum, const std::fil
 
 }  // namespace
 
-void writeNvdb(const std::filesystem::path& path, const std::filesystem::path& vdb, const std::string& as, NvdbCodec codec, NvdbSum sum, const std::filesystem::path& back) {
+void writeNvdb(const std::filesystem::path& path, const std::filesystem::path& vdb, const std::string& as,
+               NvdbCodec codec, NvdbSum sum, const std::filesystem::path& back) {
   openvdb::initialize();
   std::ifstream in(vdb, std::ios::binary);
   const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in, false).getGrids();
@@ -63,7 +66,10 @@ void writeNvdb(const std::filesystem::path& path, const std::filesystem::path& v
       throw std::invalid_argument(grid->getName());
     }
   }
-  nanovdb::io::writeGrids(path.string(), handles, codec == NvdbCodec::kZip ? nanovdb::io::Codec::ZIP : codec == NvdbCodec::kBlosc ? nanovdb::io::Codec::BLOSC : nanovdb::io::Codec::NONE);
+  nanovdb::io::writeGrids(path.string(), handles,
+                          codec == NvdbCodec::kZip     ? nanovdb::io::Codec::ZIP
+                          : codec == NvdbCodec::kBlosc ? nanovdb::io::Codec::BLOSC
+                                                       : nanovdb::io::Codec::NONE);
 }
 
 }  // namespace kelp::bake::test

@@ -36,7 +36,8 @@ VdbSpec ball(const std::string& type, const std::string& grid_class) {
   return spec;
 }
 
-void expectSame(const std::filesystem::path& nvdb, const std::filesystem::path& vdb, const Settings& settings = {}) {
+void expectSame(const std::filesystem::path& nvdb, const std::filesystem::path& vdb,
+                const Settings& settings = {}) {
   const SourceModel a = importFile(nvdb, settings), b = importFile(vdb, settings);
   EXPECT_EQ(a.format, "NanoVDB");
   const SourcePart &x = a.parts[0], &y = b.parts[0];
@@ -66,7 +67,8 @@ TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
     for (const char* grid_class : {"level set", "fog volume"})
       for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
         const bool binary = std::string(type) == "bool" || std::string(type) == "mask";
-        if ((binary || std::string(type) == "int32") && std::string(grid_class) == "level set") continue;  // NanoVDB makes none
+        // NanoVDB makes none
+        if ((binary || std::string(type) == "int32") && std::string(grid_class) == "level set") continue;
         SCOPED_TRACE(std::string(type) + " " + grid_class);
         VdbSpec color = ball("vec3s", "");
         color.name = "Cd";
@@ -78,7 +80,8 @@ TEST(Nvdb, EveryTypeAndCodecIsTheSamePart) {
 
 TEST(Nvdb, CodesAreWhatNanoVdbReadsInThem) {
   const Scratch scratch;
-  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "b.nvdb", back = scratch.folder() / "b.vdb";
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "b.nvdb",
+             back = scratch.folder() / "b.vdb";
   for (const char* as : {"fp4", "fp8", "fp16", "fpn"})
     for (const char* grid_class : {"level set", "fog volume"}) {
       SCOPED_TRACE(std::string(as) + " " + grid_class);
@@ -109,7 +112,8 @@ TEST(Nvdb, HostileFilesAreRefused) {
       writeVdb(vdb, {ball("float", "level set")});
       writeNvdb(nvdb, vdb, sum == NvdbSum::kHead ? "fpn" : "", codec, sum);
       const std::string good = contentOf(nvdb);
-      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts) refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
+      for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts)
+        refusal(scratch.write("cut.nvdb", good.substr(0, size)), Exit::kInvalid);
       Settings settings;
       settings.max_memory = std::uint64_t{42} << 20;
       for (int i = 0; i < flips; ++i) {
@@ -121,7 +125,7 @@ TEST(Nvdb, HostileFilesAreRefused) {
         bool refused = false;
         try {
           importFile(scratch.write("flipped.nvdb", bad), settings);
-        } catch (const BakeError& error) {
+        } catch (const ToolError& error) {
           refused = true;
           EXPECT_LT(std::string(error.what()).size(), 2000u);
         }
@@ -132,8 +136,11 @@ TEST(Nvdb, HostileFilesAreRefused) {
       }
     }
   EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", ""), Exit::kInvalid), "is empty"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", "a text, and no volume"), Exit::kInvalid), "signature"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.nvdb", std::string("NanoVDB2") + std::string(100, '\0')), Exit::kUnsupported), "version"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("a.nvdb", "a text, and no volume"), Exit::kInvalid), "signature"));
+  EXPECT_TRUE(contains(
+      refusal(scratch.write("a.nvdb", std::string("NanoVDB2") + std::string(100, '\0')), Exit::kUnsupported),
+      "version"));
 }
 
 // A grid without a voxel, `size` bytes of which nearly all are zeros.
@@ -141,17 +148,19 @@ std::string emptyNanoGrid(std::size_t size) {
   std::string bytes(size, '\0');
   const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof(value)); };
   put(0, std::uint64_t{0x304244566f6e614e});
-  put(8, ~std::uint64_t{0});                  // no checksum
+  put(8, ~std::uint64_t{0});  // no checksum
   put(32, static_cast<std::uint64_t>(size));
-  put(636, std::uint32_t{1});                 // float
-  put(672 + 24, std::uint64_t{64});           // the root, after the tree's head
+  put(636, std::uint32_t{1});        // float
+  put(672 + 24, std::uint64_t{64});  // the root, after the tree's head
   return bytes;
 }
 
 std::string zipped(const std::string& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string packed(8 + size, '\0');
-  EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data() + 8), &size, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 9), Z_OK);
+  EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data() + 8), &size,
+                      reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 9),
+            Z_OK);
   const std::uint64_t stored = size;
   std::memcpy(packed.data(), &stored, sizeof(stored));
   packed.resize(8 + size);
@@ -186,26 +195,35 @@ std::string zipSegment(const std::vector<StatedGrid>& grids, const std::string& 
 
 TEST(Nvdb, GridsUnpackToNoMoreThanTheirBytesCanHold) {
   const Scratch scratch;
-  const auto said = [&](const std::vector<StatedGrid>& grids, const std::string& data) { return refusal(scratch.write("a.nvdb", zipSegment(grids, data)), Exit::kInvalid); };
+  const auto said = [&](const std::vector<StatedGrid>& grids, const std::string& data) {
+    return refusal(scratch.write("a.nvdb", zipSegment(grids, data)), Exit::kInvalid);
+  };
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
   // 8 bytes that say that none follow.
-  EXPECT_TRUE(contains(said({{256 * kMiB, 8}}, std::string(8, '\0')), "grid 'a': says that its 8 bytes unpack to 256.0 MiB, more than they can"));
+  EXPECT_TRUE(contains(said({{256 * kMiB, 8}}, std::string(8, '\0')),
+                       "grid 'a': says that its 8 bytes unpack to 256.0 MiB, more than they can"));
   EXPECT_TRUE(contains(said({{~std::uint64_t{0}, 8}}, std::string(8, '\0')), "more than they can"));
 
   // Grids of no bytes, or of too few, before one that has them: they would unpack its.
   const std::string grid = emptyNanoGrid(4096), packed = zipped(grid);
   const std::uint64_t size = grid.size(), stored = packed.size();
-  EXPECT_TRUE(contains(refusal(scratch.write("whole.nvdb", zipSegment({{size, stored}, {size, stored}}, packed + packed)), Exit::kUnsupported), "all its grids are empty")) << "the test's own files are whole";
-  EXPECT_TRUE(contains(said({{size, 0}, {size, stored}}, packed), "grid 'a': says that its 0 bytes unpack to"));
+  EXPECT_TRUE(contains(
+      refusal(scratch.write("whole.nvdb", zipSegment({{size, stored}, {size, stored}}, packed + packed)),
+              Exit::kUnsupported),
+      "all its grids are empty"))
+      << "the test's own files are whole";
+  EXPECT_TRUE(
+      contains(said({{size, 0}, {size, stored}}, packed), "grid 'a': says that its 0 bytes unpack to"));
   EXPECT_TRUE(contains(said({{size, 8}, {size, stored - 8}}, packed), "grid 'a': goes on beyond byte"));
-  EXPECT_TRUE(contains(said({{size, stored - 1}, {size, stored}}, packed + packed), "grid 'a': goes on beyond byte"));
+  EXPECT_TRUE(
+      contains(said({{size, stored - 1}, {size, stored}}, packed + packed), "grid 'a': goes on beyond byte"));
   // A piece that makes more of its bytes than zlib can, beside bytes that count for nothing.
   std::string few = packed;
   few[0] = 1;
   EXPECT_TRUE(contains(said({{size, stored}}, few), "says that its 1 bytes unpack to"));
   // More, or less, than was said.
-  EXPECT_TRUE(contains(said({{size + 1, stored}}, packed), "can not be unpacked"));
-  EXPECT_TRUE(contains(said({{size - 1, stored}}, packed), "can not be unpacked"));
+  EXPECT_TRUE(contains(said({{size + 1, stored}}, packed), "cannot be unpacked"));
+  EXPECT_TRUE(contains(said({{size - 1, stored}}, packed), "cannot be unpacked"));
 }
 
 TEST(Nvdb, GridsOfAFileUnpackToABoundedSumOfBytes) {
@@ -234,7 +252,9 @@ TEST(Nvdb, BloscPiecesStayWithinTheirGrid) {
     ASSERT_LT(less, stored);
     std::memcpy(bytes.data() + 16 + 8, &less, sizeof(less));
     const std::string said = refusal(scratch.write("less.nvdb", bytes), Exit::kInvalid);
-    EXPECT_TRUE(contains(said, "goes on beyond byte") || (less == 4096 && contains(said, "more than they can"))) << said;
+    EXPECT_TRUE(contains(said, "goes on beyond byte") ||
+                (less == 4096 && contains(said, "more than they can")))
+        << said;
   }
 }
 

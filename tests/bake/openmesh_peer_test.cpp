@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by triangle, to the
-// last bit. OpenMesh is right on files of good behaviour; tools/bake/README.md has those where it is not.
+// kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by
+// triangle, to the last bit. OpenMesh is right on files of good behaviour; tools/bake/README.md has those
+// where it is not.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -40,15 +41,17 @@ void readPeer(const std::filesystem::path& path, Peer& peer) {
   peer.texcoords = options.check(Io::Options::FaceTexCoord);
 }
 
-glm::vec3 toGlm(const PeerMesh::Point& p) { return glm::vec3(p[0], p[1], p[2]) + 0.0f; }  // -0 and +0 are one place
+// -0 and +0 are one place
+glm::vec3 toGlm(const PeerMesh::Point& p) { return glm::vec3(p[0], p[1], p[2]) + 0.0f; }
 
 using Position = std::array<std::uint32_t, 3>;
 Position bitsOf(const glm::vec3& p) {
-  return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)};
+  return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+          std::bit_cast<std::uint32_t>(p.z)};
 }
 
-// A corner to the last bit, with what it carries; a triangle from its lowest corner on, so that where it starts does not matter,
-// its winding does.
+// A corner to the last bit, with what it carries; a triangle from its lowest corner on, so that where it
+// starts does not matter, its winding does.
 struct Corner {
   Position position;
   std::array<float, 2> uv{};
@@ -64,7 +67,8 @@ void putInOrder(std::vector<Triangle>& triangles) {
 
 // IEC 61966-2-1, backwards, to the next 8-bit step: OpenMesh hands out what the file holds.
 float storedValue(float linear) {
-  const double stored = linear <= 0.0031308f ? linear * 12.92 : 1.055 * std::pow(static_cast<double>(linear), 1 / 2.4) - 0.055;
+  const double stored =
+      linear <= 0.0031308f ? linear * 12.92 : 1.055 * std::pow(static_cast<double>(linear), 1 / 2.4) - 0.055;
   return static_cast<float>(std::round(stored * 255.0));
 }
 
@@ -76,8 +80,8 @@ std::vector<Triangle> trianglesOf(const TriangleSoup& soup, bool uvs, bool color
       t[k].position = bitsOf(soup.positions[soup.triangles[i].vertex[k]]);
       if (uvs) t[k].uv = {soup.uvs[i][k].x, soup.uvs[i][k].y};
       if (colors)
-        t[k].color = {storedValue(soup.colors[i][k].r), storedValue(soup.colors[i][k].g), storedValue(soup.colors[i][k].b),
-                      std::round(soup.colors[i][k].a * 255.0f)};
+        t[k].color = {storedValue(soup.colors[i][k].r), storedValue(soup.colors[i][k].g),
+                      storedValue(soup.colors[i][k].b), std::round(soup.colors[i][k].a * 255.0f)};
     }
   }
   putInOrder(out);
@@ -94,12 +98,15 @@ std::vector<Triangle> trianglesOf(const Peer& peer, bool uvs, bool colors) {
       Corner& corner = t.at(k++);
       corner.position = bitsOf(toGlm(peer.mesh.point(half.to())));
       if (uvs)
-        corner.uv = {peer.mesh.texcoord2D(half)[0], 1.0f - peer.mesh.texcoord2D(half)[1]};  // both formats count v from below
+        // both formats count v from below
+        corner.uv = {peer.mesh.texcoord2D(half)[0], 1.0f - peer.mesh.texcoord2D(half)[1]};
       if (colors) {
-        for (std::size_t c = 0; c < 4; ++c) corner.color[c] = std::round(peer.mesh.color(half.to())[c] * 255.0f);
+        for (std::size_t c = 0; c < 4; ++c)
+          corner.color[c] = std::round(peer.mesh.color(half.to())[c] * 255.0f);
       }
     }
-    if (t[0].position != t[1].position && t[1].position != t[2].position && t[2].position != t[0].position) out.push_back(t);
+    if (t[0].position != t[1].position && t[1].position != t[2].position && t[2].position != t[0].position)
+      out.push_back(t);
   }
   putInOrder(out);
   return out;
@@ -208,12 +215,15 @@ std::string nameOf(const ::testing::TestParamInfo<Asset>& info) {
 
 INSTANTIATE_TEST_SUITE_P(
     Files, OpenMeshPeer,
-    ::testing::Values(Asset{"mesh/common3d/spot.obj", {.uvs = true}}, Asset{"mesh/common3d/stanford-bunny.obj"},
-                      Asset{"mesh/common3d/teapot.obj"}, Asset{"mesh/converted/armadillo.obj"}, Asset{"mesh/meshopt/pirate.obj"},
-                      Asset{"mesh/assimp/OBJ/box.obj"}, Asset{"mesh/assimp/OBJ/cube_with_vertexcolors.obj", {.colors = true}},
+    ::testing::Values(Asset{"mesh/common3d/spot.obj", {.uvs = true}},
+                      Asset{"mesh/common3d/stanford-bunny.obj"}, Asset{"mesh/common3d/teapot.obj"},
+                      Asset{"mesh/converted/armadillo.obj"}, Asset{"mesh/meshopt/pirate.obj"},
+                      Asset{"mesh/assimp/OBJ/box.obj"},
+                      Asset{"mesh/assimp/OBJ/cube_with_vertexcolors.obj", {.colors = true}},
                       Asset{"mesh/assimp/OBJ/WusonOBJ.obj"}, Asset{"mesh/assimp/OBJ/spider.obj"},
                       Asset{"mesh/stanford/dragon_vrip_res3.ply"}, Asset{"mesh/assimp/PLY/cube_binary.ply"},
-                      Asset{"mesh/assimp/PLY/cube_uv.ply"}, Asset{"mesh/draco_testdata/test_pos_color.ply", {.colors = true}}),
+                      Asset{"mesh/assimp/PLY/cube_uv.ply"},
+                      Asset{"mesh/draco_testdata/test_pos_color.ply", {.colors = true}}),
     nameOf);
 
 // What OpenMesh writes, both read back: a lump made here, coloured by its place, in every encoding.
@@ -227,17 +237,20 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
     for (int i = 0; i < kAround; ++i) {
       const double turn = 2 * M_PI * i / kAround, up = M_PI * (j + 0.5) / (kUp + 1),
                    r = 1 + 0.2 * std::sin(3 * turn) * std::sin(2 * up);
-      const auto vertex = lump.mesh.add_vertex(PeerMesh::Point(static_cast<float>(r * std::sin(up) * std::cos(turn)),
-                                                               static_cast<float>(r * std::cos(up)),
-                                                               static_cast<float>(r * std::sin(up) * std::sin(turn))));
-      lump.mesh.set_color(vertex, PeerMesh::Color(static_cast<float>(i) / 255.0f, static_cast<float>(20 * j) / 255.0f,
-                                                  static_cast<float>(i * j % 256) / 255.0f, 1));
+      const auto vertex = lump.mesh.add_vertex(PeerMesh::Point(
+          static_cast<float>(r * std::sin(up) * std::cos(turn)), static_cast<float>(r * std::cos(up)),
+          static_cast<float>(r * std::sin(up) * std::sin(turn))));
+      lump.mesh.set_color(vertex,
+                          PeerMesh::Color(static_cast<float>(i) / 255.0f, static_cast<float>(20 * j) / 255.0f,
+                                          static_cast<float>(i * j % 256) / 255.0f, 1));
       ring.push_back(vertex);
     }
   }
   for (int j = 0; j < kUp; ++j) {
     for (int i = 0; i < kAround; ++i) {
-      const auto at = [&](int row, int column) { return ring[static_cast<std::size_t>(row * kAround + column % kAround)]; };
+      const auto at = [&](int row, int column) {
+        return ring[static_cast<std::size_t>(row * kAround + column % kAround)];
+      };
       lump.mesh.add_face(at(j, i), at(j, i + 1), at(j + 1, i + 1));
       lump.mesh.add_face(at(j, i), at(j + 1, i + 1), at(j + 1, i));
     }
@@ -253,9 +266,10 @@ TEST(OpenMeshFiles, InEveryEncodingReadTheSame) {
   binary_big_color += Io::Options::VertexColor;
   binary_big_color += Io::Options::MSB;
   for (const Way& way :
-       {Way{"text.obj", {}, {}}, Way{"text.off", {}, {}}, Way{"text.stl", {}, {}}, Way{"binary.stl", binary, {}},
-        Way{"text.ply", {}, {}}, Way{"colour.off", color, {.colors = true}}, Way{"colour.ply", color, {.colors = true}},
-        Way{"binary.ply", binary_color, {.colors = true}}, Way{"big.ply", binary_big_color, {.colors = true}}}) {
+       {Way{"text.obj", {}, {}}, Way{"text.off", {}, {}}, Way{"text.stl", {}, {}},
+        Way{"binary.stl", binary, {}}, Way{"text.ply", {}, {}}, Way{"colour.off", color, {.colors = true}},
+        Way{"colour.ply", color, {.colors = true}}, Way{"binary.ply", binary_color, {.colors = true}},
+        Way{"big.ply", binary_big_color, {.colors = true}}}) {
     const std::filesystem::path path = scratch.folder() / way.name;
     ASSERT_TRUE(Io::write_mesh(lump.mesh, path.string(), way.options)) << way.name;
     compare(path, way.expected);

@@ -9,12 +9,17 @@ namespace kelp::bake::test {
 namespace {
 
 // A node that is animated on one path, in keys 0 and 1 s.
-std::string animated(const std::string& path, const std::vector<float>& values, int width, const std::string& node = "") {
+std::string animated(const std::string& path, const std::vector<float>& values, int width,
+                     const std::string& node = "") {
   GltfMaker maker;
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), keys = maker.floats(values, width);
-  return maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"a","mesh":0)" + node + R"(}],"animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(keys) +
-                    (values.size() == 6u * static_cast<std::size_t>(width) ? R"(,"interpolation":"CUBICSPLINE")" : "") + R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":")" + path + R"("}}]}])");
+  return maker.text(
+      GltfMaker::boxMesh() + R"(,"nodes":[{"name":"a","mesh":0)" + node +
+      R"(}],"animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
+      std::to_string(keys) +
+      (values.size() == 6u * static_cast<std::size_t>(width) ? R"(,"interpolation":"CUBICSPLINE")" : "") +
+      R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":")" + path + R"("}}]}])");
 }
 
 TEST(PartKeys, TurnsOfAnyLengthAreUnitQuaternions) {
@@ -31,7 +36,8 @@ TEST(PartKeys, TurnsOfAnyLengthAreUnitQuaternions) {
   const float half = std::sqrt(0.5f);
   for (const float length : {1e-20f, 3.0f, 1e30f}) {
     const RawPack linear = baked({0, 0, 0, 0, 0, length, 0, length});
-    const RawPack cubic = baked({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, length, 0, 0, 0, length, 0, length, 0, length, 0, 0});
+    const RawPack cubic =
+        baked({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, length, 0, 0, 0, length, 0, length, 0, length, 0, 0});
     for (const RawPack* pack : {&linear, &cubic}) {
       ASSERT_EQ(pack->clips.size(), 1u);
       const std::vector<Key>& keys = pack->clips[0].tracks.at(0).keys;
@@ -48,15 +54,19 @@ TEST(PartKeys, MotionsBeyondFloatsAreRefused) {
   Settings settings;
   settings.parts = Parts::kNodes;
   settings.resolution = 8;
-  for (const std::vector<float>& scales : {std::vector<float>{1, 1, 1, 1, 3e38f, 1}, std::vector<float>{0, 0, 0, 1, 1, 1, 0, 0, 0, 0, -3e38f, 0, 1, 1, 1, 0, 0, 0}}) {
-    const std::filesystem::path path = scratch.write("m.gltf", animated("scale", scales, 3, R"(,"scale":[1,0.01,1])"));
+  for (const std::vector<float>& scales :
+       {std::vector<float>{1, 1, 1, 1, 3e38f, 1},
+        std::vector<float>{0, 0, 0, 1, 1, 1, 0, 0, 0, 0, -3e38f, 0, 1, 1, 1, 0, 0, 0}}) {
+    const std::filesystem::path path =
+        scratch.write("m.gltf", animated("scale", scales, 3, R"(,"scale":[1,0.01,1])"));
     try {
       Report report;
       bake::bake(path, settings, report);
       ADD_FAILURE() << "baked";
-    } catch (const BakeError& error) {
+    } catch (const ToolError& error) {
       EXPECT_EQ(error.exit, Exit::kInvalid);
-      for (const char* word : {"m.gltf", "'a'", "clip 'go'", " 1 s "}) EXPECT_TRUE(contains(error.what(), word)) << error.what();
+      for (const char* word : {"m.gltf", "'a'", "clip 'go'", " 1 s "})
+        EXPECT_TRUE(contains(error.what(), word)) << error.what();
     }
   }
 }

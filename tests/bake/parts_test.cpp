@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Parts that move as the nodes of their file do, and files baked at a moment, against a second reader of the same files.
+// Parts that move as the nodes of their file do, and files baked at a moment, against a second reader of the
+// same files.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -55,13 +56,15 @@ class Baked {
   std::unique_ptr<runtime::Asset> asset_;
 };
 
-// Every corner of every mesh is where the file's nodes take it at that time of the clip. `rest`: the moment at which the pack was baked.
+// Every corner of every mesh is where the file's nodes take it at that time of the clip. `rest`: the moment
+// at which the pack was baked.
 struct Rest {
   int animation = -1;
   double time = 0;
 };
-void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<std::string, int>& nodes, const std::string& clip, int animation,
-                   const std::vector<double>& times, double tolerance, const Rest& rest = {}) {
+void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<std::string, int>& nodes,
+                   const std::string& clip, int animation, const std::vector<double>& times, double tolerance,
+                   const Rest& rest = {}) {
   const int index = runtime::findClip(baked.asset(), clip);
   ASSERT_GE(index, 0) << clip;
   for (const double time : times) {
@@ -72,15 +75,20 @@ void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<st
     for (const auto& [name, node] : nodes) {
       const int part = baked.partNamed(name);
       const RawPart& raw = baked.pack().parts[static_cast<std::size_t>(part)];
-      const glm::dmat4 to_voxel = glm::inverse(asMatrix(raw.to_object)) * truth.world(node, rest.animation, rest.time);
+      const glm::dmat4 to_voxel =
+          glm::inverse(asMatrix(raw.to_object)) * truth.world(node, rest.animation, rest.time);
       const glm::dmat4 world = truth.world(node, animation, time);
       double worst = 0, beyond = 0;
       for (const glm::dvec3& corner : truth.corners(node)) {
         const glm::dvec3 voxel(to_voxel * glm::dvec4(corner, 1));
         for (int c = 0; c < 3; ++c) beyond = std::max({beyond, -voxel[c], voxel[c] - raw.size[c]});
-        const glm::dvec3 wanted(world * glm::dvec4(corner, 1)), got(runtime::toWorld(instance, part, glm::vec3(voxel)));
+        const glm::dvec3 wanted(world * glm::dvec4(corner, 1)),
+            got(runtime::toWorld(instance, part, glm::vec3(voxel)));
         worst = std::max(worst, glm::length(wanted - got));
-        for (int c = 0; c < 3; ++c) EXPECT_TRUE(wanted[c] > static_cast<double>(box.min[c]) - tolerance && wanted[c] < static_cast<double>(box.max[c]) + tolerance) << name;
+        for (int c = 0; c < 3; ++c)
+          EXPECT_TRUE(wanted[c] > static_cast<double>(box.min[c]) - tolerance &&
+                      wanted[c] < static_cast<double>(box.max[c]) + tolerance)
+              << name;
       }
       EXPECT_LT(worst, tolerance) << name << " at " << time;
       EXPECT_LT(beyond, 1e-3) << name << " lies outside of its part's box";
@@ -111,8 +119,9 @@ TEST(Parts, OnePartIsTheDefault) {
   EXPECT_TRUE(contains(model.notices[0], "--parts nodes")) << model.notices[0];
 }
 
-// A stand, and a chain of nodes that move one within the other: two without meshes, of which one is stretched and one mirrored and turned askew,
-// an arm, a hand that is stretched again and hangs on it, and a plate that only the two without meshes move.
+// A stand, and a chain of nodes that move one within the other: two without meshes, of which one is stretched
+// and one mirrored and turned askew, an arm, a hand that is stretched again and hangs on it, and a plate that
+// only the two without meshes move.
 class Robot {
  public:
   Robot() {
@@ -120,16 +129,17 @@ class Robot {
     const float c = 0.92388f, s = 0.38268f;
     times_ = maker_.floats({0.25f, 1, 2}, 1);
     steps_ = maker_.floats({0, 0, 0, 1, 0.5f, 0, 3, 0, -1}, 3);
-    turns_ = maker_.floats({0, 0, 0, 1, s, 0, 0, c, 0, -c, 0, -s}, 4);  // the last one by the longer way around, if its sign were taken at its word
+    // the last one by the longer way around, if its sign were taken at its word
+    turns_ = maker_.floats({0, 0, 0, 1, s, 0, 0, c, 0, -c, 0, -s}, 4);
     // In, value, out.
-    smooth_ = maker_.floats({0, 0, 0, 0, 0, 0, s, c, 0.3f, 0, 0, 0,  //
-                             0, 0.5f, 0, 0, 0, s, 0, c, 0, 0, 1, 0,  //
-                             0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0},
+    smooth_ = maker_.floats({0, 0,    0, 0, 0, 0, s, c, 0.3f, 0, 0, 0,  //
+                             0, 0.5f, 0, 0, 0, s, 0, c, 0,    0, 1, 0,  //
+                             0, 0,    0, 1, 0, 0, 0, 1, 0,    0, 0, 0},
                             4);
     sizes_ = maker_.floats({1, 1, 1, 2, 0.5f, 1, 1.5f, 1.5f, 0.25f}, 3);
     places_ = maker_.floats({0.1f, 0, 0, 0, 2, 0, 0, 0, 0.2f,  //
-                             0, 0, 0, 1, 2, 0, 0, 1, 0,        //
-                             0, 0, 1, 0, 3, 1, 0, 0, 0},
+                             0,    0, 0, 1, 2, 0, 0, 1, 0,     //
+                             0,    0, 1, 0, 3, 1, 0, 0, 0},
                             3);
   }
   std::string nodes = R"({"name":"stand","mesh":0,"scale":[5,0.1,5]},
@@ -139,13 +149,25 @@ class Robot {
       {"name":"hand","mesh":0,"translation":[0,2,0],"scale":[3,0.3,2]},
       {"name":"plate","mesh":0,"translation":[1,0,0],"rotation":[0,0,0.70710678,0.70710678]})";
   std::filesystem::path write(const Scratch& scratch) const {
-    const auto sampler = [&](int output, const char* how) { return R"({"input":)" + std::to_string(times_) + R"(,"output":)" + std::to_string(output) + R"(,"interpolation":")" + how + "\"}"; };
-    const auto channel = [](int at, int node, const char* path) { return R"({"sampler":)" + std::to_string(at) + R"(,"target":{"node":)" + std::to_string(node) + R"(,"path":")" + path + "\"}}"; };
-    const std::string wave = R"({"name":"wave","samplers":[)" + sampler(steps_, "STEP") + "," + sampler(smooth_, "CUBICSPLINE") + "," + sampler(turns_, "LINEAR") + "," + sampler(sizes_, "LINEAR") +
-                             R"(],"channels":[)" + channel(0, 1, "translation") + "," + channel(1, 2, "rotation") + "," + channel(2, 3, "rotation") + "," + channel(3, 3, "scale") + "]}";
-    const std::string reach = R"({"name":"reach","samplers":[)" + sampler(places_, "CUBICSPLINE") + "," + sampler(sizes_, "STEP") + R"(],"channels":[)" + channel(0, 3, "translation") + "," +
-                              channel(1, 2, "scale") + "]}";
-    return scratch.write("robot.gltf", maker_.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0,1]}],"nodes":[)" + nodes + R"(],"animations":[)" + wave + "," + reach + "]"));
+    const auto sampler = [&](int output, const char* how) {
+      return R"({"input":)" + std::to_string(times_) + R"(,"output":)" + std::to_string(output) +
+             R"(,"interpolation":")" + how + "\"}";
+    };
+    const auto channel = [](int at, int node, const char* path) {
+      return R"({"sampler":)" + std::to_string(at) + R"(,"target":{"node":)" + std::to_string(node) +
+             R"(,"path":")" + path + "\"}}";
+    };
+    const std::string wave = R"({"name":"wave","samplers":[)" + sampler(steps_, "STEP") + "," +
+                             sampler(smooth_, "CUBICSPLINE") + "," + sampler(turns_, "LINEAR") + "," +
+                             sampler(sizes_, "LINEAR") + R"(],"channels":[)" + channel(0, 1, "translation") +
+                             "," + channel(1, 2, "rotation") + "," + channel(2, 3, "rotation") + "," +
+                             channel(3, 3, "scale") + "]}";
+    const std::string reach = R"({"name":"reach","samplers":[)" + sampler(places_, "CUBICSPLINE") + "," +
+                              sampler(sizes_, "STEP") + R"(],"channels":[)" + channel(0, 3, "translation") +
+                              "," + channel(1, 2, "scale") + "]}";
+    return scratch.write(
+        "robot.gltf", maker_.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0,1]}],"nodes":[)" + nodes +
+                                  R"(],"animations":[)" + wave + "," + reach + "]"));
   }
 
  private:
@@ -158,7 +180,8 @@ const std::vector<double> kTimes{0, 0.25, 0.4, 0.7, 0.999, 1, 1.3, 1.77, 1.999};
 
 // Robot with each node a part, beside what a second reader makes of its file.
 struct BakedRobot {
-  explicit BakedRobot(const std::optional<Moment>& at = std::nullopt) : path(Robot().write(scratch)), truth(path), baked(path, settingsOf(at), 40) {}
+  explicit BakedRobot(const std::optional<Moment>& at = std::nullopt)
+      : path(Robot().write(scratch)), truth(path), baked(path, settingsOf(at), 40) {}
 
   Scratch scratch;
   std::filesystem::path path;
@@ -180,7 +203,10 @@ TEST(Parts, ChainsOfStretchedMirroredAndTurningNodesAreExact) {
   EXPECT_TRUE(baked.report.notices.empty()) << baked.report.notices[0];
   ASSERT_EQ(baked.pack().parts.size(), 6u);  // with two that hold no voxels
   const auto& parts = baked.pack().parts;
-  const auto parentOf = [&](const std::string& name) { return parts[static_cast<std::size_t>(parts[static_cast<std::size_t>(baked.partNamed(name))].parent)].name; };
+  const auto parentOf = [&](const std::string& name) {
+    return parts[static_cast<std::size_t>(parts[static_cast<std::size_t>(baked.partNamed(name))].parent)]
+        .name;
+  };
   EXPECT_EQ(parentOf("hand"), "arm");
   EXPECT_EQ(parentOf("arm"), "shoulder");
   EXPECT_EQ(parentOf("plate"), "shoulder");
@@ -195,15 +221,20 @@ TEST(Parts, ClipsStartFromTheMomentThatIsBaked) {
   expectFollows(robot.baked, robot.truth, kRobot, "wave", 0, kTimes, 4e-5, {0, 0.7});
 }
 
-// A node without a mesh that moves but one part, or several that do not move by themselves, needs no part of its own.
+// A node without a mesh that moves but one part, or several that do not move by themselves, needs no part of
+// its own.
 TEST(Parts, OneMoverNeedsNoPartOfItsOwn) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
-  const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"spin","children":[1,2],"translation":[4,0,0]},{"name":"a","mesh":0},
-      {"name":"b","mesh":0,"translation":[1,0,0],"children":[3]},{"name":"c","mesh":0,"translation":[0,2,0]}],"animations":[{"name":"spinAction","samplers":[{"input":)" + std::to_string(times) +
-      R"(,"output":)" + std::to_string(turns) + R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}])"));
+  const auto path = scratch.write(
+      "m.gltf",
+      maker.text(GltfMaker::boxMesh() +
+                 R"(,"nodes":[{"name":"spin","children":[1,2],"translation":[4,0,0]},{"name":"a","mesh":0},
+      {"name":"b","mesh":0,"translation":[1,0,0],"children":[3]},{"name":"c","mesh":0,"translation":[0,2,0]}],"animations":[{"name":"spinAction","samplers":[{"input":)" +
+                 std::to_string(times) + R"(,"output":)" + std::to_string(turns) +
+                 R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
   const Baked baked(path, settings, 16);
@@ -211,17 +242,21 @@ TEST(Parts, OneMoverNeedsNoPartOfItsOwn) {
   expectFollows(baked, GltfTruth(path), {{"a", 1}, {"b", 2}, {"c", 3}}, "spin", 0, {0, 0.3, 0.99}, 1e-5);
 }
 
-// A mesh with two joints whose root turns: the joints do not move against each other, so the mesh moves as a whole, wherever its own node is.
+// A mesh with two joints whose root turns: the joints do not move against each other, so the mesh moves as a
+// whole, wherever its own node is.
 TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
   const auto [j, w] = maker.addBoxWeights({1, 0}, {0.25f, 0.75f});
   const int times = maker.floats({0, 1}, 1), turns = maker.floats({0, 0, 0, 1, 0, 0.6f, 0, 0.8f}, 4);
-  const std::string file = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":)" + std::to_string(j) + R"(,"WEIGHTS_0":)" + std::to_string(w) +
+  const std::string file =
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":)" + std::to_string(j) +
+      R"(,"WEIGHTS_0":)" + std::to_string(w) +
       R"(},"indices":1}]}],"skins":[{"joints":[2,3]}],"nodes":[{"name":"body","mesh":0,"skin":0,"translation":[50,0,0]},{"name":"root","children":[2,3],"translation":[1,0,0]},
-      {"name":"hip","translation":[0,1,0]},{"name":"head","translation":[0,2,0]}],"animations":[{"name":"turn","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
-      std::to_string(turns) + R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"rotation"}}]}])";
+      {"name":"hip","translation":[0,1,0]},{"name":"head","translation":[0,2,0]}],"animations":[{"name":"turn","samplers":[{"input":)" +
+      std::to_string(times) + R"(,"output":)" + std::to_string(turns) +
+      R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"rotation"}}]}])";
   const auto path = scratch.write("m.gltf", maker.text(file));
   Settings settings;
   settings.parts = Parts::kNodes;
@@ -236,7 +271,8 @@ TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
     const std::vector<glm::dvec3> wanted = truth.worldCorners(0, 0, time);
     for (std::size_t i = 0; i < rest.size(); ++i) {
       const glm::vec3 voxel(glm::inverse(asMatrix(baked.pack().parts[0].to_object)) * glm::dvec4(rest[i], 1));
-      EXPECT_LT(glm::length(wanted[i] - glm::dvec3(runtime::toWorld({&baked.asset(), &pose}, 0, voxel))), 1e-5);
+      EXPECT_LT(glm::length(wanted[i] - glm::dvec3(runtime::toWorld({&baked.asset(), &pose}, 0, voxel))),
+                1e-5);
     }
   }
 }
@@ -247,12 +283,21 @@ TEST(Parts, AnimationsOfOneNameAreToldApartForAllNodesAlike) {
   GltfMaker maker;
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 0, 0, 0, 3, 0}, 3);
-  const std::string sampler = R"("samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + "}]";
-  const std::string a = R"({"sampler":0,"target":{"node":0,"path":"translation"}})", b = R"({"sampler":0,"target":{"node":1,"path":"translation"}})";
+  const std::string sampler =
+      R"("samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + "}]";
+  const std::string a = R"({"sampler":0,"target":{"node":0,"path":"translation"}})",
+                    b = R"({"sampler":0,"target":{"node":1,"path":"translation"}})";
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"a","mesh":0},{"name":"b","mesh":0}],"animations":[{"name":"take",)" + sampler +
-                                                       R"(,"channels":[)" + a + R"(]},{"name":"take",)" + sampler + R"(,"channels":[)" + a + "," + b + "]}]")), settings, 8);
+  const Baked baked(
+      scratch.write(
+          "m.gltf",
+          maker.text(
+              GltfMaker::boxMesh() +
+              R"(,"nodes":[{"name":"a","mesh":0},{"name":"b","mesh":0}],"animations":[{"name":"take",)" +
+              sampler + R"(,"channels":[)" + a + R"(]},{"name":"take",)" + sampler + R"(,"channels":[)" + a +
+              "," + b + "]}]")),
+      settings, 8);
   ASSERT_EQ(baked.pack().clips.size(), 2u);
   EXPECT_EQ(baked.pack().clips[0].name, "take");
   EXPECT_EQ(baked.pack().clips[0].tracks.size(), 1u);
@@ -260,16 +305,22 @@ TEST(Parts, AnimationsOfOneNameAreToldApartForAllNodesAlike) {
   EXPECT_EQ(baked.pack().clips[1].tracks.size(), 2u);
 }
 
-// A reed with a rig, a leaf that is still, and a bird on it that moves: the leaf bends with the reed, the bird is a part of its own.
+// A reed with a rig, a leaf that is still, and a bird on it that moves: the leaf bends with the reed, the
+// bird is a part of its own.
 TEST(Parts, RigsKeepWhatTheyBendAndLetGoOfWhatMoves) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 2, 0, 0, 3, 0}, 3);
-  const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"name":"reed","mesh":0,"children":[1,2],"extras":{"kelp":{"kelp":1,"clips":{"go":{"waves":
+  const auto path = scratch.write(
+      "m.gltf",
+      maker.text(
+          GltfMaker::boxMesh() +
+          R"(,"nodes":[{"name":"reed","mesh":0,"children":[1,2],"extras":{"kelp":{"kelp":1,"clips":{"go":{"waves":
       [{"knot":1,"offset":[0.1,0,0],"period":1}]}}}}},{"name":"leaf","mesh":0,"translation":[0,1,0],"rotation":[0,0,0.70710678,0.70710678]},
-      {"name":"bird","mesh":0,"translation":[0,2,0],"scale":[0.5,0.1,0.5]}],"animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) +
-      R"(}],"channels":[{"sampler":0,"target":{"node":2,"path":"translation"}}]}])"));
+      {"name":"bird","mesh":0,"translation":[0,2,0],"scale":[0.5,0.1,0.5]}],"animations":[{"name":"go","samplers":[{"input":)" +
+          std::to_string(times) + R"(,"output":)" + std::to_string(places) +
+          R"(}],"channels":[{"sampler":0,"target":{"node":2,"path":"translation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
   const Baked baked(path, settings, 32);
@@ -288,9 +339,14 @@ TEST(Parts, TheScenesOwnRigFollowsNoNode) {
   GltfMaker maker;
   maker.addBox();
   const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 2, 0, 0, 3, 0}, 3);
-  const auto path = scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0,2,3,4]}],"nodes":[{"name":"reed","mesh":0,"children":[1]},
+  const auto path = scratch.write(
+      "m.gltf",
+      maker.text(GltfMaker::boxMesh() +
+                 R"(,"scenes":[{"nodes":[0,2,3,4]}],"nodes":[{"name":"reed","mesh":0,"children":[1]},
       {"name":"bird","mesh":0,"translation":[0,2,0],"scale":[0.5,0.1,0.5]},{"name":"knot.0"},{"name":"knot.1","translation":[0,0.5,0]},{"name":"knot.2","translation":[0,1,0]}],
-      "animations":[{"name":"go","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}])"));
+      "animations":[{"name":"go","samplers":[{"input":)" +
+                 std::to_string(times) + R"(,"output":)" + std::to_string(places) +
+                 R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
   const Baked baked(path, settings, 32);
@@ -306,19 +362,31 @@ TEST(Parts, WhatNoPartCanFollowIsSaid) {
   const Scratch scratch;
   GltfMaker maker;
   maker.addBox();
-  const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 0, 0, 0, 3, 0}, 3), sizes = maker.floats({0, 0, 0, 1, 1, 1}, 3);
-  const std::string samplers = R"("samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(places) + R"(},{"input":)" + std::to_string(times) + R"(,"output":)" + std::to_string(sizes) + "}]";
+  const int times = maker.floats({0, 1}, 1), places = maker.floats({0, 0, 0, 0, 3, 0}, 3),
+            sizes = maker.floats({0, 0, 0, 1, 1, 1}, 3);
+  const std::string samplers = R"("samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
+                               std::to_string(places) + R"(},{"input":)" + std::to_string(times) +
+                               R"(,"output":)" + std::to_string(sizes) + "}]";
   const auto notices = [&](const std::string& nodes, const std::string& channel) {
     Settings settings;
     settings.parts = Parts::kNodes;
-    return importFile(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[)" + nodes + R"(],"animations":[{)" + samplers + R"(,"channels":[)" + channel + "]}]")), settings).notices;
+    return importFile(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[)" + nodes +
+                                                         R"(],"animations":[{)" + samplers +
+                                                         R"(,"channels":[)" + channel + "]}]")),
+                      settings)
+        .notices;
   };
   // Flat at rest: a factor leads nowhere.
-  EXPECT_TRUE(anyContains(notices(R"({"name":"Pop","mesh":0,"scale":[1,0,1]})", R"({"sampler":1,"target":{"node":0,"path":"scale"}})"), "node 'Pop' has a scale of zero at rest"));
-  EXPECT_TRUE(anyContains(notices(R"({"children":[1],"scale":[1,0,1]},{"name":"Kid","mesh":0})", R"({"sampler":0,"target":{"node":1,"path":"translation"}})"),
+  EXPECT_TRUE(anyContains(notices(R"({"name":"Pop","mesh":0,"scale":[1,0,1]})",
+                                  R"({"sampler":1,"target":{"node":0,"path":"scale"}})"),
+                          "node 'Pop' has a scale of zero at rest"));
+  EXPECT_TRUE(anyContains(notices(R"({"children":[1],"scale":[1,0,1]},{"name":"Kid","mesh":0})",
+                                  R"({"sampler":0,"target":{"node":1,"path":"translation"}})"),
                           "node 'Kid' is animated below a scale of zero"));
-  EXPECT_TRUE(anyContains(notices(R"({"name":"Askew","mesh":0,"matrix":[1,0,0,0, 0.5,1,0,0, 0,0,1,0, 0,0,0,1]})", R"({"sampler":0,"target":{"node":0,"path":"translation"}})"),
-                          "node 'Askew' is animated and has a matrix with shear"));
+  EXPECT_TRUE(
+      anyContains(notices(R"({"name":"Askew","mesh":0,"matrix":[1,0,0,0, 0.5,1,0,0, 0,0,1,0, 0,0,0,1]})",
+                          R"({"sampler":0,"target":{"node":0,"path":"translation"}})"),
+                  "node 'Askew' is animated and has a matrix with shear"));
 }
 
 TEST(Parts, ARigFromOutsideAndNodesDoNotGoTogether) {
@@ -328,10 +396,14 @@ TEST(Parts, ARigFromOutsideAndNodesDoNotGoTogether) {
   Settings settings;
   settings.parts = Parts::kNodes;
   settings.rig_preset = "sway";
-  EXPECT_TRUE(contains(refusal(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"mesh":0}])")), Exit::kUsage, settings), "--parts nodes"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("m.gltf", maker.text(GltfMaker::boxMesh() + R"(,"nodes":[{"mesh":0}])")),
+                       Exit::kUsage, settings),
+               "--parts nodes"));
 }
 
-// Names that many nodes share must not cost the square of their number, and packs that nobody reads are not made.
+// Names that many nodes share must not cost the square of their number, and packs that nobody reads are not
+// made.
 TEST(Parts, ManyNodesOfOneNameAreToldApartAndTooManyAreRefused) {
   const Scratch scratch;
   GltfMaker maker;
@@ -349,14 +421,15 @@ TEST(Parts, ManyNodesOfOneNameAreToldApartAndTooManyAreRefused) {
   EXPECT_TRUE(contains(refusal(write(4097), Exit::kUnsupported, settings), "4097 parts"));
 }
 
-// --- a moment ------------------------------------------------------------------------------------------------------------------------
+// --- a moment ------------------------------------------------------------------------------------
 
 void expectCorners(const SourceModel& model, const std::vector<glm::dvec3>& wanted, double tolerance) {
   const SourcePart& part = model.parts.at(0);
   ASSERT_EQ(part.soup.triangles.size() * 3, wanted.size());
   double worst = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const glm::vec3 got = part.to_object * glm::vec4(part.soup.positions[part.soup.triangles[i / 3].vertex[i % 3]], 1);
+    const glm::vec3 got =
+        part.to_object * glm::vec4(part.soup.positions[part.soup.triangles[i / 3].vertex[i % 3]], 1);
     worst = std::max(worst, glm::length(wanted[i] - glm::dvec3(got)));
   }
   EXPECT_LT(worst, tolerance);
@@ -367,7 +440,8 @@ constexpr int kFox = 1;  // the node of the skinned mesh
 TEST(Moment, TheFoxStandsAsItsJointsDo) {
   KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
   const GltfTruth truth(path);
-  for (const auto& [name, animation, time] : {std::tuple("Walk", 1, 0.3), std::tuple("Run", 2, 0.41), std::tuple("Survey", 0, 3.3)}) {
+  for (const auto& [name, animation, time] :
+       {std::tuple("Walk", 1, 0.3), std::tuple("Run", 2, 0.41), std::tuple("Survey", 0, 3.3)}) {
     Settings settings;
     settings.at = Moment{name, time};
     const SourceModel model = importFile(path, settings);
@@ -386,11 +460,18 @@ TEST(Moment, MorphTargetsStandAsTheirWeightsDo) {
     wide.insert(wide.end(), {i & 1 ? 1.0f : -1.0f, 0, 0});
   }
   const int first = maker.floats(up, 3), second = maker.floats(wide, 3), times = maker.floats({0, 1, 3}, 1);
-  const int line = maker.floats({0, 1, 1, 0, 0.5f, 0.25f}, 1), curve = maker.floats({0, 0, 0, 1, 1, 0, 0, 2, 1, 0, 0, -1, -0.5f, 0.3f, 0.5f, 0.25f, 0, 0}, 1);
-  for (const auto& [output, how] : {std::pair(line, "LINEAR"), std::pair(line, "STEP"), std::pair(curve, "CUBICSPLINE")}) {
-    const auto path = scratch.write("m.gltf", maker.text(R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":)" + std::to_string(first) + R"(},{"POSITION":)" +
-        std::to_string(second) + R"(}]}],"weights":[0.5,0]}],"nodes":[{"mesh":0,"translation":[1,0,0]}],"animations":[{"name":"grow","samplers":[{"input":)" + std::to_string(times) + R"(,"output":)" +
-        std::to_string(output) + R"(,"interpolation":")" + how + R"("}],"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}])"));
+  const int line = maker.floats({0, 1, 1, 0, 0.5f, 0.25f}, 1),
+            curve = maker.floats({0, 0, 0, 1, 1, 0, 0, 2, 1, 0, 0, -1, -0.5f, 0.3f, 0.5f, 0.25f, 0, 0}, 1);
+  for (const auto& [output, how] :
+       {std::pair(line, "LINEAR"), std::pair(line, "STEP"), std::pair(curve, "CUBICSPLINE")}) {
+    const auto path = scratch.write(
+        "m.gltf",
+        maker.text(
+            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":)" +
+            std::to_string(first) + R"(},{"POSITION":)" + std::to_string(second) +
+            R"(}]}],"weights":[0.5,0]}],"nodes":[{"mesh":0,"translation":[1,0,0]}],"animations":[{"name":"grow","samplers":[{"input":)" +
+            std::to_string(times) + R"(,"output":)" + std::to_string(output) + R"(,"interpolation":")" + how +
+            R"("}],"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}]}])"));
     const GltfTruth truth(path);
     expectCorners(importFile(path, {}), truth.worldCorners(0, -1, 0), 1e-6);
     for (const double time : {0.0, 0.4, 1.0, 2.2, 3.0, 9.0}) {
@@ -419,7 +500,8 @@ TEST(Moment, NodesOfOnePartStandAsTheyDoThen) {
   // Mirrored nodes wind the other way: compared as sets.
   for (const glm::dvec3& corner : wanted) {
     double nearest = 1e30;
-    for (const glm::vec3& p : model.parts[0].soup.positions) nearest = std::min(nearest, glm::length(glm::dvec3(p) - corner));
+    for (const glm::vec3& p : model.parts[0].soup.positions)
+      nearest = std::min(nearest, glm::length(glm::dvec3(p) - corner));
     EXPECT_LT(nearest, 1e-5);
   }
   EXPECT_EQ(model.parts[0].soup.triangles.size() * 3, wanted.size());
@@ -430,13 +512,15 @@ TEST(Moment, UnknownNamesListThoseThereAre) {
   Settings settings;
   settings.at = Moment{"dance", 1};
   const std::string message = refusal(Robot().write(scratch), Exit::kUsage, settings);
-  EXPECT_TRUE(contains(message, "'dance'") && contains(message, "'wave'") && contains(message, "'reach'")) << message;
+  EXPECT_TRUE(contains(message, "'dance'") && contains(message, "'wave'") && contains(message, "'reach'"))
+      << message;
   const auto plain = scratch.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   Report report;
-  EXPECT_THROW(bake::bake(plain, settings, report), BakeError);
+  EXPECT_THROW(bake::bake(plain, settings, report), ToolError);
 }
 
-// Voxels seen from two sides beside the triangles as the second reader has them at that time: the share of pixels in which both agree.
+// Voxels seen from two sides beside the triangles as the second reader has them at that time: the share of
+// pixels in which both agree.
 double agreement(const Baked& baked, const std::vector<glm::dvec3>& corners, double yaw) {
   EXPECT_TRUE(baked.asset().loadAll());
   constexpr int kSide = 160;
@@ -449,11 +533,14 @@ double agreement(const Baked& baked, const std::vector<glm::dvec3>& corners, dou
   const auto camera = OrthographicCamera::around(low, high, yaw, 10, kSide);
   const double back = 2 * camera.depthRange(low, high);
   Rasterizer triangles(camera);
-  for (std::size_t i = 0; i < corners.size(); i += 3) triangles.draw(static_cast<std::uint32_t>(i / 3), corners[i], corners[i + 1], corners[i + 2]);
+  for (std::size_t i = 0; i < corners.size(); i += 3)
+    triangles.draw(static_cast<std::uint32_t>(i / 3), corners[i], corners[i + 1], corners[i + 2]);
   int both = 0, either = 0;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const bool voxel = runtime::raycast(instance, {glm::vec3(camera.pixelOrigin(x, y, back)), glm::vec3(camera.forward)}).has_value();
+      const bool voxel =
+          runtime::raycast(instance, {glm::vec3(camera.pixelOrigin(x, y, back)), glm::vec3(camera.forward)})
+              .has_value();
       const bool triangle = triangles.at(x, y).hit();
       both += voxel && triangle;
       either += voxel || triangle;
@@ -467,7 +554,8 @@ TEST(Moment, ThePictureIsThatOfItsTriangles) {
   Settings settings;
   settings.at = Moment{"Walk", 0.3};
   const Baked fox(path, settings, 160);
-  const std::vector<glm::dvec3> walking = GltfTruth(path).worldCorners(kFox, 1, 0.3), standing = GltfTruth(path).worldCorners(kFox, -1, 0);
+  const std::vector<glm::dvec3> walking = GltfTruth(path).worldCorners(kFox, 1, 0.3),
+                                standing = GltfTruth(path).worldCorners(kFox, -1, 0);
   for (const double yaw : {0.0, 90.0}) {
     EXPECT_GT(agreement(fox, walking, yaw), 0.94) << yaw;
     EXPECT_LT(agreement(fox, standing, yaw), 0.9) << yaw;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What is known of real files from outside kelp: where in the world they have a surface, and of what colour. The figures come from a second
-// reading of the files (accessors, node matrices, skins and PNGs by another program, rays against the triangles in double precision) and
-// were looked at in pictures. Nothing here calls an importer, so a swapped axis, a lost matrix or a turned texture has nowhere to hide.
+// What is known of real files from outside kelp: where in the world they have a surface, and of what colour.
+// The figures come from a second reading of the files (accessors, node matrices, skins and PNGs by another
+// program, rays against the triangles in double precision) and were looked at in pictures. Nothing here calls
+// an importer, so a swapped axis, a lost matrix or a turned texture has nowhere to hide.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,15 +35,20 @@ struct Pinned {
   std::vector<Probe> probes;
 };
 
-constexpr glm::vec3 kLeft(-1, 0, 0), kRight(1, 0, 0), kDown(0, -1, 0), kUp(0, 1, 0), kBack(0, 0, -1), kFront(0, 0, 1);
+constexpr glm::vec3 kLeft(-1, 0, 0), kRight(1, 0, 0), kDown(0, -1, 0), kUp(0, 1, 0), kBack(0, 0, -1),
+    kFront(0, 0, 1);
 constexpr Srgb kYellow(255, 216, 0), kBeak(255, 126, 0), kWing(255, 188, 0), kBlack(0, 0, 0);
 constexpr Srgb kOrange(219, 135, 41), kWhite(255, 250, 242), kSock(83, 52, 16);
-constexpr Srgb kSky(108, 173, 223), kSun(255, 255, 255), kHill(94, 136, 42), kGlass(0, 57, 40), kTyre(38, 38, 38), kBumper(142, 142, 142);
+constexpr Srgb kSky(108, 173, 223), kSun(255, 255, 255), kHill(94, 136, 42), kGlass(0, 57, 40),
+    kTyre(38, 38, 38), kBumper(142, 142, 142);
 
 // The duck looks to +x, the fox to +z, the truck drives to +x, the cow looks to -z.
 const std::vector<Pinned>& pinned() {
   static const std::vector<Pinned> files = {
-      {"Duck", "gltf/draco_testdata/Duck.glb", {-0.693f, 0.099f, -0.613f}, {0.962f, 1.640f, 0.539f},
+      {"Duck",
+       "gltf/draco_testdata/Duck.glb",
+       {-0.693f, 0.099f, -0.613f},
+       {0.962f, 1.640f, 0.539f},
        {{"beak", {3, 1.22f, 0}, kLeft, 0.862f, kBeak},
         {"breast", {3, 0.6f, 0}, kLeft, 0.832f, kYellow},
         {"tail", {-3, 0.6f, 0}, kRight, -0.687f, kYellow},
@@ -54,7 +60,10 @@ const std::vector<Pinned>& pinned() {
         {"left eye", {3, 1.356f, 0.131f}, kLeft, 0.675f, kBlack},
         {"right eye", {0.49f, 1.356f, -3}, kFront, -0.387f, kBlack},
         {"air above the tail", {-0.5f, 1.3f, 3}, kBack, std::nullopt, std::nullopt}}},
-      {"Fox", "gltf/draco_testdata/Fox/Fox.gltf", {-12.593f, -0.122f, -88.095f}, {12.593f, 78.907f, 66.625f},
+      {"Fox",
+       "gltf/draco_testdata/Fox/Fox.gltf",
+       {-12.593f, -0.122f, -88.095f},
+       {12.593f, 78.907f, 66.625f},
        {{"back", {0, 200, -10}, kDown, 64.828f, kOrange},
         {"left flank", {100, 45, -10}, kLeft, 11.021f, kOrange},
         {"right flank", {-100, 45, -10}, kRight, -11.021f, kOrange},
@@ -66,7 +75,10 @@ const std::vector<Pinned>& pinned() {
         {"fore leg", {100, 8, 18.5f}, kLeft, 8.3f, kSock},
         {"hind leg", {100, 8, -34}, kLeft, 8.42f, kSock},
         {"air between the legs", {100, 10, -5}, kLeft, std::nullopt, std::nullopt}}},
-      {"CesiumMilkTruck", "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", {-2.431f, 0.001f, -1.396f}, {2.438f, 2.584f, 1.396f},
+      {"CesiumMilkTruck",
+       "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf",
+       {-2.431f, 0.001f, -1.396f},
+       {2.438f, 2.584f, 1.396f},
        {{"sky of the left emblem", {-1, 2.2f, 9}, kBack, 1.09f, kSky},
         {"hill of the left emblem", {-1, 1.3f, 9}, kBack, 1.09f, kHill},
         {"sun of the left emblem", {-0.72f, 2.07f, 9}, kBack, 1.09f, kSun},
@@ -82,7 +94,10 @@ const std::vector<Pinned>& pinned() {
         {"rear right tyre", {-1.35f, 0.1f, -9}, kFront, -1.053f, kTyre},
         {"front right tyre from below", {1.43f, -3, -0.9f}, kUp, 0.003f, kTyre},
         {"air between the wheels", {0, 0.1f, 9}, kBack, std::nullopt, std::nullopt}}},
-      {"spot", "mesh/common3d/spot.obj", {-0.472f, -0.737f, -0.669f}, {0.472f, 0.954f, 1.049f},
+      {"spot",
+       "mesh/common3d/spot.obj",
+       {-0.472f, -0.737f, -0.669f},
+       {0.472f, 0.954f, 1.049f},
        {{"snout", {0, 0.2f, -5}, kFront, -0.629f, std::nullopt},
         {"rump", {0, 0, 5}, kBack, 0.989f, std::nullopt},
         {"back", {0, 5, 0.3f}, kDown, 0.304f, std::nullopt},
@@ -96,7 +111,8 @@ const std::vector<Pinned>& pinned() {
 
 int srgbOf(float linear) {
   const double c = static_cast<double>(linear);
-  return static_cast<int>(std::lround(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055)));
+  return static_cast<int>(
+      std::lround(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055)));
 }
 
 class PinnedColours : public testing::TestWithParam<std::size_t> {};
@@ -128,7 +144,8 @@ TEST_P(PinnedColours, AreWhereTheyBelongInTheWorld) {
     EXPECT_NEAR(at, probe.at.value_or(at), 1.5f * voxel) << probe.what;
     if (!probe.color) continue;
     const glm::vec4 color = asset->pack().palette()[hit->material].base_color;
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(srgbOf(color[c]), (*probe.color)[c], 12) << probe.what << ", channel " << c;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(srgbOf(color[c]), (*probe.color)[c], 12) << probe.what << ", channel " << c;
   }
 }
 

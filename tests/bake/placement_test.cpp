@@ -14,7 +14,8 @@ using test::Scratch;
 // A box of 1 x 2 x 3 with one corner at the origin, wound outward.
 const char* const kBoxObj =
     "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 1 2 0\nv 0 0 3\nv 1 0 3\nv 0 2 3\nv 1 2 3\n"
-    "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
+    "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 "
+    "8 6\n";
 
 struct Placed {
   glm::dvec3 low{1e30}, high{-1e30};  // of the solid voxels' corners, in the object
@@ -34,7 +35,8 @@ Placed bakeIt(const std::filesystem::path& path, const Settings& settings) {
 void measure(Placed& placed, const glm::ivec3& pad = glm::ivec3(0)) {
   const RawPart& part = placed.pack.parts.at(0);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 at(corner & 1 ? part.size.x - pad.x : pad.x, corner & 2 ? part.size.y - pad.y : pad.y, corner & 4 ? part.size.z - pad.z : pad.z);
+    const glm::vec3 at(corner & 1 ? part.size.x - pad.x : pad.x, corner & 2 ? part.size.y - pad.y : pad.y,
+                       corner & 4 ? part.size.z - pad.z : pad.z);
     const glm::dvec3 object(part.to_object * glm::vec4(at, 1));
     placed.low = glm::min(placed.low, object);
     placed.high = glm::max(placed.high, object);
@@ -58,8 +60,9 @@ void expectBox(const Placed& placed, const glm::dvec3& low, const glm::dvec3& hi
 
 TEST(Placement, EveryUpAxisStandsUp) {
   // (1, 2, 3) of the file, by hand: the named axis becomes y.
-  const std::map<Axis, glm::dvec3> far = {{Axis::kPlusX, {-2, 1, 3}}, {Axis::kMinusX, {2, -1, 3}}, {Axis::kPlusY, {1, 2, 3}},
-                                          {Axis::kMinusY, {1, -2, -3}}, {Axis::kPlusZ, {1, 3, -2}}, {Axis::kMinusZ, {1, -3, 2}}};
+  const std::map<Axis, glm::dvec3> far = {{Axis::kPlusX, {-2, 1, 3}}, {Axis::kMinusX, {2, -1, 3}},
+                                          {Axis::kPlusY, {1, 2, 3}},  {Axis::kMinusY, {1, -2, -3}},
+                                          {Axis::kPlusZ, {1, 3, -2}}, {Axis::kMinusZ, {1, -3, 2}}};
   for (const auto& [up, corner] : far) {
     SCOPED_TRACE(toString(up));
     Settings settings;
@@ -88,7 +91,7 @@ TEST(Placement, UnitsScaleTheObjectAndNotTheVoxels) {
   EXPECT_EQ(bakeBox(settings).voxels, 4u * 8 * 12);
   for (double wrong : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
     settings.unit = wrong;
-    EXPECT_THROW(bakeBox(settings), BakeError) << wrong;
+    EXPECT_THROW(bakeBox(settings), ToolError) << wrong;
   }
 }
 
@@ -96,7 +99,10 @@ TEST(Placement, AnimatedNodesKeepTheirPivotsInTheUnitAndAxis) {
   const Scratch scratch;
   test::GltfMaker maker;
   maker.addBox();
-  const auto path = scratch.write("a.gltf", maker.text(R"("nodes":[{"mesh":0,"translation":[0,0,5]}],"scenes":[{"nodes":[0]}],"scene":0,)" + test::GltfMaker::boxMesh()));
+  const auto path = scratch.write(
+      "a.gltf",
+      maker.text(R"("nodes":[{"mesh":0,"translation":[0,0,5]}],"scenes":[{"nodes":[0]}],"scene":0,)" +
+                 test::GltfMaker::boxMesh()));
   Settings settings;
   settings.parts = Parts::kNodes;
   settings.up = Axis::kPlusZ;
@@ -123,7 +129,7 @@ TEST(Placement, PaddingIsEmptyAndMovesNothing) {
   EXPECT_EQ(placed.pack.parts[0].size, glm::ivec3(4 + 6, 8, 12 + 6));
   expectBox(placed, {0, 0, 0}, {1, 2, 3}, 1e-5);
   settings.pad = -1;
-  EXPECT_THROW(bakeBox(settings), BakeError);
+  EXPECT_THROW(bakeBox(settings), ToolError);
 }
 
 // A box of 2 x 1.4 x 1 under a translated node, the same everywhere.
@@ -132,13 +138,18 @@ TEST(Placement, FarFromTheOriginShapesStayWhole) {
   const auto bakeAt = [&](double place) {
     test::GltfMaker maker;
     std::vector<float> corners;
-    for (int i = 0; i < 8; ++i) corners.insert(corners.end(), {i & 1 ? 2.0f : 0.0f, i & 2 ? 1.4f : 0.0f, i & 4 ? 1.0f : 0.0f});
+    for (int i = 0; i < 8; ++i)
+      corners.insert(corners.end(), {i & 1 ? 2.0f : 0.0f, i & 2 ? 1.4f : 0.0f, i & 4 ? 1.0f : 0.0f});
     maker.floats(corners, 3);
-    maker.indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+    maker.indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                   2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
     const std::string at = std::to_string(place);
     Settings settings;
     settings.resolution = 40;
-    return bakeIt(scratch.write("far.gltf", maker.text(R"("nodes":[{"mesh":0,"translation":[)" + at + ",0," + at + R"(]}],"scenes":[{"nodes":[0]}],"scene":0,)" + test::GltfMaker::boxMesh())), settings);
+    return bakeIt(scratch.write("far.gltf", maker.text(R"("nodes":[{"mesh":0,"translation":[)" + at + ",0," +
+                                                       at + R"(]}],"scenes":[{"nodes":[0]}],"scene":0,)" +
+                                                       test::GltfMaker::boxMesh())),
+                  settings);
   };
   const Placed here = bakeAt(0);
   EXPECT_EQ(here.voxels, 40u * 28 * 20);

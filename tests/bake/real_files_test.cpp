@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Real files, baked at 256 voxels, against a picture of their own triangles: silhouette and colour, at rest and bent.
+// Real files, baked at 256 voxels, against a picture of their own triangles: silhouette and colour, at rest
+// and bent.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +25,8 @@ using glm::dmat4;
 using glm::dvec2;
 using glm::dvec3;
 
-// Under a sanitizer, where a voxel takes ten times as long, an eighth of the voxels. What is off lies along the outline, and is a share of it as large as a voxel.
+// Under a sanitizer, where a voxel takes ten times as long, an eighth of the voxels. What is off lies along
+// the outline, and is a share of it as large as a voxel.
 constexpr int kSide = test::kSanitized ? 128 : 256;
 constexpr double kLeastIou = 1 - 0.05 * 256 / kSide;
 
@@ -41,17 +43,23 @@ double linearOf(std::uint8_t srgb) {
 
 double wrapped(double u, bake::Wrap wrap) {
   switch (wrap) {
-    case bake::Wrap::kClamp: return std::clamp(u, 0.0, 1.0);
-    case bake::Wrap::kMirror: return 1.0 - std::abs(1.0 - (u - 2.0 * std::floor(0.5 * u)));
-    case bake::Wrap::kRepeat: break;
+    case bake::Wrap::kClamp:
+      return std::clamp(u, 0.0, 1.0);
+    case bake::Wrap::kMirror:
+      return 1.0 - std::abs(1.0 - (u - 2.0 * std::floor(0.5 * u)));
+    case bake::Wrap::kRepeat:
+      break;
   }
   return u - std::floor(u);
 }
 
 // Base colour at a point of a triangle: nearest texel, no filter.
-dvec3 colorAt(const bake::SourceModel& model, const bake::TriangleSoup& soup, std::size_t triangle, double u, double v) {
+dvec3 colorAt(const bake::SourceModel& model, const bake::TriangleSoup& soup, std::size_t triangle, double u,
+              double v) {
   const bake::SurfaceMaterial& material = model.materials[soup.triangles[triangle].material];
-  const auto mix = [&](const auto& corners) { return (1.0 - u - v) * dvec3(corners[0]) + u * dvec3(corners[1]) + v * dvec3(corners[2]); };
+  const auto mix = [&](const auto& corners) {
+    return (1.0 - u - v) * dvec3(corners[0]) + u * dvec3(corners[1]) + v * dvec3(corners[2]);
+  };
   dvec3 color = dvec3(material.base_color);
   if (!soup.colors.empty()) color *= mix(soup.colors[triangle]);
   if (material.texture >= 0 && !soup.uvs.empty()) {
@@ -60,16 +68,20 @@ dvec3 colorAt(const bake::SourceModel& model, const bake::TriangleSoup& soup, st
     const bake::Image& image = model.images[static_cast<std::size_t>(material.texture)];
     const int x = std::min(static_cast<int>(wrapped(at.x, material.wrap_u) * image.width), image.width - 1);
     const int y = std::min(static_cast<int>(wrapped(at.y, material.wrap_v) * image.height), image.height - 1);
-    const std::uint8_t* texel = &image.rgba[4 * (static_cast<std::size_t>(x) + static_cast<std::size_t>(image.width) * static_cast<std::size_t>(y))];
+    const std::uint8_t* texel =
+        &image.rgba[4 * (static_cast<std::size_t>(x) +
+                         static_cast<std::size_t>(image.width) * static_cast<std::size_t>(y))];
     color *= dvec3(linearOf(texel[0]), linearOf(texel[1]), linearOf(texel[2]));
   }
   return color;
 }
 
-// The paper's map, forwards, in double precision: a point of the undeformed volume to where the spline takes it.
+// The paper's map, forwards, in double precision: a point of the undeformed volume to where the spline takes
+// it.
 class ForwardMap {
  public:
-  ForwardMap(const Knot& k0, const Knot& k1, double height) : p0_(k0.position), p1_(k1.position), m0_(k0.tangent), m1_(k1.tangent), height_(height) {}
+  ForwardMap(const Knot& k0, const Knot& k1, double height)
+      : p0_(k0.position), p1_(k1.position), m0_(k0.tangent), m1_(k1.tangent), height_(height) {}
   dvec3 operator()(const dvec3& rest) const {
     const double y = p0_.y + rest.y / height_ * (p1_.y - p0_.y);
     double low = 0, high = 1;
@@ -89,7 +101,8 @@ class ForwardMap {
 
 struct Comparison {
   double iou = 0;
-  double color_error = 0;  // mean absolute difference per channel, linear, where both pictures are well inside the silhouette
+  // mean absolute difference per channel, linear, where both pictures are well inside the silhouette
+  double color_error = 0;
 };
 
 class Baked {
@@ -119,15 +132,18 @@ class Baked {
   // Longest side, in voxels, of the largest part.
   int longestSide() const {
     int longest = 0;
-    for (const RawPart& part : pack_.parts) longest = std::max({longest, part.size.x, part.size.y, part.size.z});
+    for (const RawPart& part : pack_.parts)
+      longest = std::max({longest, part.size.x, part.size.y, part.size.z});
     return longest;
   }
 
-  // A picture of the voxels beside a picture of the triangles, both bent by tangents in units of the height (zero knots: at rest).
+  // A picture of the voxels beside a picture of the triangles, both bent by tangents in units of the height
+  // (zero knots: at rest).
   Comparison compare(double yaw, double pitch, const test::FigurePose* figure, int side = 240) const {
     runtime::Pose pose = *runtime::Pose::create(*asset_);
     for (int i = 0; figure && i < pose.parts(); ++i) {
-      const std::vector<Knot> knots = test::figureKnots(*figure, asset_->pack().parts()[static_cast<std::size_t>(i)].size);
+      const std::vector<Knot> knots =
+          test::figureKnots(*figure, asset_->pack().parts()[static_cast<std::size_t>(i)].size);
       std::copy(knots.begin(), knots.end(), pose.knots(i).begin());
     }
     const runtime::Instance instance{asset_.get(), &pose};
@@ -145,10 +161,13 @@ class Baked {
       const ForwardMap map(knots.front(), knots.back(), pack_.parts[p].size.y);
       for (std::size_t t = 0; t < part.soup.triangles.size(); ++t) {
         std::array<dvec3, 3> rest;
-        for (std::size_t c = 0; c < 3; ++c) rest[c] = dvec3(to_voxel * glm::dvec4(dvec3(part.soup.positions[part.soup.triangles[t].vertex[c]]), 1.0));
+        for (std::size_t c = 0; c < 3; ++c)
+          rest[c] =
+              dvec3(to_voxel * glm::dvec4(dvec3(part.soup.positions[part.soup.triangles[t].vertex[c]]), 1.0));
         const auto number = static_cast<std::uint32_t>(origin.size());
         origin.emplace_back(p, t);
-        drawBent(triangles, number, rest, {dvec2(0, 0), dvec2(1, 0), dvec2(0, 1)}, figure ? &map : nullptr, to_object, 0);
+        drawBent(triangles, number, rest, {dvec2(0, 0), dvec2(1, 0), dvec2(0, 1)}, figure ? &map : nullptr,
+                 to_object, 0);
       }
     }
 
@@ -180,8 +199,9 @@ class Baked {
   double voxelSize() const { return static_cast<double>(glm::length(pack_.parts[0].to_object[0])); }
 
   // Large triangles are split until they follow the bend.
-  void drawBent(test::Rasterizer& to, std::uint32_t number, const std::array<dvec3, 3>& rest, const std::array<dvec2, 3>& weight, const ForwardMap* map,
-                const dmat4& to_object, int depth) const {
+  void drawBent(test::Rasterizer& to, std::uint32_t number, const std::array<dvec3, 3>& rest,
+                const std::array<dvec2, 3>& weight, const ForwardMap* map, const dmat4& to_object,
+                int depth) const {
     if (map && depth < 14) {
       std::size_t longest = 0;
       double length = 0;
@@ -196,13 +216,16 @@ class Baked {
         const std::size_t i = longest, j = (longest + 1) % 3, k = (longest + 2) % 3;
         const dvec3 middle = 0.5 * (rest[i] + rest[j]);
         const dvec2 w = 0.5 * (weight[i] + weight[j]);
-        drawBent(to, number, {rest[i], middle, rest[k]}, {weight[i], w, weight[k]}, map, to_object, depth + 1);
-        drawBent(to, number, {middle, rest[j], rest[k]}, {w, weight[j], weight[k]}, map, to_object, depth + 1);
+        drawBent(to, number, {rest[i], middle, rest[k]}, {weight[i], w, weight[k]}, map, to_object,
+                 depth + 1);
+        drawBent(to, number, {middle, rest[j], rest[k]}, {w, weight[j], weight[k]}, map, to_object,
+                 depth + 1);
         return;
       }
     }
     std::array<dvec3, 3> world;
-    for (std::size_t c = 0; c < 3; ++c) world[c] = dvec3(to_object * glm::dvec4(map ? (*map)(rest[c]) : rest[c], 1.0));
+    for (std::size_t c = 0; c < 3; ++c)
+      world[c] = dvec3(to_object * glm::dvec4(map ? (*map)(rest[c]) : rest[c], 1.0));
     to.draw(number, world[0], world[1], world[2], weight[0], weight[1], weight[2]);
   }
 
@@ -216,7 +239,9 @@ class Baked {
 struct RealFile {
   const char* name;
   const char* path;
-  double color_error;  // allowed mean, linear: what a nearest texel differs from one filtered over a voxel (a flipped texture is off by 0.08 and more)
+  // allowed mean, linear: what a nearest texel differs from one filtered over a voxel (a flipped texture is
+  // off by 0.08 and more)
+  double color_error;
 };
 
 void PrintTo(const RealFile& file, std::ostream* out) { *out << file.path; }
@@ -230,25 +255,33 @@ TEST_P(RealFiles, LookLikeTheirTriangles) {
   constexpr std::pair<double, double> kViews[] = {{35, 20}, {0, 0}, {120, -25}, {90, 60}};
   for (const auto& [yaw, pitch] : std::span(kViews).first(test::shareOf(4))) {
     const Comparison rest = baked.compare(yaw, pitch, nullptr);
-    std::printf("%s yaw %g pitch %g: IoU %.4f, colour %.4f\n", GetParam().name, yaw, pitch, rest.iou, rest.color_error);
+    std::printf("%s yaw %g pitch %g: IoU %.4f, colour %.4f\n", GetParam().name, yaw, pitch, rest.iou,
+                rest.color_error);
     EXPECT_GE(rest.iou, kLeastIou) << "yaw " << yaw << " pitch " << pitch;
     EXPECT_LE(rest.color_error, GetParam().color_error) << "yaw " << yaw << " pitch " << pitch;
   }
   constexpr std::size_t kFigures[] = {1, 2};
   for (const std::size_t figure : std::span(kFigures).first(test::shareOf(2))) {
     const Comparison bent = baked.compare(35, 20, &test::kFigure6[figure]);
-    std::printf("%s %s: IoU %.4f, colour %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou, bent.color_error);
+    std::printf("%s %s: IoU %.4f, colour %.4f\n", GetParam().name, test::kFigure6[figure].name, bent.iou,
+                bent.color_error);
     EXPECT_GE(bent.iou, kLeastIou) << test::kFigure6[figure].name;
     EXPECT_LE(bent.color_error, GetParam().color_error) << test::kFigure6[figure].name;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(At256, RealFiles,
-                         testing::Values(RealFile{"Duck", "gltf/draco_testdata/Duck.glb", 0.02}, RealFile{"Fox", "gltf/draco_testdata/Fox/Fox.gltf", 0.03},
-                                         RealFile{"CesiumMilkTruck", "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", 0.04},
-                                         RealFile{"Box_Draco", "gltf/draco_testdata/Box_Draco.glb", 0.01}, RealFile{"bunny_draco", "gltf/pmndrs/bunny.glb", 0.01},
-                                         RealFile{"spot", "mesh/common3d/spot.obj", 0.01}, RealFile{"stanford_bunny", "mesh/common3d/stanford-bunny.obj", 0.01},
-                                         RealFile{"dragon", "mesh/stanford/dragon_vrip_res3.ply", 0.01}, RealFile{"vdb_sphere", "vdb/gaffer_sphere.vdb", 0.01}),
+                         testing::Values(RealFile{"Duck", "gltf/draco_testdata/Duck.glb", 0.02},
+                                         RealFile{"Fox", "gltf/draco_testdata/Fox/Fox.gltf", 0.03},
+                                         RealFile{"CesiumMilkTruck",
+                                                  "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf",
+                                                  0.04},
+                                         RealFile{"Box_Draco", "gltf/draco_testdata/Box_Draco.glb", 0.01},
+                                         RealFile{"bunny_draco", "gltf/pmndrs/bunny.glb", 0.01},
+                                         RealFile{"spot", "mesh/common3d/spot.obj", 0.01},
+                                         RealFile{"stanford_bunny", "mesh/common3d/stanford-bunny.obj", 0.01},
+                                         RealFile{"dragon", "mesh/stanford/dragon_vrip_res3.ply", 0.01},
+                                         RealFile{"vdb_sphere", "vdb/gaffer_sphere.vdb", 0.01}),
                          [](const auto& file) { return std::string(file.param.name); });
 
 }  // namespace

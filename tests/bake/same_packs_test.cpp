@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Bakes to the same bytes with every instruction set that this machine offers, on 1, 2 and 7 threads. Other builds and other processors' libm:
-// tests/cli/same_packs.py.
+// Bakes to the same bytes with every instruction set that this machine offers, on 1, 2 and 7 threads. Other
+// builds and other processors' libm: tests/cli/same_packs.py.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,16 +15,19 @@
 namespace kelp::bake::test {
 namespace {
 
-// A wavy lump with holes at its poles, coloured corner by corner with more colours than a palette has, and a sheet beside it.
+// A wavy lump with holes at its poles, coloured corner by corner with more colours than a palette has, and a
+// sheet beside it.
 std::string lump() {
   constexpr int kSteps = 32;
   std::string text;
   char line[160];
   for (int j = 0; j <= kSteps; ++j) {
     for (int i = 0; i < kSteps; ++i) {
-      const double u = 6.283185307179586 * i / kSteps, v = 3.141592653589793 * (0.04 + 0.92 * j / kSteps), r = 1 + 0.15 * std::sin(5 * u) * std::sin(4 * v);
-      std::snprintf(line, sizeof line, "v %.6f %.6f %.6f %.3f %.3f %.3f\n", r * std::sin(v) * std::cos(u), 1.3 * r * std::cos(v), r * std::sin(v) * std::sin(u),
-                    (i * 37 % 256) / 255.0, (j * 101 % 256) / 255.0, ((i + j) * 11 % 256) / 255.0);
+      const double u = 6.283185307179586 * i / kSteps, v = 3.141592653589793 * (0.04 + 0.92 * j / kSteps),
+                   r = 1 + 0.15 * std::sin(5 * u) * std::sin(4 * v);
+      std::snprintf(line, sizeof line, "v %.6f %.6f %.6f %.3f %.3f %.3f\n", r * std::sin(v) * std::cos(u),
+                    1.3 * r * std::cos(v), r * std::sin(v) * std::sin(u), (i * 37 % 256) / 255.0,
+                    (j * 101 % 256) / 255.0, ((i + j) * 11 % 256) / 255.0);
       text += line;
     }
   }
@@ -37,7 +40,8 @@ std::string lump() {
     }
   }
   const int last = kSteps * (kSteps + 1) + 3;
-  return text + "f " + std::to_string(last - 2) + " " + std::to_string(last - 1) + " " + std::to_string(last) + "\n";
+  return text + "f " + std::to_string(last - 2) + " " + std::to_string(last - 1) + " " +
+         std::to_string(last) + "\n";
 }
 
 std::string packOf(const std::filesystem::path& input, int threads, const std::filesystem::path& out) {
@@ -60,7 +64,9 @@ TEST(SamePacks, OnEveryTargetAndAnyNumberOfThreads) {
   const std::string expected = packOf(input, 1, scratch.folder() / "out.kelp");
   ASSERT_GT(expected.size(), 10000u);
   kelp::test::forEveryTarget([&](const char* target) {
-    for (const int threads : {1, 2, 7}) EXPECT_TRUE(packOf(input, threads, scratch.folder() / "out.kelp") == expected) << target << ", " << threads << " threads";
+    for (const int threads : {1, 2, 7})
+      EXPECT_TRUE(packOf(input, threads, scratch.folder() / "out.kelp") == expected)
+          << target << ", " << threads << " threads";
   });
 }
 

@@ -9,29 +9,36 @@
 #include <map>
 #include <set>
 
+#include "kelp/common/output_file.h"
 #include "kelp/fields/fields.h"
 #include "shapes.h"
 #include "support/scratch.h"
+#include "support/straight_knots.h"
 
 namespace kelp {
 namespace {
 
 using test::voxelizeUnit;
 
-// A square of 16 x 16 units in the xy plane, uv 0 to 1, one unit thick, with a 4 x 4 texture whose texel (i, j) is red i/3, green j/3.
+// A square of 16 x 16 units in the xy plane, uv 0 to 1, one unit thick, with a 4 x 4 texture whose texel (i,
+// j) is red i/3, green j/3.
 bake::SourceModel texturedPlate(float repeats = 1, bake::Wrap wrap = bake::Wrap::kRepeat) {
   bake::TriangleSoup soup;
   test::addBox(soup, {0, 0, 0}, {16, 16, 1});
   for (const bake::TriangleSoup::Triangle& triangle : soup.triangles) {
     auto& uv = soup.uvs.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) uv[k] = repeats * glm::vec2(soup.positions[triangle.vertex[k]].x / 16.0f, 1.0f - soup.positions[triangle.vertex[k]].y / 16.0f);
+    for (std::size_t k = 0; k < 3; ++k)
+      uv[k] = repeats * glm::vec2(soup.positions[triangle.vertex[k]].x / 16.0f,
+                                  1.0f - soup.positions[triangle.vertex[k]].y / 16.0f);
   }
   bake::SourceModel model = test::makeModel(soup);
   bake::Image image;
   image.width = image.height = 4;
   image.srgb = false;
   for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) image.rgba.insert(image.rgba.end(), {static_cast<std::uint8_t>(i * 85), static_cast<std::uint8_t>(j * 85), 0, 255});
+    for (int i = 0; i < 4; ++i)
+      image.rgba.insert(image.rgba.end(),
+                        {static_cast<std::uint8_t>(i * 85), static_cast<std::uint8_t>(j * 85), 0, 255});
   }
   model.images.push_back(image);
   model.materials[0].texture = 0;
@@ -45,7 +52,8 @@ std::vector<glm::vec4> colorsOf(const bake::SourceModel& model) {
   std::vector<glm::vec4> colors(256);
   const test::Baked baked = voxelizeUnit(model);
   EXPECT_EQ(baked.grid().size, glm::ivec3(16, 16, 1));
-  for (const bake::SurfaceSample& sample : baked.grid().surface) colors[sample.index] = sample.material.base_color;
+  for (const bake::SurfaceSample& sample : baked.grid().surface)
+    colors[sample.index] = sample.material.base_color;
   return colors;
 }
 
@@ -61,7 +69,10 @@ TEST(SurfaceColour, TextureStandsUprightWithItsTexels) {
 }
 
 TEST(SurfaceColour, WrapModes) {
-  const auto redAt = [](bake::Wrap wrap, int x) { return colorsOf(texturedPlate(2, wrap))[static_cast<std::size_t>(x) + 16 * 12].x; };  // two pictures across
+  // two pictures across
+  const auto redAt = [](bake::Wrap wrap, int x) {
+    return colorsOf(texturedPlate(2, wrap))[static_cast<std::size_t>(x) + 16 * 12].x;
+  };
   EXPECT_NEAR(redAt(bake::Wrap::kRepeat, 8), 0.0f, 0.01f);
   EXPECT_NEAR(redAt(bake::Wrap::kMirror, 8), 1.0f, 0.01f);
   EXPECT_NEAR(redAt(bake::Wrap::kClamp, 15), 1.0f, 0.01f);
@@ -75,7 +86,8 @@ TEST(SurfaceColour, FineTexturesAreAveragedInLinearLight) {
   image.srgb = true;
   image.rgba.clear();
   for (int j = 0; j < 256; ++j) {
-    for (int i = 0; i < 256; ++i) image.rgba.insert(image.rgba.end(), 3, (i + j) % 2 ? 255 : 0), image.rgba.push_back(255);
+    for (int i = 0; i < 256; ++i)
+      image.rgba.insert(image.rgba.end(), 3, (i + j) % 2 ? 255 : 0), image.rgba.push_back(255);
   }
   model.materials[0].nearest = false;
   for (const glm::vec4& color : colorsOf(model)) EXPECT_NEAR(color.x, 0.5f, 0.01f);
@@ -83,7 +95,9 @@ TEST(SurfaceColour, FineTexturesAreAveragedInLinearLight) {
 
 TEST(SurfaceColour, FactorAndVertexColourMultiply) {
   bake::SourceModel model = texturedPlate();
-  model.parts[0].soup.colors.assign(model.parts[0].soup.triangles.size(), {glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1)});
+  model.parts[0].soup.colors.assign(
+      model.parts[0].soup.triangles.size(),
+      {glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1), glm::vec4(0.5f, 1, 1, 1)});
   model.materials[0].base_color = {0.5f, 0.5f, 1, 1};
   const std::vector<glm::vec4> colors = colorsOf(model);
   EXPECT_NEAR(colors[14 + 16 * 2].x, 0.25f, 0.01f);
@@ -97,7 +111,8 @@ bake::VoxelGrid gridOfColours(int count) {
   for (int i = 0; i < count; ++i) {
     bake::SurfaceSample sample;
     sample.index = static_cast<std::uint64_t>(i);
-    sample.material.base_color = {static_cast<float>(i % 40) / 39.0f, static_cast<float>(i / 40 % 40) / 39.0f, static_cast<float>(i / 1600) / 10.0f, 1};
+    sample.material.base_color = {static_cast<float>(i % 40) / 39.0f, static_cast<float>(i / 40 % 40) / 39.0f,
+                                  static_cast<float>(i / 1600) / 10.0f, 1};
     grid.surface.push_back(sample);
   }
   return grid;
@@ -109,7 +124,8 @@ TEST(Palette, IsExactUpTo256) {
   EXPECT_EQ(palette.entries.size(), 256u);
   EXPECT_EQ(palette.mean_error, 0.0);
   ASSERT_EQ(palette.indices.size(), 2u);
-  for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(palette.entries[palette.indices[1][i]].base_color, grid.surface[i].material.base_color);
+  for (std::size_t i = 0; i < 256; ++i)
+    EXPECT_EQ(palette.entries[palette.indices[1][i]].base_color, grid.surface[i].material.base_color);
 }
 
 TEST(Palette, ClustersMoreAndKeepsWhatIsRareButApart) {
@@ -134,7 +150,8 @@ TEST(Levels, HalveByOrAndAverageWhatLiesAbove) {
   test::addSphere(soup, {0, 0, 0}, 20.3f, 40);
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   const bake::Palette palette = bake::choosePalette({&baked.grid()}, 1);
-  const std::vector<RawLevel> levels = bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 0, 2, {});
+  const std::vector<RawLevel> levels =
+      bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 0, 2, {});
   ASSERT_EQ(levels.size(), 4u);  // 41, 21, 11, 6: one brick
   EXPECT_EQ(levels.back().cells.size(), 1u);
   EXPECT_EQ(bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 2, 2, {}).size(), 2u);
@@ -148,7 +165,10 @@ TEST(Levels, HalveByOrAndAverageWhatLiesAbove) {
     EXPECT_EQ(levels[static_cast<std::size_t>(level)].attributes.size(), surface.size()) << level;
     // The next level, by the definition.
     const glm::ivec3 half = levelSize(baked.grid().size, level + 1);
-    fields::Occupancy coarse{half, std::vector<std::uint8_t>(static_cast<std::size_t>(half.x) * static_cast<std::size_t>(half.y) * static_cast<std::size_t>(half.z), 0)};
+    fields::Occupancy coarse{
+        half, std::vector<std::uint8_t>(static_cast<std::size_t>(half.x) * static_cast<std::size_t>(half.y) *
+                                            static_cast<std::size_t>(half.z),
+                                        0)};
     std::set<std::uint64_t> above;
     for (int z = 0; z < size.z; ++z) {
       for (int y = 0; y < size.y; ++y) {
@@ -180,9 +200,7 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
   RawPart& part = pack.parts.emplace_back();
   part.name = "box";
   part.size = baked.grid().size;
-  Knot knots[2];
-  straightKnots(part.size, knots);
-  part.knots.assign(knots, knots + 2);
+  part.knots = test::straightKnots(part.size);
   part.levels = bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 0, 1, {});
 
   const test::Scratch scratch;
@@ -192,13 +210,13 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
   try {
     bake::writePackFile(pack, path, 1, report, [](std::string_view, double) { return false; });
     ADD_FAILURE() << "was not interrupted";
-  } catch (const bake::BakeError& error) {
-    EXPECT_EQ(error.exit, bake::Exit::kInterrupted);
+  } catch (const kelp::ToolError& error) {
+    EXPECT_EQ(error.exit, kelp::Exit::kInterrupted);
   }
   EXPECT_EQ(readAll(path), (std::vector<char>{'o', 'l', 'd'}));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
 
-  bake::checkOutput(path);
+  kelp::checkOutput(path);
   EXPECT_EQ(readAll(path), (std::vector<char>{'o', 'l', 'd'}));
   bake::writePackFile(pack, path, 1, report);
   EXPECT_EQ(readAll(path).size(), report.pack_bytes);
@@ -208,8 +226,12 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
 // The same model with another rig is another pack: its INFO must say so, wherever the rig's file was found.
 TEST(Info, RecordsARigFromAFile) {
   const test::Scratch scratch;
-  const std::filesystem::path model = scratch.write("tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
-  const std::string straight = R"({"kelp": 1})", sway = R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 2}]}}})";
+  const std::filesystem::path model =
+      scratch.write("tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string
+      straight = R"({"kelp": 1})",
+      sway =
+          R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 2}]}}})";
   const auto info = [&](const char* rig) {
     bake::Settings settings;
     settings.resolution = 8;

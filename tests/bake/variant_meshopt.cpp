@@ -9,14 +9,16 @@ std::string encodeMeshoptVertices(const std::string& bytes, std::size_t stride) 
   meshopt_encodeVertexVersion(0);
   const std::size_t count = bytes.size() / stride;
   std::string out(meshopt_encodeVertexBufferBound(count, stride), '\0');
-  out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), bytes.data(), count, stride));
+  out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(),
+                                        bytes.data(), count, stride));
   return out;
 }
 
 std::string encodeMeshoptTriangles(const std::vector<std::uint32_t>& indices, std::size_t vertices) {
   meshopt_encodeIndexVersion(1);
   std::string out(meshopt_encodeIndexBufferBound(indices.size(), vertices), '\0');
-  out.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), indices.data(), indices.size()));
+  out.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(),
+                                       indices.data(), indices.size()));
   return out;
 }
 

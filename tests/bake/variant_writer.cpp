@@ -30,7 +30,8 @@ std::string list(Values... values) {
 // Uncompressed true colour with alpha, first row at the top.
 std::string tga(const Image& image) {
   std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
-  for (int size : {image.width, image.height}) bytes += {static_cast<char>(size & 255), static_cast<char>(size >> 8)};
+  for (int size : {image.width, image.height})
+    bytes += {static_cast<char>(size & 255), static_cast<char>(size >> 8)};
   bytes += {32, 0x28};
   for (std::size_t i = 0; i < image.rgba.size(); i += 4)
     for (std::size_t c : {2, 1, 0, 3}) bytes += static_cast<char>(image.rgba[i + c]);
@@ -45,20 +46,25 @@ struct Tables {
   std::size_t buffer_count = 0, view_count = 0, accessor_count = 0;
 
   std::size_t buffer(const std::string& bytes) {
-    buffers += (buffer_count ? "," : "") + std::string(R"({"byteLength":)") + number(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + "\"}";
+    buffers += (buffer_count ? "," : "") + std::string(R"({"byteLength":)") + number(bytes.size()) +
+               R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + "\"}";
     return buffer_count++;
   }
   // What EXT_meshopt_compression wants beside the compressed bytes: a place where the plain ones would lie.
   std::size_t placeholder(std::size_t size) {
-    buffers += (buffer_count ? "," : "") + std::string(R"({"byteLength":)") + number(size) + R"(,"extensions":{"EXT_meshopt_compression":{"fallback":true}}})";
+    buffers += (buffer_count ? "," : "") + std::string(R"({"byteLength":)") + number(size) +
+               R"(,"extensions":{"EXT_meshopt_compression":{"fallback":true}}})";
     return buffer_count++;
   }
   std::size_t view(std::size_t into, std::size_t size, const std::string& more) {
-    views += (view_count ? "," : "") + std::string(R"({"buffer":)") + number(into) + R"(,"byteLength":)" + number(size) + more + "}";
+    views += (view_count ? "," : "") + std::string(R"({"buffer":)") + number(into) + R"(,"byteLength":)" +
+             number(size) + more + "}";
     return view_count++;
   }
-  std::size_t accessor(const std::string& view, int type, std::size_t count, const char* shape, const std::string& more = "") {
-    accessors += (accessor_count ? "," : "") + ("{" + view) + R"("componentType":)" + std::to_string(type) + R"(,"count":)" + number(count) + R"(,"type":")" + shape + "\"" + more + "}";
+  std::size_t accessor(const std::string& view, int type, std::size_t count, const char* shape,
+                       const std::string& more = "") {
+    accessors += (accessor_count ? "," : "") + ("{" + view) + R"("componentType":)" + std::to_string(type) +
+                 R"(,"count":)" + number(count) + R"(,"type":")" + shape + "\"" + more + "}";
     return accessor_count++;
   }
 };
@@ -82,7 +88,9 @@ VariantWriter::VariantWriter(const SourceModel& model) {
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::vec2 uv = soup.uvs.empty() ? glm::vec2(0) : soup.uvs[t][c];
       const glm::vec4 color = soup.colors.empty() ? glm::vec4(1) : soup.colors[t][c];
-      const auto [at, fresh] = known[triangle.material].try_emplace({triangle.vertex[c], {uv.x, uv.y}, {color.r, color.g, color.b, color.a}}, static_cast<std::uint32_t>(mesh.positions.size()));
+      const auto [at, fresh] = known[triangle.material].try_emplace(
+          {triangle.vertex[c], {uv.x, uv.y}, {color.r, color.g, color.b, color.a}},
+          static_cast<std::uint32_t>(mesh.positions.size()));
       mesh.indices.push_back(at->second);
       if (!fresh) continue;
       mesh.positions.push_back(part.to_object * glm::vec4(soup.positions[triangle.vertex[c]], 1));
@@ -106,21 +114,35 @@ VariantWriter::VariantWriter(const SourceModel& model) {
 }
 
 std::string VariantWriter::materials(bool quantized) const {
-  const std::string transform = quantized ? R"(,"extensions":{"KHR_texture_transform":{"offset":)" + list(uv_low_.x, uv_low_.y) + R"(,"scale":)" + list(uv_size_.x, uv_size_.y) + "}}" : "";
+  const std::string transform = quantized ? R"(,"extensions":{"KHR_texture_transform":{"offset":)" +
+                                                list(uv_low_.x, uv_low_.y) + R"(,"scale":)" +
+                                                list(uv_size_.x, uv_size_.y) + "}}"
+                                          : "";
   std::string text, textures, samplers, images;
   for (const SurfaceMaterial& m : model_.materials) {
-    text += (text.empty() ? "" : ",") + std::string(R"({"pbrMetallicRoughness":{"baseColorFactor":)") + list(m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a) + R"(,"metallicFactor":)" + number(static_cast<double>(m.metallic)) +
-            R"(,"roughnessFactor":)" + number(static_cast<double>(m.roughness));
+    text += (text.empty() ? "" : ",") + std::string(R"({"pbrMetallicRoughness":{"baseColorFactor":)") +
+            list(m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a) + R"(,"metallicFactor":)" +
+            number(static_cast<double>(m.metallic)) + R"(,"roughnessFactor":)" +
+            number(static_cast<double>(m.roughness));
     if (m.texture >= 0) {
-      text += R"(,"baseColorTexture":{"index":)" + number(static_cast<std::size_t>(std::count(samplers.begin(), samplers.end(), '{'))) + transform + "}";
-      textures += (textures.empty() ? "" : ",") + std::string(R"({"source":)") + std::to_string(m.texture) + R"(,"sampler":)" + number(static_cast<std::size_t>(std::count(samplers.begin(), samplers.end(), '{'))) + "}";
-      samplers += (samplers.empty() ? "" : ",") + std::string(R"({"wrapS":)") + std::to_string(wrapMode(m.wrap_u)) + R"(,"wrapT":)" + std::to_string(wrapMode(m.wrap_v)) + "}";
+      text += R"(,"baseColorTexture":{"index":)" +
+              number(static_cast<std::size_t>(std::count(samplers.begin(), samplers.end(), '{'))) +
+              transform + "}";
+      textures += (textures.empty() ? "" : ",") + std::string(R"({"source":)") + std::to_string(m.texture) +
+                  R"(,"sampler":)" +
+                  number(static_cast<std::size_t>(std::count(samplers.begin(), samplers.end(), '{'))) + "}";
+      samplers += (samplers.empty() ? "" : ",") + std::string(R"({"wrapS":)") +
+                  std::to_string(wrapMode(m.wrap_u)) + R"(,"wrapT":)" + std::to_string(wrapMode(m.wrap_v)) +
+                  "}";
     }
     text += "}}";
   }
-  for (const Image& image : model_.images) images += (images.empty() ? "" : ",") + std::string(R"({"uri":"data:image/tga;base64,)") + base64(tga(image)) + "\"}";
+  for (const Image& image : model_.images)
+    images += (images.empty() ? "" : ",") + std::string(R"({"uri":"data:image/tga;base64,)") +
+              base64(tga(image)) + "\"}";
   text = "\"materials\":[" + text + "]";
-  if (!samplers.empty()) text += ",\"textures\":[" + textures + "],\"samplers\":[" + samplers + "],\"images\":[" + images + "]";
+  if (!samplers.empty())
+    text += ",\"textures\":[" + textures + "],\"samplers\":[" + samplers + "],\"images\":[" + images + "]";
   return text;
 }
 
@@ -132,8 +154,10 @@ std::string VariantWriter::write(bool quantized, bool meshopt) const {
     const std::string packed = encodeMeshoptVertices(bytes, stride);
     const std::size_t from = tables.buffer(packed);
     return tables.view(tables.placeholder(bytes.size()), bytes.size(),
-                       strided + R"(,"extensions":{"EXT_meshopt_compression":{"buffer":)" + number(from) + R"(,"byteLength":)" + number(packed.size()) + strided + R"(,"count":)" + number(bytes.size() / stride) +
-                           R"(,"mode":"ATTRIBUTES","filter":")" + filter + "\"}}");
+                       strided + R"(,"extensions":{"EXT_meshopt_compression":{"buffer":)" + number(from) +
+                           R"(,"byteLength":)" + number(packed.size()) + strided + R"(,"count":)" +
+                           number(bytes.size() / stride) + R"(,"mode":"ATTRIBUTES","filter":")" + filter +
+                           "\"}}");
   };
   const auto indices = [&](const VariantMesh& mesh) {
     const std::string bytes = bytesOf(mesh.indices);
@@ -141,7 +165,9 @@ std::string VariantWriter::write(bool quantized, bool meshopt) const {
     const std::string packed = encodeMeshoptTriangles(mesh.indices, mesh.positions.size());
     const std::size_t from = tables.buffer(packed);
     return tables.view(tables.placeholder(bytes.size()), bytes.size(),
-                       R"(,"extensions":{"EXT_meshopt_compression":{"buffer":)" + number(from) + R"(,"byteLength":)" + number(packed.size()) + R"(,"byteStride":4,"count":)" + number(mesh.indices.size()) + R"(,"mode":"TRIANGLES"}})");
+                       R"(,"extensions":{"EXT_meshopt_compression":{"buffer":)" + number(from) +
+                           R"(,"byteLength":)" + number(packed.size()) + R"(,"byteStride":4,"count":)" +
+                           number(mesh.indices.size()) + R"(,"mode":"TRIANGLES"}})");
   };
   std::string primitives;
   for (const VariantMesh& mesh : meshes_) {
@@ -151,32 +177,51 @@ std::string VariantWriter::write(bool quantized, bool meshopt) const {
       std::vector<std::uint16_t> positions, uvs;
       std::vector<std::uint8_t> colors;
       for (const glm::vec3& p : mesh.positions) {
-        for (int c = 0; c < 3; ++c) positions.push_back(static_cast<std::uint16_t>(std::lround((p[c] - low_[c]) / step_)));
+        for (int c = 0; c < 3; ++c)
+          positions.push_back(static_cast<std::uint16_t>(std::lround((p[c] - low_[c]) / step_)));
         positions.push_back(0);
       }
       for (const glm::vec2& uv : mesh.uvs)
-        for (int c = 0; c < 2; ++c) uvs.push_back(static_cast<std::uint16_t>(std::lround((uv[c] - uv_low_[c]) / uv_size_[c] * 65535)));
+        for (int c = 0; c < 2; ++c)
+          uvs.push_back(static_cast<std::uint16_t>(std::lround((uv[c] - uv_low_[c]) / uv_size_[c] * 65535)));
       for (const glm::vec4& color : mesh.colors)
-        for (int c = 0; c < 4; ++c) colors.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(color[c], 0.0f, 1.0f) * 255)));
-      attributes = R"("POSITION":)" + number(tables.accessor(in(attribute(bytesOf(positions), 8)), 5123, count, "VEC3"));
-      if (!uvs.empty()) attributes += R"(,"TEXCOORD_0":)" + number(tables.accessor(in(attribute(bytesOf(uvs), 4)), 5123, count, "VEC2", R"(,"normalized":true)"));
-      if (!colors.empty()) attributes += R"(,"COLOR_0":)" + number(tables.accessor(in(attribute(bytesOf(colors), 4)), 5121, count, "VEC4", R"(,"normalized":true)"));
+        for (int c = 0; c < 4; ++c)
+          colors.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(color[c], 0.0f, 1.0f) * 255)));
+      attributes = R"("POSITION":)" +
+                   number(tables.accessor(in(attribute(bytesOf(positions), 8)), 5123, count, "VEC3"));
+      if (!uvs.empty())
+        attributes += R"(,"TEXCOORD_0":)" + number(tables.accessor(in(attribute(bytesOf(uvs), 4)), 5123,
+                                                                   count, "VEC2", R"(,"normalized":true)"));
+      if (!colors.empty())
+        attributes += R"(,"COLOR_0":)" + number(tables.accessor(in(attribute(bytesOf(colors), 4)), 5121,
+                                                                count, "VEC4", R"(,"normalized":true)"));
     } else {
-      const std::size_t positions = meshopt ? attribute(filterExponential(mesh.positions), 12, "EXPONENTIAL") : attribute(bytesOf(mesh.positions), 12);
+      const std::size_t positions = meshopt ? attribute(filterExponential(mesh.positions), 12, "EXPONENTIAL")
+                                            : attribute(bytesOf(mesh.positions), 12);
       attributes = R"("POSITION":)" + number(tables.accessor(in(positions), 5126, count, "VEC3"));
-      if (!mesh.uvs.empty()) attributes += R"(,"TEXCOORD_0":)" + number(tables.accessor(in(attribute(bytesOf(mesh.uvs), 8)), 5126, count, "VEC2"));
-      if (!mesh.colors.empty()) attributes += R"(,"COLOR_0":)" + number(tables.accessor(in(attribute(bytesOf(mesh.colors), 16)), 5126, count, "VEC4"));
+      if (!mesh.uvs.empty())
+        attributes += R"(,"TEXCOORD_0":)" +
+                      number(tables.accessor(in(attribute(bytesOf(mesh.uvs), 8)), 5126, count, "VEC2"));
+      if (!mesh.colors.empty())
+        attributes += R"(,"COLOR_0":)" +
+                      number(tables.accessor(in(attribute(bytesOf(mesh.colors), 16)), 5126, count, "VEC4"));
     }
     const std::size_t index = tables.accessor(in(indices(mesh)), 5125, mesh.indices.size(), "SCALAR");
-    primitives += (primitives.empty() ? "" : ",") + std::string(R"({"attributes":{)") + attributes + R"(},"indices":)" + number(index) + R"(,"material":)" + std::to_string(mesh.material) + "}";
+    primitives += (primitives.empty() ? "" : ",") + std::string(R"({"attributes":{)") + attributes +
+                  R"(},"indices":)" + number(index) + R"(,"material":)" + std::to_string(mesh.material) + "}";
   }
   std::string required;
   if (quantized) required += R"("KHR_mesh_quantization","KHR_texture_transform")";
   if (meshopt) required += (quantized ? "," : "") + std::string(R"("EXT_meshopt_compression")");
-  if (!required.empty()) required = R"("extensionsRequired":[)" + required + R"(],"extensionsUsed":[)" + required + "],";
-  const std::string node = quantized ? R"({"mesh":0,"translation":)" + list(low_.x, low_.y, low_.z) + R"(,"scale":)" + list(step_, step_, step_) + "}" : R"({"mesh":0})";
-  return R"({"asset":{"version":"2.0"},)" + required + R"("buffers":[)" + tables.buffers + R"(],"bufferViews":[)" + tables.views + R"(],"accessors":[)" + tables.accessors + R"(],"meshes":[{"primitives":[)" + primitives +
-         R"(]}],"nodes":[)" + node + "]," + materials(quantized) + "}";
+  if (!required.empty())
+    required = R"("extensionsRequired":[)" + required + R"(],"extensionsUsed":[)" + required + "],";
+  const std::string node = quantized ? R"({"mesh":0,"translation":)" + list(low_.x, low_.y, low_.z) +
+                                           R"(,"scale":)" + list(step_, step_, step_) + "}"
+                                     : R"({"mesh":0})";
+  return R"({"asset":{"version":"2.0"},)" + required + R"("buffers":[)" + tables.buffers +
+         R"(],"bufferViews":[)" + tables.views + R"(],"accessors":[)" + tables.accessors +
+         R"(],"meshes":[{"primitives":[)" + primitives + R"(]}],"nodes":[)" + node + "]," +
+         materials(quantized) + "}";
 }
 
 std::string VariantWriter::plain() const { return write(false, false); }
@@ -198,17 +243,22 @@ std::string VariantWriter::draco(bool edgebreaker) const {
       names += comma + name + "\":" + std::to_string(id);
     }
     const std::size_t index = tables.accessor("", 5125, mesh.indices.size(), "SCALAR");
-    primitives += (primitives.empty() ? "" : ",") + std::string(R"({"attributes":{)") + attributes + R"(},"indices":)" + number(index) + R"(,"material":)" + std::to_string(mesh.material) +
-                  R"(,"extensions":{"KHR_draco_mesh_compression":{"bufferView":)" + number(view) + R"(,"attributes":{)" + names + "}}}}";
+    primitives += (primitives.empty() ? "" : ",") + std::string(R"({"attributes":{)") + attributes +
+                  R"(},"indices":)" + number(index) + R"(,"material":)" + std::to_string(mesh.material) +
+                  R"(,"extensions":{"KHR_draco_mesh_compression":{"bufferView":)" + number(view) +
+                  R"(,"attributes":{)" + names + "}}}}";
   }
-  return R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"],"extensionsUsed":["KHR_draco_mesh_compression"],"buffers":[)" + tables.buffers + R"(],"bufferViews":[)" + tables.views + R"(],"accessors":[)" +
-         tables.accessors + R"(],"meshes":[{"primitives":[)" + primitives + R"(]}],"nodes":[{"mesh":0}],)" + materials(false) + "}";
+  return R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"],"extensionsUsed":["KHR_draco_mesh_compression"],"buffers":[)" +
+         tables.buffers + R"(],"bufferViews":[)" + tables.views + R"(],"accessors":[)" + tables.accessors +
+         R"(],"meshes":[{"primitives":[)" + primitives + R"(]}],"nodes":[{"mesh":0}],)" + materials(false) +
+         "}";
 }
 
 std::string VariantWriter::drc(bool metadata) const {
   VariantMesh all;
   for (const VariantMesh& mesh : meshes_) {
-    for (std::uint32_t index : mesh.indices) all.indices.push_back(index + static_cast<std::uint32_t>(all.positions.size()));
+    for (std::uint32_t index : mesh.indices)
+      all.indices.push_back(index + static_cast<std::uint32_t>(all.positions.size()));
     all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
     all.colors.insert(all.colors.end(), mesh.colors.begin(), mesh.colors.end());
   }

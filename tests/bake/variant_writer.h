@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kelp/bake/source_model.h"
+#include "kelp/import/core/source_model.h"
 
 namespace kelp::bake::test {
 
@@ -23,11 +23,14 @@ class VariantWriter {
  public:
   explicit VariantWriter(const SourceModel& model);
 
-  std::string plain() const;                           // floats
-  std::string quantized() const;                       // KHR_mesh_quantization: 14 bits a position, 16 a texture coordinate, 8 a colour
-  std::string meshopt(bool quantized) const;           // EXT_meshopt_compression over either; floats with the exponential filter
-  std::string draco(bool edgebreaker = true) const;    // KHR_draco_mesh_compression: 14 bits a position, 12 a texture coordinate
-  std::string drc(bool metadata) const;                // a .drc file: positions of 14 bits, colours as bytes
+  std::string plain() const;  // floats
+  // KHR_mesh_quantization: 14 bits a position, 16 a texture coordinate, 8 a colour
+  std::string quantized() const;
+  // EXT_meshopt_compression over either; floats with the exponential filter
+  std::string meshopt(bool quantized) const;
+  // KHR_draco_mesh_compression: 14 bits a position, 12 a texture coordinate
+  std::string draco(bool edgebreaker = true) const;
+  std::string drc(bool metadata) const;  // a .drc file: positions of 14 bits, colours as bytes
 
  private:
   std::string write(bool quantized, bool meshopt) const;
@@ -36,12 +39,14 @@ class VariantWriter {
   SourceModel model_;  // without its triangles
   std::vector<VariantMesh> meshes_;
   glm::vec3 low_{0};
-  float step_ = 1;                 // of a quantized position
+  float step_ = 1;  // of a quantized position
   glm::vec2 uv_low_{0}, uv_size_{1};
 };
 
-// A Draco stream, and the unique ids of POSITION, TEXCOORD_0 and COLOR_0 in it. `bytes`: colours as display values of eight bits.
-std::string encodeDraco(const VariantMesh& mesh, bool edgebreaker, bool bytes, bool metadata, std::map<std::string, int>& ids);
+// A Draco stream, and the unique ids of POSITION, TEXCOORD_0 and COLOR_0 in it. `bytes`: colours as display
+// values of eight bits.
+std::string encodeDraco(const VariantMesh& mesh, bool edgebreaker, bool bytes, bool metadata,
+                        std::map<std::string, int>& ids);
 
 // A buffer view compressed for EXT_meshopt_compression.
 std::string encodeMeshoptVertices(const std::string& bytes, std::size_t stride);

@@ -12,7 +12,8 @@
 namespace kelp::bake::test {
 namespace {
 
-VdbSpec ball(const std::string& name, const std::string& type, const std::string& grid_class, double background = 0) {
+VdbSpec ball(const std::string& name, const std::string& type, const std::string& grid_class,
+             double background = 0) {
   VdbSpec spec;
   spec.name = name;
   spec.type = type;
@@ -32,7 +33,8 @@ TEST(VdbChoice, SeveralGridsAreListed) {
   const Scratch scratch;
   const auto path = scratch.folder() / "several.vdb";
   VdbSpec heat = ball("temperature", "float", ""), color = ball("Cd", "vec3s", "");
-  writeVdb(path, {ball("surface", "float", "level set", 2), ball("density", "double", "fog volume"), heat, color});
+  writeVdb(path,
+           {ball("surface", "float", "level set", 2), ball("density", "double", "fog volume"), heat, color});
   const std::string said = refusal(path, Exit::kUsage);
   EXPECT_TRUE(contains(said, "--grid")) << said;
   EXPECT_TRUE(contains(said, "0: 'surface' (float, level set, ")) << said;
@@ -43,9 +45,11 @@ TEST(VdbChoice, SeveralGridsAreListed) {
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "surface"; })).parts[0].grid);
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "0"; })).parts[0].grid);
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "density"; })).parts[0].fog);
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.grid = "smoke"; })), "'surface'"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.grid = "smoke"; })), "'surface'"));
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.grid = "9"; })), "no such grid"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported, with([](Settings& s) { s.grid = "Cd"; })), "vectors"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kUnsupported, with([](Settings& s) { s.grid = "Cd"; })), "vectors"));
   // A name that is a number counts as a name.
   writeVdb(path, {ball("1", "float", "level set", 2), ball("0", "float", "fog volume")});
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.grid = "0"; })).parts[0].fog);
@@ -58,17 +62,24 @@ TEST(VdbChoice, SeveralGridsAreListed) {
 TEST(VdbChoice, ColourAndHeatDoNotMakeItAmbiguous) {
   const Scratch scratch;
   const auto path = scratch.folder() / "hot.vdb";
-  writeVdb(path, {ball("temperature", "float", ""), ball("density", "float", "fog volume"), ball("Cd", "vec3s", ""), ball("v", "vec3s", "staggered")});
+  writeVdb(path, {ball("temperature", "float", ""), ball("density", "float", "fog volume"),
+                  ball("Cd", "vec3s", ""), ball("v", "vec3s", "staggered")});
   SourceModel model = importFile(path, {});
   ASSERT_TRUE(model.parts[0].fog);
   EXPECT_FALSE(model.parts[0].fog->heat.empty());
   EXPECT_TRUE(anyContains(model.notices, "'Cd' is not used"));
   EXPECT_TRUE(importFile(path, with([](Settings& s) { s.heat_grid = ""; })).parts[0].fog->heat.empty());
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "Cd"; })), "no numbers"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "fire"; })), "no such grid"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "density"; })), "no colours"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "Cd"; })), "fog has no colour"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "temperature", s.isovalue = 1; })), "only fog glows"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "Cd"; })), "no numbers"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "fire"; })), "no such grid"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "density"; })),
+                       "no colours"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.color_grid = "Cd"; })),
+                       "fog has no colour"));
+  EXPECT_TRUE(contains(
+      refusal(path, Exit::kUsage, with([](Settings& s) { s.heat_grid = "temperature", s.isovalue = 1; })),
+      "only fog glows"));
   // Heat alone is a density like any other.
   writeVdb(path, {ball("heat", "float", "")});
   EXPECT_TRUE(importFile(path, {}).parts[0].fog->heat.empty());
@@ -101,14 +112,20 @@ TEST(VdbChoice, SettingsThatDoNotGoTogetherAreRefused) {
   const Scratch scratch;
   const auto path = scratch.folder() / "a.vdb";
   writeVdb(path, {ball("a", "float", "level set", 2)});
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog; })), "distances"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog, s.isovalue = 1; })), "fog has no surface"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog; })),
+                       "distances"));
+  EXPECT_TRUE(contains(
+      refusal(path, Exit::kUsage, with([](Settings& s) { s.volume = VolumeKind::kFog, s.isovalue = 1; })),
+      "fog has no surface"));
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.density = 2; })), "only fog"));
   EXPECT_TRUE(contains(refusal(path, Exit::kUsage, with([](Settings& s) { s.density = 0; })), "above 0"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 2; })), "solid outside"));
-  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = -20; })), "nothing is inside"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 2; })), "solid outside"));
+  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = -20; })),
+                       "nothing is inside"));
   writeVdb(path, {ball("a", "float", "fog volume")});
-  EXPECT_TRUE(contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 0; })), "solid outside"));
+  EXPECT_TRUE(
+      contains(refusal(path, Exit::kInvalid, with([](Settings& s) { s.isovalue = 0; })), "solid outside"));
   VdbSpec endless = ball("a", "float", "fog volume");
   endless.background = glm::dvec3(0.5);
   writeVdb(path, {endless});
@@ -118,7 +135,9 @@ TEST(VdbChoice, SettingsThatDoNotGoTogetherAreRefused) {
   endless.background = glm::dvec3(-1);
   writeVdb(path, {endless});
   EXPECT_TRUE(contains(refusal(path, Exit::kInvalid), "inside out"));
-  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage, with([](Settings& s) { s.grid = "a"; })), "only .vdb and .nvdb files"));
+  EXPECT_TRUE(contains(refusal(scratch.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Exit::kUsage,
+                               with([](Settings& s) { s.grid = "a"; })),
+                       "only .vdb and .nvdb files"));
 }
 
 TEST(VdbChoice, WhatCanNotBeBakedIsSaid) {
@@ -133,7 +152,8 @@ TEST(VdbChoice, WhatCanNotBeBakedIsSaid) {
   EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported), "holds no grid"));
   writeVdb(path, {ball("p", "float", "")}, VdbCodec::kBlosc, true, true);
   std::string bytes = contentOf(path);
-  bytes.replace(bytes.find("Tree_float_5_4_3") - 4, 20, std::string("\x16\0\0\0", 4) + "Tree_ptdataidx32_5_4_3");
+  bytes.replace(bytes.find("Tree_float_5_4_3") - 4, 20,
+                std::string("\x16\0\0\0", 4) + "Tree_ptdataidx32_5_4_3");
   EXPECT_TRUE(contains(refusal(scratch.write("points.vdb", bytes), Exit::kUnsupported), "holds points"));
   writeVdb(path, {ball("words", "float", ""), ball("v", "vec3s", "")});
   bytes = contentOf(path);
@@ -169,7 +189,8 @@ TEST(VdbChoice, GridsThatShareATreeAreReadTwice) {
   second.to_world[3] = glm::dvec4(0, 0, 0, 1);
   for (const bool stream : {false, true}) {
     writeVdb(path, {first, second}, VdbCodec::kBlosc, true, stream);
-    const SourceModel a = importFile(path, with([](Settings& s) { s.grid = "a"; })), b = importFile(path, with([](Settings& s) { s.grid = "b"; }));
+    const SourceModel a = importFile(path, with([](Settings&s) { s.grid = "a"; })),
+                      b = importFile(path, with([](Settings&s) { s.grid = "b"; }));
     EXPECT_EQ(a.parts[0].fog->density, b.parts[0].fog->density);
     EXPECT_NEAR(b.parts[0].fog->extinction, 3 * a.parts[0].fog->extinction, 1e-5);
   }

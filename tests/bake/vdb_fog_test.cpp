@@ -13,7 +13,8 @@
 namespace kelp::bake::test {
 namespace {
 
-// The integral of density over space, in the file's units: of a part, from optical depths; of a file, from its values.
+// The integral of density over space, in the file's units: of a part, from optical depths; of a file, from
+// its values.
 double massOf(const FogGrid& fog) {
   double codes = 0;
   for (const std::uint16_t code : fog.density) codes += code;
@@ -28,7 +29,8 @@ double massOf(const VdbPeer& peer) {
       for (int z = low.z; z <= high.z; ++z)
         if (const double value = peer.value({x, y, z}); value > 0 && std::isfinite(value)) sum += value;
   const glm::dvec3 o = peer.world(glm::dvec3(0));
-  return sum * std::abs(glm::determinant(glm::dmat3(peer.world({1, 0, 0}) - o, peer.world({0, 1, 0}) - o, peer.world({0, 0, 1}) - o)));
+  return sum * std::abs(glm::determinant(glm::dmat3(peer.world({1, 0, 0}) - o, peer.world({0, 1, 0}) - o,
+                                                    peer.world({0, 0, 1}) - o)));
 }
 
 glm::dvec3 centreOf(const FogGrid& fog) {
@@ -38,7 +40,8 @@ glm::dvec3 centreOf(const FogGrid& fog) {
   for (int z = 0; z < fog.size.z; ++z)
     for (int y = 0; y < fog.size.y; ++y)
       for (int x = 0; x < fog.size.x; ++x, ++i) {
-        sum += static_cast<double>(fog.density[i]) * glm::dvec3(glm::dmat4x3(fog.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1));
+        sum += static_cast<double>(fog.density[i]) *
+               glm::dvec3(glm::dmat4x3(fog.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1));
         all += fog.density[i];
       }
   return sum / all;
@@ -68,7 +71,9 @@ VdbSpec cloud(const glm::dmat4& to_world = glm::dmat4(1)) {
   spec.to_world = to_world;
   spec.low = glm::ivec3(-14);
   spec.high = glm::ivec3(18);
-  spec.value = [](const glm::ivec3& p) { return puff(p) > 0 ? std::optional(glm::dvec3(puff(p))) : std::nullopt; };
+  spec.value = [](const glm::ivec3& p) {
+    return puff(p) > 0 ? std::optional(glm::dvec3(puff(p))) : std::nullopt;
+  };
   return spec;
 }
 
@@ -85,7 +90,8 @@ TEST(VdbFog, TheAssetsKeepTheirMassAndTheirValues) {
     // Voxel by voxel, rounded to nearest, and no empty layer around.
     const double edge = glm::length(glm::dvec3(fog.to_node[0])), unit = fog.extinction / edge / 65535;
     const glm::dvec3 o = peer.world(glm::dvec3(0));
-    const glm::dmat3 inverse = glm::inverse(glm::dmat3(peer.world({1, 0, 0}) - o, peer.world({0, 1, 0}) - o, peer.world({0, 0, 1}) - o));
+    const glm::dmat3 inverse = glm::inverse(
+        glm::dmat3(peer.world({1, 0, 0}) - o, peer.world({0, 1, 0}) - o, peer.world({0, 0, 1}) - o));
     double worst = 0;
     glm::ivec3 low(std::numeric_limits<int>::max()), high(-1);
     std::size_t i = 0;
@@ -109,17 +115,22 @@ TEST(VdbFog, ResamplingKeepsTheMass) {
   const double mass = massOf(peer);
   const glm::dvec3 centre = centreOf(peer);
   for (const int resolution : {50, 130}) {
-    const FogGrid fog = *importFile(path, with([&](Settings& s) { s.resolution = resolution, s.resolution_given = true; })).parts[0].fog;
+    const FogGrid fog =
+        *importFile(path, with([&](Settings& s) { s.resolution = resolution, s.resolution_given = true; }))
+             .parts[0]
+             .fog;
     EXPECT_NEAR(std::max({fog.size.x, fog.size.y, fog.size.z}), resolution, 1) << resolution;
     EXPECT_NEAR(massOf(fog), mass, 0.01 * mass) << resolution;
-    EXPECT_LT(glm::length(centreOf(fog) - centre), 0.05 * glm::length(glm::dvec3(fog.to_node[0]))) << resolution;
+    EXPECT_LT(glm::length(centreOf(fog) - centre), 0.05 * glm::length(glm::dvec3(fog.to_node[0])))
+        << resolution;
   }
 }
 
 TEST(VdbFog, EveryTransformKeepsTheMassInItsPlace) {
   const Scratch scratch;
   const auto path = scratch.folder() / "cloud.vdb";
-  std::vector<glm::dmat4> all = {glm::dmat4(1), glm::scale(glm::dmat4(1), glm::dvec3(0.25, -0.25, 0.25)), glm::scale(glm::dmat4(1), glm::dvec3(0.1, 0.3, 0.2)),
+  std::vector<glm::dmat4> all = {glm::dmat4(1), glm::scale(glm::dmat4(1), glm::dvec3(0.25, -0.25, 0.25)),
+                                 glm::scale(glm::dmat4(1), glm::dvec3(0.1, 0.3, 0.2)),
                                  glm::rotate(glm::dmat4(1), 0.7, glm::normalize(glm::dvec3(1, -2, 1)))};
   glm::dmat4 shear(1);
   shear[1][2] = 0.5;
@@ -130,15 +141,17 @@ TEST(VdbFog, EveryTransformKeepsTheMassInItsPlace) {
     const double mass = massOf(peer), edge = std::cbrt(std::abs(glm::determinant(glm::dmat3(m))));
     for (const double voxel : {0.0, 0.8, 2.7}) {
       const Axis axis = voxel > 1 ? Axis::kPlusX : Axis::kPlusY;
-        const FogGrid fog = *importFile(path, with([&](Settings& s) {
-                               if (voxel > 0) s.voxel_size = voxel * edge;
-                               s.axis = axis;
-                             })).parts[0].fog;
-        EXPECT_NEAR(massOf(fog), mass, 0.01 * mass) << voxel;
-        EXPECT_LT(glm::length(centreOf(fog) - centreOf(peer)), 0.05 * edge) << voxel;
-        if (voxel > 0) {
-          EXPECT_NEAR(glm::length(glm::dvec3(fog.to_node[1])), voxel * edge, 1e-6 * edge);
-        }
+      const FogGrid fog = *importFile(path, with([&](Settings& s) {
+                                        if (voxel > 0) s.voxel_size = voxel * edge;
+                                        s.axis = axis;
+                                      }))
+                               .parts[0]
+                               .fog;
+      EXPECT_NEAR(massOf(fog), mass, 0.01 * mass) << voxel;
+      EXPECT_LT(glm::length(centreOf(fog) - centreOf(peer)), 0.05 * edge) << voxel;
+      if (voxel > 0) {
+        EXPECT_NEAR(glm::length(glm::dvec3(fog.to_node[1])), voxel * edge, 1e-6 * edge);
+      }
     }
   }
 }
@@ -159,10 +172,14 @@ TEST(VdbFog, AVoxelIsTheMeanOverItsCube) {
         for (int i = static_cast<int>(std::floor(low.x)) - 1; i <= high.x + 1; ++i)
           for (int j = static_cast<int>(std::floor(low.y)) - 1; j <= high.y + 1; ++j)
             for (int k = static_cast<int>(std::floor(low.z)) - 1; k <= high.z + 1; ++k) {
-              const glm::dvec3 shared = glm::max(glm::dvec3(0), glm::min(high, glm::dvec3(i, j, k) + 0.5) - glm::max(low, glm::dvec3(i, j, k) - 0.5));
+              const glm::dvec3 shared = glm::max(glm::dvec3(0), glm::min(high, glm::dvec3(i, j, k) + 0.5) -
+                                                                    glm::max(low, glm::dvec3(i, j, k) - 0.5));
               sum += shared.x * shared.y * shared.z * peer.value({i, j, k});
             }
-        const std::size_t at = static_cast<std::size_t>(x) + static_cast<std::size_t>(fog.size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(fog.size.y) * static_cast<std::size_t>(z));
+        const std::size_t at = static_cast<std::size_t>(x) +
+                               static_cast<std::size_t>(fog.size.x) *
+                                   (static_cast<std::size_t>(y) +
+                                    static_cast<std::size_t>(fog.size.y) * static_cast<std::size_t>(z));
         ASSERT_NEAR(fog.density[at] * unit, sum / (2.5 * 2.5 * 2.5), 0.51 * unit + 1e-6);
       }
 }
@@ -178,7 +195,8 @@ TEST(VdbFog, TilesTypesAndFactorsCount) {
     if (std::string(type) == "float") spec.tiles.push_back({{0, 0, -128}, 2, glm::dvec3(1), true});
     writeVdb(path, {spec});
     const double mass = massOf(VdbPeer(path, "density"));
-    const FogGrid fog = *importFile(path, {}).parts[0].fog, twice = *importFile(path, with([](Settings& s) { s.density = 2; })).parts[0].fog;
+    const FogGrid fog = *importFile(path, {}).parts[0].fog,
+                  twice = *importFile(path, with([](Settings&s) { s.density = 2; })).parts[0].fog;
     EXPECT_NEAR(massOf(fog), mass, 1e-4 * mass) << type;
     EXPECT_EQ(twice.density, fog.density);
     EXPECT_FLOAT_EQ(twice.extinction, 2 * fog.extinction);
@@ -212,7 +230,9 @@ TEST(VdbFog, HeatIsAShareOfItsGreatestValue) {
   VdbSpec heat = cloud(glm::scale(glm::dmat4(1), glm::dvec3(2)));
   heat.name = "flame";
   // Linear in space: what lies between its voxels is known.
-  const auto warmth = [](const glm::dvec3& world) { return std::max(0.0, 300 + 4 * world.x - 3 * world.y + 2 * world.z); };
+  const auto warmth = [](const glm::dvec3& world) {
+    return std::max(0.0, 300 + 4 * world.x - 3 * world.y + 2 * world.z);
+  };
   heat.value = [&](const glm::ivec3& p) { return std::optional(glm::dvec3(warmth(2.0 * glm::dvec3(p)))); };
   writeVdb(path, {cloud(), heat});
   SourceModel model = importFile(path, {});
@@ -224,7 +244,9 @@ TEST(VdbFog, HeatIsAShareOfItsGreatestValue) {
   for (int z = 0; z < fog.size.z; ++z)
     for (int y = 0; y < fog.size.y; ++y)
       for (int x = 0; x < fog.size.x; ++x, ++i)
-        ASSERT_NEAR(fog.heat[i], 65535 * warmth(glm::dmat4x3(fog.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1)) / most, 0.6);
+        ASSERT_NEAR(
+            fog.heat[i],
+            65535 * warmth(glm::dmat4x3(fog.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1)) / most, 0.6);
   // On the density's own lattice nothing lies between.
   VdbSpec same = cloud();
   same.name = "flame";
@@ -243,7 +265,11 @@ TEST(VdbFog, HeatIsAShareOfItsGreatestValue) {
 TEST(VdbFog, TheBytesDoNotDependOnThreads) {
   KELP_ASSET(path, "vdb/gaffer_smoke.vdb");
   const auto made = [&](int threads) {
-    return *importFile(path, with([&](Settings& s) { s.threads = threads, s.resolution = 60, s.resolution_given = true; })).parts[0].fog;
+    return *importFile(path, with([&](Settings& s) {
+                         s.threads = threads, s.resolution = 60, s.resolution_given = true;
+                       }))
+                .parts[0]
+                .fog;
   };
   EXPECT_EQ(made(1).density, made(2).density);
   EXPECT_EQ(made(1).extinction, made(2).extinction);
@@ -255,10 +281,12 @@ TEST(VdbFog, MemoryIsAskedForBefore) {
   VdbSpec spec = cloud();
   spec.tiles = {{{-4096, 0, 0}, 3, glm::dvec3(1), true}};
   writeVdb(path, {spec});
-  const std::string said = refusal(path, Exit::kRuntime, with([](Settings& s) { s.max_memory = std::uint64_t{1} << 30; }));
+  const std::string said =
+      refusal(path, Exit::kRuntime, with([](Settings& s) { s.max_memory = std::uint64_t{1} << 30; }));
   EXPECT_TRUE(contains(said, "--resolution ")) << said;
   EXPECT_TRUE(contains(said, "would fit")) << said;
-  EXPECT_TRUE(importFile(path, with([](Settings& s) { s.resolution = 60, s.resolution_given = true; })).parts[0].fog);
+  EXPECT_TRUE(
+      importFile(path, with([](Settings& s) { s.resolution = 60, s.resolution_given = true; })).parts[0].fog);
 }
 
 // A few bytes say that the voxels of one grid are millions to one of another.
@@ -271,13 +299,16 @@ TEST(VdbFog, MeansOfAMillionVoxelsAreRefused) {
     heat.name = "heat";
     writeVdb(path, {scaled(1000), heat});
     const std::string said = refusal(path, Exit::kUnsupported);
-    EXPECT_TRUE(contains(said, "grid 'heat'") && contains(said, "voxels along an axis to one of the part")) << said;
+    EXPECT_TRUE(contains(said, "grid 'heat'") && contains(said, "voxels along an axis to one of the part"))
+        << said;
     EXPECT_TRUE(importFile(path, with([](Settings& s) { s.heat_grid = ""; })).parts[0].fog);
   }
   VdbSpec far = cloud();
   for (const int at : {0, 1 << 18}) far.tiles.push_back({glm::ivec3(at), 1, glm::dvec3(1), true});
   writeVdb(path, {far});
-  const auto resolution = [](int r) { return with([r](Settings& s) { s.resolution = r, s.resolution_given = true; }); };
+  const auto resolution = [](int r) {
+    return with([r](Settings& s) { s.resolution = r, s.resolution_given = true; });
+  };
   EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported, resolution(32)), "give a larger --resolution"));
   EXPECT_EQ(importFile(path, resolution(128)).parts[0].fog->size, glm::ivec3(128));
 }

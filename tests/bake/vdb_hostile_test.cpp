@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files that were cut, changed or made up: refused as invalid or read as what they now say, in bounded time and memory.
+// Files that were cut, changed or made up: refused as invalid or read as what they now say, in bounded time
+// and memory.
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -33,14 +34,15 @@ VdbSpec small(const std::string& type, const std::string& grid_class) {
 }
 
 // Either a model, or a refusal of one clamped line; nothing else may leave the importer.
-void importHostile(const std::filesystem::path& path, bool must_refuse, std::uint64_t max_memory = std::uint64_t{1} << 30) {
+void importHostile(const std::filesystem::path& path, bool must_refuse,
+                   std::uint64_t max_memory = std::uint64_t{1} << 30) {
   Settings settings;
   settings.max_memory = max_memory;
   const auto start = std::chrono::steady_clock::now();
   try {
     importFile(path, settings);
     EXPECT_FALSE(must_refuse);
-  } catch (const BakeError& error) {
+  } catch (const ToolError& error) {
     EXPECT_LT(std::string(error.what()).size(), 6000u);
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     EXPECT_TRUE(!must_refuse || error.exit == Exit::kInvalid) << error.what();
@@ -71,12 +73,14 @@ TEST(VdbHostile, EveryCutIsRefused) {
   const Scratch scratch;
   const std::size_t cuts = kelp::test::allTests() ? 60 : 15;
   for (const std::string& good : samples(scratch)) {
-    for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts) importHostile(scratch.write("cut.vdb", good.substr(0, size)), true);
+    for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / cuts)
+      importHostile(scratch.write("cut.vdb", good.substr(0, size)), true);
     importHostile(scratch.write("cut.vdb", good.substr(0, good.size() - 1)), true);
   }
   KELP_ASSET(path, "vdb/gaffer_arnold_sphere.vdb");
   const std::string real = contentOf(path);
-  for (std::size_t size = 0; size < real.size(); size += 1 + real.size() / cuts) importHostile(scratch.write("cut.vdb", real.substr(0, size)), true);
+  for (std::size_t size = 0; size < real.size(); size += 1 + real.size() / cuts)
+    importHostile(scratch.write("cut.vdb", real.substr(0, size)), true);
 }
 
 TEST(VdbHostile, FlippedBitsDoNoHarm) {
@@ -87,7 +91,8 @@ TEST(VdbHostile, FlippedBitsDoNoHarm) {
     std::string bad = files[static_cast<std::size_t>(i) % files.size()];
     // Headers and counts are few among so many values: half of the flips go to the first bytes.
     const std::size_t reach = i % 2 == 0 ? std::min<std::size_t>(bad.size(), 1200) : bad.size();
-    for (int flips = 1 + i % 3; flips > 0; --flips) bad[random() % reach] ^= static_cast<char>(1u << random() % 8);
+    for (int flips = 1 + i % 3; flips > 0; --flips)
+      bad[random() % reach] ^= static_cast<char>(1u << random() % 8);
     importHostile(scratch.write("flipped.vdb", bad), false, std::uint64_t{42} << 20);
   }
 }
@@ -115,7 +120,7 @@ TEST(VdbHostile, CountsThatTheFileDoesNotHoldAllocateNothing) {
   importHostile(scratch.write("a.vdb", bytes), true);
   bytes = header;
   put(std::uint32_t{0});
-  put(std::int32_t{0x7fffffff});    // grids
+  put(std::int32_t{0x7fffffff});  // grids
   importHostile(scratch.write("a.vdb", bytes), true);
   bytes = header;
   put(std::uint32_t{0});
@@ -124,7 +129,7 @@ TEST(VdbHostile, CountsThatTheFileDoesNotHoldAllocateNothing) {
   text("Tree_float_5_4_3");
   text("");
   for (int i = 0; i < 3; ++i) put(std::int64_t{0});
-  put(std::uint32_t{6});            // blosc and masks
+  put(std::uint32_t{6});  // blosc and masks
   put(std::uint32_t{0});
   text("TranslationMap");
   for (int i = 0; i < 3; ++i) put(0.0);
@@ -183,9 +188,11 @@ TEST(VdbHostile, OtherFilesAndVersionsAreNamed) {
   writeVdb(path, {small("float", "level set")});
   std::string bytes = contentOf(path);
   bytes[8] = static_cast<char>(0xff);
-  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 255 of the format"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 255 of the format"));
   bytes[8] = 100;
-  EXPECT_TRUE(contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 100 of the format"));
+  EXPECT_TRUE(
+      contains(refusal(scratch.write("a.vdb", bytes), Exit::kUnsupported), "version 100 of the format"));
 }
 
 // A file with offsets, byte by byte.
@@ -209,7 +216,8 @@ class HandMade {
   }
   void fill(std::size_t size) { bytes_ += std::string(size, '\0'); }
   // It states to be `less` bytes shorter than it is.
-  void grid(const std::string& name, const std::string& parent, const std::function<void()>& body, std::size_t less = 0) {
+  void grid(const std::string& name, const std::string& parent, const std::function<void()>& body,
+            std::size_t less = 0) {
     text(name);
     text("Tree_float_5_4_3");
     text(parent);
@@ -217,7 +225,8 @@ class HandMade {
     fill(24);
     body();
     const auto end = static_cast<std::int64_t>(bytes_.size() - less);
-    std::int64_t stated[] = {static_cast<std::int64_t>(begin), parent.empty() ? static_cast<std::int64_t>(begin) : 0, end};
+    std::int64_t stated[] = {static_cast<std::int64_t>(begin),
+                             parent.empty() ? static_cast<std::int64_t>(begin) : 0, end};
     std::memcpy(bytes_.data() + places, stated, sizeof(stated));
   }
   void transform() {
@@ -272,12 +281,15 @@ TEST(VdbHostile, NoGridReadsTheBytesOfAnother) {
   // A transform, a tree that goes on.
   for (const std::size_t less : {1, 40, 60}) {
     HandMade beyond(1);
-    beyond.grid("a", "", [&] {
-      beyond.put(std::uint32_t{2});
-      beyond.put(std::uint32_t{0});
-      beyond.transform();
-      beyond.tree(1);
-    }, less);
+    beyond.grid(
+        "a", "",
+        [&] {
+          beyond.put(std::uint32_t{2});
+          beyond.put(std::uint32_t{0});
+          beyond.transform();
+          beyond.tree(1);
+        },
+        less);
     const std::string that = refusal(scratch.write("beyond.vdb", beyond.bytes()), Exit::kInvalid);
     EXPECT_TRUE(contains(that, "goes on beyond byte")) << less << ": " << that;
   }
@@ -291,7 +303,8 @@ TEST(VdbHostile, NoGridReadsTheBytesOfAnother) {
     const std::size_t places = bytes.find("Tree_float_5_4_3") + 16 + 4;
     std::int64_t stated[3];
     std::memcpy(stated, bytes.data() + places, sizeof(stated));
-    EXPECT_EQ(stated[2], static_cast<std::int64_t>(bytes.size())) << "OpenVDB ends a grid where its bytes end";
+    EXPECT_EQ(stated[2], static_cast<std::int64_t>(bytes.size()))
+        << "OpenVDB ends a grid where its bytes end";
     --stated[2];
     std::memcpy(bytes.data() + places, stated, sizeof(stated));
     const std::string that = refusal(scratch.write("beyond.vdb", bytes), Exit::kInvalid);
@@ -315,7 +328,8 @@ TEST(VdbHostile, ATreeIsThatOfTheFirstGridOfItsName) {
   instance("after", "owner");
   const auto path = scratch.write("instances.vdb", file.bytes());
   for (const char* name : {"before", "after"}) {
-    const SourceModel model = importFile(path, with([&](Settings& s) { s.grid = name, s.resolution = 8, s.resolution_given = true; }));
+    const SourceModel model = importFile(
+        path, with([&](Settings& s) { s.grid = name, s.resolution = 8, s.resolution_given = true; }));
     ASSERT_TRUE(model.parts[0].fog) << name;
     EXPECT_FLOAT_EQ(model.parts[0].fog->extinction, 0.25f * 4096 / 8) << name;
   }
@@ -326,7 +340,8 @@ TEST(VdbHostile, ATreeIsThatOfTheFirstGridOfItsName) {
     orphan.transform();
   });
   orphan.wholeGrid("c", 1);
-  EXPECT_TRUE(contains(refusal(scratch.write("orphan.vdb", orphan.bytes()), Exit::kInvalid), "shares the tree of a grid that is not there"));
+  EXPECT_TRUE(contains(refusal(scratch.write("orphan.vdb", orphan.bytes()), Exit::kInvalid),
+                       "shares the tree of a grid that is not there"));
 }
 
 }  // namespace

@@ -26,18 +26,25 @@ VdbSpec ball() {
   VdbSpec spec = grid("ball", "float");
   spec.grid_class = "level set";
   spec.background = glm::dvec3(3);
-  spec.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> { return glm::dvec3(std::min(glm::length(glm::dvec3(p)) - kRadius, 3.0)); };
+  spec.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    return glm::dvec3(std::min(glm::length(glm::dvec3(p)) - kRadius, 3.0));
+  };
   return spec;
 }
 
-const std::vector<Material> kPalette{{glm::vec4(0.25f, 0.5f, 0.125f, 0.5f), glm::vec3(3, 0, 1), 0.75f, 0.25f}, {glm::vec4(1), glm::vec3(0), 0, 1}, {glm::vec4(0.5f, 0, 0, 1), glm::vec3(0), 1, 0.5f}};
+const std::vector<Material> kPalette{{glm::vec4(0.25f, 0.5f, 0.125f, 0.5f), glm::vec3(3, 0, 1), 0.75f, 0.25f},
+                                     {glm::vec4(1), glm::vec3(0), 0, 1},
+                                     {glm::vec4(0.5f, 0, 0, 1), glm::vec3(0), 1, 0.5f}};
 // Not its normal: what is stored counts.
 const std::uint32_t kNormal = encodeNormal(glm::vec3(0.6f, -0.64f, 0.48f));
 int entryOf(const glm::ivec3& p) { return p.x > 0 ? 2 : 0; }
 
 std::vector<VdbSpec> painted() {
-  VdbSpec color = grid("Cd", "vec3s"), attribute = grid("kelp_attribute", "vec3s"), palette = grid("kelp_palette", "vec3s");
-  color.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> { return glm::dvec3(kPalette[static_cast<std::size_t>(entryOf(p))].base_color); };
+  VdbSpec color = grid("Cd", "vec3s"), attribute = grid("kelp_attribute", "vec3s"),
+          palette = grid("kelp_palette", "vec3s");
+  color.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    return glm::dvec3(kPalette[static_cast<std::size_t>(entryOf(p))].base_color);
+  };
   attribute.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
     if (p == kLow || p == kHigh) return glm::dvec3(-1);
     if (glm::length(glm::dvec3(p)) > kRadius) return std::nullopt;
@@ -46,7 +53,9 @@ std::vector<VdbSpec> painted() {
   palette.value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
     if (p.x < 0 || p.x > 2 || p.y < 0 || p.y > 2 || p.z != 0) return std::nullopt;
     const Material& m = kPalette[static_cast<std::size_t>(p.x)];
-    return p.y == 0 ? glm::dvec3(m.base_color) : p.y == 1 ? glm::dvec3(m.emissive) : glm::dvec3(m.base_color.a, m.metallic, m.roughness);
+    return p.y == 0   ? glm::dvec3(m.base_color)
+           : p.y == 1 ? glm::dvec3(m.emissive)
+                      : glm::dvec3(m.base_color.a, m.metallic, m.roughness);
   };
   return {ball(), color, attribute, palette};
 }
@@ -77,10 +86,13 @@ TEST(VdbPaint, GivesBackPaletteNormalsAndBox) {
   }
 }
 
-// Painted over in another program, a palette that can not be, and one without the voxels' indices.
+// Painted over in another program, a palette that cannot be, and one without the voxels' indices.
 TEST(VdbPaint, EditedGridsCount) {
   std::vector<VdbSpec> grids = painted();
-  grids[1].value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> { return p.x == 4 ? glm::dvec3(0, 0, 1) : glm::dvec3(kPalette[static_cast<std::size_t>(entryOf(p))].base_color); };
+  grids[1].value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    return p.x == 4 ? glm::dvec3(0, 0, 1)
+                    : glm::dvec3(kPalette[static_cast<std::size_t>(entryOf(p))].base_color);
+  };
   SourceModel model = read(grids);
   EXPECT_TRUE(model.palette.empty());
   std::size_t blue = 0;
@@ -91,7 +103,9 @@ TEST(VdbPaint, EditedGridsCount) {
   EXPECT_EQ(blue, 5u);  // (4, 0, 0) and the four beside it
 
   grids = painted();
-  grids[3].value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> { return p.y < 3 && p.y >= 0 && p.z == 0 ? std::optional(glm::dvec3(1.5)) : std::nullopt; };
+  grids[3].value = [](const glm::ivec3& p) -> std::optional<glm::dvec3> {
+    return p.y < 3 && p.y >= 0 && p.z == 0 ? std::optional(glm::dvec3(1.5)) : std::nullopt;
+  };
   EXPECT_TRUE(read(grids).palette.empty());
   grids.pop_back();
   model = read(grids);

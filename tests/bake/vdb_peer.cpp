@@ -29,9 +29,13 @@ template <class Grid>
 openvdb::GridBase::Ptr make(const VdbSpec& spec) {
   using T = typename Grid::ValueType;
   typename Grid::Ptr grid;
-  if constexpr (std::is_same_v<Grid, openvdb::MaskGrid>) grid = Grid::create();
-  else grid = Grid::create(valueAs<T>(spec.background));
-  for (const VdbTile& tile : spec.tiles) grid->tree().addTile(static_cast<openvdb::Index>(tile.level), coord(tile.at), valueAs<T>(tile.value), tile.active);
+  if constexpr (std::is_same_v<Grid, openvdb::MaskGrid>)
+    grid = Grid::create();
+  else
+    grid = Grid::create(valueAs<T>(spec.background));
+  for (const VdbTile& tile : spec.tiles)
+    grid->tree().addTile(static_cast<openvdb::Index>(tile.level), coord(tile.at), valueAs<T>(tile.value),
+                         tile.active);
   auto accessor = grid->getAccessor();
   for (int x = spec.low.x; x <= spec.high.x; ++x)
     for (int y = spec.low.y; y <= spec.high.y; ++y)
@@ -39,8 +43,10 @@ openvdb::GridBase::Ptr make(const VdbSpec& spec) {
         const auto value = spec.value(glm::ivec3(x, y, z));
         if (!value) continue;
         const openvdb::Coord at(x, y, z);
-        if (spec.active && !spec.active(glm::ivec3(x, y, z))) accessor.setValueOff(at, valueAs<T>(*value));
-        else accessor.setValue(at, valueAs<T>(*value));
+        if (spec.active && !spec.active(glm::ivec3(x, y, z)))
+          accessor.setValueOff(at, valueAs<T>(*value));
+        else
+          accessor.setValue(at, valueAs<T>(*value));
       }
   return grid;
 }
@@ -67,11 +73,16 @@ void initialize() {
 
 }  // namespace
 
-void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, VdbCodec codec, bool mask, bool stream) {
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, VdbCodec codec, bool mask,
+              bool stream) {
   initialize();
   openvdb::GridCPtrVec grids;
   for (const VdbSpec& spec : specs) {
-    openvdb::GridBase::Ptr grid = spec.same_tree_as < 0 ? makeAny(spec) : openvdb::ConstPtrCast<openvdb::GridBase>(grids[static_cast<std::size_t>(spec.same_tree_as)])->copyGrid();
+    openvdb::GridBase::Ptr grid =
+        spec.same_tree_as < 0
+            ? makeAny(spec)
+            : openvdb::ConstPtrCast<openvdb::GridBase>(grids[static_cast<std::size_t>(spec.same_tree_as)])
+                  ->copyGrid();
     grid->setName(spec.name);
     grid->removeMeta("class");
     if (!spec.grid_class.empty()) grid->setGridClass(openvdb::GridBase::stringToGridClass(spec.grid_class));
@@ -79,11 +90,17 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
     openvdb::Mat4d matrix;
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) matrix[i][j] = spec.to_world[i][j];
-    grid->setTransform(spec.frustum ? openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10)
-                                    : openvdb::math::Transform::Ptr(new openvdb::math::Transform(openvdb::math::simplify(openvdb::math::AffineMap::Ptr(new openvdb::math::AffineMap(matrix))))));
+    grid->setTransform(
+        spec.frustum ? openvdb::math::Transform::createFrustumTransform(
+                           openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10)
+                     : openvdb::math::Transform::Ptr(new openvdb::math::Transform(openvdb::math::simplify(
+                           openvdb::math::AffineMap::Ptr(new openvdb::math::AffineMap(matrix))))));
     grids.push_back(grid);
   }
-  const std::uint32_t flags = (codec == VdbCodec::kZip ? openvdb::io::COMPRESS_ZIP : codec == VdbCodec::kBlosc ? openvdb::io::COMPRESS_BLOSC : 0) | (mask ? openvdb::io::COMPRESS_ACTIVE_MASK : 0);
+  const std::uint32_t flags = (codec == VdbCodec::kZip     ? openvdb::io::COMPRESS_ZIP
+                               : codec == VdbCodec::kBlosc ? openvdb::io::COMPRESS_BLOSC
+                                                           : 0) |
+                              (mask ? openvdb::io::COMPRESS_ACTIVE_MASK : 0);
   if (stream) {
     std::ofstream out(path, std::ios::binary);
     openvdb::io::Stream writer(out);
@@ -109,23 +126,30 @@ struct VdbPeer::Grid {
     if (!typed) return false;
     vector = [accessor = typed->getConstAccessor()](const openvdb::Coord& at) {
       const auto value = accessor.getValue(at);
-      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) return glm::dvec3(static_cast<double>(value));
-      else return glm::dvec3(value[0], value[1], value[2]);
+      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>)
+        return glm::dvec3(static_cast<double>(value));
+      else
+        return glm::dvec3(value[0], value[1], value[2]);
     };
-    active = [accessor = typed->getConstAccessor()](const openvdb::Coord& at) { return accessor.isValueOn(at); };
+    active = [accessor = typed->getConstAccessor()](const openvdb::Coord& at) {
+      return accessor.isValueOn(at);
+    };
     return true;
   }
 };
 
-VdbPeer::VdbPeer(const std::filesystem::path& path, const std::string& name) : grid_(std::make_unique<Grid>()) {
+VdbPeer::VdbPeer(const std::filesystem::path& path, const std::string& name)
+    : grid_(std::make_unique<Grid>()) {
   initialize();
   std::ifstream in(path, std::ios::binary);  // reads what File and Stream wrote alike
   const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in, false).getGrids();
   for (const auto& grid : *grids)
     if (grid->getName() == name) grid_->any = grid;
   if (!grid_->any) throw std::invalid_argument("no grid " + name);
-  const bool known = grid_->use<openvdb::FloatGrid>() || grid_->use<openvdb::DoubleGrid>() || grid_->use<openvdb::Int32Grid>() || grid_->use<openvdb::Int64Grid>() ||
-                     grid_->use<openvdb::BoolGrid>() || grid_->use<openvdb::MaskGrid>() || grid_->use<openvdb::Vec3SGrid>() || grid_->use<openvdb::Vec3DGrid>();
+  const bool known = grid_->use<openvdb::FloatGrid>() || grid_->use<openvdb::DoubleGrid>() ||
+                     grid_->use<openvdb::Int32Grid>() || grid_->use<openvdb::Int64Grid>() ||
+                     grid_->use<openvdb::BoolGrid>() || grid_->use<openvdb::MaskGrid>() ||
+                     grid_->use<openvdb::Vec3SGrid>() || grid_->use<openvdb::Vec3DGrid>();
   if (!known) throw std::invalid_argument(name + ": " + grid_->any->type());
   const openvdb::CoordBBox active = grid_->any->evalActiveVoxelBoundingBox();
   low_ = glm::ivec3(active.min().x(), active.min().y(), active.min().z()) - 8;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// OpenVDB's own library beside kelp's reader: writes files in all its codings, and says what it reads in a file.
+// OpenVDB's own library beside kelp's reader: writes files in all its codings, and says what it reads in a
+// file.
 #pragma once
 
 #include <array>
@@ -24,8 +25,8 @@ struct VdbTile {
 
 struct VdbSpec {
   std::string name = "density";
-  std::string type = "float";   // float double int32 int64 bool mask vec3s vec3d
-  std::string grid_class;       // "level set", "fog volume", "staggered"; empty: none
+  std::string type = "float";  // float double int32 int64 bool mask vec3s vec3d
+  std::string grid_class;      // "level set", "fog volume", "staggered"; empty: none
   bool half = false;
   glm::dvec3 background{0};
   glm::dmat4 to_world{1};
@@ -34,12 +35,13 @@ struct VdbSpec {
   std::function<std::optional<glm::dvec3>(const glm::ivec3&)> value;  // nullopt: the background, inactive
   std::function<bool(const glm::ivec3&)> active;                      // without, all that have a value
   std::vector<VdbTile> tiles;
-  int same_tree_as = -1;        // an earlier one, of the same type
+  int same_tree_as = -1;  // an earlier one, of the same type
 };
 
 enum class VdbCodec { kNone, kZip, kBlosc };
 // mask: leave inactive values out; stream: as io::Stream writes, without offsets.
-void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& grids, VdbCodec codec = VdbCodec::kBlosc, bool mask = true, bool stream = false);
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& grids,
+              VdbCodec codec = VdbCodec::kBlosc, bool mask = true, bool stream = false);
 
 // For one thread: it remembers where it read last.
 class VdbPeer {

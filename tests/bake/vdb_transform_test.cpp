@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every linear transform: what keeps the voxels is exact, and what does not is the trilinear field, looked up by brute force in double precision.
+// Every linear transform: what keeps the voxels is exact, and what does not is the trilinear field, looked up
+// by brute force in double precision.
 #include <cmath>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -48,7 +49,8 @@ struct Compared {
   std::uint64_t wrong = 0, solid = 0, voxels = 0;
 };
 // Voxel by voxel, but where the field is too near to 0 for two ways of rounding to agree.
-Compared compare(const std::filesystem::path& path, const VoxelGrid& grid, const glm::dmat4& to_world, bool exact) {
+Compared compare(const std::filesystem::path& path, const VoxelGrid& grid, const glm::dmat4& to_world,
+                 bool exact) {
   const VdbPeer peer(path, "density");
   const glm::dmat4 to_index = glm::inverse(to_world);
   Compared result;
@@ -102,7 +104,8 @@ TEST(VdbTransform, TurnsStretchesAndShearsAreTheTrilinearField) {
   shear[1][0] = 0.4;
   shear[2][1] = -0.3;
   all.push_back(shear);
-  all.push_back(glm::translate(glm::dmat4(1), glm::dvec3(3, 4, 5)) * all[0] * shear * all[1] * glm::scale(glm::dmat4(1), glm::dvec3(-0.02)));
+  all.push_back(glm::translate(glm::dmat4(1), glm::dvec3(3, 4, 5)) * all[0] * shear * all[1] *
+                glm::scale(glm::dmat4(1), glm::dvec3(-0.02)));
   for (const glm::dmat4& m : all) {
     writeVdb(path, {solid(m, "double")});
     for (const int resolution : {0, 50}) {
@@ -111,8 +114,8 @@ TEST(VdbTransform, TurnsStretchesAndShearsAreTheTrilinearField) {
       if (resolution > 0) settings.resolution = resolution;
       const VoxelGrid grid = *importFile(path, settings).parts[0].grid;
       if (resolution > 0) {
-          EXPECT_EQ(std::max({grid.size.x, grid.size.y, grid.size.z}), resolution);
-        }
+        EXPECT_EQ(std::max({grid.size.x, grid.size.y, grid.size.z}), resolution);
+      }
       const Compared c = compare(path, grid, m, false);
       EXPECT_EQ(c.wrong, 0u);
       EXPECT_GT(c.solid, 1000u);
@@ -154,8 +157,10 @@ TEST(VdbTransform, EveryKindOfMapIsRead) {
     for (int z = 0; z < grid.size.z; ++z)
       for (int y = 0; y < grid.size.y; ++y)
         for (int x = 0; x < grid.size.x; ++x, ++i)
-          if (grid.solid[i]) made += glm::dmat4x3(grid.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1), ++made_count;
-    EXPECT_LT(glm::length(own / own_count - made / made_count), 0.6 * std::cbrt(std::abs(glm::determinant(glm::dmat3(m)))));
+          if (grid.solid[i])
+            made += glm::dmat4x3(grid.to_node) * glm::dvec4(x + 0.5, y + 0.5, z + 0.5, 1), ++made_count;
+    EXPECT_LT(glm::length(own / own_count - made / made_count),
+              0.6 * std::cbrt(std::abs(glm::determinant(glm::dmat3(m)))));
   }
 }
 

@@ -27,7 +27,8 @@ struct Bytes {
   int number() {
     const std::string b = take(4);
     std::uint32_t bits = 0;
-    for (int i = 3; i >= 0; --i) bits = bits * 256 + static_cast<unsigned char>(b[static_cast<std::size_t>(i)]);
+    for (int i = 3; i >= 0; --i)
+      bits = bits * 256 + static_cast<unsigned char>(b[static_cast<std::size_t>(i)]);
     return static_cast<int>(bits);
   }
   std::string text() { return take(static_cast<std::size_t>(number())); }
@@ -80,7 +81,8 @@ int frameOf(const Dict& d) { return d.count("_f") ? std::atoi(d.at("_f").c_str()
 
 class Painter {
  public:
-  Painter(const Scene& scene, int frame, bool first_wins, VoxTruth& out) : scene_(scene), frame_(frame), first_wins_(first_wins), out_(out) {}
+  Painter(const Scene& scene, int frame, bool first_wins, VoxTruth& out)
+      : scene_(scene), frame_(frame), first_wins_(first_wins), out_(out) {}
 
   void visit(int node, const glm::dmat4& above, bool hidden) {
     glm::dmat4 here = above;
@@ -101,11 +103,16 @@ class Painter {
       if (v[3] != 0) own[{v[0], v[1], v[2]}] = v[3];
     for (const auto& [v, index] : own) {
       glm::dvec4 p(0, 0, 0, 1);
-      for (int i = 0; i < 3; ++i) p[i] = v[static_cast<std::size_t>(i)] + 0.5 - std::floor(model.size[static_cast<std::size_t>(i)] / 2.0);
+      for (int i = 0; i < 3; ++i)
+        p[i] =
+            v[static_cast<std::size_t>(i)] + 0.5 - std::floor(model.size[static_cast<std::size_t>(i)] / 2.0);
       p = place * p;
-      const std::array<int, 3> at = {static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)), static_cast<int>(std::floor(p.z))};
-      if (first_wins_) out_.voxels.emplace(at, index);
-      else out_.voxels[at] = index;
+      const std::array<int, 3> at = {static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
+                                     static_cast<int>(std::floor(p.z))};
+      if (first_wins_)
+        out_.voxels.emplace(at, index);
+      else
+        out_.voxels[at] = index;
     }
   }
 
@@ -117,7 +124,9 @@ class Painter {
     glm::dmat4 m = shots[i].place;
     if (i + 1 < shots.size()) {
       const double share = double(frame_ - shots[i].frame) / double(shots[i + 1].frame - shots[i].frame);
-      for (int k = 0; k < 3; ++k) m[3][k] = std::trunc(m[3][k] + share * (shots[i + 1].place[3][k] - m[3][k]) + (m[3][k] < 0 ? -1e-9 : 1e-9));
+      for (int k = 0; k < 3; ++k)
+        m[3][k] =
+            std::trunc(m[3][k] + share * (shots[i + 1].place[3][k] - m[3][k]) + (m[3][k] < 0 ? -1e-9 : 1e-9));
     }
     return m;
   }
@@ -168,7 +177,8 @@ VoxTruth readVoxTruth(const std::filesystem::path& path, int frame) {
       }
     } else if (id == "IMAP") {
       const std::string order = in.take(256);
-      for (std::size_t k = 0; k < 256; ++k) out.shown_at[static_cast<unsigned char>(order[k])] = static_cast<int>(k);
+      for (std::size_t k = 0; k < 256; ++k)
+        out.shown_at[static_cast<unsigned char>(order[k])] = static_cast<int>(k);
     } else if (id == "LAYR") {
       const int layer = in.number();
       if (in.dict()["_hidden"] == "1") scene.hidden_layers.insert(layer);
@@ -215,12 +225,14 @@ std::string VoxMaker::integer(std::int64_t value) {
 std::string VoxMaker::dictionary(const Attributes& attributes) {
   std::string out = integer(static_cast<std::int64_t>(attributes.size()));
   for (const auto& [key, value] : attributes)
-    for (const std::string& text : {key, value}) out += integer(static_cast<std::int64_t>(text.size())) + text;
+    for (const std::string& text : {key, value})
+      out += integer(static_cast<std::int64_t>(text.size())) + text;
   return out;
 }
 
 void VoxMaker::chunk(const std::string& id, const std::string& content, const std::string& children) {
-  chunks_ += id + integer(static_cast<std::int64_t>(content.size())) + integer(static_cast<std::int64_t>(children.size())) + content + children;
+  chunks_ += id + integer(static_cast<std::int64_t>(content.size())) +
+             integer(static_cast<std::int64_t>(children.size())) + content + children;
 }
 
 void VoxMaker::model(const std::array<int, 3>& size, const std::vector<std::array<int, 4>>& voxels) {
@@ -235,7 +247,8 @@ void VoxMaker::box(const std::array<int, 3>& size) {
   std::vector<std::array<int, 4>> voxels;
   for (int z = 0; z < size[2]; ++z)
     for (int y = 0; y < size[1]; ++y)
-      for (int x = 0; x < size[0]; ++x) voxels.push_back({x, y, z, 1 + (x + size[0] * (y + size[1] * z)) % 255});
+      for (int x = 0; x < size[0]; ++x)
+        voxels.push_back({x, y, z, 1 + (x + size[0] * (y + size[1] * z)) % 255});
   model(size, voxels);
 }
 
@@ -247,26 +260,35 @@ void VoxMaker::filled(const std::array<int, 3>& size, int index) {
   model(size, voxels);
 }
 
-void VoxMaker::transform(int id, int child, const std::vector<Attributes>& frames, const Attributes& attributes, int layer) {
-  std::string content = integer(id) + dictionary(attributes) + integer(child) + integer(-1) + integer(layer) + integer(static_cast<std::int64_t>(frames.size()));
+void VoxMaker::transform(int id, int child, const std::vector<Attributes>& frames,
+                         const Attributes& attributes, int layer) {
+  std::string content = integer(id) + dictionary(attributes) + integer(child) + integer(-1) + integer(layer) +
+                        integer(static_cast<std::int64_t>(frames.size()));
   for (const Attributes& frame : frames) content += dictionary(frame);
   chunk("nTRN", content);
 }
 
 void VoxMaker::group(int id, const std::vector<int>& children, const Attributes& attributes) {
-  std::string content = integer(id) + dictionary(attributes) + integer(static_cast<std::int64_t>(children.size()));
+  std::string content =
+      integer(id) + dictionary(attributes) + integer(static_cast<std::int64_t>(children.size()));
   for (const int child : children) content += integer(child);
   chunk("nGRP", content);
 }
 
-void VoxMaker::shape(int id, const std::vector<std::pair<int, Attributes>>& models, const Attributes& attributes) {
-  std::string content = integer(id) + dictionary(attributes) + integer(static_cast<std::int64_t>(models.size()));
+void VoxMaker::shape(int id, const std::vector<std::pair<int, Attributes>>& models,
+                     const Attributes& attributes) {
+  std::string content =
+      integer(id) + dictionary(attributes) + integer(static_cast<std::int64_t>(models.size()));
   for (const auto& [model, frame] : models) content += integer(model) + dictionary(frame);
   chunk("nSHP", content);
 }
 
-void VoxMaker::layer(int id, const Attributes& attributes) { chunk("LAYR", integer(id) + dictionary(attributes) + integer(-1)); }
-void VoxMaker::material(int id, const Attributes& attributes) { chunk("MATL", integer(id) + dictionary(attributes)); }
+void VoxMaker::layer(int id, const Attributes& attributes) {
+  chunk("LAYR", integer(id) + dictionary(attributes) + integer(-1));
+}
+void VoxMaker::material(int id, const Attributes& attributes) {
+  chunk("MATL", integer(id) + dictionary(attributes));
+}
 
 void VoxMaker::scene(const std::vector<std::pair<int, Attributes>>& models_and_places) {
   std::vector<int> children;
@@ -280,7 +302,8 @@ void VoxMaker::scene(const std::vector<std::pair<int, Attributes>>& models_and_p
 }
 
 std::string VoxMaker::bytes() const {
-  return "VOX " + integer(version_) + "MAIN" + integer(0) + integer(static_cast<std::int64_t>(chunks_.size())) + chunks_;
+  return "VOX " + integer(version_) + "MAIN" + integer(0) +
+         integer(static_cast<std::int64_t>(chunks_.size())) + chunks_;
 }
 
 }  // namespace kelp::bake::test

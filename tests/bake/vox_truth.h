@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A second reader of MagicaVoxel files, written from the format's description alone, and a writer of small ones.
+// A second reader of MagicaVoxel files, written from the format's description alone, and a writer of small
+// ones.
 #pragma once
 
 #include <array>
@@ -12,12 +13,13 @@
 namespace kelp::bake::test {
 
 struct VoxTruth {
-  std::map<std::array<int, 3>, int> voxels;  // colour index by place: x, y to the back, z up
-  std::array<std::array<int, 3>, 257> rgb{}; // by colour index, display values
+  std::map<std::array<int, 3>, int> voxels;   // colour index by place: x, y to the back, z up
+  std::array<std::array<int, 3>, 257> rgb{};  // by colour index, display values
   bool has_palette = false;
-  std::array<int, 257> shown_at{};           // the place of a colour index in the palette, from 0
+  std::array<int, 257> shown_at{};  // the place of a colour index in the palette, from 0
 };
-// What is seen at a frame (where it begins: the first key of everything). Damaged files are no concern of this reader's.
+// What is seen at a frame (where it begins: the first key of everything). Damaged files are no concern of
+// this reader's.
 VoxTruth readVoxTruth(const std::filesystem::path& path, int frame = -1);
 
 // Builds a file chunk by chunk.
@@ -30,9 +32,11 @@ class VoxMaker {
   // A box of voxels that all have indices of their own, 1 + x + size.x (y + size.y z), modulo 255.
   void box(const std::array<int, 3>& size);
   void filled(const std::array<int, 3>& size, int index);
-  void transform(int id, int child, const std::vector<Attributes>& frames, const Attributes& attributes = {}, int layer = -1);
+  void transform(int id, int child, const std::vector<Attributes>& frames, const Attributes& attributes = {},
+                 int layer = -1);
   void group(int id, const std::vector<int>& children, const Attributes& attributes = {});
-  void shape(int id, const std::vector<std::pair<int, Attributes>>& models, const Attributes& attributes = {});
+  void shape(int id, const std::vector<std::pair<int, Attributes>>& models,
+             const Attributes& attributes = {});
   void layer(int id, const Attributes& attributes);
   void material(int id, const Attributes& attributes);
   void chunk(const std::string& id, const std::string& content, const std::string& children = "");

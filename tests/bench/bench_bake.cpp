@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Baking beside its peers, interleaved in one run: the distance transform beside ITK, SciPy and seung-lab's edt; a whole bake beside OpenVDB's
-// meshToLevelSet alone; packs beside .vdb and .nvdb of the same narrow band; reading them beside zstd alone. README.md here.
+// Baking beside its peers, interleaved in one run: the distance transform beside ITK, SciPy and seung-lab's
+// edt; a whole bake beside OpenVDB's meshToLevelSet alone; packs beside .vdb and .nvdb of the same narrow
+// band; reading them beside zstd alone. README.md here.
 //   bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] [bake] [read]
 #include <algorithm>
 #include <chrono>
@@ -39,7 +40,8 @@ double secondsOf(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// One line of the table and one object of the file. Seconds or bytes are 0 where they were not measured; the ratio is of bytes where they were.
+// One line of the table and one object of the file. Seconds or bytes are 0 where they were not measured; the
+// ratio is of bytes where they were.
 struct Row {
   std::string name, method;
   std::uint64_t voxels = 0;
@@ -52,11 +54,17 @@ struct Row {
 class Table {
  public:
   void add(Row row) {
-    std::printf("| %s | %s | %.1f M | %d | ", row.name.c_str(), row.method.c_str(), 1e-6 * static_cast<double>(row.voxels), row.threads);
-    if (row.seconds > 0) std::printf("%.4f s, %.2f ns/voxel | ", row.seconds, 1e9 * row.seconds / static_cast<double>(row.voxels));
-    else std::printf("| ");
-    if (row.bytes > 0) std::printf("%.2f MiB | ", static_cast<double>(row.bytes) / (1 << 20));
-    else std::printf("| ");
+    std::printf("| %s | %s | %.1f M | %d | ", row.name.c_str(), row.method.c_str(),
+                1e-6 * static_cast<double>(row.voxels), row.threads);
+    if (row.seconds > 0)
+      std::printf("%.4f s, %.2f ns/voxel | ", row.seconds,
+                  1e9 * row.seconds / static_cast<double>(row.voxels));
+    else
+      std::printf("| ");
+    if (row.bytes > 0)
+      std::printf("%.2f MiB | ", static_cast<double>(row.bytes) / (1 << 20));
+    else
+      std::printf("| ");
     std::printf("%.2f |\n", row.ratio);
     std::fflush(stdout);
     rows_.push_back(std::move(row));
@@ -66,9 +74,12 @@ class Table {
     if (!file) return false;
     std::fprintf(file, "[\n");
     for (const Row& row : rows_) {
-      std::fprintf(file, "  {\"case\": \"%s\", \"method\": \"%s\", \"voxels\": %llu, \"threads\": %d, \"seconds_median\": %.6g, \"bytes\": %llu, \"ratio_to_kelp\": %.4g}%s\n",
-                   row.name.c_str(), row.method.c_str(), static_cast<unsigned long long>(row.voxels), row.threads, row.seconds,
-                   static_cast<unsigned long long>(row.bytes), row.ratio, &row == &rows_.back() ? "" : ",");
+      std::fprintf(file,
+                   "  {\"case\": \"%s\", \"method\": \"%s\", \"voxels\": %llu, \"threads\": %d, "
+                   "\"seconds_median\": %.6g, \"bytes\": %llu, \"ratio_to_kelp\": %.4g}%s\n",
+                   row.name.c_str(), row.method.c_str(), static_cast<unsigned long long>(row.voxels),
+                   row.threads, row.seconds, static_cast<unsigned long long>(row.bytes), row.ratio,
+                   &row == &rows_.back() ? "" : ",");
     }
     std::fprintf(file, "]\n");
     return std::fclose(file) == 0;
@@ -86,9 +97,12 @@ std::vector<Model> models() {
   const char* const given = std::getenv("KELP_ASSETS");
   const std::filesystem::path assets = given ? given : KELP_DEFAULT_ASSETS;
   std::vector<Model> found;
-  for (const auto& [name, file] : {std::pair("bunny", "mesh/common3d/stanford-bunny.obj"), {"dragon", "mesh/stanford/dragon_vrip_res3.ply"}}) {
-    if (std::filesystem::exists(assets / file)) found.push_back({name, assets / file});
-    else std::printf("%s: absent (KELP_ASSETS); left out\n", (assets / file).string().c_str());
+  for (const auto& [name, file] : {std::pair("bunny", "mesh/common3d/stanford-bunny.obj"),
+                                   {"dragon", "mesh/stanford/dragon_vrip_res3.ply"}}) {
+    if (std::filesystem::exists(assets / file))
+      found.push_back({name, assets / file});
+    else
+      std::printf("%s: absent (KELP_ASSETS); left out\n", (assets / file).string().c_str());
   }
   return found;
 }
@@ -111,9 +125,13 @@ fields::Occupancy occupancyOf(const Model& model, int resolution, int threads) {
 
 void copyInParts(const std::vector<std::uint32_t>& from, std::vector<std::uint32_t>& to, int threads) {
   std::vector<std::thread> workers;
-  const std::size_t share = (from.size() + static_cast<std::size_t>(threads) - 1) / static_cast<std::size_t>(threads);
+  const std::size_t share =
+      (from.size() + static_cast<std::size_t>(threads) - 1) / static_cast<std::size_t>(threads);
   for (std::size_t begin = 0; begin < from.size(); begin += share) {
-    workers.emplace_back([&, begin] { std::memcpy(to.data() + begin, from.data() + begin, std::min(share, from.size() - begin) * sizeof from[0]); });
+    workers.emplace_back([&, begin] {
+      std::memcpy(to.data() + begin, from.data() + begin,
+                  std::min(share, from.size() - begin) * sizeof from[0]);
+    });
   }
   for (std::thread& worker : workers) worker.join();
 }
@@ -136,21 +154,27 @@ struct Peer {
   bool agrees = true;
 };
 
-void compareTransforms(const Options& options, Table& table, const test::Scratch& scratch, const std::string& name, const fields::Occupancy& volume, bool with_peers) {
+void compareTransforms(const Options& options, Table& table, const test::Scratch& scratch,
+                       const std::string& name, const fields::Occupancy& volume, bool with_peers) {
   std::vector<std::uint32_t> squared(volume.solid.size()), copy(volume.solid.size());
   std::vector<Peer> peers;
   if (with_peers) {
     if (haveItk()) {
-      for (const int threads : {1, options.threads}) peers.push_back({"ITK SignedMaurer", threads, [&volume, threads] { return runItk(volume, threads); }});
+      for (const int threads : {1, options.threads})
+        peers.push_back(
+            {"ITK SignedMaurer", threads, [&volume, threads] { return runItk(volume, threads); }});
     }
     if (haveSeungLab()) {
-      for (const int threads : {1, options.threads}) peers.push_back({"seung-lab edt", threads, [&volume, threads] { return runSeungLab(volume, threads); }});
+      for (const int threads : {1, options.threads})
+        peers.push_back(
+            {"seung-lab edt", threads, [&volume, threads] { return runSeungLab(volume, threads); }});
     }
     if (haveScipy()) peers.push_back({"SciPy", 1, [&] { return runScipy(volume, scratch.folder()); }});
   }
   std::vector<double> ours, copies;
   for (int round = 0; round < options.rounds; ++round) {
-    ours.push_back(secondsOf([&] { fields::squaredDistance(volume.solid, volume.size, squared, options.threads); }));
+    ours.push_back(
+        secondsOf([&] { fields::squaredDistance(volume.solid, volume.size, squared, options.threads); }));
     copies.push_back(secondsOf([&] { copyInParts(squared, copy, options.threads); }));
     for (Peer& peer : peers) {
       const EdtRun run = peer.run();
@@ -162,9 +186,11 @@ void compareTransforms(const Options& options, Table& table, const test::Scratch
   const std::uint64_t voxels = volume.solid.size();
   const std::string title = "edt, " + name;
   table.add({title, "kelp", voxels, options.threads, kelp});
-  table.add({title, "copy of 4 bytes a voxel", voxels, options.threads, median(copies), 0, median(copies) / kelp});
+  table.add(
+      {title, "copy of 4 bytes a voxel", voxels, options.threads, median(copies), 0, median(copies) / kelp});
   for (const Peer& peer : peers) {
-    table.add({title, peer.name + (peer.agrees ? "" : " (DIFFERS)"), voxels, peer.threads, median(peer.seconds), 0, median(peer.seconds) / kelp});
+    table.add({title, peer.name + (peer.agrees ? "" : " (DIFFERS)"), voxels, peer.threads,
+               median(peer.seconds), 0, median(peer.seconds) / kelp});
   }
 }
 
@@ -179,22 +205,30 @@ void compareBakes(const Options& options, Table& table, const test::Scratch& scr
   const std::filesystem::path pack_path = scratch / "pack.kelp";
   for (int round = 0; round < options.rounds; ++round) {
     report = {};
-    bakes.push_back(secondsOf([&] { bake::writePackFile(bake::bake(model.path, settings, report), pack_path, options.threads, report); }));
+    bakes.push_back(secondsOf([&] {
+      bake::writePackFile(bake::bake(model.path, settings, report), pack_path, options.threads, report);
+    }));
     const bake::SourcePart& part = source.parts[0];
-    const bake::Frame frame = bake::makeFrame(part.soup, part.rig.axis.value_or(Axis::kPlusY), report.parts[0].voxel_size, model.name);
-    const LevelSetRun run = runMeshToLevelSet(part.soup, frame, options.threads, round == 0 ? &scratch.folder() : nullptr);
+    const bake::Frame frame = bake::makeFrame(part.soup, part.rig.axis.value_or(Axis::kPlusY),
+                                              report.parts[0].voxel_size, model.name);
+    const LevelSetRun run =
+        runMeshToLevelSet(part.soup, frame, options.threads, round == 0 ? &scratch.folder() : nullptr);
     level_sets.push_back(run.seconds);
     if (round == 0) written = run;
   }
   const glm::ivec3 size = report.parts[0].size;
-  const std::uint64_t voxels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) * static_cast<std::uint64_t>(size.z);
+  const std::uint64_t voxels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) *
+                               static_cast<std::uint64_t>(size.z);
   const std::string title = model.name + " at " + std::to_string(options.resolution);
   const double kelp = median(bakes);
   const std::uint64_t bytes = std::filesystem::file_size(pack_path);
   table.add({"bake, " + title, "kelp", voxels, options.threads, kelp});
-  table.add({"bake, " + title, "meshToLevelSet alone", voxels, options.threads, median(level_sets), 0, median(level_sets) / kelp});
+  table.add({"bake, " + title, "meshToLevelSet alone", voxels, options.threads, median(level_sets), 0,
+             median(level_sets) / kelp});
   table.add({"size, " + title, "kelp", voxels, 1, 0, bytes});
-  for (const auto& [name, size_of_file] : written.files) table.add({"size, " + title, name, voxels, 1, 0, size_of_file, static_cast<double>(size_of_file) / static_cast<double>(bytes)});
+  for (const auto& [name, size_of_file] : written.files)
+    table.add({"size, " + title, name, voxels, 1, 0, size_of_file,
+               static_cast<double>(size_of_file) / static_cast<double>(bytes)});
 }
 
 // --- reading
@@ -210,7 +244,8 @@ std::vector<std::byte> bytesOf(const std::filesystem::path& path) {
 void compareReading(const Options& options, Table& table, const test::Scratch& scratch, const Model& model) {
   const std::filesystem::path path = scratch / "read.kelp";
   bake::Report report;
-  bake::writePackFile(bake::bake(model.path, settingsFor(options.resolution, options.threads), report), path, options.threads, report);
+  bake::writePackFile(bake::bake(model.path, settingsFor(options.resolution, options.threads), report), path,
+                      options.threads, report);
   const std::vector<std::byte> bytes = bytesOf(path);
   MemorySource source(bytes);
   const auto pack = Pack::open(source.source());
@@ -236,7 +271,8 @@ void compareReading(const Options& options, Table& table, const test::Scratch& s
     }));
     zstd.push_back(secondsOf([&] {
       for (const PageInfo& page : pages) {
-        good = good && decodeFrame(std::span(bytes).subspan(page.offset, page.stored), std::span(raw).first(page.raw), workspace);
+        good = good && decodeFrame(std::span(bytes).subspan(page.offset, page.stored),
+                                   std::span(raw).first(page.raw), workspace);
       }
     }));
   }
@@ -248,7 +284,9 @@ void compareReading(const Options& options, Table& table, const test::Scratch& s
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] [bake] [read]\n");
+  std::fprintf(stderr,
+               "usage: bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] "
+               "[bake] [read]\n");
   return 1;
 }
 
@@ -274,21 +312,28 @@ int run(int count, char** words) {
   if (options.rounds < 1 || options.threads < 1 || options.resolution < 16) return usage();
   const test::Scratch scratch;
   Table table;
-  for (const auto& [name, have] : {std::pair("ITK", haveItk()), {"seung-lab edt", haveSeungLab()}, {"SciPy", haveScipy()}}) {
+  for (const auto& [name, have] :
+       {std::pair("ITK", haveItk()), {"seung-lab edt", haveSeungLab()}, {"SciPy", haveScipy()}}) {
     if (!have) std::printf("%s: not here; left out\n", name);
   }
-  std::printf("| case | method | voxels or bytes | threads | median | bytes | ratio to kelp |\n|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| case | method | voxels or bytes | threads | median | bytes | ratio to kelp "
+      "|\n|---|---|---|---|---|---|---|\n");
   const std::vector<Model> all = models();
   const std::string at = " at " + std::to_string(options.resolution);
   if (options.wants("edt")) {
-    for (const Model& model : all) compareTransforms(options, table, scratch, model.name + at, occupancyOf(model, options.resolution, options.threads), true);
+    for (const Model& model : all)
+      compareTransforms(options, table, scratch, model.name + at,
+                        occupancyOf(model, options.resolution, options.threads), true);
     for (const auto& [name, density] : {std::pair("noise, 10 %", 0.1), {"noise, 0.01 %", 0.0001}}) {
-      compareTransforms(options, table, scratch, name + at, test::randomVolume(glm::ivec3(options.resolution), density, 1), true);
+      compareTransforms(options, table, scratch, name + at,
+                        test::randomVolume(glm::ivec3(options.resolution), density, 1), true);
     }
   }
   if (options.wants("scale") && !all.empty()) {
     for (const int resolution : {128, 256, 512, 1024}) {
-      compareTransforms(options, table, scratch, all[0].name + " at " + std::to_string(resolution), occupancyOf(all[0], resolution, options.threads), false);
+      compareTransforms(options, table, scratch, all[0].name + " at " + std::to_string(resolution),
+                        occupancyOf(all[0], resolution, options.threads), false);
     }
   }
   if (options.wants("bake")) {

@@ -18,7 +18,9 @@ EdtRun runItk(const fields::Occupancy& volume, int threads) {
   using Floats = itk::Image<float, 3>;
   const auto import = itk::ImportImageFilter<unsigned char, 3>::New();
   Bytes::RegionType region;
-  region.SetSize({static_cast<itk::SizeValueType>(volume.size.x), static_cast<itk::SizeValueType>(volume.size.y), static_cast<itk::SizeValueType>(volume.size.z)});
+  region.SetSize({static_cast<itk::SizeValueType>(volume.size.x),
+                  static_cast<itk::SizeValueType>(volume.size.y),
+                  static_cast<itk::SizeValueType>(volume.size.z)});
   import->SetRegion(region);
   import->SetImportPointer(const_cast<unsigned char*>(volume.solid.data()), volume.solid.size(), false);
   import->Update();

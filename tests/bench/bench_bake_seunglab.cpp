@@ -18,8 +18,8 @@ EdtRun runSeungLab(const fields::Occupancy& volume, int threads) {
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = volume.solid[i] ? 0 : 1;
   EdtRun run;
   const auto start = std::chrono::steady_clock::now();
-  const std::unique_ptr<float[]> squared(
-      pyedt::_binary_edt3dsq<std::uint8_t>(labels.data(), volume.size.x, volume.size.y, volume.size.z, 1, 1, 1, false, threads));
+  const std::unique_ptr<float[]> squared(pyedt::_binary_edt3dsq<std::uint8_t>(
+      labels.data(), volume.size.x, volume.size.y, volume.size.z, 1, 1, 1, false, threads));
   run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run.squared.assign(squared.get(), squared.get() + labels.size());
   return run;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Throughput of the exact distance transform against the scalar separable one of tests/fields/reference_fields.h, interleaved in
-// one run.
+// Throughput of the exact distance transform against the scalar separable one of
+// tests/fields/reference_fields.h, interleaved in one run.
 //   bench_edt [threads] [rounds]
 #include <algorithm>
 #include <chrono>
@@ -31,15 +31,18 @@ void compare(const char* name, const Occupancy& volume, int threads, int rounds)
   std::vector<std::uint32_t> squared(volume.solid.size()), expected;
   std::vector<double> ours, naive;
   for (int round = 0; round < rounds; ++round) {
-    ours.push_back(seconds([&] { kelp::fields::squaredDistance(volume.solid, volume.size, squared, threads); }));
+    ours.push_back(
+        seconds([&] { kelp::fields::squaredDistance(volume.solid, volume.size, squared, threads); }));
     // The yardstick is slow and steady: once is enough.
-    if (round == 0) naive.push_back(seconds([&] { expected = kelp::test::naiveSeparable(volume.solid, volume.size); }));
+    if (round == 0)
+      naive.push_back(seconds([&] { expected = kelp::test::naiveSeparable(volume.solid, volume.size); }));
   }
   const double clearance = seconds([&] { (void)kelp::fields::squaredClearance(volume, threads); });
   const double millions = static_cast<double>(squared.size()) * 1e-6;
-  std::printf("%-20s %4d^3 %9.1f ms %9.0f Mvoxel/s   naive %9.1f ms   ratio %6.1f   clearance %7.1f ms   %s\n", name,
-              volume.size.x, median(ours) * 1e3, millions / median(ours), median(naive) * 1e3, median(naive) / median(ours),
-              clearance * 1e3, squared == expected ? "equal" : "DIFFERENT");
+  std::printf(
+      "%-20s %4d^3 %9.1f ms %9.0f Mvoxel/s   naive %9.1f ms   ratio %6.1f   clearance %7.1f ms   %s\n", name,
+      volume.size.x, median(ours) * 1e3, millions / median(ours), median(naive) * 1e3,
+      median(naive) / median(ours), clearance * 1e3, squared == expected ? "equal" : "DIFFERENT");
 }
 
 }  // namespace
@@ -57,12 +60,15 @@ int main(int argc, char** argv) {
     compare("noise, half full", kelp::test::randomVolume(size, 0.5, 1), threads, rounds);
     compare("noise, 1 in 10000", kelp::test::randomVolume(size, 0.0001, 2), threads, rounds);
     compare("solid sphere",
-            kelp::test::volumeWhere(size, [&](const glm::ivec3& v) { return squaredFromCenter(v) < side * side; }), threads,
-            rounds);
+            kelp::test::volumeWhere(size,
+                                    [&](const glm::ivec3& v) { return squaredFromCenter(v) < side * side; }),
+            threads, rounds);
     // The medial axis in the middle, and every pencil full of parabolas that later ones hide.
     compare("inside of a sphere",
-            kelp::test::volumeWhere(size, [&](const glm::ivec3& v) { return squaredFromCenter(v) > side * side; }), threads,
-            rounds);
-    compare("one voxel", kelp::test::volumeWhere(size, [&](const glm::ivec3& v) { return v == size / 3; }), threads, rounds);
+            kelp::test::volumeWhere(size,
+                                    [&](const glm::ivec3& v) { return squaredFromCenter(v) > side * side; }),
+            threads, rounds);
+    compare("one voxel", kelp::test::volumeWhere(size, [&](const glm::ivec3& v) { return v == size / 3; }),
+            threads, rounds);
   }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Fog: kelp's march from face to face beside the paper's constant steps, each of which solves a cubic. Same volume, same rays, both end where 1/8000
-// comes through. The yardstick is an integral in double precision through every 16th pixel; for each limit of the error, the longest step that keeps it
-// is timed beside kelp, frame by frame in turns. Often none does: floats solve a steep cubic badly, however short the step.
+// Fog: kelp's march from face to face beside the paper's constant steps, each of which solves a cubic. Same
+// volume, same rays, both end where 1/8000 comes through. The yardstick is an integral in double precision
+// through every 16th pixel; for each limit of the error, the longest step that keeps it is timed beside kelp,
+// frame by frame in turns. Often none does: floats solve a steep cubic badly, however short the step.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
@@ -76,16 +77,20 @@ struct Volume {
     PageData page;
     for (const PageInfo& info : grid.pages) {
       if (!pack.readPage(info, page)) fail("a page can not be read");
-      raw.density.insert(raw.density.end(), page.fog.begin(), page.fog.begin() + static_cast<std::ptrdiff_t>(page.count * kFogSamples));
+      raw.density.insert(raw.density.end(), page.fog.begin(),
+                         page.fog.begin() + static_cast<std::ptrdiff_t>(page.count * kFogSamples));
     }
     raw.extinction = extinction;
     finest.size = size;
     finest.levels.push_back(std::move(raw));
-    for (const std::uint8_t code : fields::fogSamplesOf(finest.levels[0], size).density) density.push_back(fogDensity(code));
+    for (const std::uint8_t code : fields::fogSamplesOf(finest.levels[0], size).density)
+      density.push_back(fogDensity(code));
   }
 };
 
-constexpr char kVertexText[] = "#version 330 core\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+constexpr char kVertexText[] =
+    "#version 330 core\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? "
+    "3.0 : -1.0, 0.0, 1.0); }\n";
 constexpr char kPrelude[] = R"(#version 330 core
 uniform mat4 bench_to_part;  // from clip space
 uniform vec3 bench_segment[4];
@@ -136,7 +141,8 @@ void main() {
 
 GLuint makeProgram(const std::string& fragment) {
   const GLuint program = glCreateProgram();
-  for (const auto& [kind, text] : {std::pair<GLenum, std::string>{GL_VERTEX_SHADER, kVertexText}, {GL_FRAGMENT_SHADER, fragment}}) {
+  for (const auto& [kind, text] :
+       {std::pair<GLenum, std::string>{GL_VERTEX_SHADER, kVertexText}, {GL_FRAGMENT_SHADER, fragment}}) {
     const GLuint shader = glCreateShader(kind);
     const char* string = text.c_str();
     glShaderSource(shader, 1, &string, nullptr);
@@ -159,7 +165,8 @@ class Canvas {
     glGenFramebuffers(1, &framebuffer);
     glGenRenderbuffers(2, buffers);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    const GLenum formats[2] = {GL_RGBA32F, GL_DEPTH_COMPONENT24}, places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    const GLenum formats[2] = {GL_RGBA32F, GL_DEPTH_COMPONENT24},
+                 places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     for (int i = 0; i < 2; ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, buffers[i]);
       glRenderbufferStorage(GL_RENDERBUFFER, formats[i], kViewport.x, kViewport.y);
@@ -187,20 +194,26 @@ class Canvas {
 class Yardstick {
  public:
   // `box`: around the posed part, part space.
-  Yardstick(const Volume& volume, std::span<const Knot> knots, const glm::dmat4& clip_to_part, const Box& box) {
+  Yardstick(const Volume& volume, std::span<const Knot> knots, const glm::dmat4& clip_to_part,
+            const Box& box) {
     const FogTruth truth(volume.finest, 0);
     hidden_.resize(static_cast<std::size_t>(kPixels.x * kPixels.y));
     const auto rows = [&](int first, int step) {
       for (int y = first; y < kPixels.y; y += step)
         for (int x = 0; x < kPixels.x; ++x) {
           const glm::dvec2 at = 2.0 * (glm::dvec2(pixel(x, y)) + 0.5) / glm::dvec2(kViewport) - 1.0;
-          const glm::dvec4 near = clip_to_part * glm::dvec4(at, -1, 1), far = clip_to_part * glm::dvec4(at, 1, 1);
+          const glm::dvec4 near = clip_to_part * glm::dvec4(at, -1, 1),
+                           far = clip_to_part * glm::dvec4(at, 1, 1);
           const glm::dvec3 o = glm::dvec3(near) / near.w, way = glm::dvec3(far) / far.w - o;
           const double length = glm::length(way);
-          const glm::dvec3 r = way / length, a = (glm::dvec3(box.min) - o) / r, b = (glm::dvec3(box.max) - o) / r;
+          const glm::dvec3 r = way / length, a = (glm::dvec3(box.min) - o) / r,
+                           b = (glm::dvec3(box.max) - o) / r;
           const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
-          const double enter = std::max({low.x, low.y, low.z, 0.0}), leave = std::min({high.x, high.y, high.z, length});
-          if (enter < leave) hidden_[static_cast<std::size_t>(x + kPixels.x * y)] = 1 - truth.look(knots, o, r, enter, leave, 1.0 / 16).through;
+          const double enter = std::max({low.x, low.y, low.z, 0.0}),
+                       leave = std::min({high.x, high.y, high.z, length});
+          if (enter < leave)
+            hidden_[static_cast<std::size_t>(x + kPixels.x * y)] =
+                1 - truth.look(knots, o, r, enter, leave, 1.0 / 16).through;
         }
     };
     const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -221,7 +234,8 @@ class Yardstick {
       for (int x = 0; x < kPixels.x; ++x) {
         const double hidden = hidden_[static_cast<std::size_t>(x + kPixels.x * y)];
         const glm::ivec2 at = pixel(x, y);
-        const double off = 255 * std::abs(hidden - double{picture[static_cast<std::size_t>(at.x + kViewport.x * at.y)].a});
+        const double off =
+            255 * std::abs(hidden - double{picture[static_cast<std::size_t>(at.x + kViewport.x * at.y)].a});
         error.most = std::max(error.most, off);
         error.mean += off;
         counted += hidden > 0 || off > 0 ? 1 : 0;
@@ -229,7 +243,11 @@ class Yardstick {
     error.mean /= static_cast<double>(std::max<std::size_t>(counted, 1));
     return error;
   }
-  double covered() const { return static_cast<double>(std::count_if(hidden_.begin(), hidden_.end(), [](double h) { return h > 0; })) / static_cast<double>(hidden_.size()); }
+  double covered() const {
+    return static_cast<double>(
+               std::count_if(hidden_.begin(), hidden_.end(), [](double h) { return h > 0; })) /
+           static_cast<double>(hidden_.size());
+  }
 
  private:
   static constexpr int kStride = 4;
@@ -240,7 +258,8 @@ class Yardstick {
 };
 
 double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
@@ -257,12 +276,15 @@ void run(const std::string& path, int frames) {
   }
   Volume volume(std::move(bytes));
   const Part& part = volume.asset->pack().parts()[0];
-  std::printf("%s: %d x %d x %d, extinction %g; %s, %d x %d\n", path.empty() ? "puffs" : path.c_str(), volume.size.x, volume.size.y, volume.size.z, double{volume.extinction},
+  std::printf("%s: %d x %d x %d, extinction %g; %s, %d x %d\n", path.empty() ? "puffs" : path.c_str(),
+              volume.size.x, volume.size.y, volume.size.z, double{volume.extinction},
               reinterpret_cast<const char*>(glGetString(GL_RENDERER)), kViewport.x, kViewport.y);
 
   const Canvas canvas;
   gl::Config config;
-  config.getProcAddress = [](void*, const char* name) { return reinterpret_cast<void*>(eglGetProcAddress(name)); };
+  config.getProcAddress = [](void*, const char* name) {
+    return reinterpret_cast<void*>(eglGetProcAddress(name));
+  };
   config.gpu_budget = gl::poolBytes(*volume.asset) + (std::uint64_t{8} << 20);
   const auto renderer = expect(gl::Renderer::create(config), "the renderer");
   if (!renderer->add(*volume.asset) || !renderer->upload(~std::uint64_t{0})) fail("the asset does not fit");
@@ -273,20 +295,26 @@ void run(const std::string& path, int frames) {
   glActiveTexture(GL_TEXTURE0 + gl::kFirstHostUnit);
   glBindTexture(GL_TEXTURE_3D, texture);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, volume.size.x, volume.size.y, volume.size.z, 0, GL_RED, GL_FLOAT, volume.density.data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_R32F, volume.size.x, volume.size.y, volume.size.z, 0, GL_RED, GL_FLOAT,
+               volume.density.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
   glGenVertexArrays(1, &vertices);
   const std::string paper = readText(KELP_SOURCE_DIR "/shaders/reference/paper.glsl");
   const auto build = [&](const char* define, double around) {
-    return makeProgram(std::string(kPrelude) + define + "#define VIEWPORT vec2(" + std::to_string(kViewport.x) + ".0, " + std::to_string(kViewport.y) + ".0)\n#define AROUND " +
-                       std::to_string(around) + "\n" + shaders::kTrace + paper + kMain);
+    return makeProgram(std::string(kPrelude) + define + "#define VIEWPORT vec2(" +
+                       std::to_string(kViewport.x) + ".0, " + std::to_string(kViewport.y) +
+                       ".0)\n#define AROUND " + std::to_string(around) + "\n" + shaders::kSpline +
+                       shaders::kCurve + shaders::kTrace + paper + kMain);
   };
 
-  // The error allowed, in 255ths: what the eye takes for the same in motion; half of what eight bits can show; kelp's own in that pose, the greatest and
-  // the mean.
+  // The error allowed, in 255ths: what the eye takes for the same in motion; half of what eight bits can
+  // show; kelp's own in that pose, the greatest and the mean.
   constexpr int kLimits = 4;
-  constexpr const char* kLimitNames[kLimits] = {"at most 2/255", "at most 0.5/255", "at most kelp's", "in the mean kelp's"};
+  constexpr const char* kLimitNames[kLimits] = {"at most 2/255", "at most 0.5/255", "at most kelp's",
+                                                "in the mean kelp's"};
   constexpr const char* kMethods[2] = {"constant steps", "with arcsine"};
   double product[kLimits][2][2];  // where it is kept, and where not
   for (auto& limit : product) limit[0][0] = limit[0][1] = limit[1][0] = limit[1][1] = 1;
@@ -302,19 +330,25 @@ void run(const std::string& path, int frames) {
     const float reach = glm::length(box.max - box.min);
     gl::View view;
     view.viewport = kViewport;
-    view.world_to_eye = glm::lookAt(middle + 0.85f * reach * glm::vec3(0.35f, 0.2f, 0.9f), middle, glm::vec3(0, 1, 0));
-    view.eye_to_clip = glm::perspective(0.9f, static_cast<float>(kViewport.x) / static_cast<float>(kViewport.y), 0.01f * reach, 3 * reach);
+    view.world_to_eye =
+        glm::lookAt(middle + 0.85f * reach * glm::vec3(0.35f, 0.2f, 0.9f), middle, glm::vec3(0, 1, 0));
+    view.eye_to_clip = glm::perspective(
+        0.9f, static_cast<float>(kViewport.x) / static_cast<float>(kViewport.y), 0.01f * reach, 3 * reach);
     view.pixels_per_voxel = 0;
     const auto drawKelp = [&] {
       if (!renderer->draw(view, {&instance, 1}, gl::Pass::kFog)) fail("kelp does not draw");
     };
     const double voxel = glm::length(glm::dvec3(part.to_object[0]));
-    const GLuint programs[2] = {build("", double{reach} / voxel), build("#define PAPER_ARCSINE\n", double{reach} / voxel)};
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) * glm::dmat4(runtime::partToWorld(instance, 0)));
+    const GLuint programs[2] = {build("", double{reach} / voxel),
+                                build("#define PAPER_ARCSINE\n", double{reach} / voxel)};
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) *
+                                            glm::dmat4(runtime::partToWorld(instance, 0)));
     const glm::mat4 world_to_part = glm::inverse(glm::mat4(runtime::partToWorld(instance, 0)));
     Box in_part{glm::vec3(INFINITY), glm::vec3(-INFINITY)};
     for (int corner = 0; corner < 8; ++corner) {
-      const glm::vec3 at(world_to_part * glm::vec4(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z, 1));
+      const glm::vec3 at(world_to_part * glm::vec4(corner & 1 ? box.max.x : box.min.x,
+                                                   corner & 2 ? box.max.y : box.min.y,
+                                                   corner & 4 ? box.max.z : box.min.z, 1));
       in_part = {glm::min(in_part.min, at), glm::max(in_part.max, at)};
     }
     const Yardstick yardstick(volume, knots, to_part, in_part);
@@ -327,7 +361,8 @@ void run(const std::string& path, int frames) {
       const Segment segment = makeSegment(knots[0], knots[1]);
       glUniformMatrix4fv(at("bench_to_part"), 1, GL_FALSE, &clip_to_part[0][0]);
       glUniform3fv(at("bench_segment"), 4, &segment.p0.x);
-      glUniform3f(at("bench_size"), static_cast<float>(volume.size.x), static_cast<float>(volume.size.y), static_cast<float>(volume.size.z));
+      glUniform3f(at("bench_size"), static_cast<float>(volume.size.x), static_cast<float>(volume.size.y),
+                  static_cast<float>(volume.size.z));
       glUniform1f(at("bench_extinction"), volume.extinction);
       glUniform1f(at("bench_step"), static_cast<float>(step));
       glUniform1f(at("bench_least"), 1.0f / 8103);  // as KELP_FOG_DEEP
@@ -339,7 +374,8 @@ void run(const std::string& path, int frames) {
     };
     canvas.milliseconds(drawKelp);
     const Yardstick::Error ours = yardstick.error(canvas.pixels());
-    std::printf("%s: kelp's error %.3f at most, %.4f in the mean (255ths), %.0f %% of the picture\n", figure.name, ours.most, ours.mean, 100 * yardstick.covered());
+    std::printf("%s: kelp's error %.3f at most, %.4f in the mean (255ths), %.0f %% of the picture\n",
+                figure.name, ours.most, ours.mean, 100 * yardstick.covered());
     ++poses;
     for (int which = 0; which < 2; ++which) {
       struct Tried {
@@ -354,7 +390,10 @@ void run(const std::string& path, int frames) {
       }
       for (int limit = 0; limit < kLimits; ++limit) {
         const auto keeps = [&](const Tried& it) {
-          return limit == 3 ? it.error.mean <= ours.mean : it.error.most <= (limit == 0 ? 2.0 : limit == 1 ? 0.5 : ours.most);
+          return limit == 3 ? it.error.mean <= ours.mean
+                            : it.error.most <= (limit == 0   ? 2.0
+                                                : limit == 1 ? 0.5
+                                                             : ours.most);
         };
         auto longest = std::find_if(tried.begin(), tried.end(), keeps);
         const bool kept = longest != tried.end();
@@ -370,8 +409,11 @@ void run(const std::string& path, int frames) {
         }
         product[limit][kept ? 0 : 1][which] *= longest->they / longest->kelp;
         unkept[limit][which] += kept ? 0 : 1;
-        std::printf("  %s, error %s: %sstep %.3f voxel (error %.2f, mean %.4f): kelp %.1f ms, they %.1f ms = %.1fx\n", kMethods[which], kLimitNames[limit], kept ? "" : "NOT KEPT, at ", longest->step,
-                    longest->error.most, longest->error.mean, longest->kelp, longest->they, longest->they / longest->kelp);
+        std::printf(
+            "  %s, error %s: %sstep %.3f voxel (error %.2f, mean %.4f): kelp %.1f ms, they %.1f ms = %.1fx\n",
+            kMethods[which], kLimitNames[limit], kept ? "" : "NOT KEPT, at ", longest->step,
+            longest->error.most, longest->error.mean, longest->kelp, longest->they,
+            longest->they / longest->kelp);
       }
     }
     for (const GLuint program : programs) glDeleteProgram(program);
@@ -381,7 +423,9 @@ void run(const std::string& path, int frames) {
       const int without = unkept[limit][which], with = poses - without;
       std::printf("%s, error %s: kept in %d of %d poses", kMethods[which], kLimitNames[limit], with, poses);
       if (with > 0) std::printf(", in %.1fx kelp's time", std::pow(product[limit][0][which], 1.0 / with));
-      if (without > 0) std::printf("; not kept in %d, by 1/16 voxel in %.1fx", without, std::pow(product[limit][1][which], 1.0 / without));
+      if (without > 0)
+        std::printf("; not kept in %d, by 1/16 voxel in %.1fx", without,
+                    std::pow(product[limit][1][which], 1.0 / without));
       std::printf(" (geometric means)\n");
     }
 }
@@ -396,7 +440,9 @@ int main(int argc, char** argv) {
     if (argument == "--frames" && i + 1 < argc) {
       frames = std::max(1, std::atoi(argv[++i]));
     } else if (argument == "--help" || argument[0] == '-') {
-      std::puts("bench_fog [PACK] [--frames N]: the fog of PACK, or puffs, in the seven poses of the paper's Figure 6");
+      std::puts(
+          "bench_fog [PACK] [--frames N]: the fog of PACK, or puffs, in the seven poses of the paper's "
+          "Figure 6");
       return argument == "--help" ? 0 : 1;
     } else {
       path = argument;

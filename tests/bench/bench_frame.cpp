@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run, on a GL that does nothing, and
-// the whole frame on the GL that is there. README.md here.
+// What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run,
+// on a GL that does nothing, and the whole frame on the GL that is there. README.md here.
 //   bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl]
 #include <algorithm>
 #include <chrono>
@@ -35,16 +35,20 @@ void measure(std::vector<Row>& rows, int rounds) {
     for (Row& row : rows) {
       const auto start = std::chrono::steady_clock::now();
       row.once();
-      const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / static_cast<double>(kInstances);
+      const double ns =
+          std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() /
+          static_cast<double>(kInstances);
       if (round >= 0) row.ns.push_back(ns);
     }
   }
 }
 
-// A field of plants, 50 in a row, each turned and scaled; the camera at one side sees all of it, or from its middle about half.
+// A field of plants, 50 in a row, each turned and scaled; the camera at one side sees all of it, or from its
+// middle about half.
 void placeAll(Crowd& crowd) {
   for (std::size_t i = 0; i < crowd.instances.size(); ++i) {
-    glm::mat4 m = glm::translate(glm::mat4(1), glm::vec3(static_cast<float>(i % 50) - 25.0f, 0, static_cast<float>(i / 50) - 20.0f));
+    glm::mat4 m = glm::translate(
+        glm::mat4(1), glm::vec3(static_cast<float>(i % 50) - 25.0f, 0, static_cast<float>(i / 50) - 20.0f));
     m = glm::rotate(m, 0.1f * static_cast<float>(i), glm::vec3(0, 1, 0));
     crowd.instances[i].to_world = glm::scale(m, glm::vec3(0.9f + 0.01f * static_cast<float>(i % 20)));
   }
@@ -72,7 +76,8 @@ void reportCpu(Report& out, int parts, int rounds) {
   (void)(*renderer)->upload(~std::uint64_t{0});
   const gl::View all = fieldView({0, 25, 62}, {0, 0, 0}), half = fieldView({0, 1, 0}, {20, 0.5f, 0});
 
-  // Rotations, as the world matrices of a crowd are. Few, so that they stay in the nearest cache: the product at its cheapest.
+  // Rotations, as the world matrices of a crowd are. Few, so that they stay in the nearest cache: the product
+  // at its cheapest.
   constexpr std::size_t kMatrices = 100;
   std::vector<glm::mat4> a(kMatrices), b(kMatrices), products(kMatrices);
   for (std::size_t i = 0; i < kMatrices; ++i) {
@@ -97,14 +102,19 @@ void reportCpu(Report& out, int parts, int rounds) {
   // Once more, of poses that changed since.
   rows.push_back({"", [&] { crowd.update(); }});
   rows.push_back({"draw(), part culled", [&] { seen_half = *(*renderer)->draw(half, crowd.instances); }});
-  rows.push_back({"draw() again, nothing moved", [&] { (void)*(*renderer)->draw(half, crowd.instances, gl::Pass::kDepth); }});
+  rows.push_back({"draw() again, nothing moved",
+                  [&] { (void)*(*renderer)->draw(half, crowd.instances, gl::Pass::kDepth); }});
   measure(rows, rounds);
 
   const double product = median(rows[0].ns);
-  std::printf("\n%zu instances of %zu assets, %d part(s) each: %.1f knots and %.1f waves an instance; all visible: %u drawn, %u culled; part culled: %u drawn, %u culled\n\n"
-              "| | ns an instance | mat4 products |\n|---|---|---|\n",
-              kInstances, library.size(), parts, static_cast<double>(library.knots()) / static_cast<double>(library.size()),
-              static_cast<double>(library.waves()) / static_cast<double>(library.size()), seen_all.instances, seen_all.culled, seen_half.instances, seen_half.culled);
+  std::printf(
+      "\n%zu instances of %zu assets, %d part(s) each: %.1f knots and %.1f waves an instance; all visible: "
+      "%u drawn, %u culled; part culled: %u drawn, %u culled\n\n"
+      "| | ns an instance | mat4 products |\n|---|---|---|\n",
+      kInstances, library.size(), parts,
+      static_cast<double>(library.knots()) / static_cast<double>(library.size()),
+      static_cast<double>(library.waves()) / static_cast<double>(library.size()), seen_all.instances,
+      seen_all.culled, seen_half.instances, seen_half.culled);
   const std::string prefix = "cpu, " + std::to_string(parts) + " part(s), ";
   const auto print = [&](const char* name, double ns) {
     std::printf("| %s | %.1f | %.2f |\n", name, ns, ns / product);

@@ -23,7 +23,8 @@ class Target {
     glGenFramebuffers(1, &framebuffer_);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     glGenRenderbuffers(2, buffers_);
-    const GLenum formats[2] = {GL_RGBA8, GL_DEPTH_COMPONENT24}, places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    const GLenum formats[2] = {GL_RGBA8, GL_DEPTH_COMPONENT24},
+                 places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     for (int i = 0; i < 2; ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, buffers_[i]);
       glRenderbufferStorage(GL_RENDERBUFFER, formats[i], size.x, size.y);
@@ -65,13 +66,15 @@ struct Frame {
 gl::View viewOf(const glm::ivec2& size, int batches) {
   gl::View view;
   view.viewport = size;
-  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
+  view.eye_to_clip =
+      glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
   view.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
   view.depth_batches = batches;
   return view;
 }
 
-void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& size, std::vector<Frame>& frames, int rounds) {
+void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& size, std::vector<Frame>& frames,
+             int rounds) {
   for (int round = -1; round < rounds; ++round) {
     for (Frame& frame : frames) {
       Target::clear();
@@ -79,7 +82,8 @@ void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& siz
       const auto start = std::chrono::steady_clock::now();
       const auto stats = renderer.draw(viewOf(size, frame.batches), frame.crowd->instances);
       glFinish();
-      const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      const double ms =
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
       (void)renderer.upload(~std::uint64_t{0});
       if (!stats) {
         std::fprintf(stderr, "bench_frame: %s\n", stats.error().detail);
@@ -98,13 +102,17 @@ void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& siz
 // Half of the height of the view at the distance of the plane z.
 float halfHeight(float z) { return (10 - z) * std::tan(0.4f); }
 
-// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high at scale 1, and standing on the cell's lower side.
+// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high
+// at scale 1, and standing on the cell's lower side.
 void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z) {
-  const float height = 2 * halfHeight(z) / static_cast<float>(rows), width = 2 * halfHeight(z) * 4.0f / 3.0f / static_cast<float>(columns);
+  const float height = 2 * halfHeight(z) / static_cast<float>(rows),
+              width = 2 * halfHeight(z) * 4.0f / 3.0f / static_cast<float>(columns);
   for (std::size_t i = 0; i < count; ++i) {
     const int x = static_cast<int>(i) % columns, y = static_cast<int>(i) / columns % rows;
-    const glm::vec3 at((static_cast<float>(x) + 0.5f) * width - 0.5f * width * static_cast<float>(columns), static_cast<float>(y) * height - halfHeight(z), z);
-    crowd.instances[from + i].to_world = glm::scale(glm::translate(glm::mat4(1), at), glm::vec3(std::min(height, width)));
+    const glm::vec3 at((static_cast<float>(x) + 0.5f) * width - 0.5f * width * static_cast<float>(columns),
+                       static_cast<float>(y) * height - halfHeight(z), z);
+    crowd.instances[from + i].to_world =
+        glm::scale(glm::translate(glm::mat4(1), at), glm::vec3(std::min(height, width)));
   }
 }
 
@@ -112,20 +120,26 @@ void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int ro
 void heap(Crowd& crowd, float depth, float scale) {
   const std::size_t count = crowd.instances.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const float turn = 2.4f * static_cast<float>(i), out = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(count));
+    const float turn = 2.4f * static_cast<float>(i),
+                out = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(count));
     const float z = depth * (static_cast<float>(i * 7 % count) / static_cast<float>(count) - 0.5f);
-    glm::mat4 m = glm::translate(glm::mat4(1), glm::vec3(2.0f * out * std::cos(turn), 2.0f * out * std::sin(turn) - 0.5f * scale, z));
+    glm::mat4 m = glm::translate(
+        glm::mat4(1), glm::vec3(2.0f * out * std::cos(turn), 2.0f * out * std::sin(turn) - 0.5f * scale, z));
     m = glm::rotate(m, turn, glm::vec3(0, 1, 0));
     crowd.instances[i].to_world = glm::scale(m, glm::vec3(scale));
   }
 }
 
 void print(Report& out, const char* title, const std::vector<Frame>& frames) {
-  std::printf("\n%s\n\n| | draws | parts drawn | culled | pixels covered | ms | ratio | ratio for each covered pixel |\n|---|---|---|---|---|---|---|---|\n", title);
+  std::printf(
+      "\n%s\n\n| | draws | parts drawn | culled | pixels covered | ms | ratio | ratio for each covered pixel "
+      "|\n|---|---|---|---|---|---|---|---|\n",
+      title);
   for (const Frame& frame : frames) {
     const double ratio = median(frame.ms) / median(frames[0].ms);
-    std::printf("| %s | %u | %u | %u | %d | %.1f | %.2f | %.2f |\n", frame.name.c_str(), frame.stats.draws, frame.stats.instances, frame.stats.culled, frame.covered,
-                median(frame.ms), ratio, ratio * frames[0].covered / std::max(frame.covered, 1));
+    std::printf("| %s | %u | %u | %u | %d | %.1f | %.2f | %.2f |\n", frame.name.c_str(), frame.stats.draws,
+                frame.stats.instances, frame.stats.culled, frame.covered, median(frame.ms), ratio,
+                ratio * frames[0].covered / std::max(frame.covered, 1));
     out.add(std::string("gl, ") + title + ", " + frame.name, ratio);
   }
 }
@@ -155,7 +169,8 @@ void reportGl(Report& out, const glm::ivec2& size, int rounds) {
     Crowd crowd(library, count);
     heap(crowd, count > 100 ? 8.0f : 4.0f, count > 100 ? 0.4f : 3.0f);
     std::vector<Frame> frames;
-    for (const int batches : {1, 2, 4, 8, 12, 16}) frames.push_back({std::to_string(batches) + " batches", &crowd, batches});
+    for (const int batches : {1, 2, 4, 8, 12, 16})
+      frames.push_back({std::to_string(batches) + " batches", &crowd, batches});
     measure(**renderer, target, size, frames, rounds);
     print(out, count > 100 ? "2,000 instances in a heap" : "48 instances in a heap", frames);
   }
@@ -175,7 +190,8 @@ void reportGl(Report& out, const glm::ivec2& size, int rounds) {
   std::vector<Frame> frames;
   frames.push_back({"20", &twenty, 1});
   frames.push_back({"2,000 small ones side by side", &small, 1});
-  for (const int batches : {1, 8, 16}) frames.push_back({"20 and 1,980 behind them, " + std::to_string(batches) + " batches", &behind, batches});
+  for (const int batches : {1, 8, 16})
+    frames.push_back({"20 and 1,980 behind them, " + std::to_string(batches) + " batches", &behind, batches});
   measure(**renderer, target, size, frames, rounds);
   print(out, "2,000 instances on the pixels of 20", frames);
 }

@@ -26,7 +26,8 @@ fields::Occupancy blades(const glm::ivec3& size, int which) {
           const float angle = 2.1f * static_cast<float>(blade + which) + 0.3f * static_cast<float>(which);
           const glm::vec2 along(std::cos(angle), std::sin(angle));
           const glm::vec2 from = p - height * 0.35f * middle.x * along;
-          const float across = std::abs(along.x * from.y - along.y * from.x), out = std::abs(glm::dot(along, from));
+          const float across = std::abs(along.x * from.y - along.y * from.x),
+                      out = std::abs(glm::dot(along, from));
           solid = solid || (across < 1.2f && out < (1.05f - height) * 0.55f * middle.x);
         }
         volume.solid[static_cast<std::size_t>(x + size.x * (y + size.y * z))] = solid;
@@ -41,8 +42,9 @@ struct Kind {
   int knots;
   int periods;  // of waves on each vector that moves: two vectors a knot but the first
 };
-constexpr Kind kKinds[] = {{{24, 48, 24}, 2, 1}, {{32, 64, 28}, 2, 2}, {{40, 40, 40}, 3, 1}, {{48, 58, 48}, 3, 2},
-                           {{38, 64, 32}, 4, 3}, {{42, 64, 22}, 4, 1}, {{25, 64, 18}, 4, 1}, {{49, 64, 51}, 4, 3}};
+constexpr Kind kKinds[] = {{{24, 48, 24}, 2, 1}, {{32, 64, 28}, 2, 2}, {{40, 40, 40}, 3, 1},
+                           {{48, 58, 48}, 3, 2}, {{38, 64, 32}, 4, 3}, {{42, 64, 22}, 4, 1},
+                           {{25, 64, 18}, 4, 1}, {{49, 64, 51}, 4, 3}};
 
 RawPack packOf(const Kind& kind, int which, int parts) {
   RawPack pack;
@@ -65,8 +67,10 @@ RawPack packOf(const Kind& kind, int which, int parts) {
         clip.waves.push_back({part, knot, kelp::Target::kKnotTangent, 1.5f * push, period, phase});
       }
     }
-    pack.parts.push_back(test::partOf(blades(kind.size, which), std::move(knots), "part " + std::to_string(p)));
-    for (int axis = 0; axis < 3; ++axis) pack.parts.back().to_object[3][axis] += axis == 1 ? 0.0f : 0.2f * static_cast<float>(p);
+    pack.parts.push_back(
+        test::partOf(blades(kind.size, which), std::move(knots), "part " + std::to_string(p)));
+    for (int axis = 0; axis < 3; ++axis)
+      pack.parts.back().to_object[3][axis] += axis == 1 ? 0.0f : 0.2f * static_cast<float>(p);
   }
   pack.clips.push_back(clip);
   return pack;
@@ -103,7 +107,8 @@ std::size_t Library::waves() const {
 }
 
 Crowd::Crowd(const Library& assets, std::size_t count) : library(assets) {
-  for (std::size_t i = 0; i < count; ++i) poses.push_back(*runtime::Pose::create(library[i % library.size()]));
+  for (std::size_t i = 0; i < count; ++i)
+    poses.push_back(*runtime::Pose::create(library[i % library.size()]));
   for (std::size_t i = 0; i < count; ++i) {
     runtime::Instance& instance = instances.emplace_back();
     instance.asset = &library[i % library.size()];
@@ -121,7 +126,8 @@ void Crowd::update() {
 }
 
 double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 

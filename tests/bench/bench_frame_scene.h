@@ -9,7 +9,8 @@
 
 namespace kelp::bench {
 
-// Eight assets, no two alike: rigs of two to four knots with a clip of 2 to 18 waves, as the models of samples/models have them. All in memory.
+// Eight assets, no two alike: rigs of two to four knots with a clip of 2 to 18 waves, as the models of
+// samples/models have them. All in memory.
 class Library {
  public:
   explicit Library(int parts);

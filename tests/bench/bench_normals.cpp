@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// How far stored normals are from the truth after each pose of the paper's Figure 6, by the number of bits they are stored in; and the
-// paper's equation 5, which is given normals that are not rounded at all. Shear: voxels sideways for one upwards, which is what makes small errors
-// large. Tables in Markdown, degrees. README.md here.
+// How far stored normals are from the truth after each pose of the paper's Figure 6, by the number of bits
+// they are stored in; and the paper's equation 5, which is given normals that are not rounded at all. Shear:
+// voxels sideways for one upwards, which is what makes small errors large. Tables in Markdown, degrees.
+// README.md here.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -70,7 +71,8 @@ std::string cell(const std::vector<double>& degrees) {
 }
 
 void printTable(const std::string& name, const std::vector<Sample>& samples, const glm::ivec3& size) {
-  std::printf("\n%s, %zu normals, %d x %d x %d: mean / 99th percentile / maximum in degrees\n\n| pose |", name.c_str(), samples.size(), size.x, size.y, size.z);
+  std::printf("\n%s, %zu normals, %d x %d x %d: mean / 99th percentile / maximum in degrees\n\n| pose |",
+              name.c_str(), samples.size(), size.x, size.y, size.z);
   for (const int bits : kBits) std::printf(" %d bits |", bits);
   std::printf(" not rounded | equation 5, not rounded | shear: 99th percentile, maximum |\n|---|");
   for (std::size_t i = 0; i < std::size(kBits) + 3; ++i) std::printf("---|");
@@ -85,30 +87,40 @@ void printTable(const std::string& name, const std::vector<Sample>& samples, con
     for (const Sample& sample : samples) {
       const dvec3 p = map.toDeformed(sample.at);
       // The truth: the plane that touches the surface, deformed.
-      const dvec3 truth = reference::differenceNormal([&](const dvec3& q) { return glm::dot(q - sample.at, sample.normal); }, map, p);
+      const dvec3 truth = reference::differenceNormal(
+          [&](const dvec3& q) { return glm::dot(q - sample.at, sample.normal); }, map, p);
       const dvec3 slope = map.placeOf(p.y).slope;
       shear.push_back(std::hypot(slope.x, slope.z) / slope.y);
-      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y - double{g.p0.y}), static_cast<float>(double{g.p1.y} - p.y));
-      const auto errorOf = [&](const dvec3& n) { return reference::degreesBetween(dvec3(trace::kelpDeformNormal(g, t, stretch, glm::vec3(n))), truth); };
-      for (std::size_t i = 0; i < std::size(kBits); ++i) errors[i].push_back(errorOf(rounded(sample.normal, kBits[i])));
+      const float t = trace::kelpSplineParameter(g, static_cast<float>(p.y - double{g.p0.y}),
+                                                 static_cast<float>(double{g.p1.y} - p.y));
+      const auto errorOf = [&](const dvec3& n) {
+        return reference::degreesBetween(dvec3(trace::kelpDeformNormal(g, t, stretch, glm::vec3(n))), truth);
+      };
+      for (std::size_t i = 0; i < std::size(kBits); ++i)
+        errors[i].push_back(errorOf(rounded(sample.normal, kBits[i])));
       exact.push_back(errorOf(sample.normal));
-      paper.push_back(reference::degreesBetween(dvec3(paper::paperNormal(paper::paperSpline(g), t, glm::vec3(sample.normal))), truth));
+      paper.push_back(reference::degreesBetween(
+          dvec3(paper::paperNormal(paper::paperSpline(g), t, glm::vec3(sample.normal))), truth));
     }
     std::printf("| %s |", figure.name);
     for (const auto& e : errors) std::printf(" %s |", cell(e).c_str());
     const reference::Spread sheared = reference::spreadOf(shear);
-    std::printf(" %s | %s | %.0f, %.0f |\n", cell(exact).c_str(), cell(paper).c_str(), sheared.p99, sheared.worst);
+    std::printf(" %s | %s | %.0f, %.0f |\n", cell(exact).c_str(), cell(paper).c_str(), sheared.p99,
+                sheared.worst);
     std::fflush(stdout);
   }
 }
 
-// What the pack stores at 24 bits is as near as what the tables say (of two that are equally near, either will do).
+// What the pack stores at 24 bits is as near as what the tables say (of two that are equally near, either
+// will do).
 void checkTheProduct(const std::vector<Sample>& samples) {
   for (const Sample& sample : samples) {
     const glm::vec3 n(sample.normal);
-    const double product = reference::degreesBetween(dvec3(decodeNormal(encodeNormal(n))), dvec3(n)), ours = reference::degreesBetween(rounded(dvec3(n), 24), dvec3(n));
+    const double product = reference::degreesBetween(dvec3(decodeNormal(encodeNormal(n))), dvec3(n)),
+                 ours = reference::degreesBetween(rounded(dvec3(n), 24), dvec3(n));
     if (std::abs(product - ours) > 1e-4) {
-      throw std::runtime_error("bench_normals does not round as kelp::encodeNormal does: one of them has changed");
+      throw std::runtime_error(
+          "bench_normals does not round as kelp::encodeNormal does: one of them has changed");
     }
   }
 }
@@ -133,13 +145,17 @@ std::vector<Sample> bakedSamples(const std::filesystem::path& path, int resoluti
     high = glm::max(high, dvec3(p));
   }
   const dvec3 extent = high - low;
-  const bake::Frame frame = bake::makeFrame(part.soup, Axis::kPlusY, std::max({extent.x, extent.y, extent.z}) / resolution, path.string());
+  const bake::Frame frame = bake::makeFrame(
+      part.soup, Axis::kPlusY, std::max({extent.x, extent.y, extent.z}) / resolution, path.string());
   const bake::VoxelGrid grid = bake::voxelize(model, part, frame, bake::Fill::kAuto, 0, {}).grid;
   size = grid.size;
   std::vector<Sample> samples;
   for (const bake::SurfaceSample& s : grid.surface) {
     const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
-    samples.push_back({dvec3(static_cast<double>(s.index % x), static_cast<double>(s.index / x % y), static_cast<double>(s.index / (x * y))) + 0.5, glm::normalize(dvec3(s.normal))});
+    samples.push_back({dvec3(static_cast<double>(s.index % x), static_cast<double>(s.index / x % y),
+                             static_cast<double>(s.index / (x * y))) +
+                           0.5,
+                       glm::normalize(dvec3(s.normal))});
   }
   return samples;
 }
@@ -152,7 +168,10 @@ void run() {
   }
   const std::filesystem::path bunny = test::assetsFolder() / "mesh/common3d/stanford-bunny.obj";
   if (!std::filesystem::exists(bunny)) {
-    std::fprintf(stderr, "bench_normals: the bunny is left out, %s is absent: set KELP_ASSETS to a folder that holds it\n", bunny.c_str());
+    std::fprintf(
+        stderr,
+        "bench_normals: the bunny is left out, %s is absent: set KELP_ASSETS to a folder that holds it\n",
+        bunny.c_str());
     return;
   }
   glm::ivec3 size(0);

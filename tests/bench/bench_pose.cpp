@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What posing costs the CPU each frame, per instance, beside GLM's mat4 products of the same run. README.md here.
+// What posing costs the CPU each frame, per instance, beside GLM's mat4 products of the same run. README.md
+// here.
 //   bench_pose [PACK...]      every clip of every pack; first a rig of two knots that is made here
 #include <algorithm>
 #include <chrono>
@@ -34,7 +35,8 @@ struct Row {
 };
 
 double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
@@ -44,7 +46,9 @@ void measure(std::vector<Row>& rows) {
     for (Row& row : rows) {
       const auto start = std::chrono::steady_clock::now();
       row.once();
-      row.ns.push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / kInstances);
+      row.ns.push_back(
+          std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() /
+          kInstances);
     }
   }
 }
@@ -59,7 +63,8 @@ struct Crowd {
     }
     for (int i = 0; i < kInstances; ++i) {
       runtime::Instance instance{asset, &poses[static_cast<std::size_t>(i)]};
-      instance.to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(i % 50, 0, i / 50)), 0.1f * static_cast<float>(i), glm::vec3(0, 1, 0));
+      instance.to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(i % 50, 0, i / 50)),
+                                      0.1f * static_cast<float>(i), glm::vec3(0, 1, 0));
       instances.push_back(instance);
     }
     update();
@@ -68,7 +73,8 @@ struct Crowd {
     seconds += 1.0 / 60;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       poses[i].reset();
-      if (clip >= 0) (void)runtime::addClip(*asset, clip, seconds + 0.37 * static_cast<double>(i), 1.0f, poses[i]);
+      if (clip >= 0)
+        (void)runtime::addClip(*asset, clip, seconds + 0.37 * static_cast<double>(i), 1.0f, poses[i]);
     }
   }
   void check() const {
@@ -77,7 +83,8 @@ struct Crowd {
   void partBounds() const {
     const std::span<const Part> parts = asset->pack().parts();
     for (const Pose& pose : poses) {
-      for (std::size_t part = 0; part < parts.size(); ++part) sink = sink + deformedBounds(pose.knots(static_cast<int>(part)), parts[part].size).max.x;
+      for (std::size_t part = 0; part < parts.size(); ++part)
+        sink = sink + deformedBounds(pose.knots(static_cast<int>(part)), parts[part].size).max.x;
     }
   }
   void worldBounds() const {
@@ -106,7 +113,8 @@ void report(const std::string& name, const Asset& asset, int clip) {
   }
   std::vector<Row> rows;
   rows.push_back({"mat4 product", [&] {
-                    for (std::size_t i = 0; i < products.size(); ++i) products[i] = matrices[i] * matrices[i + 1];
+                    for (std::size_t i = 0; i < products.size(); ++i)
+                      products[i] = matrices[i] * matrices[i + 1];
                     sink = sink + products[17][1][1];
                   }});
   rows.push_back({"reset + addClip", [&] { crowd.update(); }});
@@ -118,10 +126,13 @@ void report(const std::string& name, const Asset& asset, int clip) {
   const double product = median(rows[0].ns);
   std::size_t knots = 0;
   for (int part = 0; part < crowd.poses[0].parts(); ++part) knots += crowd.poses[0].knots(part).size();
-  std::printf("\n%s: %d part(s), %zu knots, %zu waves, %zu tracks\n\n| | ns | mat4 products |\n|---|---|---|\n", name.c_str(), crowd.poses[0].parts(), knots,
-              clip < 0 ? 0 : asset.pack().clips()[static_cast<std::size_t>(clip)].waves.size(),
-              clip < 0 ? 0 : asset.pack().clips()[static_cast<std::size_t>(clip)].tracks.size());
-  for (const Row& row : rows) std::printf("| %s | %.1f | %.2f |\n", row.name.c_str(), median(row.ns), median(row.ns) / product);
+  std::printf(
+      "\n%s: %d part(s), %zu knots, %zu waves, %zu tracks\n\n| | ns | mat4 products |\n|---|---|---|\n",
+      name.c_str(), crowd.poses[0].parts(), knots,
+      clip < 0 ? 0 : asset.pack().clips()[static_cast<std::size_t>(clip)].waves.size(),
+      clip < 0 ? 0 : asset.pack().clips()[static_cast<std::size_t>(clip)].tracks.size());
+  for (const Row& row : rows)
+    std::printf("| %s | %.1f | %.2f |\n", row.name.c_str(), median(row.ns), median(row.ns) / product);
   const double update = median(rows[1].ns) + median(rows[2].ns) + median(rows[3].ns);
   std::printf("| reset + addClip + check + deformedBounds | %.1f | %.2f |\n", update, update / product);
 }
@@ -159,7 +170,8 @@ int run(int count, char** paths) {
     const std::span<const Clip> clips = (*asset)->pack().clips();
     if (clips.empty()) report(std::string(paths[i]) + ", no clip", **asset, -1);
     for (std::size_t clip = 0; clip < clips.size(); ++clip) {
-      report(std::string(paths[i]) + ", clip '" + std::string(clips[clip].name) + "'", **asset, static_cast<int>(clip));
+      report(std::string(paths[i]) + ", clip '" + std::string(clips[clip].name) + "'", **asset,
+             static_cast<int>(clip));
     }
   }
   return 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The paper's method as published beside kelp's, in one run on the same OpenGL: steps, fetches, missed and false hits, frame times and ratios.
-// README.md says how to run it and how to read it.
+// The paper's method as published beside kelp's, in one run on the same OpenGL: steps, fetches, missed and
+// false hits, frame times and ratios. README.md says how to run it and how to read it.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -33,14 +33,17 @@ struct Options {
 };
 
 constexpr char kUsage[] =
-    "usage: bench_trace [--scenes A,B] [--poses A;B] [--views A,B] [--size WxH] [--frames N] [--truth N] [--threads N] [--json FILE]\n"
+    "usage: bench_trace [--scenes A,B] [--poses A;B] [--views A,B] [--size WxH] [--frames N] [--truth N] "
+    "[--threads N] [--json FILE]\n"
     "       bench_trace --long RAYS [--scenes A,B] [--threads N]\n"
     "  --scenes   of: orange spot bunny256 bunny512 underwater\n"
     "  --poses    by name as the table prints them, separated by semicolons\n"
     "  --views    of: front side above below level inside along horizontal\n"
-    "  --frames   timed frames of each method and view, interleaved; the median counts; 0: no times (default 3)\n"
+    "  --frames   timed frames of each method and view, interleaved; the median counts; 0: no times (default "
+    "3)\n"
     "  --truth    compare every N-th ray with the ground truth; 1: all, 0: none (default 16)\n"
-    "  --long     random rays on the CPU through the scenes and through volumes of up to 4096 voxels; --scenes none for those alone\n";
+    "  --long     random rays on the CPU through the scenes and through volumes of up to 4096 voxels; "
+    "--scenes none for those alone\n";
 
 std::vector<std::string> split(const std::string& text, char by) {
   std::vector<std::string> out;
@@ -59,7 +62,9 @@ bool parse(const std::string& text, Integer low, Integer& value) {
 }
 
 bool allOf(const std::vector<std::string>& wanted, const std::vector<std::string>& known) {
-  return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) { return std::find(known.begin(), known.end(), name) != known.end(); });
+  return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  });
 }
 
 std::optional<Options> parseOptions(int argc, char** argv) {
@@ -77,7 +82,8 @@ std::optional<Options> parseOptions(int argc, char** argv) {
       options.poses = split(value, ';');
     } else if (name == "--size") {
       const std::vector<std::string> sides = split(value, 'x');
-      good = good && sides.size() == 2 && parse(sides[0], 1, options.size.x) && parse(sides[1], 1, options.size.y);
+      good = good && sides.size() == 2 && parse(sides[0], 1, options.size.x) &&
+             parse(sides[1], 1, options.size.y);
     } else if (name == "--frames") {
       good = good && parse(value, 0, options.frames);
     } else if (name == "--truth") {
@@ -121,7 +127,8 @@ std::string machineName(const Gpu& gpu) {
       break;
     }
   }
-  return gpu.renderer() + "; " + cpu + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+  return gpu.renderer() + "; " + cpu + ", " + std::to_string(std::thread::hardware_concurrency()) +
+         " threads";
 }
 
 void tally(const std::vector<Count>& counts, const std::vector<RayCheck>& checks, Record& record) {
@@ -147,16 +154,19 @@ void tally(const std::vector<Count>& counts, const std::vector<RayCheck>& checks
     record.outside_mean += double{count.outside};
     record.fetches_mean += double{count.fetches};
     const Count& cpp = check.cpp;
-    record.cpp_differs += (cpp.s >= 0) != (count.s >= 0) || std::abs(cpp.s - count.s) > 0.01f || cpp.steps != count.steps || cpp.fetches != count.fetches;
+    record.cpp_differs += (cpp.s >= 0) != (count.s >= 0) || std::abs(cpp.s - count.s) > 0.01f ||
+                          cpp.steps != count.steps || cpp.fetches != count.fetches;
   }
 }
 
-void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::string& view_name, const Options& options, std::vector<Record>& records) {
+void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::string& view_name,
+                 const Options& options, std::vector<Record>& records) {
   const std::vector<PosedItem> items = poseItems(scene, pose);
   const View view = makeView(view_name, items, options.size);
   gpu.setView(items, view);
   std::vector<std::vector<RayCheck>> checks;
-  for (std::size_t i = 0; i < items.size(); ++i) checks.push_back(checkRays(items[i], view.rays[i], options.truth, options.threads));
+  for (std::size_t i = 0; i < items.size(); ++i)
+    checks.push_back(checkRays(items[i], view.rays[i], options.truth, options.threads));
 
   std::vector<Record> found;
   for (const Method method : kMethods) {
@@ -168,7 +178,8 @@ void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::stri
     record.view = view_name;
     record.method = method;
     for (std::size_t i = 0; i < items.size(); ++i) tally(gpu.count(method, i), checks[i], record);
-    for (double* sum : {&record.steps_mean, &record.outside_mean, &record.fetches_mean}) *sum /= static_cast<double>(std::max<std::uint64_t>(record.rays, 1));
+    for (double* sum : {&record.steps_mean, &record.outside_mean, &record.fetches_mean})
+      *sum /= static_cast<double>(std::max<std::uint64_t>(record.rays, 1));
     if (method != Method::kKelp) record.cpp_differs = 0;
     found.push_back(record);
   }
@@ -194,7 +205,8 @@ int run(const Options& options) {
   }
   Gpu gpu(options.size);
   const std::string machine = machineName(gpu);
-  std::printf("%s, %dx%d, median of %d frames\n", machine.c_str(), options.size.x, options.size.y, options.frames);
+  std::printf("%s, %dx%d, median of %d frames\n", machine.c_str(), options.size.x, options.size.y,
+              options.frames);
   std::vector<Record> records;
   for (const std::string& name : options.scenes) {
     for (const Scene& scene : loadScene(name, options.threads)) {

@@ -47,10 +47,13 @@ std::vector<RayCheck> checkRays(const PosedItem& item, const Rays& rays, int nth
       if (r.w < 0) continue;
       RayCheck& check = checks[i];
       const trace::KelpHit hit = trace::kelpTrace(context, glm::vec3(o), glm::vec3(r), 0.0f, o.w);
-      check.cpp = {hit.found ? hit.s : -1, static_cast<float>(hit.steps), static_cast<float>(hit.fetches), static_cast<float>(hit.outside)};
+      check.cpp = {hit.found ? hit.s : -1, static_cast<float>(hit.steps), static_cast<float>(hit.fetches),
+                   static_cast<float>(hit.outside)};
       const glm::dvec3 from(o), along(r);
-      check.meets_box = hit.found || reference::firstTouch(box, item.knots, from, along, 0, double{o.w}, 0.0).has_value();
-      if (nth > 0 && i % static_cast<std::size_t>(nth) == 0) check.truth = reference::truthOf(solid, item.knots, from, along, double{o.w});
+      check.meets_box =
+          hit.found || reference::firstTouch(box, item.knots, from, along, 0, double{o.w}, 0.0).has_value();
+      if (nth > 0 && i % static_cast<std::size_t>(nth) == 0)
+        check.truth = reference::truthOf(solid, item.knots, from, along, double{o.w});
     }
   });
   return checks;

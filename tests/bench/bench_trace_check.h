@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the CPU says about the rays of a view: which meet the deformed box, what the C++ build of trace.glsl finds, what is true.
+// What the CPU says about the rays of a view: which meet the deformed box, what the C++ build of trace.glsl
+// finds, what is true.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@
 namespace kelp::bench {
 
 struct RayCheck {
-  bool meets_box = false;               // the deformed box itself, not its bounds; double precision
-  Count cpp;                            // trace.glsl in C++
+  bool meets_box = false;                 // the deformed box itself, not its bounds; double precision
+  Count cpp;                              // trace.glsl in C++
   std::optional<reference::Truth> truth;  // of every n-th ray
 };
 

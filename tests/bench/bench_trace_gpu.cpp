@@ -25,7 +25,8 @@ constexpr char kVertexText[] = R"(#version 330 core
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
 )";
 
-// What all methods share, and what trace.glsl and paper.glsl want defined. The number of segments is a uniform, as it is data in the product.
+// What all methods share, and what trace.glsl and paper.glsl want defined. The number of segments is a
+// uniform, as it is data in the product.
 constexpr char kPrelude[] = R"(#version 330 core
 uniform sampler2D bench_origin;
 uniform sampler2D bench_direction;
@@ -85,20 +86,29 @@ void main() {
 }
 )";
 
-// What each method fetches from, and its call. Macros, so that the programs have no branch that another method needs.
+// What each method fetches from, and its call. Macros, so that the programs have no branch that another
+// method needs.
 std::string definesOf(Method method) {
   const auto call = [&](const char* function, const char* more) {
-    return std::string("#define BENCH_TRACE PaperHit hit = ") + function + "(from.xyz, along.xyz, 0.0, from.w" + more + "); float outside = 0.0;\n";
+    return std::string("#define BENCH_TRACE PaperHit hit = ") + function +
+           "(from.xyz, along.xyz, 0.0, from.w" + more + "); float outside = 0.0;\n";
   };
-  const std::string occupancy = "#define PAPER_FETCH(v) float(texelFetch(bench_empty, v, 0).r)\n", distance = "#define PAPER_FETCH(v) texelFetch(bench_distance, v, 0).r\n";
+  const std::string occupancy = "#define PAPER_FETCH(v) float(texelFetch(bench_empty, v, 0).r)\n",
+                    distance = "#define PAPER_FETCH(v) texelFetch(bench_distance, v, 0).r\n";
   switch (method) {
-    case Method::kStandard: return occupancy + call("paperStandard", "");
-    case Method::kStandardArcsine: return "#define PAPER_ARCSINE\n" + occupancy + call("paperStandard", "");
-    case Method::kDf: return distance + call("paperDistanceField", ", true");
-    case Method::kDfWorld: return distance + call("paperDistanceField", ", false");
-    case Method::kKelp: break;
+    case Method::kStandard:
+      return occupancy + call("paperStandard", "");
+    case Method::kStandardArcsine:
+      return "#define PAPER_ARCSINE\n" + occupancy + call("paperStandard", "");
+    case Method::kDf:
+      return distance + call("paperDistanceField", ", true");
+    case Method::kDfWorld:
+      return distance + call("paperDistanceField", ", false");
+    case Method::kKelp:
+      break;
   }
-  return "#define BENCH_TRACE KelpHit hit = kelpTrace(from.xyz, along.xyz, 0.0, from.w); float outside = float(hit.outside);\n";
+  return "#define BENCH_TRACE KelpHit hit = kelpTrace(from.xyz, along.xyz, 0.0, from.w); float outside = "
+         "float(hit.outside);\n";
 }
 
 std::string readText(const std::string& path) {
@@ -125,9 +135,10 @@ GLuint compile(GLenum kind, const std::string& text) {
 }
 
 GLuint link(Method method) {
-  std::string text = kPrelude + definesOf(method) + shaders::kTrace;
+  std::string text = kPrelude + definesOf(method) + shaders::kSpline + shaders::kCurve + shaders::kTrace;
   if (method != Method::kKelp) text += readText(KELP_SOURCE_DIR "/shaders/reference/paper.glsl");
-  const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexText), fragment = compile(GL_FRAGMENT_SHADER, text + kMain);
+  const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexText),
+               fragment = compile(GL_FRAGMENT_SHADER, text + kMain);
   const GLuint program = glCreateProgram();
   glAttachShader(program, vertex);
   glAttachShader(program, fragment);
@@ -163,14 +174,16 @@ struct ItemTextures {
 
 // Cells, page table and pages as runtime/gl uploads them, without attributes.
 void uploadBricks(const Item& item, ItemTextures& textures) {
-  constexpr std::uint32_t kPageBricks = 60, kRow = 1024, kLayer = kRow * 1024;  // a page of the packs has about as many
+  // a page of the packs has about as many
+  constexpr std::uint32_t kPageBricks = 60, kRow = 1024, kLayer = kRow * 1024;
   const auto bricks = static_cast<std::uint32_t>(item.level.codes.size() / kBrickVoxels);
   const std::uint32_t pages = (bricks + kPageBricks - 1) / kPageBricks;
   const auto cells = static_cast<std::uint32_t>(item.level.cells.size());
   std::vector<std::uint32_t> words(kRow + cells + pages);
   for (std::uint32_t i = 0; i < cells; ++i) {
     const std::uint32_t cell = item.level.cells[i], slot = cell & kCellSlotMask;
-    words[kRow + i] = cell & kCellSolid ? runtime::makeStoredCell(slot / kPageBricks, slot % kPageBricks) : cell;
+    words[kRow + i] =
+        cell & kCellSolid ? runtime::makeStoredCell(slot / kPageBricks, slot % kPageBricks) : cell;
   }
   textures.pages_at = static_cast<int>(kRow + cells);
   for (std::uint32_t page = 0; page < pages; ++page) {
@@ -178,13 +191,15 @@ void uploadBricks(const Item& item, ItemTextures& textures) {
     words[kRow + cells + page] = static_cast<std::uint32_t>(words.size());
     for (std::uint32_t slot = page * kPageBricks; slot < std::min((page + 1) * kPageBricks, bricks); ++slot) {
       words.resize(words.size() + runtime::kBrickWords);
-      std::memcpy(&words[words.size() - kBrickVoxels / 4], &item.level.codes[std::size_t{slot} * kBrickVoxels], kBrickVoxels);
+      std::memcpy(&words[words.size() - kBrickVoxels / 4],
+                  &item.level.codes[std::size_t{slot} * kBrickVoxels], kBrickVoxels);
     }
   }
   const std::size_t layers = (words.size() + kLayer - 1) / kLayer;
   words.resize(layers * kLayer);
   textures.pool = makeTexture(GL_TEXTURE_2D_ARRAY);
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32UI, kRow, 1024, static_cast<GLsizei>(layers), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, words.data());
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R32UI, kRow, 1024, static_cast<GLsizei>(layers), 0, GL_RED_INTEGER,
+               GL_UNSIGNED_INT, words.data());
 }
 
 // The paper's dense textures: 0 in a solid voxel; the distance as half floats, rounded down.
@@ -208,11 +223,16 @@ void uploadDense(const Item& item, ItemTextures& textures) {
 
 const char* toString(Method method) {
   switch (method) {
-    case Method::kStandard: return "standard";
-    case Method::kStandardArcsine: return "standard_arcsine";
-    case Method::kDf: return "df";
-    case Method::kDfWorld: return "df_world";
-    case Method::kKelp: break;
+    case Method::kStandard:
+      return "standard";
+    case Method::kStandardArcsine:
+      return "standard_arcsine";
+    case Method::kDf:
+      return "df";
+    case Method::kDfWorld:
+      return "df_world";
+    case Method::kKelp:
+      break;
   }
   return "kelp";
 }
@@ -279,7 +299,8 @@ struct Gpu::Impl {
 };
 
 Gpu::Gpu(const glm::ivec2& size) : impl_(std::make_unique<Impl>(size)) {
-  if (!impl_->context) throw std::runtime_error("no EGL device gives an OpenGL 3.3 context; install libegl1 libgl1-mesa-dri");
+  if (!impl_->context)
+    throw std::runtime_error("no EGL device gives an OpenGL 3.3 context; install libegl1 libgl1-mesa-dri");
   glGenFramebuffers(1, &impl_->framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, impl_->framebuffer);
   glGenRenderbuffers(2, impl_->buffers);
@@ -289,7 +310,8 @@ Gpu::Gpu(const glm::ivec2& size) : impl_(std::make_unique<Impl>(size)) {
   glBindRenderbuffer(GL_RENDERBUFFER, impl_->buffers[1]);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, size.x, size.y);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, impl_->buffers[1]);
-  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) throw std::runtime_error("this OpenGL can not draw into RGBA32F");
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw std::runtime_error("this OpenGL can not draw into RGBA32F");
   glViewport(0, 0, size.x, size.y);
   glGenVertexArrays(1, &impl_->array);
   glBindVertexArray(impl_->array);
@@ -316,7 +338,8 @@ void Gpu::setScene(const Scene& scene) {
     uploadDense(item, impl_->items.back());
     impl_->rays.push_back({makeTexture(GL_TEXTURE_2D), makeTexture(GL_TEXTURE_2D)});
   }
-  if (const GLenum error = glGetError(); error != GL_NO_ERROR) throw std::runtime_error(scene.name + ": OpenGL refuses its textures");
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+    throw std::runtime_error(scene.name + ": OpenGL refuses its textures");
 }
 
 void Gpu::setView(const std::vector<PosedItem>& items, const View& view) {
@@ -326,7 +349,8 @@ void Gpu::setView(const std::vector<PosedItem>& items, const View& view) {
     const std::vector<glm::vec4>* data[] = {&view.rays[i].origin, &view.rays[i].direction};
     for (std::size_t k = 0; k < 2; ++k) {
       glBindTexture(GL_TEXTURE_2D, impl_->rays[i][k]);
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, view.size.x, view.size.y, 0, GL_RGBA, GL_FLOAT, data[k]->data());
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, view.size.x, view.size.y, 0, GL_RGBA, GL_FLOAT,
+                   data[k]->data());
     }
   }
 }
@@ -334,9 +358,11 @@ void Gpu::setView(const std::vector<PosedItem>& items, const View& view) {
 std::vector<Count> Gpu::count(Method method, std::size_t item) {
   impl_->clear();
   impl_->draw(method, item);
-  std::vector<Count> counts(static_cast<std::size_t>(impl_->size.x) * static_cast<std::size_t>(impl_->size.y));
+  std::vector<Count> counts(static_cast<std::size_t>(impl_->size.x) *
+                            static_cast<std::size_t>(impl_->size.y));
   glReadPixels(0, 0, impl_->size.x, impl_->size.y, GL_RGBA, GL_FLOAT, counts.data());
-  if (glGetError() != GL_NO_ERROR) throw std::runtime_error(std::string("OpenGL fails to draw with ") + toString(method));
+  if (glGetError() != GL_NO_ERROR)
+    throw std::runtime_error(std::string("OpenGL fails to draw with ") + toString(method));
   return counts;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a view of a posed scene with one of the methods, counts, and takes the time. One object at a time: it makes the GL context.
+// Draws a view of a posed scene with one of the methods, counts, and takes the time. One object at a time: it
+// makes the GL context.
 #pragma once
 
 #include <array>
@@ -12,7 +13,8 @@
 namespace kelp::bench {
 
 enum class Method { kStandard, kStandardArcsine, kDf, kDfWorld, kKelp };
-inline constexpr std::array<Method, 5> kMethods{Method::kStandard, Method::kStandardArcsine, Method::kDf, Method::kDfWorld, Method::kKelp};
+inline constexpr std::array<Method, 5> kMethods{Method::kStandard, Method::kStandardArcsine, Method::kDf,
+                                                Method::kDfWorld, Method::kKelp};
 const char* toString(Method method);
 
 // What one ray did; all zero and s = -1 where the ray misses the bounds.

@@ -15,7 +15,8 @@ namespace {
 using reference::TrialTally;
 using reference::TrialVolume;
 
-// A tile with a ball, single voxels, a post, and more single voxels in the layers that come to lie at the ends of the volume.
+// A tile with a ball, single voxels, a post, and more single voxels in the layers that come to lie at the
+// ends of the volume.
 fields::Occupancy makeTile() {
   fields::Occupancy tile = test::dust({64, 64, 64}, 20000, 1);
   std::mt19937 random(2);
@@ -36,12 +37,14 @@ fields::Occupancy makeTile() {
 bool runLong(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) {
   std::vector<TrialVolume> volumes;
   for (const Scene& scene : scenes) {
-    for (const Item& item : scene.items) volumes.push_back(reference::wholeVolume(scene.name + ": " + item.name, item.volume));
+    for (const Item& item : scene.items)
+      volumes.push_back(reference::wholeVolume(scene.name + ": " + item.name, item.volume));
   }
   volumes.push_back(reference::wholeVolume("clump", test::ballClump({256, 249, 195}, 30, 7)));
   volumes.push_back(reference::wholeVolume("noise", test::dust({512, 361, 512}, 30000, 8)));
   const fields::Occupancy tile = makeTile();
-  for (const int side : {512, 1024, 2048, 4096}) volumes.push_back(reference::tiledVolume("virtual", tile, glm::ivec3(side, side, side / 2)));
+  for (const int side : {512, 1024, 2048, 4096})
+    volumes.push_back(reference::tiledVolume("virtual", tile, glm::ivec3(side, side, side / 2)));
 
   TrialTally total;
   for (const TrialVolume& volume : volumes) {
@@ -53,20 +56,24 @@ bool runLong(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) 
     TrialTally tally;
     std::mutex mutex;
     parallelFor(static_cast<std::size_t>(rounds) * rigs.size(), threads, [&](std::size_t i) {
-      const TrialTally one = reference::runTrial(volume, rigs[i % rigs.size()], static_cast<int>(kTrial), static_cast<unsigned>(1000 + i));
+      const TrialTally one = reference::runTrial(volume, rigs[i % rigs.size()], static_cast<int>(kTrial),
+                                                 static_cast<unsigned>(1000 + i));
       const std::lock_guard lock(mutex);
       tally.add(one);
     });
     const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-    std::printf("%-28s %4dx%4dx%4d %9llu rays %9llu owed %6llu missed %4llu false %7llu grazing %5llu depth off, steps %6.2f max %d\n", volume.name.c_str(), volume.size.x,
-                volume.size.y, volume.size.z, n(tally.rays), n(tally.owed), n(tally.missed), n(tally.invented), n(tally.grazing), n(tally.depth_off),
-                static_cast<double>(tally.steps) / static_cast<double>(tally.rays), tally.steps_max);
+    std::printf(
+        "%-28s %4dx%4dx%4d %9llu rays %9llu owed %6llu missed %4llu false %7llu grazing %5llu depth off, "
+        "steps %6.2f max %d\n",
+        volume.name.c_str(), volume.size.x, volume.size.y, volume.size.z, n(tally.rays), n(tally.owed),
+        n(tally.missed), n(tally.invented), n(tally.grazing), n(tally.depth_off),
+        static_cast<double>(tally.steps) / static_cast<double>(tally.rays), tally.steps_max);
     if (!tally.first_failure.empty()) std::printf("  %s\n", tally.first_failure.c_str());
     std::fflush(stdout);
     total.add(tally);
   }
-  std::printf("in all %llu rays: %llu missed, %llu false\n", static_cast<unsigned long long>(total.rays), static_cast<unsigned long long>(total.missed),
-              static_cast<unsigned long long>(total.invented));
+  std::printf("in all %llu rays: %llu missed, %llu false\n", static_cast<unsigned long long>(total.rays),
+              static_cast<unsigned long long>(total.missed), static_cast<unsigned long long>(total.invented));
   return total.missed == 0 && total.invented == 0;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Millions of random rays against the ground truth, on the CPU: the scenes' volumes and made ones from 256 to 4096 voxels.
+// Millions of random rays against the ground truth, on the CPU: the scenes' volumes and made ones from 256 to
+// 4096 voxels.
 #pragma once
 
 #include <cstdint>

@@ -10,22 +10,27 @@
 
 namespace kelp::bench {
 
-// One method's figures in one view of one pose. Means are over the rays that meet the deformed box, all items together.
+// One method's figures in one view of one pose. Means are over the rays that meet the deformed box, all items
+// together.
 struct Record {
   std::string scene, size, pose, view;
   bool moderate = false;
   Method method = Method::kKelp;
   std::uint64_t rays = 0, hits = 0;
   double steps_mean = 0, steps_max = 0, outside_mean = 0, fetches_mean = 0;
-  std::uint64_t checked = 0, owed = 0, grazing = 0, missed = 0, false_hits = 0;  // of rays compared with the ground truth
+  // of rays compared with the ground truth
+  std::uint64_t checked = 0, owed = 0, grazing = 0, missed = 0, false_hits = 0;
   std::uint64_t depth_off = 0;  // hits, not grazing, more than half a voxel from the truth
   double frame_ms = 0;
-  std::uint64_t cpp_differs = 0;  // kelp only: rays for which the C++ build of trace.glsl answers otherwise or counts otherwise
+  // kelp only: rays for which the C++ build of trace.glsl answers otherwise or counts otherwise
+  std::uint64_t cpp_differs = 0;
 };
 
-// One block for each scene and pose, averaged over the views; then geometric means of the ratios to kelp's frame time.
+// One block for each scene and pose, averaged over the views; then geometric means of the ratios to kelp's
+// frame time.
 void printTable(const std::vector<Record>& records);
 // An array with an object for each record. Throws std::runtime_error if the file can not be written.
-void writeJson(const std::vector<Record>& records, const std::string& machine, const std::filesystem::path& path);
+void writeJson(const std::vector<Record>& records, const std::string& machine,
+               const std::filesystem::path& path);
 
 }  // namespace kelp::bench

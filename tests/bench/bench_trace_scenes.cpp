@@ -18,10 +18,10 @@ struct Placement {
 const Placement kOrigin{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
 
 struct ItemSource {
-  const char* file;     // a sample model, or below the assets
+  const char* file;  // a sample model, or below the assets
   bool sample;
-  Axis axis;            // of the file, along the spline
-  glm::ivec3 size;      // the box that the model is scaled into, each axis by itself; y is along the spline
+  Axis axis;        // of the file, along the spline
+  glm::ivec3 size;  // the box that the model is scaled into, each axis by itself; y is along the spline
   Placement placement;
 };
 
@@ -31,18 +31,31 @@ struct SceneSource {
   std::vector<ItemSource> items;
 };
 
-// The paper's Table 1, and a bunny as it is, for comparison at 256. The fish's long side is its spline's axis, so its 128 x 128 x 256 voxels are 128 x 256 x 128 here.
+// The paper's Table 1, and a bunny as it is, for comparison at 256. The fish's long side is its spline's
+// axis, so its 128 x 128 x 256 voxels are 128 x 256 x 128 here.
 const std::vector<SceneSource>& sources() {
   static const std::vector<SceneSource> all{
       {"orange", true, {{"orange.glb", true, Axis::kPlusY, {256, 256, 163}, kOrigin}}},
       {"spot", true, {{"mesh/common3d/spot.obj", false, Axis::kPlusY, {256, 256, 180}, kOrigin}}},
-      {"bunny256", true, {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {256, 249, 195}, kOrigin}}},
-      {"bunny512", true, {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {512, 361, 512}, kOrigin}}},
+      {"bunny256",
+       true,
+       {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {256, 249, 195}, kOrigin}}},
+      {"bunny512",
+       true,
+       {{"mesh/common3d/stanford-bunny.obj", false, Axis::kPlusY, {512, 361, 512}, kOrigin}}},
       {"underwater",
        false,
        {{"kelp_plant.glb", true, Axis::kPlusY, {64, 64, 64}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {10, 0, 20}}},
-        {"kelp_plant.glb", true, Axis::kPlusY, {64, 64, 64}, {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {150, 0, 110}}},
-        {"fish.glb", true, Axis::kMinusX, {128, 256, 128}, {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {240, 60, 0}}}}},
+        {"kelp_plant.glb",
+         true,
+         Axis::kPlusY,
+         {64, 64, 64},
+         {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {150, 0, 110}}},
+        {"fish.glb",
+         true,
+         Axis::kMinusX,
+         {128, 256, 128},
+         {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {240, 60, 0}}}}},
   };
   return all;
 }
@@ -50,7 +63,9 @@ const std::vector<SceneSource>& sources() {
 Item makeItem(const ItemSource& source, const std::filesystem::path& path, int threads) {
   if (!std::filesystem::exists(path)) throw std::runtime_error(path.string() + ": is absent");
   bake::SourceModel model = bake::importFile(path, {});
-  const auto with_mesh = std::find_if(model.parts.begin(), model.parts.end(), [](const bake::SourcePart& part) { return !part.soup.triangles.empty(); });
+  const auto with_mesh =
+      std::find_if(model.parts.begin(), model.parts.end(),
+                   [](const bake::SourcePart& part) { return !part.soup.triangles.empty(); });
   if (with_mesh == model.parts.end()) throw std::runtime_error(path.string() + ": holds no triangles");
   bake::SourcePart& part = *with_mesh;
 
@@ -64,7 +79,8 @@ Item makeItem(const ItemSource& source, const std::filesystem::path& path, int t
     }
   }
   const glm::ivec3 size = source.size;
-  for (glm::vec3& p : part.soup.positions) p = glm::vec3((turn * dvec3(p) - low) / (high - low) * dvec3(size));
+  for (glm::vec3& p : part.soup.positions)
+    p = glm::vec3((turn * dvec3(p) - low) / (high - low) * dvec3(size));
 
   bake::Frame frame;
   frame.size = size;
@@ -74,7 +90,8 @@ Item makeItem(const ItemSource& source, const std::filesystem::path& path, int t
   item.volume = {size, bake::voxelize(model, part, frame, bake::Fill::kAuto, threads, {}).grid.solid};
   item.level = fields::buildLevel(item.volume, test::plainSurface(item.volume), threads);
   const Placement& at = source.placement;
-  item.to_world = glm::dmat4(glm::dvec4(at.x, 0), glm::dvec4(at.y, 0), glm::dvec4(at.z, 0), glm::dvec4(at.at, 1));
+  item.to_world =
+      glm::dmat4(glm::dvec4(at.x, 0), glm::dvec4(at.y, 0), glm::dvec4(at.z, 0), glm::dvec4(at.at, 1));
   return item;
 }
 
@@ -86,7 +103,8 @@ std::vector<std::string> sceneNames() {
   return names;
 }
 
-Scene makeScene(const std::string& name, const std::filesystem::path& models, const std::filesystem::path& assets, int threads) {
+Scene makeScene(const std::string& name, const std::filesystem::path& models,
+                const std::filesystem::path& assets, int threads) {
   for (const auto& source : sources()) {
     if (name != source.name) continue;
     Scene scene;
@@ -95,7 +113,8 @@ Scene makeScene(const std::string& name, const std::filesystem::path& models, co
     for (const auto& item : source.items) {
       scene.items.push_back(makeItem(item, (item.sample ? models : assets) / item.file, threads));
       const glm::ivec3 s = scene.items.back().volume.size;
-      scene.size += (scene.size.empty() ? "" : " + ") + std::to_string(s.x) + "x" + std::to_string(s.y) + "x" + std::to_string(s.z);
+      scene.size += (scene.size.empty() ? "" : " + ") + std::to_string(s.x) + "x" + std::to_string(s.y) +
+                    "x" + std::to_string(s.z);
     }
     return scene;
   }

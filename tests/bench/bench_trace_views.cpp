@@ -20,7 +20,8 @@ dvec3 toWorld(const PosedItem& posed, const dvec3& rest) {
   const Segment& g = posed.segment;
   const auto at = [&](double t) {
     const double u = 1 - t;
-    return u * u * (1 + 2 * t) * dvec3(g.p0) + t * u * u * dvec3(g.m0) + t * t * (3 - 2 * t) * dvec3(g.p1) - t * t * u * dvec3(g.m1);
+    return u * u * (1 + 2 * t) * dvec3(g.p0) + t * u * u * dvec3(g.m0) + t * t * (3 - 2 * t) * dvec3(g.p1) -
+           t * t * u * dvec3(g.m1);
   };
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) (at(0.5 * (low + high)).y < rest.y ? low : high) = 0.5 * (low + high);
@@ -34,7 +35,8 @@ std::vector<dvec3> outline(const std::vector<PosedItem>& items) {
   for (const PosedItem& posed : items) {
     const dvec3 size(posed.item->volume.size);
     for (int i = 0; i <= 32; ++i) {
-      for (int corner = 0; corner < 4; ++corner) points.push_back(toWorld(posed, size * dvec3(corner & 1, i / 32.0, corner >> 1)));
+      for (int corner = 0; corner < 4; ++corner)
+        points.push_back(toWorld(posed, size * dvec3(corner & 1, i / 32.0, corner >> 1)));
     }
   }
   return points;
@@ -42,8 +44,8 @@ std::vector<dvec3> outline(const std::vector<PosedItem>& items) {
 
 struct Camera {
   dvec3 eye{0}, forward{0, 0, -1}, right{1, 0, 0}, up{0, 1, 0};
-  double tangent = 0.4;      // of half the vertical field of view
-  double half_height = 0;    // not 0: orthographic
+  double tangent = 0.4;    // of half the vertical field of view
+  double half_height = 0;  // not 0: orthographic
 
   void lookAlong(const dvec3& direction) {
     forward = glm::normalize(direction);
@@ -66,7 +68,8 @@ Camera fitted(const std::vector<dvec3>& points, const dvec3& direction, double a
   double back = 0;
   for (const dvec3& p : points) {
     const dvec3 d = p - centre;
-    const double x = std::abs(glm::dot(d, camera.right)) / aspect, y = std::abs(glm::dot(d, camera.up)), z = glm::dot(d, camera.forward);
+    const double x = std::abs(glm::dot(d, camera.right)) / aspect, y = std::abs(glm::dot(d, camera.up)),
+                 z = glm::dot(d, camera.forward);
     if (orthographic) {
       camera.half_height = std::max(camera.half_height, std::max(x, y));
       back = std::max(back, -z + 1);
@@ -108,7 +111,8 @@ Camera inside(const PosedItem& posed) {
 // Beyond the first item's lower end, up along its spline.
 Camera along(const PosedItem& posed) {
   const dvec3 size(posed.item->volume.size);
-  const dvec3 from = toWorld(posed, size * dvec3(0.5, 0, 0.5)), to = toWorld(posed, size * dvec3(0.5, 1, 0.5));
+  const dvec3 from = toWorld(posed, size * dvec3(0.5, 0, 0.5)),
+              to = toWorld(posed, size * dvec3(0.5, 1, 0.5));
   Camera camera;
   camera.lookAlong(to - from);
   camera.eye = from - 0.25 * (to - from);
@@ -159,7 +163,8 @@ std::vector<Pose> makePoses(const Scene& scene) {
   if (scene.figure6) {
     for (std::size_t i = 0; i < test::kFigure6.size(); ++i) {
       Pose pose{test::kFigure6[i].name, i < 4, {}};
-      for (const Item& item : scene.items) pose.knots.push_back(test::figureKnots(test::kFigure6[i], item.volume.size));
+      for (const Item& item : scene.items)
+        pose.knots.push_back(test::figureKnots(test::kFigure6[i], item.volume.size));
       poses.push_back(std::move(pose));
     }
   }
@@ -169,7 +174,8 @@ std::vector<Pose> makePoses(const Scene& scene) {
     Pose pose{name, true, {}};
     for (std::size_t i = 0; i < scene.items.size(); ++i) {
       const double a = 2 * 3.14159265358979 * moment + 2.1 * static_cast<double>(i);
-      const test::FigurePose sine{name, glm::vec3(dvec3(3 * std::sin(a), 0, std::sin(a + 1))), glm::vec3(dvec3(3 * std::sin(a + 2), 0, 2 * std::sin(a + 3)))};
+      const test::FigurePose sine{name, glm::vec3(dvec3(3 * std::sin(a), 0, std::sin(a + 1))),
+                                  glm::vec3(dvec3(3 * std::sin(a + 2), 0, 2 * std::sin(a + 3)))};
       pose.knots.push_back(test::figureKnots(sine, scene.items[i].volume.size));
     }
     poses.push_back(std::move(pose));
@@ -181,17 +187,22 @@ std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose) {
   std::vector<PosedItem> posed;
   for (std::size_t i = 0; i < scene.items.size(); ++i) {
     const auto& knots = pose.knots[i];
-    posed.push_back({&scene.items[i], knots, makeSegment(knots[0], knots[1]), deformedBounds(knots, scene.items[i].volume.size)});
+    posed.push_back({&scene.items[i], knots, makeSegment(knots[0], knots[1]),
+                     deformedBounds(knots, scene.items[i].volume.size)});
   }
   return posed;
 }
 
-std::vector<std::string> viewNames() { return {"front", "side", "above", "below", "level", "inside", "along", "horizontal"}; }
+std::vector<std::string> viewNames() {
+  return {"front", "side", "above", "below", "level", "inside", "along", "horizontal"};
+}
 
 View makeView(const std::string& name, const std::vector<PosedItem>& items, const glm::ivec2& size) {
   const std::vector<dvec3> points = outline(items);
   const double aspect = static_cast<double>(size.x) / size.y;
-  const auto from = [&](const dvec3& direction, bool orthographic = false) { return fitted(points, direction, aspect, orthographic); };
+  const auto from = [&](const dvec3& direction, bool orthographic = false) {
+    return fitted(points, direction, aspect, orthographic);
+  };
   Camera camera;
   if (name == "front") {
     camera = from({-0.3, -0.25, -1});
@@ -218,7 +229,8 @@ View makeView(const std::string& name, const std::vector<PosedItem>& items, cons
   for (const PosedItem& item : items) view.rays.push_back(raysOf(item, camera, size));
   for (const dvec3& p : points) view.far = std::max(view.far, 1.5 * glm::length(p - camera.eye));
   for (const Rays& rays : view.rays) {
-    for (std::size_t i = 0; i < rays.origin.size(); ++i) view.far = std::max(view.far, double{rays.direction[i].w} + double{rays.origin[i].w});
+    for (std::size_t i = 0; i < rays.origin.size(); ++i)
+      view.far = std::max(view.far, double{rays.direction[i].w} + double{rays.origin[i].w});
   }
   return view;
 }

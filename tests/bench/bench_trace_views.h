@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Poses, cameras and rays. Rays are data, made once in double precision and rounded to float32, so that every method on the GPU, the C++ build
-// of trace.glsl and the ground truth get the same bits.
+// Poses, cameras and rays. Rays are data, made once in double precision and rounded to float32, so that every
+// method on the GPU, the C++ build of trace.glsl and the ground truth get the same bits.
 #pragma once
 
 #include <string>
@@ -32,8 +32,9 @@ std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose);
 
 // The rays of one view through one item, part space, row by row from the bottom.
 struct Rays {
-  std::vector<glm::vec4> origin;     // where the ray enters the bounds; w: how far it may go
-  std::vector<glm::vec4> direction;  // w: distance from the eye to the origin, -1 where the ray misses the bounds
+  std::vector<glm::vec4> origin;  // where the ray enters the bounds; w: how far it may go
+  // w: distance from the eye to the origin, -1 where the ray misses the bounds
+  std::vector<glm::vec4> direction;
 };
 
 struct View {

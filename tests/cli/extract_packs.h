@@ -18,7 +18,8 @@ struct KnownPart {
   glm::mat4x3 to_object{1};
 
   bool solid(const glm::ivec3& v) const {
-    return v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < occupancy.size.x && v.y < occupancy.size.y && v.z < occupancy.size.z && occupancy.solid[occupancy.index(v)] != 0;
+    return v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < occupancy.size.x && v.y < occupancy.size.y &&
+           v.z < occupancy.size.z && occupancy.solid[occupancy.index(v)] != 0;
   }
   template <class F>
   void eachVoxel(int margin, F&& f) const {
@@ -28,31 +29,41 @@ struct KnownPart {
   }
 };
 
-inline KnownPart knownPart(const glm::ivec3& size, const glm::mat4x3& to_object, const std::function<bool(const glm::ivec3&)>& solid, const std::function<glm::vec3(const glm::ivec3&)>& normal,
+inline KnownPart knownPart(const glm::ivec3& size, const glm::mat4x3& to_object,
+                           const std::function<bool(const glm::ivec3&)>& solid,
+                           const std::function<glm::vec3(const glm::ivec3&)>& normal,
                            const std::function<int(const glm::ivec3&)>& entry) {
   KnownPart part{{size, {}}, {}, to_object};
-  const std::size_t voxels = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
+  const std::size_t voxels =
+      static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
   part.occupancy.solid.resize(voxels);
   part.attribute.assign(voxels, -1);
-  part.eachVoxel(0, [&](const glm::ivec3& v) { part.occupancy.solid[part.occupancy.index(v)] = solid(v) ? 1 : 0; });
+  part.eachVoxel(
+      0, [&](const glm::ivec3& v) { part.occupancy.solid[part.occupancy.index(v)] = solid(v) ? 1 : 0; });
   part.eachVoxel(0, [&](const glm::ivec3& v) {
     bool surface = false;
-    for (int i = 0; i < 27; ++i) surface = surface || !part.solid(v + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1);
-    if (part.solid(v) && surface) part.attribute[part.occupancy.index(v)] = makeAttribute(static_cast<std::uint8_t>(entry(v)), encodeNormal(normal(v)));
+    for (int i = 0; i < 27; ++i)
+      surface = surface || !part.solid(v + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1);
+    if (part.solid(v) && surface)
+      part.attribute[part.occupancy.index(v)] =
+          makeAttribute(static_cast<std::uint8_t>(entry(v)), encodeNormal(normal(v)));
   });
   return part;
 }
 
-// A ball with a tunnel and an antenna, away from the middle: empty bricks, inner voxels, thin things. Entries from 0 to `entries` - 1.
+// A ball with a tunnel and an antenna, away from the middle: empty bricks, inner voxels, thin things. Entries
+// from 0 to `entries` - 1.
 inline KnownPart ball(const glm::mat4x3& to_object, int entries, const glm::ivec3& size = {45, 62, 38}) {
   const glm::vec3 middle(17.3f, 20.1f, 18.2f);
   return knownPart(
       size, to_object,
       [=](const glm::ivec3& v) {
         const glm::vec3 p = glm::vec3(v) + 0.5f - middle;
-        return (glm::dot(p, p) < 15 * 15 && p.x * p.x + p.z * p.z > 9) || (v.x == 17 && v.z == 30 && v.y > 20 && v.y < 60) || v == glm::ivec3(0) || v == size - 1;
+        return (glm::dot(p, p) < 15 * 15 && p.x * p.x + p.z * p.z > 9) ||
+               (v.x == 17 && v.z == 30 && v.y > 20 && v.y < 60) || v == glm::ivec3(0) || v == size - 1;
       },
-      [=](const glm::ivec3& v) { return glm::vec3(v) + 0.5f - middle; }, [=](const glm::ivec3& v) { return (v.x * 7 + v.y * 3 + v.z * 11) % entries; });
+      [=](const glm::ivec3& v) { return glm::vec3(v) + 0.5f - middle; },
+      [=](const glm::ivec3& v) { return (v.x * 7 + v.y * 3 + v.z * 11) % entries; });
 }
 
 inline RawPart rawPart(const KnownPart& known, const std::string& name) {
@@ -86,7 +97,8 @@ inline std::vector<Material> paletteOf(int entries) {
   return palette;
 }
 
-inline std::string writePackFile(const Scratch& folder, const std::string& name, const std::vector<RawPart>& parts, const std::vector<Material>& palette) {
+inline std::string writePackFile(const Scratch& folder, const std::string& name,
+                                 const std::vector<RawPart>& parts, const std::vector<Material>& palette) {
   RawPack pack;
   pack.info_json = "{}";
   pack.palette = palette;
@@ -99,11 +111,14 @@ inline ProcessResult dump(std::vector<std::string> arguments) {
   return runProcess(arguments);
 }
 
-inline glm::mat4x3 scaled(float edge, const glm::vec3& origin = glm::vec3(0)) { return {glm::vec3(edge, 0, 0), glm::vec3(0, edge, 0), glm::vec3(0, 0, edge), origin}; }
+inline glm::mat4x3 scaled(float edge, const glm::vec3& origin = glm::vec3(0)) {
+  return {glm::vec3(edge, 0, 0), glm::vec3(0, edge, 0), glm::vec3(0, 0, edge), origin};
+}
 
 inline int srgbOf(float linear) {
   const double c = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  return static_cast<int>(std::lround(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055)));
+  return static_cast<int>(
+      std::lround(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055)));
 }
 
 }  // namespace kelp::test

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the folder KELP_FAULTY_FOLDER, the one of a kind
-// with a number fails. KELP_FAULT="write 3 28": the third write answers errno 28; "read short": every read gives at most three bytes, and so for
-// write; "rename 1 crash": at the first one the process crashes; "write 2 hang": at the second one it waits for ever. KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the end. Processes that the program starts count on.
-// KELP_FAULT="crash model.obj", "hang model.obj", "spin model.obj": so a library may do at a file, the last with all of a processor; here a process that the program starts does, as it opens the first file whose name ends so.
+// A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the
+// folder KELP_FAULTY_FOLDER, the one of a kind with a number fails. KELP_FAULT="write 3 28": the third write
+// answers errno 28; "read short": every read gives at most three bytes, and so for write; "rename 1 crash":
+// at the first one the process crashes; "write 2 hang": at the second one it waits for ever.
+// KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the
+// end. Processes that the program starts count on. KELP_FAULT="crash model.obj", "hang model.obj", "spin
+// model.obj": so a library may do at a file, the last with all of a processor; here a process that the
+// program starts does, as it opens the first file whose name ends so.
 #undef _FORTIFY_SOURCE  // whose read() and pread() clang does not let be defined again
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -31,7 +35,8 @@ void hang() {
   for (;;) pause();
 }
 void spin() {
-  for (volatile bool on = true; on;) {}
+  for (volatile bool on = true; on;) {
+  }
 }
 
 struct Plan {
@@ -42,7 +47,10 @@ struct Plan {
   const pid_t program = getpid();
   void (*at_file)() = nullptr;
   char at_name[64] = {};
-  std::atomic<long>* const count = static_cast<std::atomic<long>*>(mmap(nullptr, sizeof(std::atomic<long>) * kKindCount, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));  // zeros
+  // zeros
+  std::atomic<long>* const count =
+      static_cast<std::atomic<long>*>(mmap(nullptr, sizeof(std::atomic<long>) * kKindCount,
+                                           PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
 
   Plan() {
     const char* const text = std::getenv("KELP_FAULT");
@@ -75,7 +83,9 @@ Plan& plan() {
 }
 [[maybe_unused]] const Plan& kMadeByTheProgram = plan();
 
-bool isIn(const char* path) { return plan().folder != nullptr && std::strncmp(path, plan().folder, std::strlen(plan().folder)) == 0; }
+bool isIn(const char* path) {
+  return plan().folder != nullptr && std::strncmp(path, plan().folder, std::strlen(plan().folder)) == 0;
+}
 
 bool isIn(int file) {
   char link[32], path[4096];
@@ -98,10 +108,14 @@ bool fails(Kind kind) {
 // Before a file is opened.
 void visit(const char* path) {
   const std::size_t length = std::strlen(path), end = std::strlen(plan().at_name);
-  if (plan().at_file != nullptr && getpid() != plan().program && length >= end && std::strcmp(path + length - end, plan().at_name) == 0) plan().at_file();
+  if (plan().at_file != nullptr && getpid() != plan().program && length >= end &&
+      std::strcmp(path + length - end, plan().at_name) == 0)
+    plan().at_file();
 }
 
-std::size_t atMost(Kind kind, std::size_t size) { return plan().kind == kind && plan().number == 0 ? std::min(size, kShort) : size; }
+std::size_t atMost(Kind kind, std::size_t size) {
+  return plan().kind == kind && plan().number == 0 ? std::min(size, kShort) : size;
+}
 
 template <class Function>
 Function next(const char* name) {
@@ -141,7 +155,8 @@ ssize_t read(int file, void* bytes, size_t size) {
 ssize_t pread(int file, void* bytes, size_t size, off_t at) {
   const bool in = isIn(file);
   if (in && fails(kRead)) return -1;
-  return next<ssize_t (*)(int, void*, size_t, off_t)>("pread")(file, bytes, in ? atMost(kRead, size) : size, at);
+  return next<ssize_t (*)(int, void*, size_t, off_t)>("pread")(file, bytes, in ? atMost(kRead, size) : size,
+                                                               at);
 }
 
 ssize_t write(int file, const void* bytes, size_t size) {
@@ -153,8 +168,10 @@ ssize_t write(int file, const void* bytes, size_t size) {
 ssize_t writev(int file, const iovec* parts, int count) {
   const bool in = isIn(file);
   if (in && fails(kWrite)) return -1;
-  const iovec* const first = std::find_if(parts, parts + count, [](const iovec& part) { return part.iov_len > 0; });
-  if (in && first != parts + count && atMost(kWrite, first->iov_len) < first->iov_len) return next<ssize_t (*)(int, const void*, size_t)>("write")(file, first->iov_base, kShort);
+  const iovec* const first =
+      std::find_if(parts, parts + count, [](const iovec& part) { return part.iov_len > 0; });
+  if (in && first != parts + count && atMost(kWrite, first->iov_len) < first->iov_len)
+    return next<ssize_t (*)(int, const void*, size_t)>("write")(file, first->iov_base, kShort);
   return next<ssize_t (*)(int, const iovec*, int)>("writev")(file, parts, count);
 }
 

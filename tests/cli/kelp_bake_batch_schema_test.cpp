@@ -17,9 +17,13 @@ class KelpBakeBatchSchema : public testing::Test {
   void SetUp() override {
     write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
     write("bad.obj", "f 1 2 3\n");
-    write("m.json", R"({"defaults": {"resolution": 8}, "assets": ["good.obj", "bad.obj", {"input": "good.obj", "output": "again.kelp", "up": "-x", "keep-materials": true, "write-deps": true}]})");
+    write(
+        "m.json",
+        R"({"defaults": {"resolution": 8}, "assets": ["good.obj", "bad.obj", {"input": "good.obj", "output": "again.kelp", "up": "-x", "keep-materials": true, "write-deps": true}]})");
   }
-  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name, std::ios::binary) << text; }
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
   json report() { return json::parse(readWhole(folder_ / "report.json"), nullptr, false); }
 
   Scratch folder_;
@@ -40,7 +44,8 @@ TEST_F(KelpBakeBatchSchema, Plans) {
 
 TEST_F(KelpBakeBatchSchema, Reports) {
   const JsonSchema schema(schemaFile("kelp-bake-batch.schema.json"));
-  const std::vector<std::string> arguments{KELP_BAKE, "--manifest", folder_ / "m.json", "--report", folder_ / "report.json"};
+  const std::vector<std::string> arguments{KELP_BAKE, "--manifest", folder_ / "m.json", "--report",
+                                           folder_ / "report.json"};
   for (const char* first : {"baked", "current"}) {
     EXPECT_EQ(runProcess(arguments).exit, 3);
     const json read = report();

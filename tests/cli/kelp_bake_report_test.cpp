@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp-bake --report: its published schema, and its numbers against meshes whose faults are known by construction.
+// kelp-bake --report: its published schema, and its numbers against meshes whose faults are known by
+// construction.
 #include <array>
 
 #include <nlohmann/json.hpp>
@@ -14,12 +15,15 @@ namespace {
 using nlohmann::json;
 
 // A cube of eight corners and twelve triangles, wound outward; face `i` is two of them.
-const std::vector<std::array<int, 3>> kCube = {{1, 4, 3}, {1, 3, 2}, {5, 6, 7}, {5, 7, 8}, {1, 2, 6}, {1, 6, 5}, {4, 8, 7}, {4, 7, 3}, {1, 5, 8}, {1, 8, 4}, {2, 3, 7}, {2, 7, 6}};
+const std::vector<std::array<int, 3>> kCube = {{1, 4, 3}, {1, 3, 2}, {5, 6, 7}, {5, 7, 8},
+                                               {1, 2, 6}, {1, 6, 5}, {4, 8, 7}, {4, 7, 3},
+                                               {1, 5, 8}, {1, 8, 4}, {2, 3, 7}, {2, 7, 6}};
 const char* const kCorners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
 
 std::string objOf(const std::vector<std::array<int, 3>>& faces, const std::string& more = "") {
   std::string text = kCorners + more;
-  for (const auto& f : faces) text += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) + "\n";
+  for (const auto& f : faces)
+    text += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) + "\n";
   return text;
 }
 
@@ -29,8 +33,10 @@ class KelpBakeReport : public testing::Test {
   json report(const std::string& input, const std::vector<std::string>& more = {}) {
     return reportAtOwnResolution(input, more, {"--resolution", "32"});
   }
-  json reportAtOwnResolution(const std::string& input, const std::vector<std::string>& more = {}, const std::vector<std::string>& resolution = {}) {
-    std::vector<std::string> arguments{KELP_BAKE, input, "-o", folder_ / "out.kelp", "--report", folder_ / "report.json"};
+  json reportAtOwnResolution(const std::string& input, const std::vector<std::string>& more = {},
+                             const std::vector<std::string>& resolution = {}) {
+    std::vector<std::string> arguments{
+        KELP_BAKE, input, "-o", folder_ / "out.kelp", "--report", folder_ / "report.json"};
     arguments.insert(arguments.end(), resolution.begin(), resolution.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProcessResult result = runProcess(arguments);
@@ -55,8 +61,14 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
   const json read = report(path);
   const json& part = read["parts"][0];
   EXPECT_FALSE(part["fog"]);
-  EXPECT_EQ(part["mesh"], json::parse(R"({"vertices":8,"triangles":12,"boundary_edges":0,"boundaries":0,"non_manifold_edges":0,"dropped_triangles":0})"));
-  EXPECT_EQ(part["repairs"], json::parse(R"({"components":1,"closed_components":1,"capped_components":0,"sheets":0,"walls":0,"doubled_triangles":0,"turned_triangles":0,
+  EXPECT_EQ(
+      part["mesh"],
+      json::parse(
+          R"({"vertices":8,"triangles":12,"boundary_edges":0,"boundaries":0,"non_manifold_edges":0,"dropped_triangles":0})"));
+  EXPECT_EQ(
+      part["repairs"],
+      json::parse(
+          R"({"components":1,"closed_components":1,"capped_components":0,"sheets":0,"walls":0,"doubled_triangles":0,"turned_triangles":0,
       "cap_triangles":0,"kept_voxels":0})"));
   EXPECT_EQ(part["solid_voxels"], 32 * 32 * 32);
   EXPECT_EQ(read["files"][0], json({{"name", path}, {"bytes", std::filesystem::file_size(path)}}));
@@ -96,10 +108,14 @@ TEST_F(KelpBakeReport, FaultsAreCounted) {
   EXPECT_EQ(part["mesh"]["dropped_triangles"], 1);
   EXPECT_EQ(part["mesh"]["boundary_edges"], 3 + 2);
   EXPECT_EQ(part["mesh"]["boundaries"], 2);
-  EXPECT_EQ(part["mesh"]["non_manifold_edges"], 1 + 3);  // the fin's edge, and those of the triangle that is there twice
+  // the fin's edge, and those of the triangle that is there twice
+  EXPECT_EQ(part["mesh"]["non_manifold_edges"], 1 + 3);
   EXPECT_EQ(part["repairs"]["doubled_triangles"], 1);
   EXPECT_EQ(part["repairs"]["turned_triangles"], 1);
-  EXPECT_NE(said_.find("5 boundary edges in 2 loops, 4 edges of more than two triangles, 1 triangle turned, 2 triangles dropped"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("5 boundary edges in 2 loops, 4 edges of more than two triangles, 1 triangle turned, "
+                       "2 triangles dropped"),
+            std::string::npos)
+      << said_;
 }
 
 TEST_F(KelpBakeReport, HolesAreCappedAndSheetsKept) {

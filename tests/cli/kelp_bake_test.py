@@ -161,7 +161,7 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
         self.assertIn(b"Examples:", result.stdout)
         self.assertEqual(result.stderr, b"")
-        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, Draco \d+\..*, Highway (yes|no), TBB (yes|no), \w+ \d+\..*\)\n$")
+        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])
@@ -363,7 +363,7 @@ class KelpBake(unittest.TestCase):
         limited = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
         result = subprocess.run([KELP_BAKE, model, "-o", self.out, "--resolution", "60"], capture_output=True, timeout=120, preexec_fn=limited)
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertIn(b"out.kelp: can not be written: File too large", result.stderr)
+        self.assertIn(b"out.kelp: cannot be written: File too large", result.stderr)
         self.assertEqual(self.read(self.out), b"the pack that was there")
         self.assertEqual(sorted(os.listdir(self.folder.name)), before)
 

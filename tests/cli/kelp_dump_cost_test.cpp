@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Packs and rigs of a few kilobytes that name so much that work which grows with its square would take minutes; and those that other writers make, which kelp-dump leaves as they are.
+// Packs and rigs of a few kilobytes that name so much that work which grows with its square would take
+// minutes; and those that other writers make, which kelp-dump leaves as they are.
 #include <chrono>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +21,8 @@ class KelpDumpCost : public testing::Test {
     arguments.insert(arguments.begin(), KELP_DUMP);
     const auto start = std::chrono::steady_clock::now();
     const ProcessResult result = test::runProcess(arguments);
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), kMostSeconds) << arguments[1];
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), kMostSeconds)
+        << arguments[1];
     EXPECT_EQ(result.exit, exit) << arguments[1] << ": " << result.err;
     return result;
   }
@@ -28,7 +30,8 @@ class KelpDumpCost : public testing::Test {
   RawPack pack(const std::vector<std::string>& parts = {"a"}) const {
     RawPack pack;
     pack.palette = test::paletteOf(4);
-    for (const std::string& name : parts) pack.parts.push_back(test::rawPart(test::ball(glm::mat4x3(1), 4), name));
+    for (const std::string& name : parts)
+      pack.parts.push_back(test::rawPart(test::ball(glm::mat4x3(1), 4), name));
     return pack;
   }
   std::string write(const std::string& name, const RawPack& pack) const {
@@ -51,7 +54,8 @@ TEST_F(KelpDumpCost, DifferencesAreLinear) {
     std::string text = "[";
     for (int object = 0; object < 100; ++object) {
       text += object ? ",{" : "{";
-      for (int key = 0; key < 4096; ++key) text += (key ? ",\"" : "\"") + std::string(1, letter) + std::to_string(key) + "\":0";
+      for (int key = 0; key < 4096; ++key)
+        text += (key ? ",\"" : "\"") + std::string(1, letter) + std::to_string(key) + "\":0";
       text += "}";
     }
     return text + "]";
@@ -65,11 +69,14 @@ TEST_F(KelpDumpCost, DifferencesAreLinear) {
 
 TEST_F(KelpDumpCost, ControlsAreEscapedInJson) {
   RawPack named = pack();
-  named.info_json = "{\"program\": \"a\xc2\x9b" "31mRED\x7f\xc2\xa0\xc3\xa9\"}";
+  named.info_json =
+      "{\"program\": \"a\xc2\x9b"
+      "31mRED\x7f\xc2\xa0\xc3\xa9\"}";
   const std::string path = write("a.kelp", named);
   const ProcessResult result = dump({"info", path, "--format", "json"}, 0);
   EXPECT_NE(result.out.find("a\\u009b31mRED\\u007f\xc2\xa0\xc3\xa9"), std::string::npos) << result.out;
-  EXPECT_EQ(nlohmann::json::parse(result.out)["info"]["program"], nlohmann::json::parse(named.info_json)["program"]);
+  EXPECT_EQ(nlohmann::json::parse(result.out)["info"]["program"],
+            nlohmann::json::parse(named.info_json)["program"]);
 }
 
 // SPEC.md asks no name of a clip to be its own, and none to move anything.
@@ -81,7 +88,8 @@ TEST_F(KelpDumpCost, SettingARigLeavesOtherPartsClipsAlone) {
   two.clips = {{"walk", 2, {wave}, {}}, {"walk", 3, {other}, {}}, {"idle", 1, {}, {}}};
   const std::string before = write("before.kelp", two), after = folder_ / "after.kelp";
   dump({"rig", before, "--part", "a", "--set", "none", "--axis", "+y", "-o", after}, 0);
-  const nlohmann::json clips = nlohmann::json::parse(dump({"info", after, "--format", "json"}, 0).out)["clips"];
+  const nlohmann::json clips =
+      nlohmann::json::parse(dump({"info", after, "--format", "json"}, 0).out)["clips"];
   ASSERT_EQ(clips.size(), 3u) << clips;
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(clips[i]["name"], "walk");
@@ -98,7 +106,9 @@ TEST_F(KelpDumpCost, InfoThatHasOtherRigsIsReplaced) {
   two.info_json = R"({"options":{},"rigs":5})";
   const std::string path = write("a.kelp", two);
   dump({"rig", path, "--part", "a", "--set", "sway", "--axis", "+y"}, 0);
-  EXPECT_EQ(nlohmann::json::parse(dump({"info", path, "--format", "json"}, 0).out)["info"]["rigs"]["a"]["preset"], "sway");
+  EXPECT_EQ(
+      nlohmann::json::parse(dump({"info", path, "--format", "json"}, 0).out)["info"]["rigs"]["a"]["preset"],
+      "sway");
 }
 
 // Waves whose periods have no common multiple: so many that no proof comes to its end in time.
@@ -106,8 +116,13 @@ TEST_F(KelpDumpCost, RigsThatTakeTooLongToProveAreRefused) {
   std::string waves;
   for (int period = 0; period < 60; ++period)
     for (int harmonic = 1; harmonic <= 16; ++harmonic)
-      waves += (waves.empty() ? "" : ",") + std::string(R"({"knot": 1, "offset": [0, )") + std::to_string(0.0045 / harmonic) + R"(, 0], "period": )" + std::to_string((10 + 0.3437 * period) / harmonic) + "}";
-  const std::string rig = folder_.write("waves.rig.json", R"({"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 0.5}, {"at": 1}], "clips": {"c": {"waves": [)" + waves + "]}}}");
+      waves += (waves.empty() ? "" : ",") + std::string(R"({"knot": 1, "offset": [0, )") +
+               std::to_string(0.0045 / harmonic) + R"(, 0], "period": )" +
+               std::to_string((10 + 0.3437 * period) / harmonic) + "}";
+  const std::string rig = folder_.write(
+      "waves.rig.json",
+      R"({"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 0.5}, {"at": 1}], "clips": {"c": {"waves": [)" +
+          waves + "]}}}");
   const std::string path = write("a.kelp", pack());
   const ProcessResult result = dump({"rig", path, "--set", rig, "-o", folder_ / "out.kelp"}, 3);
   EXPECT_NE(result.err.find("clip 'c', part 0: the segment"), std::string::npos) << result.err;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp-dump diff: what it counts against what the test has changed, voxel by voxel; what it must not see; what it refuses.
+// kelp-dump diff: what it counts against what the test has changed, voxel by voxel; what it must not see;
+// what it refuses.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -22,19 +23,28 @@ RawPack ballPack() {
   RawPack pack;
   pack.info_json = R"({"tool": "kelp-bake 0.1.0", "options": {"resolution": 64, "pad": 1}})";
   pack.palette = test::paletteOf(kColours);
-  pack.parts = {test::rawPart(test::ball(test::scaled(0.01f), kColours), "ball"), test::rawPart(test::ball(test::scaled(0.02f, {1, 2, 3}), kColours, {45, 56, 40}), "twin")};
+  pack.parts = {test::rawPart(test::ball(test::scaled(0.01f), kColours), "ball"),
+                test::rawPart(test::ball(test::scaled(0.02f, {1, 2, 3}), kColours, {45, 56, 40}), "twin")};
   pack.parts[1].parent = 0;
   RawTrack turn;
   turn.part = 1;
   turn.target = Target::kPartRotation;
-  turn.keys = {{0, {0, 0, 0, 1}, glm::vec4(0), glm::vec4(0)}, {1.5f, {0, 0.6f, 0, 0.8f}, glm::vec4(0), glm::vec4(0)}};
-  pack.clips = {{"sway", 3, {{0, 1, Target::kKnotOffset, {1, 0, 2}, 3, 0}, {0, 1, Target::kKnotTangent, {0, 0, 4}, 1.5f, 0.25f}}, {}}, {"turn", 1.5f, {}, {turn}}};
+  turn.keys = {{0, {0, 0, 0, 1}, glm::vec4(0), glm::vec4(0)},
+               {1.5f, {0, 0.6f, 0, 0.8f}, glm::vec4(0), glm::vec4(0)}};
+  pack.clips = {
+      {"sway",
+       3,
+       {{0, 1, Target::kKnotOffset, {1, 0, 2}, 3, 0}, {0, 1, Target::kKnotTangent, {0, 0, 4}, 1.5f, 0.25f}},
+       {}},
+      {"turn", 1.5f, {}, {turn}}};
   return pack;
 }
 
 class Diff : public testing::Test {
  protected:
-  std::string file(const std::string& name, const RawPack& pack) const { return folder_.write(name, std::span<const std::byte>(test::writeToMemory(pack))); }
+  std::string file(const std::string& name, const RawPack& pack) const {
+    return folder_.write(name, std::span<const std::byte>(test::writeToMemory(pack)));
+  }
   // As JSON, checked against the schema and against what the text says.
   json diff(const std::string& a, const std::string& b, const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments{"diff", a, b};
@@ -46,16 +56,21 @@ class Diff : public testing::Test {
     const json report = json::parse(result.out, nullptr, false);
     EXPECT_EQ(schema_.check(report), "") << result.out;
     const json& differences = report.at("differences");
-    const bool same = std::all_of(differences.begin(), differences.end(), [](const json& d) { return d.at("kind") == "info"; });
+    const bool same = std::all_of(differences.begin(), differences.end(),
+                                  [](const json& d) { return d.at("kind") == "info"; });
     EXPECT_EQ(report.at("same"), same);
     EXPECT_EQ(result.exit, same ? 0 : 7);
     EXPECT_EQ(text.exit, result.exit);
     EXPECT_LT(std::count(text.out.begin(), text.out.end(), '\n'), 60);
     for (const json& d : differences)
-      if (differences.size() < 30) { EXPECT_NE(text.out.find(d.at("text")), std::string::npos) << d << "\n" << text.out; }
+      if (differences.size() < 30) {
+        EXPECT_NE(text.out.find(d.at("text")), std::string::npos) << d << "\n" << text.out;
+      }
     return differences;
   }
-  json diff(const RawPack& a, const RawPack& b, const std::vector<std::string>& more = {}) { return diff(file("a.kelp", a), file("b.kelp", b), more); }
+  json diff(const RawPack& a, const RawPack& b, const std::vector<std::string>& more = {}) {
+    return diff(file("a.kelp", a), file("b.kelp", b), more);
+  }
   // The only difference.
   json only(const RawPack& b, const std::string& kind, const std::vector<std::string>& more = {}) {
     const json found = diff(ballPack(), b, more);
@@ -79,14 +94,17 @@ TEST_F(Diff, APackIsTheSameAsItselfHoweverItIsStored) {
   // Other frames: level 3 where the writer takes another, unknown chunks, metadata that is not compressed.
   test::PackSurgeon surgeon(test::writeToMemory(pack));
   for (auto& chunk : surgeon.chunks) {
-    if (chunk.fourcc == test::PackSurgeon::fourcc("PART") || chunk.fourcc == test::PackSurgeon::fourcc("GRID")) chunk.flags ^= 2;
+    if (chunk.fourcc == test::PackSurgeon::fourcc("PART") ||
+        chunk.fourcc == test::PackSurgeon::fourcc("GRID"))
+      chunk.flags ^= 2;
   }
   test::PackSurgeon::Chunk note;
   note.fourcc = test::PackSurgeon::fourcc("NOTE");
   note.content = test::Bytes(3, std::byte{1});
   surgeon.chunks.push_back(note);
   const test::Bytes bytes = surgeon.build();
-  const std::string a = file("a.kelp", pack), other = folder_.write("other.kelp", std::span<const std::byte>(bytes));
+  const std::string a = file("a.kelp", pack),
+                    other = folder_.write("other.kelp", std::span<const std::byte>(bytes));
   ASSERT_NE(test::readWhole(a), test::readWhole(other));
   EXPECT_EQ(diff(a, other), json::array());
 }
@@ -127,11 +145,14 @@ TEST_F(Diff, VoxelsAreCounted) {
       attribute = -1;
       ++gone;
     } else if (v.y == 20) {
-      attribute = makeAttribute(static_cast<std::uint8_t>((attributePalette(static_cast<std::uint32_t>(attribute)) + 1) % kColours), attributeNormal(static_cast<std::uint32_t>(attribute)));
+      attribute = makeAttribute(
+          static_cast<std::uint8_t>((attributePalette(static_cast<std::uint32_t>(attribute)) + 1) % kColours),
+          attributeNormal(static_cast<std::uint32_t>(attribute)));
       ++coloured;
     } else if (v.y == 10) {
       const glm::vec3 n = decodeNormal(attributeNormal(static_cast<std::uint32_t>(attribute)));
-      attribute = makeAttribute(attributePalette(static_cast<std::uint32_t>(attribute)), encodeNormal({n.z, n.y, -n.x}));
+      attribute = makeAttribute(attributePalette(static_cast<std::uint32_t>(attribute)),
+                                encodeNormal({n.z, n.y, -n.x}));
       ++turned;
     }
   });
@@ -167,7 +188,8 @@ TEST_F(Diff, AttributesAndBoxesThatOneLacks) {
   std::int64_t* attribute = nullptr;
   glm::ivec3 where(0);
   known.eachVoxel(0, [&](const glm::ivec3& v) {
-    if (v.y == 25 && known.attribute[known.occupancy.index(v)] >= 0) attribute = &known.attribute[known.occupancy.index(v)], where = v;
+    if (v.y == 25 && known.attribute[known.occupancy.index(v)] >= 0)
+      attribute = &known.attribute[known.occupancy.index(v)], where = v;
   });
   *attribute = -1;
   b.parts[0].levels[0] = test::rawPart(known, "ball").levels[0];
@@ -177,14 +199,16 @@ TEST_F(Diff, AttributesAndBoxesThatOneLacks) {
   EXPECT_EQ(one["first"], json({where.x, where.y, where.z}));
 
   b = ballPack();
-  std::uint8_t& empty = *std::find_if(b.parts[1].levels[1].codes.begin(), b.parts[1].levels[1].codes.end(), [](std::uint8_t code) { return code > 0 && !isSolidCode(code); });
+  std::uint8_t& empty = *std::find_if(b.parts[1].levels[1].codes.begin(), b.parts[1].levels[1].codes.end(),
+                                      [](std::uint8_t code) { return code > 0 && !isSolidCode(code); });
   empty = 0;
   one = only(b, "empty_boxes");
   EXPECT_EQ(one["count"], 1);
   EXPECT_EQ(one["level"], 1);
   EXPECT_EQ(one["name"], "twin");
   b = ballPack();
-  std::uint32_t& cell = *std::find_if(b.parts[0].levels[0].cells.begin(), b.parts[0].levels[0].cells.end(), [](std::uint32_t c) { return !(c & kCellSolid); });
+  std::uint32_t& cell = *std::find_if(b.parts[0].levels[0].cells.begin(), b.parts[0].levels[0].cells.end(),
+                                      [](std::uint32_t c) { return !(c & kCellSolid); });
   cell &= 0xffffffu;
   EXPECT_EQ(only(b, "empty_boxes")["count"], 1);
 }
@@ -224,7 +248,8 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
   b = ballPack();
   b.parts[0].knots[0].tangent.x += 0.5f;
   EXPECT_NEAR(only(b, "rig")["largest"].get<double>(), 0.5 / 62, 1e-6);
-  b.parts[0].knots = {{0, {0, 0, 0}, {0, 62, 0}}, {0.5f, {0, 31, 0}, {0, 62, 0}}, {1, {0, 62, 0}, {0, 62, 0}}};
+  b.parts[0].knots = {
+      {0, {0, 0, 0}, {0, 62, 0}}, {0.5f, {0, 31, 0}, {0, 62, 0}}, {1, {0, 62, 0}, {0, 62, 0}}};
   only(b, "rig");
   b = ballPack();
   b.parts[0].to_object[3].x += 0.062f;
@@ -239,7 +264,8 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
   b.parts[0] = test::rawPart(test::ball(test::scaled(0.01f), kColours, {45, 62, 40}), "ball");
   found = diff(ballPack(), b);
   EXPECT_EQ(found[0]["kind"], "size");
-  for (const json& d : found) EXPECT_FALSE(d.contains("level")) << d;  // voxels of other sizes are not compared
+  // voxels of other sizes are not compared
+  for (const json& d : found) EXPECT_FALSE(d.contains("level")) << d;
   b = ballPack();
   b.clips[0].waves[1].phase = 0.5f;
   EXPECT_EQ(only(b, "motion")["name"], "sway");
@@ -258,7 +284,8 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
 }
 
 TEST_F(Diff, ToleranceIsAShareOfTheRange) {
-  const auto within = [&](const RawPack& b, const std::string& kind, const char* too_little, const char* enough) {
+  const auto within = [&](const RawPack& b, const std::string& kind, const char* too_little,
+                          const char* enough) {
     EXPECT_EQ(only(b, kind, {"--tolerance", too_little}).value("kind", ""), kind);
     EXPECT_TRUE(same(b, {"--tolerance", enough})) << kind;
   };
@@ -266,7 +293,7 @@ TEST_F(Diff, ToleranceIsAShareOfTheRange) {
   b.parts[0].knots[0].tangent.x += 0.62f;  // of a length of 62
   within(b, "rig", "0.009", "0.011");
   b = ballPack();
-  b.parts[0].to_object[3].x += 0.0062f;    // of 0.62 m
+  b.parts[0].to_object[3].x += 0.0062f;  // of 0.62 m
   within(b, "place", "0.009", "0.011");
   b = ballPack();
   b.clips[0].waves[0].amplitude.x += 0.62f;
@@ -274,8 +301,10 @@ TEST_F(Diff, ToleranceIsAShareOfTheRange) {
   b = ballPack();
   for (std::uint32_t& attribute : b.parts[0].levels[0].attributes) {  // some 3 degrees of 180
     const glm::vec3 n = decodeNormal(attributeNormal(attribute));
-    const glm::vec3 aside = glm::normalize(glm::cross(n, std::abs(n.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0)));
-    attribute = makeAttribute(attributePalette(attribute), encodeNormal(glm::normalize(n + aside * std::tan(glm::radians(3.0f)))));
+    const glm::vec3 aside =
+        glm::normalize(glm::cross(n, std::abs(n.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0)));
+    attribute = makeAttribute(attributePalette(attribute),
+                              encodeNormal(glm::normalize(n + aside * std::tan(glm::radians(3.0f)))));
   }
   within(b, "normal", "0.016", "0.0172");
   EXPECT_NEAR(only(b, "normal")["largest"].get<double>(), 3, 0.1);
@@ -296,7 +325,8 @@ TEST_F(Diff, FogIsComparedSampleBySample) {
   fields::FogSamples fog = test::fogOf(size, test::puffs, [](const glm::dvec3& p) { return 1 - p.y; });
   const RawPack a = test::fogPack(fog, 0.5f);
   EXPECT_EQ(diff(a, a), json::array());
-  // Level 0 alone: a sample in a brick's corner, which eight bricks hold, one at the end of the level, and one in the midst of a brick.
+  // Level 0 alone: a sample in a brick's corner, which eight bricks hold, one at the end of the level, and
+  // one in the midst of a brick.
   std::uint64_t changed = 0;
   for (const glm::ivec3 at : {glm::ivec3(16, 16, 8), glm::ivec3(20, 39, 12), glm::ivec3(12, 10, 11)}) {
     std::uint8_t& code = fog.density[static_cast<std::size_t>(at.x + size.x * (at.y + size.y * at.z))];
@@ -369,7 +399,7 @@ TEST_F(Diff, Refusals) {
   check({a, a, "--tolerance", "nan"}, 1, "0 to 1");
   check({a, a, "--tolerance", "some"}, 1, "--help");
   check({"-", "-"}, 1, "standard input can be one of the packs");
-  check({a, folder_ / "missing.kelp"}, 2, "missing.kelp: can not be opened");
+  check({a, folder_ / "missing.kelp"}, 2, "missing.kelp: cannot be opened");
   check({folder_.folder(), a}, 2, "is a folder");
   check({text, a}, 3, "text.kelp: byte 0");
   check({a, text}, 3, "text.kelp: byte 0");

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "kelp/rig_json/rig_json.h"
+#include "kelp/rig/rig.h"
 #include "process.h"
 #include "support/fog_pack.h"
 #include "support/json_schema.h"
@@ -17,7 +17,9 @@ namespace {
 using nlohmann::json;
 using test::ProcessResult;
 
-double coreHeat(const glm::dvec3& p) { return std::clamp(1 - 5 * glm::distance(p, glm::dvec3(0.5, 0.3, 0.5)), 0.0, 1.0); }
+double coreHeat(const glm::dvec3& p) {
+  return std::clamp(1 - 5 * glm::distance(p, glm::dvec3(0.5, 0.3, 0.5)), 0.0, 1.0);
+}
 
 const glm::ivec3 kSize(61, 70, 47);
 
@@ -28,7 +30,8 @@ class KelpDumpFog : public testing::Test {
   std::string path() const { return folder_ / "fog.kelp"; }
   void write(const RawPack& pack) {
     const std::vector<std::byte> bytes = test::bytesOf(pack);
-    std::ofstream(path(), std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path(), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   // A sub-command and its options, on the pack.
   ProcessResult dump(std::vector<std::string> arguments) {
@@ -89,7 +92,7 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   pack.parts[0].fog->anisotropy = 0.25f;
   write(pack);
   const json info = dumpJson({"info", "--count"}, 0);
-  EXPECT_EQ(info["format"], json({{"major", 1}, {"minor", 1}}));
+  EXPECT_EQ(info["format"], json({{"major", 1}, {"minor", 0}}));
   const json& part = info["parts"][0];
   EXPECT_EQ(part["kind"], "fog");
   EXPECT_EQ(part["size"], json({61, 70, 47}));
@@ -112,13 +115,17 @@ TEST_F(KelpDumpFog, InfoCountsWhatIsThere) {
   for (const json& l : part["levels"]) bricks += l["bricks"].get<std::uint64_t>();
   for (const json& chunk : info["chunks"]) {
     stored += chunk["stored_bytes"].get<std::uint64_t>();
-    if (chunk["kind"] == "FOGB") { EXPECT_EQ(chunk["decoded_bytes"], bricks * 2 * 729); }
+    if (chunk["kind"] == "FOGB") {
+      EXPECT_EQ(chunk["decoded_bytes"], bricks * 2 * 729);
+    }
     EXPECT_NE(chunk["kind"], "BRCK");
   }
   EXPECT_EQ(stored, std::filesystem::file_size(path()));
 
   const ProcessResult text = dump({"info", "--count"});
-  for (const char* words : {"format 1.1", "part (fog): 61 x 70 x 47 voxels", "fog of #f3e7da, anisotropy 0.25; glow 0.5 in 3 colours from 0 0 0 to 1 0.8 0.3", "not clear", "FOGB"})
+  for (const char* words : {"format 1.0", "part (fog): 61 x 70 x 47 voxels",
+                            "fog of #f3e7da, anisotropy 0.25; glow 0.5 in 3 colours from 0 0 0 to 1 0.8 0.3",
+                            "not clear", "FOGB"})
     EXPECT_NE(text.out.find(words), std::string::npos) << "'" << words << "' is not in:\n" << text.out;
 
   write(test::fogPack(test::fogOf(kSize, test::puffs), 0.5f));
@@ -137,9 +144,15 @@ TEST_F(KelpDumpFog, VerifyAcceptsSoundPacks) {
   expectSound(test::fogPack(glowingPuffs(), 0.5f));
   expectSound(test::fogPack(test::fogOf(kSize, test::puffs), 2.0f));
   // Heat without density, which leaves levels without a greatest density.
-  expectSound(test::fogPack(test::fogOf(kSize, [](const glm::dvec3&) { return 0.0; }, coreHeat), 0.5f));
-  for (const glm::ivec3& size : {glm::ivec3(1, 1, 1), glm::ivec3(1, 40, 9), glm::ivec3(33, 1, 17), glm::ivec3(10, 18, 1)})
-    expectSound(test::fogPack(test::fogOf(size, [](const glm::dvec3& p) { return p.y; }, [](const glm::dvec3& p) { return 1 - p.y; }), 1.0f));
+  expectSound(test::fogPack(test::fogOf(
+                                kSize, [](const glm::dvec3&) { return 0.0; }, coreHeat),
+                            0.5f));
+  for (const glm::ivec3& size :
+       {glm::ivec3(1, 1, 1), glm::ivec3(1, 40, 9), glm::ivec3(33, 1, 17), glm::ivec3(10, 18, 1)})
+    expectSound(test::fogPack(
+        test::fogOf(
+            size, [](const glm::dvec3& p) { return p.y; }, [](const glm::dvec3& p) { return 1 - p.y; }),
+        1.0f));
   // Beside a solid part.
   RawPack both = test::fogPack(glowingPuffs(), 0.5f);
   fields::Occupancy block{{9, 20, 11}, std::vector<std::uint8_t>(9 * 20 * 11, 1)};
@@ -158,7 +171,8 @@ TEST_F(KelpDumpFog, DeepFindsCellsThatAreOneOff) {
       RawPack pack = sound;
       auto& cells = pack.parts[0].levels[0].cells;
       const auto empty = std::find_if(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-        return !(cell & kCellSolid) && (field < 6 ? within(cell >> (4 * field) & 15, 15) : within(cell >> 24, 127));
+        return !(cell & kCellSolid) &&
+               (field < 6 ? within(cell >> (4 * field) & 15, 15) : within(cell >> 24, 127));
       });
       if (empty == cells.end()) continue;
       *empty += static_cast<std::uint32_t>(change) << (4 * field);
@@ -190,7 +204,8 @@ TEST_F(KelpDumpFog, DeepFindsSamplesThatAreNotTheMean) {
   EXPECT_EQ(issue["count"], 1);
   EXPECT_EQ(issue["voxel"], json({3, 2, 1}));
   EXPECT_EQ(issue["brick"], json({0, 0, 0}));
-  EXPECT_EQ(issue["detail"], "density " + std::to_string(right + 1) + " stored, " + std::to_string(right) + " is right");
+  EXPECT_EQ(issue["detail"],
+            "density " + std::to_string(right + 1) + " stored, " + std::to_string(right) + " is right");
   pack = sound;
   pack.parts[0].levels.back().heat[kInner] ^= 4;
   issue = onlyDeepFinds(pack, {506});
@@ -229,7 +244,8 @@ TEST_F(KelpDumpFog, DeepFindsBricksThatDisagree) {
     const json issue = onlyDeepFinds(pack, {508});
     EXPECT_EQ(issue["level"], 0);
     EXPECT_GE(issue["count"], 1);
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(issue["voxel"][static_cast<std::size_t>(axis)].get<int>() % 8, 0);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(issue["voxel"][static_cast<std::size_t>(axis)].get<int>() % 8, 0);
     EXPECT_EQ(issue["detail"], "a neighbour holds another value");
   }
 }
@@ -239,11 +255,14 @@ TEST_F(KelpDumpFog, DeepFindsABrickThatIsMissing) {
   RawLevel& level = pack.parts[0].levels[0];
   // The last brick that shares fog with another at its first corner.
   std::size_t slot = level.density.size() / kFogSamples;
-  while (level.density[--slot * kFogSamples] == 0) {}
+  while (level.density[--slot * kFogSamples] == 0) {
+  }
   for (std::uint32_t& cell : level.cells) {
     if (!(cell & kCellSolid)) continue;
-    if ((cell & kCellSlotMask) == slot) cell = 0;
-    else if ((cell & kCellSlotMask) > slot) --cell;
+    if ((cell & kCellSlotMask) == slot)
+      cell = 0;
+    else if ((cell & kCellSlotMask) > slot)
+      --cell;
   }
   for (auto* channel : {&level.density, &level.heat}) {
     const auto first = channel->begin() + static_cast<std::ptrdiff_t>(slot * kFogSamples);

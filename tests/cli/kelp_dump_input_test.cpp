@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What every sub-command makes of its input: pipes, files that are no packs, packs with each small fault, contradictory options. And what they promise of
-// their output: schemas, help, how little info reads.
+// What every sub-command makes of its input: pipes, files that are no packs, packs with each small fault,
+// contradictory options. And what they promise of their output: schemas, help, how little info reads.
 #include <gtest/gtest.h>
 #include <pty.h>
 #include <unistd.h>
@@ -21,7 +21,8 @@ using test::ProcessResult;
 
 class Input : public testing::Test {
  protected:
-  // Every sub-command that reads a pack, on this one; `pack` may be "-". Commands that write, write to standard output.
+  // Every sub-command that reads a pack, on this one; `pack` may be "-". Commands that write, write to
+  // standard output.
   std::vector<std::vector<std::string>> commands(const std::string& pack) {
     std::vector<std::vector<std::string>> all = {{"info", pack},
                                                  {"info", pack, "--count"},
@@ -68,19 +69,26 @@ TEST_F(Input, APipeIsAsGoodAsAFile) {
   for (std::size_t i = 0; i < from_file.size(); ++i) {
     const ProcessResult file = test::dump(from_file[i]), pipe = piped("cat '" + good_ + "'", from_pipe[i]);
     EXPECT_EQ(pipe.exit, file.exit) << from_file[i][0] << pipe.err;
-    EXPECT_TRUE(pipe.exit == 0 || from_file[i].back() == "--deep") << pipe.err;  // the tiny pack's boxes are made up
+    // the tiny pack's boxes are made up
+    EXPECT_TRUE(pipe.exit == 0 || from_file[i].back() == "--deep") << pipe.err;
     std::string expected = file.out;
     for (std::size_t at = expected.find(good_); at != std::string::npos; at = expected.find(good_, at + 1)) {
       if (from_file[i][0] == "diff") break;
       expected.replace(at, good_.size(), "standard input");
     }
-    if (from_file[i][0] != "diff") { EXPECT_EQ(pipe.out, expected) << from_file[i][0]; }
+    if (from_file[i][0] != "diff") {
+      EXPECT_EQ(pipe.out, expected) << from_file[i][0];
+    }
   }
   // Larger than a pipe's buffer, and in pieces.
-  const std::string large = folder_.write("large.kelp", std::span<const std::byte>(test::writeToMemory(test::makeRandomPack(3, {4, 300, 4, 2}))));
+  const std::string large = folder_.write(
+      "large.kelp", std::span<const std::byte>(test::writeToMemory(test::makeRandomPack(3, {4, 300, 4, 2}))));
   ASSERT_GT(std::filesystem::file_size(large), 3u << 20);
   EXPECT_EQ(piped("cat '" + large + "'", {"diff", "-", large}).exit, 0);
-  EXPECT_EQ(piped("(head -c 1000000 '" + large + "'; sleep 0.1; tail -c +1000001 '" + large + "')", {"verify", "-"}).exit, 0);
+  EXPECT_EQ(
+      piped("(head -c 1000000 '" + large + "'; sleep 0.1; tail -c +1000001 '" + large + "')", {"verify", "-"})
+          .exit,
+      0);
 }
 
 TEST_F(Input, PipesThatAreNoPacks) {
@@ -95,12 +103,17 @@ TEST_F(Input, PipesThatAreNoPacks) {
   const ProcessResult large = piped("(cat '" + good_ + "'; cat /dev/zero)", {"info", "-"});
   EXPECT_EQ(large.exit, 5);
   EXPECT_NE(large.err.find("larger than 512 MiB"), std::string::npos) << large.err;
-  EXPECT_EQ(test::runProcess({"/bin/sh", "-c", std::string("'") + KELP_DUMP + "' info - <&-"}).exit, 2);  // closed
+  // closed
+  EXPECT_EQ(test::runProcess({"/bin/sh", "-c", std::string("'") + KELP_DUMP + "' info - <&-"}).exit, 2);
 }
 
 TEST_F(Input, FilesThatAreNoPacks) {
-  const std::string empty = folder_.write("empty.kelp", ""), text = folder_.write("text.kelp", "This is not a pack, but a text that is long enough to be one, header and all.");
-  for (const auto& command : commands(folder_ / "missing.kelp")) expectRefused(test::dump(command), command, 2);
+  const std::string empty = folder_.write("empty.kelp", ""),
+                    text = folder_.write(
+                        "text.kelp",
+                        "This is not a pack, but a text that is long enough to be one, header and all.");
+  for (const auto& command : commands(folder_ / "missing.kelp"))
+    expectRefused(test::dump(command), command, 2);
   for (const auto& command : commands(folder_.folder())) expectRefused(test::dump(command), command, 2);
   for (const auto& command : commands(empty)) expectRefused(test::dump(command), command, 3);
   for (const auto& command : commands(text)) expectRefused(test::dump(command), command, 3);
@@ -140,7 +153,8 @@ TEST_F(Input, EachSmallFault) {
   }
 }
 
-// Bytes that flip, and files that end early: an answer in order, whatever it is, and never what a sound pack answers where the voxels are damaged.
+// Bytes that flip, and files that end early: an answer in order, whatever it is, and never what a sound pack
+// answers where the voxels are damaged.
 TEST_F(Input, BytesThatFlip) {
   std::vector<Bytes> damaged;
   for (std::size_t i = 0; i < bytes_.size(); i += std::max<std::size_t>(1, bytes_.size() / 7)) {
@@ -152,32 +166,39 @@ TEST_F(Input, BytesThatFlip) {
     const std::string bad = folder_.write("bad.kelp", std::span<const std::byte>(bytes));
     for (const auto& command : commands(bad)) {
       const ProcessResult result = test::dump(command);
-      EXPECT_TRUE(result.exit == 0 || result.exit == 3 || result.exit == 5) << command[0] << " " << result.exit << result.err;
-      if (command[0] == "verify") { EXPECT_NE(result.exit, 0); }
-      if (result.exit != 0 && command[0] != "verify") { EXPECT_EQ(result.out, "") << command[0]; }
+      EXPECT_TRUE(result.exit == 0 || result.exit == 3 || result.exit == 5)
+          << command[0] << " " << result.exit << result.err;
+      if (command[0] == "verify") {
+        EXPECT_NE(result.exit, 0);
+      }
+      if (result.exit != 0 && command[0] != "verify") {
+        EXPECT_EQ(result.out, "") << command[0];
+      }
     }
   }
 }
 
 TEST_F(Input, ContradictionsAreUsageErrors) {
   const std::string out = folder_ / "out";
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{"info"},
-                                                                                        {"info", good_, good_},
-                                                                                        {"info", good_, "--deep"},
-                                                                                        {"verify", good_, "--count"},
-                                                                                        {"verify", good_, "--format", "xml"},
-                                                                                        {"diff", good_},
-                                                                                        {"rig", good_, "-o", out},
-                                                                                        {"rig", good_, "--set", ""},
-                                                                                        {"rig", good_, "--set", rig_, "-o", ""},
-                                                                                        {"rig", good_, "--set", rig_, "-o", out},  // which of two parts?
-                                                                                        {"rig", good_, "--part", "0", "--set", rig_, "--axis", "up"},
-                                                                                        {"rig", good_, "--axis", "w"},
-                                                                                        {"rig", "-", "--set", rig_},
-                                                                                        {"extract", good_},
-                                                                                        {"extract", good_, "--vox", out, "--ply", out},
-                                                                                        {"schema", "knitting"},
-                                                                                        {"schema", "info", "verify"}}) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"info"},
+                                             {"info", good_, good_},
+                                             {"info", good_, "--deep"},
+                                             {"verify", good_, "--count"},
+                                             {"verify", good_, "--format", "xml"},
+                                             {"diff", good_},
+                                             {"rig", good_, "-o", out},
+                                             {"rig", good_, "--set", ""},
+                                             {"rig", good_, "--set", rig_, "-o", ""},
+                                             // which of two parts?
+                                             {"rig", good_, "--set", rig_, "-o", out},
+                                             {"rig", good_, "--part", "0", "--set", rig_, "--axis", "up"},
+                                             {"rig", good_, "--axis", "w"},
+                                             {"rig", "-", "--set", rig_},
+                                             {"extract", good_},
+                                             {"extract", good_, "--vox", out, "--ply", out},
+                                             {"schema", "knitting"},
+                                             {"schema", "info", "verify"}}) {
     const ProcessResult result = test::dump(arguments);
     EXPECT_EQ(result.exit, 1) << arguments[0] << ": " << result.err;
     EXPECT_EQ(result.out, "");
@@ -200,21 +221,26 @@ TEST_F(Input, EveryCommandExplainsItself) {
 TEST_F(Input, SchemasAreThoseOfTheSource) {
   const std::string tools = std::string(KELP_SOURCE_DIR) + "/tools/";
   EXPECT_EQ(test::dump({"schema"}).out, test::readWhole(tools + "kelp-dump/kelp-dump.schema.json"));
-  EXPECT_EQ(test::dump({"schema", "rig"}).out, test::readWhole(tools + "rig_json/rig.schema.json"));
-  EXPECT_EQ(test::dump({"schema", "bake-report"}).out, test::readWhole(tools + "kelp-bake/kelp-bake-report.schema.json"));
+  EXPECT_EQ(test::dump({"schema", "rig"}).out, test::readWhole(tools + "rig/rig.schema.json"));
+  EXPECT_EQ(test::dump({"schema", "bake-report"}).out,
+            test::readWhole(tools + "kelp-bake/kelp-bake-report.schema.json"));
   // The schema of a command takes that command's output and no other's.
-  const std::vector<std::vector<std::string>> outputs = {{"info", good_}, {"verify", good_}, {"diff", good_, good_}};
+  const std::vector<std::vector<std::string>> outputs = {
+      {"info", good_}, {"verify", good_}, {"diff", good_, good_}};
   for (const auto& schema_of : outputs) {
-    const std::string path = folder_.write(schema_of[0] + ".schema.json", test::dump({"schema", schema_of[0]}).out);
+    const std::string path =
+        folder_.write(schema_of[0] + ".schema.json", test::dump({"schema", schema_of[0]}).out);
     const test::JsonSchema schema(path);
     for (auto command : outputs) {
       command.insert(command.end(), {"--format", "json"});
-      EXPECT_EQ(schema.check(json::parse(test::dump(command).out)).empty(), command[0] == schema_of[0]) << schema_of[0] << " " << command[0];
+      EXPECT_EQ(schema.check(json::parse(test::dump(command).out)).empty(), command[0] == schema_of[0])
+          << schema_of[0] << " " << command[0];
     }
   }
 }
 
-// Bytes that this process and the children that it has waited for have read, by read and pread alike; nothing where the system does not say.
+// Bytes that this process and the children that it has waited for have read, by read and pread alike; nothing
+// where the system does not say.
 std::optional<std::uint64_t> bytesRead() {
   std::ifstream io("/proc/self/io");
   std::string key;
@@ -234,8 +260,10 @@ TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
   part.size = glm::ivec3(512);
   part.knots = test::figureKnots(test::kFigure6[0], part.size);
   test::RandomPack random(1);
-  for (int level = 0; level < 8; ++level) part.levels.push_back(random.makeLevel(levelSize(part.size, level), 256, 0.02f));
-  const std::string path = folder_.write("large.kelp", std::span<const std::byte>(test::writeToMemory(pack, 2)));
+  for (int level = 0; level < 8; ++level)
+    part.levels.push_back(random.makeLevel(levelSize(part.size, level), 256, 0.02f));
+  const std::string path =
+      folder_.write("large.kelp", std::span<const std::byte>(test::writeToMemory(pack, 2)));
   ASSERT_GT(std::filesystem::file_size(path), 4u << 20);
 
   // What a program reads that looks at no pack: its libraries.
@@ -258,19 +286,22 @@ TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
   EXPECT_EQ(test::dump({"info", path, "--format", "json"}).out, before);
 }
 
-// Exit code 4: what no machine can do. 0 to 3, 5 and 7 are elsewhere in these tests, 130 in kelp_dump_rig_test.cpp.
+// Exit code 4: what no machine can do. 0 to 3, 5 and 7 are elsewhere in these tests, 130 in
+// kelp_dump_rig_test.cpp.
 TEST_F(Input, WhatDoesNotFitIntoMemoryIsAFailureAtRunTime) {
   if (!png_) GTEST_SKIP() << "this kelp-dump was built without libpng";
   RawPack pack;
   pack.palette.resize(1);
   RawPart& part = pack.parts.emplace_back();
-  const auto memory = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  const auto memory = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                      static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
   part.size = {1024, std::min(32768, static_cast<int>(memory / 12 / 1024 / 1024) + 64), 1024};
   if (part.size.y > 8192) GTEST_SKIP() << "this machine has more memory than a pack can ask for";
   part.knots = test::figureKnots(test::kFigure6[0], part.size);
   const glm::ivec3 grid = brickGrid(part.size);
   RawLevel& level = part.levels.emplace_back();
-  level.cells.resize(static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(grid.z));
+  level.cells.resize(static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) *
+                     static_cast<std::size_t>(grid.z));
   level.cells[0] = kCellSolid;
   level.codes.assign(kBrickVoxels, 0);
   level.codes[0] = kInnerCode;
@@ -298,7 +329,8 @@ std::string onTerminal(const char* setting, const std::vector<std::string>& argu
   }
   std::string out;
   char block[4096];
-  for (ssize_t got = 0; (got = ::read(terminal, block, sizeof block)) > 0;) out.append(block, static_cast<std::size_t>(got));
+  for (ssize_t got = 0; (got = ::read(terminal, block, sizeof block)) > 0;)
+    out.append(block, static_cast<std::size_t>(got));
   ::close(terminal);
   int status = 0;
   ::waitpid(child, &status, 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp-dump rig --set without the baker: what changes, what stays, what is refused, and that a pack is the old or the new one at every time.
+// kelp-dump rig --set without the baker: what changes, what stays, what is refused, and that a pack is the
+// old or the new one at every time.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -11,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "extract_packs.h"
-#include "kelp/rig_json/rig_json.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp {
 namespace {
@@ -19,13 +20,17 @@ namespace {
 using nlohmann::json;
 using test::ProcessResult;
 
-constexpr const char* kNod = R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.4, "offset": [0.02, 0, 0]}, {"at": 1}], "clips": {"nod": {"waves": [{"knot": 2, "offset": [0.1, 0, 0], "period": 2}]}}})";
-constexpr const char* kSway = R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 4}]}, "nod": {"waves": [{"knot": 1, "tangent": [0.1, 0, 0], "period": 3}]}}})";
+constexpr const char* kNod =
+    R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.4, "offset": [0.02, 0, 0]}, {"at": 1}], "clips": {"nod": {"waves": [{"knot": 2, "offset": [0.1, 0, 0], "period": 2}]}}})";
+constexpr const char* kSway =
+    R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 4}]}, "nod": {"waves": [{"knot": 1, "tangent": [0.1, 0, 0], "period": 3}]}}})";
 
 class SetRig : public testing::Test {
  protected:
   // Parts with these rigs, as kelp-bake would have written them.
-  RawPack pack(const std::vector<std::string>& rigs, const std::string& options = R"({"resolution": 32, "rig": {"name": "old.rig.json", "xxh3": "0"}, "fill": "auto"})") {
+  RawPack pack(const std::vector<std::string>& rigs,
+               const std::string& options =
+                   R"({"resolution": 32, "rig": {"name": "old.rig.json", "xxh3": "0"}, "fill": "auto"})") {
     RawPack raw;
     raw.info_json = R"({"tool":"kelp-bake 0.1.0","options":)" + json::parse(options).dump() + "}";
     raw.palette = test::paletteOf(3);
@@ -37,9 +42,14 @@ class SetRig : public testing::Test {
     }
     return raw;
   }
-  std::string write(const RawPack& raw) const { return folder_.write("pack.kelp", std::span<const std::byte>(test::writeToMemory(raw))); }
-  std::string writeRig(const std::string& text, const std::string& name = "new.rig.json") const { return folder_.write(name, text); }
-  static ProcessResult set(const std::string& pack, const std::string& rig, std::vector<std::string> more = {}) {
+  std::string write(const RawPack& raw) const {
+    return folder_.write("pack.kelp", std::span<const std::byte>(test::writeToMemory(raw)));
+  }
+  std::string writeRig(const std::string& text, const std::string& name = "new.rig.json") const {
+    return folder_.write(name, text);
+  }
+  static ProcessResult set(const std::string& pack, const std::string& rig,
+                           std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"rig", pack, "--set", rig});
     return test::dump(more);
   }
@@ -55,7 +65,8 @@ class SetRig : public testing::Test {
 };
 
 TEST_F(SetRig, IsThePackBakedWithThatRig) {
-  const std::string expected = folder_.write("expected.kelp", std::span<const std::byte>(test::writeToMemory(pack({kNod}))));
+  const std::string expected =
+      folder_.write("expected.kelp", std::span<const std::byte>(test::writeToMemory(pack({kNod}))));
   const std::string path = write(pack({kSway}));
   const ProcessResult result = set(path, writeRig(kNod), {"-o", folder_ / "out.kelp"});
   EXPECT_EQ(result.exit, 0) << result.err;
@@ -75,16 +86,23 @@ TEST_F(SetRig, OnePartOfSeveral) {
   const std::string path = write(pack({kSway, kNod, kSway}));
   const std::string rig = writeRig(kNod);
   EXPECT_EQ(set(path, rig, {"--part", "part 2", "-o", folder_ / "one.kelp"}).exit, 0);
-  EXPECT_TRUE(same(folder_ / "one.kelp", folder_.write("a.kelp", std::span<const std::byte>(test::writeToMemory(pack({kSway, kNod, kNod}))))));
+  EXPECT_TRUE(same(
+      folder_ / "one.kelp",
+      folder_.write("a.kelp", std::span<const std::byte>(test::writeToMemory(pack({kSway, kNod, kNod}))))));
   // One after the other: nothing is left of the first, not even the length of a clip that they share.
   EXPECT_EQ(set(folder_ / "one.kelp", rig, {"--part", "0"}).exit, 0);
-  EXPECT_TRUE(same(folder_ / "one.kelp", folder_.write("a.kelp", std::span<const std::byte>(test::writeToMemory(pack({kNod, kNod, kNod}))))));
+  EXPECT_TRUE(same(
+      folder_ / "one.kelp",
+      folder_.write("a.kelp", std::span<const std::byte>(test::writeToMemory(pack({kNod, kNod, kNod}))))));
   const std::string still = writeRig(R"({"kelp": 1})", "still.rig.json");
-  for (const char* part : {"0", "1", "2"}) EXPECT_EQ(set(folder_ / "one.kelp", still, {"--part", part}).exit, 0);
-  EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["clips"], json::array());
+  for (const char* part : {"0", "1", "2"})
+    EXPECT_EQ(set(folder_ / "one.kelp", still, {"--part", part}).exit, 0);
+  EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["clips"],
+            json::array());
   const ProcessResult which = set(path, rig);
   EXPECT_EQ(which.exit, 1);
-  EXPECT_NE(which.err.find("choose one of 0 'part 0', 1 'part 1', 2 'part 2' with --part"), std::string::npos) << which.err;
+  EXPECT_NE(which.err.find("choose one of 0 'part 0', 1 'part 1', 2 'part 2' with --part"), std::string::npos)
+      << which.err;
 }
 
 TEST_F(SetRig, WhatIsPrintedCanBeSetAgain) {
@@ -99,10 +117,14 @@ TEST_F(SetRig, WhatIsPrintedCanBeSetAgain) {
 TEST_F(SetRig, PresetsAreRigsToo) {
   const std::string path = write(pack({kNod}));
   EXPECT_EQ(set(path, "sway").exit, 0);
-  EXPECT_EQ(json::parse(test::dump({"info", path, "--format", "json"}).out)["info"]["options"]["rig"], "sway");
+  EXPECT_EQ(json::parse(test::dump({"info", path, "--format", "json"}).out)["info"]["options"]["rig"],
+            "sway");
   const ProcessResult swim = set(path, "swim");
   EXPECT_EQ(swim.exit, 3);
-  EXPECT_NE(swim.err.find("bends along -z; the voxels were baked along +y: bake again with this rig, or turn the preset with --axis +y"), std::string::npos) << swim.err;
+  EXPECT_NE(swim.err.find("bends along -z; the voxels were baked along +y: bake again with this rig, or turn "
+                          "the preset with --axis +y"),
+            std::string::npos)
+      << swim.err;
   EXPECT_EQ(set(path, "swim", {"--axis", "+y"}).exit, 0);
   const json options = json::parse(test::dump({"info", path, "--format", "json"}).out)["info"]["options"];
   EXPECT_EQ(options["rig"], "swim");
@@ -118,10 +140,15 @@ TEST_F(SetRig, TheAxisMustBeThatOfTheVoxels) {
   EXPECT_EQ(json::parse(test::dump({"rig", path}).out)["axis"], "-x");
   const ProcessResult other = set(path, writeRig(R"({"kelp": 1, "axis": "-z"})"));
   EXPECT_EQ(other.exit, 3);
-  EXPECT_NE(other.err.find("new.rig.json: part 0 'part 0': the rig bends along -z; the voxels were baked along -x: bake again with this rig\n"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("new.rig.json: part 0 'part 0': the rig bends along -z; the voxels were baked "
+                           "along -x: bake again with this rig\n"),
+            std::string::npos)
+      << other.err;
   const ProcessResult none = set(path, writeRig(kNod));
   EXPECT_EQ(none.exit, 3);
-  EXPECT_NE(none.err.find("bends along +y, as it names no axis; the voxels were baked along -x"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("bends along +y, as it names no axis; the voxels were baked along -x"),
+            std::string::npos)
+      << none.err;
   EXPECT_EQ(set(path, writeRig(kNod), {"--axis", "-x"}).exit, 0);
   EXPECT_EQ(set(path, writeRig(R"({"kelp": 1, "axis": "-x"})")).exit, 0);
   const ProcessResult both = set(path, writeRig(R"({"kelp": 1, "axis": "-x"})"), {"--axis", "+x"});
@@ -135,7 +162,7 @@ TEST_F(SetRig, TheAxisMustBeThatOfTheVoxels) {
   raw.info_json = "{}";
   const ProcessResult skewed = set(write(raw), writeRig(kNod));
   EXPECT_EQ(skewed.exit, 1);
-  EXPECT_NE(skewed.err.find("say it with --axis"), std::string::npos) << skewed.err;
+  EXPECT_NE(skewed.err.find("give it with --axis"), std::string::npos) << skewed.err;
   EXPECT_EQ(set(path, writeRig(kNod), {"--axis", "-x"}).exit, 0);
   // Nor whether empty layers lie at the spline's ends.
   raw.info_json = R"({"options":{"axis":"-x","pad":2},"files":{)";
@@ -143,7 +170,7 @@ TEST_F(SetRig, TheAxisMustBeThatOfTheVoxels) {
   raw.info_json += "}}";
   const ProcessResult unread = set(write(raw), writeRig(kNod), {"--axis", "-x"});
   EXPECT_EQ(unread.exit, 3);
-  EXPECT_NE(unread.err.find("what it says of its bake can not be read"), std::string::npos) << unread.err;
+  EXPECT_NE(unread.err.find("its INFO about the bake cannot be read"), std::string::npos) << unread.err;
 }
 
 TEST_F(SetRig, RefusesWhatTheBakerRefuses) {
@@ -156,19 +183,25 @@ TEST_F(SetRig, RefusesWhatTheBakerRefuses) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_EQ(test::readWhole(path), before) << "the pack was changed";
   };
-  check(folder_ / "missing.rig.json", 2, "missing.rig.json: can not be read: No such file");
-  check(folder_.folder(), 2, "can not be read: Is a directory");
+  check(folder_ / "missing.rig.json", 2, "missing.rig.json: cannot be read: No such file");
+  check(folder_.folder(), 2, "cannot be read: Is a directory");
   check(writeRig("{"), 3, "new.rig.json: ");
-  check(writeRig(R"({"kelp": 1, "clips": {"s": {"waves": [{"knot": 1, "offset": [0, 0, 0], "perod": 1}]}}})"), 3, "new.rig.json: /clips/s/waves/0/perod: unknown key; did you mean 'period'?");
-  check(writeRig(R"({"kelp": 1, "knots": [{"at": 0}, {"at": 1, "offset": [0, -2, 0]}]})"), 3, "new.rig.json: part 0 'part 0': knot 0: the spline turns back");
-  check(writeRig(R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 1, "offset": [0, 1.5, 0], "period": 1}]}}})"), 3, "hop");
+  check(writeRig(R"({"kelp": 1, "clips": {"s": {"waves": [{"knot": 1, "offset": [0, 0, 0], "perod": 1}]}}})"),
+        3, "new.rig.json: /clips/s/waves/0/perod: unknown key; did you mean 'period'?");
+  check(writeRig(R"({"kelp": 1, "knots": [{"at": 0}, {"at": 1, "offset": [0, -2, 0]}]})"), 3,
+        "new.rig.json: part 0 'part 0': knot 0: the spline turns back");
+  check(writeRig(
+            R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 1, "offset": [0, 1.5, 0], "period": 1}]}}})"),
+        3, "hop");
   check(writeRig(std::string((16 << 20) + 5, ' ')), 3, "16 MiB");
   // Voxels lie where a straight rig has them, with empty layers at its ends.
   const std::string padded = write(pack({R"({"kelp": 1})"}, R"({"resolution": 32, "pad": 2})"));
   const ProcessResult result = set(padded, writeRig(kNod));
   EXPECT_EQ(result.exit, 3);
-  EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos) << result.err;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_.folder())) EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos)
+      << result.err;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.folder()))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
 }
 
 TEST_F(SetRig, ReplacesThePackWhole) {
@@ -180,7 +213,8 @@ TEST_F(SetRig, ReplacesThePackWhole) {
   struct stat status {};
   ASSERT_EQ(::stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0640u);
-  EXPECT_TRUE(same(path, folder_.write("expected.kelp", std::span<const std::byte>(test::writeToMemory(pack({kSway}))))));
+  EXPECT_TRUE(same(
+      path, folder_.write("expected.kelp", std::span<const std::byte>(test::writeToMemory(pack({kSway}))))));
   // A damaged page is found while it is copied: the old file stays.
   std::string bytes = test::readWhole(path);
   bytes[bytes.size() - 70] ^= 1;
@@ -190,7 +224,10 @@ TEST_F(SetRig, ReplacesThePackWhole) {
   EXPECT_NE(hurt.err.find("checksum"), std::string::npos) << hurt.err;
   EXPECT_EQ(test::readWhole(path), bytes);
   // A full disk.
-  const ProcessResult full = test::runProcess({"/bin/sh", "-c", std::string("'") + KELP_DUMP + "' rig '" + (folder_ / "expected.kelp").string() + "' --set '" + rig + "' -o - > /dev/full"});
+  const ProcessResult full =
+      test::runProcess({"/bin/sh", "-c",
+                        std::string("'") + KELP_DUMP + "' rig '" + (folder_ / "expected.kelp").string() +
+                            "' --set '" + rig + "' -o - > /dev/full"});
   EXPECT_EQ(full.exit, 2);
   EXPECT_EQ(set(folder_ / "expected.kelp", rig, {"-o", folder_ / "nowhere/out.kelp"}).exit, 2);
   EXPECT_EQ(set(folder_ / "expected.kelp", rig, {"-o", folder_.folder()}).exit, 2);
@@ -209,7 +246,8 @@ TEST_F(SetRig, AnInterruptLeavesNoTemporaryFile) {
   const std::string path = write(raw), out = folder_ / "out.ply";
   const auto leftovers = [&] {
     int found = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_.folder())) found += entry.path().extension() == ".tmp";
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.folder()))
+      found += entry.path().extension() == ".tmp";
     return found;
   };
   const pid_t child = ::fork();
@@ -219,7 +257,8 @@ TEST_F(SetRig, AnInterruptLeavesNoTemporaryFile) {
     ::_exit(99);
   }
   int status = 0;
-  while (leftovers() == 0 && ::waitpid(child, &status, WNOHANG) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  while (leftovers() == 0 && ::waitpid(child, &status, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   ASSERT_EQ(leftovers(), 1) << "it was faster than the test";
   ::kill(child, SIGINT);
   ::waitpid(child, &status, 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp-dump as a user runs it: packs that are sound, packs with every kind of damage, and files that are no packs.
+// kelp-dump as a user runs it: packs that are sound, packs with every kind of damage, and files that are no
+// packs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 
 #include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
-#include "kelp/rig_json/rig_json.h"
+#include "kelp/rig/rig.h"
 #include "process.h"
 #include "support/json_schema.h"
 #include "support/random_pack.h"
@@ -27,10 +28,12 @@ ProcessResult dump(std::vector<std::string> arguments) {
 }
 
 void write(const std::string& path, const std::vector<std::byte>& bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-// A blob with a hole and an antenna, off the corner of its volume, so that there are empty bricks, inner voxels and thin things.
+// A blob with a hole and an antenna, off the corner of its volume, so that there are empty bricks, inner
+// voxels and thin things.
 fields::Occupancy blob() {
   fields::Occupancy volume{{45, 62, 38}, {}};
   volume.solid.resize(45 * 62 * 38);
@@ -49,7 +52,9 @@ fields::Occupancy blob() {
 
 std::vector<fields::SurfaceVoxel> withAttributes(const std::vector<std::uint64_t>& indices) {
   std::vector<fields::SurfaceVoxel> surface;
-  for (const std::uint64_t i : indices) surface.push_back({i, makeAttribute(static_cast<std::uint8_t>(i % 3), encodeNormal({1, static_cast<float>(i % 7), 0}))});
+  for (const std::uint64_t i : indices)
+    surface.push_back({i, makeAttribute(static_cast<std::uint8_t>(i % 3),
+                                        encodeNormal({1, static_cast<float>(i % 7), 0}))});
   return surface;
 }
 
@@ -66,8 +71,10 @@ std::vector<Level> levelsOf(const fields::Occupancy& volume, int count) {
     Level next{fields::coarser(finer.occupancy), {}};
     std::set<std::uint64_t> above;
     for (const std::uint64_t i : finer.surface) {
-      const auto sx = static_cast<std::uint64_t>(finer.occupancy.size.x), sy = static_cast<std::uint64_t>(finer.occupancy.size.y);
-      above.insert(next.occupancy.index({static_cast<int>(i % sx) / 2, static_cast<int>(i / sx % sy) / 2, static_cast<int>(i / sx / sy) / 2}));
+      const auto sx = static_cast<std::uint64_t>(finer.occupancy.size.x),
+                 sy = static_cast<std::uint64_t>(finer.occupancy.size.y);
+      above.insert(next.occupancy.index({static_cast<int>(i % sx) / 2, static_cast<int>(i / sx % sy) / 2,
+                                         static_cast<int>(i / sx / sy) / 2}));
     }
     next.surface.assign(above.begin(), above.end());
     levels.push_back(next);
@@ -79,16 +86,19 @@ RawPart partOf(const std::vector<Level>& levels, const RigDescription& rig, cons
   RawPart part;
   part.name = name;
   part.size = levels[0].occupancy.size;
-  part.to_object = glm::mat4x3(glm::vec3(0.01f, 0, 0), glm::vec3(0, 0.01f, 0), glm::vec3(0, 0, 0.01f), glm::vec3(0, 0, 0));
+  part.to_object =
+      glm::mat4x3(glm::vec3(0.01f, 0, 0), glm::vec3(0, 0.01f, 0), glm::vec3(0, 0, 0.01f), glm::vec3(0, 0, 0));
   part.knots = realizeKnots(rig, part.size);
-  for (const Level& level : levels) part.levels.push_back(fields::buildLevel(level.occupancy, withAttributes(level.surface), 1));
+  for (const Level& level : levels)
+    part.levels.push_back(fields::buildLevel(level.occupancy, withAttributes(level.surface), 1));
   return part;
 }
 
 RawPack packOf(const std::vector<Level>& levels) {
   const RigDescription rig = *presetRig("sway");
   RawPack pack;
-  pack.info_json = R"({"tool": "kelp-bake 0.1.0", "source": {"name": "blob.glb", "format": "glTF 2.0"}, "options": {"resolution": 64}})";
+  pack.info_json =
+      R"({"tool": "kelp-bake 0.1.0", "source": {"name": "blob.glb", "format": "glTF 2.0"}, "options": {"resolution": 64}})";
   pack.palette.resize(3);
   pack.palette[0].base_color = {1, 0, 0, 1};
   pack.palette[1].base_color = {0, 0.2158605f, 0, 1};
@@ -165,10 +175,13 @@ TEST_F(KelpDump, InfoCountsWhatIsThere) {
   // Pages are frames of their own: decoded, they hold 512 codes a brick and 4 bytes a surface voxel.
   std::uint64_t pages = 0;
   for (const json& some : info["parts"]) {
-    for (const json& level : some["levels"]) pages += 512 * level["bricks"].get<std::uint64_t>() + 4 * level["surface_voxels"].get<std::uint64_t>();
+    for (const json& level : some["levels"])
+      pages += 512 * level["bricks"].get<std::uint64_t>() + 4 * level["surface_voxels"].get<std::uint64_t>();
   }
   for (const json& chunk : info["chunks"]) {
-    if (chunk["kind"] == "BRCK") { EXPECT_EQ(chunk["decoded_bytes"], pages); }
+    if (chunk["kind"] == "BRCK") {
+      EXPECT_EQ(chunk["decoded_bytes"], pages);
+    }
   }
 }
 
@@ -176,7 +189,8 @@ TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColourOffATerminal) {
   writePack(packOf(levelsOf(blob(), 3)));
   const ProcessResult result = dump({"info", path()});
   EXPECT_EQ(result.exit, 0) << result.err;
-  for (const char* words : {"blob.kelp", "kelp-bake 0.1.0", "name blob.glb", "45 x 62 x 38 voxels of 10 mm", "sway", "15 s", "#ff0000", "BRCK", "GRID", "total"})
+  for (const char* words : {"blob.kelp", "kelp-bake 0.1.0", "name blob.glb", "45 x 62 x 38 voxels of 10 mm",
+                            "sway", "15 s", "#ff0000", "BRCK", "GRID", "total"})
     EXPECT_NE(result.out.find(words), std::string::npos) << "'" << words << "' is not in:\n" << result.out;
   EXPECT_EQ(result.out.find('\x1b'), std::string::npos);
   EXPECT_LT(std::count(result.out.begin(), result.out.end(), '\n'), 40);
@@ -184,7 +198,8 @@ TEST_F(KelpDump, InfoTextFitsAScreenAndHasNoColourOffATerminal) {
 
 TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
   RawPack pack = packOf(levelsOf(blob(), 1));
-  pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\", \"deep\": " + std::string(5000, '[') + std::string(5000, ']') + "}";
+  pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\", \"deep\": " + std::string(5000, '[') +
+                   std::string(5000, ']') + "}";
   writePack(pack);
   ProcessResult result = dump({"info", path()});
   EXPECT_EQ(result.exit, 0) << result.err;
@@ -195,7 +210,8 @@ TEST_F(KelpDump, NamesFromAPackDoNotReachTheTerminalRaw) {
   writePack(pack);
   result = dump({"info", path()});
   EXPECT_EQ(result.exit, 0) << result.err;
-  EXPECT_EQ(result.out.find("evil"), std::string::npos);  // nor where it has more keys than can be looked through
+  // nor where it has more keys than can be looked through
+  EXPECT_EQ(result.out.find("evil"), std::string::npos);
   pack.info_json = "{\"tool\": \"evil \\u001b[2J \xc2\x9b 31m\"}";
   writePack(pack);
   result = dump({"info", path()});
@@ -210,7 +226,11 @@ TEST_F(KelpDump, NamesOfFilesDoNotReachTheTerminalRaw) {
   writePack(packOf(levelsOf(blob(), 1)));
   const std::filesystem::path evil = std::filesystem::path(path()).replace_filename("t\x1b[31m\xc2\x9b.kelp");
   std::filesystem::copy_file(path(), evil);
-  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", evil.string()}, {"verify", evil.string()}, {"diff", evil.string(), evil.string()}, {"rig", evil.string()}, {"info", evil.string() + ".none"}}) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"info", evil.string()},
+                                                  {"verify", evil.string()},
+                                                  {"diff", evil.string(), evil.string()},
+                                                  {"rig", evil.string()},
+                                                  {"info", evil.string() + ".none"}}) {
     const ProcessResult result = dump(command);
     EXPECT_EQ(result.exit, command[1] == evil.string() ? 0 : 2) << result.err;
     EXPECT_EQ((result.out + result.err).find_first_of("\x1b\x9b"), std::string::npos) << result.out;
@@ -245,7 +265,9 @@ TEST_F(KelpDump, VerifyAcceptsSoundPacks) {
   EXPECT_EQ(report["levels"], 6);
   const ProcessResult text = dump({"verify", path(), "--deep"});
   EXPECT_EQ(text.exit, 0);
-  EXPECT_NE(text.out.find("blob.kelp: sound (2 parts, 6 levels, empty boxes and levels recomputed)"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("blob.kelp: sound (2 parts, 6 levels, empty boxes and levels recomputed)"),
+            std::string::npos)
+      << text.out;
 }
 
 TEST_F(KelpDump, RandomPacksAreWellFormedButNotTrue) {
@@ -259,16 +281,21 @@ TEST_F(KelpDump, RandomPacksAreWellFormedButNotTrue) {
 // The voxel that an index into the codes means.
 glm::ivec3 voxelOfCode(const RawLevel& level, const glm::ivec3& size, std::size_t index) {
   const glm::ivec3 grid = brickGrid(size);
-  const auto cell = static_cast<int>(std::find(level.cells.begin(), level.cells.end(), kCellSolid | static_cast<std::uint32_t>(index / 512)) - level.cells.begin());
+  const auto cell = static_cast<int>(std::find(level.cells.begin(), level.cells.end(),
+                                               kCellSolid | static_cast<std::uint32_t>(index / 512)) -
+                                     level.cells.begin());
   const auto i = static_cast<int>(index % 512);
-  return 8 * glm::ivec3(cell % grid.x, cell / grid.x % grid.y, cell / grid.x / grid.y) + glm::ivec3(i % 8, i / 8 % 8, i / 64);
+  return 8 * glm::ivec3(cell % grid.x, cell / grid.x % grid.y, cell / grid.x / grid.y) +
+         glm::ivec3(i % 8, i / 8 % 8, i / 64);
 }
 
 bool anySolid(const fields::Occupancy& volume, const glm::ivec3& voxel, const glm::ivec3& reach) {
   for (int z = 0; z < volume.size.z; ++z) {
     for (int y = 0; y < volume.size.y; ++y) {
       for (int x = 0; x < volume.size.x; ++x) {
-        if (std::abs(x - voxel.x) <= reach.x && std::abs(y - voxel.y) <= reach.y && std::abs(z - voxel.z) <= reach.z && volume.solid[volume.index({x, y, z})]) return true;
+        if (std::abs(x - voxel.x) <= reach.x && std::abs(y - voxel.y) <= reach.y &&
+            std::abs(z - voxel.z) <= reach.z && volume.solid[volume.index({x, y, z})])
+          return true;
       }
     }
   }
@@ -279,7 +306,8 @@ TEST_F(KelpDump, DeepFindsACodeThatPromisesAVoxelTooMuch) {
   RawPack pack = packOf(levelsOf(blob(), 3));
   auto& codes = pack.parts[1].levels[1].codes;
   // One step longer along x: if that box were empty, it would be the better one.
-  const auto empty = std::find_if(codes.begin(), codes.end(), [](std::uint8_t code) { return code == (1 | 1 << 2 | 2 << 4); });
+  const auto empty = std::find_if(codes.begin(), codes.end(),
+                                  [](std::uint8_t code) { return code == (1 | 1 << 2 | 2 << 4); });
   ASSERT_NE(empty, codes.end());
   ++*empty;
   const json issue = onlyDeepFinds(pack, {500});
@@ -287,13 +315,16 @@ TEST_F(KelpDump, DeepFindsACodeThatPromisesAVoxelTooMuch) {
   EXPECT_EQ(issue["part_name"], "twin");
   EXPECT_EQ(issue["level"], 1);
   EXPECT_EQ(issue["count"], 1);
-  const glm::ivec3 voxel = voxelOfCode(pack.parts[1].levels[1], {23, 31, 19}, static_cast<std::size_t>(empty - codes.begin()));
+  const glm::ivec3 voxel =
+      voxelOfCode(pack.parts[1].levels[1], {23, 31, 19}, static_cast<std::size_t>(empty - codes.begin()));
   EXPECT_EQ(issue["voxel"], json({voxel.x, voxel.y, voxel.z}));
   EXPECT_EQ(issue["detail"], "box of 3 x 1 x 3 stored, 1 x 1 x 3 is right");
   EXPECT_NE(issue["message"].get<std::string>().find("skip"), std::string::npos);
   const ProcessResult text = dump({"verify", path(), "--deep"});
   EXPECT_EQ(text.out.find(path() + ": error 500: part 1 'twin', level 1, brick ("), 0u) << text.out;
-  EXPECT_NE(text.out.find("box of 3 x 1 x 3 stored, 1 x 1 x 3 is right. A cell or code promises"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("box of 3 x 1 x 3 stored, 1 x 1 x 3 is right. A cell or code promises"),
+            std::string::npos)
+      << text.out;
   EXPECT_NE(text.out.find("1 error"), std::string::npos) << text.out;
 }
 
@@ -321,14 +352,16 @@ TEST_F(KelpDump, DeepLooksIntoTheBoxesThatDiffer) {
 
 TEST_F(KelpDump, DeepFindsCellsThatAreOneOff) {
   const auto levels = levelsOf(blob(), 3);
-  // A reach of one brick more would be kept if it could be; one less is true but not the best. The same for the clearance.
+  // A reach of one brick more would be kept if it could be; one less is true but not the best. The same for
+  // the clearance.
   const auto within = [](std::uint32_t field, std::uint32_t most) { return field > 0 && field < most; };
   for (int field = 0; field <= 6; ++field) {
     for (const int change : {1, -1}) {
       RawPack pack = packOf(levels);
       auto& cells = pack.parts[0].levels[0].cells;
       const auto empty = std::find_if(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-        return !(cell & kCellSolid) && (field < 6 ? within(cell >> (4 * field) & 15, 15) : within(cell >> 24, 127));
+        return !(cell & kCellSolid) &&
+               (field < 6 ? within(cell >> (4 * field) & 15, 15) : within(cell >> 24, 127));
       });
       ASSERT_NE(empty, cells.end());
       const std::uint32_t right = *empty;
@@ -340,7 +373,8 @@ TEST_F(KelpDump, DeepFindsCellsThatAreOneOff) {
       EXPECT_FALSE(issue.contains("voxel"));
       const auto text = [](std::uint32_t cell) {
         std::string words;
-        for (int side = 0; side < 6; ++side) words += (side == 0 ? "" : side % 2 ? "+" : " x ") + std::to_string(cell >> (4 * side) & 15);
+        for (int side = 0; side < 6; ++side)
+          words += (side == 0 ? "" : side % 2 ? "+" : " x ") + std::to_string(cell >> (4 * side) & 15);
         return words + " bricks and clearance " + std::to_string(cell >> 24);
       };
       EXPECT_EQ(issue["detail"], "box of " + text(*empty) + " stored, " + text(right) + " are right");
@@ -351,7 +385,9 @@ TEST_F(KelpDump, DeepFindsCellsThatAreOneOff) {
 // The first solid voxel of a level for which `wanted` holds.
 std::size_t findVoxel(const Level& level, const std::function<bool(std::size_t, bool surface)>& wanted) {
   for (std::size_t i = 0; i < level.occupancy.solid.size(); ++i) {
-    if (level.occupancy.solid[i] && wanted(i, std::binary_search(level.surface.begin(), level.surface.end(), i))) return i;
+    if (level.occupancy.solid[i] &&
+        wanted(i, std::binary_search(level.surface.begin(), level.surface.end(), i)))
+      return i;
   }
   ADD_FAILURE() << "no such voxel";
   return 0;
@@ -388,7 +424,8 @@ TEST_F(KelpDump, DeepFindsWrongSurfaces) {
 
     auto extra = levels;
     const std::size_t inner = findVoxel(extra[level], [](std::size_t, bool surface) { return !surface; });
-    extra[level].surface.insert(std::lower_bound(extra[level].surface.begin(), extra[level].surface.end(), inner), inner);
+    extra[level].surface.insert(
+        std::lower_bound(extra[level].surface.begin(), extra[level].surface.end(), inner), inner);
     writePack(packOf(extra));
     const json second = verify(true, 3);
     EXPECT_EQ(second["issues"][0]["id"], 505);
@@ -420,7 +457,8 @@ TEST_F(KelpDump, UnsoundFilesGetOneHelpfulLine) {
       EXPECT_EQ(result.out, "") << command;
       EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
       EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
-      for (const std::string& words : says) EXPECT_NE(result.err.find(words), std::string::npos) << "'" << words << "' is not in: " << result.err;
+      for (const std::string& words : says)
+        EXPECT_NE(result.err.find(words), std::string::npos) << "'" << words << "' is not in: " << result.err;
     }
     EXPECT_EQ(dump({"verify", file}).exit, exit);
   };
@@ -451,17 +489,28 @@ TEST_F(KelpDump, UnsoundFilesGetOneHelpfulLine) {
 }
 
 TEST_F(KelpDump, UsageErrors) {
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {}, {"inf"}, {"info"}, {"info", "a", "b"}, {"info", "a", "--format", "xml"}, {"verify", "a", "--depe"}, {"rig", "a", "--format", "json"}}) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"inf"},
+                                             {"info"},
+                                             {"info", "a", "b"},
+                                             {"info", "a", "--format", "xml"},
+                                             {"verify", "a", "--depe"},
+                                             {"rig", "a", "--format", "json"}}) {
     const ProcessResult result = dump(arguments);
     EXPECT_EQ(result.exit, 1) << result.err;
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_NE(result.err.find("--help"), std::string::npos);
   }
-  EXPECT_NE(dump({"foo"}).err.find("foo: not a sub-command; use info, verify, diff, rig, extract, slice or schema"), std::string::npos) << dump({"foo"}).err;
-  EXPECT_NE(dump({}).err.find("use info, verify, diff, rig, extract, slice or schema"), std::string::npos) << dump({}).err;
-  EXPECT_NE(dump({"info", "a", "--format", "yaml"}).err.find("--format yaml: expected text or json"), std::string::npos);
+  EXPECT_NE(
+      dump({"foo"}).err.find("foo: not a sub-command; use info, verify, diff, rig, extract, slice or schema"),
+      std::string::npos)
+      << dump({"foo"}).err;
+  EXPECT_NE(dump({}).err.find("use info, verify, diff, rig, extract, slice or schema"), std::string::npos)
+      << dump({}).err;
+  EXPECT_NE(dump({"info", "a", "--format", "yaml"}).err.find("--format yaml: expected text or json"),
+            std::string::npos);
   const ProcessResult help = dump({"--help"});
   EXPECT_EQ(help.exit, 0);
   EXPECT_NE(help.out.find("Examples:"), std::string::npos);
@@ -474,7 +523,8 @@ TEST_F(KelpDump, UsageErrors) {
 
 TEST_F(KelpDump, AFullDiskIsNotedNotIgnored) {
   writePack(packOf(levelsOf(blob(), 1)));
-  const ProcessResult result = test::runProcess({"/bin/sh", "-c", std::string(KELP_DUMP) + " info '" + path() + "' > /dev/full"});
+  const ProcessResult result =
+      test::runProcess({"/bin/sh", "-c", std::string(KELP_DUMP) + " info '" + path() + "' > /dev/full"});
   EXPECT_EQ(result.exit, 2);
   EXPECT_NE(result.err.find("standard output"), std::string::npos) << result.err;
 }

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# kelp-dump for Windows under wine, on the golden packs: kelp_dump_windows_test.sh WINE KELP_DUMP.exe SOURCE_FOLDER
+# kelp-dump for Windows under wine, on the golden packs: kelp_dump_windows_test.sh WINE KELP_DUMP.exe
+# SOURCE_FOLDER
 set -euo pipefail
 wine=$1 program=$(realpath "$2") source=$(realpath "$3")
 golden=$source/tests/formats/golden
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-cp "$golden"/v1_tiny.kelp tiny.kelp
-cp "$golden"/v1_fog.kelp fog.kelp
+cp "$golden"/solid.kelp tiny.kelp
+cp "$golden"/fog.kelp fog.kelp
 
 fail() { echo "kelp_dump_windows_test.sh: $*" >&2; exit 1; }
 dump() { "$wine" "$program" "$@"; }
@@ -34,7 +35,7 @@ exits 0 verify tiny.kelp; says out "sound"
 exits 0 verify fog.kelp; says out "sound"
 exits 0 diff tiny.kelp tiny.kelp
 exits 7 diff tiny.kelp fog.kelp
-exits 0 schema rig; cmp out "$source/tools/rig_json/rig.schema.json"
+exits 0 schema rig; cmp out "$source/tools/rig/rig.schema.json"
 
 # Standard input and output are bytes.
 dump info - <tiny.kelp >out; says out "standard input: kelp pack"

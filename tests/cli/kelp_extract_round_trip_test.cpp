@@ -44,13 +44,16 @@ RawLevel readLevel(const Pack& pack, int part, int level) {
 }
 
 bool sameMaterial(const Material& a, const Material& b) {
-  return a.base_color == b.base_color && a.emissive == b.emissive && a.metallic == b.metallic && a.roughness == b.roughness;
+  return a.base_color == b.base_color && a.emissive == b.emissive && a.metallic == b.metallic &&
+         a.roughness == b.roughness;
 }
 
 class RoundTrip : public testing::Test {
  protected:
-  // Bakes, extracts, and bakes what was extracted; whether all of it went well. `once`: options of the first bake alone.
-  bool go(const std::string& input, const std::string& format, const std::vector<std::string>& options = {}, const std::vector<std::string>& once = {}) {
+  // Bakes, extracts, and bakes what was extracted; whether all of it went well. `once`: options of the first
+  // bake alone.
+  bool go(const std::string& input, const std::string& format, const std::vector<std::string>& options = {},
+          const std::vector<std::string>& once = {}) {
     const std::string stem = std::filesystem::path(input).stem().string();
     first_ = folder_ / "first.kelp";
     second_ = folder_ / "second.kelp";
@@ -63,7 +66,8 @@ class RoundTrip : public testing::Test {
     const test::ProcessResult baked = test::runProcess(bake);
     bake = again_options;
     EXPECT_EQ(baked.exit, 0) << baked.err;
-    const test::ProcessResult extracted = test::runProcess({KELP_DUMP, "extract", first_, "--" + format, again});
+    const test::ProcessResult extracted =
+        test::runProcess({KELP_DUMP, "extract", first_, "--" + format, again});
     EXPECT_EQ(extracted.exit, 0) << extracted.err;
     bake[1] = again;
     bake[3] = second_;
@@ -72,12 +76,14 @@ class RoundTrip : public testing::Test {
     return !HasFailure();
   }
 
-  // Everything but names and normals: parts, palette entries that voxels have, occupancy and colours of all levels.
+  // Everything but names and normals: parts, palette entries that voxels have, occupancy and colours of all
+  // levels.
   void expectSameLook(bool exact) {
     const Contents a = openPack(first_), b = openPack(second_);
     ASSERT_EQ(a.pack.parts().size(), b.pack.parts().size());
     ASSERT_TRUE(!exact || a.pack.palette().size() == b.pack.palette().size());
-    for (std::size_t e = 0; exact && e < a.pack.palette().size(); ++e) EXPECT_TRUE(sameMaterial(a.pack.palette()[e], b.pack.palette()[e])) << "entry " << e;
+    for (std::size_t e = 0; exact && e < a.pack.palette().size(); ++e)
+      EXPECT_TRUE(sameMaterial(a.pack.palette()[e], b.pack.palette()[e])) << "entry " << e;
     for (std::size_t p = 0; p < a.pack.parts().size(); ++p) {
       const Part &x = a.pack.parts()[p], &y = b.pack.parts()[p];
       EXPECT_EQ(x.name, y.name);
@@ -85,13 +91,17 @@ class RoundTrip : public testing::Test {
       EXPECT_EQ(x.levels, y.levels);
       EXPECT_TRUE(x.to_object == y.to_object);
       for (int level = 0; level < std::min(x.levels, y.levels); ++level) {
-        const RawLevel c = readLevel(a.pack, static_cast<int>(p), level), d = readLevel(b.pack, static_cast<int>(p), level);
+        const RawLevel c = readLevel(a.pack, static_cast<int>(p), level),
+                       d = readLevel(b.pack, static_cast<int>(p), level);
         EXPECT_TRUE(c.cells == d.cells && c.codes == d.codes) << "level " << level;
         ASSERT_EQ(c.attributes.size(), d.attributes.size());
         EXPECT_TRUE(!exact || c.attributes == d.attributes) << "level " << level;
         std::size_t other_color = 0;
         for (std::size_t i = 0; i < c.attributes.size(); ++i) {
-          other_color += sameMaterial(a.pack.palette()[attributePalette(c.attributes[i])], b.pack.palette()[attributePalette(d.attributes[i])]) ? 0 : 1;
+          other_color += sameMaterial(a.pack.palette()[attributePalette(c.attributes[i])],
+                                      b.pack.palette()[attributePalette(d.attributes[i])])
+                             ? 0
+                             : 1;
         }
         EXPECT_EQ(other_color, 0u) << "level " << level;
       }
@@ -104,7 +114,8 @@ class RoundTrip : public testing::Test {
 
 // Level by level to the last bit: MagicaVoxel's normals come of the voxels alone.
 TEST_F(RoundTrip, MagicaVoxel) {
-  for (const char* name : {"vox/vengi/8ontop.vox", "vox/vengi/rgb.vox", "vox/vox-reader/deer.vox", "vox/vox-reader/extended.vox"}) {
+  for (const char* name : {"vox/vengi/8ontop.vox", "vox/vengi/rgb.vox", "vox/vox-reader/deer.vox",
+                           "vox/vox-reader/extended.vox"}) {
     KELP_ASSET(input, name);
     SCOPED_TRACE(name);
     if (go(input, "vox")) expectSameLook(true);
@@ -126,7 +137,8 @@ TEST_F(RoundTrip, LevelSets) {
 }
 
 TEST_F(RoundTrip, Meshes) {
-  for (const char* name : {"gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", "gltf/draco_testdata/Duck.glb"})
+  for (const char* name :
+       {"gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", "gltf/draco_testdata/Duck.glb"})
     for (const char* format : {"vdb", "nvdb"}) {
       KELP_ASSET(input, name);
       SCOPED_TRACE(std::string(name) + " " + format);
@@ -151,7 +163,8 @@ TEST_F(RoundTrip, Fog) {
     for (int level = 0; level < x.levels; ++level) {
       const RawLevel c = readLevel(a.pack, 0, level), d = readLevel(b.pack, 0, level);
       EXPECT_TRUE(c.cells == d.cells && c.density == d.density) << "level " << level;
-      EXPECT_FLOAT_EQ(x.fog->extinction[static_cast<std::size_t>(level)], y.fog->extinction[static_cast<std::size_t>(level)]);
+      EXPECT_FLOAT_EQ(x.fog->extinction[static_cast<std::size_t>(level)],
+                      y.fog->extinction[static_cast<std::size_t>(level)]);
     }
   }
 }

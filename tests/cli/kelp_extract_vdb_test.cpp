@@ -51,8 +51,10 @@ class ExtractVdb : public testing::Test {
   test::Scratch folder_;
 };
 
-// Solid where the value is at most 0, voxel for voxel, also around the part; colours and attributes at the surface and nowhere else.
-void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, const std::string& prefix, const KnownPart& part, const std::vector<Material>& palette) {
+// Solid where the value is at most 0, voxel for voxel, also around the part; colours and attributes at the
+// surface and nowhere else.
+void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, const std::string& prefix,
+                 const KnownPart& part, const std::vector<Material>& palette) {
   const auto surface = find<openvdb::FloatGrid>(grids, name);
   const auto colors = find<openvdb::Vec3SGrid>(grids, prefix + "Cd");
   const auto attributes = find<openvdb::Vec3SGrid>(grids, prefix + "kelp_attribute");
@@ -60,16 +62,21 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
   ASSERT_TRUE(surface && colors && attributes && entries);
   for (int e = 0; e < static_cast<int>(palette.size()); ++e) {
     const Material& m = palette[static_cast<std::size_t>(e)];
-    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 0, 0)), openvdb::Vec3s(m.base_color.r, m.base_color.g, m.base_color.b));
-    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 1, 0)), openvdb::Vec3s(m.emissive.r, m.emissive.g, m.emissive.b));
-    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 2, 0)), openvdb::Vec3s(m.base_color.a, m.metallic, m.roughness));
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 0, 0)),
+              openvdb::Vec3s(m.base_color.r, m.base_color.g, m.base_color.b));
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 1, 0)),
+              openvdb::Vec3s(m.emissive.r, m.emissive.g, m.emissive.b));
+    EXPECT_EQ(entries->tree().getValue(openvdb::Coord(e, 2, 0)),
+              openvdb::Vec3s(m.base_color.a, m.metallic, m.roughness));
   }
   EXPECT_EQ(entries->activeVoxelCount(), 3 * palette.size());
   EXPECT_EQ(surface->getGridClass(), openvdb::GRID_LEVEL_SET);
-  const float edge = static_cast<float>(std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object))))));
+  const float edge =
+      static_cast<float>(std::cbrt(std::abs(glm::determinant(glm::dmat3(glm::dmat4x3(part.to_object))))));
   EXPECT_FLOAT_EQ(surface->background(), 3 * edge);
   for (const openvdb::GridBase::Ptr& grid : *grids)
-    if (grid->getName() == name || grid->getName().rfind(prefix, 0) == 0) expectPlaces(*grid, part.to_object, part.occupancy.size);
+    if (grid->getName() == name || grid->getName().rfind(prefix, 0) == 0)
+      expectPlaces(*grid, part.to_object, part.occupancy.size);
   std::size_t wrong = 0, wrong_look = 0, solid = 0;
   const auto at = surface->getConstAccessor();
   part.eachVoxel(12, [&](const glm::ivec3& v) {
@@ -79,7 +86,8 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
     const std::int64_t attribute = part.solid(v) ? part.attribute[part.occupancy.index(v)] : -1;
     openvdb::Vec3s color;
     openvdb::Vec3s stored(-1);
-    const bool has_color = colors->tree().probeValue(coordOf(v), color), has_attribute = attributes->tree().probeValue(coordOf(v), stored);
+    const bool has_color = colors->tree().probeValue(coordOf(v), color),
+               has_attribute = attributes->tree().probeValue(coordOf(v), stored);
     const bool corner = v == glm::ivec3(0) || v == part.occupancy.size - 1;
     if (has_color != (attribute >= 0) || has_attribute != (attribute >= 0 || corner)) ++wrong_look;
     if (attribute < 0) {
@@ -89,7 +97,10 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
     const auto bits = static_cast<std::uint32_t>(attribute);
     const glm::vec4& expected = palette[attributePalette(bits)].base_color;
     if (color != openvdb::Vec3s(expected.r, expected.g, expected.b)) ++wrong_look;
-    if (stored[0] != static_cast<float>(attributePalette(bits)) || (static_cast<std::uint32_t>(stored[1]) | static_cast<std::uint32_t>(stored[2]) << 12) != attributeNormal(bits)) ++wrong_look;
+    if (stored[0] != static_cast<float>(attributePalette(bits)) ||
+        (static_cast<std::uint32_t>(stored[1]) | static_cast<std::uint32_t>(stored[2]) << 12) !=
+            attributeNormal(bits))
+      ++wrong_look;
   });
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(wrong_look, 0u);
@@ -102,9 +113,11 @@ void expectSolid(const openvdb::GridPtrVecPtr& grids, const std::string& name, c
 
 TEST_F(ExtractVdb, LevelSetsAreTheVoxelsAndTheirColours) {
   const std::vector<Material> palette = test::paletteOf(9);
-  const glm::mat4x3 odd(glm::vec3(0, 0, 0.02f), glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.03f, 0), glm::vec3(0.4f, -0.1f, 2));
+  const glm::mat4x3 odd(glm::vec3(0, 0, 0.02f), glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.03f, 0),
+                        glm::vec3(0.4f, -0.1f, 2));
   const std::vector<KnownPart> parts{test::ball(odd, 9), test::ball(test::scaled(0.5f), 9)};
-  const std::string pack = test::writePackFile(folder_, "two.kelp", {test::rawPart(parts[0], "one"), test::rawPart(parts[1], "two")}, palette);
+  const std::string pack = test::writePackFile(
+      folder_, "two.kelp", {test::rawPart(parts[0], "one"), test::rawPart(parts[1], "two")}, palette);
   run({pack, "--vdb", folder_ / "two.vdb"});
   const auto both = readVdb(folder_ / "two.vdb");
   EXPECT_EQ(both->size(), 8u);
@@ -116,9 +129,13 @@ TEST_F(ExtractVdb, LevelSetsAreTheVoxelsAndTheirColours) {
 
 // A full cube has bricks without any surface voxel.
 TEST_F(ExtractVdb, TheInsideIsSolid) {
-  const KnownPart cube = test::knownPart({64, 48, 40}, test::scaled(1), [](const glm::ivec3&) { return true; }, [](const glm::ivec3& v) { return glm::vec3(v) - glm::vec3(31.5f, 23.5f, 19.5f); }, [](const glm::ivec3&) { return 0; });
+  const KnownPart cube = test::knownPart(
+      {64, 48, 40}, test::scaled(1), [](const glm::ivec3&) { return true; },
+      [](const glm::ivec3& v) { return glm::vec3(v) - glm::vec3(31.5f, 23.5f, 19.5f); },
+      [](const glm::ivec3&) { return 0; });
   const std::vector<Material> palette = test::paletteOf(1);
-  run({test::writePackFile(folder_, "cube.kelp", {test::rawPart(cube, "cube")}, palette), "--vdb", folder_ / "cube.vdb"});
+  run({test::writePackFile(folder_, "cube.kelp", {test::rawPart(cube, "cube")}, palette), "--vdb",
+       folder_ / "cube.vdb"});
   expectSolid(readVdb(folder_ / "cube.vdb"), "cube", "", cube, palette);
 }
 
@@ -127,15 +144,19 @@ TEST_F(ExtractVdb, LevelSetsAreDistancesWithThePacksNormals) {
   const glm::vec3 middle(20.4f, 19.7f, 20.2f);
   constexpr float kRadius = 17.3f;
   const auto away = [&](const glm::ivec3& v) { return glm::vec3(v) + 0.5f - middle; };
-  const KnownPart ball = test::knownPart({41, 40, 41}, test::scaled(0.1f), [&](const glm::ivec3& v) { return glm::length(away(v)) <= kRadius; }, away, [](const glm::ivec3&) { return 0; });
-  run({test::writePackFile(folder_, "ball.kelp", {test::rawPart(ball, "ball")}, test::paletteOf(1)), "--vdb", folder_ / "ball.vdb"});
+  const KnownPart ball = test::knownPart(
+      {41, 40, 41}, test::scaled(0.1f), [&](const glm::ivec3& v) { return glm::length(away(v)) <= kRadius; },
+      away, [](const glm::ivec3&) { return 0; });
+  run({test::writePackFile(folder_, "ball.kelp", {test::rawPart(ball, "ball")}, test::paletteOf(1)), "--vdb",
+       folder_ / "ball.vdb"});
   const auto surface = find<openvdb::FloatGrid>(readVdb(folder_ / "ball.vdb"), "ball");
   ASSERT_TRUE(surface);
   const auto at = surface->getConstAccessor();
   double worst_distance = 0, sum = 0, worst = 0, count = 0;
   ball.eachVoxel(4, [&](const glm::ivec3& v) {
     const double distance = double{glm::length(away(v))} - double{kRadius};
-    if (std::abs(distance) < 2.5) worst_distance = std::max(worst_distance, std::abs(double{at.getValue(coordOf(v))} / 0.1 - distance));
+    if (std::abs(distance) < 2.5)
+      worst_distance = std::max(worst_distance, std::abs(double{at.getValue(coordOf(v))} / 0.1 - distance));
     if (!ball.solid(v) || ball.attribute[ball.occupancy.index(v)] < 0) return;
     glm::dvec3 gradient;
     for (int axis = 0; axis < 3; ++axis) {
@@ -144,7 +165,8 @@ TEST_F(ExtractVdb, LevelSetsAreDistancesWithThePacksNormals) {
       gradient[axis] = double{at.getValue(coordOf(v + step))} - double{at.getValue(coordOf(v - step))};
     }
     const glm::dvec3 normal = glm::normalize(glm::dvec3(away(v)));
-    const double error = std::atan2(glm::length(glm::cross(gradient, normal)), glm::dot(gradient, normal)) * 180 / 3.14159265358979;
+    const double error = std::atan2(glm::length(glm::cross(gradient, normal)), glm::dot(gradient, normal)) *
+                         180 / 3.14159265358979;
     sum += error;
     worst = std::max(worst, error);
     ++count;
@@ -153,17 +175,20 @@ TEST_F(ExtractVdb, LevelSetsAreDistancesWithThePacksNormals) {
   EXPECT_LT(sum / count, 0.2);
   EXPECT_LT(worst, 3);
   RecordProperty("mean_degrees", std::to_string(sum / count));
-  printf("  distances within %.2f voxels, normals %.3f degrees in the mean, %.2f at most\n", worst_distance, sum / count, worst);
+  printf("  distances within %.2f voxels, normals %.3f degrees in the mean, %.2f at most\n", worst_distance,
+         sum / count, worst);
 }
 
 TEST_F(ExtractVdb, FogIsItsDensityPerMetre) {
   const glm::ivec3 size(17, 33, 20);
-  const fields::FogSamples fog = test::fogOf(size, test::puffs, [](const glm::dvec3& p) { return p.y * test::puffs(p); });
+  const fields::FogSamples fog =
+      test::fogOf(size, test::puffs, [](const glm::dvec3& p) { return p.y * test::puffs(p); });
   const RawPack pack = test::fogPack(fog, 0.3f);
   const std::string path = folder_.write("fog.kelp", std::span<const std::byte>(test::bytesOf(pack)));
   run({path, "--vdb", folder_ / "fog.vdb"});
   const auto grids = readVdb(folder_ / "fog.vdb");
-  const auto density = find<openvdb::FloatGrid>(grids, "density"), heat = find<openvdb::FloatGrid>(grids, "heat");
+  const auto density = find<openvdb::FloatGrid>(grids, "density"),
+             heat = find<openvdb::FloatGrid>(grids, "heat");
   ASSERT_TRUE(density && heat);
   EXPECT_EQ(density->getGridClass(), openvdb::GRID_FOG_VOLUME);
   EXPECT_EQ(density->background(), 0.0f);
@@ -175,7 +200,9 @@ TEST_F(ExtractVdb, FogIsItsDensityPerMetre) {
     for (int y = 0; y < size.y; ++y)
       for (int x = 0; x < size.x; ++x) {
         const std::size_t i = static_cast<std::size_t>(x + size.x * (y + size.y * z));
-        worst = std::max(worst, std::abs(double{density->tree().getValue({x, y, z})} - densest * double{fogDensity(fog.density[i])}) / densest);
+        worst = std::max(worst, std::abs(double{density->tree().getValue({x, y, z})} -
+                                         densest * double{fogDensity(fog.density[i])}) /
+                                    densest);
         worst = std::max(worst, std::abs(double{heat->tree().getValue({x, y, z})} - fog.heat[i] / 255.0));
       }
   EXPECT_LT(worst, 2e-6);
@@ -183,7 +210,8 @@ TEST_F(ExtractVdb, FogIsItsDensityPerMetre) {
 
 // The same grids, value by value.
 template <class Value, class Grid>
-void expectSame(const nanovdb::GridHandle<>& handle, const Grid& open, const glm::ivec3& low, const glm::ivec3& high) {
+void expectSame(const nanovdb::GridHandle<>& handle, const Grid& open, const glm::ivec3& low,
+                const glm::ivec3& high) {
   const nanovdb::NanoGrid<Value>* const grid = handle.grid<Value>();
   ASSERT_NE(grid, nullptr);
   EXPECT_EQ(open.getName(), grid->gridName());
@@ -195,8 +223,10 @@ void expectSame(const nanovdb::GridHandle<>& handle, const Grid& open, const glm
       for (int x = low.x; x < high.x; ++x) {
         const auto a = at.getValue({x, y, z});
         const Value b = nano_at.getValue({x, y, z});
-        if constexpr (std::is_floating_point_v<Value>) wrong += a == b ? 0 : 1;
-        else wrong += a[0] == b[0] && a[1] == b[1] && a[2] == b[2] ? 0 : 1;
+        if constexpr (std::is_floating_point_v<Value>)
+          wrong += a == b ? 0 : 1;
+        else
+          wrong += a[0] == b[0] && a[1] == b[1] && a[2] == b[2] ? 0 : 1;
       }
   EXPECT_EQ(wrong, 0u);
   const openvdb::Vec3d place = open.indexToWorld(openvdb::Coord(3, 1, 2));
@@ -206,7 +236,8 @@ void expectSame(const nanovdb::GridHandle<>& handle, const Grid& open, const glm
 
 TEST_F(ExtractVdb, NanoVdbHoldsTheSame) {
   const KnownPart part = test::ball(test::scaled(0.5f, {1, 2, 3}), 9);
-  const std::string pack = test::writePackFile(folder_, "ball.kelp", {test::rawPart(part, "ball")}, test::paletteOf(9));
+  const std::string pack =
+      test::writePackFile(folder_, "ball.kelp", {test::rawPart(part, "ball")}, test::paletteOf(9));
   run({pack, "--vdb", folder_ / "ball.vdb"});
   run({pack, "--nvdb", folder_ / "ball.nvdb"});
   const auto grids = readVdb(folder_ / "ball.vdb");

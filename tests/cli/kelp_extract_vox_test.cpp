@@ -110,7 +110,8 @@ Vox readVox(const std::string& path) {
         EXPECT_LE(side, 256);
       }
     } else if (id == "XYZI") {
-      for (int n = chunk.integer(); n > 0; --n) std::memcpy(vox.models.back().voxels.emplace_back().data(), chunk.take(4).data(), 4);
+      for (int n = chunk.integer(); n > 0; --n)
+        std::memcpy(vox.models.back().voxels.emplace_back().data(), chunk.take(4).data(), 4);
     } else if (id == "RGBA") {
       std::memcpy(vox.rgba.data(), chunk.take(1024).data(), 1024);
     } else if (id == "IMAP") {
@@ -152,7 +153,8 @@ Vox readVox(const std::string& path) {
 // Where a voxel of a part must be: its middle in the object, in voxels, z up.
 Place placeIn(const KnownPart& part, const glm::ivec3& voxel, double edge) {
   const glm::dvec3 middle = glm::dmat4x3(part.to_object) * glm::dvec4(glm::dvec3(voxel) + 0.5, 1) / edge;
-  return {static_cast<int>(std::floor(middle.x + 1e-4)), static_cast<int>(std::floor(-middle.z + 1e-4)), static_cast<int>(std::floor(middle.y + 1e-4))};
+  return {static_cast<int>(std::floor(middle.x + 1e-4)), static_cast<int>(std::floor(-middle.z + 1e-4)),
+          static_cast<int>(std::floor(middle.y + 1e-4))};
 }
 
 // Every voxel of the parts is there, no other is, and surface voxels have their palette entries.
@@ -169,7 +171,9 @@ void expectParts(const Vox& vox, const std::vector<KnownPart>& parts, double edg
         return;
       }
       const std::int64_t attribute = part.attribute[part.occupancy.index(v)];
-      if (attribute >= 0 && vox.place_of[static_cast<std::size_t>(found->second)] != attributePalette(static_cast<std::uint32_t>(attribute))) ++wrong_color;
+      if (attribute >= 0 && vox.place_of[static_cast<std::size_t>(found->second)] !=
+                                attributePalette(static_cast<std::uint32_t>(attribute)))
+        ++wrong_color;
     });
   EXPECT_EQ(voxels.size(), solid);
   EXPECT_EQ(wrong_place, 0u);
@@ -197,19 +201,25 @@ TEST_F(ExtractVox, VoxelsStandWhereTheyStoodInTheirColours) {
   expectParts(vox, {part}, 1);
   for (std::size_t i = 0; i < palette.size(); ++i) {
     const glm::vec4& color = palette[i].base_color;
-    EXPECT_EQ(vox.rgba[i], (std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(test::srgbOf(color.r)), static_cast<std::uint8_t>(test::srgbOf(color.g)), static_cast<std::uint8_t>(test::srgbOf(color.b)), 255}));
+    EXPECT_EQ(vox.rgba[i],
+              (std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(test::srgbOf(color.r)),
+                                           static_cast<std::uint8_t>(test::srgbOf(color.g)),
+                                           static_cast<std::uint8_t>(test::srgbOf(color.b)), 255}));
     const bool plain = i % 5 == 0 || i % 5 == 4;
     ASSERT_EQ(vox.materials.contains(static_cast<int>(i) + 1), !plain) << i;
     if (plain) continue;
     const auto& material = vox.materials.at(static_cast<int>(i) + 1);
     if (i % 5 == 1) {
-      EXPECT_EQ(material, (std::map<std::string, std::string>{{"_type", "_metal"}, {"_metal", "0.75"}, {"_rough", "0.3"}}));
+      EXPECT_EQ(material, (std::map<std::string, std::string>{
+                              {"_type", "_metal"}, {"_metal", "0.75"}, {"_rough", "0.3"}}));
     }
     if (i % 5 == 2) {
-      EXPECT_EQ(material, (std::map<std::string, std::string>{{"_type", "_emit"}, {"_emit", "1"}, {"_flux", "1.5"}}));
+      EXPECT_EQ(material,
+                (std::map<std::string, std::string>{{"_type", "_emit"}, {"_emit", "1"}, {"_flux", "1.5"}}));
     }
     if (i % 5 == 3) {
-      EXPECT_EQ(material, (std::map<std::string, std::string>{{"_type", "_glass"}, {"_rough", "0.2"}, {"_trans", "0.6"}}));
+      EXPECT_EQ(material, (std::map<std::string, std::string>{
+                              {"_type", "_glass"}, {"_rough", "0.2"}, {"_trans", "0.6"}}));
     }
   }
   bool named = false;
@@ -219,19 +229,29 @@ TEST_F(ExtractVox, VoxelsStandWhereTheyStoodInTheirColours) {
 
 TEST_F(ExtractVox, TurnedMirroredAndOddlyPlacedPartsAreWholeVoxels) {
   // A quarter about x, mirrored, 2 cm wide voxels.
-  const glm::mat4x3 turned(glm::vec3(0, 0, 0.02f), glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.02f, 0), glm::vec3(0.4f, -0.1f, 2));
-  const glm::mat4x3 mirrored(glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.02f, 0), glm::vec3(0, 0, 0.02f), glm::vec3(-4, 0, 0));
+  const glm::mat4x3 turned(glm::vec3(0, 0, 0.02f), glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.02f, 0),
+                           glm::vec3(0.4f, -0.1f, 2));
+  const glm::mat4x3 mirrored(glm::vec3(-0.02f, 0, 0), glm::vec3(0, 0.02f, 0), glm::vec3(0, 0, 0.02f),
+                             glm::vec3(-4, 0, 0));
   const std::vector<KnownPart> parts{test::ball(turned, 3), test::ball(mirrored, 3)};
-  const std::string pack = test::writePackFile(folder_, "two.kelp", {test::rawPart(parts[0], "one"), test::rawPart(parts[1], "two")}, test::paletteOf(3));
+  const std::string pack = test::writePackFile(
+      folder_, "two.kelp", {test::rawPart(parts[0], "one"), test::rawPart(parts[1], "two")},
+      test::paletteOf(3));
   expectParts(extract(pack, {}, "--voxel-size 0.02"), parts, 0.02f);
   expectParts(extract(pack, {"--part", "two"}, "--voxel-size 0.02"), {parts[1]}, 0.02f);
   expectParts(extract(pack, {"--part", "0"}, "--voxel-size 0.02"), {parts[0]}, 0.02f);
 }
 
 TEST_F(ExtractVox, LargePartsAreSeveralModels) {
-  const auto pattern = [](const glm::ivec3& v) { return (v.x * 7 + v.y * 3 + v.z * 5) % 11 < 3 && !(v.x >= 256 && v.z >= 256); };
-  const KnownPart part = test::knownPart({530, 9, 300}, test::scaled(1, {3, 0, -100}), pattern, [](const glm::ivec3&) { return glm::vec3(0, 1, 0); }, [](const glm::ivec3& v) { return (v.x + v.z) % 4; });
-  const Vox vox = extract(test::writePackFile(folder_, "large.kelp", {test::rawPart(part, "large")}, test::paletteOf(4)));
+  const auto pattern = [](const glm::ivec3& v) {
+    return (v.x * 7 + v.y * 3 + v.z * 5) % 11 < 3 && !(v.x >= 256 && v.z >= 256);
+  };
+  const KnownPart part = test::knownPart(
+      {530, 9, 300}, test::scaled(1, {3, 0, -100}), pattern,
+      [](const glm::ivec3&) { return glm::vec3(0, 1, 0); },
+      [](const glm::ivec3& v) { return (v.x + v.z) % 4; });
+  const Vox vox =
+      extract(test::writePackFile(folder_, "large.kelp", {test::rawPart(part, "large")}, test::paletteOf(4)));
   expectParts(vox, {part}, 1);
   EXPECT_GE(vox.models.size(), 4u);
   for (const Vox::Model& model : vox.models) EXPECT_FALSE(model.voxels.empty());
@@ -241,7 +261,9 @@ TEST_F(ExtractVox, The256thColourKeepsItsPlace) {
   // 255 of 256 entries: one gives up its index, none its place.
   const auto solid = [](const glm::ivec3&) { return true; };
   const auto normal = [](const glm::ivec3&) { return glm::vec3(0, 1, 0); };
-  const KnownPart part = test::knownPart({17, 15, 1}, test::scaled(1), solid, normal, [](const glm::ivec3& v) { return (v.x + 17 * v.y) < 100 ? v.x + 17 * v.y : v.x + 17 * v.y + 1; });
+  const KnownPart part = test::knownPart(
+      {17, 15, 1}, test::scaled(1), solid, normal,
+      [](const glm::ivec3& v) { return (v.x + 17 * v.y) < 100 ? v.x + 17 * v.y : v.x + 17 * v.y + 1; });
   std::vector<Material> palette = test::paletteOf(256);
   const Vox vox = extract(test::writePackFile(folder_, "flag.kelp", {test::rawPart(part, "flag")}, palette));
   expectParts(vox, {part}, 1);
@@ -250,26 +272,32 @@ TEST_F(ExtractVox, The256thColourKeepsItsPlace) {
   // All 256: the two most alike, 7 and 255, become one.
   palette[255] = palette[7];
   palette[255].base_color.r = std::nextafter(palette[7].base_color.r, 1.0f);
-  const KnownPart full = test::knownPart({16, 16, 1}, test::scaled(1), solid, normal, [](const glm::ivec3& v) { return v.x + 16 * v.y; });
-  const Vox all = extract(test::writePackFile(folder_, "full.kelp", {test::rawPart(full, "full")}, palette), {}, "colours 7 and 255 became one");
+  const KnownPart full = test::knownPart({16, 16, 1}, test::scaled(1), solid, normal,
+                                         [](const glm::ivec3& v) { return v.x + 16 * v.y; });
+  const Vox all = extract(test::writePackFile(folder_, "full.kelp", {test::rawPart(full, "full")}, palette),
+                          {}, "colours 7 and 255 became one");
   std::map<Place, int> voxels = all.voxels();
   ASSERT_EQ(voxels.size(), 256u);
   full.eachVoxel(0, [&](const glm::ivec3& v) {
     const int entry = v.x + 16 * v.y;
-    EXPECT_EQ(all.place_of[static_cast<std::size_t>(voxels.at(placeIn(full, v, 1)))], entry == 255 ? 7 : entry);
+    EXPECT_EQ(all.place_of[static_cast<std::size_t>(voxels.at(placeIn(full, v, 1)))],
+              entry == 255 ? 7 : entry);
   });
 }
 
 TEST_F(ExtractVox, CoarserLevelsHaveLargerVoxels) {
   const KnownPart part = test::ball(test::scaled(0.5f), 3);
-  const Vox vox = extract(test::writePackFile(folder_, "ball.kelp", {test::rawPart(part, "ball")}, test::paletteOf(3)), {"--level", "1"});
+  const Vox vox =
+      extract(test::writePackFile(folder_, "ball.kelp", {test::rawPart(part, "ball")}, test::paletteOf(3)),
+              {"--level", "1"});
   KnownPart coarse{fields::coarser(part.occupancy), {}, test::scaled(1)};
   coarse.attribute.assign(coarse.occupancy.solid.size(), 0);
   expectParts(vox, {coarse}, 1);
 }
 
 TEST_F(ExtractVox, StandardOutputGetsTheSameBytes) {
-  const std::string pack = test::writePackFile(folder_, "ball.kelp", {test::rawPart(test::ball(test::scaled(1), 3), "ball")}, test::paletteOf(3));
+  const std::string pack = test::writePackFile(
+      folder_, "ball.kelp", {test::rawPart(test::ball(test::scaled(1), 3), "ball")}, test::paletteOf(3));
   extract(pack);
   const test::ProcessResult result = test::dump({"extract", pack, "--vox", "-"});
   EXPECT_EQ(result.exit, 0);

@@ -1,102 +1,14 @@
 // SPDX-License-Identifier: MIT
 // kelp-render as a user runs it: pictures that show what they should, and mistakes that are explained.
-#include <gtest/gtest.h>
-#include <png.h>
-
 #include <algorithm>
 #include <fstream>
 
-#include "process.h"
-#include "support/test_pack.h"
+#include "render_fixture.h"
 
 namespace kelp {
 namespace {
 
-using test::ProcessResult;
-
-ProcessResult render(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), KELP_RENDER);
-  return test::runProcess(arguments);
-}
-
-void write(const std::string& path, std::span<const std::byte> bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
-// Rows from top to bottom. Empty if the file is no PNG.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;
-
-  explicit Picture(const std::string& path) {
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    if (!png_image_begin_read_from_file(&image, path.c_str())) return;
-    image.format = PNG_FORMAT_RGBA;
-    rgba.resize(PNG_IMAGE_SIZE(image));
-    if (!png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr)) return;
-    width = static_cast<int>(image.width);
-    height = static_cast<int>(image.height);
-  }
-  glm::ivec4 at(int x, int y) const {
-    if (x >= width || y >= height) return glm::ivec4(-1);
-    const std::uint8_t* p = rgba.data() + 4 * (y * width + x);
-    return {p[0], p[1], p[2], p[3]};
-  }
-  bool covered(int x, int y) const { return at(x, y).a > 127; }
-  // Mean x of the covered pixels of some rows; -1: none.
-  double middle(int top, int bottom) const {
-    double sum = 0;
-    int count = 0;
-    for (int y = top; y < bottom; ++y) {
-      for (int x = 0; x < width; ++x) {
-        if (covered(x, y)) sum += x, ++count;
-      }
-    }
-    return count ? sum / count : -1;
-  }
-};
-
-// A box of 24 x 48 x 16 voxels: below green, above red, and on its right (+x) blue. Its clip moves the top to the right.
-RawPack boxPack() {
-  const glm::ivec3 size(24, 48, 16);
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(24 * 48 * 16, 1)};
-  RawPack pack = test::packOf(volume);
-  pack.palette = {Material{{0.02f, 0.5f, 0.02f, 1}, {0, 0, 0}, 0, 1}, Material{{0.6f, 0.02f, 0.02f, 1}, {0, 0, 0}, 0, 1},
-                  Material{{0.02f, 0.02f, 0.7f, 1}, {0, 0, 0}, 0, 1}};
-  std::vector<fields::SurfaceVoxel> surface;
-  for (const std::uint64_t i : fields::surfaceVoxels(volume, 1)) {
-    const glm::ivec3 v(static_cast<int>(i % 24), static_cast<int>(i / 24 % 48), static_cast<int>(i / (24 * 48)));
-    const glm::vec3 normal = v.z == 15 ? glm::vec3(0, 0, 1) : v.x == 23 ? glm::vec3(1, 0, 0) : v.x == 0 ? glm::vec3(-1, 0, 0) : glm::vec3(0, 1, 0);
-    surface.push_back({i, makeAttribute(v.x >= 16 ? 2 : v.y >= 24 ? 1 : 0, encodeNormal(normal))});
-  }
-  pack.parts[0].levels[0] = fields::buildLevel(volume, surface, 1);
-  RawClip clip;
-  clip.name = "lean";
-  clip.duration = 2;
-  clip.waves.push_back({0, 1, Target::kKnotOffset, {24, 0, 0}, 2, 0});
-  pack.clips.push_back(clip);
-  return pack;
-}
-
-class KelpRender : public testing::Test {
- protected:
-  void SetUp() override { write(pack_, test::bytesOf(boxPack())); }
-  // Renders the box from the front, without background; the test fails if that fails.
-  Picture picture(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {pack_, "-o", out_, "--size", "120x120", "--yaw", "0", "--pitch", "0", "--background", "none"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const ProcessResult result = render(arguments);
-    EXPECT_EQ(result.exit, 0) << result.err;
-    EXPECT_EQ(result.err, "");
-    EXPECT_EQ(result.out, "");
-    return Picture(out_);
-  }
-
-  const test::Scratch folder_;
-  const std::string pack_ = folder_ / "box.kelp";
-  const std::string out_ = folder_ / "out.png";
-};
+using namespace test;
 
 TEST_F(KelpRender, ShowsTheModelUprightAndInItsColours) {
   const Picture p = picture();
@@ -110,7 +22,10 @@ TEST_F(KelpRender, ShowsTheModelUprightAndInItsColours) {
   EXPECT_NEAR(p.middle(0, 120), 59.5, 1.0);
   const auto strongest = [&](int x, int y) {
     const glm::ivec4 c = p.at(x, y);
-    return c.r > 2 * c.g && c.r > 2 * c.b ? 'r' : c.g > 2 * c.r && c.g > 2 * c.b ? 'g' : c.b > 2 * c.r && c.b > 2 * c.g ? 'b' : '?';
+    return c.r > 2 * c.g && c.r > 2 * c.b   ? 'r'
+           : c.g > 2 * c.r && c.g > 2 * c.b ? 'g'
+           : c.b > 2 * c.r && c.b > 2 * c.g ? 'b'
+                                            : '?';
   };
   EXPECT_EQ(strongest(45, 30), 'r');
   EXPECT_EQ(strongest(45, 90), 'g');
@@ -146,7 +61,8 @@ TEST_F(KelpRender, ViewsShowWhatTheySay) {
   EXPECT_GT(depth.at(60, 30).r, depth.at(60, 100).r);  // the top's near edge against the foot of the front
   const glm::ivec4 steps = picture({"--view", "steps"}).at(60, 60);
   EXPECT_GT(steps.b, steps.r);  // few steps
-  EXPECT_NE(picture({"--view", "level", "--level", "0"}).at(60, 60), picture({"--view", "level", "--level", "2"}).at(60, 60));
+  EXPECT_NE(picture({"--view", "level", "--level", "0"}).at(60, 60),
+            picture({"--view", "level", "--level", "2"}).at(60, 60));
 }
 
 TEST_F(KelpRender, ShadingIsWhatWasAsked) {
@@ -201,7 +117,8 @@ TEST_F(KelpRender, SeveralPacksStandWhereTheyWereToldTo) {
     more.insert(more.begin(), wide.begin(), wide.end());
     return picture(more);
   };
-  // One half a metre to the left, one half a metre to the right of the middle, a gap of half a metre between them.
+  // One half a metre to the left, one half a metre to the right of the middle, a gap of half a metre between
+  // them.
   const Picture two = with({"--at", "-0.5,0,0", "--and", pack_, "--at=0.5,0,0"});
   EXPECT_FALSE(two.covered(120, 60));
   const auto edges = [](const Picture& p, int y) {
@@ -216,14 +133,18 @@ TEST_F(KelpRender, SeveralPacksStandWhereTheyWereToldTo) {
   EXPECT_NEAR(both[1] - both[0], both[3] - both[2], 2);
   EXPECT_NEAR(both[2] - both[1], both[1] - both[0], 0.3 * (both[1] - both[0]));  // the near faces look larger
   // Each has its own pose, clip and time; what is nearer hides what is behind.
-  const Picture posed = with({"--at", "-0.8,0,0", "--and", pack_, "--at=0.8,0,0", "--clip", "lean", "--time", "0.5"});
+  const Picture posed =
+      with({"--at", "-0.8,0,0", "--and", pack_, "--at=0.8,0,0", "--clip", "lean", "--time", "0.5"});
   ASSERT_EQ(edges(posed, 100).size(), 4u);
   EXPECT_EQ(edges(posed, 30).size(), 4u);
   EXPECT_NEAR(edges(posed, 30)[0], edges(posed, 100)[0], 3);
   EXPECT_GT(edges(posed, 30)[2], edges(posed, 100)[2] + 5);
-  const glm::ivec4 front = picture({"--turn", "90", "--at", "0,0,1", "--and", pack_, "--at", "0,0,-1", "--scale", "0.5"}).at(60, 60);
+  const glm::ivec4 front =
+      picture({"--turn", "90", "--at", "0,0,1", "--and", pack_, "--at", "0,0,-1", "--scale", "0.5"})
+          .at(60, 60);
   const glm::ivec4 alone = picture({"--yaw", "-90"}).at(60, 60);
-  EXPECT_EQ(front.g > 2 * front.b, alone.g > 2 * alone.b);  // turned to the left, its left side, which is not blue, is in front
+  // turned to the left, its left side, which is not blue, is in front
+  EXPECT_EQ(front.g > 2 * front.b, alone.g > 2 * alone.b);
   // Half as large in every direction.
   const Picture scaled = with({"--at", "-0.5,0,0", "--and", pack_, "--at=0.5,0,0", "--scale", "0.5"});
   int left = 0, right = 0;
@@ -245,7 +166,8 @@ TEST_F(KelpRender, ClipsAndTurntablesGiveFrames) {
   picture({"--clip", "lean", "--frames", "4"});
   EXPECT_FALSE(std::filesystem::exists(out_));
   double middle[4];
-  for (int i = 0; i < 4; ++i) middle[i] = Picture(folder_ / ("out_000" + std::to_string(i + 1) + ".png")).middle(8, 30);
+  for (int i = 0; i < 4; ++i)
+    middle[i] = Picture(folder_ / ("out_000" + std::to_string(i + 1) + ".png")).middle(8, 30);
   EXPECT_GT(middle[1], middle[0] + 10);  // a quarter of the wave: right
   EXPECT_NEAR(middle[2], middle[0], 2);
   EXPECT_LT(middle[3], middle[0] - 10);
@@ -259,21 +181,23 @@ TEST_F(KelpRender, ClipsAndTurntablesGiveFrames) {
 
 TEST_F(KelpRender, SaysTheSameTwice) {
   picture();
-  const std::string first = test::readWhole(out_);
+  const std::string first = readWhole(out_);
   picture();
-  EXPECT_EQ(test::readWhole(out_), first);
+  EXPECT_EQ(readWhole(out_), first);
 }
 
 TEST_F(KelpRender, DrawsTheSameWithOpenGlEs) {
   const Picture desktop = picture({"--view", "shaded"});
   // Mesa then refuses a context of OpenGL 3.3.
-  const ProcessResult result = test::runProcess({"env", "MESA_GL_VERSION_OVERRIDE=3.2", KELP_RENDER, pack_, "-o", out_, "--size", "120x120", "--yaw", "0",
-                                                 "--pitch", "0", "--background", "none"});
+  const ProcessResult result =
+      runProcess({"env", "MESA_GL_VERSION_OVERRIDE=3.2", KELP_RENDER, pack_, "-o", out_, "--size", "120x120",
+                  "--yaw", "0", "--pitch", "0", "--background", "none"});
   ASSERT_EQ(result.exit, 0) << result.err;
   const Picture embedded(out_);
   ASSERT_EQ(embedded.rgba.size(), desktop.rgba.size());
   int different = 0;
-  for (std::size_t i = 0; i < desktop.rgba.size(); ++i) different += std::abs(embedded.rgba[i] - desktop.rgba[i]) > 2;
+  for (std::size_t i = 0; i < desktop.rgba.size(); ++i)
+    different += std::abs(embedded.rgba[i] - desktop.rgba[i]) > 2;
   EXPECT_LE(different, 20);
 }
 
@@ -284,8 +208,9 @@ TEST_F(KelpRender, HelpAndVersion) {
 }
 
 TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
-  const std::vector<std::byte> bytes = test::bytesOf(boxPack());
-  const std::string cut = folder_ / "cut.kelp", flipped = folder_ / "flipped.kelp", text = folder_ / "text.kelp", newer = folder_ / "newer.kelp";
+  const std::vector<std::byte> bytes = bytesOf(boxPack());
+  const std::string cut = folder_ / "cut.kelp", flipped = folder_ / "flipped.kelp",
+                    text = folder_ / "text.kelp", newer = folder_ / "newer.kelp";
   write(cut, std::span(bytes).first(bytes.size() / 2));
   std::vector<std::byte> damaged = bytes;
   damaged[bytes.size() - 100] ^= std::byte{1};
@@ -314,7 +239,9 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--shadows", "maybe"}, 1, "shadows"},
       {{pack_, "-o", out_, "--occlusion", "17"}, 1, "occlusion"},
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
-      {{pack_, "-o", out_, "--view", "inside"}, 1, "--view inside: expected shaded, normals, depth, steps or level"},
+      {{pack_, "-o", out_, "--view", "inside"},
+       1,
+       "--view inside: expected shaded, normals, depth, steps or level"},
       {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},
       {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
       {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},
@@ -333,12 +260,12 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--and"}, 1, "PACK is required"},
       {{pack_, "-o", out_, "--and", pack_, "--size", "9x9"}, 1, "--size"},
       {{pack_, "-o", out_, "--and", pack_, "--clip", "swim"}, 1, "Clips: lean"},
-      {{pack_, "-o", out_, "--and", folder_ / "none.kelp"}, 2, "none.kelp: can not be opened"},
+      {{pack_, "-o", out_, "--and", folder_ / "none.kelp"}, 2, "none.kelp: cannot be opened"},
       {{pack_, "-o", out_, "--and", cut}, 3, "cut.kelp"},
       {{named_png, "-o", named_png}, 1, "would overwrite"},
       {{pack_, "-o", folder_ / "folder.png"}, 2, "is a folder"},
       {{folder_ / "none.kelp", "-o", out_}, 2, "No such file"},
-      {{folder_ / ".", "-o", out_}, 2, "can not be opened"},
+      {{folder_ / ".", "-o", out_}, 2, "cannot be opened"},
       {{pack_, "-o", folder_ / "no/such/folder/out.png"}, 2, "folder"},
       {{cut, "-o", out_}, 3, "cut.kelp"},
       {{flipped, "-o", out_}, 3, "checksum"},
@@ -357,12 +284,13 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
     EXPECT_EQ(result.err.rfind("kelp-render: ", 0), 0u) << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_EQ(result.out, "") << line;
-    EXPECT_EQ(test::readWhole(out_), "precious") << line;
+    EXPECT_EQ(readWhole(out_), "precious") << line;
   }
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(out_).parent_path())) files += entry.is_regular_file();
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(out_).parent_path()))
+    files += entry.is_regular_file();
   EXPECT_EQ(files, 7) << "a temporary file was left behind";
-  EXPECT_EQ(test::readWhole(named_png), std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  EXPECT_EQ(readWhole(named_png), std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 TEST_F(KelpRender, LinksStayLinks) {
@@ -371,12 +299,13 @@ TEST_F(KelpRender, LinksStayLinks) {
   std::filesystem::create_symlink("real.png", link);
   EXPECT_EQ(render({pack_, "-o", link.string(), "--size", "32x32"}).exit, 0);
   EXPECT_TRUE(std::filesystem::is_symlink(link));
-  EXPECT_EQ(test::readWhole(real.string()).substr(1, 3), "PNG");
+  EXPECT_EQ(readWhole(real.string()).substr(1, 3), "PNG");
 }
 
 TEST_F(KelpRender, WithoutAnEglDeviceSaysWhatToInstall) {
   // glvnd finds no vendor, so EGL has no display.
-  const ProcessResult result = test::runProcess({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null", KELP_RENDER, pack_, "-o", out_});
+  const ProcessResult result =
+      runProcess({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null", KELP_RENDER, pack_, "-o", out_});
   EXPECT_EQ(result.exit, 4) << result.err;
   EXPECT_NE(result.err.find("install libegl1 libgl1-mesa-dri"), std::string::npos) << result.err;
 }

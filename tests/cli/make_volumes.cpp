@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes small volumes, as OpenVDB's and NanoVDB's own libraries write them, into a folder: make_volumes FOLDER. For tests of the programs.
+// Writes small volumes, as OpenVDB's and NanoVDB's own libraries write them, into a folder: make_volumes
+// FOLDER. For tests of the programs.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,7 +12,8 @@ namespace {
 
 using namespace kelp::bake::test;
 
-// About the origin. A level set has its distances; every other class grows from 0 at the surface to `radius` in the middle.
+// About the origin. A level set has its distances; every other class grows from 0 at the surface to `radius`
+// in the middle.
 VdbSpec ball(const char* name, const char* grid_class, double radius) {
   VdbSpec spec;
   spec.name = name;
@@ -47,7 +49,9 @@ int main(int argc, char** argv) {
     writeVdb(folder / (stem + ".vdb"), grids);
     writeNvdb(folder / (stem + ".nvdb"), folder / (stem + ".vdb"), "", NvdbCodec::kZip);
   };
-  both("several", {ball("surface", "level set", 6.2), ball("density", "fog volume", 8.2), ball("temperature", "", 5.2), ball("embers", "", 4.2), paint("Cd", {0.8, 0.1, 0.1}), paint("paint", {0.1, 0.2, 0.9})});
+  both("several",
+       {ball("surface", "level set", 6.2), ball("density", "fog volume", 8.2), ball("temperature", "", 5.2),
+        ball("embers", "", 4.2), paint("Cd", {0.8, 0.1, 0.1}), paint("paint", {0.1, 0.2, 0.9})});
   both("fog", {ball("density", "fog volume", 8.2)});
   both("glow", {ball("density", "fog volume", 8.2), ball("heat", "", 5.2)});
   both("solid", {ball("surface", "level set", 6.2)});

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Builds kelp-bake in six ways and compares what they bake, byte by byte: gcc and clang, Debug and Release, with AVX2 and FMA in all
-# of the code, and without kelp's own vectors. Opt-in, since it takes an hour of two cores the first time: apt-get install clang
+# Builds kelp-bake in six ways and compares what they bake, byte by byte: gcc and clang, Debug and Release,
+# with AVX2 and FMA in all
+# of the code, and without kelp's own vectors. Opt-in, since it takes an hour of two cores the first time:
+# apt-get install clang
 #   tests/cli/same_packs.sh [BUILD_FOLDER]        (default build/same; tests/run.sh --all calls it)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"

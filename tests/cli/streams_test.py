@@ -22,7 +22,7 @@ while len(sys.argv) > 1:
     if word == "--":
         break
     PROGRAMS[os.path.basename(word)] = os.path.abspath(word)
-GOLDEN = os.path.join(SOURCES, "tests/formats/golden/v1_tiny.kelp")
+GOLDEN = os.path.join(SOURCES, "tests/formats/golden/solid.kelp")
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
 

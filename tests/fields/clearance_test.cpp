@@ -39,8 +39,9 @@ TEST(Dilate26, SetsWhatHasASolidNeighbour) {
   for (const NamedVolume& volume : hardVolumes()) {
     const auto expected = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool any = false;
-      aroundOf(v, volume.occupancy.size,
-               [&](const glm::ivec3& n, bool inside) { any |= inside && volume.occupancy.solid[volume.occupancy.index(n)]; });
+      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) {
+        any |= inside && volume.occupancy.solid[volume.occupancy.index(n)];
+      });
       return any;
     });
     forEveryTarget([&](const char* target) {
@@ -55,8 +56,9 @@ TEST(SurfaceVoxels, AreSolidWithAnEmptyOrOutsideNeighbour) {
     std::vector<std::uint64_t> expected;
     const auto surface = volumeWhere(volume.occupancy.size, [&](const glm::ivec3& v) {
       bool open = false;
-      aroundOf(v, volume.occupancy.size,
-               [&](const glm::ivec3& n, bool inside) { open |= !inside || !volume.occupancy.solid[volume.occupancy.index(n)]; });
+      aroundOf(v, volume.occupancy.size, [&](const glm::ivec3& n, bool inside) {
+        open |= !inside || !volume.occupancy.solid[volume.occupancy.index(n)];
+      });
       return open && volume.occupancy.solid[volume.occupancy.index(v)];
     });
     for (std::size_t i = 0; i < surface.solid.size(); ++i) {
@@ -87,7 +89,8 @@ TEST(Neighbours, RefuseSizesThatDoNotFit) {
   EXPECT_THROW(fields::coarser(volume), std::invalid_argument);
 }
 
-// root = floor(scale sqrt(s)) if and only if root^2 <= scale^2 s < (root + 1)^2, in integers wide enough for all of them.
+// root = floor(scale sqrt(s)) if and only if root^2 <= scale^2 s < (root + 1)^2, in integers wide enough for
+// all of them.
 bool isFloorOfRoot(std::uint64_t root, std::uint64_t squared, std::uint64_t scale) {
   __extension__ using Wide = unsigned __int128;
   const Wide target = Wide{scale} * scale * squared;

@@ -14,7 +14,8 @@
 namespace kelp::test {
 namespace {
 
-std::vector<std::uint32_t> squaredDistanceOf(const std::vector<std::uint8_t>& set, const glm::ivec3& size, int threads) {
+std::vector<std::uint32_t> squaredDistanceOf(const std::vector<std::uint8_t>& set, const glm::ivec3& size,
+                                             int threads) {
   std::vector<std::uint32_t> squared(set.size(), 12345);
   fields::squaredDistance(set, size, squared, threads);
   return squared;
@@ -24,7 +25,8 @@ TEST(SquaredDistance, EqualsBruteForceOnEveryTarget) {
   for (const NamedVolume& volume : hardVolumes()) {
     const auto expected = bruteSquaredDistance(volume.occupancy.solid, volume.occupancy.size);
     forEveryTarget([&](const char* target) {
-      ASSERT_EQ(squaredDistanceOf(volume.occupancy.solid, volume.occupancy.size, 1), expected) << volume.name << " on " << target;
+      ASSERT_EQ(squaredDistanceOf(volume.occupancy.solid, volume.occupancy.size, 1), expected)
+          << volume.name << " on " << target;
     });
     if (HasFatalFailure()) return;
   }
@@ -50,19 +52,27 @@ TEST(SquaredDistance, AnyValueButZeroIsSet) {
   EXPECT_EQ(squaredDistanceOf(set, {10, 20, 1}, 1), bruteSquaredDistance(set, {10, 20, 1}));
 }
 
-// Volumes too large for all pairs, against the printed algorithm: parabolas that pop in long runs, and sides past one tile.
+// Volumes too large for all pairs, against the printed algorithm: parabolas that pop in long runs, and sides
+// past one tile.
 TEST(SquaredDistance, EqualsTheScalarTransformOnLargerShapes) {
   const glm::ivec3 size(131, 150, 97);
   const auto center = glm::vec3(size) * 0.5f;
   const auto length2 = [](const glm::vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; };
   const NamedVolume volumes[] = {
-      {"ball", volumeWhere(size, [&](const glm::ivec3& v) { return length2(glm::vec3(v) - center) < 40.0f * 40.0f; })},
-      {"shell",
+      {"ball",
        volumeWhere(size,
-                   [&](const glm::ivec3& v) { return std::abs(std::sqrt(length2(glm::vec3(v) - center)) - 45.0f) < 0.6f; })},
-      {"cone", volumeWhere(size, [&](const glm::ivec3& v) { return v.x == std::abs(v.y - 75) + std::abs(v.z - 48); })},
-      {"parabola",
-       volumeWhere(size, [&](const glm::ivec3& v) { return v.x == 130 - (v.y - 75) * (v.y - 75) / 43 && v.z == 96; })},
+                   [&](const glm::ivec3& v) { return length2(glm::vec3(v) - center) < 40.0f * 40.0f; })},
+      {"shell", volumeWhere(size,
+                            [&](const glm::ivec3& v) {
+                              return std::abs(std::sqrt(length2(glm::vec3(v) - center)) - 45.0f) < 0.6f;
+                            })},
+      {"cone",
+       volumeWhere(size,
+                   [&](const glm::ivec3& v) { return v.x == std::abs(v.y - 75) + std::abs(v.z - 48); })},
+      {"parabola", volumeWhere(size,
+                               [&](const glm::ivec3& v) {
+                                 return v.x == 130 - (v.y - 75) * (v.y - 75) / 43 && v.z == 96;
+                               })},
       {"sparse noise", randomVolume(size, 0.00003, 5)},
       {"noise", randomVolume(size, 0.01, 6)},
   };
@@ -71,7 +81,8 @@ TEST(SquaredDistance, EqualsTheScalarTransformOnLargerShapes) {
     const NamedVolume& volume = volumes[i];
     const auto expected = naiveSeparable(volume.occupancy.solid, size);
     forEveryTarget([&](const char* target) {
-      ASSERT_EQ(squaredDistanceOf(volume.occupancy.solid, size, 2), expected) << volume.name << " on " << target;
+      ASSERT_EQ(squaredDistanceOf(volume.occupancy.solid, size, 2), expected)
+          << volume.name << " on " << target;
     });
     if (HasFatalFailure()) return;
   }
@@ -87,7 +98,8 @@ TEST(SquaredDistance, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// The longest sides there may be: squared distances need all 30 bits, and the vectors hand over to the plain kernels on the way.
+// The longest sides there may be: squared distances need all 30 bits, and the vectors hand over to the plain
+// kernels on the way.
 TEST(SquaredDistance, IsExactOnTheLongestSides) {
   for (const int length : {4096, 20724, 20725, 32767, 32768}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -95,16 +107,20 @@ TEST(SquaredDistance, IsExactOnTheLongestSides) {
       size[axis] = length;
       size[(axis + 1) % 3] = 3;
       for (const bool both : {false, true}) {
-        const auto volume = volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || (both && v == size - 1); });
+        const auto volume = volumeWhere(
+            size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || (both && v == size - 1); });
         const auto squared = squaredDistanceOf(volume.solid, size, 2);
         glm::ivec3 v{0};
         std::int64_t wrong = 0;
         for (v.z = 0; v.z < size.z; ++v.z) {
           for (v.y = 0; v.y < size.y; ++v.y) {
             for (v.x = 0; v.x < size.x; ++v.x) {
-              const auto square = [](std::int64_t a, std::int64_t b, std::int64_t c) { return a * a + b * b + c * c; };
+              const auto square = [](std::int64_t a, std::int64_t b, std::int64_t c) {
+                return a * a + b * b + c * c;
+              };
               std::int64_t expected = square(v.x, v.y, v.z);
-              if (both) expected = std::min(expected, square(v.x - size.x + 1, v.y - size.y + 1, v.z - size.z + 1));
+              if (both)
+                expected = std::min(expected, square(v.x - size.x + 1, v.y - size.y + 1, v.z - size.z + 1));
               wrong += squared[volume.index(v)] != expected;
             }
           }
@@ -120,7 +136,8 @@ TEST(SquaredDistance, RefusesSizesThatDoNotFit) {
   std::vector<std::uint32_t> squared(60);
   EXPECT_NO_THROW(fields::squaredDistance(set, {3, 4, 5}, squared, 1));
   EXPECT_THROW(fields::squaredDistance(set, {3, 4, 4}, squared, 1), std::invalid_argument);
-  EXPECT_THROW(fields::squaredDistance(set, {3, 4, 5}, std::span(squared).first(59), 1), std::invalid_argument);
+  EXPECT_THROW(fields::squaredDistance(set, {3, 4, 5}, std::span(squared).first(59), 1),
+               std::invalid_argument);
   EXPECT_THROW(fields::squaredDistance({}, {0, 4, 5}, {}, 1), std::invalid_argument);
   EXPECT_THROW(fields::squaredDistance(set, {-3, -4, 5}, squared, 1), std::invalid_argument);
   set.resize(32769);

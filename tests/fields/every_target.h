@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs a check once for each instruction set that Highway finds on this machine; once where the library is built without it.
+// Runs a check once for each instruction set that Highway finds on this machine; once where the library is
+// built without it.
 #pragma once
 
 #include <functional>

@@ -24,7 +24,10 @@ struct NamedFog {
 };
 
 std::size_t at(const glm::ivec3& size, const glm::ivec3& v) {
-  return static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
+  return static_cast<std::size_t>(v.x) +
+         static_cast<std::size_t>(size.x) *
+             (static_cast<std::size_t>(v.y) +
+              static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
 }
 
 template <class Visit>
@@ -41,7 +44,10 @@ FogSamples noise(const glm::ivec3& size, double density, double heat, std::uint3
   FogSamples fog;
   fog.size = size;
   const auto channel = [&](double filled, std::vector<std::uint8_t>& out) {
-    forEach(size, [&](const glm::ivec3&) { out.push_back(random() < filled * 4294967296.0 ? static_cast<std::uint8_t>(1 + random() % 255) : std::uint8_t{0}); });
+    forEach(size, [&](const glm::ivec3&) {
+      out.push_back(random() < filled * 4294967296.0 ? static_cast<std::uint8_t>(1 + random() % 255)
+                                                     : std::uint8_t{0});
+    });
   };
   channel(density, fog.density);
   if (heat > 0) channel(heat, fog.heat);
@@ -54,9 +60,13 @@ FogSamples noise(const glm::ivec3& size, double density, double heat, std::uint3
 std::vector<NamedFog> fogs() {
   std::vector<NamedFog> all;
   std::uint32_t seed = 0;
-  for (const glm::ivec3& size : {glm::ivec3(1, 1, 1), glm::ivec3(1, 1, 20), glm::ivec3(17, 1, 9), glm::ivec3(8, 9, 10), glm::ivec3(2, 33, 17), glm::ivec3(25, 16, 41), glm::ivec3(33, 35, 31)}) {
-    for (const auto& [density, heat] : {std::pair(0.6, 0.0), std::pair(0.001, 0.0), std::pair(1e-9, 0.0), std::pair(0.002, 0.0005), std::pair(0.0, 0.001), std::pair(1.0, 1.0)})
-      all.push_back({nameOf(size) + " of " + std::to_string(density) + " and " + std::to_string(heat), noise(size, density, heat, ++seed)});
+  for (const glm::ivec3& size :
+       {glm::ivec3(1, 1, 1), glm::ivec3(1, 1, 20), glm::ivec3(17, 1, 9), glm::ivec3(8, 9, 10),
+        glm::ivec3(2, 33, 17), glm::ivec3(25, 16, 41), glm::ivec3(33, 35, 31)}) {
+    for (const auto& [density, heat] : {std::pair(0.6, 0.0), std::pair(0.001, 0.0), std::pair(1e-9, 0.0),
+                                        std::pair(0.002, 0.0005), std::pair(0.0, 0.001), std::pair(1.0, 1.0)})
+      all.push_back({nameOf(size) + " of " + std::to_string(density) + " and " + std::to_string(heat),
+                     noise(size, density, heat, ++seed)});
   }
   return all;
 }
@@ -68,11 +78,13 @@ bool something(const FogSamples& fog, const glm::ivec3& v) {
 }
 
 fields::Occupancy bruteCubes(const FogSamples& fog) {
-  return volumeWhere({std::max(fog.size.x - 1, 1), std::max(fog.size.y - 1, 1), std::max(fog.size.z - 1, 1)}, [&](const glm::ivec3& cube) {
-    bool any = false;
-    for (int c = 0; c < 8; ++c) any = any || something(fog, cube + glm::ivec3(c & 1, c >> 1 & 1, c >> 2));
-    return any;
-  });
+  return volumeWhere({std::max(fog.size.x - 1, 1), std::max(fog.size.y - 1, 1), std::max(fog.size.z - 1, 1)},
+                     [&](const glm::ivec3& cube) {
+                       bool any = false;
+                       for (int c = 0; c < 8; ++c)
+                         any = any || something(fog, cube + glm::ivec3(c & 1, c >> 1 & 1, c >> 2));
+                       return any;
+                     });
 }
 
 TEST(Fog, CubesAreNotClearWhereACornerIsNot) {
@@ -100,7 +112,8 @@ TEST(Fog, BricksHoldTheSamplesAtTheirCubesCorners) {
     std::vector<std::uint64_t> order;  // Morton codes by slot
     forEach(grid, [&](const glm::ivec3& brick) {
       bool any = false;
-      forEach(glm::min(cubes.size - 8 * brick, glm::ivec3(8)), [&](const glm::ivec3& cube) { any = any || cubes.solid[cubes.index(8 * brick + cube)]; });
+      forEach(glm::min(cubes.size - 8 * brick, glm::ivec3(8)),
+              [&](const glm::ivec3& cube) { any = any || cubes.solid[cubes.index(8 * brick + cube)]; });
       const std::uint32_t cell = level.cells[at(grid, brick)];
       ASSERT_EQ((cell & kCellSolid) != 0, any);
       if (!any) return;
@@ -114,7 +127,9 @@ TEST(Fog, BricksHoldTheSamplesAtTheirCubesCorners) {
         const bool inside = sample.x < fog.size.x && sample.y < fog.size.y && sample.z < fog.size.z;
         const std::size_t i = slot * 729 + static_cast<std::size_t>(corner.x + 9 * corner.y + 81 * corner.z);
         ASSERT_EQ(level.density[i], inside ? fog.density[at(fog.size, sample)] : 0);
-        if (!fog.heat.empty()) { ASSERT_EQ(level.heat[i], inside ? fog.heat[at(fog.size, sample)] : 0); }
+        if (!fog.heat.empty()) {
+          ASSERT_EQ(level.heat[i], inside ? fog.heat[at(fog.size, sample)] : 0);
+        }
       });
     });
     EXPECT_EQ(order.size(), stored);
@@ -135,7 +150,8 @@ TEST(Fog, EmptyBricksPromiseWhatIsThere) {
     const auto stored = [&](const glm::ivec3& low, const glm::ivec3& high) {
       bool any = false;
       forEach(grid, [&](const glm::ivec3& b) {
-        const bool within = b.x >= low.x && b.y >= low.y && b.z >= low.z && b.x <= high.x && b.y <= high.y && b.z <= high.z;
+        const bool within =
+            b.x >= low.x && b.y >= low.y && b.z >= low.z && b.x <= high.x && b.y <= high.y && b.z <= high.z;
         any = any || (within && (level.cells[at(grid, b)] & kCellSolid));
       });
       return any;
@@ -167,7 +183,9 @@ TEST(Fog, EmptyBricksPromiseWhatIsThere) {
           grew = true;
         }
       }
-      for (int side = 0; side < 6; ++side) ASSERT_EQ(cellReach(cell, side), side % 2 ? high[side / 2] - brick[side / 2] : brick[side / 2] - low[side / 2]);
+      for (int side = 0; side < 6; ++side)
+        ASSERT_EQ(cellReach(cell, side),
+                  side % 2 ? high[side / 2] - brick[side / 2] : brick[side / 2] - low[side / 2]);
     });
   }
   EXPECT_GT(empty, 200);
@@ -215,11 +233,15 @@ TEST(Fog, CoarserLevelsAreMeansOfEight) {
       ASSERT_EQ(code == 0, means[i] == 0);
       if (code == 0) continue;
       const auto away = [&](int c) { return std::abs(greatest * c * c / 65025.0 - means[i]); };
-      for (int other = 1; other < 256; ++other) ASSERT_LE(away(code), away(other) * (1 + 1e-12) + 1e-15) << code << " " << other;
+      for (int other = 1; other < 256; ++other)
+        ASSERT_LE(away(code), away(other) * (1 + 1e-12) + 1e-15) << code << " " << other;
     }
-    if (greatest > 0) { EXPECT_EQ(*std::max_element(coarse.density.begin(), coarse.density.end()), 255); }
+    if (greatest > 0) {
+      EXPECT_EQ(*std::max_element(coarse.density.begin(), coarse.density.end()), 255);
+    }
     // What is clear is clear at the finer level.
-    forEach(fog.size, [&](const glm::ivec3& v) { ASSERT_TRUE(!something(fog, v) || something(coarse, v / 2)); });
+    forEach(fog.size,
+            [&](const glm::ivec3& v) { ASSERT_TRUE(!something(fog, v) || something(coarse, v / 2)); });
   }
 }
 

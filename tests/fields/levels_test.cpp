@@ -39,8 +39,9 @@ std::uint64_t mortonByBits(const glm::ivec3& brick) {
   return code;
 }
 
-// The mean over all directions of the steps per voxel of a ray that meets boxes of these reaches (as k, reach 2^k - 1) and stands
-// in their middles: it leaves such a box by the axis that it crosses first. Midpoints over the first octant.
+// The mean over all directions of the steps per voxel of a ray that meets boxes of these reaches (as k, reach
+// 2^k - 1) and stands in their middles: it leaves such a box by the axis that it crosses first. Midpoints
+// over the first octant.
 double meanSteps(const std::array<int, 3>& k) {
   constexpr int kSteps = 300;
   double sum = 0;
@@ -66,7 +67,8 @@ const std::array<double, 64>& costs() {
       std::array<int, 3> k = exponentsOf(code);
       std::sort(k.begin(), k.end());
       const auto known = by_sorted.find(k);
-      table[static_cast<std::size_t>(code)] = known != by_sorted.end() ? known->second : by_sorted[k] = meanSteps(k);
+      table[static_cast<std::size_t>(code)] =
+          known != by_sorted.end() ? known->second : by_sorted[k] = meanSteps(k);
     }
     return table;
   }();
@@ -75,12 +77,14 @@ const std::array<double, 64>& costs() {
 
 // The codes whose boxes around `voxel` are empty, one bit each, from all solid voxels that a box could meet.
 std::uint64_t emptyCodes(const fields::Occupancy& occupancy, const glm::ivec3& voxel) {
-  static const std::vector<std::uint64_t> meeting = [] {  // [|dx| + 8 |dy| + 64 |dz|]: codes whose boxes reach that far
+  // [|dx| + 8 |dy| + 64 |dz|]: codes whose boxes reach that far
+  static const std::vector<std::uint64_t> meeting = [] {
     std::vector<std::uint64_t> masks(512);
     for (int i = 0; i < 512; ++i) {
       for (int code = 0; code < 64; ++code) {
         const std::array<int, 3> k = exponentsOf(code);
-        const bool reaches = i % 8 < std::exp2(k[0]) && i / 8 % 8 < std::exp2(k[1]) && i / 64 < std::exp2(k[2]);
+        const bool reaches =
+            i % 8 < std::exp2(k[0]) && i / 8 % 8 < std::exp2(k[1]) && i / 64 < std::exp2(k[2]);
         masks[static_cast<std::size_t>(i)] |= std::uint64_t{reaches} << code;
       }
     }
@@ -92,7 +96,8 @@ std::uint64_t emptyCodes(const fields::Occupancy& occupancy, const glm::ivec3& v
     for (v.y = std::max(voxel.y - 7, 0); v.y <= std::min(voxel.y + 7, occupancy.size.y - 1); ++v.y) {
       for (v.x = std::max(voxel.x - 7, 0); v.x <= std::min(voxel.x + 7, occupancy.size.x - 1); ++v.x) {
         const glm::ivec3 d = glm::abs(v - voxel);
-        if (occupancy.solid[occupancy.index(v)]) empty &= ~meeting[static_cast<std::size_t>(d.x + 8 * d.y + 64 * d.z)];
+        if (occupancy.solid[occupancy.index(v)])
+          empty &= ~meeting[static_cast<std::size_t>(d.x + 8 * d.y + 64 * d.z)];
       }
     }
   }
@@ -103,7 +108,9 @@ std::uint64_t emptyCodes(const fields::Occupancy& occupancy, const glm::ivec3& v
 int cheapestCode(std::uint64_t empty) {
   int best = 0;
   for (int code = 0; code < 64; ++code) {
-    if ((empty >> code & 1) && costs()[static_cast<std::size_t>(code)] < costs()[static_cast<std::size_t>(best)]) best = code;
+    if ((empty >> code & 1) &&
+        costs()[static_cast<std::size_t>(code)] < costs()[static_cast<std::size_t>(best)])
+      best = code;
   }
   return best;
 }
@@ -124,7 +131,8 @@ bool anyStored(const RawLevel& level, const glm::ivec3& grid, const glm::ivec3& 
 std::array<int, 6> grownBox(const RawLevel& level, const glm::ivec3& grid, const glm::ivec3& brick) {
   std::array<int, 6> reach{};
   const auto slabIsFree = [&](int side) {
-    glm::ivec3 low = brick - glm::ivec3(reach[0], reach[2], reach[4]), high = brick + glm::ivec3(reach[1], reach[3], reach[5]);
+    glm::ivec3 low = brick - glm::ivec3(reach[0], reach[2], reach[4]),
+               high = brick + glm::ivec3(reach[1], reach[3], reach[5]);
     (side % 2 ? high : low)[side / 2] += side % 2 ? 1 : -1;
     (side % 2 ? low : high)[side / 2] = (side % 2 ? high : low)[side / 2];
     return !anyStored(level, grid, low, high);
@@ -141,7 +149,8 @@ std::array<int, 6> grownBox(const RawLevel& level, const glm::ivec3& grid, const
 }
 
 // Everything that brick.h says about a level, from the occupancy and the surface, by brute force.
-void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const std::vector<fields::SurfaceVoxel>& surface) {
+void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy,
+                const std::vector<fields::SurfaceVoxel>& surface) {
   const glm::ivec3 size = occupancy.size;
   const glm::ivec3 grid((size.x + 7) / 8, (size.y + 7) / 8, (size.z + 7) / 8);
   std::vector<glm::ivec3> solid;
@@ -153,8 +162,8 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const
     for (const glm::ivec3& voxel : solid) least = std::min(least, squaredGap(low, extent, voxel));
     return least;
   };
-  ASSERT_EQ(level.cells.size(),
-            static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(grid.z));
+  ASSERT_EQ(level.cells.size(), static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) *
+                                    static_cast<std::size_t>(grid.z));
   ASSERT_EQ(level.codes.size() % kBrickVoxels, 0u);
   ASSERT_EQ(level.attributes.size(), surface.size());
 
@@ -166,16 +175,20 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const
       for (brick.x = 0; brick.x < grid.x; ++brick.x, ++cell_index) {
         const std::uint32_t cell = level.cells[cell_index];
         const glm::ivec3 low = brick * 8;
-        const bool holds = std::any_of(solid.begin(), solid.end(), [&](const glm::ivec3& v) { return v / 8 == brick; });
+        const bool holds =
+            std::any_of(solid.begin(), solid.end(), [&](const glm::ivec3& v) { return v / 8 == brick; });
         ASSERT_EQ((cell >> 31) != 0, holds);
         if (!holds) {
           const std::array<int, 6> reach = grownBox(level, grid, brick);
           for (int side = 0; side < 6; ++side)
-            ASSERT_EQ(cell >> (4 * side) & 15, static_cast<std::uint32_t>(reach[static_cast<std::size_t>(side)])) << side;
+            ASSERT_EQ(cell >> (4 * side) & 15,
+                      static_cast<std::uint32_t>(reach[static_cast<std::size_t>(side)]))
+                << side;
           ASSERT_FALSE(anyStored(level, grid, brick - glm::ivec3(reach[0], reach[2], reach[4]),
                                  brick + glm::ivec3(reach[1], reach[3], reach[5])));
-          ASSERT_EQ(cell >> 24, std::min<std::uint32_t>(
-                                    127, static_cast<std::uint32_t>(std::sqrt(static_cast<long double>(leastGap(low, 8))))));
+          ASSERT_EQ(cell >> 24,
+                    std::min<std::uint32_t>(127, static_cast<std::uint32_t>(
+                                                     std::sqrt(static_cast<long double>(leastGap(low, 8))))));
           continue;
         }
         ASSERT_EQ(cell & 0x7f000000u, 0u);
@@ -215,8 +228,8 @@ void checkLevel(const RawLevel& level, const fields::Occupancy& occupancy, const
     const glm::ivec3 v = base + glm::ivec3(at % 8, at / 8 % 8, at / 64);
     const bool inside = v.x < size.x && v.y < size.y && v.z < size.z;
     const std::uint64_t index = inside ? occupancy.index(v) : ~std::uint64_t{0};
-    const auto listed =
-        std::lower_bound(surface.begin(), surface.end(), index, [](const auto& a, std::uint64_t b) { return a.index < b; });
+    const auto listed = std::lower_bound(surface.begin(), surface.end(), index,
+                                         [](const auto& a, std::uint64_t b) { return a.index < b; });
     if (listed != surface.end() && listed->index == index) {
       ASSERT_EQ(level.codes[i], 64 + rank++);
       ASSERT_EQ(level.attributes[next++], listed->attribute);
@@ -238,8 +251,10 @@ TEST(EmptyBoxes, TheSimpleOrderIsThatOfTheCost) {
     by_sorted[k] = costs()[static_cast<std::size_t>(code)];
   }
   ASSERT_EQ(by_sorted.size(), 20u);
-  for (auto worse = by_sorted.begin(), better = std::next(worse); better != by_sorted.end(); ++worse, ++better) {
-    EXPECT_GT(worse->second, better->second + 1e-3) << better->first[0] << better->first[1] << better->first[2];
+  for (auto worse = by_sorted.begin(), better = std::next(worse); better != by_sorted.end();
+       ++worse, ++better) {
+    EXPECT_GT(worse->second, better->second + 1e-3)
+        << better->first[0] << better->first[1] << better->first[2];
   }
   EXPECT_NEAR(costs()[0], 1.6624, 1e-4);
   EXPECT_NEAR(costs()[63], 0.1108, 1e-4);
@@ -281,9 +296,11 @@ TEST(BuildLevel, HoldsWhatBrickHSaysOverManyBricks) {
 TEST(BuildLevel, HoldsWhatBrickHSaysWhereBoxesAreLong) {
   const glm::ivec3 size(270, 263, 281);
   const glm::ivec3 middle = size / 2;
-  const auto far = volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; });
-  const auto amid = volumeWhere(
-      size, [&](const glm::ivec3& v) { return v == middle || v == middle + glm::ivec3(0, 90, 0) || v == glm::ivec3(3, 200, 9); });
+  const auto far =
+      volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; });
+  const auto amid = volumeWhere(size, [&](const glm::ivec3& v) {
+    return v == middle || v == middle + glm::ivec3(0, 90, 0) || v == glm::ivec3(3, 200, 9);
+  });
   const fields::Occupancy volumes[] = {far, amid};
   for (const fields::Occupancy& volume : std::span(volumes).first(shareOf(2))) {
     const auto surface = numberedSurface(volume);
@@ -350,11 +367,14 @@ TEST(Coarser, IsSolidWhereAnyOfTheEightIs) {
   for (const NamedVolume& volume : hardVolumes()) {
     const fields::Occupancy& fine = volume.occupancy;
     const fields::Occupancy coarse = fields::coarser(fine);
-    ASSERT_EQ(coarse.size, glm::ivec3((fine.size.x + 1) / 2, (fine.size.y + 1) / 2, (fine.size.z + 1) / 2)) << volume.name;
+    ASSERT_EQ(coarse.size, glm::ivec3((fine.size.x + 1) / 2, (fine.size.y + 1) / 2, (fine.size.z + 1) / 2))
+        << volume.name;
     const auto expected = volumeWhere(coarse.size, [&](const glm::ivec3& v) {
       for (int i = 0; i < 8; ++i) {
         const glm::ivec3 child = 2 * v + glm::ivec3(i & 1, (i >> 1) & 1, i >> 2);
-        if (child.x < fine.size.x && child.y < fine.size.y && child.z < fine.size.z && fine.solid[fine.index(child)]) return true;
+        if (child.x < fine.size.x && child.y < fine.size.y && child.z < fine.size.z &&
+            fine.solid[fine.index(child)])
+          return true;
       }
       return false;
     });

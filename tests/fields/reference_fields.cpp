@@ -21,7 +21,8 @@ std::vector<glm::ivec3> setVoxels(const std::vector<std::uint8_t>& set, const gl
 }
 
 template <class Distance>
-std::vector<std::uint32_t> leastOfAll(const std::vector<std::uint8_t>& set, const glm::ivec3& size, Distance distance) {
+std::vector<std::uint32_t> leastOfAll(const std::vector<std::uint8_t>& set, const glm::ivec3& size,
+                                      Distance distance) {
   const std::vector<glm::ivec3> voxels = setVoxels(set, size);
   std::vector<std::uint32_t> result;
   result.reserve(set.size());
@@ -47,7 +48,9 @@ void transformPencil(std::vector<double>& f, std::vector<int>& v, std::vector<do
     double s = -kInfinity;
     while (k >= 0) {
       const int p = v[static_cast<std::size_t>(k)];
-      s = ((f[static_cast<std::size_t>(q)] + double(q) * q) - (f[static_cast<std::size_t>(p)] + double(p) * p)) / (2.0 * (q - p));
+      s = ((f[static_cast<std::size_t>(q)] + double(q) * q) -
+           (f[static_cast<std::size_t>(p)] + double(p) * p)) /
+          (2.0 * (q - p));
       if (s > z[static_cast<std::size_t>(k)]) break;
       --k;
       s = -kInfinity;
@@ -69,7 +72,8 @@ void transformPencil(std::vector<double>& f, std::vector<int>& v, std::vector<do
 
 }  // namespace
 
-std::vector<std::uint32_t> bruteSquaredDistance(const std::vector<std::uint8_t>& set, const glm::ivec3& size) {
+std::vector<std::uint32_t> bruteSquaredDistance(const std::vector<std::uint8_t>& set,
+                                                const glm::ivec3& size) {
   return leastOfAll(set, size, [](const glm::ivec3& a, const glm::ivec3& b) {
     const std::int64_t dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
     return dx * dx + dy * dy + dz * dz;
@@ -79,8 +83,9 @@ std::vector<std::uint32_t> bruteSquaredDistance(const std::vector<std::uint8_t>&
 std::int64_t squaredGap(const glm::ivec3& low, int extent, const glm::ivec3& solid) {
   std::int64_t sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t before = solid[axis] - (low[axis] + extent);  // the solid begins so far after the box ends
-    const std::int64_t after = low[axis] - (solid[axis] + 1);        // or ends so far before the box begins
+    // the solid begins so far after the box ends
+    const std::int64_t before = solid[axis] - (low[axis] + extent);
+    const std::int64_t after = low[axis] - (solid[axis] + 1);  // or ends so far before the box begins
     const std::int64_t gap = std::max<std::int64_t>({before, after, 0});
     sum += gap * gap;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Independent truth for kelp::fields: brute force over all pairs, and a plain scalar separable transform to compare speeds with.
+// Independent truth for kelp::fields: brute force over all pairs, and a plain scalar separable transform to
+// compare speeds with.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ std::int64_t squaredGap(const glm::ivec3& low, int extent, const glm::ivec3& sol
 // Squared clearance by its geometric definition: the least squaredGap to any solid voxel; 0 for solid voxels.
 std::vector<std::uint32_t> bruteSquaredClearance(const fields::Occupancy& occupancy);
 
-// The separable transform as Felzenszwalb and Huttenlocher print it, one pencil at a time, in doubles, on one thread: the
-// yardstick of speed.
+// The separable transform as Felzenszwalb and Huttenlocher print it, one pencil at a time, in doubles, on one
+// thread: the yardstick of speed.
 std::vector<std::uint32_t> naiveSeparable(const std::vector<std::uint8_t>& set, const glm::ivec3& size);
 
 }  // namespace kelp::test

@@ -6,7 +6,8 @@
 namespace kelp::test {
 namespace {
 
-// Sides around the widths of vectors (4, 8, 16, 32, 64 lanes) and tiles (64 pencils), lines along each axis, and slices.
+// Sides around the widths of vectors (4, 8, 16, 32, 64 lanes) and tiles (64 pencils), lines along each axis,
+// and slices.
 const glm::ivec3 kSizes[] = {
     {1, 1, 1},   {2, 1, 1},   {1, 2, 1},   {1, 1, 2},  {1, 300, 1}, {300, 1, 1}, {1, 1, 300}, {17, 19, 1},
     {1, 17, 19}, {19, 1, 17}, {8, 8, 8},   {7, 9, 8},  {15, 5, 3},  {16, 6, 4},  {17, 4, 6},  {31, 3, 4},
@@ -28,21 +29,25 @@ std::vector<NamedVolume> hardVolumes() {
     add("empty", emptyVolume(size));
     add("full", volumeWhere(size, [](const glm::ivec3&) { return true; }));
     for (int corner = 0; corner < 8; ++corner) {
-      const glm::ivec3 voxel((corner & 1) ? size.x - 1 : 0, (corner & 2) ? size.y - 1 : 0, (corner & 4) ? size.z - 1 : 0);
+      const glm::ivec3 voxel((corner & 1) ? size.x - 1 : 0, (corner & 2) ? size.y - 1 : 0,
+                             (corner & 4) ? size.z - 1 : 0);
       add("one corner", volumeWhere(size, [&](const glm::ivec3& v) { return v == voxel; }));
       add("all but one corner", volumeWhere(size, [&](const glm::ivec3& v) { return v != voxel; }));
     }
-    add("two far corners", volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; }));
+    add("two far corners",
+        volumeWhere(size, [&](const glm::ivec3& v) { return v == glm::ivec3(0) || v == size - 1; }));
     add("one centre", volumeWhere(size, [&](const glm::ivec3& v) { return v == size / 2; }));
     add("checkerboard", volumeWhere(size, [](const glm::ivec3& v) { return ((v.x + v.y + v.z) & 1) != 0; }));
-    add("lattice of 3", volumeWhere(size, [](const glm::ivec3& v) { return v.x % 3 == 0 && v.y % 3 == 0 && v.z % 3 == 0; }));
+    add("lattice of 3",
+        volumeWhere(size, [](const glm::ivec3& v) { return v.x % 3 == 0 && v.y % 3 == 0 && v.z % 3 == 0; }));
     add("diagonal", volumeWhere(size, [](const glm::ivec3& v) { return v.x == v.y && v.y == v.z; }));
     for (int axis = 0; axis < 3; ++axis) {
       add("first plane", volumeWhere(size, [&](const glm::ivec3& v) { return v[axis] == 0; }));
       add("middle plane", volumeWhere(size, [&](const glm::ivec3& v) { return v[axis] == size[axis] / 2; }));
       add("last plane", volumeWhere(size, [&](const glm::ivec3& v) { return v[axis] == size[axis] - 1; }));
     }
-    for (const double density : {0.002, 0.02, 0.1, 0.5, 0.9, 0.99}) add("noise", randomVolume(size, density, seed++));
+    for (const double density : {0.002, 0.02, 0.1, 0.5, 0.9, 0.99})
+      add("noise", randomVolume(size, density, seed++));
   }
   return volumes;
 }

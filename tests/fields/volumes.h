@@ -19,7 +19,9 @@ struct NamedVolume {
 inline fields::Occupancy emptyVolume(const glm::ivec3& size) {
   fields::Occupancy volume;
   volume.size = size;
-  volume.solid.assign(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z), 0);
+  volume.solid.assign(
+      static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z),
+      0);
   return volume;
 }
 
@@ -51,7 +53,8 @@ inline std::string nameOf(const glm::ivec3& size) {
   return std::to_string(size.x) + "x" + std::to_string(size.y) + "x" + std::to_string(size.z);
 }
 
-// Small enough for brute force over all pairs: shapes that break distance transforms, and noise at several densities.
+// Small enough for brute force over all pairs: shapes that break distance transforms, and noise at several
+// densities.
 std::vector<NamedVolume> hardVolumes();
 
 }  // namespace kelp::test

@@ -78,12 +78,15 @@ TEST(Normal, EncodeFindsTheNearestOfAWideNeighbourhood) {
     for (double& c : d) c /= length;
     const std::uint32_t code = encodeNormal(glm::vec3(d[0], d[1], d[2]));
     const glm::vec3 input(d[0], d[1], d[2]);
-    const auto chord = [&](const Vector& v) { return std::hypot(v[0] - input.x, v[1] - input.y, v[2] - input.z); };
+    const auto chord = [&](const Vector& v) {
+      return std::hypot(v[0] - input.x, v[1] - input.y, v[2] - input.z);
+    };
     const int u0 = code & 0xfff, v0 = code >> 12;
     const double found = chord(decodeAsSpecified(u0, v0));
     for (int v = std::max(0, v0 - 6); v <= std::min(4095, v0 + 6); ++v) {
       for (int u = std::max(0, u0 - 6); u <= std::min(4095, u0 + 6); ++u) {
-        ASSERT_LE(found, chord(decodeAsSpecified(u, v)) + 1e-7) << u0 << "," << v0 << " against " << u << "," << v;
+        ASSERT_LE(found, chord(decodeAsSpecified(u, v)) + 1e-7)
+            << u0 << "," << v0 << " against " << u << "," << v;
       }
     }
   }
@@ -100,7 +103,8 @@ TEST(Normal, DecodeFollowsTheSpecificationForEveryValue) {
 
 TEST(Normal, SenselessInputGivesUp) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  for (const glm::vec3& n : {glm::vec3(0.0f), glm::vec3(nan, 0, 0), glm::vec3(0, inf, 0), glm::vec3(-inf, nan, 1)}) {
+  for (const glm::vec3& n :
+       {glm::vec3(0.0f), glm::vec3(nan, 0, 0), glm::vec3(0, inf, 0), glm::vec3(-inf, nan, 1)}) {
     EXPECT_EQ(decodeNormal(encodeNormal(n)), glm::vec3(0, 1, 0));
   }
   // Length does not matter.
@@ -120,7 +124,8 @@ TEST(EmptyBox, CodesHoldAReachForEachAxis) {
   EXPECT_EQ(codeReach(0b110110), glm::ivec3(3, 1, 7));
   const int reach[] = {0, 1, 3, 7};
   for (int code = 0; code < kSurfaceCode; ++code) {
-    ASSERT_EQ(codeReach(static_cast<std::uint8_t>(code)), glm::ivec3(reach[code % 4], reach[code / 4 % 4], reach[code / 16]))
+    ASSERT_EQ(codeReach(static_cast<std::uint8_t>(code)),
+              glm::ivec3(reach[code % 4], reach[code / 4 % 4], reach[code / 16]))
         << code;
   }
 }
@@ -143,7 +148,8 @@ TEST(Level, SizesHalveUpward) {
   EXPECT_EQ(levelSize({2147483647, 7, 1}, 1).x, 1073741824);
   for (int n = 1; n < 300; ++n) {  // halving level by level is the same as dividing at once
     int side = n;
-    for (int level = 0; level < kMaxLevels; ++level, side = (side + 1) / 2) EXPECT_EQ(levelSize({n, n, n}, level).y, side);
+    for (int level = 0; level < kMaxLevels; ++level, side = (side + 1) / 2)
+      EXPECT_EQ(levelSize({n, n, n}, level).y, side);
   }
   EXPECT_EQ(brickGrid({8, 9, 1}), glm::ivec3(1, 2, 1));
 }
@@ -154,7 +160,8 @@ TEST(Morton, InterleavesBitsWithXLowest) {
     const glm::ivec3 p(random() & 0x1fffff, random() & 0x1fffff, random() & 0x1fffff);
     std::uint64_t expected = 0;
     for (int bit = 0; bit < 21; ++bit) {
-      for (int axis = 0; axis < 3; ++axis) expected |= static_cast<std::uint64_t>((p[axis] >> bit) & 1) << (3 * bit + axis);
+      for (int axis = 0; axis < 3; ++axis)
+        expected |= static_cast<std::uint64_t>((p[axis] >> bit) & 1) << (3 * bit + axis);
     }
     ASSERT_EQ(mortonCode(p), expected);
   }
@@ -200,7 +207,8 @@ TEST(SliceBase, RefusesReservedCodesAndWrongRanks) {
   codes[301] = kSurfaceCode;  // the same rank twice
   EXPECT_EQ(computeSliceBase(codes, 0, base), -1);
   std::fill(codes.begin(), codes.end(), std::uint8_t{0});
-  for (int i = 0; i < 64; ++i) codes[64 + i] = static_cast<std::uint8_t>(kSurfaceCode + i);  // a full slice has all 64 ranks
+  // a full slice has all 64 ranks
+  for (int i = 0; i < 64; ++i) codes[64 + i] = static_cast<std::uint8_t>(kSurfaceCode + i);
   EXPECT_EQ(computeSliceBase(codes, 0, base), 64);
   EXPECT_EQ(computeSliceBase(std::span(codes).first(511), 0, base), -1);
   EXPECT_EQ(computeSliceBase(codes, 0, std::span(base).first(7)), -1);

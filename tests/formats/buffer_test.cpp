@@ -52,7 +52,9 @@ TEST(Buffer, ResetZeroesAndGivesBackExactlyWhatItTook) {
 // A chunk's size in a file has 64 bits: where a pointer has 32, 2^32 + 8 is not 8.
 TEST(Buffer, SizesKeepTheir64Bits) {
   Allocator small;
-  small.allocate = [](void*, std::size_t bytes) -> void* { return bytes <= 1024 ? std::malloc(bytes) : nullptr; };
+  small.allocate = [](void*, std::size_t bytes) -> void* {
+    return bytes <= 1024 ? std::malloc(bytes) : nullptr;
+  };
   Buffer<std::byte> buffer(small);
   ASSERT_TRUE(buffer.reset(16));
   EXPECT_FALSE(buffer.reset((std::uint64_t{1} << 32) + 8));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A file that changes between two reads of it: what is read is refused, or it is one of the files that were there, whole.
+// A file that changes between two reads of it: what is read is refused, or it is one of the files that were
+// there, whole.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +23,8 @@ using Bytes = std::vector<std::byte>;
 // A source of one size whose bytes `now` chooses for every read, by how many there were before.
 class ChangingSource {
  public:
-  ChangingSource(std::uint64_t size, std::function<const Bytes&(int read)> now) : size_(size), now_(std::move(now)) {}
+  ChangingSource(std::uint64_t size, std::function<const Bytes&(int read)> now)
+      : size_(size), now_(std::move(now)) {}
   Source source() { return {&ChangingSource::read, this, size_}; }
   int reads() const { return reads_; }
 
@@ -54,7 +56,8 @@ bool readsSomethingElse(const Source& source, std::span<const RawPack> packs) {
   return !equal;
 }
 
-// The tiny pack and one of the same shape and size in bytes with another colour, another voxel and another clip.
+// The tiny pack and one of the same shape and size in bytes with another colour, another voxel and another
+// clip.
 std::vector<RawPack> twoPacks() {
   RawPack other = test::makeTinyPack();
   other.palette[0].base_color.x = 0.75f;
@@ -74,9 +77,11 @@ TEST(ChangingSource, OneFileAfterTheOtherAtEveryRead) {
   for (int change = 0; change <= counting.reads(); ++change) {
     for (const bool turned : {false, true}) {
       const Bytes *const before = turned ? &second : &first, *const after = turned ? &first : &second;
-      ChangingSource source(first.size(), [&](int read) -> const Bytes& { return read < change ? *before : *after; });
+      ChangingSource source(first.size(),
+                            [&](int read) -> const Bytes& { return read < change ? *before : *after; });
       EXPECT_FALSE(readsSomethingElse(source.source(), packs)) << "changed before read " << change;
-      ChangingSource back(first.size(), [&](int read) -> const Bytes& { return read == change ? *after : *before; });
+      ChangingSource back(first.size(),
+                          [&](int read) -> const Bytes& { return read == change ? *after : *before; });
       EXPECT_FALSE(readsSomethingElse(back.source(), packs)) << "changed for read " << change;
     }
   }
@@ -87,7 +92,8 @@ TEST(ChangingSource, OneThatGrowsOrShrinksAtEveryRead) {
   const Bytes whole = test::writeToMemory(packs[0]);
   const Bytes half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
   for (int change = 0; change < 64; ++change) {
-    ChangingSource shrinks(whole.size(), [&](int read) -> const Bytes& { return read < change ? whole : half; });
+    ChangingSource shrinks(whole.size(),
+                           [&](int read) -> const Bytes& { return read < change ? whole : half; });
     EXPECT_FALSE(readsSomethingElse(shrinks.source(), packs)) << change;
     ChangingSource grows(half.size(), [&](int read) -> const Bytes& { return read < change ? half : whole; });
     EXPECT_FALSE(Pack::open(grows.source())) << change;
@@ -105,12 +111,14 @@ TEST(ChangingSource, NoTwoReadsAgree) {
     const int changes = 1 << turn % 8;
     ChangingSource source(whole.size(), [&](int) -> const Bytes& {
       changed = whole;
-      for (int i = 0; i < changes; ++i) changed[random() % changed.size()] ^= static_cast<std::byte>(1 + random() % 255);
+      for (int i = 0; i < changes; ++i)
+        changed[random() % changed.size()] ^= static_cast<std::byte>(1 + random() % 255);
       return changed;
     });
     EXPECT_FALSE(readsSomethingElse(source.source(), packs));
     refused += Pack::open(source.source()) ? 0 : 1;
-    verify(source.source(), {}, [](void*, const Issue&) {}, nullptr);
+    verify(
+        source.source(), {}, [](void*, const Issue&) {}, nullptr);
   }
   EXPECT_GT(refused, 1000);
 }

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Every small fault of a pack of a few kilobytes: all 255 other values of every byte, every length, every two chunks of the index exchanged, and
-// every byte of what the chunks hold changed under checksums that are right. Each is refused, or reads as the same content, or, under right
-// checksums, as other content that keeps the rules; in memory that Limits and the file's size bound.
+// Every small fault of a pack of a few kilobytes: all 255 other values of every byte, every length, every two
+// chunks of the index exchanged, and every byte of what the chunks hold changed under checksums that are
+// right. Each is refused, or reads as the same content, or, under right checksums, as other content that
+// keeps the rules; in memory that Limits and the file's size bound.
 #include <gtest/gtest.h>
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
-#include "support/short_memory.h"
 #include "support/all_tests.h"
 #include "support/random_pack.h"
+#include "support/short_memory.h"
 #include "tiny_fog_pack.h"
 
 namespace kelp {
@@ -113,7 +114,8 @@ TEST(Exhaustive, EveryLengthIsRefused) {
   }
 }
 
-// As they are, which the index's checksum gives away; under a new checksum; and the chunks themselves in that order.
+// As they are, which the index's checksum gives away; under a new checksum; and the chunks themselves in that
+// order.
 TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
   const Bytes& bytes = specimenBytes();
   const PackSurgeon sound(bytes);
@@ -122,7 +124,8 @@ TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = i + 1; j < count; ++j) {
       Bytes changed = bytes;
-      std::swap_ranges(changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * i), changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * (i + 1)),
+      std::swap_ranges(changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * i),
+                       changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * (i + 1)),
                        changed.begin() + static_cast<std::ptrdiff_t>(64 + 48 * j));
       EXPECT_EQ(tryPack(changed), Outcome::kRefused) << i << " and " << j;
       test::set(changed, 56, std::uint64_t{0});

@@ -18,7 +18,8 @@ namespace kelp::test {
 using FogField = std::function<std::uint8_t(const glm::ivec3& sample)>;
 
 // Cells of empty bricks promise nothing, which is never false. Without `heat` the level has none.
-inline RawLevel fogLevel(const glm::ivec3& size, float extinction, const FogField& density, const FogField& heat = {}) {
+inline RawLevel fogLevel(const glm::ivec3& size, float extinction, const FogField& density,
+                         const FogField& heat = {}) {
   const glm::ivec3 grid = (glm::max(size - 1, glm::ivec3(1)) + 7) / 8;
   struct Brick {
     std::size_t cell = 0;
@@ -44,7 +45,8 @@ inline RawLevel fogLevel(const glm::ivec3& size, float extinction, const FogFiel
         if (clear) continue;
         std::uint64_t morton = 0;
         for (int bit = 0; bit < 13; ++bit)
-          morton |= static_cast<std::uint64_t>((x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2) << (3 * bit);
+          morton |= static_cast<std::uint64_t>((x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2)
+                    << (3 * bit);
         stored[morton] = std::move(brick);
       }
     }

@@ -47,7 +47,8 @@ TEST(Box, TransformedIsTheBoxOfTheCorners) {
     }
     Box corners;
     for (int i = 0; i < 8; ++i) {
-      corners.add(glm::vec3(matrix * glm::vec4(i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y, i & 4 ? box.min.z : box.max.z, 1)));
+      corners.add(glm::vec3(matrix * glm::vec4(i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y,
+                                               i & 4 ? box.min.z : box.max.z, 1)));
     }
     EXPECT_EQ(transformed(matrix, box).min, corners.min);
     EXPECT_EQ(transformed(matrix, box).max, corners.max);

@@ -38,7 +38,8 @@ const Lie kIndexLies[] = {
      }},
     {"BRCK compressed in one", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("BRCK")].flags |= 2; }},
     {"offset too large", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = 64; }},
-    {"offset wraps around", kCorrupt, [](PackSurgeon& s) { s.chunks[2].offset_lie = ~std::uint64_t{0} - 63; }},
+    {"offset wraps around", kCorrupt,
+     [](PackSurgeon& s) { s.chunks[2].offset_lie = ~std::uint64_t{0} - 63; }},
     {"64 zeros too many", kCorrupt, [](PackSurgeon& s) { s.chunks[2].gap = 64; }},
     {"not aligned", kCorrupt, [](PackSurgeon& s) { s.chunks.back().gap = 8; }},
     {"PART missing", kCorrupt,
@@ -50,8 +51,10 @@ const Lie kIndexLies[] = {
     {"GRID missing", kCorrupt,
      [](PackSurgeon& s) { s.chunks.erase(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"))); }},
     {"BRCK missing", kCorrupt, [](PackSurgeon& s) { s.chunks.pop_back(); }},
-    {"PART twice", kCorrupt, [](PackSurgeon& s) { s.chunks.insert(s.chunks.begin(), s.chunks[s.find("PART")]); }},
-    {"MATL before PART", kCorrupt, [](PackSurgeon& s) { std::swap(s.chunks[s.find("PART")], s.chunks[s.find("MATL")]); }},
+    {"PART twice", kCorrupt,
+     [](PackSurgeon& s) { s.chunks.insert(s.chunks.begin(), s.chunks[s.find("PART")]); }},
+    {"MATL before PART", kCorrupt,
+     [](PackSurgeon& s) { std::swap(s.chunks[s.find("PART")], s.chunks[s.find("MATL")]); }},
     {"CLIP last", kCorrupt,
      [](PackSurgeon& s) {
        std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")),
@@ -62,7 +65,8 @@ const Lie kIndexLies[] = {
        const auto first = s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("GRID"));
        std::rotate(first, first + 2, first + 4);
      }},
-    {"BRCK before GRID", kCorrupt, [](PackSurgeon& s) { std::swap(s.chunks[s.find("GRID")], s.chunks[s.find("BRCK")]); }},
+    {"BRCK before GRID", kCorrupt,
+     [](PackSurgeon& s) { std::swap(s.chunks[s.find("GRID")], s.chunks[s.find("BRCK")]); }},
     {"one level too many", kCorrupt, [](PackSurgeon& s) { s.chunks.push_back(s.chunks[s.find("GRID")]); }},
     {"level of another part", kCorrupt, [](PackSurgeon& s) { s.chunks.back().part = 0; }},
 };
@@ -82,7 +86,8 @@ const Lie kPartLies[] = {
      }},
     {"name with newline", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, '\n'); }},
     {"name with escape", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, '\x1b'); }},
-    {"name with C1 control", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, std::uint16_t{0x9bc2}); }},
+    {"name with C1 control", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("PART"), 249, std::uint16_t{0x9bc2}); }},
     {"name overlong", kCorrupt, [](PackSurgeon& s) { set(s.content("PART"), 249, std::uint16_t{0xafc0}); }},
     {"name with surrogate", kCorrupt,
      [](PackSurgeon& s) {
@@ -179,13 +184,14 @@ const Lie kClipLies[] = {
     {"rotation not a unit", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 116, 1.1f); }},
     {"rotation not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 104, test::kNan); }},
     {"slope of a linear track", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 120, 1.0f); }},
-    {"fourth component of an offset", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 16, 1.0f); }},
+    {"fourth component of an offset", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 16, 1.0f); }},
     {"fourth component of a slope", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 48, 1.0f); }},
     {"slope not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("CLIP"), 204 + 36, test::kInfinity); }},
 };
 
-// The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has three cells and
-// padding.
+// The first grid is level 1 of part 0: two cells, the first solid; its page table begins at 8. The second has
+// three cells and padding.
 const Lie kGridLies[] = {
     {"too short", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(4); }},
     {"no pages", kCorrupt, [](PackSurgeon& s) { s.content("GRID").resize(8); }},
@@ -205,31 +211,42 @@ const Lie kGridLies[] = {
     {"page not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, std::uint64_t{1}); }},
     {"page at 2^64 - 1", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 8, ~std::uint64_t{0}); }},
     {"page shorter than its chunk", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() - 1)); }},
+     [](PackSurgeon& s) {
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() - 1));
+     }},
     {"page longer than its chunk", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() + 1)); }},
+     [](PackSurgeon& s) {
+       set(s.content("GRID"), 16, static_cast<std::uint32_t>(s.content("BRCK").size() + 1));
+     }},
     {"page of 0 bytes", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 16, 0u); }},
     {"page expands to 2^32 - 4", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 0xfffffffcu); }},
     {"page of another size", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 520u); }},
     {"page of odd size", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 517u); }},
     {"page too small for its brick", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 20, 508u); }},
-    {"page checksum", ErrorCode::kChecksum, [](PackSurgeon& s) { set(s.content("GRID"), 24, std::uint64_t{1}); }},
+    {"page checksum", ErrorCode::kChecksum,
+     [](PackSurgeon& s) { set(s.content("GRID"), 24, std::uint64_t{1}); }},
     {"first slot 1", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 32, 1u); }},
     {"page of no bricks", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 0u); }},
     {"page of 2^32 - 1 bricks", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 0xffffffffu); }},
-    {"page of a brick too few", kCorrupt, [](PackSurgeon& s) { set(s.chunks[s.find("GRID") + 2].content, 16 + 28, 1u); }},
+    {"page of a brick too few", kCorrupt,
+     [](PackSurgeon& s) { set(s.chunks[s.find("GRID") + 2].content, 16 + 28, 1u); }},
 };
 
 // Byte 0 of the page is a surface voxel, byte 1 an inner one; the attribute follows the 512 codes.
 const Lie kPageLies[] = {
-    {"reserved code", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[100] = std::byte{129}; }); }},
+    {"reserved code", kCorrupt,
+     [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[100] = std::byte{129}; }); }},
     {"a rank", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{65}; }); }},
-    {"reserved code 192", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{192}; }); }},
+    {"reserved code 192", kCorrupt,
+     [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[0] = std::byte{192}; }); }},
     {"attribute missing", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(512); }); }},
     {"attribute too many", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.resize(520); }); }},
-    {"surface voxel without attribute", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[64] = std::byte{64}; }); }},
-    {"palette index 2 of 2", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[512] = std::byte{2}; }); }},
-    {"nothing solid", kCorrupt, [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.assign(512, std::byte{0}); }); }},
+    {"surface voxel without attribute", kCorrupt,
+     [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[64] = std::byte{64}; }); }},
+    {"palette index 2 of 2", kCorrupt,
+     [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[512] = std::byte{2}; }); }},
+    {"nothing solid", kCorrupt,
+     [](PackSurgeon& s) { s.editPage([](Bytes& p) { p.assign(512, std::byte{0}); }); }},
     {"not a zstd frame", kCorrupt,
      [](PackSurgeon& s) {
        Bytes& bricks = s.content("BRCK");
@@ -246,7 +263,8 @@ const Lie kPageLies[] = {
     {"skippable frame after the frame", kCorrupt,
      [](PackSurgeon& s) {
        Bytes& bricks = s.content("BRCK");
-       for (const int byte : {0x50, 0x2A, 0x4D, 0x18, 0, 0, 0, 0}) bricks.push_back(static_cast<std::byte>(byte));
+       for (const int byte : {0x50, 0x2A, 0x4D, 0x18, 0, 0, 0, 0})
+         bricks.push_back(static_cast<std::byte>(byte));
        set(s.content("GRID"), 16, static_cast<std::uint32_t>(bricks.size()));
        set(s.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
      }},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Packs that are cut or changed, from another time, or asking for too much; reads and allocations that fail. What contradicts itself: hostile_lies_test.cpp.
+// Packs that are cut or changed, from another time, or asking for too much; reads and allocations that fail.
+// What contradicts itself: hostile_lies_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,9 +21,13 @@ using test::Reading;
 using test::set;
 using test::tinyBytes;
 
-Reading readTiny(const Bytes& bytes, const Limits& limits = {}) { return test::readAll(test::tinyPack(), bytes, limits); }
+Reading readTiny(const Bytes& bytes, const Limits& limits = {}) {
+  return test::readAll(test::tinyPack(), bytes, limits);
+}
 
-void expectError(const Bytes& bytes, ErrorCode code, const Limits& limits = {}) { test::expectRefused(readTiny(bytes, limits), bytes, code); }
+void expectError(const Bytes& bytes, ErrorCode code, const Limits& limits = {}) {
+  test::expectRefused(readTiny(bytes, limits), bytes, code);
+}
 
 TEST(Hostile, TheTinyPackItselfIsSound) {
   const Reading reading = readTiny(tinyBytes());
@@ -118,14 +123,17 @@ TEST(Hostile, LimitsAreObeyed) {
   expectError(tinyBytes(), ErrorCode::kLimit, limits);
   limits = {2000, 24, 2};
   EXPECT_TRUE(readTiny(tinyBytes(), limits).equal);
-  // The metadata together: first as they are decoded, then as tables. Every byte less than they take is refused.
+  // The metadata together: first as they are decoded, then as tables. Every byte less than they take is
+  // refused.
   std::uint64_t least = 1;
-  for (limits.max_metadata_bytes = 1; !readTiny(tinyBytes(), limits).equal; least = ++limits.max_metadata_bytes) {
+  for (limits.max_metadata_bytes = 1; !readTiny(tinyBytes(), limits).equal;
+       least = ++limits.max_metadata_bytes) {
     ASSERT_LT(limits.max_metadata_bytes, 10000u);
     expectError(tinyBytes(), ErrorCode::kLimit, limits);
   }
   std::uint64_t decoded = 0;
-  for (PackSurgeon surgeon(tinyBytes()); const char* name : {"INFO", "PART", "MATL", "RIGS", "CLIP"}) decoded += surgeon.content(name).size();
+  for (PackSurgeon surgeon(tinyBytes()); const char* name : {"INFO", "PART", "MATL", "RIGS", "CLIP"})
+    decoded += surgeon.content(name).size();
   EXPECT_GE(least, decoded);
   EXPECT_LE(least, 3 * decoded);
 }
@@ -143,10 +151,14 @@ Result<void> readThroughout(const Source& source, const RawPack& raw, const Allo
 void expectFailedAllocationsReported(const RawPack& raw) {
   PackSurgeon surgeon(test::writeToMemory(raw));
   for (PackSurgeon::Chunk& chunk : surgeon.chunks)
-    if (chunk.fourcc != PackSurgeon::fourcc("BRCK") && chunk.fourcc != PackSurgeon::fourcc("FOGB")) chunk.flags |= 2;  // the longer way
+    // the longer way
+    if (chunk.fourcc != PackSurgeon::fourcc("BRCK") && chunk.fourcc != PackSurgeon::fourcc("FOGB"))
+      chunk.flags |= 2;
   const Bytes bytes = surgeon.build();
   MemorySource memory(bytes);
-  const auto issue = [](void* user, const Issue& found) { *static_cast<ErrorCode*>(user) = found.error.code; };
+  const auto issue = [](void* user, const Issue& found) {
+    *static_cast<ErrorCode*>(user) = found.error.code;
+  };
   test::ShortMemory enough, enough_to_verify;
   ASSERT_TRUE(readThroughout(memory.source(), raw, enough.allocator()));
   ASSERT_EQ(verify(memory.source(), {}, nullptr, nullptr, enough_to_verify.allocator()), 0u);
@@ -209,7 +221,8 @@ TEST(Hostile, ClaimsOfSizeAreNotBelievedBeforeMemoryIsTaken) {
             }),
             100000u);
   EXPECT_LT(peak([](PackSurgeon& s) { set(s.content("CLIP"), 12, 0xffffffffu); }), 300000u);
-  // These are as large as they claim, though not in the file: a million of the same wave, two million empty entries for pages.
+  // These are as large as they claim, though not in the file: a million of the same wave, two million empty
+  // entries for pages.
   EXPECT_LT(peak([](PackSurgeon& s) {
               Bytes& clips = s.content("CLIP");
               constexpr std::uint32_t kWaves = 1000000;

@@ -29,7 +29,8 @@ struct Reading {
 };
 
 // Reads everything a pack has.
-inline Reading readAll(const RawPack& written, const Source& source, const Limits& limits = {}, const Allocator& allocator = {}) {
+inline Reading readAll(const RawPack& written, const Source& source, const Limits& limits = {},
+                       const Allocator& allocator = {}) {
   const Result<Pack> pack = Pack::open(source, limits, allocator);
   if (!pack) return {pack.error()};
   const Comparison result = compare(*pack, written);

@@ -17,7 +17,8 @@ namespace kelp::test {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// All voxels of one level, as the writer was given them. `ok` is false (and the error there) when the pack refuses.
+// All voxels of one level, as the writer was given them. `ok` is false (and the error there) when the pack
+// refuses.
 struct ReadLevel {
   Result<void> status;
   RawLevel level;
@@ -38,7 +39,8 @@ inline ReadLevel readLevel(const Pack& pack, int part, int level, const Allocato
     out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
     out.level.attributes.insert(out.level.attributes.end(), page.attributes.begin(), page.attributes.end());
     // Of fog: all densities of a page, then all heats, if there are any.
-    const auto heats = page.fog.begin() + static_cast<std::ptrdiff_t>(info.channels == 2 ? page.fog.size() / 2 : page.fog.size());
+    const auto heats = page.fog.begin() + static_cast<std::ptrdiff_t>(info.channels == 2 ? page.fog.size() / 2
+                                                                                         : page.fog.size());
     out.level.density.insert(out.level.density.end(), page.fog.begin(), heats);
     out.level.heat.insert(out.level.heat.end(), heats, page.fog.end());
   }
@@ -53,7 +55,8 @@ std::vector<std::byte> bytesOf(const Range& range) {
   return bytes;
 }
 
-// Reads everything of a pack, pages into memory of the allocator. status: the first error; equal: whether all is what was written.
+// Reads everything of a pack, pages into memory of the allocator. status: the first error; equal: whether all
+// is what was written.
 struct Comparison {
   Result<void> status;
   bool equal = true;
@@ -68,11 +71,14 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
   for (std::size_t p = 0; p < pack.parts().size(); ++p) {
     const Part& a = pack.parts()[p];
     const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
-    check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) && a.size == b.size);
+    check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) &&
+          a.size == b.size);
     check((a.fog != nullptr) == b.fog.has_value());
     if (a.fog && b.fog) {
-      check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy && a.fog->glow == b.fog->glow);
-      check(bytesOf(a.fog->ramp) == bytesOf(b.fog->ramp) && a.fog->extinction.size() == static_cast<std::size_t>(a.levels));
+      check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy &&
+            a.fog->glow == b.fog->glow);
+      check(bytesOf(a.fog->ramp) == bytesOf(b.fog->ramp) &&
+            a.fog->extinction.size() == static_cast<std::size_t>(a.levels));
     }
     check(a.to_object == b.to_object && a.pivot == b.pivot && bytesOf(a.knots) == bytesOf(b.knots));
     check(static_cast<std::size_t>(a.levels) == b.levels.size());
@@ -80,9 +86,11 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
       const ReadLevel got = readLevel(pack, static_cast<int>(p), level, allocator);
       out.status = got.status;
       if (!out.status) return out;
-      const RawLevel want =
-          static_cast<std::size_t>(level) < b.levels.size() ? b.levels[static_cast<std::size_t>(level)] : RawLevel();
-      check(got.level.cells == want.cells && got.level.codes == want.codes && got.level.attributes == want.attributes);
+      const RawLevel want = static_cast<std::size_t>(level) < b.levels.size()
+                                ? b.levels[static_cast<std::size_t>(level)]
+                                : RawLevel();
+      check(got.level.cells == want.cells && got.level.codes == want.codes &&
+            got.level.attributes == want.attributes);
       check(got.level.density == want.density && got.level.heat == want.heat);
       check(!a.fog || a.fog->extinction[static_cast<std::size_t>(level)] == want.extinction);
     }
@@ -91,17 +99,19 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
   for (std::size_t c = 0; c < raw.clips.size(); ++c) {
     const Clip& a = pack.clips()[c];
     const RawClip& b = raw.clips[c];
-    check(a.name == b.name && a.duration == b.duration && a.waves.size() == b.waves.size() && a.tracks.size() == b.tracks.size());
+    check(a.name == b.name && a.duration == b.duration && a.waves.size() == b.waves.size() &&
+          a.tracks.size() == b.tracks.size());
     if (!out.equal) return out;
     for (std::size_t i = 0; i < b.waves.size(); ++i) {
       const Wave &x = a.waves[i], &y = b.waves[i];
-      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.amplitude == y.amplitude && x.period == y.period &&
-            x.phase == y.phase);
+      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.amplitude == y.amplitude &&
+            x.period == y.period && x.phase == y.phase);
     }
     for (std::size_t i = 0; i < b.tracks.size(); ++i) {
       const Track& x = a.tracks[i];
       const RawTrack& y = b.tracks[i];
-      check(x.part == y.part && x.knot == y.knot && x.target == y.target && x.interpolation == y.interpolation);
+      check(x.part == y.part && x.knot == y.knot && x.target == y.target &&
+            x.interpolation == y.interpolation);
       check(bytesOf(x.keys) == bytesOf(y.keys));
     }
   }

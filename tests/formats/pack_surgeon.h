@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Takes a pack apart and puts it together again with right checksums, so that tests can tell lies that only the structure gives
-// away. Written from formats/SPEC.md with zstd and xxHash alone: it shares no code with the library.
+// Takes a pack apart and puts it together again with right checksums, so that tests can tell lies that only
+// the structure gives away. Written from formats/SPEC.md with zstd and xxHash alone: it shares no code with
+// the library.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -94,7 +95,8 @@ struct PackSurgeon {
   }
   Bytes& content(std::string_view name) { return chunks[find(name)].content; }
 
-  // Decodes the only page of the first level, lets `edit` change it, and states its new size and checksum in the page table.
+  // Decodes the only page of the first level, lets `edit` change it, and states its new size and checksum in
+  // the page table.
   template <class Edit>
   void editPage(Edit edit) {
     editPage(find("GRID"), edit);
@@ -116,7 +118,8 @@ struct PackSurgeon {
 
   Bytes build() const {
     Bytes file(64 + 48 * chunks.size());
-    static constexpr unsigned char kIdentifier[12] = {0xAB, 'K', 'E', 'L', 'P', 'A', 'K', 0xBB, '\r', '\n', 0x1A, '\n'};
+    static constexpr unsigned char kIdentifier[12] = {0xAB, 'K',  'E',  'L',  'P',  'A',
+                                                      'K',  0xBB, '\r', '\n', 0x1A, '\n'};
     std::memcpy(file.data(), kIdentifier, 12);
     for (std::size_t i = 0; i < chunks.size(); ++i) {
       const Chunk& chunk = chunks[i];

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A second reader of .kelp packs, written from formats/SPEC.md alone: shares no code with kelp. It reads every byte, as a validator must.
+"""A second reader of .kelp packs, written from formats/SPEC.md alone. It shares no code with kelp and
+reads every byte, as a validator must.
 
-  read_pack.py PACK            prints all that the pack holds, one thing a line: names in hexadecimal, floats as their bits, voxels as CRC-32
-  read_pack.py --damage PACK   changes every byte of the (small) pack in turn and expects each change to be refused
+  read_pack.py PACK            prints all that the pack holds, one thing a line: names in hexadecimal,
+                               floats as their bits, voxels as CRC-32
+  read_pack.py --damage PACK   changes every byte of the (small) pack in turn; each change must be refused
 
-Needs the zstd library (libzstd.so.1). Exit codes: 0 good, 1 usage, 3 refused, 7 a changed byte was not seen, 77 no zstd here.
+Needs the zstd library (libzstd.so.1). Exit codes: 0 good, 1 usage, 3 refused, 7 a changed byte was not seen,
+77 no zstd here.
 """
 
 import ctypes
@@ -30,7 +33,8 @@ def need(condition, why):
 class Zstd:
     def __init__(self):
         self.lib = ctypes.CDLL(ctypes.util.find_library("zstd") or "libzstd.so.1")
-        for name, result in (("ZSTD_getFrameContentSize", ctypes.c_ulonglong), ("ZSTD_findFrameCompressedSize", ctypes.c_size_t), ("ZSTD_decompress", ctypes.c_size_t)):
+        for name, result in (("ZSTD_getFrameContentSize", ctypes.c_ulonglong),
+                ("ZSTD_findFrameCompressedSize", ctypes.c_size_t), ("ZSTD_decompress", ctypes.c_size_t)):
             getattr(self.lib, name).restype = result
 
     def decode(self, frame, raw):
@@ -38,9 +42,11 @@ class Zstd:
         need(frame[:4] == b"\x28\xb5\x2f\xfd", "not a zstd frame")
         size = ctypes.c_size_t(len(frame))
         need(self.lib.ZSTD_getFrameContentSize(frame, size) == raw, "the frame does not state the raw size")
-        need(self.lib.ZSTD_findFrameCompressedSize(frame, size) == len(frame), "the frame does not fill its place")
+        need(self.lib.ZSTD_findFrameCompressedSize(frame, size) == len(frame),
+                "the frame does not fill its place")
         out = ctypes.create_string_buffer(max(raw, 1))
-        need(self.lib.ZSTD_decompress(out, ctypes.c_size_t(raw), frame, size) == raw, "the frame does not decode")
+        need(self.lib.ZSTD_decompress(out, ctypes.c_size_t(raw), frame, size) == raw,
+                "the frame does not decode")
         return out.raw[:raw]
 
 
@@ -56,7 +62,8 @@ class Table:
         values = struct.unpack_from("<" + form, self.data, self.at)
         self.at += size
         for value in values:
-            need(not isinstance(value, float) or math.isfinite(value), self.what + " holds a number that is not finite")
+            need(not isinstance(value, float) or math.isfinite(value),
+                    self.what + " holds a number that is not finite")
         return values
 
     def one(self, form):
@@ -113,7 +120,8 @@ class Pack:
         self.chunks = []
         end = 64 + 48 * self.count
         for i in range(self.count):
-            fourcc, flags, level, part, offset, stored, raw, checksum = struct.unpack_from("<4sIIIQQQQ", self.data, 64 + 48 * i)
+            fourcc, flags, level, part, offset, stored, raw, checksum = struct.unpack_from("<4sIIIQQQQ",
+                    self.data, 64 + 48 * i)
             need(offset == (end + 63) // 64 * 64, "a chunk is not where it belongs")
             need(stored >= 1 and offset + stored <= len(self.data), "a chunk is beyond the end")
             need(not any(self.data[end:offset]), "padding is not zero")
@@ -141,13 +149,15 @@ class Pack:
         names = [chunk[0] for chunk in self.chunks]
         count = next((i for i, name in enumerate(names) if name not in METADATA), len(names))
         found = names[:count]
-        need(found == [n for n in METADATA if n in found] and {"PART", "MATL", "RIGS"} <= set(found), "order of metadata")
+        need(found == [n for n in METADATA if n in found] and {"PART", "MATL", "RIGS"} <= set(found),
+                "order of metadata")
         content = {chunk[0]: chunk[3] for chunk in self.chunks[:count]}
         self.level_chunks = self.chunks[count:]
         self.info = Table.text(content["INFO"]) if "INFO" in content else ""
         self.read_parts(Table(content["PART"], "PART"))
         self.read_palette(Table(content["MATL"], "MATL"))
-        need(("FOGS" in content) == any(part["kind"] for part in self.parts), "FOGS is there if a part is fog, and only then")
+        need(("FOGS" in content) == any(part["kind"] for part in self.parts),
+                "FOGS is there if a part is fog, and only then")
         if "FOGS" in content:
             self.read_fogs(Table(content["FOGS"], "FOGS"))
         self.read_rigs(Table(content["RIGS"], "RIGS"))
@@ -172,7 +182,8 @@ class Pack:
                 determinant = sum(x * y for x, y in zip(a, cross))
                 need(math.isfinite(determinant) and determinant != 0, "a matrix can not be inverted")
             sizes.append(name_bytes)
-            self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size, "to_object": to_object, "pivot": pivot})
+            self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size,
+                    "to_object": to_object, "pivot": pivot})
         need(sum(sizes) == text_bytes, "bytes of names")
         for part, name_bytes in zip(self.parts, sizes):
             part["name"] = table.name(name_bytes)
@@ -184,7 +195,8 @@ class Pack:
         self.palette = []
         for _ in range(count):
             entry = table.take("9f")
-            need(all(0 <= v <= 1 for v in entry[0:4] + entry[7:9]) and min(entry[4:7]) >= 0, "a material is out of range")
+            need(all(0 <= v <= 1 for v in entry[0:4] + entry[7:9]) and min(entry[4:7]) >= 0,
+                    "a material is out of range")
             self.palette.append(entry)
         table.end()
 
@@ -195,7 +207,8 @@ class Pack:
             part["fog"] = table.take("5f")
             red, green, blue, anisotropy, glow = part["fog"]
             part["ramp"], reserved = table.take("II")
-            need(all(0 <= v <= 1 for v in (red, green, blue)) and -1 < anisotropy < 1 and glow >= 0 and reserved == 0, "a fog is out of range")
+            need(all(0 <= v <= 1 for v in (red, green, blue)) and -1 < anisotropy < 1 and glow >= 0
+                    and reserved == 0, "a fog is out of range")
             need(part["ramp"] == 0 or 2 <= part["ramp"] <= 256, "colours of a ramp")
         for part in fogs:
             part["extinction"] = table.take("%df" % part["levels"])
@@ -222,7 +235,9 @@ class Pack:
     def check_monotone(a, b):
         """By sampling, which is another way than the library's."""
         w = b[0] - a[0]
-        height = lambda t: (2 * t**3 - 3 * t**2 + 1) * a[2] + (t**3 - 2 * t**2 + t) * w * a[5] + (3 * t**2 - 2 * t**3) * b[2] + (t**3 - t**2) * w * b[5]
+        height = lambda t: (
+            (2 * t**3 - 3 * t**2 + 1) * a[2] + (t**3 - 2 * t**2 + t) * w * a[5]
+            + (3 * t**2 - 2 * t**3) * b[2] + (t**3 - t**2) * w * b[5])
         rise, highest = b[2] - a[2], a[2]
         need(rise > 0, "a spline does not rise")
         for i in range(1, 201):
@@ -234,7 +249,8 @@ class Pack:
         clips, waves, tracks, keys, text_bytes = table.take("5I")
         records = [table.take("IfII") for _ in range(clips)]
         need(all(r[1] > 0 for r in records), "duration of a clip")
-        need(sum(r[0] for r in records) == text_bytes and sum(r[2] for r in records) == waves and sum(r[3] for r in records) == tracks, "counts of clips")
+        need(sum(r[0] for r in records) == text_bytes and sum(r[2] for r in records) == waves
+                and sum(r[3] for r in records) == tracks, "counts of clips")
         knot_exists = lambda part, knot: part < len(self.parts) and knot < len(self.parts[part]["knots"])
         all_waves = []
         for _ in range(waves):
@@ -244,13 +260,15 @@ class Pack:
         all_tracks = []
         for _ in range(tracks):
             part, knot, target, interpolation, reserved, count = table.take("IIBBHI")
-            need(knot_exists(part, knot) and target <= 4 and interpolation <= 2 and reserved == 0 and count >= 1, "a track")
+            need(knot_exists(part, knot) and target <= 4 and interpolation <= 2 and reserved == 0
+                    and count >= 1, "a track")
             need(target <= 1 or knot == 0, "a track of a part names a knot")
             all_tracks.append((part, knot, target, interpolation, count))
         need(sum(t[4] for t in all_tracks) == keys, "number of keys")
         for i, (part, knot, target, interpolation, count) in enumerate(all_tracks):
             track_keys = [table.take("13f") for _ in range(count)]
-            need(track_keys[0][0] >= 0 and all(b[0] > a[0] for a, b in zip(track_keys, track_keys[1:])), "times of keys")
+            need(track_keys[0][0] >= 0 and all(b[0] > a[0] for a, b in zip(track_keys, track_keys[1:])),
+                    "times of keys")
             for key in track_keys:
                 need(interpolation == 2 or not any(key[5:]), "slopes of a track that is not cubic")
                 if target == 3:
@@ -261,7 +279,8 @@ class Pack:
         names = [table.name(r[0]) for r in records]
         table.end()
         for name, (_, duration, wave_count, track_count) in zip(names, records):
-            self.clips.append({"name": name, "duration": duration, "waves": all_waves[:wave_count], "tracks": all_tracks[:track_count]})
+            self.clips.append({"name": name, "duration": duration, "waves": all_waves[:wave_count],
+                    "tracks": all_tracks[:track_count]})
             del all_waves[:wave_count], all_tracks[:track_count]
 
     # Section 5
@@ -274,20 +293,23 @@ class Pack:
                 if level >= part["levels"]:
                     continue
                 bricks = "FOGB" if part["kind"] else "BRCK"
-                need(len(left) >= 2 and left[0][:3] == ("GRID", level, index) and left[1][:3] == (bricks, level, index), "order of levels")
+                need(len(left) >= 2 and left[0][:3] == ("GRID", level, index)
+                        and left[1][:3] == (bricks, level, index), "order of levels")
                 part["level"][level] = self.read_level(part, level, left.pop(0)[3], left.pop(0)[3])
         need(not left, "more levels than parts have")
 
     def read_level(self, part, level, grid_chunk, bricks_chunk):
         size = [-(-side // (1 << level)) for side in part["size"]]
-        grid = [-(-side // 8) for side in (size if part["kind"] == 0 else [max(side - 1, 1) for side in size])]
+        grid = [-(-side // 8) for side in (
+                size if part["kind"] == 0 else [max(side - 1, 1) for side in size])]
         count = grid[0] * grid[1] * grid[2]
         table = Table(grid_chunk, "GRID")
         cells = table.take("%dI" % count)
         if count % 2:
             need(table.one("I") == 0, "padding of a grid")
         stored = self.check_cells(cells, grid)
-        content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(), "heat": bytearray()}
+        content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(),
+                "heat": bytearray()}
         offset = slot = 0
         while table.at < len(grid_chunk):
             page_offset, page_stored, page_raw, checksum, first, bricks = table.take("QIIQII")
@@ -303,7 +325,8 @@ class Pack:
                 self.take_fog(raw, stored[slot : slot + bricks], size, 2 if part["ramp"] else 1, content)
             offset += page_stored
             slot += bricks
-        need(offset == len(bricks_chunk) and slot == len(stored) and slot >= 1, "pages do not cover the bricks")
+        need(offset == len(bricks_chunk) and slot == len(stored) and slot >= 1,
+                "pages do not cover the bricks")
         return content
 
     def take_solid(self, raw, positions, size, content):
@@ -327,7 +350,8 @@ class Pack:
                 clear = clear and not any(samples)
                 for i, sample in enumerate(samples):
                     place = [8 * p + v for p, v in zip(position, (i % 9, i // 9 % 9, i // 81))]
-                    need(sample == 0 or all(p < side for p, side in zip(place, size)), "a sample beyond the level")
+                    need(sample == 0 or all(p < side for p, side in zip(place, size)),
+                            "a sample beyond the level")
             need(not clear, "a stored brick is clear")
         content["density"] += raw[: 729 * bricks]
         content["heat"] += raw[729 * bricks :]
@@ -337,10 +361,12 @@ class Pack:
         """Positions of the stored bricks, by slot."""
         def morton(cell):
             x, y, z = cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1]
-            return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2 for i in range(13))
+            return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2
+                    for i in range(13))
 
         stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=morton)
-        need(len(stored) <= 1 << 24 and all(cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
+        need(len(stored) <= 1 << 24 and all(
+                cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
         return [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
 
     @staticmethod
@@ -371,19 +397,25 @@ def dump(pack):
     out = ["minor %d" % pack.minor, "info " + pack.info]
     out += ["material " + bits(entry) for entry in pack.palette]
     for part in pack.parts:
-        out.append("part %s parent %d kind %d size %d %d %d levels %d" % ((part["name"].encode().hex(), part["parent"], part["kind"]) + part["size"] + (part["levels"],)))
+        out.append("part %s parent %d kind %d size %d %d %d levels %d" %
+                ((part["name"].encode().hex(), part["parent"], part["kind"]) + part["size"]
+                + (part["levels"],)))
         out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
         out += ["knot " + bits(knot) for knot in part["knots"]]
         if part["kind"]:
             out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):
-                crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])), zlib.crc32(level["density"]), zlib.crc32(level["heat"])]
-                out.append("fog level bricks %d extinction %s crc %08x %08x %08x" % ((len(level["density"]) // 729, bits([extinction])) + tuple(crc)))
+                crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])),
+                        zlib.crc32(level["density"]), zlib.crc32(level["heat"])]
+                out.append("fog level bricks %d extinction %s crc %08x %08x %08x" %
+                        ((len(level["density"]) // 729, bits([extinction])) + tuple(crc)))
             continue
         for level in part["level"]:
-            crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])), zlib.crc32(level["codes"])]
+            crc = [zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])),
+                    zlib.crc32(level["codes"])]
             crc.append(zlib.crc32(struct.pack("<%dI" % len(level["attributes"]), *level["attributes"])))
-            out.append("level bricks %d surface %d crc %08x %08x %08x" % ((len(level["codes"]) // 512, len(level["attributes"])) + tuple(crc)))
+            out.append("level bricks %d surface %d crc %08x %08x %08x" %
+                    ((len(level["codes"]) // 512, len(level["attributes"])) + tuple(crc)))
     for clip in pack.clips:
         out.append("clip %s duration %s" % (clip["name"].encode().hex(), bits([clip["duration"]])))
         out += ["wave %d %d %d %s" % (wave[0], wave[1], wave[2], bits(wave[3:])) for wave in clip["waves"]]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// writeRigs: the same bytes as a pack written with those rigs in the first place, whatever else is in the file, and nothing that a reader would refuse.
+// writeRigs: the same bytes as a pack written with those rigs in the first place, whatever else is in the
+// file, and nothing that a reader would refuse.
 #include <gtest/gtest.h>
 
 #include "kelp/formats/pack.h"
@@ -39,7 +40,9 @@ RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
   other.info_json = seed % 3 == 0 ? "" : R"({"other": true})";
   for (RawPart& part : other.parts) {
     const auto height = static_cast<float>(part.size.y);
-    part.knots = {{0, {1, 0, 2}, {3, height, 0}}, {0.5f, {0, 0.4f * height, 0}, {0, height, 1}}, {1, {2, height, 0}, {0, height, 1}}};
+    part.knots = {{0, {1, 0, 2}, {3, height, 0}},
+                  {0.5f, {0, 0.4f * height, 0}, {0, height, 1}},
+                  {1, {2, height, 0}, {0, height, 1}}};
   }
   other.clips.clear();
   if (seed % 2 == 0) other.clips = {{"nod", 2, {{0, 2, Target::kKnotOffset, {1, 0, 0}, 2, 0}}, {}}};
@@ -83,7 +86,9 @@ TEST(RigWriter, KeepsChunksThatItDoesNotKnow) {
   for (std::size_t i = 0; i < is.chunks.size(); ++i) {
     EXPECT_EQ(is.chunks[i].fourcc, was.chunks[i].fourcc);
     const auto name = is.chunks[i].fourcc;
-    const bool replaced = name == test::PackSurgeon::fourcc("INFO") || name == test::PackSurgeon::fourcc("RIGS") || name == test::PackSurgeon::fourcc("CLIP");
+    const bool replaced = name == test::PackSurgeon::fourcc("INFO") ||
+                          name == test::PackSurgeon::fourcc("RIGS") ||
+                          name == test::PackSurgeon::fourcc("CLIP");
     EXPECT_EQ(is.chunks[i].content == was.chunks[i].content, !replaced) << i;
   }
 }
@@ -111,7 +116,8 @@ TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
   EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {}).error().code, ErrorCode::kMisuse);
 }
 
-// A pack that opened goes on to open: what the new tables and all others take together is asked before the first byte is written.
+// A pack that opened goes on to open: what the new tables and all others take together is asked before the
+// first byte is written.
 TEST(RigWriter, WhatIsWrittenOpensWithinTheSameLimits) {
   RawPack pack = test::makeTinyPack();
   pack.palette.resize(256);
@@ -148,7 +154,10 @@ TEST(RigWriter, TrustsNoSource) {
   const Bytes bytes = test::writeToMemory(pack);
   const test::PackSurgeon surgeon(bytes);
   Bytes out;
-  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(rewrite(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)), rigsOf(pack), out)) << size;
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(
+        rewrite(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)), rigsOf(pack), out))
+        << size;
   // Only gaps and what is replaced may be damaged without an error.
   int taken = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {

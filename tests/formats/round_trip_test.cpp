@@ -9,6 +9,7 @@
 #include "kelp/formats/pack.h"
 #include "pack_compare.h"
 #include "support/random_pack.h"
+#include "support/straight_knots.h"
 
 namespace kelp {
 namespace {
@@ -19,7 +20,8 @@ using test::writeToMemory;
 
 TEST(RoundTrip, RandomPacksComeBackExactly) {
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
-    const RawPack raw = makeRandomPack(seed, {1 + static_cast<int>(seed % 5), 60, 5, static_cast<int>(seed % 4)});
+    const RawPack raw =
+        makeRandomPack(seed, {1 + static_cast<int>(seed % 5), 60, 5, static_cast<int>(seed % 4)});
     const std::vector<std::byte> bytes = writeToMemory(raw);
     MemorySource memory(bytes);
     Result<Pack> pack = Pack::open(memory.source());
@@ -28,16 +30,14 @@ TEST(RoundTrip, RandomPacksComeBackExactly) {
     ASSERT_TRUE(result.status) << seed << ": " << result.status.error().detail;
     ASSERT_TRUE(result.equal) << seed;
     EXPECT_EQ(pack->fileSize(), bytes.size());
-    EXPECT_EQ(pack->minorVersion(), 0);  // they have no fog
+    EXPECT_EQ(pack->minorVersion(), kFormatMinor);
   }
 }
 
 TEST(RoundTrip, ALevelOfManyPagesComesBackExactly) {
   RawPack raw = makeRandomPack(1, {1, 8, 1, 0});
   raw.parts[0].size = {200, 150, 90};
-  Knot knots[2];
-  straightKnots(raw.parts[0].size, knots);
-  raw.parts[0].knots.assign(knots, knots + 2);
+  raw.parts[0].knots = test::straightKnots(raw.parts[0].size);
   test::RandomPack random(5);
   raw.parts[0].levels = {random.makeLevel(raw.parts[0].size, raw.palette.size(), 0.5f)};
   const std::vector<std::byte> bytes = writeToMemory(raw, 2);
@@ -53,8 +53,10 @@ TEST(RoundTrip, ALevelOfManyPagesComesBackExactly) {
   // No page could have taken the next brick too: they are as full as they can be.
   for (std::size_t i = 0; i + 1 < grid->pages.size(); ++i) {
     const PageInfo& page = grid->pages[i];
-    const std::uint8_t* next = raw.parts[0].levels[0].codes.data() + std::size_t{page.first_slot + page.count} * kBrickVoxels;
-    const std::size_t surface = static_cast<std::size_t>(std::count_if(next, next + kBrickVoxels, isSurfaceCode));
+    const std::uint8_t* next =
+        raw.parts[0].levels[0].codes.data() + std::size_t{page.first_slot + page.count} * kBrickVoxels;
+    const std::size_t surface =
+        static_cast<std::size_t>(std::count_if(next, next + kBrickVoxels, isSurfaceCode));
     EXPECT_GT(page.raw + kBrickVoxels + 4 * surface, 64u * 1024);
   }
 }
@@ -122,10 +124,11 @@ TEST(Reader, RefusesPartsLevelsAndPagesThatAreNotThere) {
   const Result<LevelGrid> grid = pack->readGrid(0, 0);
   ASSERT_TRUE(grid);
   PageData data;
-  for (const auto spoil : {+[](PageInfo& p) { p.offset = ~std::uint64_t{0}; }, +[](PageInfo& p) { p.stored = 0; },
-                           +[](PageInfo& p) { p.stored = 0xffffffffu; }, +[](PageInfo& p) { p.raw = 0xffffffffu; },
-                           +[](PageInfo& p) { p.raw += 1; }, +[](PageInfo& p) { p.count = 0; },
-                           +[](PageInfo& p) { p.count = 0xffffffu; }, +[](PageInfo& p) { p.raw = p.count * 512 - 4; }}) {
+  for (const auto spoil :
+       {+[](PageInfo& p) { p.offset = ~std::uint64_t{0}; }, +[](PageInfo& p) { p.stored = 0; },
+        +[](PageInfo& p) { p.stored = 0xffffffffu; }, +[](PageInfo& p) { p.raw = 0xffffffffu; },
+        +[](PageInfo& p) { p.raw += 1; }, +[](PageInfo& p) { p.count = 0; },
+        +[](PageInfo& p) { p.count = 0xffffffu; }, +[](PageInfo& p) { p.raw = p.count * 512 - 4; }}) {
     PageInfo page = grid->pages[0];
     spoil(page);
     EXPECT_TRUE(misuse(pack->readPage(page, data)));

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// read_pack.py, written from SPEC.md alone, reads what the writer writes, and what it says is compared line by line.
+// read_pack.py, written from SPEC.md alone, reads what the writer writes, and what it says is compared line
+// by line.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <random>
@@ -32,12 +33,14 @@ struct Outcome {
 };
 
 Outcome readPack(const std::string& arguments) {
-  const std::string command = std::string(KELP_PYTHON) + " -B " KELP_SOURCE_DIR "/tests/formats/read_pack.py " + arguments;
+  const std::string command =
+      std::string(KELP_PYTHON) + " -B " KELP_SOURCE_DIR "/tests/formats/read_pack.py " + arguments;
   Outcome out;
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return out;
   std::array<char, 4096> block;
-  for (std::size_t got; (got = std::fread(block.data(), 1, block.size(), pipe)) > 0;) out.text.append(block.data(), got);
+  for (std::size_t got; (got = std::fread(block.data(), 1, block.size(), pipe)) > 0;)
+    out.text.append(block.data(), got);
   const int status = ::pclose(pipe);
   out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return out;
@@ -90,38 +93,40 @@ std::vector<std::uint8_t> withoutRanks(std::vector<std::uint8_t> codes) {
 }
 
 std::string dump(const RawPack& pack) {
-  const bool foggy = std::any_of(pack.parts.begin(), pack.parts.end(), [](const RawPart& part) { return part.fog.has_value(); });
-  std::string out = format("minor %d\ninfo ", foggy) + pack.info_json + "\n";
+  std::string out = format("minor %d\ninfo ", kFormatMinor) + pack.info_json + "\n";
   for (const Material& m : pack.palette) out += "material " + bits(m) + "\n";
   for (const RawPart& part : pack.parts) {
-    out +=
-        "part " + hex(part.name) +
-        format(" parent %d kind %d size %d %d %d levels %zu\n", part.parent, part.fog.has_value(), part.size.x, part.size.y, part.size.z, part.levels.size());
+    out += "part " + hex(part.name) +
+           format(" parent %d kind %d size %d %d %d levels %zu\n", part.parent, part.fog.has_value(),
+                  part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
     if (part.fog) {
-      out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) + "\n";
+      out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
+             "\n";
       for (const glm::vec3& color : part.fog->ramp) out += "colour " + bits(color) + "\n";
       for (const RawLevel& level : part.levels) {
-        out += format("fog level bricks %zu extinction %s crc %08x %08x %08x\n", level.density.size() / 729, bits(level.extinction).c_str(), crc32(level.cells),
-                      crc32(level.density), crc32(level.heat));
+        out += format("fog level bricks %zu extinction %s crc %08x %08x %08x\n", level.density.size() / 729,
+                      bits(level.extinction).c_str(), crc32(level.cells), crc32(level.density),
+                      crc32(level.heat));
       }
       continue;
     }
     for (const RawLevel& level : part.levels) {
-      out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512, level.attributes.size(),
-                    crc32(level.cells), crc32(withoutRanks(level.codes)), crc32(level.attributes));
+      out += format("level bricks %zu surface %zu crc %08x %08x %08x\n", level.codes.size() / 512,
+                    level.attributes.size(), crc32(level.cells), crc32(withoutRanks(level.codes)),
+                    crc32(level.attributes));
     }
   }
   for (const RawClip& clip : pack.clips) {
     out += "clip " + hex(clip.name) + " duration " + bits(clip.duration) + "\n";
     for (const Wave& w : clip.waves) {
-      out += format("wave %u %u %u ", w.part, w.knot, static_cast<unsigned>(w.target)) + bits(w.amplitude) + " " +
-             bits(w.period) + " " + bits(w.phase) + "\n";
+      out += format("wave %u %u %u ", w.part, w.knot, static_cast<unsigned>(w.target)) + bits(w.amplitude) +
+             " " + bits(w.period) + " " + bits(w.phase) + "\n";
     }
     for (const RawTrack& t : clip.tracks) {
-      out +=
-          format("track %u %u %u %u\n", t.part, t.knot, static_cast<unsigned>(t.target), static_cast<unsigned>(t.interpolation));
+      out += format("track %u %u %u %u\n", t.part, t.knot, static_cast<unsigned>(t.target),
+                    static_cast<unsigned>(t.interpolation));
       for (const Key& key : t.keys) out += "key " + bits(key) + "\n";
     }
   }
@@ -159,18 +164,26 @@ TEST(SecondReader, RefusesTheSameLies) {
     for (int i = 0; i < 60; ++i) {
       test::PackSurgeon lying = sound;
       test::PackSurgeon::Chunk& chunk = lying.chunks[below(lying.chunks.size())];
-      const bool pages = chunk.fourcc == test::PackSurgeon::fourcc("BRCK") || chunk.fourcc == test::PackSurgeon::fourcc("FOGB");
+      const bool pages = chunk.fourcc == test::PackSurgeon::fourcc("BRCK") ||
+                         chunk.fourcc == test::PackSurgeon::fourcc("FOGB");
       const std::size_t at = pages ? 0 : below(chunk.content.size());
-      if (pages) (i % 2 == 0 ? chunk.level : chunk.part) ^= 1u << below(3);
-      else if (i % 2 == 0) chunk.content[at] = std::array{std::byte{0}, std::byte{1}, std::byte{0x7f}, std::byte{0x80}, std::byte{0xff}}[below(5)];
-      else if (at + 4 <= chunk.content.size()) test::set(chunk.content, at / 4 * 4, std::array{0.0f, -0.0f, 1.0f, -1.0f, 1e38f, 1e-45f, NAN, INFINITY}[below(8)]);
+      if (pages)
+        (i % 2 == 0 ? chunk.level : chunk.part) ^= 1u << below(3);
+      else if (i % 2 == 0)
+        chunk.content[at] = std::array{std::byte{0}, std::byte{1}, std::byte{0x7f}, std::byte{0x80},
+                                       std::byte{0xff}}[below(5)];
+      else if (at + 4 <= chunk.content.size())
+        test::set(chunk.content, at / 4 * 4,
+                  std::array{0.0f, -0.0f, 1.0f, -1.0f, 1e38f, 1e-45f, NAN, INFINITY}[below(8)]);
       const test::Bytes bytes = lying.build();
       MemorySource memory(bytes);
-      const std::uint64_t errors = verify(memory.source(), {}, [](void*, const Issue&) {}, nullptr);
+      const std::uint64_t errors = verify(
+          memory.source(), {}, [](void*, const Issue&) {}, nullptr);
       const PackFile file(bytes);
       const Outcome read = readPack("\"" + file.path.string() + "\" 2>&1");
       if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
-      EXPECT_EQ(read.code, errors > 0 ? 3 : 0) << "chunk " << chunk.fourcc << " byte " << at << ", change " << i << ": " << read.text.substr(0, 300);
+      EXPECT_EQ(read.code, errors > 0 ? 3 : 0) << "chunk " << chunk.fourcc << " byte " << at << ", change "
+                                               << i << ": " << read.text.substr(0, 300);
       ++(errors > 0 ? refused : accepted);
     }
   }

@@ -61,7 +61,8 @@ TEST(FileSource, TakesPathsAsUtf8) {
   const std::vector<std::byte> bytes = counting(1000);
   const test::Scratch scratch;
   const std::filesystem::path path = scratch.folder() / u8"s\u00f6-\u6d77\u85fb-\U0001f33f.kelp";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   const std::u8string name = path.u8string();
   Result<FileSource> opened = FileSource::open(reinterpret_cast<const char*>(name.c_str()));
   ASSERT_TRUE(opened) << errno;
@@ -77,7 +78,8 @@ TEST(FileSource, LetsOthersReplaceTheFile) {
   const TemporaryFile file(bytes);
   Result<FileSource> opened = FileSource::open(file.path.string().c_str());
   ASSERT_TRUE(opened);
-  const std::filesystem::path newer = file.scratch.write("newer.bin", counting(10)), aside = file.scratch / "aside.bin";
+  const std::filesystem::path newer = file.scratch.write("newer.bin", counting(10)),
+                              aside = file.scratch / "aside.bin";
   std::filesystem::rename(file.path, aside);
   std::filesystem::rename(newer, file.path);
   expectReads(opened->source(), bytes);
@@ -96,7 +98,8 @@ TEST(FileSource, ReadsFromManyThreadsAtOnce) {
       std::array<std::byte, 64> got;
       for (std::size_t i = 0; i < 500; ++i) {
         const std::size_t offset = (i * 7919 + worker * 104729) % (bytes.size() - got.size());
-        if (!source.read(source.user, offset, got) || !std::equal(got.begin(), got.end(), bytes.begin() + offset))
+        if (!source.read(source.user, offset, got) ||
+            !std::equal(got.begin(), got.end(), bytes.begin() + offset))
           ++wrong[worker];
       }
     });

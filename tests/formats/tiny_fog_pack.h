@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The smallest pack that has something of everything that fog has, and a solid part. Its bytes are checked in as golden/v1_fog.kelp: never change it.
+// The smallest pack that has something of everything that fog has, and a solid part. Its bytes are checked in
+// as golden/fog.kelp: never change it.
 #pragma once
 
 #include "fog_level.h"
@@ -30,8 +31,16 @@ inline RawPack makeTinyFogPack() {
   smoke.knots = {{0, {0, 0, 0}, {3, 8, 1}}, {1, {1, 12, 0}, {0, 12, 0}}};
   smoke.fog = RawFog{{0.75f, 0.5f, 0.25f}, -0.5f, 0, {}};
   // The third of four bricks along x is clear, and its neighbours are where they share samples with it.
-  smoke.levels = {fogLevel(smoke.size, 0.125f, [](const glm::ivec3& v) { return static_cast<std::uint8_t>(v.x < 16 ? (v.x * 7 + v.y * 3 + v.z * 11) % 16 * 16 : v.x > 24 ? 255 : 0); }),
-                  fogLevel({13, 6, 5}, 0.0625f, [](const glm::ivec3& v) { return static_cast<std::uint8_t>(v.x < 8 ? 255 - v.y : v.x == 12 ? 1 : 0); })};
+  smoke.levels = {fogLevel(smoke.size, 0.125f,
+                           [](const glm::ivec3& v) {
+                             return static_cast<std::uint8_t>(v.x < 16
+                                                                  ? (v.x * 7 + v.y * 3 + v.z * 11) % 16 * 16
+                                                              : v.x > 24 ? 255
+                                                                         : 0);
+                           }),
+                  fogLevel({13, 6, 5}, 0.0625f, [](const glm::ivec3& v) {
+                    return static_cast<std::uint8_t>(v.x < 8 ? 255 - v.y : v.x == 12 ? 1 : 0);
+                  })};
 
   RawPart flame;
   flame.name = "flame";
@@ -40,7 +49,8 @@ inline RawPack makeTinyFogPack() {
   flame.fog = RawFog{{0, 1, 0}, 0.875f, 2.5f, {{1, 0.25f, 0}, {4, 3, 2}}};
   // There is heat without density, and density without heat.
   flame.levels = {fogLevel(
-      flame.size, 3.0f, [](const glm::ivec3& v) { return static_cast<std::uint8_t>(v.z == 0 ? 30 * v.y : 0); },
+      flame.size, 3.0f,
+      [](const glm::ivec3& v) { return static_cast<std::uint8_t>(v.z == 0 ? 30 * v.y : 0); },
       [](const glm::ivec3& v) { return static_cast<std::uint8_t>(v.z == 1 ? 255 - 30 * v.y : 0); })};
   pack.parts = {stone, smoke, flame};
   return pack;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The smallest pack that has something of everything. Its bytes are checked in as golden/v1_tiny.kelp: never change it.
+// The smallest pack that has something of everything. Its bytes are checked in as golden/solid.kelp: never
+// change it.
 #pragma once
 
 #include "kelp/formats/raw_pack.h"
@@ -10,7 +11,8 @@ namespace kelp::test {
 inline void addTinyBrick(RawLevel& level, int voxel, std::uint8_t palette_index, const glm::vec3& normal) {
   const std::size_t first = level.codes.size();
   level.codes.resize(first + kBrickVoxels);
-  for (std::size_t i = 0; i < kBrickVoxels; ++i) level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % kSurfaceCode);
+  for (std::size_t i = 0; i < kBrickVoxels; ++i)
+    level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % kSurfaceCode);
   level.codes[first + static_cast<std::size_t>(voxel)] = kSurfaceCode;
   level.codes[first + static_cast<std::size_t>(voxel) + 1] = kInnerCode;
   level.attributes.push_back(makeAttribute(palette_index, encodeNormal(normal)));
@@ -56,7 +58,8 @@ inline RawPack makeTinyPack() {
   turn.part = 1;
   turn.target = Target::kPartRotation;
   turn.interpolation = Interpolation::kLinear;
-  turn.keys = {{0, {0, 0, 0, 1}, glm::vec4(0.0f), glm::vec4(0.0f)}, {1.5f, {0, 0.6f, 0, 0.8f}, glm::vec4(0.0f), glm::vec4(0.0f)}};
+  turn.keys = {{0, {0, 0, 0, 1}, glm::vec4(0.0f), glm::vec4(0.0f)},
+               {1.5f, {0, 0.6f, 0, 0.8f}, glm::vec4(0.0f), glm::vec4(0.0f)}};
   RawTrack bend;
   bend.part = 0;
   bend.knot = 1;

@@ -21,7 +21,8 @@ std::vector<Issue> issuesOf(const Bytes& bytes, const Limits& limits = {}) {
   std::vector<Issue> issues;
   MemorySource memory(bytes);
   const std::uint64_t errors = verify(
-      memory.source(), limits, [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); },
+      memory.source(), limits,
+      [](void* user, const Issue& issue) { static_cast<std::vector<Issue>*>(user)->push_back(issue); },
       &issues);
   const auto is_error = [](const Issue& issue) { return issue.severity == Severity::kError; };
   EXPECT_EQ(errors, static_cast<std::uint64_t>(std::count_if(issues.begin(), issues.end(), is_error)));
@@ -147,8 +148,8 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
   Bytes bytes = surgeon.build();
   bytes.back() ^= std::byte{1};  // in the last page
   const std::vector<Issue> issues = issuesOf(bytes);
-  EXPECT_EQ(idsOf(issues),
-            (Ids{IssueId::kMetadata, IssueId::kMetadata, IssueId::kNotMonotone, IssueId::kChunkChecksum, IssueId::kPage}));
+  EXPECT_EQ(idsOf(issues), (Ids{IssueId::kMetadata, IssueId::kMetadata, IssueId::kNotMonotone,
+                                IssueId::kChunkChecksum, IssueId::kPage}));
   EXPECT_TRUE(std::is_sorted(issues.begin(), issues.end(),
                              [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
 }
@@ -166,7 +167,8 @@ TEST(Verify, SolidVoxelsOutsideAreFoundInEveryPage) {
   set(surgeon.content("PART"), 20, 97u);
   const std::vector<Issue> issues = issuesOf(surgeon.build());
 
-  // The pages that hold such a brick, found by hand: cells of the last column in x, 13 cells wide, and the page of their slot.
+  // The pages that hold such a brick, found by hand: cells of the last column in x, 13 cells wide, and the
+  // page of their slot.
   const RawLevel& level = raw.parts[0].levels[0];
   MemorySource memory(bytes);
   Result<Pack> pack = Pack::open(memory.source());
@@ -178,9 +180,11 @@ TEST(Verify, SolidVoxelsOutsideAreFoundInEveryPage) {
     if (!(level.cells[cell] & kCellSolid)) continue;
     const std::uint32_t slot = level.cells[cell] & kCellSlotMask;
     bool outside = false;
-    for (std::size_t i = 0; i < 512; ++i) outside = outside || (i % 8 >= 1 && isSolidCode(level.codes[slot * 512 + i]));
+    for (std::size_t i = 0; i < 512; ++i)
+      outside = outside || (i % 8 >= 1 && isSolidCode(level.codes[slot * 512 + i]));
     for (std::size_t page = 0; page < grid->pages.size() && outside; ++page) {
-      if (slot - grid->pages[page].first_slot < grid->pages[page].count) expected.insert(static_cast<std::int64_t>(page));
+      if (slot - grid->pages[page].first_slot < grid->pages[page].count)
+        expected.insert(static_cast<std::int64_t>(page));
     }
   }
   for (const Issue& issue : issues) {

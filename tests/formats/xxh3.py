@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""XXH3-64 with seed 0 in plain Python, after the description in xxHash's doc/xxhash_spec.md. Slow, and independent of the C code."""
+"""XXH3-64 with seed 0 in plain Python, after xxHash's doc/xxhash_spec.md. Slow; independent of the C code."""
 
 _MASK = 0xFFFFFFFFFFFFFFFF
 _P32 = (0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a file that somebody bakes: through its importer, and now and then through the whole baker. Must be refused in one line by a BakeError, or be
-// a model, and a pack, that keep their own rules; must not crash, hang or take more memory than the settings say.
+// Any bytes as a file that somebody bakes: through its importer, and now and then through the whole baker.
+// Must be refused in one line by a ToolError, or be a model, and a pack, that keep their own rules; must not
+// crash, hang or take more memory than the settings say.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,12 @@
 // What an input's options depend on: all of its bytes, so that every kind of input gets every option.
 std::uint64_t choiceOf(std::span<const std::uint8_t> bytes);
 
-// Resolution, threads and memory so small that an input takes milliseconds. The baker counts 23 MB for the program itself and 15 MB for its voxelizer (memory_estimate.cpp):
-// what is left is for a tree of a few nodes and some 100 x 100 x 100 voxels, or for a few pictures and thousands of triangles.
+// Resolution, threads and memory so small that an input takes milliseconds. The baker counts 23 MB for the
+// program itself and 15 MB for its voxelizer (memory_estimate.cpp): what is left is for a tree of a few nodes
+// and some 100 x 100 x 100 voxels, or for a few pictures and thousands of triangles.
 inline constexpr std::uint64_t kVolumeBytes = 30'000'000, kMeshBytes = 58'000'000;
 kelp::bake::Settings smallSettings(std::uint64_t bytes);
 
 // Imports the file; one in eight, by `choice`, is baked, written and verified instead.
-void exerciseImport(const std::filesystem::path& path, const kelp::bake::Settings& settings, std::uint64_t choice);
+void exerciseImport(const std::filesystem::path& path, const kelp::bake::Settings& settings,
+                    std::uint64_t choice);

@@ -34,7 +34,10 @@ struct FailingHost {
 };
 
 void report(void*, const Issue& issue) {
-  if (std::strlen(toString(issue.id)) == 0 || std::strlen(toString(issue.error.code)) == 0 || !issue.error.detail) std::abort();  // every issue has its words
+  // every issue has its words
+  if (std::strlen(toString(issue.id)) == 0 || std::strlen(toString(issue.error.code)) == 0 ||
+      !issue.error.detail)
+    std::abort();
 }
 
 // Questions that a game asks each frame.
@@ -42,7 +45,8 @@ void ask(const runtime::Instance& instance) {
   const Box box = runtime::bounds(instance);
   const glm::vec3 middle = 0.5f * (box.min + box.max);
   for (int i = 0; i < 8; ++i) {
-    const glm::vec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
+    const glm::vec3 corner(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y,
+                           i & 4 ? box.max.z : box.min.z);
     runtime::raycast(instance, {corner, middle - corner}, i % 3);
   }
   const std::span<const Part> parts = instance.asset->pack().parts();
@@ -53,7 +57,8 @@ void ask(const runtime::Instance& instance) {
   }
 }
 
-// At rest; then all clips at a moment, also one beyond their ends, half way back to rest, pushed and blown; where an instance may stand.
+// At rest; then all clips at a moment, also one beyond their ends, half way back to rest, pushed and blown;
+// where an instance may stand.
 void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
   constexpr double kMoments[] = {0.3, 0, -7.25, 1e9 + 0.1, 1e300, -1e300, 5e-324, 1e-38};
   constexpr float kScales[] = {1, -1, 1e-6f, 1e6f};
@@ -63,7 +68,8 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
   if (!rest || !pose) return;
   const double moment = kMoments[choice % 8];
   for (int clip = 0; clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
-    if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose)) pose->clampMonotone();
+    if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose))
+      pose->clampMonotone();
   }
   if (choice / 16 % 4 == 0 && !pose->blend(*rest, 0.5f)) std::abort();
   if (choice / 64 % 4 == 0) {
@@ -71,7 +77,8 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
     for (int part = 0; spring && part < spring->parts(); ++part) {
       static_cast<void>(spring->push(part, {30, 0, 1e20f}));
       static_cast<void>(spring->setWind(part, {0, 3, -5}));
-      static_cast<void>(spring->pushAway(instance, glm::vec3(asset.pack().parts()[static_cast<std::size_t>(part)].to_object[3]), 0.5f));
+      static_cast<void>(spring->pushAway(
+          instance, glm::vec3(asset.pack().parts()[static_cast<std::size_t>(part)].to_object[3]), 0.5f));
       static_cast<void>(spring->step(static_cast<float>(moment)));
       for (const runtime::Swing& swing : spring->knots(part))
         for (int i = 0; i < 3; ++i)
@@ -81,7 +88,8 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
   }
   instance.pose = &*pose;
   const float scale = kScales[choice / 256 % 4];
-  instance.to_world = glm::mat4(glm::vec4(0, scale, 0, 0), glm::vec4(scale, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(choice / 1024 % 2 == 0 ? 0.0f : 1e5f, 0, 3, 1));
+  instance.to_world = glm::mat4(glm::vec4(0, scale, 0, 0), glm::vec4(scale, 0, 0, 0), glm::vec4(0, 0, 1, 0),
+                                glm::vec4(choice / 1024 % 2 == 0 ? 0.0f : 1e5f, 0, 3, 1));
   ask(instance);
 }
 
@@ -97,7 +105,9 @@ void exercisePack(std::span<const std::byte> bytes) {
   limits.max_decoded_bytes = std::uint64_t{64} << 20;
   limits.max_side = 1024;
   limits.max_parts = 64;
-  if (choice % 16 == 0) limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2, 200 + 400 * (choice / 16 % 8)};  // some of them less than the smallest packs need
+  // some of them less than the smallest packs need
+  if (choice % 16 == 0)
+    limits = {64 + 100 * (choice / 16 % 8), 8u << choice / 16 % 3, 2, 200 + 400 * (choice / 16 % 8)};
   MemorySource memory(bytes);
   FileSource file;
   FailingHost host;

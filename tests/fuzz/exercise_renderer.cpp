@@ -20,11 +20,13 @@ namespace {
   std::abort();
 }
 
-// What lies in the pool, as shaders/instance.glsl has it, of the only asset of a renderer: from the first row on that is somebody's.
+// What lies in the pool, as shaders/instance.glsl has it, of the only asset of a renderer: from the first row
+// on that is somebody's.
 void checkPool(const test::FakeGl& fake, const runtime::Asset& asset) {
   const std::vector<std::uint32_t>& words = fake.pool().words;
   const auto holds = [&words](std::uint64_t at, std::span<const std::uint32_t> wanted) {
-    return at <= words.size() && wanted.size() <= words.size() - at && std::equal(wanted.begin(), wanted.end(), words.begin() + static_cast<std::ptrdiff_t>(at));
+    return at <= words.size() && wanted.size() <= words.size() - at &&
+           std::equal(wanted.begin(), wanted.end(), words.begin() + static_cast<std::ptrdiff_t>(at));
   };
   std::uint64_t table = 1024 + 9 * asset.pack().palette().size();
   for (int p = 0; p < static_cast<int>(asset.pack().parts().size()); ++p) {
@@ -53,7 +55,9 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset) {
 void bend(const runtime::Asset& asset, float share, runtime::Pose& pose) {
   for (int part = 0; part < pose.parts(); ++part) {
     const std::span<Knot> knots = pose.knots(part);
-    for (Knot& knot : knots) knot.position.x += share * knot.at * static_cast<float>(asset.pack().parts()[static_cast<std::size_t>(part)].size.y);
+    for (Knot& knot : knots)
+      knot.position.x +=
+          share * knot.at * static_cast<float>(asset.pack().parts()[static_cast<std::size_t>(part)].size.y);
   }
   pose.clampMonotone();
 }
@@ -65,14 +69,16 @@ gl::View viewOf(const runtime::Instance& instance, float distance) {
   const float size = std::max(glm::length(box.max - box.min), 1e-6f);
   gl::View view;
   view.viewport = {640, 480};
-  view.world_to_eye = glm::lookAt(middle + size * distance * glm::vec3(0.5f, 0.3f, 1), middle, glm::vec3(0, 1, 0));
+  view.world_to_eye =
+      glm::lookAt(middle + size * distance * glm::vec3(0.5f, 0.3f, 1), middle, glm::vec3(0, 1, 0));
   view.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 0.01f * size, 100 * size);
   return view;
 }
 
 }  // namespace
 
-void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choice, const Allocator& allocator) {
+void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choice,
+                      const Allocator& allocator) {
   test::FakeGl fake;
   fake.keeps_texels = true;
   fake.depth_bits = choice & 1 ? 24 : 0;
@@ -108,13 +114,21 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
     static_cast<void>(renderer.draw(view, std::span(both).first(static_cast<std::size_t>(1 + frame % 2))));
     static_cast<void>(renderer.draw(view, both, frame % 2 ? gl::Pass::kFog : gl::Pass::kDepth));
     static_cast<void>(renderer.bindTrace(1, view, both));
-    if (gl::levelAt(view, bent, 0, {320, 240}) >= asset->pack().parts()[0].levels) fault("a level that is not there");
+    if (gl::levelAt(view, bent, 0, {320, 240}) >= asset->pack().parts()[0].levels)
+      fault("a level that is not there");
   }
   switch (choice / 1024 % 4) {
-    case 0: renderer.remove(*asset); break;
-    case 1: renderer.abandon(); break;
-    case 2: asset.reset(); break;
-    default: return;
+    case 0:
+      renderer.remove(*asset);
+      break;
+    case 1:
+      renderer.abandon();
+      break;
+    case 2:
+      asset.reset();
+      break;
+    default:
+      return;
   }
   static_cast<void>(renderer.upload(max_bytes));
   if (renderer.draw(viewOf({}, 1), both)) fault("an asset that the renderer does not know is drawn");

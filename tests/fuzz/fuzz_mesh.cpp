@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a mesh. The first says of which format: '0' OBJ, '1' PLY, '2' STL, '3' OFF, '4' Draco. A byte 0x01 ends an OBJ file; after it come its MTL library
-// (m.mtl), another 0x01 and a picture (t.png).
+// Any bytes as a mesh. The first says of which format: '0' OBJ, '1' PLY, '2' STL, '3' OFF, '4' Draco. A byte
+// 0x01 ends an OBJ file; after it come its MTL library (m.mtl), another 0x01 and a picture (t.png).
 #include <algorithm>
 #include <array>
 
@@ -9,7 +9,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const InputFolder folder;
   if (size == 0) return 0;
-  constexpr std::array<const char*, 5> kNames = {"input.obj", "input.ply", "input.stl", "input.off", "input.drc"};
+  constexpr std::array<const char*, 5> kNames = {"input.obj", "input.ply", "input.stl", "input.off",
+                                                 "input.drc"};
   const std::size_t format = (data[0] + kNames.size() - '0' % kNames.size()) % kNames.size();
   std::span<const std::uint8_t> rest(data + 1, size - 1);
   const std::uint64_t choice = choiceOf(rest);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Packs that lie under right checksums: a sound pack is taken apart, changed as the input says, and put together again, so that what is behind the
-// checksums is reached. The input is a choice of the sound pack, then records of eight bytes: what to do (3 bits) with which chunk (13 bits), where
-// (16 bits), and a number.
+// Packs that lie under right checksums: a sound pack is taken apart, changed as the input says, and put
+// together again, so that what is behind the checksums is reached. The input is a choice of the sound pack,
+// then records of eight bytes: what to do (3 bits) with which chunk (13 bits), where (16 bits), and a number.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -33,7 +33,8 @@ struct Record {
 };
 
 void setLittleEndian(Bytes& bytes, std::size_t at, std::uint32_t number, std::size_t size) {
-  for (std::size_t i = 0; i < size && at + i < bytes.size(); ++i) bytes[at + i] = static_cast<std::byte>(number >> (8 * i));
+  for (std::size_t i = 0; i < size && at + i < bytes.size(); ++i)
+    bytes[at + i] = static_cast<std::byte>(number >> (8 * i));
 }
 
 // Changes bytes in one of the ways that keep a table's shape, or do not.
@@ -41,10 +42,17 @@ void change(Bytes& bytes, const Record& record) {
   if (bytes.empty()) return;
   const std::size_t at = record.at % bytes.size();
   switch (record.what_and_chunk & 3) {
-    case 0: return setLittleEndian(bytes, at, record.number, 1);
-    case 1: return setLittleEndian(bytes, at & ~std::size_t{3}, record.number, 4);
-    case 2: return static_cast<void>(bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), at + record.number % 65))));
-    default: return static_cast<void>(bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), record.number % 65, static_cast<std::byte>(record.number >> 8)));
+    case 0:
+      return setLittleEndian(bytes, at, record.number, 1);
+    case 1:
+      return setLittleEndian(bytes, at & ~std::size_t{3}, record.number, 4);
+    case 2:
+      return static_cast<void>(bytes.erase(
+          bytes.begin() + static_cast<std::ptrdiff_t>(at),
+          bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), at + record.number % 65))));
+    default:
+      return static_cast<void>(bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                                            record.number % 65, static_cast<std::byte>(record.number >> 8)));
   }
 }
 
@@ -54,35 +62,67 @@ void apply(PackSurgeon& surgeon, const Record& record) {
   PackSurgeon::Chunk& chunk = surgeon.chunks[c];
   if (!(record.what_and_chunk & 4)) return change(chunk.content, record);
   // Inside a page, below zstd: where a grid and its one page stand one after the other.
-  const bool has_page = c + 1 < surgeon.chunks.size() && chunk.fourcc == PackSurgeon::fourcc("GRID") && chunk.content.size() >= 32 &&
-                        kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) == surgeon.chunks[c + 1].content.size() && kelp::test::isFrame(surgeon.chunks[c + 1].content);
+  const bool has_page = c + 1 < surgeon.chunks.size() && chunk.fourcc == PackSurgeon::fourcc("GRID") &&
+                        chunk.content.size() >= 32 &&
+                        kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) ==
+                            surgeon.chunks[c + 1].content.size() &&
+                        kelp::test::isFrame(surgeon.chunks[c + 1].content);
   switch (record.at % 16) {
-    case 0: chunk.level = record.number; break;
-    case 1: chunk.part = record.number; break;
-    case 2: chunk.flags ^= record.number & 7; break;
-    case 3: chunk.raw_lie = record.number; break;
-    case 4: chunk.gap = record.number % 256; break;
-    case 5: std::swap(chunk, surgeon.chunks[record.number % surgeon.chunks.size()]); break;
-    case 6: surgeon.chunks.erase(surgeon.chunks.begin() + static_cast<std::ptrdiff_t>(c)); break;
-    case 7: chunk.fourcc = record.number; break;
-    case 8: chunk.offset_lie = record.number; break;
-    case 9: surgeon.major = static_cast<std::uint16_t>(record.number); break;
-    case 10: surgeon.minor = static_cast<std::uint16_t>(record.number); break;
+    case 0:
+      chunk.level = record.number;
+      break;
+    case 1:
+      chunk.part = record.number;
+      break;
+    case 2:
+      chunk.flags ^= record.number & 7;
+      break;
+    case 3:
+      chunk.raw_lie = record.number;
+      break;
+    case 4:
+      chunk.gap = record.number % 256;
+      break;
+    case 5:
+      std::swap(chunk, surgeon.chunks[record.number % surgeon.chunks.size()]);
+      break;
+    case 6:
+      surgeon.chunks.erase(surgeon.chunks.begin() + static_cast<std::ptrdiff_t>(c));
+      break;
+    case 7:
+      chunk.fourcc = record.number;
+      break;
+    case 8:
+      chunk.offset_lie = record.number;
+      break;
+    case 9:
+      surgeon.major = static_cast<std::uint16_t>(record.number);
+      break;
+    case 10:
+      surgeon.minor = static_cast<std::uint16_t>(record.number);
+      break;
     case 11:  // bricks of nothing
-      if (has_page) surgeon.editPage(c, [](Bytes& page) { page.assign(page.size() / 512 * 512, std::byte{0}); });
+      if (has_page)
+        surgeon.editPage(c, [](Bytes& page) { page.assign(page.size() / 512 * 512, std::byte{0}); });
       break;
     default:
-      if (has_page) surgeon.editPage(c, [&](Bytes& page) { change(page, {static_cast<std::uint16_t>(record.number >> 30), static_cast<std::uint16_t>(record.number), record.number >> 16}); });
+      if (has_page)
+        surgeon.editPage(c, [&](Bytes& page) {
+          change(page, {static_cast<std::uint16_t>(record.number >> 30),
+                        static_cast<std::uint16_t>(record.number), record.number >> 16});
+        });
   }
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const PackSurgeon sound[2] = {PackSurgeon(readGolden("v1_tiny.kelp")), PackSurgeon(readGolden("v1_fog.kelp"))};
+  static const PackSurgeon sound[2] = {PackSurgeon(readGolden("solid.kelp")),
+                                       PackSurgeon(readGolden("fog.kelp"))};
   if (size == 0) return 0;
   PackSurgeon surgeon = sound[data[0] & 1];
-  for (std::size_t at = 1; at + sizeof(Record) <= std::min<std::size_t>(size, 1 + 32 * sizeof(Record)); at += sizeof(Record)) {
+  for (std::size_t at = 1; at + sizeof(Record) <= std::min<std::size_t>(size, 1 + 32 * sizeof(Record));
+       at += sizeof(Record)) {
     Record record;
     std::memcpy(&record, data + at, sizeof record);
     apply(surgeon, record);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a rig's JSON: read it; what is read must print and read again as the same, and its clips must prove or refuse quickly.
+// Any bytes as a rig's JSON: read it; what is read must print and read again as the same, and its clips must
+// prove or refuse quickly.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-#include "kelp/rig_json/rig_json.h"
+#include "kelp/rig/rig.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kelp;

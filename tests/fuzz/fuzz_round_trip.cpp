@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A small model out of any bytes, made as the baker makes one, then changed here and there. What the writer takes must be a sound pack that reads back as the same, to
-// the bit, and its rigs must rewrite to the same bytes; what it refuses is misuse, and nothing was written.
+// A small model out of any bytes, made as the baker makes one, then changed here and there. What the writer
+// takes must be a sound pack that reads back as the same, to the bit, and its rigs must rewrite to the same
+// bytes; what it refuses is misuse, and nothing was written.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -70,7 +71,9 @@ glm::mat4x3 place(Numbers& in) {
 
 // Eight voxels a byte, repeated through the volume; one is always there.
 fields::Occupancy shape(Numbers& in, const glm::ivec3& size) {
-  fields::Occupancy out{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy out{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   std::uint8_t pattern[16];
   for (std::uint8_t& byte : pattern) byte = in.byte();
   for (std::size_t i = 0; i < out.solid.size(); ++i) out.solid[i] = pattern[i / 8 % 16] >> (i % 8) & 1;
@@ -83,7 +86,9 @@ std::vector<RawLevel> solidLevels(Numbers& in, const glm::ivec3& size, int count
   fields::Occupancy volume = shape(in, size);
   for (int level = 0; level < count; ++level) {
     std::vector<fields::SurfaceVoxel> surface;
-    for (const std::uint64_t index : fields::surfaceVoxels(volume, 1)) surface.push_back({index, makeAttribute(static_cast<std::uint8_t>(in.byte() % palette), encodeNormal(in.vector()))});
+    for (const std::uint64_t index : fields::surfaceVoxels(volume, 1))
+      surface.push_back(
+          {index, makeAttribute(static_cast<std::uint8_t>(in.byte() % palette), encodeNormal(in.vector()))});
     levels.push_back(fields::buildLevel(volume, surface, 1));
     volume = fields::coarser(volume);
   }
@@ -118,13 +123,16 @@ RawPart makePart(Numbers& in, int index, std::size_t palette) {
   const float height = static_cast<float>(part.size.y);
   for (int k = 0; k < knots; ++k) {
     const float at = static_cast<float>(k) / static_cast<float>(knots - 1);
-    part.knots.push_back({at, {in.number(), at * height, in.number()}, {in.number(), height * (0.5f + in.unit()), in.number()}});
+    part.knots.push_back({at,
+                          {in.number(), at * height, in.number()},
+                          {in.number(), height * (0.5f + in.unit()), in.number()}});
   }
   const std::uint8_t kind = in.byte();
   const int levels = 1 + kind / 8 % 3;
   if (kind % 4 == 0) {
     part.fog = RawFog{{in.unit(), in.unit(), in.unit()}, in.unit() - 0.5f, in.unit(), {}};
-    for (int i = kind % 8 == 0 ? 0 : 2 + in.below(3); i > 0; --i) part.fog->ramp.push_back({in.unit(), in.unit(), in.unit()});
+    for (int i = kind % 8 == 0 ? 0 : 2 + in.below(3); i > 0; --i)
+      part.fog->ramp.push_back({in.unit(), in.unit(), in.unit()});
     part.levels = fogLevels(in, part.size, levels, !part.fog->ramp.empty());
   } else {
     part.levels = solidLevels(in, part.size, levels, palette);
@@ -139,14 +147,17 @@ RawClip makeClip(Numbers& in, const RawPack& pack) {
   for (int i = in.below(12); i > 0; --i) {
     const auto part = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts.size())));
     const auto knot = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts[part].knots.size())));
-    clip.waves.push_back({part, knot, static_cast<Target>(in.below(2)), in.vector(), 0.25f * static_cast<float>(1 + in.below(6)), in.number()});
+    clip.waves.push_back({part, knot, static_cast<Target>(in.below(2)), in.vector(),
+                          0.25f * static_cast<float>(1 + in.below(6)), in.number()});
   }
   for (int i = in.below(3); i > 0; --i) {
     RawTrack track;
     track.part = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts.size())));
     track.target = static_cast<Target>(in.below(5));
     track.interpolation = static_cast<Interpolation>(in.below(3));
-    if (track.target <= Target::kKnotTangent) track.knot = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts[track.part].knots.size())));
+    if (track.target <= Target::kKnotTangent)
+      track.knot =
+          static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts[track.part].knots.size())));
     float time = in.unit();
     for (int keys = 1 + in.below(3); keys > 0; --keys, time += 0.25f + in.unit()) {
       Key key{time, glm::vec4(in.vector(), 0), {}, {}};
@@ -163,17 +174,23 @@ RawPack makePack(Numbers& in) {
   RawPack pack;
   pack.info_json = in.byte() % 4 == 0 ? "" : "{\"n\":\"" + in.text() + "\"}";
   pack.palette.resize(static_cast<std::size_t>(1 + in.below(4)));
-  for (Material& material : pack.palette) material = {{in.unit(), in.unit(), in.unit(), in.unit()}, {in.unit(), 4 * in.unit(), 0}, in.unit(), in.unit()};
-  for (int i = 0, count = 1 + in.below(3); i < count; ++i) pack.parts.push_back(makePart(in, i, pack.palette.size()));
+  for (Material& material : pack.palette)
+    material = {
+        {in.unit(), in.unit(), in.unit(), in.unit()}, {in.unit(), 4 * in.unit(), 0}, in.unit(), in.unit()};
+  for (int i = 0, count = 1 + in.below(3); i < count; ++i)
+    pack.parts.push_back(makePart(in, i, pack.palette.size()));
   for (int count = in.below(3); count > 0; --count) pack.clips.push_back(makeClip(in, pack));
   return pack;
 }
 
 template <class T>
 void changeOne(std::vector<T>& list, std::uint16_t at, std::uint32_t number) {
-  if (number == 0 && !list.empty()) list.pop_back();
-  else if (number == 1) list.push_back(T{});
-  else if (!list.empty()) list[at % list.size()] = static_cast<T>(number);
+  if (number == 0 && !list.empty())
+    list.pop_back();
+  else if (number == 1)
+    list.push_back(T{});
+  else if (!list.empty())
+    list[at % list.size()] = static_cast<T>(number);
 }
 
 // What a baker with a fault might hand over: one thing a record of eight bytes.
@@ -188,26 +205,66 @@ void change(Numbers& in, RawPack& pack) {
   RawClip* const clip = pack.clips.empty() ? nullptr : &pack.clips[which % pack.clips.size()];
   Knot* const knot = part.knots.empty() ? nullptr : &part.knots[at % part.knots.size()];
   switch (what % 20) {
-    case 0: if (level) changeOne(level->cells, at, number); break;
-    case 1: if (level) changeOne(level->codes, at, number); break;
-    case 2: if (level) changeOne(level->attributes, at, number); break;
-    case 3: if (level) changeOne(level->density, at, number); break;
-    case 4: if (level) changeOne(level->heat, at, number); break;
-    case 5: if (level) level->extinction = real; break;
-    case 6: part.size[at % 3] = static_cast<int>(number % 40000); break;
-    case 7: part.to_object[at % 4][at / 4 % 3] = real; break;
-    case 8: part.pivot[at % 4][at / 4 % 3] = real; break;
-    case 9: if (knot) knot->position[which / 64 % 3] = real; break;
-    case 10: if (knot) knot->tangent[which / 64 % 3] = real; break;
-    case 11: if (knot) knot->at = real; break;
-    case 12: part.parent = static_cast<int>(number); break;
-    case 13: part.name.assign(at % 300, static_cast<char>(number)); break;
-    case 14: part.levels.resize(at % 18); break;
-    case 15: if (part.fog) part.fog->anisotropy = real; break;
-    case 16: if (clip) clip->duration = real; break;
-    case 17: if (clip && !clip->waves.empty()) clip->waves[at % clip->waves.size()].period = real; break;
-    case 18: if (clip && !clip->tracks.empty() && !clip->tracks[0].keys.empty()) clip->tracks[0].keys[at % clip->tracks[0].keys.size()].value[which / 64] = real; break;
-    default: pack.palette.resize(at % 300);
+    case 0:
+      if (level) changeOne(level->cells, at, number);
+      break;
+    case 1:
+      if (level) changeOne(level->codes, at, number);
+      break;
+    case 2:
+      if (level) changeOne(level->attributes, at, number);
+      break;
+    case 3:
+      if (level) changeOne(level->density, at, number);
+      break;
+    case 4:
+      if (level) changeOne(level->heat, at, number);
+      break;
+    case 5:
+      if (level) level->extinction = real;
+      break;
+    case 6:
+      part.size[at % 3] = static_cast<int>(number % 40000);
+      break;
+    case 7:
+      part.to_object[at % 4][at / 4 % 3] = real;
+      break;
+    case 8:
+      part.pivot[at % 4][at / 4 % 3] = real;
+      break;
+    case 9:
+      if (knot) knot->position[which / 64 % 3] = real;
+      break;
+    case 10:
+      if (knot) knot->tangent[which / 64 % 3] = real;
+      break;
+    case 11:
+      if (knot) knot->at = real;
+      break;
+    case 12:
+      part.parent = static_cast<int>(number);
+      break;
+    case 13:
+      part.name.assign(at % 300, static_cast<char>(number));
+      break;
+    case 14:
+      part.levels.resize(at % 18);
+      break;
+    case 15:
+      if (part.fog) part.fog->anisotropy = real;
+      break;
+    case 16:
+      if (clip) clip->duration = real;
+      break;
+    case 17:
+      if (clip && !clip->waves.empty()) clip->waves[at % clip->waves.size()].period = real;
+      break;
+    case 18:
+      if (clip && !clip->tracks.empty() && !clip->tracks[0].keys.empty())
+        clip->tracks[0].keys[at % clip->tracks[0].keys.size()].value[which / 64] = real;
+      break;
+    default:
+      pack.palette.resize(at % 300);
   }
 }
 
@@ -227,13 +284,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::byte> bytes;
   const Result<void> written = writePack(pack, {append, &bytes}, 1 + static_cast<int>(size % 2));
   if (!written) {
-    if (written.error().code != ErrorCode::kMisuse || !bytes.empty()) fail("refused, but not as misuse", written.error().detail);
+    if (written.error().code != ErrorCode::kMisuse || !bytes.empty())
+      fail("refused, but not as misuse", written.error().detail);
     return 0;
   }
   MemorySource memory(bytes);
   Limits limits;
   limits.max_side = 40000;  // what the format can hold
-  verify(memory.source(), limits, [](void*, const Issue& issue) { fail("written, but not sound", toString(issue.id)); }, nullptr);
+  verify(
+      memory.source(), limits,
+      [](void*, const Issue& issue) { fail("written, but not sound", toString(issue.id)); }, nullptr);
   const Result<Pack> opened = Pack::open(memory.source(), limits);
   if (!opened) fail("written, but not opened", opened.error().detail);
   const Result<RawPack> read = rawOf(*opened);
@@ -243,7 +303,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   RawRigs rigs{pack.info_json, {}, pack.clips};
   for (const RawPart& part : pack.parts) rigs.knots.push_back(part.knots);
   std::vector<std::byte> again;
-  if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten) fail("its own rigs are refused", rewritten.error().detail);
+  if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten)
+    fail("its own rigs are refused", rewritten.error().detail);
   if (again != bytes) fail("its own rigs", "other bytes");
   if (size % 4 == 0) exercisePack(bytes);
   return 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a file of voxels: binvox if they begin as such a file; a raw volume if they begin with its sidecar, which ends at the first zero byte; else MagicaVoxel.
+// Any bytes as a file of voxels: binvox if they begin as such a file; a raw volume if they begin with its
+// sidecar, which ends at the first zero byte; else MagicaVoxel.
 #include <algorithm>
 #include <string_view>
 

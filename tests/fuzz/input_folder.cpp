@@ -7,7 +7,9 @@
 
 InputFolder::InputFolder() {
   std::error_code error;
-  const std::filesystem::path memory = "/dev/shm", place = std::filesystem::is_directory(memory, error) ? memory : std::filesystem::temp_directory_path();
+  const std::filesystem::path memory = "/dev/shm", place = std::filesystem::is_directory(memory, error)
+                                                               ? memory
+                                                               : std::filesystem::temp_directory_path();
   std::random_device random;
   do folder_ = place / ("kelp_fuzz_" + std::to_string(random()));
   while (!std::filesystem::create_directory(folder_));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files for what reads files by their names: in memory, where the system has a place for that, and each written over by the next input's.
+// Files for what reads files by their names: in memory, where the system has a place for that, and each
+// written over by the next input's.
 #pragma once
 
 #include <filesystem>

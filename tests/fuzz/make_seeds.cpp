@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// make_seeds FOLDER: those seeds of the fuzzers that need a library to be written: volumes, voxels and compressed meshes. tests/fuzz/make_seeds.py runs it.
+// make_seeds FOLDER: those seeds of the fuzzers that need a library to be written: volumes, voxels and
+// compressed meshes. tests/fuzz/make_seeds.py runs it.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -40,10 +41,15 @@ VdbSpec ball(const char* name, const char* type, const char* grid_class) {
 
 void writeVolumes(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const VdbSpec surface = ball("surface", "float", "level set"), density = ball("density", "float", "fog volume"), heat = ball("heat", "float", ""), mask = ball("mask", "mask", "");
-  VdbSpec half = density, paint = ball("Cd", "vec3s", ""), turned = surface, tiles = ball("density", "int32", ""), wide = ball("density", "double", "fog volume"), flags = ball("inside", "bool", "");
+  const VdbSpec surface = ball("surface", "float", "level set"),
+                density = ball("density", "float", "fog volume"), heat = ball("heat", "float", ""),
+                mask = ball("mask", "mask", "");
+  VdbSpec half = density, paint = ball("Cd", "vec3s", ""), turned = surface,
+          tiles = ball("density", "int32", ""), wide = ball("density", "double", "fog volume"),
+          flags = ball("inside", "bool", "");
   half.half = true;
-  turned.to_world = glm::dmat4(glm::dvec4(0.1, 0.02, 0, 0), glm::dvec4(-0.02, 0.1, 0, 0), glm::dvec4(0, 0, 0.2, 0), glm::dvec4(1, 2, 3, 1));
+  turned.to_world = glm::dmat4(glm::dvec4(0.1, 0.02, 0, 0), glm::dvec4(-0.02, 0.1, 0, 0),
+                               glm::dvec4(0, 0, 0.2, 0), glm::dvec4(1, 2, 3, 1));
   tiles.tiles.push_back({glm::ivec3(8, 0, 0), 1, glm::dvec3(2), true});
   writeVdb(folder / "level_set.vdb", {surface}, VdbCodec::kNone);
   writeVdb(folder / "turned_zip.vdb", {turned}, VdbCodec::kZip);
@@ -54,7 +60,9 @@ void writeVolumes(const std::filesystem::path& folder) {
   writeVdb(folder / "mask.vdb", {mask}, VdbCodec::kNone);
   writeVdb(folder / "bits.vdb", {flags}, VdbCodec::kZip);
   writeVdb(folder / "wide_zip.vdb", {wide}, VdbCodec::kZip);
-  const auto nano = [&](const char* name, const char* vdb, const char* as, NvdbCodec codec) { writeNvdb(folder / name, folder / vdb, as, codec, NvdbSum::kNone); };
+  const auto nano = [&](const char* name, const char* vdb, const char* as, NvdbCodec codec) {
+    writeNvdb(folder / name, folder / vdb, as, codec, NvdbSum::kNone);
+  };
   nano("level_set_zip.nvdb", "level_set.vdb", "", NvdbCodec::kZip);
   nano("glow_blosc.nvdb", "glow_blosc.vdb", "", NvdbCodec::kBlosc);
   nano("painted_zip.nvdb", "painted.vdb", "", NvdbCodec::kZip);
@@ -87,10 +95,12 @@ void writeVoxels(const std::filesystem::path& folder) {
   moving.filled({1, 2, 1}, 4);
   moving.transform(0, 1, {{}});
   moving.group(1, {2});
-  moving.transform(2, 3, {{{"_f", "0"}, {"_t", "0 0 0"}}, {{"_f", "10"}, {"_t", "5 0 0"}, {"_r", "17"}}}, {{"_name", "walker"}, {"_loop", "1"}});
+  moving.transform(2, 3, {{{"_f", "0"}, {"_t", "0 0 0"}}, {{"_f", "10"}, {"_t", "5 0 0"}, {"_r", "17"}}},
+                   {{"_name", "walker"}, {"_loop", "1"}});
   moving.shape(3, {{0, {{"_f", "0"}}}, {1, {{"_f", "5"}}}}, {{"_loop", "1"}});
   moving.chunk("META", VoxMaker::dictionary({{"_anim_range", "0 30"}}));
-  moving.chunk("MATT", VoxMaker::integer(3) + VoxMaker::integer(1) + std::string("\0\0\0\x3f", 4) + VoxMaker::integer(3) + std::string(8, '\0'));
+  moving.chunk("MATT", VoxMaker::integer(3) + VoxMaker::integer(1) + std::string("\0\0\0\x3f", 4) +
+                           VoxMaker::integer(3) + std::string(8, '\0'));
   write(folder / "moving.vox", moving.bytes());
 }
 
@@ -106,10 +116,12 @@ SourceModel tent() {
   SourcePart part;
   part.name = "tent";
   part.soup.positions = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0.5f, 1, 0.5f}};
-  for (const auto& corners : {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}) {
+  for (const auto& corners :
+       {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}) {
     part.soup.triangles.push_back({corners, 0});
     part.soup.uvs.push_back({glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0.5f, 1)});
-    part.soup.colors.push_back({glm::vec4(1, 0.5f, 0.25f, 1), glm::vec4(0.5f, 1, 0.25f, 1), glm::vec4(0.25f, 0.5f, 1, 1)});
+    part.soup.colors.push_back(
+        {glm::vec4(1, 0.5f, 0.25f, 1), glm::vec4(0.5f, 1, 0.25f, 1), glm::vec4(0.25f, 0.5f, 1, 1)});
   }
   model.parts.push_back(part);
   return model;

@@ -32,7 +32,8 @@ Result<RawLevel> readLevel(const Pack& pack, int part, int level, const Allocato
     const std::uint8_t* const density = page.fog.data();
     const std::size_t channel = std::size_t{page.count} * kFogSamples;
     out.density.insert(out.density.end(), density, density + channel);
-    if (source.fog->channels() == 2) out.heat.insert(out.heat.end(), density + channel, density + 2 * channel);
+    if (source.fog->channels() == 2)
+      out.heat.insert(out.heat.end(), density + channel, density + 2 * channel);
   }
   return out;
 }
@@ -45,20 +46,24 @@ bool same(const T& a, const T& b) {
 }
 template <class T>
 bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const T& x, const T& y) { return same(x, y); });
 }
 bool same(const std::string& a, const std::string& b) { return a == b; }
 
 bool same(const Wave& a, const Wave& b) {  // has bytes between its members
-  return a.part == b.part && a.knot == b.knot && a.target == b.target && same(a.amplitude, b.amplitude) && same(a.period, b.period) && same(a.phase, b.phase);
+  return a.part == b.part && a.knot == b.knot && a.target == b.target && same(a.amplitude, b.amplitude) &&
+         same(a.period, b.period) && same(a.phase, b.phase);
 }
 bool same(const RawTrack& a, const RawTrack& b) {
-  return a.part == b.part && a.knot == b.knot && a.target == b.target && a.interpolation == b.interpolation && same(a.keys, b.keys);
+  return a.part == b.part && a.knot == b.knot && a.target == b.target && a.interpolation == b.interpolation &&
+         same(a.keys, b.keys);
 }
 
 template <class T>
 bool all(const std::vector<T>& a, const std::vector<T>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const T& x, const T& y) { return same(x, y); });
 }
 
 const char* differenceOfParts(const RawPart& a, const RawPart& b) {
@@ -68,7 +73,9 @@ const char* differenceOfParts(const RawPart& a, const RawPart& b) {
   if (!same(a.to_object, b.to_object) || !same(a.pivot, b.pivot)) return "a part's place";
   if (!same(a.knots, b.knots)) return "a part's knots";
   if (a.fog.has_value() != b.fog.has_value()) return "a part's kind";
-  if (a.fog && !(same(a.fog->color, b.fog->color) && same(a.fog->anisotropy, b.fog->anisotropy) && same(a.fog->glow, b.fog->glow) && same(a.fog->ramp, b.fog->ramp))) return "a part's fog";
+  if (a.fog && !(same(a.fog->color, b.fog->color) && same(a.fog->anisotropy, b.fog->anisotropy) &&
+                 same(a.fog->glow, b.fog->glow) && same(a.fog->ramp, b.fog->ramp)))
+    return "a part's fog";
   if (a.levels.size() != b.levels.size()) return "a part's number of levels";
   for (std::size_t i = 0; i < a.levels.size(); ++i) {
     const RawLevel &x = a.levels[i], &y = b.levels[i];
@@ -95,7 +102,9 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
     raw.to_object = part.to_object;
     raw.pivot = part.pivot;
     raw.knots = listOf<Knot>(part.knots);
-    if (part.fog) raw.fog = RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
+    if (part.fog)
+      raw.fog =
+          RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
     for (int level = 0; level < part.levels; ++level) {
       Result<RawLevel> read = readLevel(pack, static_cast<int>(i), level, allocator);
       if (!read) return read.error();
@@ -107,7 +116,9 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
     raw.name = clip.name;
     raw.duration = clip.duration;
     raw.waves = listOf<Wave>(clip.waves);
-    for (const Track& track : clip.tracks) raw.tracks.push_back({track.part, track.knot, track.target, track.interpolation, listOf<Key>(track.keys)});
+    for (const Track& track : clip.tracks)
+      raw.tracks.push_back(
+          {track.part, track.knot, track.target, track.interpolation, listOf<Key>(track.keys)});
   }
   return out;
 }

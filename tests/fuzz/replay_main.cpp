@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A plain main for fuzzers, so that they are built and run by every ordinary test run: PROGRAM INPUTS FOLDER... runs each file of the folders, and about INPUTS of
-// their truncations and of copies with a few changed bytes, evenly shared; with KELP_ALL_TESTS ten times as many.
+// A plain main for fuzzers, so that they are built and run by every ordinary test run: PROGRAM INPUTS
+// FOLDER... runs each file of the folders, and about INPUTS of their truncations and of copies with a few
+// changed bytes, evenly shared; with KELP_ALL_TESTS ten times as many.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -27,7 +28,8 @@ int main(int count, char** arguments) {
     if (error) return 1;
   }
   std::sort(paths.begin(), paths.end());
-  const std::size_t inputs = std::strtoull(arguments[1], nullptr, 10) * (std::getenv("KELP_ALL_TESTS") ? 10 : 1);
+  const std::size_t inputs =
+      std::strtoull(arguments[1], nullptr, 10) * (std::getenv("KELP_ALL_TESTS") ? 10 : 1);
   const std::size_t share = inputs / std::max<std::size_t>(paths.size(), 1) / 2;
   std::size_t runs = 0;
   for (const std::filesystem::path& path : paths) {
@@ -36,11 +38,13 @@ int main(int count, char** arguments) {
     LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
     ++runs;
     const std::size_t step = std::max<std::size_t>(1, bytes.size() / std::max<std::size_t>(share, 1));
-    for (std::size_t size = 0; size < bytes.size() && share > 0; size += step, ++runs) LLVMFuzzerTestOneInput(bytes.data(), size);
+    for (std::size_t size = 0; size < bytes.size() && share > 0; size += step, ++runs)
+      LLVMFuzzerTestOneInput(bytes.data(), size);
     std::mt19937 random(1);
     for (std::size_t n = 0; n < share && !bytes.empty(); ++n, ++runs) {
       std::vector<std::uint8_t> changed = bytes;
-      for (unsigned k = 0; k <= random() % 3; ++k) changed[random() % changed.size()] = static_cast<std::uint8_t>(random());
+      for (unsigned k = 0; k <= random() % 3; ++k)
+        changed[random() % changed.size()] = static_cast<std::uint8_t>(random());
       LLVMFuzzerTestOneInput(changed.data(), changed.size());
     }
   }

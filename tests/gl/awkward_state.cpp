@@ -30,12 +30,14 @@ class Setter {
   }
 
  private:
-  // What textures and samplers share: kelp's own choices (nearest, one level) are avoided where there is a third.
+  // What textures and samplers share: kelp's own choices (nearest, one level) are avoided where there is a
+  // third.
   template <class Set>
   void sampling(Set&& set, bool rectangle) const {
     set(GL_TEXTURE_MIN_FILTER, rectangle ? GL_NEAREST : GL_LINEAR_MIPMAP_NEAREST);
     set(GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) set(wrap, rectangle ? GL_CLAMP_TO_BORDER : GL_MIRRORED_REPEAT);
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+      set(wrap, rectangle ? GL_CLAMP_TO_BORDER : GL_MIRRORED_REPEAT);
     set(GL_TEXTURE_MIN_LOD, -5);
     set(GL_TEXTURE_MAX_LOD, 7);
     if (!limits_.es) set(GL_TEXTURE_LOD_BIAS, 1);
@@ -109,7 +111,8 @@ class Setter {
   // At every binding point a part of a buffer of its own.
   void indexedBuffers() const {
     const auto fill = [](GLenum target, GLint count) {
-      for (GLint i = 0; i < count; ++i) glBindBufferRange(target, static_cast<GLuint>(i), makeBuffer(), 256 * (i + 1), 16 * (i + 1));
+      for (GLint i = 0; i < count; ++i)
+        glBindBufferRange(target, static_cast<GLuint>(i), makeBuffer(), 256 * (i + 1), 16 * (i + 1));
     };
     if (limits_.has(40, 30)) {
       GLuint feedback = 0;
@@ -124,7 +127,9 @@ class Setter {
 
   void buffers() const {
     const auto bind = [](GLenum target) { glBindBuffer(target, makeBuffer()); };
-    for (const GLenum target : {GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, GL_UNIFORM_BUFFER, GL_TRANSFORM_FEEDBACK_BUFFER}) bind(target);
+    for (const GLenum target : {GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_COPY_READ_BUFFER,
+                                GL_COPY_WRITE_BUFFER, GL_UNIFORM_BUFFER, GL_TRANSFORM_FEEDBACK_BUFFER})
+      bind(target);
     if (limits_.has(33, 32)) bind(GL_TEXTURE_BUFFER);
     if (limits_.has(40, 31)) bind(GL_DRAW_INDIRECT_BUFFER);
     if (limits_.has(42, 31)) bind(GL_ATOMIC_COUNTER_BUFFER);
@@ -137,26 +142,30 @@ class Setter {
   }
 
   void pixelStore() const {
-    for (const auto& [what, value] : std::initializer_list<std::pair<GLenum, GLint>>{{GL_UNPACK_ALIGNMENT, 8},
-                                                                                   {GL_UNPACK_ROW_LENGTH, 77},
-                                                                                   {GL_UNPACK_IMAGE_HEIGHT, 55},
-                                                                                   {GL_UNPACK_SKIP_ROWS, 3},
-                                                                                   {GL_UNPACK_SKIP_PIXELS, 5},
-                                                                                   {GL_UNPACK_SKIP_IMAGES, 1},
-                                                                                   {GL_PACK_ALIGNMENT, 2},
-                                                                                   {GL_PACK_ROW_LENGTH, 99},
-                                                                                   {GL_PACK_SKIP_ROWS, 7},
-                                                                                   {GL_PACK_SKIP_PIXELS, 9}}) {
+    for (const auto& [what, value] :
+         std::initializer_list<std::pair<GLenum, GLint>>{{GL_UNPACK_ALIGNMENT, 8},
+                                                         {GL_UNPACK_ROW_LENGTH, 77},
+                                                         {GL_UNPACK_IMAGE_HEIGHT, 55},
+                                                         {GL_UNPACK_SKIP_ROWS, 3},
+                                                         {GL_UNPACK_SKIP_PIXELS, 5},
+                                                         {GL_UNPACK_SKIP_IMAGES, 1},
+                                                         {GL_PACK_ALIGNMENT, 2},
+                                                         {GL_PACK_ROW_LENGTH, 99},
+                                                         {GL_PACK_SKIP_ROWS, 7},
+                                                         {GL_PACK_SKIP_PIXELS, 9}}) {
       glPixelStorei(what, value);
     }
     if (limits_.es) return;
-    for (const GLenum what : {GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST}) glPixelStorei(what, GL_TRUE);
+    for (const GLenum what :
+         {GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST})
+      glPixelStorei(what, GL_TRUE);
     glPixelStorei(GL_PACK_IMAGE_HEIGHT, 44);
     glPixelStorei(GL_PACK_SKIP_IMAGES, 2);
     if (!limits_.has(42, 0)) return;
-    for (const GLenum what : {GL_UNPACK_COMPRESSED_BLOCK_WIDTH, GL_UNPACK_COMPRESSED_BLOCK_HEIGHT, GL_UNPACK_COMPRESSED_BLOCK_DEPTH,
-                              GL_UNPACK_COMPRESSED_BLOCK_SIZE, GL_PACK_COMPRESSED_BLOCK_WIDTH, GL_PACK_COMPRESSED_BLOCK_HEIGHT,
-                              GL_PACK_COMPRESSED_BLOCK_DEPTH, GL_PACK_COMPRESSED_BLOCK_SIZE}) {
+    for (const GLenum what :
+         {GL_UNPACK_COMPRESSED_BLOCK_WIDTH, GL_UNPACK_COMPRESSED_BLOCK_HEIGHT,
+          GL_UNPACK_COMPRESSED_BLOCK_DEPTH, GL_UNPACK_COMPRESSED_BLOCK_SIZE, GL_PACK_COMPRESSED_BLOCK_WIDTH,
+          GL_PACK_COMPRESSED_BLOCK_HEIGHT, GL_PACK_COMPRESSED_BLOCK_DEPTH, GL_PACK_COMPRESSED_BLOCK_SIZE}) {
       glPixelStorei(what, 4);
     }
   }
@@ -185,8 +194,9 @@ class Setter {
       glHint(0x8192 /* GL_GENERATE_MIPMAP_HINT */, GL_NICEST);
       return;
     }
-    for (const GLenum what : {GL_LINE_SMOOTH, GL_POLYGON_SMOOTH, GL_POLYGON_OFFSET_POINT, GL_POLYGON_OFFSET_LINE, GL_PROGRAM_POINT_SIZE,
-                              GL_SAMPLE_ALPHA_TO_ONE, GL_DEPTH_CLAMP}) {
+    for (const GLenum what :
+         {GL_LINE_SMOOTH, GL_POLYGON_SMOOTH, GL_POLYGON_OFFSET_POINT, GL_POLYGON_OFFSET_LINE,
+          GL_PROGRAM_POINT_SIZE, GL_SAMPLE_ALPHA_TO_ONE, GL_DEPTH_CLAMP}) {
       glEnable(what);
     }
     glDisable(GL_MULTISAMPLE);
@@ -196,7 +206,8 @@ class Setter {
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
     glClampColor(GL_CLAMP_READ_COLOR, GL_TRUE);
-    for (const GLenum what : {GL_LINE_SMOOTH_HINT, GL_POLYGON_SMOOTH_HINT, GL_TEXTURE_COMPRESSION_HINT}) glHint(what, GL_NICEST);
+    for (const GLenum what : {GL_LINE_SMOOTH_HINT, GL_POLYGON_SMOOTH_HINT, GL_TEXTURE_COMPRESSION_HINT})
+      glHint(what, GL_NICEST);
     if (limits_.has(40, 0)) {
       const GLfloat inner[] = {2, 3}, outer[] = {4, 5, 6, 7};
       glPatchParameterfv(GL_PATCH_DEFAULT_INNER_LEVEL, inner);
@@ -318,13 +329,15 @@ class Setter {
       glBindTexture(GL_TEXTURE_2D_ARRAY, texture);
       glTexStorage3D(GL_TEXTURE_2D_ARRAY, 3, GL_RGBA32F, 4, 4, 4);
       glBindTexture(GL_TEXTURE_2D_ARRAY, static_cast<GLuint>(bound));
-      for (GLint i = 0; i < limits_.image_units; ++i) glBindImageTexture(static_cast<GLuint>(i), texture, 2, GL_TRUE, 3, GL_WRITE_ONLY, GL_RGBA32F);
+      for (GLint i = 0; i < limits_.image_units; ++i)
+        glBindImageTexture(static_cast<GLuint>(i), texture, 2, GL_TRUE, 3, GL_WRITE_ONLY, GL_RGBA32F);
     }
     if (limits_.has(43, 32)) {
       glEnable(GL_DEBUG_OUTPUT);
       glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
       static int user = 0;
-      glDebugMessageCallback([](GLenum, GLenum, GLuint, GLenum, GLsizei, const GLchar*, const void*) {}, &user);
+      glDebugMessageCallback([](GLenum, GLenum, GLuint, GLenum, GLsizei, const GLchar*, const void*) {},
+                             &user);
       glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 1, -1, "the host's frame");
     }
   }
@@ -336,11 +349,16 @@ class Setter {
 }  // namespace
 
 GLuint makeHostProgram() {
-  const char* const head = GlLimits::read().es ? "#version 300 es\nprecision highp float;\n" : "#version 330 core\n";
-  const char* const vertex[] = {head, "out vec4 kept;\nvoid main() { gl_Position = vec4(0.0); kept = vec4(1.0); }\n"};
-  const char* const fragment[] = {head, "in vec4 kept;\nuniform mat4 of_the_host;\nout vec4 color;\nvoid main() { color = of_the_host * kept; }\n"};
+  const char* const head =
+      GlLimits::read().es ? "#version 300 es\nprecision highp float;\n" : "#version 330 core\n";
+  const char* const vertex[] = {
+      head, "out vec4 kept;\nvoid main() { gl_Position = vec4(0.0); kept = vec4(1.0); }\n"};
+  const char* const fragment[] = {head,
+                                  "in vec4 kept;\nuniform mat4 of_the_host;\nout vec4 color;\nvoid main() { "
+                                  "color = of_the_host * kept; }\n"};
   const GLuint program = glCreateProgram();
-  for (const auto& [kind, text] : {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
+  for (const auto& [kind, text] :
+       {std::pair(GL_VERTEX_SHADER, vertex), std::pair(GL_FRAGMENT_SHADER, fragment)}) {
     const GLuint shader = glCreateShader(kind);
     glShaderSource(shader, 2, text, nullptr);
     glCompileShader(shader);
@@ -361,7 +379,8 @@ const char* whyInitial(const std::string& entry) {
   const auto is = [&](const char* start) { return entry.starts_with(start); };
   if (is("image of ")) return "the host's textures are empty: the first byte that lands in one shows";
   if (is("parameters of GL_TEXTURE_RECTANGLE")) return "rectangles have one level";
-  if (is("GL_VERTEX_ATTRIB_ARRAY_NORMALIZED") || is("GL_VERTEX_ATTRIB_ARRAY_INTEGER")) return "an attribute is one or the other";
+  if (is("GL_VERTEX_ATTRIB_ARRAY_NORMALIZED") || is("GL_VERTEX_ATTRIB_ARRAY_INTEGER"))
+    return "an attribute is one or the other";
   if (is("GL_ANY_SAMPLES_PASSED") || is("GL_SAMPLES_PASSED")) return "one occlusion query at a time";
   return nullptr;
 }
@@ -371,9 +390,11 @@ void setReadable() {
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(framebuffer));
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  for (const GLenum what : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS}) glPixelStorei(what, 0);
+  for (const GLenum what : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS})
+    glPixelStorei(what, 0);
   if (GlLimits::read().es) return;
-  for (const GLenum what : {GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES}) glPixelStorei(what, 0);
+  for (const GLenum what : {GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES})
+    glPixelStorei(what, 0);
 }
 
 }  // namespace kelp::test

@@ -7,14 +7,20 @@
 namespace kelp::test {
 
 enum class Awkward {
-  kEverything,  // nothing has its initial value; nothing could be drawn (no pixel is left by scissor, discard, logic operation)
-  kDrawable,    // as that, but what runtime/gl/README.md leaves to the host or asks of it is as it was: a picture comes out, and the same
+  // nothing has its initial value; nothing could be drawn (no pixel is left by scissor, discard, logic
+  // operation)
+  kEverything,
+  // as that, but what runtime/gl/README.md leaves to the host or asks of it is as it was: a picture comes
+  // out, and the same
+  kDrawable,
 };
 
-// On the context that is current; what it makes lives as long as that. The framebuffer stays the one that is bound in kDrawable.
+// On the context that is current; what it makes lives as long as that. The framebuffer stays the one that is
+// bound in kDrawable.
 void setAwkwardState(Awkward how);
 
-// Values that can not be made to differ from the initial ones, and why; null: they can. `entry` is a name of readGlState().
+// Values that can not be made to differ from the initial ones, and why; null: they can. `entry` is a name of
+// readGlState().
 const char* whyInitial(const std::string& entry);
 
 // A program whose vertices capture one vec4 each in transform feedback.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pack that turns bad while it streams, assets that go, calls in a wrong order: an answer, what there is is kept, and the frame goes on.
+// A pack that turns bad while it streams, assets that go, calls in a wrong order: an answer, what there is is
+// kept, and the frame goes on.
 #include <chrono>
 #include <cstdlib>
 #include <set>
@@ -52,7 +53,8 @@ class BrokenStreamTest : public GlTest {
       EXPECT_TRUE(drawn) << drawn.error().detail;
       EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
       const std::vector<float> depths = canvas.depths();
-      covered_ = static_cast<int>(std::count_if(depths.begin(), depths.end(), [](float depth) { return depth < 1.0f; }));
+      covered_ = static_cast<int>(
+          std::count_if(depths.begin(), depths.end(), [](float depth) { return depth < 1.0f; }));
       if (seen_) {
         EXPECT_GT(covered_, 0) << "what was there is gone";
       }
@@ -78,7 +80,9 @@ class BrokenStreamTest : public GlTest {
     EXPECT_EQ(frames(*asset, 40, canvas), 0);
     EXPECT_EQ(asset->residentLevel(0), 0);
   }
-  static std::uint64_t pageOffset(const Asset& asset, int level, std::size_t page) { return asset.pack().readGrid(0, level)->pages[page].offset; }
+  static std::uint64_t pageOffset(const Asset& asset, int level, std::size_t page) {
+    return asset.pack().readGrid(0, level)->pages[page].offset;
+  }
 
   std::unique_ptr<gl::Renderer> renderer_;
   bool seen_ = false;
@@ -109,7 +113,10 @@ TEST_P(BrokenStreamTest, AFlippedByteCostsOnePageAndIsToldOnce) {
   EXPECT_EQ(pending_, 0u);
 }
 
-TEST_P(BrokenStreamTest, AFileThatShrinksKeepsWhatCame) { keepsWhatCame({bytes().begin(), bytes().begin() + static_cast<std::ptrdiff_t>(bytes().size() / 2)}, ErrorCode::kIo); }
+TEST_P(BrokenStreamTest, AFileThatShrinksKeepsWhatCame) {
+  keepsWhatCame({bytes().begin(), bytes().begin() + static_cast<std::ptrdiff_t>(bytes().size() / 2)},
+                ErrorCode::kIo);
+}
 
 // As when a build writes over it in place.
 TEST_P(BrokenStreamTest, AFileThatBecomesAnotherKeepsWhatCame) {
@@ -201,7 +208,8 @@ TEST_P(BrokenStreamTest, DestroyedAssetsAreRefusedAndTheOthersGoOn) {
   ASSERT_TRUE(other->loadAll());
   const Instance there{other.get()};
   const gl::View view = lookAt(canvas.size(), {0.25f, 0.75f, 1.1f}, {0.05f, 0.5f, 0});
-  for (const std::uint64_t bytes_before : {4u << 10, 8u << 10, 64u << 10, 8u << 20}) {  // a transfer of it is under way, or none
+  // a transfer of it is under way, or none
+  for (const std::uint64_t bytes_before : {4u << 10, 8u << 10, 64u << 10, 8u << 20}) {
     SCOPED_TRACE(bytes_before);
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(renderer_->upload(bytes_before));
     const Instance gone{asset.get()};
@@ -247,7 +255,8 @@ TEST_P(BrokenStreamTest, AnotherAssetAtTheSameAddress) {
     const Instance instance{asset.get()};
     if (!addresses.insert(asset.get()).second) {
       ++same;
-      EXPECT_EQ(renderer_->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse) << "this one was not added";
+      EXPECT_EQ(renderer_->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse)
+          << "this one was not added";
     }
     ASSERT_TRUE(asset->loadAll());
     ASSERT_TRUE(renderer_->add(*asset)) << round;
@@ -283,7 +292,8 @@ TEST_P(BrokenStreamTest, CallsInAWrongOrder) {
   ASSERT_TRUE(drawn);
   EXPECT_EQ(drawn->instances, 0u);
   // Budgets that are none.
-  for (const std::uint64_t budget : {1, 255, 256, 257, 4095}) EXPECT_EQ(renderer_->upload(budget).error().code, ErrorCode::kMisuse) << budget;
+  for (const std::uint64_t budget : {1, 255, 256, 257, 4095})
+    EXPECT_EQ(renderer_->upload(budget).error().code, ErrorCode::kMisuse) << budget;
   const auto least = renderer_->upload(4096);
   ASSERT_TRUE(least);
   EXPECT_LE(least->bytes_uploaded, 4096u);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Too little memory, on the GPU and beside it: for hundreds of frames nothing fails, everything is drawn, and a camera at rest brings rest.
+// Too little memory, on the GPU and beside it: for hundreds of frames nothing fails, everything is drawn, and
+// a camera at rest brings rest.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +16,8 @@ using runtime::Instance;
 struct Meadow {
   Meadow(int kinds, int count, int height, const runtime::Options& options = {}) {
     for (int kind = 0; kind < kinds; ++kind) {
-      sources.push_back(std::make_unique<HostSource>(bytesOf(packOf(reed(height + 16 * kind, static_cast<unsigned>(kind + 1))))));
+      sources.push_back(std::make_unique<HostSource>(
+          bytesOf(packOf(reed(height + 16 * kind, static_cast<unsigned>(kind + 1))))));
       assets.push_back(openAsset(*sources.back(), options));
     }
     poses.reserve(static_cast<std::size_t>(count));
@@ -23,11 +25,13 @@ struct Meadow {
       const runtime::Asset& asset = *assets[static_cast<std::size_t>(i % kinds)];
       poses.push_back(*runtime::Pose::create(asset));
       instances.push_back({&asset, &poses.back()});
-      instances.back().to_world[3] = glm::vec4(0.4f * static_cast<float>(i % 5 - 2), 0, -0.35f * static_cast<float>(i / 5), 1);
+      instances.back().to_world[3] =
+          glm::vec4(0.4f * static_cast<float>(i % 5 - 2), 0, -0.35f * static_cast<float>(i / 5), 1);
     }
   }
   void blow(float seconds, float reach = 0.15f) {
-    for (std::size_t i = 0; i < poses.size(); ++i) sway(poses[i], 0, seconds + 1.7f * static_cast<float>(i), reach);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      sway(poses[i], 0, seconds + 1.7f * static_cast<float>(i), reach);
   }
   void pump(int pages) {
     for (const auto& asset : assets) {
@@ -56,14 +60,17 @@ struct Meadow {
 };
 
 gl::View flight(const glm::ivec2& viewport, float along) {
-  gl::View view = lookAt(viewport, {0.9f * std::sin(0.8f * along), 0.6f + 0.2f * std::sin(along), 1.0f - along}, {0.3f * std::cos(along), 0.45f, -1.5f - along},
-                         0.05f, 50.0f);
+  gl::View view =
+      lookAt(viewport, {0.9f * std::sin(0.8f * along), 0.6f + 0.2f * std::sin(along), 1.0f - along},
+             {0.3f * std::cos(along), 0.45f, -1.5f - along}, 0.05f, 50.0f);
   view.pixels_per_voxel = 0.25f;  // a small picture that asks for as much as a large one
   return view;
 }
 
-// Frames with the camera at rest and the wind blowing. Which was the last that had anything to upload; -1: none.
-int framesToRest(gl::Renderer& renderer, Meadow& meadow, const gl::View& view, int frames, float reach, std::uint64_t budget) {
+// Frames with the camera at rest and the wind blowing. Which was the last that had anything to upload; -1:
+// none.
+int framesToRest(gl::Renderer& renderer, Meadow& meadow, const gl::View& view, int frames, float reach,
+                 std::uint64_t budget) {
   int last_moving = -1;
   for (int frame = 0; frame < frames; ++frame) {
     meadow.blow(40.0f + static_cast<float>(frame) / 60.0f, reach);
@@ -108,7 +115,8 @@ TEST_P(BudgetTest, AQuarterOfTheScenesBytesDrawsAllTheTime) {
     ASSERT_TRUE(drawn) << drawn.error().detail;
     ASSERT_EQ(glGetError(), GLenum{GL_NO_ERROR});
     if (frame < 20) continue;
-    EXPECT_EQ(drawn->instances + drawn->culled, meadow.instances.size()) << "something is not even drawn coarse";
+    EXPECT_EQ(drawn->instances + drawn->culled, meadow.instances.size())
+        << "something is not even drawn coarse";
     if (frame % 40 != 1) continue;
     // Where the finest level is seen on the CPU, there is no hole.
     const std::vector<float> depths = canvas.depths();
@@ -175,18 +183,21 @@ TEST_F(Residents, AreCoarseWhereAVolumeIsLargerThanTheBudget) {
   EXPECT_GT(drawn->gpu_bytes, budget / 2) << "the budget is there to be used";
 }
 
-// Thousands of parts, in a budget that holds the coarsest levels of some only: an answer, and what fits is drawn.
+// Thousands of parts, in a budget that holds the coarsest levels of some only: an answer, and what fits is
+// drawn.
 TEST_F(Residents, OfThousandsOfParts) {
   RawPack pack;
   pack.info_json = "{}";
   pack.palette = {Material{}};
   const fields::Occupancy volume = ballClump({12, 16, 12}, 4, 1);
-  for (int i = 0; i < 3000; ++i) pack.parts.push_back(partOf(volume, figureKnots(kFigure6[0], volume.size), "part " + std::to_string(i)));
+  for (int i = 0; i < 3000; ++i)
+    pack.parts.push_back(partOf(volume, figureKnots(kFigure6[0], volume.size), "part " + std::to_string(i)));
   HostSource source(bytesOf(pack));
   const auto asset = openAsset(source);
   ASSERT_TRUE(asset->loadAll());
   const Instance instance{asset.get()};
-  for (const std::uint64_t budget : {std::uint64_t{256} << 10, std::uint64_t{4} << 20, std::uint64_t{128} << 20}) {
+  for (const std::uint64_t budget :
+       {std::uint64_t{256} << 10, std::uint64_t{4} << 20, std::uint64_t{128} << 20}) {
     const auto renderer = create(budget);
     ASSERT_TRUE(renderer->add(*asset));
     const bool all = budget > gl::poolBytes(*asset);
@@ -230,7 +241,8 @@ TEST_F(Residents, SettleInAQuarterOfTheMemoryToo) {
     ASSERT_TRUE(drawn);
     EXPECT_EQ(drawn->pending, 0u);
     if (budget > meadow.gpuBytes()) {
-      EXPECT_GT(drawn->gpu_bytes, meadow.gpuBytes() / 2) << "the GPU's budget holds it all, page by page through too little memory";
+      EXPECT_GT(drawn->gpu_bytes, meadow.gpuBytes() / 2)
+          << "the GPU's budget holds it all, page by page through too little memory";
     }
   }
 }

@@ -60,7 +60,8 @@ void GlTest::SetUp() {
   if (!*context_) GTEST_SKIP() << "no EGL device gives such a context: install libegl1 libgl1-mesa-dri";
 }
 
-std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, const char* surface, gl::Config config) {
+std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, const char* surface,
+                                                   gl::Config config) {
   config.getProcAddress = EglContext::getProcAddress;
   config.surface_glsl = surface;
   config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
@@ -75,16 +76,19 @@ std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, 
   return *std::move(renderer);
 }
 
-gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near, float far) {
+gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near,
+                float far) {
   gl::View view;
   view.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
-  view.eye_to_clip = glm::perspective(0.8f, static_cast<float>(viewport.x) / static_cast<float>(viewport.y), near, far);
+  view.eye_to_clip =
+      glm::perspective(0.8f, static_cast<float>(viewport.x) / static_cast<float>(viewport.y), near, far);
   view.viewport = viewport;
   view.pixels_per_voxel = 0;
   return view;
 }
 
-gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float half_height, float near, float far) {
+gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target,
+                      float half_height, float near, float far) {
   gl::View view = lookAt(viewport, eye, target);
   const float half_width = half_height * static_cast<float>(viewport.x) / static_cast<float>(viewport.y);
   view.eye_to_clip = glm::ortho(-half_width, half_width, -half_height, half_height, near, far);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What every test here needs: a context, a framebuffer to draw into and read, a renderer with one asset on the GPU.
+// What every test here needs: a context, a framebuffer to draw into and read, a renderer with one asset on
+// the GPU.
 #pragma once
 
 #define GL_GLEXT_PROTOTYPES
@@ -22,7 +23,8 @@ namespace kelp::test {
 
 using Pixel = std::array<std::uint8_t, 4>;
 
-// Of the framebuffer that is bound: clears colour to zero and depth to 1; reads the colours, rows from bottom to top.
+// Of the framebuffer that is bound: clears colour to zero and depth to 1; reads the colours, rows from bottom
+// to top.
 void clearBound();
 std::vector<Pixel> readBound(const glm::ivec2& size);
 
@@ -53,7 +55,8 @@ struct LoadedAsset {
   std::unique_ptr<runtime::Asset> asset;
 };
 
-// A surface function that writes the voxel into red, green and blue, and 255 - level into alpha. Sides up to 256.
+// A surface function that writes the voxel into red, green and blue, and 255 - level into alpha. Sides up to
+// 256.
 inline constexpr char kVoxelSurface[] =
     "vec4 kelpSurface(KelpSurface s) { return vec4(vec3(s.voxel), 255.0 - float(s.level)) / 255.0; }\n";
 
@@ -61,32 +64,40 @@ class GlTest : public testing::TestWithParam<GlApi> {
  protected:
   void SetUp() override;
   // A renderer with the asset on the GPU. Fails the test if that can not be had.
-  std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr, gl::Config config = {});
+  std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr,
+                                             gl::Config config = {});
   bool desktop() const { return !isEs(GetParam()); }
 
   std::optional<EglContext> context_;
 };
 
-// Every test of the fixture runs with OpenGL 3.3 core and with OpenGL ES 3.0; under a sanitizer, which sees nothing of the driver, with the first alone.
+// Every test of the fixture runs with OpenGL 3.3 core and with OpenGL ES 3.0; under a sanitizer, which sees
+// nothing of the driver, with the first alone.
 inline constexpr GlApi kOldestApis[] = {GlApi::kDesktop33, GlApi::kEs30};
-inline constexpr std::span<const GlApi> kMostApis = std::span(kOldestApis).first(kSanitized ? 1 : 2), kAllApis = kSanitized ? std::span<const GlApi>(kOldestApis) : std::span<const GlApi>(kEveryApi);
+inline constexpr std::span<const GlApi> kMostApis = std::span(kOldestApis).first(kSanitized ? 1 : 2),
+                                        kAllApis = kSanitized ? std::span<const GlApi>(kOldestApis)
+                                                              : std::span<const GlApi>(kEveryApi);
 
-#define KELP_GL_TESTS(fixture)                                                                                              \
-  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::ValuesIn(kelp::test::kMostApis),                                           \
+#define KELP_GL_TESTS(fixture)                                                    \
+  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::ValuesIn(kelp::test::kMostApis), \
                            [](const auto& test) { return kelp::test::toString(test.param); })
 
 // With every version there is, for what may depend on it; under a sanitizer with the two above.
-#define KELP_EVERY_GL_TESTS(fixture)                                                                                        \
-  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::ValuesIn(kelp::test::kAllApis),                                            \
+#define KELP_EVERY_GL_TESTS(fixture)                                             \
+  INSTANTIATE_TEST_SUITE_P(Gl, fixture, testing::ValuesIn(kelp::test::kAllApis), \
                            [](const auto& test) { return kelp::test::toString(test.param); })
 
 // A perspective view from `eye` to `target`, all levels drawn as they are.
-gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f);
-gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f);
-inline gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f, float far = 100.0f) {
+gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near = 0.01f,
+                float far = 100.0f);
+gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target,
+                      float half_height, float near = 0.01f, float far = 100.0f);
+inline gl::View lookAt(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target,
+                       float near = 0.01f, float far = 100.0f) {
   return lookAt(canvas.size(), eye, target, near, far);
 }
-inline gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target, float half_height, float near = 0.01f, float far = 100.0f) {
+inline gl::View orthographic(const Canvas& canvas, const glm::vec3& eye, const glm::vec3& target,
+                             float half_height, float near = 0.01f, float far = 100.0f) {
   return orthographic(canvas.size(), eye, target, half_height, near, far);
 }
 

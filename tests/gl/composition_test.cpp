@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Voxels among the host's triangles, in every convention of depth: what is written, what hides what, a depth texture of the host's that ends
-// rays, a shadow map.
+// Voxels among the host's triangles, in every convention of depth: what is written, what hides what, a depth
+// texture of the host's that ends rays, a shadow map.
 #include <cmath>
 #include <cstring>
 
@@ -14,7 +14,8 @@ namespace {
 using runtime::Instance;
 
 // Writes KelpSurface::steps, and 255 into alpha.
-constexpr char kSteps[] = "vec4 kelpSurface(KelpSurface s) { return vec4(vec3(s.steps & 255, s.steps >> 8, 0) / 255.0, 1.0); }\n";
+constexpr char kSteps[] =
+    "vec4 kelpSurface(KelpSurface s) { return vec4(vec3(s.steps & 255, s.steps >> 8, 0) / 255.0, 1.0); }\n";
 
 struct Convention {
   const char* name;
@@ -26,7 +27,8 @@ constexpr Convention kConventions[] = {{"standard", gl::ClipRange::kMinusOneToOn
                                        {"zero to one", gl::ClipRange::kZeroToOne, false},
                                        {"zero to one, reversed", gl::ClipRange::kZeroToOne, true}};
 
-// The view with that convention: reversed ones have their far plane at infinity. Written out, for GLM's own depend on macros.
+// The view with that convention: reversed ones have their far plane at infinity. Written out, for GLM's own
+// depend on macros.
 gl::View inConvention(gl::View view, const Convention& convention, float near, float far) {
   const bool zero = convention.range == gl::ClipRange::kZeroToOne;
   glm::mat4& m = view.eye_to_clip;
@@ -47,18 +49,22 @@ gl::View inConvention(gl::View view, const Convention& convention, float near, f
 runtime::Ray eyeRay(const gl::View& view, int x, int y) {
   const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.world_to_eye));
   const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.viewport) - 1.0;
-  const glm::dvec4 forward(at.x / double{view.eye_to_clip[0][0]}, at.y / double{view.eye_to_clip[1][1]}, -1, 0);
+  const glm::dvec4 forward(at.x / double{view.eye_to_clip[0][0]}, at.y / double{view.eye_to_clip[1][1]}, -1,
+                           0);
   return {glm::vec3(to_world[3]), glm::vec3(to_world * forward)};
 }
 
-// The host's triangles: a square in the world's plane z = `at`, white with alpha 0. Written once a depth convention: the host's own matter.
+// The host's triangles: a square in the world's plane z = `at`, white with alpha 0. Written once a depth
+// convention: the host's own matter.
 class Square {
  public:
   explicit Square(GlApi api)
-      : program_(makeProgram(api,
-                             "uniform mat4 to_clip; uniform float at;\n"
-                             "void main() { gl_Position = to_clip * vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, at, 1.0); }\n",
-                             "layout(location = 0) out vec4 color;\nvoid main() { color = vec4(1.0, 1.0, 1.0, 0.0); }\n")) {
+      : program_(makeProgram(
+            api,
+            "uniform mat4 to_clip; uniform float at;\n"
+            "void main() { gl_Position = to_clip * vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, "
+            "at, 1.0); }\n",
+            "layout(location = 0) out vec4 color;\nvoid main() { color = vec4(1.0, 1.0, 1.0, 0.0); }\n")) {
     glGenVertexArrays(1, &vertices_);
   }
   ~Square() {
@@ -87,8 +93,12 @@ class HostDepth {
     glGenTextures(1, &texture_);
     glBindTexture(GL_TEXTURE_2D, texture_);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), size.x, size.y, 0, GL_DEPTH_COMPONENT,
-                 format == GL_DEPTH_COMPONENT32F ? GL_FLOAT : format == GL_DEPTH_COMPONENT16 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT, nullptr);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);  // as shadow maps are left, and worse
+                 format == GL_DEPTH_COMPONENT32F  ? GL_FLOAT
+                 : format == GL_DEPTH_COMPONENT16 ? GL_UNSIGNED_SHORT
+                                                  : GL_UNSIGNED_INT,
+                 nullptr);
+    // as shadow maps are left, and worse
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     glBindTexture(GL_TEXTURE_2D, 0);
@@ -123,7 +133,8 @@ class CompositionTest : public GlTest {
   bool begin(const Convention& convention) {
     glClearDepthf(convention.reversed ? 0.0f : 1.0f);
     using ClipControl = void (*)(GLenum, GLenum);
-    const auto clip_control = reinterpret_cast<ClipControl>(eglGetProcAddress(desktop() ? "glClipControl" : "glClipControlEXT"));
+    const auto clip_control =
+        reinterpret_cast<ClipControl>(eglGetProcAddress(desktop() ? "glClipControl" : "glClipControlEXT"));
     const bool there = clip_control && hasClipControl();
     const bool zero = convention.range == gl::ClipRange::kZeroToOne;
     if (there) clip_control(GL_LOWER_LEFT, zero ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
@@ -154,7 +165,8 @@ TEST_P(CompositionTest, DepthIsTheProjectionOfTheHitInEveryConvention) {
     if (!begin(convention)) continue;
     SCOPED_TRACE(convention.name);
     ++seen;
-    const gl::View view = inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.125f, 20.0f);
+    const gl::View view =
+        inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.125f, 20.0f);
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();
@@ -174,8 +186,10 @@ TEST_P(CompositionTest, DepthIsTheProjectionOfTheHitInEveryConvention) {
         }
         continue;
       }
-      const glm::dvec4 clip = to_clip * glm::dvec4(glm::dvec3(ray.origin) + double{hit->t} * glm::dvec3(ray.direction), 1);
-      // As deep as 1/256 voxel, which a ray may enter a solid unnoticed, is at this distance; and float32's own steps.
+      const glm::dvec4 clip =
+          to_clip * glm::dvec4(glm::dvec3(ray.origin) + double{hit->t} * glm::dvec3(ray.direction), 1);
+      // As deep as 1/256 voxel, which a ray may enter a solid unnoticed, is at this distance; and float32's
+      // own steps.
       const double step = 1.0 / 256 / 80 * 20.0 / 19.875 * 0.125 / (double{hit->t} * double{hit->t}) + 1.2e-7;
       other += std::abs((clip.z / clip.w - low) / (1 - low) - double{depths[at]}) > step;
     }
@@ -193,7 +207,8 @@ TEST_P(CompositionTest, TrianglesAndVoxelsHideEachOtherInEveryConvention) {
   const float plane = 0.05f;  // through the middle of the model
   for (const Convention& convention : kConventions) {
     if (!begin(convention)) continue;
-    const gl::View view = inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.125f, 20.0f);
+    const gl::View view =
+        inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.125f, 20.0f);
     for (const bool square_first : {true, false}) {
       SCOPED_TRACE(std::string(convention.name) + (square_first ? ", square first" : ", voxels first"));
       canvas.clear();
@@ -216,7 +231,8 @@ TEST_P(CompositionTest, TrianglesAndVoxelsHideEachOtherInEveryConvention) {
   }
 }
 
-// With the depth of the scene known, the picture stays as it is, to the pixel, whatever the format of the depth and the part of its range.
+// With the depth of the scene known, the picture stays as it is, to the pixel, whatever the format of the
+// depth and the part of its range.
 TEST_P(CompositionTest, TheScenesDepthChangesNoPicture) {
   const Square square(GetParam());
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
@@ -227,8 +243,10 @@ TEST_P(CompositionTest, TheScenesDepthChangesNoPicture) {
     for (const Convention& convention : kConventions) {
       if (!begin(convention)) continue;
       for (const glm::vec2 range : {glm::vec2(0, 1), glm::vec2(0.25f, 0.5f), glm::vec2(0.9f, 0.95f)}) {
-        SCOPED_TRACE(std::string(convention.name) + " " + std::to_string(format) + " from " + std::to_string(range.x));
-        gl::View view = inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.5f, 20.0f);
+        SCOPED_TRACE(std::string(convention.name) + " " + std::to_string(format) + " from " +
+                     std::to_string(range.x));
+        gl::View view =
+            inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.5f, 20.0f);
         glDepthRangef(range.x, range.y);
         GLint framebuffer = 0;
         glGetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer);
@@ -250,7 +268,8 @@ TEST_P(CompositionTest, TheScenesDepthChangesNoPicture) {
   glDepthRangef(0, 1);
 }
 
-// Rays end at the scene: without a depth buffer's help nothing is drawn behind it, and the voxels before it take no more steps.
+// Rays end at the scene: without a depth buffer's help nothing is drawn behind it, and the voxels before it
+// take no more steps.
 TEST_P(CompositionTest, TheScenesDepthEndsRays) {
   const Square square(GetParam());
   const auto renderer = makeRenderer(*loaded_.asset, kSteps);
@@ -260,7 +279,8 @@ TEST_P(CompositionTest, TheScenesDepthEndsRays) {
   for (const Convention& convention : kConventions) {
     if (!begin(convention)) continue;
     SCOPED_TRACE(convention.name);
-    gl::View view = inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.5f, 20.0f);
+    gl::View view =
+        inConvention(lookAt(canvas.size(), {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0}), convention, 0.5f, 20.0f);
     GLint framebuffer = 0;
     glGetIntegerv(GL_FRAMEBUFFER_BINDING, &framebuffer);
     scene.bind();
@@ -293,20 +313,22 @@ TEST_P(CompositionTest, TheScenesDepthEndsRays) {
   }
 }
 
-// A shadow map: the depth pass from the sun, read in the host's surface function through View::bind, against shadow rays on the CPU.
+// A shadow map: the depth pass from the sun, read in the host's surface function through View::bind, against
+// shadow rays on the CPU.
 TEST_P(CompositionTest, AShadowMapReachesTheVoxels) {
   struct Host {
     glm::mat4 world_to_sun{1};
     GLuint map = 0;
     int calls = 0;
   } host;
-  const auto renderer = makeRenderer(*loaded_.asset,
-                                     "uniform highp sampler2DShadow host_map;\n"
-                                     "uniform mat4 host_to_sun;\n"
-                                     "vec4 kelpSurface(KelpSurface s) {\n"
-                                     "  vec3 at = 0.5 + 0.5 * (host_to_sun * vec4(s.position, 1.0)).xyz;\n"
-                                     "  return vec4(texture(host_map, vec3(at.xy, at.z - 0.01)), 0.0, 0.0, 1.0);\n"
-                                     "}\n");
+  const auto renderer =
+      makeRenderer(*loaded_.asset,
+                   "uniform highp sampler2DShadow host_map;\n"
+                   "uniform mat4 host_to_sun;\n"
+                   "vec4 kelpSurface(KelpSurface s) {\n"
+                   "  vec3 at = 0.5 + 0.5 * (host_to_sun * vec4(s.position, 1.0)).xyz;\n"
+                   "  return vec4(texture(host_map, vec3(at.xy, at.z - 0.01)), 0.0, 0.0, 1.0);\n"
+                   "}\n");
   const auto bind = [](void* user, std::uint32_t program) {
     auto& known = *static_cast<Host*>(user);
     ++known.calls;
@@ -321,10 +343,12 @@ TEST_P(CompositionTest, AShadowMapReachesTheVoxels) {
 
   const HostDepth map({512, 512}, GL_DEPTH_COMPONENT24);
   glBindTexture(GL_TEXTURE_2D, map.texture());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
   glBindTexture(GL_TEXTURE_2D, 0);
   host.map = map.texture();
-  gl::View from_sun = orthographic({512, 512}, glm::vec3(0, 0.5f, 0) + 2.0f * sun, {0, 0.5f, 0}, 0.8f, 1.0f, 3.0f);
+  gl::View from_sun =
+      orthographic({512, 512}, glm::vec3(0, 0.5f, 0) + 2.0f * sun, {0, 0.5f, 0}, 0.8f, 1.0f, 3.0f);
   from_sun.bind = bind;
   from_sun.bind_user = &host;
   map.bind();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Several contexts, several threads, contexts that are lost: every renderer keeps to its own, and leaves nothing behind.
+// Several contexts, several threads, contexts that are lost: every renderer keeps to its own, and leaves
+// nothing behind.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -47,7 +48,8 @@ class Host {
   std::vector<Pixel> frame(int place, std::span<const Instance> instances) {
     canvas_->clear();
     const float angle = 0.7f * static_cast<float>(place);
-    const auto drawn = renderer_->draw(lookAt(kPixels, {1.8f * std::sin(angle), 0.9f, 1.8f * std::cos(angle)}, {0, 0.5f, 0}), instances);
+    const auto drawn = renderer_->draw(
+        lookAt(kPixels, {1.8f * std::sin(angle), 0.9f, 1.8f * std::cos(angle)}, {0, 0.5f, 0}), instances);
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
     return canvas_->pixels();
@@ -61,7 +63,8 @@ class Host {
 
 // An asset whose pages are still to be pumped.
 struct FreshAsset {
-  explicit FreshAsset(const RawPack& pack) : bytes(bytesOf(pack)), source(bytes), asset(*runtime::Asset::open(source.source())) {}
+  explicit FreshAsset(const RawPack& pack)
+      : bytes(bytesOf(pack)), source(bytes), asset(*runtime::Asset::open(source.source())) {}
   std::vector<std::byte> bytes;
   MemorySource source;
   std::unique_ptr<runtime::Asset> asset;
@@ -103,7 +106,8 @@ TEST_F(ContextsTest, TwoInOneThreadTakeTurns) {
   const auto expected = alone(GlApi::kDesktop33);
   for (const GlApi second_api : {GlApi::kDesktop33, GlApi::kEs30}) {
     Host first(GlApi::kDesktop33), second(second_api);
-    if (!first || !second) GTEST_SKIP() << "no EGL device gives two contexts: install libegl1 libgl1-mesa-dri";
+    if (!first || !second)
+      GTEST_SKIP() << "no EGL device gives two contexts: install libegl1 libgl1-mesa-dri";
     for (Host* host : {&first, &second}) {
       host->makeCurrent();
       ASSERT_TRUE(host->renderer().add(*loaded_.asset));
@@ -122,7 +126,8 @@ TEST_F(ContextsTest, TwoInOneThreadTakeTurns) {
       first.makeCurrent();
       EXPECT_EQ(first.frame(place, {&instance_, 1}), expected[static_cast<std::size_t>(place)]);
       second.makeCurrent();
-      EXPECT_EQ(second.frame(kPlaces - 1 - place, {&instance_, 1}), expected[static_cast<std::size_t>(kPlaces - 1 - place)]);
+      EXPECT_EQ(second.frame(kPlaces - 1 - place, {&instance_, 1}),
+                expected[static_cast<std::size_t>(kPlaces - 1 - place)]);
     }
     first.makeCurrent();
     first.renderer().remove(*loaded_.asset);
@@ -131,7 +136,8 @@ TEST_F(ContextsTest, TwoInOneThreadTakeTurns) {
   }
 }
 
-// Two threads draw an asset, each in a context of its own, while two others decode it: from nothing to the picture that a host alone sees.
+// Two threads draw an asset, each in a context of its own, while two others decode it: from nothing to the
+// picture that a host alone sees.
 TEST_F(ContextsTest, TwoThreadsDrawWhileOthersPump) {
   const auto expected = alone(GlApi::kDesktop33);
   if (expected.empty()) GTEST_SKIP() << "no EGL device gives a context: install libegl1 libgl1-mesa-dri";
@@ -151,7 +157,8 @@ TEST_F(ContextsTest, TwoThreadsDrawWhileOthersPump) {
       for (int place = 0; host && place < kPlaces; ++place) {
         bool same = false;
         const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(100);
-        for (int frame = 0; std::chrono::steady_clock::now() < patience && !(same && frame > 20); ++frame) {  // long enough for the two to meet
+        // long enough for the two to meet
+        for (int frame = 0; std::chrono::steady_clock::now() < patience && !(same && frame > 20); ++frame) {
           EXPECT_TRUE(host.renderer().upload(4096));
           same = host.frame(place, {&instance, 1}) == expected[static_cast<std::size_t>(place)];
         }
@@ -182,12 +189,13 @@ class LifeTest : public GlTest {
     return config;
   }
 
-  // How many objects of each kind the context has. Names are small numbers where they are given out in a row, as they are here.
+  // How many objects of each kind the context has. Names are small numbers where they are given out in a row,
+  // as they are here.
   static std::map<std::string, int> objects() {
     const std::pair<const char*, GLboolean (*)(GLuint)> kinds[] = {
-        {"textures", glIsTexture},         {"programs", glIsProgram},   {"shaders", glIsShader},
-        {"vertex arrays", glIsVertexArray}, {"buffers", glIsBuffer},     {"framebuffers", glIsFramebuffer},
-        {"renderbuffers", glIsRenderbuffer}, {"samplers", glIsSampler},  {"queries", glIsQuery},
+        {"textures", glIsTexture},           {"programs", glIsProgram}, {"shaders", glIsShader},
+        {"vertex arrays", glIsVertexArray},  {"buffers", glIsBuffer},   {"framebuffers", glIsFramebuffer},
+        {"renderbuffers", glIsRenderbuffer}, {"samplers", glIsSampler}, {"queries", glIsQuery},
     };
     std::map<std::string, int> out;
     for (const auto& [name, is] : kinds) {
@@ -221,7 +229,8 @@ TEST_P(LifeTest, DestroyingFreesEveryObject) {
 TEST_P(LifeTest, ARefusedCreateFreesEveryObject) {
   const auto before = objects();
   gl::Config config = watchedConfig();
-  for (const char* surface : {"nonsense", "vec4 kelpSurface(KelpSurface s);\n"}) {  // does not compile; does not link
+  // does not compile; does not link
+  for (const char* surface : {"nonsense", "vec4 kelpSurface(KelpSurface s);\n"}) {
     config.surface_glsl = surface;
     EXPECT_FALSE(gl::Renderer::create(config));
   }
@@ -269,7 +278,8 @@ TEST_P(LifeTest, AViewportWithoutPixelsIsMisuseWithoutACall) {
   ASSERT_TRUE((*created)->add(*loaded_.asset));
   ASSERT_TRUE((*created)->upload(~std::uint64_t{0}));
   const long calls = WatchedGl::calls();
-  for (const glm::ivec2 size : {glm::ivec2(0, 0), glm::ivec2(0, 60), glm::ivec2(80, 0), glm::ivec2(-80, 60)}) {
+  for (const glm::ivec2 size :
+       {glm::ivec2(0, 0), glm::ivec2(0, 60), glm::ivec2(80, 0), glm::ivec2(-80, 60)}) {
     gl::View view = view_;
     view.viewport = size;
     EXPECT_EQ((*created)->draw(view, {&instance_, 1}).error().code, ErrorCode::kMisuse);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Replaces operator new for the whole program. A file of its own: where the compiler sees both, it takes new and free for a mismatch.
+// Replaces operator new for the whole program. A file of its own: where the compiler sees both, it takes new
+// and free for a mismatch.
 #include "count_new.h"
 
 #include <atomic>

@@ -15,8 +15,9 @@ struct Message {
   // What a driver may say: notes, and what the application itself pushes. The rest is a complaint.
   bool isComplaint() const {
     return severity != GL_DEBUG_SEVERITY_NOTIFICATION &&
-           (type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR || type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR ||
-            type == GL_DEBUG_TYPE_PORTABILITY || type == GL_DEBUG_TYPE_PERFORMANCE);
+           (type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
+            type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR || type == GL_DEBUG_TYPE_PORTABILITY ||
+            type == GL_DEBUG_TYPE_PERFORMANCE);
   }
 };
 
@@ -32,8 +33,10 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
     glDebugMessageCallback(
-        [](GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text, const void* user) {
-          static_cast<std::vector<Message>*>(const_cast<void*>(user))->push_back({type, severity, std::string(text, static_cast<std::size_t>(length))});
+        [](GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text,
+           const void* user) {
+          static_cast<std::vector<Message>*>(const_cast<void*>(user))
+              ->push_back({type, severity, std::string(text, static_cast<std::size_t>(length))});
         },
         &messages_);
   }
@@ -46,7 +49,8 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     return out;
   }
 
-  // A renderer's life: two assets, every level in a step of its own while frames are drawn, all passes and looks, instances near and far.
+  // A renderer's life: two assets, every level in a step of its own while frames are drawn, all passes and
+  // looks, instances near and far.
   void live(const char* surface, gl::State state) {
     const Canvas canvas({80, 60});
     gl::Config config;
@@ -68,7 +72,8 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     view.pixels_per_voxel = 1;
     const auto frame = [&](std::size_t count) {
       for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColour}) {
-        for (const gl::Shading shading : {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
+        for (const gl::Shading shading :
+             {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
           view.shading = shading;
           ASSERT_TRUE(renderer.draw(view, std::span(instances).first(count), pass));
         }
@@ -114,7 +119,10 @@ TEST_P(DebugTest, ObjectsHaveLabels) {
   config.getProcAddress = EglContext::getProcAddress;
   const Canvas canvas({80, 60});
   // Objects of each kind that are there now, without their labels.
-  const std::pair<GLenum, GLboolean (*)(GLuint)> kinds[] = {{GL_TEXTURE, glIsTexture}, {GL_PROGRAM, glIsProgram}, {GL_VERTEX_ARRAY, glIsVertexArray}, {GL_BUFFER, glIsBuffer},
+  const std::pair<GLenum, GLboolean (*)(GLuint)> kinds[] = {{GL_TEXTURE, glIsTexture},
+                                                            {GL_PROGRAM, glIsProgram},
+                                                            {GL_VERTEX_ARRAY, glIsVertexArray},
+                                                            {GL_BUFFER, glIsBuffer},
                                                             {GL_FRAMEBUFFER, glIsFramebuffer}};
   const auto objects = [&] {
     std::vector<std::pair<GLenum, GLuint>> out;
@@ -138,7 +146,8 @@ TEST_P(DebugTest, ObjectsHaveLabels) {
     const auto& [kind, name] = object;
     GLchar label[64] = "";
     glGetObjectLabel(kind, name, sizeof label, nullptr, label);
-    EXPECT_TRUE(std::string(label).starts_with("kelp")) << "object " << name << " of kind " << kind << " is labelled \"" << label << '"';
+    EXPECT_TRUE(std::string(label).starts_with("kelp"))
+        << "object " << name << " of kind " << kind << " is labelled \"" << label << '"';
     textures += kind == GL_TEXTURE;
     programs += kind == GL_PROGRAM;
   }

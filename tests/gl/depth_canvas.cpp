@@ -6,11 +6,14 @@
 namespace kelp::test {
 namespace {
 
-constexpr char kVertex[] = "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+constexpr char kVertex[] =
+    "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, "
+    "1.0); }\n";
 constexpr char kFragment[] =
     "uniform sampler2D depth;\n"
     "layout(location = 0) out uvec4 bits;\n"
-    "void main() { bits = uvec4(floatBitsToUint(texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r), 0u, 0u, 1u); }\n";
+    "void main() { bits = uvec4(floatBitsToUint(texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r), 0u, 0u, "
+    "1u); }\n";
 
 GLuint compile(GLenum kind, const std::string& text) {
   const GLuint shader = glCreateShader(kind);
@@ -30,10 +33,13 @@ GLuint compile(GLenum kind, const std::string& text) {
 }  // namespace
 
 GLuint makeProgram(GlApi api, const std::string& vertex, const std::string& fragment) {
-  const std::string prelude = isEs(api) ? "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
-                                                    "precision highp sampler3D;\nprecision highp usampler2D;\nprecision highp usampler3D;\n"
-                                                  : "#version 330 core\n";
-  const GLuint shaders[2] = {compile(GL_VERTEX_SHADER, prelude + vertex), compile(GL_FRAGMENT_SHADER, prelude + fragment)};
+  const std::string prelude =
+      isEs(api)
+          ? "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
+            "precision highp sampler3D;\nprecision highp usampler2D;\nprecision highp usampler3D;\n"
+          : "#version 330 core\n";
+  const GLuint shaders[2] = {compile(GL_VERTEX_SHADER, prelude + vertex),
+                             compile(GL_FRAGMENT_SHADER, prelude + fragment)};
   if (!shaders[0] || !shaders[1]) return 0;
   const GLuint program = glCreateProgram();
   for (const GLuint shader : shaders) {
@@ -63,7 +69,8 @@ DepthCanvas::DepthCanvas(GlApi api, glm::ivec2 size, GLenum depth_format) : size
   glGenTextures(1, &depth_);
   glBindTexture(GL_TEXTURE_2D, depth_);
   const bool is_float = depth_format == GL_DEPTH_COMPONENT32F;
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(depth_format), size.x, size.y, 0, GL_DEPTH_COMPONENT, is_float ? GL_FLOAT : GL_UNSIGNED_INT, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(depth_format), size.x, size.y, 0, GL_DEPTH_COMPONENT,
+               is_float ? GL_FLOAT : GL_UNSIGNED_INT, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_NONE);
@@ -103,7 +110,8 @@ std::vector<float> DepthCanvas::depths() const {
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, depth_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  std::vector<std::array<std::uint32_t, 4>> bits(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));
+  std::vector<std::array<std::uint32_t, 4>> bits(static_cast<std::size_t>(size_.x) *
+                                                 static_cast<std::size_t>(size_.y));
   glReadPixels(0, 0, size_.x, size_.y, GL_RGBA_INTEGER, GL_UNSIGNED_INT, bits.data());
   glBindVertexArray(0);
   glUseProgram(0);

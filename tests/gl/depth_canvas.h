@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A framebuffer whose depth can be read, exactly and with OpenGL ES too: ES reads no depth buffer, but it samples one.
+// A framebuffer whose depth can be read, exactly and with OpenGL ES too: ES reads no depth buffer, but it
+// samples one.
 #pragma once
 
 #include "canvas.h"
@@ -26,8 +27,8 @@ class DepthCanvas {
   GLuint program_ = 0, vertex_array_ = 0;
 };
 
-// A program from the bodies of a vertex and a fragment shader, which have no version. Fails the test, with the compiler's words, and answers
-// 0, if it does not compile or link.
+// A program from the bodies of a vertex and a fragment shader, which have no version. Fails the test, with
+// the compiler's words, and answers 0, if it does not compile or link.
 GLuint makeProgram(GlApi api, const std::string& vertex, const std::string& fragment);
 
 }  // namespace kelp::test

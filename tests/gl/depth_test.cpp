@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The depth buffer against the ground truth: every pixel's depth is taken back to a point of its ray, in double precision, and compared with
-// where the ray first touches the solid.
+// The depth buffer against the ground truth: every pixel's depth is taken back to a point of its ray, in
+// double precision, and compared with where the ray first touches the solid.
 #include <cmath>
 #include <cstdio>
 
@@ -21,7 +21,8 @@ constexpr double kAllowed = 0.5;  // voxels
 
 struct Tally {
   std::uint64_t rays = 0, hits = 0;
-  std::uint64_t grazing = 0;  // hits further than kAllowed from the first touch that two solids a margin apart would both allow
+  // hits further than kAllowed from the first touch that two solids a margin apart would both allow
+  std::uint64_t grazing = 0;
   std::uint64_t wrong = 0;    // further than that and not grazing, or a hit that is owed and not there
   double sum = 0, worst = 0;  // of the hits that do not graze, voxels
   double buffer = 0;          // what one step of the depth buffer is worth, at most
@@ -49,13 +50,15 @@ class DepthTest : public GlTest {
   const reference::Volume truth_{volume_.size, volume_.solid, 1.0, volume_.size};
   const double voxel_ = 1.0 / volume_.size.y;  // metres
 
-  // Six views of what `box` holds. Near and far are as close as the box allows, so that the buffer's own steps are small.
+  // Six views of what `box` holds. Near and far are as close as the box allows, so that the buffer's own
+  // steps are small.
   std::vector<NamedView> viewsOf(const Instance& instance) const {
     const Box box = bounds(instance);
     const glm::vec3 centre = 0.5f * (box.min + box.max);
     const float reach = glm::distance(box.min, box.max);
     const auto voxels = [&](double n) { return static_cast<float>(n * voxel_); };
-    const auto view = [&](const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up, const glm::mat4& to_clip) {
+    const auto view = [&](const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
+                          const glm::mat4& to_clip) {
       gl::View v;
       v.world_to_eye = glm::lookAt(eye, target, up);
       v.eye_to_clip = to_clip;
@@ -71,18 +74,28 @@ class DepthTest : public GlTest {
     const float distance = voxels(1e4);
     const float narrow = 2 * std::atan(0.35f * reach / distance);
     return {
-        {"perspective", view(centre + reach * towards, centre, y, glm::perspective(0.8f, aspect, 0.4f * reach, 1.6f * reach))},
-        {"inside the box", view(middle, toWorld(instance, 0, size * glm::vec3(0.8f, 0.45f, 0.4f)), y, inside)},
-        {"along the spline", view(centre + glm::vec3(0, 1.2f * reach, 0), centre, {0, 0, 1}, glm::perspective(0.7f, aspect, 0.6f * reach, 1.8f * reach))},
-        // Half a height that puts no row of pixels exactly between two layers of voxels, where either would be right.
-        {"exactly horizontal", view(middle + glm::vec3(0, 0, reach), middle, y, glm::ortho(-0.7123f * aspect, 0.7123f * aspect, -0.7123f, 0.7123f, 0.0f, 2 * reach))},
-        {"1e4 voxels away", view(centre + distance * towards, centre, y, glm::perspective(narrow, aspect, distance - 0.6f * reach, distance + 0.6f * reach))},
-        {"close up", view(toWorld(instance, 0, size * glm::vec3(0.5f, 0.6f, 1.2f)), middle, y, glm::perspective(0.9f, aspect, voxels(4), reach))},
+        {"perspective", view(centre + reach * towards, centre, y,
+                             glm::perspective(0.8f, aspect, 0.4f * reach, 1.6f * reach))},
+        {"inside the box",
+         view(middle, toWorld(instance, 0, size * glm::vec3(0.8f, 0.45f, 0.4f)), y, inside)},
+        {"along the spline", view(centre + glm::vec3(0, 1.2f * reach, 0), centre, {0, 0, 1},
+                                  glm::perspective(0.7f, aspect, 0.6f * reach, 1.8f * reach))},
+        // Half a height that puts no row of pixels exactly between two layers of voxels, where either would
+        // be right.
+        {"exactly horizontal",
+         view(middle + glm::vec3(0, 0, reach), middle, y,
+              glm::ortho(-0.7123f * aspect, 0.7123f * aspect, -0.7123f, 0.7123f, 0.0f, 2 * reach))},
+        {"1e4 voxels away",
+         view(centre + distance * towards, centre, y,
+              glm::perspective(narrow, aspect, distance - 0.6f * reach, distance + 0.6f * reach))},
+        {"close up", view(toWorld(instance, 0, size * glm::vec3(0.5f, 0.6f, 1.2f)), middle, y,
+                          glm::perspective(0.9f, aspect, voxels(4), reach))},
     };
   }
 
-  Tally compare(gl::Renderer& renderer, const DepthCanvas& canvas, const gl::View& view, const Instance& instance, std::span<const Knot> knots,
-                GLenum format = GL_DEPTH_COMPONENT32F, glm::dvec2 depth_range = {0, 1}) const {
+  Tally compare(gl::Renderer& renderer, const DepthCanvas& canvas, const gl::View& view,
+                const Instance& instance, std::span<const Knot> knots, GLenum format = GL_DEPTH_COMPONENT32F,
+                glm::dvec2 depth_range = {0, 1}) const {
     canvas.clear();
     glDepthRangef(static_cast<float>(depth_range.x), static_cast<float>(depth_range.y));
     const auto drawn = renderer.draw(view, {&instance, 1});
@@ -90,14 +103,16 @@ class DepthTest : public GlTest {
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     const std::vector<Pixel> pixels = canvas.pixels();
     const std::vector<float> depths = canvas.depths();
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) * glm::dmat4(partToWorld(instance, 0)));
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) *
+                                            glm::dmat4(partToWorld(instance, 0)));
     Tally tally;
     for (int row = 0; row < kPixels.y; ++row) {
       for (int column = 0; column < kPixels.x; ++column) {
         const auto i = static_cast<std::size_t>(kPixels.x * row + column);
         const glm::dvec2 at = 2.0 * (glm::dvec2(column, row) + 0.5) / glm::dvec2(kPixels) - 1.0;
         const auto point = [&](double depth) {
-          const dvec4 p = to_part * dvec4(at, 2 * (depth - depth_range.x) / (depth_range.y - depth_range.x) - 1, 1);
+          const dvec4 p =
+              to_part * dvec4(at, 2 * (depth - depth_range.x) / (depth_range.y - depth_range.x) - 1, 1);
           return dvec3(p) / p.w;
         };
         const dvec3 from = point(depth_range.x), to = point(depth_range.y);
@@ -106,19 +121,22 @@ class DepthTest : public GlTest {
         ++tally.rays;
         const auto touch = reference::firstTouch(truth_, knots, from, ray, 0, reach, 0);
         if (pixels[i][3] == 0) {
-          tally.wrong += touch && reference::firstTouch(truth_, knots, from, ray, 0, reach, reference::kMargin);
+          tally.wrong +=
+              touch && reference::firstTouch(truth_, knots, from, ray, 0, reach, reference::kMargin);
           continue;
         }
         ++tally.hits;
         const double depth = double{depths[i]};
-        const double next = format == GL_DEPTH_COMPONENT32F ? double{std::nextafter(depths[i], 2.0f)} : depth + 0x1p-24;
+        const double next =
+            format == GL_DEPTH_COMPONENT32F ? double{std::nextafter(depths[i], 2.0f)} : depth + 0x1p-24;
         tally.buffer = std::max(tally.buffer, glm::distance(point(depth), point(next)));
         const double s = glm::dot(point(depth) - from, ray);
         const double error = touch ? std::abs(s - touch->s) : 1e30;
         if (error > kAllowed) {
           // Right all the same if a solid that is a hundredth of a voxel larger or smaller is touched there.
           const reference::Truth truth = reference::truthOf(truth_, knots, from, ray, reach);
-          const bool grazing = truth.possible && s >= *truth.possible - kAllowed && (!truth.owed || s <= *truth.owed + kAllowed);
+          const bool grazing = truth.possible && s >= *truth.possible - kAllowed &&
+                               (!truth.owed || s <= *truth.owed + kAllowed);
           ++(grazing ? tally.grazing : tally.wrong);
         } else {
           tally.sum += error;
@@ -130,9 +148,12 @@ class DepthTest : public GlTest {
   }
 
   static void print(const char* what, const Tally& t) {
-    std::printf("%-20s %7llu rays, %6llu hits: %llu graze, %llu wrong; mean %.4f, worst %.3f voxel; a step of the buffer is %.4f voxel\n", what,
-                static_cast<unsigned long long>(t.rays), static_cast<unsigned long long>(t.hits), static_cast<unsigned long long>(t.grazing),
-                static_cast<unsigned long long>(t.wrong), t.sum / static_cast<double>(std::max<std::uint64_t>(t.hits, 1)), t.worst, t.buffer);
+    std::printf(
+        "%-20s %7llu rays, %6llu hits: %llu graze, %llu wrong; mean %.4f, worst %.3f voxel; a step of the "
+        "buffer is %.4f voxel\n",
+        what, static_cast<unsigned long long>(t.rays), static_cast<unsigned long long>(t.hits),
+        static_cast<unsigned long long>(t.grazing), static_cast<unsigned long long>(t.wrong),
+        t.sum / static_cast<double>(std::max<std::uint64_t>(t.hits, 1)), t.worst, t.buffer);
   }
   // At most 0.1 % of the hits may graze; a single view holds too few of them to be held to that.
   static void expectGood(const Tally& t, const char* what, double share = 0.001) {
@@ -164,7 +185,8 @@ TEST_P(DepthTest, IsWithinHalfAVoxelOfTheTruth) {
     views = viewsOf(instance);
     Tally of_rig;
     for (std::size_t v = 0; v < views.size(); ++v) {
-      const Tally tally = compare(own ? *own_renderer : *renderer, canvas, views[v].view, instance, rig.knots);
+      const Tally tally =
+          compare(own ? *own_renderer : *renderer, canvas, views[v].view, instance, rig.knots);
       of_rig.add(tally);
       of_views[v].add(tally);
     }
@@ -181,7 +203,8 @@ TEST_P(DepthTest, IsWithinHalfAVoxelOfTheTruth) {
   expectGood(all, "all");
 }
 
-// 24 bits, the host's own depth range, and one that is turned around. Clip coordinates reach from -w to w, so a reversed range is no more exact.
+// 24 bits, the host's own depth range, and one that is turned around. Clip coordinates reach from -w to w, so
+// a reversed range is no more exact.
 TEST_P(DepthTest, IsThatInEveryBufferAndRange) {
   runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
   const std::vector<Knot> knots = figureKnots(kFigure6[1], volume_.size);
@@ -192,9 +215,11 @@ TEST_P(DepthTest, IsThatInEveryBufferAndRange) {
     const DepthCanvas canvas(GetParam(), kPixels, format);
     for (const glm::dvec2 range : {glm::dvec2(0, 1), glm::dvec2(1, 0), glm::dvec2(0.25, 0.75)}) {
       Tally tally;
-      for (const NamedView& view : viewsOf(instance)) tally.add(compare(*renderer, canvas, view.view, instance, knots, format, range));
+      for (const NamedView& view : viewsOf(instance))
+        tally.add(compare(*renderer, canvas, view.view, instance, knots, format, range));
       char what[64];
-      std::snprintf(what, sizeof what, "%s, %.2f to %.2f", format == GL_DEPTH_COMPONENT24 ? "24 bits" : "32 bits", range.x, range.y);
+      std::snprintf(what, sizeof what, "%s, %.2f to %.2f",
+                    format == GL_DEPTH_COMPONENT24 ? "24 bits" : "32 bits", range.x, range.y);
       print(what, tally);
       EXPECT_GT(tally.hits, 1500u) << what;
       expectGood(tally, what);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Fog against the integral that it stands for, in double precision; among solids and the host's own depth; and that nothing about a step is to be chosen.
+// Fog against the integral that it stands for, in double precision; among solids and the host's own depth;
+// and that nothing about a step is to be chosen.
 #include <cmath>
 
 #include "canvas.h"
@@ -13,14 +14,16 @@ using runtime::Instance;
 
 constexpr glm::ivec3 kSize(40, 56, 36);
 
-// Colours that are not rounded. Desktop OpenGL draws into and blends them; of ES it is more than 3.0 promises.
+// Colours that are not rounded. Desktop OpenGL draws into and blends them; of ES it is more than 3.0
+// promises.
 class FloatCanvas {
  public:
   explicit FloatCanvas(const glm::ivec2& size, int samples = 0) : size_(size) {
     glGenFramebuffers(1, &framebuffer_);
     glGenRenderbuffers(2, names_);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    const GLenum formats[2] = {GL_RGBA32F, GL_DEPTH_COMPONENT24}, places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    const GLenum formats[2] = {GL_RGBA32F, GL_DEPTH_COMPONENT24},
+                 places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     for (int i = 0; i < 2; ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, names_[i]);
       glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, formats[i], size.x, size.y);
@@ -51,7 +54,8 @@ class FloatCanvas {
 
 class Fog : public GlTest {};
 
-std::vector<glm::vec4> drawFog(gl::Renderer& renderer, const FloatCanvas& canvas, const gl::View& view, const Instance& instance) {
+std::vector<glm::vec4> drawFog(gl::Renderer& renderer, const FloatCanvas& canvas, const gl::View& view,
+                               const Instance& instance) {
   canvas.clear();
   const auto drawn = renderer.draw(view, {&instance, 1}, gl::Pass::kFog);
   EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
@@ -83,7 +87,8 @@ PartRay partRay(const gl::View& view, const Instance& instance, const Box& bound
   const glm::dvec3 o(to_part * glm::dvec4(ray.origin, 1)), d(to_part * glm::dvec4(ray.direction, 0));
   PartRay out{o, d / glm::length(d), 0, glm::length(d)};
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = (double{bounds.min[axis]} - o[axis]) / out.r[axis], b = (double{bounds.max[axis]} - o[axis]) / out.r[axis];
+    const double a = (double{bounds.min[axis]} - o[axis]) / out.r[axis],
+                 b = (double{bounds.max[axis]} - o[axis]) / out.r[axis];
     out.begin = std::max(out.begin, std::min(a, b));
     out.end = std::min(out.end, std::max(a, b));
   }
@@ -102,14 +107,18 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({16, 12});
   for (const bool glows : {false, true}) {
-    const RawPack pack = fogPack(fogOf(kSize, puffs, glows ? FogShape([](const glm::dvec3& p) { return puffs(p) * p.y; }) : FogShape()), 0.21f);
+    const RawPack pack =
+        fogPack(fogOf(kSize, puffs,
+                      glows ? FogShape([](const glm::dvec3& p) { return puffs(p) * p.y; }) : FogShape()),
+                0.21f);
     const LoadedAsset loaded(pack);
     const auto renderer = makeRenderer(*loaded.asset);
     ASSERT_TRUE(renderer);
     for (const int level : {0, 1}) {
       const FogTruth truth(pack.parts[0], level);
       std::vector<FigurePose> poses(kFigure6.begin(), kFigure6.end());
-      poses.push_back({"at rest at both ends", {0, 0, 0}, {0, 0, 0}});  // where a curve begins without a slope
+      // where a curve begins without a slope
+      poses.push_back({"at rest at both ends", {0, 0, 0}, {0, 0, 0}});
       poses.push_back({"at rest at one end", {0, 0, 0}, {2, 1, -1}});
       for (const FigurePose& figure : poses) {
         SCOPED_TRACE(std::string(figure.name) + " level " + std::to_string(level));
@@ -126,10 +135,13 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
         for (int y = 0; y < canvas.size().y; ++y) {
           for (int x = 0; x < canvas.size().x; ++x) {
             const PartRay ray = partRay(view, instance, bounds, x, y);
-            const FogSight sight = ray.begin < ray.end ? truth.look(knots, ray.o, ray.r, ray.begin, ray.end, 1.0 / 12) : FogSight();
+            const FogSight sight = ray.begin < ray.end
+                                       ? truth.look(knots, ray.o, ray.r, ray.begin, ray.end, 1.0 / 12)
+                                       : FogSight();
             const glm::vec4& pixel = drawn[static_cast<std::size_t>(x + canvas.size().x * y)];
             worst = std::max(worst, std::abs(1 - sight.through - double{pixel.a}));
-            for (int c = 0; c < 3; ++c) worst_glow = std::max(worst_glow, std::abs(sight.glow[c] - double{pixel[c]}));
+            for (int c = 0; c < 3; ++c)
+              worst_glow = std::max(worst_glow, std::abs(sight.glow[c] - double{pixel[c]}));
             sum += 1 - sight.through;
           }
         }
@@ -141,13 +153,15 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
   }
 }
 
-// Solid parts hide what of the fog is behind them, and are seen through what is before them; the depth buffer stays as it was.
+// Solid parts hide what of the fog is behind them, and are seen through what is before them; the depth buffer
+// stays as it was.
 TEST_P(Fog, EndsAtTheDepthSoFar) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({48, 64});
   const float extinction = 0.05f;
   const RawPack pack = fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction);
-  const LoadedAsset fog(pack), wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
+  const LoadedAsset fog(pack),
+      wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
   const auto renderer = makeRenderer(*fog.asset);
   ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
   const gl::View view = dark(orthographic(canvas.size(), {0, 0.5f, 3}, {0, 0.5f, 0}, 0.45f));
@@ -168,10 +182,13 @@ TEST_P(Fog, EndsAtTheDepthSoFar) {
     const double before = std::clamp(18.0 - (double{z} / voxel + 2.0), 0.0, 36.0);
     const std::size_t middle = static_cast<std::size_t>(24 + 48 * 32);
     ASSERT_EQ(solid[middle].a, 1.0f);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(drawn[middle][c], double{solid[middle][c]} * std::exp(-double{extinction} * before), 2e-4) << z;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(drawn[middle][c], double{solid[middle][c]} * std::exp(-double{extinction} * before), 2e-4)
+          << z;
     EXPECT_NEAR(drawn[middle].a, 1.0f, 1e-6);
   }
-  // A host's own texture of the depth, and reversed depths, take the same way as for solids: composition_test.cpp. Multisampled, the depth test decides.
+  // A host's own texture of the depth, and reversed depths, take the same way as for solids:
+  // composition_test.cpp. Multisampled, the depth test decides.
   const FloatCanvas multisampled(canvas.size(), 4);
   Instance both[2] = {{fog.asset.get(), nullptr}, {wall.asset.get(), nullptr}};
   both[1].to_world[3].z = 0.6f;
@@ -181,12 +198,14 @@ TEST_P(Fog, EndsAtTheDepthSoFar) {
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
 }
 
-// Far away, where a step of the depth buffer is long, and in either convention: nothing of the fog behind a wall comes before it.
+// Far away, where a step of the depth buffer is long, and in either convention: nothing of the fog behind a
+// wall comes before it.
 TEST_P(Fog, EndsAtTheDepthSoFarFarAway) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({48, 64});
   const float extinction = 0.3f;
-  const LoadedAsset fog(fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction)), wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
+  const LoadedAsset fog(fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction)),
+      wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
   const auto renderer = makeRenderer(*fog.asset);
   ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
   constexpr float kSide = 20;  // metres
@@ -248,7 +267,8 @@ TEST_P(Fog, IsBlendedFarToNear) {
   EXPECT_EQ(solid->instances, 0u);
 }
 
-// While finer pages are missing, the coarser ones are drawn in their place: the mass is there from the first level on.
+// While finer pages are missing, the coarser ones are drawn in their place: the mass is there from the first
+// level on.
 TEST_P(Fog, IsCoarserUntilItsPagesAreThere) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({40, 48});
@@ -288,7 +308,8 @@ TEST_P(Fog, IsCoarserUntilItsPagesAreThere) {
 TEST_P(Fog, IsTheSameInBothApis) {
   static std::vector<Pixel> first;
   const Canvas canvas({40, 48});
-  const LoadedAsset loaded(fogPack(fogOf(kSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
+  const LoadedAsset loaded(
+      fogPack(fogOf(kSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
   gl::Config config;
   config.secondary_rays = true;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);
@@ -305,7 +326,8 @@ TEST_P(Fog, IsTheSameInBothApis) {
   double sums[2] = {};
   for (std::size_t i = 0; i < lit.size(); ++i) {
     EXPECT_EQ(lit[i][3], shaded[i][3]);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_LE(shaded[i][c], lit[i][c] + 1);  // a shadow takes light, and gives none
+    // a shadow takes light, and gives none
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_LE(shaded[i][c], lit[i][c] + 1);
     sums[0] += lit[i][0];
     sums[1] += shaded[i][0];
   }

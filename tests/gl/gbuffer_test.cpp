@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A G-buffer by the host's surface function: several attachments at once against the CPU, motion vectors against the pose of the frame before in
-// double precision.
+// A G-buffer by the host's surface function: several attachments at once against the CPU, motion vectors
+// against the pose of the frame before in double precision.
 #include <bit>
 #include <cmath>
 
@@ -20,8 +20,10 @@ constexpr char kGbuffer[] =
     "layout(location = 3) out highp uvec4 gbuffer_tags;\n"
     "vec4 kelpSurface(KelpSurface s) {\n"
     "  gbuffer_normal = floatBitsToUint(vec4(s.normal, s.roughness));\n"
-    "  gbuffer_motion = floatBitsToUint(vec4(s.clip.xy / s.clip.w, s.previous_clip.xy / s.previous_clip.w));\n"
-    "  gbuffer_tags = uvec4(s.instance, s.part, s.material, (s.voxel.x << 20) | (s.voxel.y << 10) | s.voxel.z);\n"
+    "  gbuffer_motion = floatBitsToUint(vec4(s.clip.xy / s.clip.w, s.previous_clip.xy / "
+    "s.previous_clip.w));\n"
+    "  gbuffer_tags = uvec4(s.instance, s.part, s.material, (s.voxel.x << 20) | (s.voxel.y << 10) | "
+    "s.voxel.z);\n"
     "  return vec4(s.color.rgb, 1.0);\n"
     "}";  // a host's text need not end with its line
 
@@ -35,8 +37,13 @@ class Gbuffer {
     GLenum attachments[4];
     for (GLenum i = 0; i < 5; ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, names_[i]);
-      glRenderbufferStorage(GL_RENDERBUFFER, i == 4 ? GL_DEPTH_COMPONENT24 : i == 0 ? GL_RGBA8 : GL_RGBA32UI, size.x, size.y);
-      glFramebufferRenderbuffer(GL_FRAMEBUFFER, i == 4 ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0 + i, GL_RENDERBUFFER, names_[i]);
+      glRenderbufferStorage(GL_RENDERBUFFER,
+                            i == 4   ? GL_DEPTH_COMPONENT24
+                            : i == 0 ? GL_RGBA8
+                                     : GL_RGBA32UI,
+                            size.x, size.y);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, i == 4 ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0 + i,
+                                GL_RENDERBUFFER, names_[i]);
       if (i < 4) attachments[i] = GL_COLOR_ATTACHMENT0 + i;
     }
     glDrawBuffers(4, attachments);
@@ -75,7 +82,8 @@ class Gbuffer {
   GLuint names_[5] = {}, framebuffer_ = 0;
 };
 
-// Where a rest point of a part is in the world: the spline's parameter by bisection, all of it in double precision.
+// Where a rest point of a part is in the world: the spline's parameter by bisection, all of it in double
+// precision.
 glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
   const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
@@ -87,7 +95,8 @@ glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
   const double share = double{knots[i + 1].at} - double{knots[i].at};
   const glm::dvec3 m0 = share * glm::dvec3(knots[i].tangent), m1 = share * glm::dvec3(knots[i + 1].tangent);
   const auto spline = [&](double t) {
-    return (2 * t * t * t - 3 * t * t + 1) * p0 + (t * t * t - 2 * t * t + t) * m0 + (3 * t * t - 2 * t * t * t) * p1 + (t * t * t - t * t) * m1;
+    return (2 * t * t * t - 3 * t * t + 1) * p0 + (t * t * t - 2 * t * t + t) * m0 +
+           (3 * t * t - 2 * t * t * t) * p1 + (t * t * t - t * t) * m1;
   };
   double from = 0, to = 1;
   for (int step = 0; step < 60; ++step) (spline(0.5 * (from + to)).y < y ? from : to) = 0.5 * (from + to);
@@ -99,7 +108,8 @@ class GbufferTest : public GlTest {
  protected:
   static RawPack twoParts() {
     const fields::Occupancy body = ballClump({60, 80, 50}, 20, 2), arm = ballClump({20, 48, 24}, 14, 5);
-    RawPack pack = packOf(body, {{0, {0, 0, 0}, {0, 80, 0}}, {0.4f, {0, 32, 0}, {0, 80, 0}}, {1, {0, 80, 0}, {0, 80, 0}}});
+    RawPack pack = packOf(
+        body, {{0, {0, 0, 0}, {0, 80, 0}}, {0.4f, {0, 32, 0}, {0, 80, 0}}, {1, {0, 80, 0}, {0, 80, 0}}});
     pack.parts.push_back(partOf(arm, figureKnots(kFigure6[0], arm.size), "arm"));
     pack.parts[1].parent = 0;
     pack.parts[1].to_object[3] += glm::vec3(0.6f, 0.2f, 0);
@@ -120,7 +130,8 @@ class GbufferTest : public GlTest {
   }
 
   // Draws and checks every pixel; answers the greatest motion that was seen, in units of the viewport.
-  double check(gl::Renderer& renderer, const Gbuffer& target, const gl::View& view, std::span<const Instance> instances) {
+  double check(gl::Renderer& renderer, const Gbuffer& target, const gl::View& view,
+               std::span<const Instance> instances) {
     target.clear();
     const auto drawn = renderer.draw(view, instances);
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
@@ -150,14 +161,18 @@ class GbufferTest : public GlTest {
         continue;
       }
       const Instance& instance = instances[which];
-      const std::uint32_t voxel = static_cast<std::uint32_t>((hit->voxel.x << 20) | (hit->voxel.y << 10) | hit->voxel.z);
-      if (tags[at] != Words{static_cast<std::uint32_t>(which), static_cast<std::uint32_t>(hit->part), hit->material, voxel}) {
+      const std::uint32_t voxel =
+          static_cast<std::uint32_t>((hit->voxel.x << 20) | (hit->voxel.y << 10) | hit->voxel.z);
+      if (tags[at] != Words{static_cast<std::uint32_t>(which), static_cast<std::uint32_t>(hit->part),
+                            hit->material, voxel}) {
         ++other;
         continue;
       }
       second_part += hit->part == 1;
       const Material& material = instance.asset->pack().palette()[hit->material];
-      for (int c = 0; c < 3; ++c) EXPECT_NEAR(colors[at][static_cast<std::size_t>(c)], 255 * material.base_color[c] * instance.tint[c], 1);
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(colors[at][static_cast<std::size_t>(c)], 255 * material.base_color[c] * instance.tint[c],
+                    1);
       glm::vec4 normal, motion;
       for (int c = 0; c < 4; ++c) {
         normal[c] = std::bit_cast<float>(normals[at][static_cast<std::size_t>(c)]);
@@ -170,9 +185,13 @@ class GbufferTest : public GlTest {
       if (instance.previous_pose) before.pose = instance.previous_pose;
       if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
       const glm::dvec2 now = place(to_clip, worldOf(instance, hit->part, hit->rest));
-      const glm::dvec2 then = view.previous_world_to_clip ? place(*view.previous_world_to_clip, worldOf(before, hit->part, hit->rest)) : now;
-      worst = std::max({worst, glm::distance(now, glm::dvec2(motion.x, motion.y)), glm::distance(then, glm::dvec2(motion.z, motion.w))});
-      greatest = std::max(greatest, glm::distance(glm::vec2(motion.x, motion.y), glm::vec2(motion.z, motion.w)) + 0.0);
+      const glm::dvec2 then = view.previous_world_to_clip
+                                  ? place(*view.previous_world_to_clip, worldOf(before, hit->part, hit->rest))
+                                  : now;
+      worst = std::max({worst, glm::distance(now, glm::dvec2(motion.x, motion.y)),
+                        glm::distance(then, glm::dvec2(motion.z, motion.w))});
+      greatest = std::max(greatest,
+                          glm::distance(glm::vec2(motion.x, motion.y), glm::vec2(motion.z, motion.w)) + 0.0);
     }
     EXPECT_GT(hits, 800);
     EXPECT_GT(second_part, 50);
@@ -190,7 +209,8 @@ class GbufferTest : public GlTest {
 TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
   const Gbuffer target({120, 90});
   const auto renderer = makeRenderer(*loaded_.asset, kGbuffer);
-  const glm::mat4 moved = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.06f, -0.04f, 0.1f)), 0.2f, glm::vec3(0, 1, 0));
+  const glm::mat4 moved =
+      glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.06f, -0.04f, 0.1f)), 0.2f, glm::vec3(0, 1, 0));
   const gl::View from = lookAt(target.size(), {0.9f, 0.9f, 1.7f}, {0.2f, 0.5f, 0});
   for (const float along : {0.3f, 0.7f, 1.0f}) {
     SCOPED_TRACE(along);
@@ -201,7 +221,8 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
     instances[1].tint = {0.5f, 0.9f, 1, 1};
     gl::View view = from;
     const glm::mat4 same = view.eye_to_clip * view.world_to_eye;
-    const glm::mat4 elsewhere = view.eye_to_clip * glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f), glm::vec3(0.25f, 0.5f, 0), glm::vec3(0, 1, 0));
+    const glm::mat4 elsewhere = view.eye_to_clip * glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f),
+                                                               glm::vec3(0.25f, 0.5f, 0), glm::vec3(0, 1, 0));
 
     EXPECT_EQ(check(*renderer, target, view, instances), 0);  // no motion asked for
     view.previous_world_to_clip = &same;
@@ -212,7 +233,8 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
     EXPECT_GT(check(*renderer, target, view, instances), 0.1);  // and an instance
     view.previous_world_to_clip = &elsewhere;
     EXPECT_GT(check(*renderer, target, view, instances), 0.1);  // and the camera
-    for (Instance& instance : instances) instance.previous_pose = nullptr, instance.previous_to_world = nullptr;
+    for (Instance& instance : instances)
+      instance.previous_pose = nullptr, instance.previous_to_world = nullptr;
     EXPECT_GT(check(*renderer, target, view, instances), 0.05);  // the camera alone
   }
 }

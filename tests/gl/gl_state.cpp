@@ -16,8 +16,10 @@ constexpr TextureTarget kTargets[] = {
     {"GL_TEXTURE_CUBE_MAP", GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP, 33, 30, true},
     {"GL_TEXTURE_CUBE_MAP_ARRAY", GL_TEXTURE_CUBE_MAP_ARRAY, GL_TEXTURE_BINDING_CUBE_MAP_ARRAY, 40, 32, true},
     {"GL_TEXTURE_BUFFER", GL_TEXTURE_BUFFER, GL_TEXTURE_BINDING_BUFFER, 33, 32, false},
-    {"GL_TEXTURE_2D_MULTISAMPLE", GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE, 33, 31, false},
-    {"GL_TEXTURE_2D_MULTISAMPLE_ARRAY", GL_TEXTURE_2D_MULTISAMPLE_ARRAY, GL_TEXTURE_BINDING_2D_MULTISAMPLE_ARRAY, 33, 32, false},
+    {"GL_TEXTURE_2D_MULTISAMPLE", GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE, 33, 31,
+     false},
+    {"GL_TEXTURE_2D_MULTISAMPLE_ARRAY", GL_TEXTURE_2D_MULTISAMPLE_ARRAY,
+     GL_TEXTURE_BINDING_2D_MULTISAMPLE_ARRAY, 33, 32, false},
 };
 
 enum class As { kSwitch, kInteger, kFloat };
@@ -30,8 +32,10 @@ struct Scalar {
   int since_desktop, since_es;
 };
 
-#define KELP_SCALAR(what, ...) Scalar{#what, what, __VA_ARGS__}
-// The order of the tables in section 6.2 of the OpenGL 3.3 specification; at the end of each group what came later.
+#define KELP_SCALAR(what, ...) \
+  Scalar { #what, what, __VA_ARGS__ }
+// The order of the tables in section 6.2 of the OpenGL 3.3 specification; at the end of each group what came
+// later.
 constexpr Scalar kScalars[] = {
     // Vertex arrays
     KELP_SCALAR(GL_VERTEX_ARRAY_BINDING, As::kInteger, 1, 33, 30),
@@ -187,10 +191,11 @@ struct Indexed {
   GLenum what;
   As as;
   int count;
-  GLint GlLimits::* number;
+  GLint GlLimits::*number;
   int since_desktop, since_es;
 };
-#define KELP_INDEXED(what, ...) Indexed{#what, what, __VA_ARGS__}
+#define KELP_INDEXED(what, ...) \
+  Indexed { #what, what, __VA_ARGS__ }
 constexpr Indexed kIndexed[] = {
     KELP_INDEXED(GL_BLEND, As::kSwitch, 1, &GlLimits::draw_buffers, 33, 32),
     KELP_INDEXED(GL_COLOR_WRITEMASK, As::kInteger, 4, &GlLimits::draw_buffers, 33, 32),
@@ -231,7 +236,8 @@ struct Named {
   GLenum what;
   int since_desktop, since_es;
 };
-#define KELP_NAMED(what, ...) Named{#what, what, __VA_ARGS__}
+#define KELP_NAMED(what, ...) \
+  Named { #what, what, __VA_ARGS__ }
 constexpr Named kQueries[] = {
     KELP_NAMED(GL_SAMPLES_PASSED, 33, 0),
     KELP_NAMED(GL_ANY_SAMPLES_PASSED, 33, 30),
@@ -241,11 +247,16 @@ constexpr Named kQueries[] = {
     KELP_NAMED(GL_TIME_ELAPSED, 33, 0),
 };
 constexpr Named kAttributes[] = {
-    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_ENABLED, 33, 30),        KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_SIZE, 33, 30),
-    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_STRIDE, 33, 30),         KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_TYPE, 33, 30),
-    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_NORMALIZED, 33, 30),     KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_INTEGER, 33, 30),
-    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_DIVISOR, 33, 30),        KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING, 33, 30),
-    KELP_NAMED(GL_VERTEX_ATTRIB_BINDING, 43, 31),              KELP_NAMED(GL_VERTEX_ATTRIB_RELATIVE_OFFSET, 43, 31),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_ENABLED, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_SIZE, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_STRIDE, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_TYPE, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_NORMALIZED, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_INTEGER, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_DIVISOR, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING, 33, 30),
+    KELP_NAMED(GL_VERTEX_ATTRIB_BINDING, 43, 31),
+    KELP_NAMED(GL_VERTEX_ATTRIB_RELATIVE_OFFSET, 43, 31),
 };
 constexpr Named kVertexBindings[] = {
     KELP_NAMED(GL_VERTEX_BINDING_OFFSET, 43, 31),
@@ -255,18 +266,23 @@ constexpr Named kVertexBindings[] = {
 };
 // Of textures and samplers both.
 constexpr Named kSampling[] = {
-    KELP_NAMED(GL_TEXTURE_MIN_FILTER, 33, 30), KELP_NAMED(GL_TEXTURE_MAG_FILTER, 33, 30), KELP_NAMED(GL_TEXTURE_WRAP_S, 33, 30),
-    KELP_NAMED(GL_TEXTURE_WRAP_T, 33, 30),     KELP_NAMED(GL_TEXTURE_WRAP_R, 33, 30),     KELP_NAMED(GL_TEXTURE_MIN_LOD, 33, 30),
-    KELP_NAMED(GL_TEXTURE_MAX_LOD, 33, 30),    KELP_NAMED(GL_TEXTURE_LOD_BIAS, 33, 0),    KELP_NAMED(GL_TEXTURE_COMPARE_MODE, 33, 30),
-    KELP_NAMED(GL_TEXTURE_COMPARE_FUNC, 33, 30),
+    KELP_NAMED(GL_TEXTURE_MIN_FILTER, 33, 30),   KELP_NAMED(GL_TEXTURE_MAG_FILTER, 33, 30),
+    KELP_NAMED(GL_TEXTURE_WRAP_S, 33, 30),       KELP_NAMED(GL_TEXTURE_WRAP_T, 33, 30),
+    KELP_NAMED(GL_TEXTURE_WRAP_R, 33, 30),       KELP_NAMED(GL_TEXTURE_MIN_LOD, 33, 30),
+    KELP_NAMED(GL_TEXTURE_MAX_LOD, 33, 30),      KELP_NAMED(GL_TEXTURE_LOD_BIAS, 33, 0),
+    KELP_NAMED(GL_TEXTURE_COMPARE_MODE, 33, 30), KELP_NAMED(GL_TEXTURE_COMPARE_FUNC, 33, 30),
 };
 constexpr Named kTexturing[] = {
-    KELP_NAMED(GL_TEXTURE_BASE_LEVEL, 33, 30), KELP_NAMED(GL_TEXTURE_MAX_LEVEL, 33, 30), KELP_NAMED(GL_TEXTURE_SWIZZLE_R, 33, 30),
-    KELP_NAMED(GL_TEXTURE_SWIZZLE_G, 33, 30),  KELP_NAMED(GL_TEXTURE_SWIZZLE_B, 33, 30), KELP_NAMED(GL_TEXTURE_SWIZZLE_A, 33, 30),
+    KELP_NAMED(GL_TEXTURE_BASE_LEVEL, 33, 30), KELP_NAMED(GL_TEXTURE_MAX_LEVEL, 33, 30),
+    KELP_NAMED(GL_TEXTURE_SWIZZLE_R, 33, 30),  KELP_NAMED(GL_TEXTURE_SWIZZLE_G, 33, 30),
+    KELP_NAMED(GL_TEXTURE_SWIZZLE_B, 33, 30),  KELP_NAMED(GL_TEXTURE_SWIZZLE_A, 33, 30),
 };
 // Of level 0: a texture of the host's that was filled by mistake is no longer empty.
 constexpr Named kImage[] = {
-    KELP_NAMED(GL_TEXTURE_WIDTH, 33, 31), KELP_NAMED(GL_TEXTURE_HEIGHT, 33, 31), KELP_NAMED(GL_TEXTURE_DEPTH, 33, 31), KELP_NAMED(GL_TEXTURE_INTERNAL_FORMAT, 33, 31),
+    KELP_NAMED(GL_TEXTURE_WIDTH, 33, 31),
+    KELP_NAMED(GL_TEXTURE_HEIGHT, 33, 31),
+    KELP_NAMED(GL_TEXTURE_DEPTH, 33, 31),
+    KELP_NAMED(GL_TEXTURE_INTERNAL_FORMAT, 33, 31),
 };
 #undef KELP_NAMED
 
@@ -304,9 +320,15 @@ class Reader {
       GLint64 integers[4] = {};
       GLfloat floats[4] = {};
       switch (s.as) {
-        case As::kSwitch: put(s.name, {double(glIsEnabled(s.what))}); break;
-        case As::kInteger: glGetInteger64v(s.what, integers), put(s.name, list(integers, s.count)); break;
-        case As::kFloat: glGetFloatv(s.what, floats), put(s.name, list(floats, s.count)); break;
+        case As::kSwitch:
+          put(s.name, {double(glIsEnabled(s.what))});
+          break;
+        case As::kInteger:
+          glGetInteger64v(s.what, integers), put(s.name, list(integers, s.count));
+          break;
+        case As::kFloat:
+          glGetFloatv(s.what, floats), put(s.name, list(floats, s.count));
+          break;
       }
     }
   }
@@ -388,7 +410,9 @@ class Reader {
       glGetIntegerv(GL_SAMPLER_BINDING, &sampler);
       put("GL_SAMPLER_BINDING" + suffix, {double(sampler)});
       if (sampler) {
-        put("sampler's parameters" + suffix, parameters(kSampling, [&](GLenum what, GLfloat* value) { glGetSamplerParameterfv(static_cast<GLuint>(sampler), what, value); }));
+        put("sampler's parameters" + suffix, parameters(kSampling, [&](GLenum what, GLfloat* value) {
+              glGetSamplerParameterfv(static_cast<GLuint>(sampler), what, value);
+            }));
       }
       for (const TextureTarget& t : kTargets) {
         if (!limits_.has(t.since_desktop, t.since_es)) continue;
@@ -401,7 +425,10 @@ class Reader {
           put(std::string("parameters of ") + t.name + suffix, parameters(kTexturing, get));
         }
         if (t.sampled && t.target != GL_TEXTURE_CUBE_MAP && limits_.has(33, 31)) {
-          put(std::string("image of ") + t.name + suffix, parameters(kImage, [&](GLenum what, GLfloat* value) { glGetTexLevelParameterfv(t.target, 0, what, value); }));
+          put(std::string("image of ") + t.name + suffix,
+              parameters(kImage, [&](GLenum what, GLfloat* value) {
+                glGetTexLevelParameterfv(t.target, 0, what, value);
+              }));
         }
       }
     }
@@ -425,10 +452,12 @@ class Reader {
     const auto attachment = [&](const std::string& name, GLenum point) {
       GLint type = GL_NONE, object = 0;
       glGetFramebufferAttachmentParameteriv(target, point, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE, &type);
-      if (type != GL_NONE) glGetFramebufferAttachmentParameteriv(target, point, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME, &object);
+      if (type != GL_NONE)
+        glGetFramebufferAttachmentParameteriv(target, point, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME, &object);
       put(name + " of the " + whose, {double(type), double(object)});
     };
-    for (GLint i = 0; i < limits_.color_attachments; ++i) attachment(at("colour attachment", i), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
+    for (GLint i = 0; i < limits_.color_attachments; ++i)
+      attachment(at("colour attachment", i), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
     attachment("depth attachment", GL_DEPTH_ATTACHMENT);
     attachment("stencil attachment", GL_STENCIL_ATTACHMENT);
   }
@@ -442,7 +471,8 @@ class Reader {
       GLchar name[64] = "";
       GLint size = 0;
       GLenum type = 0;
-      glGetActiveUniform(static_cast<GLuint>(program), static_cast<GLuint>(i), sizeof name, nullptr, &size, &type, name);
+      glGetActiveUniform(static_cast<GLuint>(program), static_cast<GLuint>(i), sizeof name, nullptr, &size,
+                         &type, name);
       const GLint location = glGetUniformLocation(static_cast<GLuint>(program), name);
       if (location < 0) continue;  // GLSL's own, such as gl_DepthRange
       GLfloat values[16] = {};
@@ -518,7 +548,9 @@ GlState readGlState() { return Reader().read(); }
 
 std::vector<std::string> differences(const GlState& before, const GlState& after) {
   std::vector<std::string> out;
-  const auto note = [&](const std::string& name) { out.push_back(name + ": " + print(before, name) + " -> " + print(after, name)); };
+  const auto note = [&](const std::string& name) {
+    out.push_back(name + ": " + print(before, name) + " -> " + print(after, name));
+  };
   for (const auto& [name, values] : before) {
     const auto found = after.find(name);
     if (found == after.end() || found->second != values) note(name);

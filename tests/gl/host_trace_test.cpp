@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rays of the host's own shaders (Renderer::traceGlsl, bindTrace) against the renderer's picture and against runtime::raycast.
+// Rays of the host's own shaders (Renderer::traceGlsl, bindTrace) against the renderer's picture and against
+// runtime::raycast.
 #include <bit>
 #include <cmath>
 
@@ -12,12 +13,15 @@ namespace {
 
 using runtime::Instance;
 
-constexpr char kScreen[] = "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+constexpr char kScreen[] =
+    "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, "
+    "1.0); }\n";
 
 class HostTraceTest : public GlTest {
  protected:
   // A program of the host's whose fragment shader, or vertex shader, has kelp's text before its own.
-  static GLuint makeTracer(GlApi api, const gl::Renderer& renderer, const std::string& vertex, const std::string& fragment, bool in_vertex = false) {
+  static GLuint makeTracer(GlApi api, const gl::Renderer& renderer, const std::string& vertex,
+                           const std::string& fragment, bool in_vertex = false) {
     std::string text;
     for (const char* string : renderer.traceGlsl()) text += string;
     return makeProgram(api, in_vertex ? text + vertex : vertex, in_vertex ? fragment : text + fragment);
@@ -36,7 +40,10 @@ class HostTraceTest : public GlTest {
     glGenVertexArrays(1, &vertices_);
     instances_[0] = {loaded_.asset.get(), &pose_};
     instances_[1] = {loaded_.asset.get(), nullptr};
-    instances_[1].to_world = glm::scale(glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.7f, 0.1f, -0.6f)), 0.8f, glm::vec3(0.2f, 1, 0.3f)), glm::vec3(-1.3f, 0.9f, 1.1f));
+    instances_[1].to_world =
+        glm::scale(glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.7f, 0.1f, -0.6f)), 0.8f,
+                               glm::vec3(0.2f, 1, 0.3f)),
+                   glm::vec3(-1.3f, 0.9f, 1.1f));
     instances_[1].tint = {0.5f, 1, 0.7f, 1};
     instances_[2] = {loaded_.asset.get(), &pose_};
     instances_[2].to_world = glm::translate(glm::mat4(1), glm::vec3(-1.1f, 0, 0.3f));
@@ -67,16 +74,17 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
   gl::Config config;
   config.secondary_rays = true;
   const auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
-  const GLuint program = makeTracer(GetParam(), *renderer, kScreen,
-                                    "uniform mat4 to_world; uniform vec2 size;\n"
-                                    "layout(location = 0) out vec4 color;\n"
-                                    "void main() {\n"
-                                    "  vec2 at = 2.0 * gl_FragCoord.xy / size - 1.0;\n"
-                                    "  vec4 near = to_world * vec4(at, -1.0, 1.0), far = to_world * vec4(at, 1.0, 1.0);\n"
-                                    "  vec3 origin = near.xyz / near.w;\n"
-                                    "  KelpSceneHit hit = kelpTrace(origin, far.xyz / far.w - origin, 1.0);\n"
-                                    "  color = hit.found ? kelpSurface(hit.surface) : vec4(0.0);\n"
-                                    "}\n");
+  const GLuint program =
+      makeTracer(GetParam(), *renderer, kScreen,
+                 "uniform mat4 to_world; uniform vec2 size;\n"
+                 "layout(location = 0) out vec4 color;\n"
+                 "void main() {\n"
+                 "  vec2 at = 2.0 * gl_FragCoord.xy / size - 1.0;\n"
+                 "  vec4 near = to_world * vec4(at, -1.0, 1.0), far = to_world * vec4(at, 1.0, 1.0);\n"
+                 "  vec3 origin = near.xyz / near.w;\n"
+                 "  KelpSceneHit hit = kelpTrace(origin, far.xyz / far.w - origin, 1.0);\n"
+                 "  color = hit.found ? kelpSurface(hit.surface) : vec4(0.0);\n"
+                 "}\n");
   ASSERT_NE(program, 0u);
   gl::View view = lookAt(canvas, {0.6f, 1.1f, 2.6f}, {0, 0.5f, 0}, 0.5f, 10.0f);
   view.self_shadow = true;
@@ -112,20 +120,23 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
 TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
   const auto renderer = makeRenderer(*loaded_.asset);
   constexpr int kSide = 96;
-  const GLuint program = makeTracer(GetParam(), *renderer, kScreen,
-                                    "uniform highp sampler2D origins; uniform highp sampler2D directions;\n"
-                                    "layout(location = 0) out uvec4 first; layout(location = 1) out uvec4 second;\n"
-                                    "void main() {\n"
-                                    "  vec4 o = texelFetch(origins, ivec2(gl_FragCoord.xy), 0), d = texelFetch(directions, ivec2(gl_FragCoord.xy), 0);\n"
-                                    "  KelpSceneHit hit = kelpTrace(o.xyz, d.xyz, d.w);\n"
-                                    "  uint tags = (hit.found ? 1u : 0u) | (kelpBlocked(o.xyz, d.xyz, d.w) ? 2u : 0u);\n"
-                                    "  first = uvec4(tags, floatBitsToUint(hit.t), 0u, 0u);\n"
-                                    "  second = uvec4(0u);\n"
-                                    "  if (hit.found) {\n"
-                                    "    first = uvec4(tags | uint(hit.surface.instance << 8), floatBitsToUint(hit.t), floatBitsToUint(hit.surface.position.xy));\n"
-                                    "    second = floatBitsToUint(vec4(hit.surface.normal, hit.surface.position.z));\n"
-                                    "  }\n"
-                                    "}\n");
+  const GLuint program =
+      makeTracer(GetParam(), *renderer, kScreen,
+                 "uniform highp sampler2D origins; uniform highp sampler2D directions;\n"
+                 "layout(location = 0) out uvec4 first; layout(location = 1) out uvec4 second;\n"
+                 "void main() {\n"
+                 "  vec4 o = texelFetch(origins, ivec2(gl_FragCoord.xy), 0), d = texelFetch(directions, "
+                 "ivec2(gl_FragCoord.xy), 0);\n"
+                 "  KelpSceneHit hit = kelpTrace(o.xyz, d.xyz, d.w);\n"
+                 "  uint tags = (hit.found ? 1u : 0u) | (kelpBlocked(o.xyz, d.xyz, d.w) ? 2u : 0u);\n"
+                 "  first = uvec4(tags, floatBitsToUint(hit.t), 0u, 0u);\n"
+                 "  second = uvec4(0u);\n"
+                 "  if (hit.found) {\n"
+                 "    first = uvec4(tags | uint(hit.surface.instance << 8), floatBitsToUint(hit.t), "
+                 "floatBitsToUint(hit.surface.position.xy));\n"
+                 "    second = floatBitsToUint(vec4(hit.surface.normal, hit.surface.position.z));\n"
+                 "  }\n"
+                 "}\n");
   ASSERT_NE(program, 0u);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -143,15 +154,20 @@ TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
   for (int i = 0; i < 4; ++i) {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
     glBindTexture(GL_TEXTURE_2D, names[i]);
-    if (i < 2) glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kSide, kSide, 0, GL_RGBA, GL_FLOAT, i ? directions.data() : origins.data());
-    else glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, kSide, kSide, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, nullptr);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    if (i < 2)
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kSide, kSide, 0, GL_RGBA, GL_FLOAT,
+                   i ? directions.data() : origins.data());
+    else
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, kSide, kSide, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, nullptr);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
   }
   GLuint framebuffer = 0;
   glGenFramebuffers(1, &framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  for (const GLenum i : {0u, 1u}) glFramebufferTexture2D(GL_FRAMEBUFFER, buffers[i], GL_TEXTURE_2D, names[2 + i], 0);
+  for (const GLenum i : {0u, 1u})
+    glFramebufferTexture2D(GL_FRAMEBUFFER, buffers[i], GL_TEXTURE_2D, names[2 + i], 0);
   glDrawBuffers(2, buffers);
   glViewport(0, 0, kSide, kSide);
   ASSERT_EQ(glCheckFramebufferStatus(GL_FRAMEBUFFER), GLenum{GL_FRAMEBUFFER_COMPLETE});
@@ -178,11 +194,15 @@ TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
     if (!hit || !found) continue;
     ++per_instance[which];
     const float t = std::bit_cast<float>(first[i][1]);
-    const glm::vec3 position(std::bit_cast<float>(first[i][2]), std::bit_cast<float>(first[i][3]), std::bit_cast<float>(second[i][3]));
-    const glm::vec3 normal(std::bit_cast<float>(second[i][0]), std::bit_cast<float>(second[i][1]), std::bit_cast<float>(second[i][2]));
+    const glm::vec3 position(std::bit_cast<float>(first[i][2]), std::bit_cast<float>(first[i][3]),
+                             std::bit_cast<float>(second[i][3]));
+    const glm::vec3 normal(std::bit_cast<float>(second[i][0]), std::bit_cast<float>(second[i][1]),
+                           std::bit_cast<float>(second[i][2]));
     const float length = glm::length(glm::vec3(directions[i]));
-    other += static_cast<int>(first[i][0] >> 8) != which || std::abs(t - hit->t) * length > 1e-4f || glm::distance(position, hit->position) > 1e-4f ||
-             (t > 0 && glm::distance(normal, hit->normal) > 1e-2f);  // a ray that starts in a solid meets no surface
+    other += static_cast<int>(first[i][0] >> 8) != which || std::abs(t - hit->t) * length > 1e-4f ||
+             glm::distance(position, hit->position) > 1e-4f ||
+             // a ray that starts in a solid meets no surface
+             (t > 0 && glm::distance(normal, hit->normal) > 1e-2f);
   }
   EXPECT_GT(hits, 2000);
   for (const int count : per_instance) EXPECT_GT(count, 300);
@@ -198,14 +218,16 @@ TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
 TEST_P(HostTraceTest, VertexShadersTraceToo) {
   const Canvas canvas({64, 64});
   const auto renderer = makeRenderer(*loaded_.asset);
-  const GLuint program = makeTracer(GetParam(), *renderer,
-                                    "uniform vec3 origin; uniform vec3 direction; flat out vec4 found;\n"
-                                    "void main() {\n"
-                                    "  KelpSceneHit hit = kelpTrace(origin, direction, 10.0);\n"
-                                    "  found = vec4(hit.found ? hit.t / 10.0 : 1.0, kelpBlocked(origin, direction, 10.0) ? 1.0 : 0.0, 0.0, 1.0);\n"
-                                    "  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
-                                    "}\n",
-                                    "flat in vec4 found; layout(location = 0) out vec4 color;\nvoid main() { color = found; }\n", true);
+  const GLuint program = makeTracer(
+      GetParam(), *renderer,
+      "uniform vec3 origin; uniform vec3 direction; flat out vec4 found;\n"
+      "void main() {\n"
+      "  KelpSceneHit hit = kelpTrace(origin, direction, 10.0);\n"
+      "  found = vec4(hit.found ? hit.t / 10.0 : 1.0, kelpBlocked(origin, direction, 10.0) ? 1.0 : 0.0, 0.0, "
+      "1.0);\n"
+      "  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
+      "}\n",
+      "flat in vec4 found; layout(location = 0) out vec4 color;\nvoid main() { color = found; }\n", true);
   ASSERT_NE(program, 0u);
   ASSERT_TRUE(renderer->bindTrace(program, lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0}), instances_));
   glUseProgram(program);
@@ -229,7 +251,8 @@ TEST_P(HostTraceTest, RefusesMisuseAndKeepsTheState) {
   const Canvas canvas({64, 64});
   const auto renderer = makeRenderer(*loaded_.asset);
   const GLuint program = makeTracer(GetParam(), *renderer, kScreen,
-                                    "layout(location = 0) out vec4 color;\nvoid main() { color = vec4(kelpBlocked(vec3(0.0), vec3(1.0), 1.0)); }\n");
+                                    "layout(location = 0) out vec4 color;\nvoid main() { color = "
+                                    "vec4(kelpBlocked(vec3(0.0), vec3(1.0), 1.0)); }\n");
   ASSERT_NE(program, 0u);
   const gl::View view = lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0});
   const auto refused = [&](GLuint to, const gl::View& with, int unit) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Many instances: as many draws as batches, none that is seen left out, the same picture in whatever order and however many batches, nothing
-// remembered, nothing allocated.
+// Many instances: as many draws as batches, none that is seen left out, the same picture in whatever order
+// and however many batches, nothing remembered, nothing allocated.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -20,11 +20,13 @@ using runtime::Pose;
 
 // Instance, part and level into the colour, so that pictures differ where anything else is drawn.
 constexpr char kWhoSurface[] =
-    "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.color.r * 255.0 + 0.5), float(s.voxel.x + 16 * s.voxel.z), float(s.voxel.y), 255.0 - float(s.level)) / 255.0; }\n";
+    "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.color.r * 255.0 + 0.5), float(s.voxel.x + 16 * "
+    "s.voxel.z), float(s.voxel.y), 255.0 - float(s.level)) / 255.0; }\n";
 
 RawPack packOfTwoParts() {
   RawPack pack = packOf(ballClump({24, 32, 20}, 12, 5));
-  pack.parts.push_back(partOf(ballClump({16, 20, 24}, 10, 6), figureKnots(kFigure6[1], {16, 20, 24}), "second"));
+  pack.parts.push_back(
+      partOf(ballClump({16, 20, 24}, 10, 6), figureKnots(kFigure6[1], {16, 20, 24}), "second"));
   pack.parts[1].to_object[3] += glm::vec3(0.3f, 0.2f, -0.4f);
   return pack;
 }
@@ -40,11 +42,14 @@ class InstancingTest : public GlTest {
     for (int i = 0; i < count; ++i) {
       const runtime::Asset& asset = i % 3 ? *one_.asset : *two_.asset;
       poses_.push_back(*Pose::create(asset));
-      for (int part = 0; part < poses_.back().parts(); ++part) poses_.back().knots(part)[1].position += glm::vec3(8 * unit(random), 0, 8 * unit(random));
+      for (int part = 0; part < poses_.back().parts(); ++part)
+        poses_.back().knots(part)[1].position += glm::vec3(8 * unit(random), 0, 8 * unit(random));
     }
     for (int i = 0; i < count; ++i) {
-      Instance instance{i % 3 ? one_.asset.get() : two_.asset.get(), i % 5 ? &poses_[static_cast<std::size_t>(i)] : nullptr};
-      glm::mat4 m = glm::translate(glm::mat4(1), spread * glm::vec3(unit(random), unit(random), unit(random)));
+      Instance instance{i % 3 ? one_.asset.get() : two_.asset.get(),
+                        i % 5 ? &poses_[static_cast<std::size_t>(i)] : nullptr};
+      glm::mat4 m =
+          glm::translate(glm::mat4(1), spread * glm::vec3(unit(random), unit(random), unit(random)));
       m = glm::rotate(m, 3 * unit(random), glm::vec3(unit(random), 1, unit(random)));
       instance.to_world = glm::scale(m, glm::vec3(i % 7 ? 0.6f : -0.6f, 0.6f, 0.5f + 0.2f * unit(random)));
       instance.tint = glm::vec4(static_cast<float>(1 + i % 200) / 204.0f, 1, 1, 1);
@@ -57,7 +62,8 @@ class InstancingTest : public GlTest {
     EXPECT_TRUE(renderer->upload(~std::uint64_t{0}));
     return renderer;
   }
-  static std::vector<Pixel> drawn(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, std::span<const Instance> instances, gl::Stats* stats = nullptr) {
+  static std::vector<Pixel> drawn(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view,
+                                  std::span<const Instance> instances, gl::Stats* stats = nullptr) {
     canvas.clear();
     const auto result = renderer.draw(view, instances);
     EXPECT_TRUE(result) << (result ? "" : result.error().detail);
@@ -65,7 +71,8 @@ class InstancingTest : public GlTest {
     return canvas.pixels();
   }
   static int covered(const std::vector<Pixel>& pixels) {
-    return static_cast<int>(std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel[3] != 0; }));
+    return static_cast<int>(
+        std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel[3] != 0; }));
   }
 
   const LoadedAsset one_{packOf(ballClump({24, 32, 20}, 14, 3))};
@@ -113,7 +120,8 @@ TEST_P(InstancingTest, DepthBatchesDoNotChangeThePicture) {
   const auto renderer = makeBoth();
   throwHeap(60, 3, 0.9f);
   for (const bool wide : {true, false}) {
-    gl::View view = wide ? lookAt(canvas, {0, 0.5f, 4}, {0, 0, 0}) : orthographic(canvas, {0, 0.5f, 4}, {0, 0, 0}, 1.2f);
+    gl::View view =
+        wide ? lookAt(canvas, {0, 0.5f, 4}, {0, 0, 0}) : orthographic(canvas, {0, 0.5f, 4}, {0, 0, 0}, 1.2f);
     if (!wide) view.pixels_per_voxel = 1;
     view.depth_batches = 1;
     gl::Stats stats;
@@ -142,7 +150,8 @@ TEST_P(InstancingTest, DepthBatchesDoNotChangeThePicture) {
   }
 }
 
-// The texture that the rays of a batch end at is the framebuffer's depth, wherever the viewport is, and grows with it alone.
+// The texture that the rays of a batch end at is the framebuffer's depth, wherever the viewport is, and grows
+// with it alone.
 TEST_P(InstancingTest, TheCopyIsTheDepth) {
   if (!desktop()) return;  // OpenGL ES reads no depth textures
   const auto renderer = makeBoth();
@@ -196,10 +205,14 @@ TEST_P(InstancingTest, DepthBatchesWorkWithEveryDepthFormatAndLeaveOthersAlone) 
     int samples;
     bool copied;
   };
-  const Target targets[] = {{GL_DEPTH_COMPONENT16, GL_DEPTH_ATTACHMENT, 0, true},          {GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, 0, true},
-                            {GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, 0, true},   {GL_DEPTH24_STENCIL8, GL_DEPTH_ATTACHMENT, 0, true},
-                            {GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, 0, true},         {GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, 0, true},
-                            {GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, 4, false},         {GL_NONE, GL_NONE, 0, false}};
+  const Target targets[] = {{GL_DEPTH_COMPONENT16, GL_DEPTH_ATTACHMENT, 0, true},
+                            {GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, 0, true},
+                            {GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, 0, true},
+                            {GL_DEPTH24_STENCIL8, GL_DEPTH_ATTACHMENT, 0, true},
+                            {GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, 0, true},
+                            {GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT, 0, true},
+                            {GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, 4, false},
+                            {GL_NONE, GL_NONE, 0, false}};
   for (const glm::ivec2 size : {glm::ivec2(64, 48), glm::ivec2(100, 80), glm::ivec2(40, 90)}) {
     for (const Target& target : targets) {
       GLuint framebuffer = 0, buffers[2] = {};
@@ -224,7 +237,8 @@ TEST_P(InstancingTest, DepthBatchesWorkWithEveryDepthFormatAndLeaveOthersAlone) 
         clearBound();
         const auto result = renderer->draw(view, instances_);
         ASSERT_TRUE(result);
-        EXPECT_EQ(result->draws, batches > 1 && target.copied ? 6u : 1u) << std::hex << target.format << " " << target.attachment;
+        EXPECT_EQ(result->draws, batches > 1 && target.copied ? 6u : 1u)
+            << std::hex << target.format << " " << target.attachment;
         if (target.samples == 0) pictures[batches > 1] = readBound(size);
       }
       EXPECT_EQ(pictures[0], pictures[1]) << std::hex << target.format;
@@ -235,14 +249,16 @@ TEST_P(InstancingTest, DepthBatchesWorkWithEveryDepthFormatAndLeaveOthersAlone) 
   }
 }
 
-// Against brute force: the instance by itself, in the same view, by a renderer that leaves out nothing, covers no pixel if it is culled.
+// Against brute force: the instance by itself, in the same view, by a renderer that leaves out nothing,
+// covers no pixel if it is culled.
 TEST_P(InstancingTest, OnlyWhatCoversNoPixelIsCulled) {
   const Canvas canvas({90, 70});
   const auto renderer = makeBoth();
   throwHeap(250, 6, 3.0f);
   gl::View view = lookAt(canvas, {0, 0.2f, 1.2f}, {0, 0, 0}, 0.3f, 3.5f);
   view.smallest_pixels = 0;
-  // A view of everything around, in which the same part of the picture is drawn: the frustum's middle quarter of a canvas four times as large.
+  // A view of everything around, in which the same part of the picture is drawn: the frustum's middle quarter
+  // of a canvas four times as large.
   const Canvas large({450, 350});
   gl::View around = view;
   around.viewport = large.size();
@@ -296,7 +312,8 @@ TEST_P(InstancingTest, SmallInstancesAreCulledBySize) {
 
 TEST_P(InstancingTest, EachHasItsTint) {
   const Canvas canvas({100, 60});
-  const auto renderer = makeRenderer(*one_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n");
+  const auto renderer =
+      makeRenderer(*one_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n");
   gl::View view = orthographic(canvas, {0, 0.5f, 5}, {0, 0.5f, 0}, 0.6f);
   Instance both[2] = {{one_.asset.get(), nullptr}, {one_.asset.get(), nullptr}};
   both[0].to_world[3].x = -0.6f;
@@ -310,13 +327,15 @@ TEST_P(InstancingTest, EachHasItsTint) {
     if (pixels[i][3] == 0) continue;
     const int which = i % 100 < 50 ? 0 : 1;
     ++counts[which];
-    for (int c = 0; c < 3; ++c) ASSERT_NEAR(pixels[i][static_cast<std::size_t>(c)], 255 * base[c] * both[which].tint[c], 1.0f);
+    for (int c = 0; c < 3; ++c)
+      ASSERT_NEAR(pixels[i][static_cast<std::size_t>(c)], 255 * base[c] * both[which].tint[c], 1.0f);
   }
   EXPECT_GT(counts[0], 300);
   EXPECT_GT(counts[1], 300);
 }
 
-// A pose may be shared, changed or gone when draw() has returned; so may matrices and the instances themselves.
+// A pose may be shared, changed or gone when draw() has returned; so may matrices and the instances
+// themselves.
 TEST_P(InstancingTest, NothingIsRetained) {
   const Canvas canvas({120, 90});
   const auto renderer = makeBoth();
@@ -371,7 +390,8 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     for (std::size_t i = 0; i < kCount; ++i) poses.push_back(*Pose::create(i % 2 ? *one.asset : *two.asset));
     for (std::size_t i = 0; i < kCount; ++i) {
       instances.push_back({i % 2 ? one.asset.get() : two.asset.get(), &poses[i]});
-      instances.back().to_world[3] = glm::vec4(static_cast<float>(i % 25) - 12, 0, -static_cast<float>(i / 25), 1);
+      instances.back().to_world[3] =
+          glm::vec4(static_cast<float>(i % 25) - 12, 0, -static_cast<float>(i / 25), 1);
     }
     gl::View view = lookAt(glm::ivec2(300, 200), {0, 4, 12}, {0, 0, 0});
     view.pixels_per_voxel = 1;
@@ -380,7 +400,8 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
       const std::size_t count = 1 + static_cast<std::size_t>(0.5 * (1 + std::sin(0.05 * n)) * (kCount - 1));
       for (std::size_t i = 0; i < count; ++i) poses[i].knots(0)[1].position.x = static_cast<float>(n % 7);
       const auto some = std::span(instances).first(count);
-      view.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12), glm::vec3(0), glm::vec3(0, 1, 0));
+      view.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
+                                      glm::vec3(0), glm::vec3(0, 1, 0));
       const glm::mat4 before = view.eye_to_clip * view.world_to_eye;
       view.previous_world_to_clip = n % 2 ? &before : nullptr;
       const auto colour = (*renderer)->draw(view, some);

@@ -18,7 +18,8 @@ class LevelTest : public GlTest {
   const Part& part_ = loaded_.asset->pack().parts()[0];
 
   // How many pixels show each level.
-  std::array<int, kMaxLevels> drawnLevels(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view) {
+  std::array<int, kMaxLevels> drawnLevels(gl::Renderer& renderer, const Canvas& canvas,
+                                          const gl::View& view) {
     canvas.clear();
     EXPECT_TRUE(renderer.draw(view, {&instance_, 1}));
     std::array<int, kMaxLevels> counts{};
@@ -32,16 +33,20 @@ class LevelTest : public GlTest {
 TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
   const Canvas canvas({200, 200});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
-  // Orthographic: the model is 1 high and 80 voxels, so a level-0 voxel has 200 / (2 * half height) / 80 pixels.
+  // Orthographic: the model is 1 high and 80 voxels, so a level-0 voxel has 200 / (2 * half height) / 80
+  // pixels.
   for (const float half_height : {0.3f, 0.55f, 0.7f, 0.9f, 1.3f, 1.9f, 2.9f, 5.3f}) {
     for (const float pixels_per_voxel : {0.0f, 0.5f, 1.0f, 3.0f, 5.0f}) {
       gl::View view = orthographic(canvas, {0, 0.5f, 5}, {0, 0.5f, 0}, half_height);
       view.pixels_per_voxel = pixels_per_voxel;
-      const double between = pixels_per_voxel == 0 ? 0.0 : std::clamp(std::log2(pixels_per_voxel * 2 * half_height * 80.0 / 200.0), 0.0, part_.levels - 1.0);
+      const double between = pixels_per_voxel == 0
+                                 ? 0.0
+                                 : std::clamp(std::log2(pixels_per_voxel * 2 * half_height * 80.0 / 200.0),
+                                              0.0, part_.levels - 1.0);
       const int level = static_cast<int>(between);
       const double part = between - level;
-      // Coarse voxels are fatter: each level by itself has its own number of pixels. A small picture has not all 64 places of the pattern
-      // equally often.
+      // Coarse voxels are fatter: each level by itself has its own number of pixels. A small picture has not
+      // all 64 places of the pattern equally often.
       const auto alone = [&](int which) {
         gl::View only = view;
         only.pixels_per_voxel = 0;
@@ -53,7 +58,8 @@ TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
       const auto counts = drawnLevels(*renderer, canvas, view);
       const int all = std::accumulate(counts.begin(), counts.end(), 0);
       const int coarser = counts[static_cast<std::size_t>(level) + 1];
-      EXPECT_EQ(counts[static_cast<std::size_t>(level)] + coarser, all) << half_height << " " << pixels_per_voxel;
+      EXPECT_EQ(counts[static_cast<std::size_t>(level)] + coarser, all)
+          << half_height << " " << pixels_per_voxel;
       EXPECT_NEAR(coarser, part * coarse, 2 + 0.03 * all) << half_height << " " << pixels_per_voxel;
       EXPECT_NEAR(all - coarser, (1 - part) * fine, 2 + 0.03 * all) << half_height << " " << pixels_per_voxel;
     }
@@ -82,7 +88,9 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
         const auto hit = raycast(instance_, pixelRay(view, x, y), level);
         const Pixel& pixel = pixels[static_cast<std::size_t>(160 * y + x)];
         hits += hit.has_value();
-        different += hit.has_value() != (pixel[3] != 0) || (hit && (glm::ivec3(pixel[0], pixel[1], pixel[2]) != hit->voxel || 255 - pixel[3] != level));
+        different +=
+            hit.has_value() != (pixel[3] != 0) ||
+            (hit && (glm::ivec3(pixel[0], pixel[1], pixel[2]) != hit->voxel || 255 - pixel[3] != level));
       }
     }
     EXPECT_GT(hits, 1000);
@@ -99,8 +107,8 @@ TEST_P(LevelTest, InstancesOutOfSightAreCulled) {
   const Canvas canvas({160, 120});
   const auto renderer = makeRenderer(*loaded_.asset);
   Instance instances[3] = {instance_, instance_, instance_};
-  instances[1].to_world[3] = glm::vec4(50, 0, 0, 1);    // beside
-  instances[2].to_world[3] = glm::vec4(0, 0, 5, 1);     // behind the eye
+  instances[1].to_world[3] = glm::vec4(50, 0, 0, 1);  // beside
+  instances[2].to_world[3] = glm::vec4(0, 0, 5, 1);   // behind the eye
   const auto stats = renderer->draw(lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0}), instances);
   ASSERT_TRUE(stats);
   EXPECT_EQ(stats->instances, 1u);

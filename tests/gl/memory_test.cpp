@@ -13,7 +13,7 @@ using runtime::Instance;
 
 struct Counter {
   long calls = 0;
-  long left = -1;  // allocations that still succeed; -1: all
+  long left = -1;      // allocations that still succeed; -1: all
   bool and_on = true;  // after them none does; or one alone does not
   bool refused = false;
   long held = 0;
@@ -71,7 +71,8 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   ASSERT_TRUE(renderer.upload(~std::uint64_t{0}));
   runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
   std::vector<Instance> instances(50, Instance{loaded_.asset.get(), &pose});
-  for (std::size_t i = 0; i < instances.size(); ++i) instances[i].to_world[3].x = 0.02f * static_cast<float>(i);
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    instances[i].to_world[3].x = 0.02f * static_cast<float>(i);
   ASSERT_TRUE(renderer.draw(view(), instances));
   ASSERT_TRUE(renderer.bindTrace(1, view(), instances));
 
@@ -84,7 +85,10 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
     moved.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
     const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));
     const auto drawn = renderer.draw(moved, some);
-    draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.bindTrace(1, moved, some) && renderer.upload(1'000'000) ? drawn->draws : 0;
+    draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.bindTrace(1, moved, some) &&
+                     renderer.upload(1'000'000)
+                 ? drawn->draws
+                 : 0;
   }
   EXPECT_EQ(newCalls(), all);
   EXPECT_EQ(counter_.calls, own);

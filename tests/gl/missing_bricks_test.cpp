@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is drawn at a point is what the finest resident brick there says, whichever way a ray comes: held to a walk in double precision through
-// a volume that is put together voxel by voxel, with random pages missing.
+// What is drawn at a point is what the finest resident brick there says, whichever way a ray comes: held to a
+// walk in double precision through a volume that is put together voxel by voxel, with random pages missing.
 #include <random>
 
 #include "reference/judge.h"
@@ -13,7 +13,10 @@ using runtime::Asset;
 using runtime::Instance;
 
 std::size_t cellAt(const glm::ivec3& brick, const glm::ivec3& grid) {
-  return static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(grid.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(brick.z));
+  return static_cast<std::size_t>(brick.x) +
+         static_cast<std::size_t>(grid.x) *
+             (static_cast<std::size_t>(brick.y) +
+              static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(brick.z));
 }
 
 // Occupancies of all levels, by the definition alone: a coarse voxel is solid where a fine one is.
@@ -22,7 +25,8 @@ std::vector<fields::Occupancy> pyramidOf(const fields::Occupancy& volume, int le
   while (static_cast<int>(out.size()) < levels) {
     const fields::Occupancy& fine = out.back();
     fields::Occupancy coarse{(fine.size + 1) / 2, {}};
-    coarse.solid.resize(static_cast<std::size_t>(coarse.size.x) * static_cast<std::size_t>(coarse.size.y) * static_cast<std::size_t>(coarse.size.z));
+    coarse.solid.resize(static_cast<std::size_t>(coarse.size.x) * static_cast<std::size_t>(coarse.size.y) *
+                        static_cast<std::size_t>(coarse.size.z));
     for (glm::ivec3 v(0); v.z < fine.size.z; ++v.z) {
       for (v.y = 0; v.y < fine.size.y; ++v.y) {
         for (v.x = 0; v.x < fine.size.x; ++v.x) {
@@ -45,7 +49,8 @@ std::vector<Resident> residentOf(const Asset& asset) {
     Resident resident;
     if (const runtime::VoxelLevel* level = asset.level(0, l)) {
       resident.grid = true;
-      for (std::uint32_t page = 0; page < level->pages.size(); ++page) resident.pages.push_back(static_cast<bool>(asset.pin(0, l, page, 1)));
+      for (std::uint32_t page = 0; page < level->pages.size(); ++page)
+        resident.pages.push_back(static_cast<bool>(asset.pin(0, l, page, 1)));
     }
     out.push_back(std::move(resident));
   }
@@ -64,7 +69,8 @@ fields::Occupancy composite(const Asset& asset, const std::vector<fields::Occupa
           const glm::ivec3 at(v.x >> l, v.y >> l, v.z >> l);
           const runtime::VoxelLevel& level = *asset.level(0, l);
           const std::uint32_t cell = level.cells[cellAt(at / 8, level.grid)];
-          if ((cell & kCellSolid) && !resident[static_cast<std::size_t>(l)].pages[runtime::cellPage(cell)]) continue;
+          if ((cell & kCellSolid) && !resident[static_cast<std::size_t>(l)].pages[runtime::cellPage(cell)])
+            continue;
           const fields::Occupancy& of = pyramid[static_cast<std::size_t>(l)];
           out.solid[out.index(v)] = (cell & kCellSolid) ? of.solid[of.index(at)] : 0;
           break;
@@ -91,12 +97,14 @@ class Patchy {
       const auto grid = asset->pack().readGrid(0, l);
       const bool none = random() % 6 == 0;
       for (const PageInfo& page : grid->pages) {
-        if (none || static_cast<int>(random() % 100) < percent) gaps->push_back({page.offset, page.offset + page.stored});
+        if (none || static_cast<int>(random() % 100) < percent)
+          gaps->push_back({page.offset, page.offset + page.stored});
       }
     }
     if (random() % 4 == 0) {
       for (const Pack::ChunkInfo& chunk : asset->pack().chunks()) {
-        if (chunk.fourcc == ('G' | 'R' << 8 | 'I' << 16 | 'D' << 24) && chunk.level == 0) gaps->push_back({chunk.offset, chunk.offset + chunk.stored});
+        if (chunk.fourcc == ('G' | 'R' << 8 | 'I' << 16 | 'D' << 24) && chunk.level == 0)
+          gaps->push_back({chunk.offset, chunk.offset + chunk.stored});
       }
     }
     source_.allows = [gaps](std::uint64_t offset, std::size_t size) {
@@ -120,8 +128,10 @@ struct Case {
   fields::Occupancy volume;
 };
 const std::vector<Case>& cases() {
-  static const std::vector<Case> all = {
-      {"reed", reed(200, 3)}, {"balls", ballClump({90, 120, 70}, 60, 5)}, {"dust", dust({72, 88, 64}, 900, 6)}, {"plates", platesAndRods({70, 93, 85})}};
+  static const std::vector<Case> all = {{"reed", reed(200, 3)},
+                                        {"balls", ballClump({90, 120, 70}, 60, 5)},
+                                        {"dust", dust({72, 88, 64}, 900, 6)},
+                                        {"plates", platesAndRods({70, 93, 85})}};
   return all;
 }
 
@@ -144,7 +154,8 @@ TEST(MissingBricks, ARayMeetsWhatTheFinestResidentBricksSay) {
         const fields::Occupancy seen = composite(asset, pyramid, wanted);
         const reference::Volume truth{seen.size, seen.solid, 1.0, seen.size};
         for (int i = 0; i < 250; ++i) {
-          const glm::vec3 target = toWorld(instance, 0, glm::vec3(seen.size) * glm::vec3(unit(random), unit(random), unit(random)));
+          const glm::vec3 target = toWorld(
+              instance, 0, glm::vec3(seen.size) * glm::vec3(unit(random), unit(random), unit(random)));
           runtime::Ray ray;
           ray.direction = glm::vec3(unit(random), i % 5 == 0 ? 0.5f : unit(random), unit(random)) - 0.5f;
           ray.origin = target - 12.0f * ray.direction;
@@ -153,15 +164,18 @@ TEST(MissingBricks, ARayMeetsWhatTheFinestResidentBricksSay) {
           const glm::dvec3 d(to_part * glm::dvec4(ray.direction, 0));
           const double length = glm::length(d);
           const reference::Truth where = reference::truthOf(truth, knots, o, d / length, 1e6);
-          const reference::Verdict verdict = reference::judge(where, hit ? std::optional(double{hit->t} * length) : std::nullopt);
+          const reference::Verdict verdict =
+              reference::judge(where, hit ? std::optional(double{hit->t} * length) : std::nullopt);
           ++rays;
           hits += hit.has_value();
           coarse += hit && hit->level > wanted;
           wrong += verdict != reference::Verdict::kRight;
           if (hit) {
-            EXPECT_TRUE(pyramid[static_cast<std::size_t>(hit->level)].solid[pyramid[static_cast<std::size_t>(hit->level)].index(hit->voxel)]);
+            EXPECT_TRUE(pyramid[static_cast<std::size_t>(hit->level)]
+                            .solid[pyramid[static_cast<std::size_t>(hit->level)].index(hit->voxel)]);
           }
-          EXPECT_EQ(verdict, reference::Verdict::kRight) << c.name << ", trial " << trial << ", ray " << i << ", level " << wanted;
+          EXPECT_EQ(verdict, reference::Verdict::kRight)
+              << c.name << ", trial " << trial << ", ray " << i << ", level " << wanted;
         }
       }
     }
@@ -206,7 +220,8 @@ TEST_P(MissingBricksTest, ThePictureFallsBackAsTheCpuDoes) {
           hits += hit.has_value();
           coarse += hit && hit->level > wanted;
           const bool equal = hit.has_value() == (pixel[3] != 0) &&
-                             (!hit || (glm::ivec3(pixel[0], pixel[1], pixel[2]) == hit->voxel && 255 - pixel[3] == hit->level));
+                             (!hit || (glm::ivec3(pixel[0], pixel[1], pixel[2]) == hit->voxel &&
+                                       255 - pixel[3] == hit->level));
           different += !equal;
         }
       }

@@ -13,7 +13,9 @@ using runtime::Instance;
 class MisuseTest : public GlTest {
  protected:
   const LoadedAsset loaded_{packOf(ballClump({24, 32, 20}, 12, 3))};
-  const LoadedAsset other_{packOf(ballClump({24, 32, 20}, 12, 4), {{0, {0, 0, 0}, {0, 32, 0}}, {0.5f, {0, 16, 0}, {0, 32, 0}}, {1, {0, 32, 0}, {0, 32, 0}}})};
+  const LoadedAsset other_{
+      packOf(ballClump({24, 32, 20}, 12, 4),
+             {{0, {0, 0, 0}, {0, 32, 0}}, {0.5f, {0, 16, 0}, {0, 32, 0}}, {1, {0, 32, 0}, {0, 32, 0}}})};
   const Instance instance_{loaded_.asset.get(), nullptr};
 
   void expectMisuse(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, const Instance& bad) {
@@ -51,7 +53,8 @@ TEST_P(MisuseTest, OfInstances) {
   expectMisuse(*renderer, canvas, view, bad);
 }
 
-// A pose that turns back is refused until it is clamped by an explicit call; then it is drawn, and as the CPU sees it.
+// A pose that turns back is refused until it is clamped by an explicit call; then it is drawn, and as the CPU
+// sees it.
 TEST_P(MisuseTest, ANonMonotonePoseIsDrawnOnlyOnceItIsClamped) {
   const Canvas canvas({80, 60});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
@@ -87,7 +90,8 @@ TEST_P(MisuseTest, OfNumbersThatAreNone) {
   const Canvas canvas({40, 30});
   const auto renderer = makeRenderer(*loaded_.asset);
   const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
   runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
   const Instance posed{loaded_.asset.get(), &pose};
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
@@ -120,7 +124,8 @@ TEST_P(MisuseTest, OfNumbersThatAreNone) {
       }
     }
   }
-  // Numbers, but such that nothing can be computed with them: whatever is answered, OpenGL is not troubled, and the next frame is drawn.
+  // Numbers, but such that nothing can be computed with them: whatever is answered, OpenGL is not troubled,
+  // and the next frame is drawn.
   for (const float huge : {1e15f, 1e30f, 3e38f}) {
     pose.reset();
     pose.knots(0)[0].tangent.x = huge;

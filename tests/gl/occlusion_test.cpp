@@ -20,9 +20,11 @@ class Square {
                                "uniform mat4 to_clip; uniform float depth;\n"
                                "void main() { vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 8.0 - 4.0;\n"
                                "  gl_Position = to_clip * vec4(p, depth, 1.0); }\n";
-    const std::string fragment = version + "out vec4 color;\nvoid main() { color = vec4(1.0, 1.0, 1.0, 0.0); }\n";
+    const std::string fragment =
+        version + "out vec4 color;\nvoid main() { color = vec4(1.0, 1.0, 1.0, 0.0); }\n";
     program_ = glCreateProgram();
-    for (const auto& [kind, text] : {std::pair{GL_VERTEX_SHADER, vertex}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
+    for (const auto& [kind, text] :
+         {std::pair{GL_VERTEX_SHADER, vertex}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
       const GLuint shader = glCreateShader(static_cast<GLenum>(kind));
       const char* source = text.c_str();
       glShaderSource(shader, 1, &source, nullptr);
@@ -110,7 +112,8 @@ TEST_P(OcclusionTest, OverlappingInstancesShowTheNearest) {
   const Canvas canvas({160, 120});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   Instance both[2] = {instance_, instance_};
-  both[1].to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.2f, 0.1f, -0.1f)), 1.0f, glm::vec3(0, 1, 0));
+  both[1].to_world =
+      glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.2f, 0.1f, -0.1f)), 1.0f, glm::vec3(0, 1, 0));
   const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
   ASSERT_TRUE(renderer->draw(view, both));
   const std::vector<Pixel> one_way = canvas.pixels();
@@ -123,17 +126,19 @@ TEST_P(OcclusionTest, OverlappingInstancesShowTheNearest) {
 TEST_P(OcclusionTest, DepthFollowsTheHostsDepthRange) {
   const Canvas canvas({80, 60});
   // The depth written, in 24 bits: OpenGL ES reads no depth buffer.
-  const auto renderer = makeRenderer(*loaded_.asset,
-                                     "vec4 kelpSurface(KelpSurface s) {\n"
-                                     "  uint d = uint(gl_FragDepth * 16777215.0 + 0.5);\n"
-                                     "  return vec4(float(d & 255u), float((d >> 8u) & 255u), float(d >> 16u), 255.0) / 255.0;\n"
-                                     "}\n");
+  const auto renderer = makeRenderer(
+      *loaded_.asset,
+      "vec4 kelpSurface(KelpSurface s) {\n"
+      "  uint d = uint(gl_FragDepth * 16777215.0 + 0.5);\n"
+      "  return vec4(float(d & 255u), float((d >> 8u) & 255u), float(d >> 16u), 255.0) / 255.0;\n"
+      "}\n");
   const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0}, 0.5f, 5.0f);
   const auto drawnDepths = [&] {
     canvas.clear();
     EXPECT_TRUE(renderer->draw(view, {&instance_, 1}));
     std::vector<float> depths;
-    for (const Pixel& p : canvas.pixels()) depths.push_back(p[3] ? static_cast<float>(p[0] + 256 * p[1] + 65536 * p[2]) / 16777215.0f : -1.0f);
+    for (const Pixel& p : canvas.pixels())
+      depths.push_back(p[3] ? static_cast<float>(p[0] + 256 * p[1] + 65536 * p[2]) / 16777215.0f : -1.0f);
     return depths;
   };
   const std::vector<float> whole = drawnDepths();

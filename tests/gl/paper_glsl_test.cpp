@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// shaders/reference/paper.glsl is text for both compilers: here as GLSL. What it computes is tested in tests/shaders/paper_test.cpp.
+// shaders/reference/paper.glsl is text for both compilers: here as GLSL. What it computes is tested in
+// tests/shaders/paper_test.cpp.
 #include <fstream>
 #include <sstream>
 
@@ -56,7 +57,9 @@ TEST_P(PaperGlslTest, CompilesAndLinks) {
   std::stringstream paper;
   paper << file.rdbuf();
   for (const char* option : {"", "#define PAPER_ARCSINE\n"}) {
-    const GLuint program = makeProgram(GetParam(), "void main() { gl_Position = vec4(0.0); }\n", std::string(option) + kDefines + shaders::kTrace + paper.str() + kMain);
+    const GLuint program = makeProgram(GetParam(), "void main() { gl_Position = vec4(0.0); }\n",
+                                       std::string(option) + kDefines + shaders::kSpline + shaders::kCurve +
+                                           shaders::kTrace + paper.str() + kMain);
     EXPECT_NE(program, 0u) << option;
     // What it fetches from is still there, so its functions are.
     EXPECT_GE(glGetUniformLocation(program, "distances"), 0) << option;

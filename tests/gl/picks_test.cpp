@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is picked is what is seen: raycast() against the depth buffer, over scenes of posed instances that stand in each other.
+// What is picked is what is seen: raycast() against the depth buffer, over scenes of posed instances that
+// stand in each other.
 #include <cmath>
 #include <set>
 
@@ -15,14 +16,16 @@ class PicksTest : public GlTest {
  protected:
   // Random pixels, the picture's depth against the nearest hit of all instances.
   // Answers how many levels were met.
-  int compare(const gl::View& view, std::span<const Instance> instances, const DepthCanvas& canvas, int pixels, const char* what) {
+  int compare(const gl::View& view, std::span<const Instance> instances, const DepthCanvas& canvas,
+              int pixels, const char* what) {
     const std::vector<float> depths = canvas.depths();
     std::mt19937 random(9);
     int hits = 0, off = 0;
     std::set<int> levels;
     double sum = 0;
     for (int n = 0; n < pixels; ++n) {
-      const glm::ivec2 at(random() % static_cast<unsigned>(canvas.size().x), random() % static_cast<unsigned>(canvas.size().y));
+      const glm::ivec2 at(random() % static_cast<unsigned>(canvas.size().x),
+                          random() % static_cast<unsigned>(canvas.size().y));
       runtime::Ray ray = pixelRay(view, at.x, at.y);
       std::optional<Hit> nearest;
       double voxel = 0;
@@ -42,7 +45,8 @@ class PicksTest : public GlTest {
         continue;
       }
       if (!nearest) continue;
-      const double error = glm::length(unproject(view, at.x, at.y, depth) - glm::dvec3(nearest->position)) / voxel;
+      const double error =
+          glm::length(unproject(view, at.x, at.y, depth) - glm::dvec3(nearest->position)) / voxel;
       off += error > 0.5;
       sum += std::min(error, 1.0);
     }
@@ -61,7 +65,8 @@ TEST_P(PicksTest, AreWhatIsSeen) {
   gl::Config config;
   config.gpu_budget = 64 << 20;
   const auto renderer = createRenderer(config);
-  const RawPack packs[] = {packOf(reed(160, 1)), packOf(ballClump({70, 90, 60}, 40, 2)), packOf(platesAndRods({50, 64, 50})), packOf(reed(240, 4))};
+  const RawPack packs[] = {packOf(reed(160, 1)), packOf(ballClump({70, 90, 60}, 40, 2)),
+                           packOf(platesAndRods({50, 64, 50})), packOf(reed(240, 4))};
   for (const RawPack& pack : packs) {
     sources.push_back(std::make_unique<HostSource>(bytesOf(pack)));
     assets.push_back(openAsset(*sources.back()));
@@ -79,9 +84,10 @@ TEST_P(PicksTest, AreWhatIsSeen) {
     Instance instance{&asset, &poses.back()};
     const float turn = 0.7f * static_cast<float>(i);
     const float size = 0.6f + 0.05f * static_cast<float>(i % 7);
-    instance.to_world = glm::mat4(glm::vec4(size * std::cos(turn), 0, size * std::sin(turn), 0), glm::vec4(0, size, 0, 0),
-                                  glm::vec4(-size * std::sin(turn), 0, size * std::cos(turn), 0),
-                                  glm::vec4(0.22f * static_cast<float>(i % 6) - 0.6f, 0, -0.25f * static_cast<float>(i / 6), 1));
+    instance.to_world = glm::mat4(
+        glm::vec4(size * std::cos(turn), 0, size * std::sin(turn), 0), glm::vec4(0, size, 0, 0),
+        glm::vec4(-size * std::sin(turn), 0, size * std::cos(turn), 0),
+        glm::vec4(0.22f * static_cast<float>(i % 6) - 0.6f, 0, -0.25f * static_cast<float>(i / 6), 1));
     if (i % 5 == 0) instance.to_world[0] = -instance.to_world[0];  // mirrored
     instances.push_back(instance);
   }

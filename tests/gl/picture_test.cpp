@@ -12,16 +12,17 @@ namespace {
 using runtime::Instance;
 
 struct Agreement {
-  int hits = 0;          // of the CPU
-  int one_sided = 0;     // hit on one side, none on the other
-  int other_voxel = 0;   // both hit, more than one voxel apart
+  int hits = 0;         // of the CPU
+  int one_sided = 0;    // hit on one side, none on the other
+  int other_voxel = 0;  // both hit, more than one voxel apart
   double worst_depth = 0;
 };
 
 class PictureTest : public GlTest {
  protected:
   // Draws with kVoxelSurface and compares with the nearest of the instances' hits.
-  Agreement compare(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, std::span<const Instance> instances, int level = 0) {
+  Agreement compare(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view,
+                    std::span<const Instance> instances, int level = 0) {
     canvas.clear();
     const auto drawn = renderer.draw(view, instances);
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
@@ -53,8 +54,10 @@ class PictureTest : public GlTest {
           continue;
         }
         if (!depths.empty() && voxel == hit->voxel) {
-          const glm::dvec4 clip = to_clip * glm::dvec4(glm::dvec3(ray.origin) + double{hit->t} * glm::dvec3(ray.direction), 1);
-          result.worst_depth = std::max(result.worst_depth, std::abs(0.5 + 0.5 * clip.z / clip.w - double{depths[i]}));
+          const glm::dvec4 clip =
+              to_clip * glm::dvec4(glm::dvec3(ray.origin) + double{hit->t} * glm::dvec3(ray.direction), 1);
+          result.worst_depth =
+              std::max(result.worst_depth, std::abs(0.5 + 0.5 * clip.z / clip.w - double{depths[i]}));
         }
       }
     }
@@ -64,7 +67,8 @@ class PictureTest : public GlTest {
   void expectAgreement(const Agreement& result, const char* what) {
     SCOPED_TRACE(what);
     EXPECT_GT(result.hits, 150);
-    // The two compute the pixel's ray in different ways and precision: rays that graze a voxel may differ. (None does on llvmpipe.)
+    // The two compute the pixel's ray in different ways and precision: rays that graze a voxel may differ.
+    // (None does on llvmpipe.)
     EXPECT_LE(result.one_sided, 1 + result.hits / 500);
     EXPECT_LE(result.other_voxel, 1 + result.hits / 200);
     EXPECT_LE(result.worst_depth, 1e-4);
@@ -100,11 +104,17 @@ TEST_P(PictureTest, AgreesWithTheEyeInsideTheVolume) {
   take(kFigure6[1]);
   const Instance instance{loaded_.asset.get(), &pose_};
   const glm::vec3 eye = toWorld(instance, 0, {30, 62, 25});
-  expectAgreement(compare(*renderer, canvas, lookAt(canvas, eye, eye + glm::vec3(1, -0.4f, 0.2f), 0.02f), {&instance, 1}), "inside");
+  expectAgreement(
+      compare(*renderer, canvas, lookAt(canvas, eye, eye + glm::vec3(1, -0.4f, 0.2f), 0.02f), {&instance, 1}),
+      "inside");
   // A near plane that cuts through the solid.
-  expectAgreement(compare(*renderer, canvas, lookAt(canvas, {0.3f, 0.6f, 1.6f}, {0, 0.5f, 0}, 1.4f), {&instance, 1}), "near plane cuts");
+  expectAgreement(
+      compare(*renderer, canvas, lookAt(canvas, {0.3f, 0.6f, 1.6f}, {0, 0.5f, 0}, 1.4f), {&instance, 1}),
+      "near plane cuts");
   // A far plane that ends the picture inside the volume.
-  expectAgreement(compare(*renderer, canvas, lookAt(canvas, {0.3f, 0.6f, 1.6f}, {0, 0.5f, 0}, 0.1f, 1.7f), {&instance, 1}), "far plane cuts");
+  expectAgreement(compare(*renderer, canvas, lookAt(canvas, {0.3f, 0.6f, 1.6f}, {0, 0.5f, 0}, 0.1f, 1.7f),
+                          {&instance, 1}),
+                  "far plane cuts");
 }
 
 TEST_P(PictureTest, AgreesInOrthographicViews) {
@@ -112,11 +122,17 @@ TEST_P(PictureTest, AgreesInOrthographicViews) {
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   take(kFigure6[2]);
   const Instance instance{loaded_.asset.get(), &pose_};
-  expectAgreement(compare(*renderer, canvas, orthographic(canvas, {3, 2, 4}, {0, 0.5f, 0}, 0.7f), {&instance, 1}), "orthographic");
-  // Half a height that puts no row of pixels exactly into a plane between voxels, where either side would be right.
-  expectAgreement(compare(*renderer, canvas, orthographic(canvas, {0, 0.5f, 4}, {0, 0.5f, 0}, 0.7123f), {&instance, 1}), "exactly horizontal");
+  expectAgreement(
+      compare(*renderer, canvas, orthographic(canvas, {3, 2, 4}, {0, 0.5f, 0}, 0.7f), {&instance, 1}),
+      "orthographic");
+  // Half a height that puts no row of pixels exactly into a plane between voxels, where either side would be
+  // right.
+  expectAgreement(
+      compare(*renderer, canvas, orthographic(canvas, {0, 0.5f, 4}, {0, 0.5f, 0}, 0.7123f), {&instance, 1}),
+      "exactly horizontal");
   gl::View above = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.7f);
-  above.world_to_eye = glm::rotate(glm::mat4(1), glm::radians(90.0f), glm::vec3(1, 0, 0)) * glm::translate(glm::mat4(1), glm::vec3(0, -5, 0));
+  above.world_to_eye = glm::rotate(glm::mat4(1), glm::radians(90.0f), glm::vec3(1, 0, 0)) *
+                       glm::translate(glm::mat4(1), glm::vec3(0, -5, 0));
   expectAgreement(compare(*renderer, canvas, above, {&instance, 1}), "along the spline");
 }
 
@@ -124,9 +140,12 @@ TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
   const Canvas canvas({160, 120});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   take(kFigure6[1]);
-  Instance instances[3] = {{loaded_.asset.get(), &pose_}, {loaded_.asset.get(), nullptr}, {loaded_.asset.get(), &pose_}};
-  instances[0].to_world = glm::translate(glm::mat4(1), glm::vec3(-0.8f, 0, 0)) * glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1));
-  instances[1].to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.3f, 0.2f, -0.5f)), 0.7f, glm::vec3(0.3f, 0.2f, 1)) *
+  Instance instances[3] = {
+      {loaded_.asset.get(), &pose_}, {loaded_.asset.get(), nullptr}, {loaded_.asset.get(), &pose_}};
+  instances[0].to_world =
+      glm::translate(glm::mat4(1), glm::vec3(-0.8f, 0, 0)) * glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1));
+  instances[1].to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.3f, 0.2f, -0.5f)), 0.7f,
+                                      glm::vec3(0.3f, 0.2f, 1)) *
                           glm::scale(glm::mat4(1), glm::vec3(0.6f, 1.4f, 0.9f));
   instances[2].to_world = glm::translate(glm::mat4(1), glm::vec3(1.1f, 0.1f, 0));
   const gl::View view = lookAt(canvas, {0.5f, 1.2f, 3.2f}, {0.1f, 0.5f, 0});
@@ -171,13 +190,17 @@ TEST_P(PictureTest, PartsFollowTheirParents) {
 // Normals, positions and materials that the surface function gets, against the CPU's.
 TEST_P(PictureTest, SurfacesAreTheCpus) {
   const Canvas canvas({160, 120});
-  const auto normals = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }\n");
-  const auto rests = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.rest / s.size, 1.0); }\n");
-  const auto colors = makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n");
+  const auto normals = makeRenderer(
+      *loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }\n");
+  const auto rests = makeRenderer(*loaded_.asset,
+                                  "vec4 kelpSurface(KelpSurface s) { return vec4(s.rest / s.size, 1.0); }\n");
+  const auto colors =
+      makeRenderer(*loaded_.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(s.color.rgb, 1.0); }\n");
   take(kFigure6[3]);
   Instance instance{loaded_.asset.get(), &pose_};
   instance.tint = {1, 0.5f, 0.25f, 1};
-  instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) * glm::scale(glm::mat4(1), glm::vec3(-1, 1.5f, 0.7f));
+  instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) *
+                      glm::scale(glm::mat4(1), glm::vec3(-1, 1.5f, 0.7f));
   const gl::View view = lookAt(canvas, {0.8f, 1.5f, 3}, {0, 0.8f, 0});
   const auto drawnBy = [&](gl::Renderer& renderer) {
     canvas.clear();
@@ -188,7 +211,8 @@ TEST_P(PictureTest, SurfacesAreTheCpus) {
   const std::vector<Pixel> rest_pixels = drawnBy(*rests);
   const std::vector<Pixel> color_pixels = drawnBy(*colors);
   const auto expectNear = [](const Pixel& pixel, const glm::vec3& value, const char* what) {
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(static_cast<float>(pixel[static_cast<std::size_t>(i)]), 255 * value[i], 1.6f) << what;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(static_cast<float>(pixel[static_cast<std::size_t>(i)]), 255 * value[i], 1.6f) << what;
   };
   int compared = 0;
   for (int y = 0; y < 120 && !HasFailure(); ++y) {
@@ -212,9 +236,12 @@ TEST_P(PictureTest, ACutSolidShowsTheMaterialBeside) {
   RawPack pack = packOf(block);
   pack.parts[0].levels = levelsOf(block, 1);
   const LoadedAsset loaded(pack);
-  const auto renderer = makeRenderer(*loaded.asset, "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.material), dot(s.normal, s.view), 0.0, 1.0); }\n");
+  const auto renderer = makeRenderer(*loaded.asset,
+                                     "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.material), "
+                                     "dot(s.normal, s.view), 0.0, 1.0); }\n");
   const Instance instance{loaded.asset.get(), nullptr};
-  const gl::View view = orthographic(canvas, {0, 0.5f, 2}, {0, 0.5f, 0}, 0.6f, 2.0f, 5.0f);  // cuts the block in the middle
+  // cuts the block in the middle
+  const gl::View view = orthographic(canvas, {0, 0.5f, 2}, {0, 0.5f, 0}, 0.6f, 2.0f, 5.0f);
   ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
   const std::vector<Pixel> pixels = canvas.pixels();
   int beside = 0, within = 0;
@@ -243,12 +270,14 @@ TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
   const Canvas canvas({80, 80});
   fields::Occupancy ball{{40, 40, 40}, std::vector<std::uint8_t>(64000)};
   for (int i = 0; i < 64000; ++i) {
-    ball.solid[static_cast<std::size_t>(i)] = glm::distance(glm::vec3(i % 40, i / 40 % 40, i / 1600) + 0.5f, glm::vec3(20)) < 19;
+    ball.solid[static_cast<std::size_t>(i)] =
+        glm::distance(glm::vec3(i % 40, i / 40 % 40, i / 1600) + 0.5f, glm::vec3(20)) < 19;
   }
   const LoadedAsset loaded(packOf(ball));
   const auto renderer = makeRenderer(*loaded.asset);
   const Instance instance{loaded.asset.get(), nullptr};
-  for (const glm::vec3 sun : {glm::vec3(1, 0, 0.3f), glm::vec3(-1, 0, 0.3f), glm::vec3(0, 1, 0.3f), glm::vec3(0, -1, 0.3f)}) {
+  for (const glm::vec3 sun :
+       {glm::vec3(1, 0, 0.3f), glm::vec3(-1, 0, 0.3f), glm::vec3(0, 1, 0.3f), glm::vec3(0, -1, 0.3f)}) {
     gl::View view = lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0});
     view.sun_direction = 7.0f * sun;
     view.ground_color = view.sky_color = glm::vec3(0.1f);
@@ -272,11 +301,16 @@ TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
 
 TEST_P(PictureTest, SeveralSegmentsAndAMovedEnd) {
   const Canvas canvas({160, 120});
-  std::vector<Knot> knots = {{0, {0, 0, 0}, {60, 50, 0}}, {0.3f, {14, 30, 4}, {-30, 90, 40}}, {0.6f, {-6, 50, 10}, {0, 60, -80}}, {1, {0, 95, 0}, {40, 70, 30}}};
+  std::vector<Knot> knots = {{0, {0, 0, 0}, {60, 50, 0}},
+                             {0.3f, {14, 30, 4}, {-30, 90, 40}},
+                             {0.6f, {-6, 50, 10}, {0, 60, -80}},
+                             {1, {0, 95, 0}, {40, 70, 30}}};
   const LoadedAsset loaded(packOf(volume_, knots));
   const auto renderer = makeRenderer(*loaded.asset, kVoxelSurface);
   const Instance instance{loaded.asset.get(), nullptr};
-  expectAgreement(compare(*renderer, canvas, lookAt(canvas, {1.2f, 1.0f, 1.6f}, {0, 0.55f, 0}), {&instance, 1}), "three segments");
+  expectAgreement(
+      compare(*renderer, canvas, lookAt(canvas, {1.2f, 1.0f, 1.6f}, {0, 0.55f, 0}), {&instance, 1}),
+      "three segments");
 }
 
 KELP_GL_TESTS(PictureTest);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pool's rows against a plain list of them: places are free, victims are the cheapest that make a place, words go where they should.
+// The pool's rows against a plain list of them: places are free, victims are the cheapest that make a place,
+// words go where they should.
 #include "pool.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,8 @@ struct Model {
   std::vector<const void*> rows;
 
   bool isFree(std::uint32_t row, std::uint32_t count) const {
-    return row + count <= rows.size() && std::all_of(&rows[row], &rows[row] + count, [](const void* owner) { return !owner; });
+    return row + count <= rows.size() &&
+           std::all_of(&rows[row], &rows[row] + count, [](const void* owner) { return !owner; });
   }
 };
 
@@ -75,7 +77,8 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
       }
     }
     const std::uint32_t rows = random() % 8 == 0 ? 1 + random() % 60 : 1 + random() % 17;
-    const float priority = random() % 10 == 0 ? 1e30f : static_cast<float>(static_cast<int>(random() % 40) - 8);
+    const float priority =
+        random() % 10 == 0 ? 1e30f : static_cast<float>(static_cast<int>(random() % 40) - 8);
     std::uint32_t row = pool_.findFree(rows);
     std::uint32_t first = 0;
     while (first < kRows && !model_.isFree(first, rows)) ++first;
@@ -87,7 +90,7 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
         float price = -1e38f;
         for (std::uint32_t i = r; i < r + rows; ++i) {
           const auto* owner = static_cast<const ResidentLevel*>(model_.rows[i]);
-          if (owner) price = std::max(price, owner->worth);
+          if (owner) price = std::max(price, owner->worth.value());
         }
         best = std::min(best, price);
       }
@@ -101,7 +104,7 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
       ++evictions;
       float dearest = -1e38f;
       for (const Pool::Block& victim : victims) {
-        dearest = std::max(dearest, victim.level->worth);
+        dearest = std::max(dearest, victim.level->worth.value());
         pool_.giveBack(victim.row);
         std::fill_n(model_.rows.begin() + victim.row, victim.rows, nullptr);
         ASSERT_EQ(held.erase(victim.row), 1u);
@@ -113,12 +116,13 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
     ++places;
     ASSERT_TRUE(model_.isFree(row, rows));
     Held mine{std::make_unique<ResidentLevel>(), rows};
-    mine.level->worth = priority;
+    mine.level->worth.update(priority, false, false);
     ASSERT_TRUE(pool_.take({row, rows, nullptr, 0}));
     pool_.assign(row, mine.level.get(), 0);
     std::fill_n(model_.rows.begin() + row, rows, mine.level.get());
     held.emplace(row, std::move(mine));
-    const auto used = static_cast<std::uint64_t>(std::count_if(model_.rows.begin(), model_.rows.end(), [](const void* owner) { return owner; }));
+    const auto used = static_cast<std::uint64_t>(
+        std::count_if(model_.rows.begin(), model_.rows.end(), [](const void* owner) { return owner; }));
     ASSERT_EQ(pool_.usedBytes(), used * Pool::kRowBytes);
   }
   EXPECT_GT(places, 1000);
@@ -126,7 +130,8 @@ TEST_F(PoolTest, PlacesAndVictimsAgreeWithBruteForce) {
   EXPECT_GT(refusals, 100);
 }
 
-// 262,144 blocks, which take some milliseconds; half a minute if each were found by a walk over those before it.
+// 262,144 blocks, which take some milliseconds; half a minute if each were found by a walk over those before
+// it.
 TEST_F(PoolTest, PlacesAreFoundWithoutAWalkOverAll) {
   const auto begin = std::chrono::steady_clock::now();
   Pool pool{Allocator{}};
@@ -151,7 +156,7 @@ TEST_F(PoolTest, PlacesAreFoundWithoutAWalkOverAll) {
 TEST_F(PoolTest, AGridIsDearerThanItsPagesAndCheaperThanTheNextLevel) {
   ResidentLevel level;
   for (const float priority : {8.0f, 0.001f, 1e20f, -1.0f, -300.0f}) {
-    level.worth = priority;
+    level.worth.update(priority, false, false);
     const float page = gl::worthOf({1, 1, &level, 0}), grid = gl::worthOf({1, 1, &level, Pool::Block::kGrid});
     EXPECT_GT(grid, page);
     if (priority > 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy covers each ray that meets a part's bounds, once, wherever the eye is: the outline's triangles, and what comes of them on the GPU.
+// The proxy covers each ray that meets a part's bounds, once, wherever the eye is: the outline's triangles,
+// and what comes of them on the GPU.
 #include <cmath>
 #include <random>
 
@@ -24,9 +25,11 @@ std::pair<double, double> insideOf(const dvec3& low, const dvec3& high, const dv
   return {enter, leave};
 }
 
-// Whether the ray's half-line goes through the triangle: on one side of the three planes through the eye and an edge. Orthographic: along d, from anywhere.
+// Whether the ray's half-line goes through the triangle: on one side of the three planes through the eye and
+// an edge. Orthographic: along d, from anywhere.
 bool meets(const dvec3 (&corners)[3], const dvec3& d) {
-  const double a = glm::determinant(glm::dmat3(corners[0], corners[1], d)), b = glm::determinant(glm::dmat3(corners[1], corners[2], d)),
+  const double a = glm::determinant(glm::dmat3(corners[0], corners[1], d)),
+               b = glm::determinant(glm::dmat3(corners[1], corners[2], d)),
                c = glm::determinant(glm::dmat3(corners[2], corners[0], d));
   if (!((a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0))) return false;
   const dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
@@ -53,7 +56,8 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
   std::uniform_real_distribution<float> unit(-1, 1);
   int near = 0, met = 0;
   for (int n = 0; n < 20000; ++n) {
-    const glm::vec3 half(std::pow(10.0f, unit(random)), std::pow(10.0f, unit(random)), std::pow(10.0f, unit(random)));
+    const glm::vec3 half(std::pow(10.0f, unit(random)), std::pow(10.0f, unit(random)),
+                         std::pow(10.0f, unit(random)));
     const glm::vec3 middle(5 * unit(random), 5 * unit(random), 5 * unit(random));
     const Box bounds{middle - half, middle + half};
     const bool orthographic = n % 4 == 0;
@@ -71,7 +75,8 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
       continue;
     }
     for (int k = 0; k < 20; ++k) {
-      const dvec3 through = dvec3(middle) + 1.3 * dvec3(unit(random), unit(random), unit(random)) * dvec3(half);
+      const dvec3 through =
+          dvec3(middle) + 1.3 * dvec3(unit(random), unit(random), unit(random)) * dvec3(half);
       const dvec3 o = orthographic ? through - 1000.0 * dvec3(eye) : dvec3(eye);
       const dvec3 d = glm::normalize(through - o);
       const auto [enter, leave] = insideOf(low, high, o, d);
@@ -80,7 +85,8 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
       for (int t = 0; t < 4; ++t) {
         dvec3 corners[3];
         for (int i = 0; i < 3; ++i) {
-          for (int axis = 0; axis < 3; ++axis) corners[i][axis] = (outline >> (3 * (t + i) + axis) & 1 ? high : low)[axis] - o[axis];
+          for (int axis = 0; axis < 3; ++axis)
+            corners[i][axis] = (outline >> (3 * (t + i) + axis) & 1 ? high : low)[axis] - o[axis];
         }
         if (meets(corners, d)) ++count;
       }
@@ -94,7 +100,8 @@ TEST(Outline, EveryRayThatMeetsTheBoundsMeetsOneTriangle) {
 
 class ProxyTest : public GlTest {};
 
-// A solid block, so that the picture is the proxy's: drawn are the pixels whose rays meet it, judged in double precision.
+// A solid block, so that the picture is the proxy's: drawn are the pixels whose rays meet it, judged in
+// double precision.
 TEST_P(ProxyTest, ABlockIsDrawnWhereRaysMeetIt) {
   const Canvas canvas({48, 40});
   fields::Occupancy block;
@@ -107,7 +114,8 @@ TEST_P(ProxyTest, ABlockIsDrawnWhereRaysMeetIt) {
   int drawn = 0, empty = 0, within = 0;
   for (int n = 0; n < 400; ++n) {
     // Mirrored, turned and stretched; to_object places the block's voxels in a box of some tenths to one.
-    glm::mat4 to_world = glm::rotate(glm::mat4(1), 3 * unit(random), glm::vec3(unit(random), unit(random), 1));
+    glm::mat4 to_world =
+        glm::rotate(glm::mat4(1), 3 * unit(random), glm::vec3(unit(random), unit(random), 1));
     to_world = glm::scale(to_world, glm::vec3(n % 2 ? -1 : 1, 1, 1 + 0.5f * unit(random)));
     const runtime::Instance instance{loaded.asset.get(), nullptr, to_world};
     const Part& part = loaded.asset->pack().parts()[0];
@@ -115,7 +123,8 @@ TEST_P(ProxyTest, ABlockIsDrawnWhereRaysMeetIt) {
     const float reach = n % 3 == 0 ? 0.2f : n % 3 == 1 ? 0.9f : 4.0f;
     const glm::vec3 target = glm::vec3(0.2f * unit(random), 0.5f + 0.4f * unit(random), 0.2f * unit(random));
     const glm::vec3 eye = target + reach * glm::vec3(unit(random), unit(random), unit(random));
-    const gl::View view = n % 5 == 0 ? orthographic(canvas, eye, target, 0.7f, -10, 10) : lookAt(canvas, eye, target, 1e-5f);
+    const gl::View view =
+        n % 5 == 0 ? orthographic(canvas, eye, target, 0.7f, -10, 10) : lookAt(canvas, eye, target, 1e-5f);
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Smoke of a real file, from the file to the picture: what it hides is the integral through it, at rest and bent.
+// Smoke of a real file, from the file to the picture: what it hides is the integral through it, at rest and
+// bent.
 #include <cmath>
 
 #include "canvas.h"
@@ -63,7 +64,8 @@ TEST_F(RealFog, MeanOpticalDepthIsThatOfTheFile) {
   const Instance instance{loaded.asset.get(), nullptr};
   const Box box = runtime::bounds(instance);
   const glm::vec3 middle = 0.5f * (box.min + box.max), extent = box.max - box.min;
-  gl::View view = orthographic(kViewport, middle + glm::vec3(0, 0, extent.z), middle, 0.5f * extent.y * 1.02f, 0.01f, 2 * extent.z);
+  gl::View view = orthographic(kViewport, middle + glm::vec3(0, 0, extent.z), middle, 0.5f * extent.y * 1.02f,
+                               0.01f, 2 * extent.z);
   view.pixels_per_voxel = 0;
   // As many rays as make a grid finer than the voxels.
   const auto renderer = rendererOf(*loaded.asset);
@@ -99,7 +101,8 @@ TEST_F(RealFog, ThePictureIsTheIntegralAtRestAndBent) {
     const Box box = runtime::bounds(instance);
     const glm::vec3 middle = 0.5f * (box.min + box.max);
     const float reach = glm::length(box.max - box.min);
-    gl::View view = lookAt(kViewport, middle + reach * glm::vec3(0.3f, 0.1f, 0.9f), middle, 0.01f * reach, 4 * reach);
+    gl::View view =
+        lookAt(kViewport, middle + reach * glm::vec3(0.3f, 0.1f, 0.9f), middle, 0.01f * reach, 4 * reach);
     view.pixels_per_voxel = 0;
     const std::vector<glm::vec4> drawn = draw(*renderer, view, instance);
     const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
@@ -109,15 +112,18 @@ TEST_F(RealFog, ThePictureIsTheIntegralAtRestAndBent) {
         const runtime::Ray ray = pixelRay(view, x, y);
         const glm::dvec3 o(to_part * glm::dvec4(ray.origin, 1)), d(to_part * glm::dvec4(ray.direction, 0));
         const double length = glm::length(d);
-        const double coarse = 1 - truth.look(knots, o, d / length, 0.15 * length, 0.6 * length, 1.0 / 4).through;
-        const double fine = 1 - truth.look(knots, o, d / length, 0.15 * length, 0.6 * length, 1.0 / 8).through;
+        const double coarse =
+            1 - truth.look(knots, o, d / length, 0.15 * length, 0.6 * length, 1.0 / 4).through;
+        const double fine =
+            1 - truth.look(knots, o, d / length, 0.15 * length, 0.6 * length, 1.0 / 8).through;
         const double alpha = drawn[static_cast<std::size_t>(x + kViewport.x * y)].a;
         converged = std::max(converged, std::abs(fine - coarse));
         worst = std::max(worst, std::abs(alpha - fine));
         hidden += fine;
       }
     }
-    std::printf("%s: off by %.3f of 255 at most; the truth by %.3f from one with half the step\n", figure.name, 255 * worst, 255 * converged);
+    std::printf("%s: off by %.3f of 255 at most; the truth by %.3f from one with half the step\n",
+                figure.name, 255 * worst, 255 * converged);
     EXPECT_GT(hidden, 3);
     EXPECT_LT(255 * worst, 1.0);
   }

@@ -19,12 +19,16 @@ constexpr char kVisible[] = "vec4 kelpSurface(KelpSurface s) { return vec4(kelpV
 // A volume that is solid where `inside`, at the voxels' centres; normals of the surface are `up`.
 template <class Inside>
 LoadedAsset solid(const glm::ivec3& size, Inside&& inside, const glm::vec3& up) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = inside(glm::vec3(x, y, z) + 0.5f);
+      for (int x = 0; x < size.x; ++x)
+        volume.solid[volume.index({x, y, z})] = inside(glm::vec3(x, y, z) + 0.5f);
   RawPack pack = packOf(volume);
-  std::vector<fields::SurfaceVoxel> surface = fields::surfaceVoxels(volume, 1).empty() ? std::vector<fields::SurfaceVoxel>() : plainSurface(volume);
+  std::vector<fields::SurfaceVoxel> surface =
+      fields::surfaceVoxels(volume, 1).empty() ? std::vector<fields::SurfaceVoxel>() : plainSurface(volume);
   for (fields::SurfaceVoxel& voxel : surface) voxel.attribute = makeAttribute(0, encodeNormal(up));
   pack.parts[0].levels[0] = fields::buildLevel(volume, surface, 1);
   return LoadedAsset(pack);
@@ -43,7 +47,8 @@ glm::vec3 startOf(const Instance& instance, const runtime::Hit& hit, float voxel
 
 class SelfShadowTest : public GlTest {
  protected:
-  std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, const Instance& instance) {
+  std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view,
+                          const Instance& instance) {
     canvas.clear();
     const auto drawn = renderer.draw(view, {&instance, 1});
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
@@ -51,11 +56,14 @@ class SelfShadowTest : public GlTest {
   }
 };
 
-// A long wall of height h on a floor hides (1 - x / sqrt(x^2 + h^2)) / 2 of the cosine-weighted sky from a point at the distance x (the form
-// factor of an infinite perpendicular strip). Seen from above, so that columns of pixels have one x.
+// A long wall of height h on a floor hides (1 - x / sqrt(x^2 + h^2)) / 2 of the cosine-weighted sky from a
+// point at the distance x (the form factor of an infinite perpendicular strip). Seen from above, so that
+// columns of pixels have one x.
 TEST_P(SelfShadowTest, AWallHidesItsFormFactorOfTheSky) {
   const int kWall = 32, kHeight = 24;
-  const LoadedAsset loaded = solid({96, 32, 256}, [=](const glm::vec3& p) { return p.y < 4 || (p.x < kWall && p.y < 4 + kHeight); }, {0, 1, 0});
+  const LoadedAsset loaded =
+      solid({96, 32, 256}, [=](const glm::vec3& p) { return p.y < 4 || (p.x < kWall && p.y < 4 + kHeight); },
+            {0, 1, 0});
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
   const Canvas canvas({96, 64});  // a pixel a voxel, the middle of the length
   gl::View view = orthographic(canvas, {0, 5, 0.001f}, {0, 0, 0}, 1.0f, 0.1f, 10);
@@ -83,7 +91,8 @@ TEST_P(SelfShadowTest, AWallHidesItsFormFactorOfTheSky) {
   }
 }
 
-// The mean over the pixels of a bent clump is that of many random rays on the CPU, hits weighted as documented. Any number of rays has that mean.
+// The mean over the pixels of a bent clump is that of many random rays on the CPU, hits weighted as
+// documented. Any number of rays has that mean.
 TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 40, 2)));
   runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
@@ -95,7 +104,8 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   const Canvas canvas({80, 60});
   const Box box = bounds(instance);
   const glm::vec3 centre = 0.5f * (box.min + box.max);
-  gl::View view = lookAt(canvas, centre + glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+  gl::View view =
+      lookAt(canvas, centre + glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
   view.occlusion_reach = 0.4f;
   const float voxel = 1.5f / 80, reach = 0.4f * 80 * voxel;
   std::mt19937 random(3);
@@ -106,10 +116,12 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
     const auto hit = raycast(instance, pixelRay(view, i % 80, i / 80));
     if (!hit) continue;
     const glm::vec3 start = startOf(instance, *hit, voxel);
-    const glm::vec3 across = glm::normalize(glm::cross(hit->normal, glm::vec3(0.31f, 0.52f, 0.79f))), beside = glm::cross(hit->normal, across);
+    const glm::vec3 across = glm::normalize(glm::cross(hit->normal, glm::vec3(0.31f, 0.52f, 0.79f))),
+                    beside = glm::cross(hit->normal, across);
     for (int n = 0; n < 32; ++n) {
       const float r = std::sqrt(unit(random)), angle = 6.2831853f * unit(random);
-      const glm::vec3 direction = r * (std::cos(angle) * across + std::sin(angle) * beside) + std::sqrt(1 - r * r) * hit->normal;
+      const glm::vec3 direction =
+          r * (std::cos(angle) * across + std::sin(angle) * beside) + std::sqrt(1 - r * r) * hit->normal;
       const auto stop = raycast(instance, {start, direction, reach});
       expected += stop ? std::pow(stop->t / reach, 2.0f) : 1.0f;
       ++count;
@@ -140,15 +152,18 @@ TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
   const std::vector<Knot> knots = figureKnots(kFigure6[1], {60, 80, 50});
   std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
   Instance instance{loaded.asset.get(), &pose};
-  instance.to_world = glm::scale(glm::translate(glm::mat4(1), glm::vec3(3, 0, 0)), glm::vec3(-0.5f, 0.5f, 0.5f));
+  instance.to_world =
+      glm::scale(glm::translate(glm::mat4(1), glm::vec3(3, 0, 0)), glm::vec3(-0.5f, 0.5f, 0.5f));
   const float voxel = 0.5f / 80;
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
   const Canvas canvas({160, 120});
   const Box box = bounds(instance);
   const glm::vec3 centre = 0.5f * (box.min + box.max);
-  gl::View view = lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+  gl::View view =
+      lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
   view.self_shadow = true;
-  for (const glm::vec3& sun : {glm::normalize(glm::vec3(0.5f, 0.8f, 0.4f)), glm::normalize(glm::vec3(-0.7f, 0.2f, 0.1f))}) {
+  for (const glm::vec3& sun :
+       {glm::normalize(glm::vec3(0.5f, 0.8f, 0.4f)), glm::normalize(glm::vec3(-0.7f, 0.2f, 0.1f))}) {
     view.sun_direction = 3.0f * sun;
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, instance);
     int lit = 0, dark = 0, wrong = 0;

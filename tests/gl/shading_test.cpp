@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The three ways of shading, where voxels are larger than pixels, against what geometry says: a sphere's radius, the face of a cube that
-// a ray meets, the area under a curve.
+// The three ways of shading, where voxels are larger than pixels, against what geometry says: a sphere's
+// radius, the face of a cube that a ray meets, the area under a curve.
 #include <algorithm>
 #include <cmath>
 
@@ -30,10 +30,13 @@ double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
 // A solid where `inside` holds at the voxels' centres.
 template <class Inside>
 fields::Occupancy solidWhere(const glm::ivec3& size, Inside&& inside) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = inside(glm::vec3(x, y, z) + 0.5f);
+      for (int x = 0; x < size.x; ++x)
+        volume.solid[volume.index({x, y, z})] = inside(glm::vec3(x, y, z) + 0.5f);
   return volume;
 }
 
@@ -51,18 +54,23 @@ RawPack packWith(const fields::Occupancy& volume, Look&& look) {
   return pack;
 }
 
-// A ball of 18 voxels across, its normals those of the sphere; half of it in the other colour. Bricks meet in its middle.
+// A ball of 18 voxels across, its normals those of the sphere; half of it in the other colour. Bricks meet in
+// its middle.
 constexpr float kRadius = 9;
 const glm::vec3 kCentre(12);
 RawPack ballPack() {
-  const fields::Occupancy ball = solidWhere({24, 24, 24}, [](const glm::vec3& p) { return glm::distance(p, kCentre) < kRadius; });
+  const fields::Occupancy ball =
+      solidWhere({24, 24, 24}, [](const glm::vec3& p) { return glm::distance(p, kCentre) < kRadius; });
   return packWith(ball, [](const glm::vec3& p) { return std::pair(p.x < 12, p - kCentre); });
 }
 
-// From voxel to voxel in double precision (Amanatides and Woo): the face through which the ray first enters a solid one; zero: none.
+// From voxel to voxel in double precision (Amanatides and Woo): the face through which the ray first enters a
+// solid one; zero: none.
 glm::ivec3 faceMet(const fields::Occupancy& volume, const runtime::Ray& ray, const glm::dmat4& to_part) {
   const glm::dvec3 o(to_part * glm::dvec4(ray.origin, 1)), r(to_part * glm::dvec4(ray.direction, 0));
-  const auto beyond = [&](const glm::ivec3& v, int a) { return r[a] > 0 ? v[a] >= volume.size[a] : v[a] < 0; };
+  const auto beyond = [&](const glm::ivec3& v, int a) {
+    return r[a] > 0 ? v[a] >= volume.size[a] : v[a] < 0;
+  };
   glm::ivec3 voxel(glm::floor(o));
   for (int steps = 0; steps < 1000; ++steps) {
     int axis = 0;
@@ -85,7 +93,8 @@ glm::ivec3 faceMet(const fields::Occupancy& volume, const runtime::Ray& ray, con
 
 class ShadingTest : public GlTest {
  protected:
-  std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, gl::View view, gl::Shading shading, const Instance& instance) {
+  std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, gl::View view, gl::Shading shading,
+                          const Instance& instance) {
     canvas.clear();
     view.shading = shading;
     const auto drawn = renderer.draw(view, {&instance, 1});
@@ -122,11 +131,12 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
     if (i % 320 == 0 || !hits[i - 1] || glm::distance(hits[i]->rest, hits[i - 1]->rest) > 0.25f) continue;
     const double turn = degreesBetween(truth, hits[i - 1]->rest - kCentre);
     smooth_jump = std::max(smooth_jump, degreesBetween(normalOf(smooth[i]), normalOf(smooth[i - 1])) - turn);
-    gradient_jump = std::max(gradient_jump, degreesBetween(normalOf(gradient[i]), normalOf(gradient[i - 1])) - turn);
+    gradient_jump =
+        std::max(gradient_jump, degreesBetween(normalOf(gradient[i]), normalOf(gradient[i - 1])) - turn);
   }
   ASSERT_GT(count, 70000);
-  std::printf("gradient: mean %.2f, jump %.2f; smooth: mean %.2f, worst %.2f, jump %.2f degrees\n", gradient_sum / count,
-              gradient_jump, smooth_sum / count, smooth_worst, smooth_jump);
+  std::printf("gradient: mean %.2f, jump %.2f; smooth: mean %.2f, worst %.2f, jump %.2f degrees\n",
+              gradient_sum / count, gradient_jump, smooth_sum / count, smooth_worst, smooth_jump);
   EXPECT_LT(smooth_sum / count, 0.5 * gradient_sum / count);
   EXPECT_LT(smooth_worst, 6);
   EXPECT_GT(gradient_jump, 5);
@@ -135,7 +145,8 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
 
 // The same field in a coarser level, whose voxels are twice as large.
 TEST_P(ShadingTest, SmoothKnowsTheLevel) {
-  const fields::Occupancy ball = solidWhere({48, 48, 48}, [](const glm::vec3& p) { return glm::distance(p, 2.0f * kCentre) < 2 * kRadius; });
+  const fields::Occupancy ball = solidWhere(
+      {48, 48, 48}, [](const glm::vec3& p) { return glm::distance(p, 2.0f * kCentre) < 2 * kRadius; });
   const LoadedAsset loaded(packOf(ball));  // normals away from the centre, at every level
   const Canvas canvas({160, 160});
   const auto renderer = makeRenderer(*loaded.asset, kNormals);
@@ -155,15 +166,17 @@ TEST_P(ShadingTest, SmoothKnowsTheLevel) {
   EXPECT_LT(sum / count, 1.5);
 }
 
-// Across a straight border between two colours on a flat face the blend is the area under the B-spline on either side: by hand, the
-// integral of a quadratic B-spline at the voxels' centres.
+// Across a straight border between two colours on a flat face the blend is the area under the B-spline on
+// either side: by hand, the integral of a quadratic B-spline at the voxels' centres.
 TEST_P(ShadingTest, SmoothBlendsColoursAcrossTheirBorder) {
   const fields::Occupancy block = solidWhere({16, 16, 16}, [](const glm::vec3&) { return true; });
-  const LoadedAsset loaded(packWith(block, [](const glm::vec3& p) { return std::pair(p.x > 8, glm::vec3(0, 0, 1)); }));
+  const LoadedAsset loaded(
+      packWith(block, [](const glm::vec3& p) { return std::pair(p.x > 8, glm::vec3(0, 0, 1)); }));
   const Canvas canvas({160, 20});
   const auto renderer = makeRenderer(*loaded.asset, kColors);
   const Instance instance{loaded.asset.get(), nullptr};
-  const gl::View view = orthographic(canvas, {0, 0.5f, 3}, {0, 0.5f, 0}, 0.5f / 16);  // 20 pixels a voxel, 8 voxels in all
+  // 20 pixels a voxel, 8 voxels in all
+  const gl::View view = orthographic(canvas, {0, 0.5f, 3}, {0, 0.5f, 0}, 0.5f / 16);
   const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kSmooth, instance);
   for (int x = 0; x < 160; ++x) {
     const double q = (x + 0.5) / 20 - 4;  // voxels from the border
@@ -173,16 +186,22 @@ TEST_P(ShadingTest, SmoothBlendsColoursAcrossTheirBorder) {
       right += d < 0.5 ? 0.75 - d * d : d < 1.5 ? 0.5 * (1.5 - d) * (1.5 - d) : 0;
     }
     const glm::dvec3 color = glm::mix(glm::dvec3(0.8, 0.4, 0.1), glm::dvec3(0.1, 0.6, 0.2), right);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(pixels[static_cast<std::size_t>(160 * 10 + x)][static_cast<std::size_t>(i)], 255 * color[i], 1.0) << x;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(pixels[static_cast<std::size_t>(160 * 10 + x)][static_cast<std::size_t>(i)], 255 * color[i],
+                  1.0)
+          << x;
   }
 }
 
-// A leaf two voxels thick that leans: the voxels of its far side, whose normals are the opposite, do not turn the near side's.
+// A leaf two voxels thick that leans: the voxels of its far side, whose normals are the opposite, do not turn
+// the near side's.
 TEST_P(ShadingTest, SmoothKeepsTheSidesOfALeafApart) {
   const glm::vec3 up = glm::normalize(glm::vec3(1, 0.35f, 1.6f));
   const auto height = [&](const glm::vec3& p) { return glm::dot(p - glm::vec3(16), up); };
-  const fields::Occupancy leaf = solidWhere({32, 32, 32}, [&](const glm::vec3& p) { return std::abs(height(p)) < 1; });
-  const LoadedAsset loaded(packWith(leaf, [&](const glm::vec3& p) { return std::pair(height(p) > 0, height(p) > 0 ? up : -up); }));
+  const fields::Occupancy leaf =
+      solidWhere({32, 32, 32}, [&](const glm::vec3& p) { return std::abs(height(p)) < 1; });
+  const LoadedAsset loaded(
+      packWith(leaf, [&](const glm::vec3& p) { return std::pair(height(p) > 0, height(p) > 0 ? up : -up); }));
   const Canvas canvas({160, 160});
   const auto normals = makeRenderer(*loaded.asset, kNormals);
   const auto colors = makeRenderer(*loaded.asset, kColors);
@@ -194,7 +213,8 @@ TEST_P(ShadingTest, SmoothKeepsTheSidesOfALeafApart) {
   for (std::size_t i = 0; i < smooth.size(); ++i) {
     if (smooth[i][3] == 0) continue;
     ++count;
-    far_off += degreesBetween(normalOf(smooth[i]), up) > 5 || std::abs(blended[i][0] - 26) > 13;  // the near side's red is 0.1
+    // the near side's red is 0.1
+    far_off += degreesBetween(normalOf(smooth[i]), up) > 5 || std::abs(blended[i][0] - 26) > 13;
   }
   ASSERT_GT(count, 25000);
   EXPECT_LT(far_off, count / 100);
@@ -209,9 +229,11 @@ TEST_P(ShadingTest, FacesAreTheCubesOwn) {
   Instance instance{loaded.asset.get(), nullptr};
   instance.to_world = glm::rotate(glm::mat4(1), 0.7f, glm::vec3(0.3f, 1, 0.2f));
   const Part& part = loaded.asset->pack().parts()[0];
-  const glm::dmat4 to_part = glm::inverse(glm::dmat4(instance.to_world) * glm::dmat4(glm::dmat4x3(part.to_object)));
-  for (const gl::View& view : {lookAt(canvas, {0.7f, 0.9f, 0.9f}, {0, 0.5f, 0}), lookAt(canvas, {0.2f, -0.3f, 1.1f}, {0, 0.5f, 0}),
-                               orthographic(canvas, {-2, 0.5f, 0.7f}, {0, 0.5f, 0}, 0.3123f)}) {
+  const glm::dmat4 to_part =
+      glm::inverse(glm::dmat4(instance.to_world) * glm::dmat4(glm::dmat4x3(part.to_object)));
+  for (const gl::View& view :
+       {lookAt(canvas, {0.7f, 0.9f, 0.9f}, {0, 0.5f, 0}), lookAt(canvas, {0.2f, -0.3f, 1.1f}, {0, 0.5f, 0}),
+        orthographic(canvas, {-2, 0.5f, 0.7f}, {0, 0.5f, 0}, 0.3123f)}) {
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kFaces, instance);
     int count = 0, other = 0;
     for (int i = 0; i < 160 * 120; ++i) {
@@ -226,7 +248,8 @@ TEST_P(ShadingTest, FacesAreTheCubesOwn) {
       other += axis != faceMet(clump, ray, to_part);
     }
     ASSERT_GT(count, 2500);
-    EXPECT_LE(other, count / 200);  // within 1/256 voxel of an edge a ray may slip past it and meet the next face
+    // within 1/256 voxel of an edge a ray may slip past it and meet the next face
+    EXPECT_LE(other, count / 200);
   }
 }
 
@@ -237,7 +260,8 @@ TEST_P(ShadingTest, FacesThatAreCoveredAreNotSeen) {
   const Canvas canvas({160, 60});
   const auto renderer = makeRenderer(*loaded.asset, kNormals);
   const gl::View view = lookAt(canvas, {0.9f, 0.6f, 2.5f}, {0, 0.5f, 0});  // 2 degrees from above
-  const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kFaces, {loaded.asset.get(), nullptr});
+  const std::vector<Pixel> pixels =
+      draw(*renderer, canvas, view, gl::Shading::kFaces, {loaded.asset.get(), nullptr});
   int top = 0;
   for (int i = 0; i < 160 * 60; ++i) {
     const auto hit = raycast({loaded.asset.get(), nullptr}, pixelRay(view, i % 160, i / 160));
@@ -262,22 +286,27 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
     const Instance instance{loaded.asset.get(), &pose};
     const Box box = bounds(instance);
     const glm::vec3 centre = 0.5f * (box.min + box.max);
-    const gl::View view = lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.4f, 0.3f, 0.9f), centre);
+    const gl::View view =
+        lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.4f, 0.3f, 0.9f), centre);
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kFaces, instance);
     int count = 0, other = 0;
     for (int i = 0; i < 160 * 120; ++i) {
       const auto hit = raycast(instance, pixelRay(view, i % 160, i / 160));
       if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
-      // The face of the cube that the hit lies in; edges, and the ends of the spline with their infinite slopes, are left out.
+      // The face of the cube that the hit lies in; edges, and the ends of the spline with their infinite
+      // slopes, are left out.
       const glm::vec3 from_centre = hit->rest - glm::vec3(hit->voxel) - 0.5f;
       int axis = 0;
       for (int a = 1; a < 3; ++a) axis = std::abs(from_centre[a]) > std::abs(from_centre[axis]) ? a : axis;
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      if (std::max(std::abs(from_centre[u]), std::abs(from_centre[v])) > 0.45f || hit->rest.y < 0.5f || hit->rest.y > 31.5f) continue;
+      if (std::max(std::abs(from_centre[u]), std::abs(from_centre[v])) > 0.45f || hit->rest.y < 0.5f ||
+          hit->rest.y > 31.5f)
+        continue;
       const auto along = [&](int a) {
         glm::vec3 step(0);
         step[a] = 0.05f;
-        return glm::dvec3(toWorld(instance, 0, hit->rest + step)) - glm::dvec3(toWorld(instance, 0, hit->rest - step));
+        return glm::dvec3(toWorld(instance, 0, hit->rest + step)) -
+               glm::dvec3(toWorld(instance, 0, hit->rest - step));
       };
       const glm::dvec3 plane = (from_centre[axis] > 0 ? 1.0 : -1.0) * glm::cross(along(u), along(v));
       ++count;
@@ -288,7 +317,8 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
   }
 }
 
-// Coarse voxels stand out of a volume of odd size; the ends of a steep spline are met where rays run along them.
+// Coarse voxels stand out of a volume of odd size; the ends of a steep spline are met where rays run along
+// them.
 TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
   const fields::Occupancy block = solidWhere({21, 24, 23}, [](const glm::vec3&) { return true; });
   const LoadedAsset loaded(packOf(block));
@@ -316,9 +346,10 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
     expectCorner({loaded.asset.get(), nullptr}, level, {1, 1, 1});
     expectCorner({loaded.asset.get(), nullptr}, level, {-1, -1, -1});
   }
-  // Steep ends of posts side by side, at heights that are no round numbers: what is seen from above is the top, though the ray's image runs
-  // along it.
-  const LoadedAsset posts(packOf(solidWhere(block.size, [](const glm::vec3& p) { return static_cast<int>(p.x + p.z) % 2 == 0; })));
+  // Steep ends of posts side by side, at heights that are no round numbers: what is seen from above is the
+  // top, though the ray's image runs along it.
+  const LoadedAsset posts(packOf(
+      solidWhere(block.size, [](const glm::vec3& p) { return static_cast<int>(p.x + p.z) % 2 == 0; })));
   const auto posts_renderer = makeRenderer(*posts.asset, kNormals);
   runtime::Pose pose = *runtime::Pose::create(*posts.asset);
   std::vector<Knot> knots = figureKnots(kFigure6[5], block.size);
@@ -328,8 +359,10 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
     knots[1].position.y = 24.1f + 0.013f * static_cast<float>(trial % 16);
     std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
     gl::View view = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.3f);
-    view.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) * glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
-    const std::vector<Pixel> pixels = draw(*posts_renderer, canvas, view, gl::Shading::kFaces, {posts.asset.get(), &pose});
+    view.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *
+                        glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
+    const std::vector<Pixel> pixels =
+        draw(*posts_renderer, canvas, view, gl::Shading::kFaces, {posts.asset.get(), &pose});
     for (int y = 40; y < 80; ++y) {
       for (int x = 40; x < 80; ++x) {
         const Pixel& pixel = pixels[static_cast<std::size_t>(120 * y + x)];
@@ -394,7 +427,8 @@ TEST(Shading, IsOneOnDesktopAndEmbedded) {
     for (std::size_t i = 0; i < pictures[0][s].size(); ++i) {
       covered += pictures[0][s][i][3] != 0;
       bool near = true;
-      for (std::size_t c = 0; c < 4; ++c) near = near && std::abs(pictures[0][s][i][c] - pictures[1][s][i][c]) <= 1;
+      for (std::size_t c = 0; c < 4; ++c)
+        near = near && std::abs(pictures[0][s][i][c] - pictures[1][s][i][c]) <= 1;
       different += !near;
     }
     EXPECT_GT(covered, 4000);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// kelp leaves the GL state as it finds it, or touches what runtime/gl/README.md lists and no more; it draws the same picture whatever it
-// finds; and what the host has under way (queries, transform feedback, conditional rendering) goes on.
+// kelp leaves the GL state as it finds it, or touches what runtime/gl/README.md lists and no more; it draws
+// the same picture whatever it finds; and what the host has under way (queries, transform feedback,
+// conditional rendering) goes on.
 #include <cstdio>
 #include <functional>
 #include <set>
@@ -15,7 +16,16 @@ namespace {
 using runtime::Instance;
 
 // The calls of the public interface, as README.md groups them.
-enum Call : unsigned { kCreate = 1, kAdd = 2, kUpload = 4, kDraw = 8, kDrawDepth = 16, kRemove = 32, kDestroy = 64, kDrawFog = 128 };
+enum Call : unsigned {
+  kCreate = 1,
+  kAdd = 2,
+  kUpload = 4,
+  kDraw = 8,
+  kDrawDepth = 16,
+  kRemove = 32,
+  kDestroy = 64,
+  kDrawFog = 128
+};
 
 class StateTest : public GlTest {
  protected:
@@ -100,7 +110,8 @@ class StateTest : public GlTest {
     const GlState before = readGlState();
     callEverything(gl::State::kRestore, view, [&](Call, const std::string& name) {
       EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR}) << name;
-      for (const std::string& line : differences(before, readGlState())) ADD_FAILURE() << "after " << name << ": " << line;
+      for (const std::string& line : differences(before, readGlState()))
+        ADD_FAILURE() << "after " << name << ": " << line;
     });
   }
 
@@ -129,7 +140,8 @@ TEST_P(StateTest, TheAwkwardStateDiffersFromTheInitialOneInEveryValue) {
       }
     }
   }
-  std::printf("%s: %zu entries, %zu values, of which %zu differ from the initial ones\n", glGetString(GL_VERSION), initial.size(), values, set);
+  std::printf("%s: %zu entries, %zu values, of which %zu differ from the initial ones\n",
+              glGetString(GL_VERSION), initial.size(), values, set);
   for (const auto& [why, count] : excused) std::printf("  %d are initial: %s\n", count, why.c_str());
   EXPECT_GT(set, 1000u);
 }
@@ -162,7 +174,8 @@ TEST_P(StateTest, KLeaveDrawsTheSamePicture) {
   setAwkwardState(Awkward::kDrawable);
   std::vector<Pixel> drawn;
   callEverything(gl::State::kLeave, view, [&](Call call, const std::string& name) {
-    // The depth pass leaves the colour mask off, as it may; the rest is drawn on a canvas with the depth that is there.
+    // The depth pass leaves the colour mask off, as it may; the rest is drawn on a canvas with the depth that
+    // is there.
     if (call == kDrawDepth) glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR}) << name;
   });
@@ -170,7 +183,8 @@ TEST_P(StateTest, KLeaveDrawsTheSamePicture) {
   EXPECT_EQ(canvas.pixels(), expected);
 }
 
-// There is nothing to invalidate: the host may change all of the state between two draws of a renderer, and its own names too.
+// There is nothing to invalidate: the host may change all of the state between two draws of a renderer, and
+// its own names too.
 TEST_P(StateTest, NothingIsRememberedFromDrawToDraw) {
   for (const gl::State state : {gl::State::kRestore, gl::State::kLeave}) {
     context_.reset();
@@ -190,11 +204,12 @@ TEST_P(StateTest, NothingIsRememberedFromDrawToDraw) {
   }
 }
 
-// The table "What is touched" of runtime/gl/README.md. A name that ends in a star stands for all that begin so; "unit A" is the active one.
+// The table "What is touched" of runtime/gl/README.md. A name that ends in a star stands for all that begin
+// so; "unit A" is the active one.
 struct Touched {
   unsigned calls;
   const char* entry;
-  double left = -1;  // the value that is left behind; -1: a name of kelp's own, or a unit
+  double left = -1;   // the value that is left behind; -1: a name of kelp's own, or a unit
   int since_es = 30;  // 0: OpenGL only
   int since_gl = 33;
 };
@@ -256,9 +271,12 @@ std::string seenThrough(const std::string& entry) {
   for (const char* of : {"sampling of ", "parameters of ", "image of "}) {
     if (entry.starts_with(of)) return entry.substr(std::string(of).size());
   }
-  if (entry.starts_with("sampler's parameters")) return "GL_SAMPLER_BINDING" + entry.substr(entry.find(" of unit"));
+  if (entry.starts_with("sampler's parameters"))
+    return "GL_SAMPLER_BINDING" + entry.substr(entry.find(" of unit"));
   if (entry.starts_with("uniform ")) return "GL_CURRENT_PROGRAM";
-  if (entry.starts_with("GL_VERTEX_ATTRIB_") || entry.starts_with("GL_VERTEX_BINDING_") || entry == "GL_ELEMENT_ARRAY_BUFFER_BINDING") return "GL_VERTEX_ARRAY_BINDING";
+  if (entry.starts_with("GL_VERTEX_ATTRIB_") || entry.starts_with("GL_VERTEX_BINDING_") ||
+      entry == "GL_ELEMENT_ARRAY_BUFFER_BINDING")
+    return "GL_VERTEX_ARRAY_BINDING";
   return {};
 }
 
@@ -287,18 +305,22 @@ TEST_P(StateTest, KLeaveTouchesWhatIsDocumentedAndNothingElse) {
     };
     callEverything(gl::State::kLeave, view, [&](Call call, const std::string& call_name) {
       const GlState after = readGlState();
-      const std::string active = " of unit " + std::to_string(static_cast<int>(before.at("GL_ACTIVE_TEXTURE")[0]) - GL_TEXTURE0);
+      const std::string active =
+          " of unit " + std::to_string(static_cast<int>(before.at("GL_ACTIVE_TEXTURE")[0]) - GL_TEXTURE0);
       for (const auto& [name, values] : after) {
         if (valueOf(before, name) == values || isKelps(name, after)) continue;
         const Touched* by = nullptr;
         for (const Touched& touched : kTouched) {
           std::string entry = touched.entry;
           if (entry.ends_with(" of unit A")) entry = entry.substr(0, entry.size() - 10) + active;
-          const bool same = entry.ends_with("*") ? name.starts_with(entry.substr(0, entry.size() - 1)) : name == entry;
+          const bool same =
+              entry.ends_with("*") ? name.starts_with(entry.substr(0, entry.size() - 1)) : name == entry;
           if (!same || !(touched.calls & call)) continue;
           seen.insert(&touched);
           by = &touched;
-          for (const double value : values) EXPECT_TRUE(touched.left < 0 || value == touched.left) << name << " is " << value << " after " << call_name;
+          for (const double value : values)
+            EXPECT_TRUE(touched.left < 0 || value == touched.left)
+                << name << " is " << value << " after " << call_name;
         }
         EXPECT_TRUE(by) << name << " is touched by " << call_name << ", and not documented";
       }
@@ -323,7 +345,9 @@ TEST_P(StateTest, BindTraceTouchesItsUnitsAlone) {
   std::string text;
   for (const char* string : renderer->traceGlsl()) text += string;
   const GLuint program = makeProgram(GetParam(), "void main() { gl_Position = vec4(0.0); }\n",
-                                     text + "layout(location = 0) out vec4 color;\nvoid main() { color = vec4(kelpTrace(vec3(0.0), vec3(1.0), 1.0).t); }\n");
+                                     text +
+                                         "layout(location = 0) out vec4 color;\nvoid main() { color = "
+                                         "vec4(kelpTrace(vec3(0.0), vec3(1.0), 1.0).t); }\n");
   ASSERT_NE(program, 0u);
   setAwkwardState(Awkward::kEverything);
   const GlState before = readGlState();

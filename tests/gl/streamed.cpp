@@ -14,10 +14,13 @@ std::atomic<std::uint64_t> bytes_sent{0};
 std::atomic<void*> real_function{nullptr};
 using TexSubImage3D = decltype(gl::Api::TexSubImage3D);
 
-void KELP_GL_CALL countedTexSubImage3D(GLenum target, GLint level, GLint x, GLint y, GLint z, GLsizei width, GLsizei height, GLsizei depth, GLenum format,
-                                       GLenum type, const void* data) {
-  bytes_sent += 4 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * static_cast<std::uint64_t>(depth);
-  reinterpret_cast<TexSubImage3D>(real_function.load())(target, level, x, y, z, width, height, depth, format, type, data);
+void KELP_GL_CALL countedTexSubImage3D(GLenum target, GLint level, GLint x, GLint y, GLint z, GLsizei width,
+                                       GLsizei height, GLsizei depth, GLenum format, GLenum type,
+                                       const void* data) {
+  bytes_sent += 4 * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) *
+                static_cast<std::uint64_t>(depth);
+  reinterpret_cast<TexSubImage3D>(real_function.load())(target, level, x, y, z, width, height, depth, format,
+                                                        type, data);
 }
 
 }  // namespace
@@ -53,7 +56,9 @@ int pumpAll(runtime::Asset& asset) {
 
 fields::Occupancy reed(int height, unsigned seed) {
   const glm::ivec3 size(height / 4, height, height / 5);
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   const float h = static_cast<float>(height);
@@ -78,7 +83,8 @@ fields::Occupancy reed(int height, unsigned seed) {
   strand(foot, foot + glm::vec3(0, h - 1, 0), {}, 0.02f * h);
   for (int leaf = 0; leaf < 40; ++leaf) {
     const glm::vec3 root = foot + glm::vec3(0, h * 0.8f * unit(random), 0);
-    const glm::vec3 tip(static_cast<float>(size.x) * unit(random), std::min(root.y + 0.2f * h, h - 1), static_cast<float>(size.z) * unit(random));
+    const glm::vec3 tip(static_cast<float>(size.x) * unit(random), std::min(root.y + 0.2f * h, h - 1),
+                        static_cast<float>(size.z) * unit(random));
     strand(root, tip, glm::vec3(0, 0.06f * h, 0), 0.012f * h);
   }
   return volume;
@@ -89,7 +95,8 @@ void sway(runtime::Pose& pose, int part, float seconds, float reach) {
   const std::span<Knot> knots = pose.knots(part);
   const float height = knots.back().position.y - knots.front().position.y;
   knots.back().position += reach * height * glm::vec3(std::sin(2.1f * seconds), 0, std::cos(1.3f * seconds));
-  knots.back().tangent += 2.0f * reach * height * glm::vec3(std::sin(2.1f * seconds - 0.4f), 0, std::cos(1.3f * seconds - 0.4f));
+  knots.back().tangent +=
+      2.0f * reach * height * glm::vec3(std::sin(2.1f * seconds - 0.4f), 0, std::cos(1.3f * seconds - 0.4f));
 }
 
 std::unique_ptr<gl::Renderer> createRenderer(gl::Config config) {

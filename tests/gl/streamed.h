@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the tests of streaming share: a source that counts and may fail, packs with many pages, a scene that sways, runs of frames.
+// What the tests of streaming share: a source that counts and may fail, packs with many pages, a scene that
+// sways, runs of frames.
 #pragma once
 
 #include <atomic>
@@ -11,7 +12,8 @@
 
 namespace kelp::test {
 
-// A pack's bytes behind a host's read callback. `allows`, if set, is asked on every read: false fails it. Any threads.
+// A pack's bytes behind a host's read callback. `allows`, if set, is asked on every read: false fails it. Any
+// threads.
 class HostSource {
  public:
   explicit HostSource(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
@@ -34,7 +36,8 @@ std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::Opt
 // pump() until it answers false; errors are counted.
 int pumpAll(runtime::Asset& asset);
 
-// A reed of `height` voxels, some tenths as wide, with leaves: many pages, thin things, and gaps to look through.
+// A reed of `height` voxels, some tenths as wide, with leaves: many pages, thin things, and gaps to look
+// through.
 fields::Occupancy reed(int height, unsigned seed);
 
 // The knots of a pack's rest pose pushed to and fro by the wind; `reach` in parts of its height.
@@ -46,7 +49,8 @@ std::unique_ptr<gl::Renderer> createRenderer(gl::Config config = {});
 // Uploads until nothing is pending; fails the test after `frames`.
 void uploadAll(gl::Renderer& renderer, int frames = 1000);
 
-// Bytes that kelp's glTexSubImage3D calls were given since the program began, if Config::getProcAddress was this.
+// Bytes that kelp's glTexSubImage3D calls were given since the program began, if Config::getProcAddress was
+// this.
 struct CountedGl {
   static void* getProcAddress(void* user, const char* name);
   static std::uint64_t bytes();

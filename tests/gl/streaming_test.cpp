@@ -21,7 +21,8 @@ struct Picture {
   std::vector<float> depths;
   bool covers(std::size_t i) const { return depths[i] < 1.0f; }
 };
-Picture take(gl::Renderer& renderer, const DepthCanvas& canvas, const gl::View& view, std::span<const Instance> instances) {
+Picture take(gl::Renderer& renderer, const DepthCanvas& canvas, const gl::View& view,
+             std::span<const Instance> instances) {
   canvas.clear();
   const auto drawn = renderer.draw(view, instances);
   EXPECT_TRUE(drawn) << drawn.error().detail;
@@ -33,22 +34,27 @@ Picture take(gl::Renderer& renderer, const DepthCanvas& canvas, const gl::View& 
 
 class StreamingTest : public GlTest {
  protected:
-  // Bytes read, metadata included, when the whole picture is drawn from a level of at least 32 voxels on its longest axis.
+  // Bytes read, metadata included, when the whole picture is drawn from a level of at least 32 voxels on its
+  // longest axis.
   std::uint64_t bytesToFirstPicture(HostSource& source, int& level) {
     const auto asset = openAsset(source);
     const glm::ivec3 size = asset->pack().parts()[0].size;
     level = 0;
-    while (std::max({levelSize(size, level + 1).x, levelSize(size, level + 1).y, levelSize(size, level + 1).z}) >= 32) ++level;
+    while (std::max({levelSize(size, level + 1).x, levelSize(size, level + 1).y,
+                     levelSize(size, level + 1).z}) >= 32)
+      ++level;
     const DepthCanvas canvas(GetParam(), {96, 72}, GL_DEPTH_COMPONENT32F);
     gl::Config config;
-    config.surface_glsl = "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.level) / 255.0, 1.0, 0.0, 1.0); }\n";
+    config.surface_glsl =
+        "vec4 kelpSurface(KelpSurface s) { return vec4(float(s.level) / 255.0, 1.0, 0.0, 1.0); }\n";
     const auto renderer = createRenderer(config);
     EXPECT_TRUE(renderer->add(*asset));
     const Instance instance{asset.get()};
     const Box box = runtime::bounds(instance);
     const glm::vec3 centre = 0.5f * (box.min + box.max);
     const float reach = glm::length(box.max - box.min);
-    const gl::View view = lookAt(canvas.size(), centre + reach * glm::vec3(0.4f, 0.3f, 1), centre, 0.01f * reach, 10 * reach);
+    const gl::View view =
+        lookAt(canvas.size(), centre + reach * glm::vec3(0.4f, 0.3f, 1), centre, 0.01f * reach, 10 * reach);
     for (int step = 0; step < 1000; ++step) {
       EXPECT_TRUE(renderer->upload(20 << 10));
       const Picture picture = take(*renderer, canvas, view, {&instance, 1});
@@ -83,7 +89,9 @@ TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
   static const std::vector<std::byte> pack = [&] {
     const Scratch scratch;
     const std::string out = scratch / "bunny.kelp";
-    const std::string command = std::string("\"" KELP_BAKE_PROGRAM "\" \"") + bunny.string() + "\" -o \"" + out + "\" --resolution " + (test::kSanitized ? "256" : "512") + " --progress none";
+    const std::string command = std::string("\"" KELP_BAKE_PROGRAM "\" \"") + bunny.string() + "\" -o \"" +
+                                out + "\" --resolution " + (test::kSanitized ? "256" : "512") +
+                                " --progress none";
     EXPECT_EQ(std::system((command + " 2> /dev/null").c_str()), 0) << command;
     std::ifstream file(out, std::ios::binary);
     const std::vector<char> chars((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -99,10 +107,12 @@ TEST_P(StreamingTest, TheFirstPictureOfARealPackTakesFewBytes) {
 }
 #endif
 
-// Coarse voxels are solid where any fine one is, so what arrives only takes away from what is drawn: a pixel's depth never comes nearer, nor
-// does it pass its last value. But for rays that graze: a voxel shrunk by 1/256 of its level's side is promised to be found, no more, so that a ray
-// may pass the corner of a coarse voxel and meet the same corner when the level below is traced (with KELP_ERODE a quarter, a tenth of
-// them are left). And a colour, unlike a depth, may be near to the last one by chance while the voxel is too large.
+// Coarse voxels are solid where any fine one is, so what arrives only takes away from what is drawn: a
+// pixel's depth never comes nearer, nor does it pass its last value. But for rays that graze: a voxel shrunk
+// by 1/256 of its level's side is promised to be found, no more, so that a ray may pass the corner of a
+// coarse voxel and meet the same corner when the level below is traced (with KELP_ERODE a quarter, a tenth of
+// them are left). And a colour, unlike a depth, may be near to the last one by chance while the voxel is too
+// large.
 TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
   for (const bool bent : {false, true}) {
     HostSource source(bytesOf(packOf(reed(256, 2))));
@@ -133,7 +143,9 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
     }
     const Picture& last = frames.back();
     // Distance along the view in level-0 voxels.
-    const auto distance = [&](float depth) { return 256.0 * kNear * kFar / (kFar - double{depth} * (kFar - kNear)); };
+    const auto distance = [&](float depth) {
+      return 256.0 * kNear * kFar / (kFar - double{depth} * (kFar - kNear));
+    };
     struct Error {
       double colour = 0, depth = 0;
     };
@@ -141,16 +153,19 @@ TEST_P(StreamingTest, EveryFrameIsNearerToTheLastOne) {
     int holes = 0, beyond = 0, first = -1;
     for (std::size_t f = 0; f < frames.size(); ++f) {
       const Picture& now = frames[f];
-      if (first < 0 && std::none_of(now.depths.begin(), now.depths.end(), [](float d) { return d < 1.0f; })) continue;
+      if (first < 0 && std::none_of(now.depths.begin(), now.depths.end(), [](float d) { return d < 1.0f; }))
+        continue;
       if (first < 0) first = static_cast<int>(f);
       Error error;
       int nearer = 0;
       for (std::size_t i = 0; i < now.pixels.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) error.colour += std::abs(int{now.pixels[i][c]} - int{last.pixels[i][c]}) / 3.0;
+        for (std::size_t c = 0; c < 3; ++c)
+          error.colour += std::abs(int{now.pixels[i][c]} - int{last.pixels[i][c]}) / 3.0;
         error.depth += std::abs(distance(now.depths[i]) - distance(last.depths[i])) > 1.0;
         holes += last.covers(i) && !now.covers(i);
         beyond += distance(now.depths[i]) > distance(last.depths[i]) + 0.5;
-        nearer += static_cast<int>(f) > first && distance(now.depths[i]) < distance(frames[f - 1].depths[i]) - 0.5;
+        nearer +=
+            static_cast<int>(f) > first && distance(now.depths[i]) < distance(frames[f - 1].depths[i]) - 0.5;
       }
       error.colour /= 255.0 * static_cast<double>(now.pixels.size());
       error.depth /= static_cast<double>(now.pixels.size());
@@ -211,11 +226,13 @@ TEST_P(StreamingTest, NoUploadIsLargerThanItsBudget) {
       for (const PageInfo& page : asset->level(0, l)->pages) words += runtime::pageWords(page);
     }
     EXPECT_GE(all, 2 * 4 * words);
-    EXPECT_LE(static_cast<std::uint64_t>(frames), 64 + all / (budget / 2)) << "the budget is there to be used";
+    EXPECT_LE(static_cast<std::uint64_t>(frames), 64 + all / (budget / 2))
+        << "the budget is there to be used";
   }
 }
 
-// Level of detail is a function of the view alone, and changes as little from frame to frame as the view does.
+// Level of detail is a function of the view alone, and changes as little from frame to frame as the view
+// does.
 TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
   const LoadedAsset loaded(packOf(reed(256, 2)));
   const DepthCanvas canvas(GetParam(), {144, 192}, GL_DEPTH_COMPONENT32F);
@@ -226,23 +243,27 @@ TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
   sway(pose, 0, 0.7f, 0.2f);
   const Instance instance{loaded.asset.get(), &pose};
   const auto viewAt = [&](int frame) {
-    gl::View view = lookAt(canvas.size(), {0, 0.5f, 0.9f * std::pow(1.008f, static_cast<float>(frame))}, {0, 0.5f, 0});
+    gl::View view =
+        lookAt(canvas.size(), {0, 0.5f, 0.9f * std::pow(1.008f, static_cast<float>(frame))}, {0, 0.5f, 0});
     view.pixels_per_voxel = 1.0f;
     return view;
   };
   constexpr int kFrames = 300;
   std::vector<Picture> away;
-  for (int frame = 0; frame < kFrames; ++frame) away.push_back(take(*renderer, canvas, viewAt(frame), {&instance, 1}));
+  for (int frame = 0; frame < kFrames; ++frame)
+    away.push_back(take(*renderer, canvas, viewAt(frame), {&instance, 1}));
   ASSERT_LT(gl::levelAt(viewAt(0), instance, 0, {0, 0}), 2);
   ASSERT_GT(gl::levelAt(viewAt(kFrames - 1), instance, 0, {0, 0}), 3);
   std::vector<double> changes;
   for (std::size_t f = 1; f < away.size(); ++f) {
     double change = 0, covered = 0;
     for (std::size_t i = 0; i < away[f].pixels.size(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c) change += std::abs(int{away[f].pixels[i][c]} - int{away[f - 1].pixels[i][c]});
+      for (std::size_t c = 0; c < 3; ++c)
+        change += std::abs(int{away[f].pixels[i][c]} - int{away[f - 1].pixels[i][c]});
       covered += away[f].covers(i);
     }
-    if (covered >= 200) changes.push_back(change / (3.0 * 255.0 * covered));  // of fewer, a single pixel's change weighs too much
+    // of fewer, a single pixel's change weighs too much
+    if (covered >= 200) changes.push_back(change / (3.0 * 255.0 * covered));
   }
   ASSERT_GT(changes.size(), 150u);
   std::sort(changes.begin(), changes.end());

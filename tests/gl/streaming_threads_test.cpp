@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Everything at once: threads that pump, threads that ask rays, one that tries again, and the one that draws. For the thread sanitizer.
+// Everything at once: threads that pump, threads that ask rays, one that tries again, and the one that draws.
+// For the thread sanitizer.
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -56,11 +57,13 @@ class StreamingThreadsTest : public GlTest {
           // All look at one place for a while, then at another: what was there before may go.
           const auto place = static_cast<unsigned>(frames_drawn / 16);
           const float height = static_cast<float>(place * 37 % 128);
-          const glm::vec3 target = toWorld(instance, 0, {96 * unit(random), height + 8 * unit(random), 96 * unit(random)});
+          const glm::vec3 target =
+              toWorld(instance, 0, {96 * unit(random), height + 8 * unit(random), 96 * unit(random)});
           const glm::vec3 eye = target + glm::vec3(unit(random), 0.02f * unit(random), 2);
           hits += raycast(instance, {eye, target - eye}, static_cast<int>(n % 3)).has_value();
           if (const auto* data = asset->level(0, 0)) {
-            const auto page = asset->pin(0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
+            const auto page =
+                asset->pin(0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
             if (page) hits += page.words().back() == 1;  // reads it
           }
           (void)asset->residentLevel(0);
@@ -87,13 +90,15 @@ class StreamingThreadsTest : public GlTest {
       const auto sent = renderer->upload(32 << 10);
       ++frames_drawn;
       EXPECT_TRUE(sent) << sent.error().detail;
-      const auto drawn = renderer->draw(lookAt(canvas.size(), {0.25f, 0.75f, 1.1f}, {0.05f, 0.5f, 0}), {&instance, 1});
+      const auto drawn =
+          renderer->draw(lookAt(canvas.size(), {0.25f, 0.75f, 1.1f}, {0.05f, 0.5f, 0}), {&instance, 1});
       EXPECT_TRUE(drawn) << drawn.error().detail;
       EXPECT_TRUE(!seen || drawn->instances == 1);
       seen = seen || drawn->instances == 1;
       EXPECT_LE(asset->memory(), memory_budget);
     }
-    // What rays look at stays in memory, and may leave too little room for what the renderer waits for: they rest now.
+    // What rays look at stays in memory, and may leave too little room for what the renderer waits for: they
+    // rest now.
     resting = true;
     flaky = false;
     asset->retry();

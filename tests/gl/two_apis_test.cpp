@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// OpenGL 3.3 core and OpenGL ES 3.0 draw the same picture: colours within 1/255 of each other but at edges, depths within half a voxel.
+// OpenGL 3.3 core and OpenGL ES 3.0 draw the same picture: colours within 1/255 of each other but at edges,
+// depths within half a voxel.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -26,10 +27,11 @@ struct Scene {
   const char* name;
   std::vector<Instance> instances;
   gl::View view;
-  double voxel;                // metres, of the largest instance
+  double voxel;  // metres, of the largest instance
 };
 
-// The scenes, made anew for each context: bent poses, several instances, mirrored and stretched, coarse voxels near the eye, the eye inside.
+// The scenes, made anew for each context: bent poses, several instances, mirrored and stretched, coarse
+// voxels near the eye, the eye inside.
 class Scenes {
  public:
   Scenes() {
@@ -41,18 +43,25 @@ class Scenes {
     for (std::size_t i = 1; i < kFigure6.size(); ++i) {
       const Instance bent{asset(), &poses_[i]};
       const glm::vec3 middle = toWorld(bent, 0, 0.5f * glm::vec3(volume_.size));
-      scenes_.push_back({kFigure6[i].name, {bent}, lookAt(kPixels, middle + glm::vec3(0.4f, 0.25f, 0.65f), middle), voxel()});
+      scenes_.push_back({kFigure6[i].name,
+                         {bent},
+                         lookAt(kPixels, middle + glm::vec3(0.4f, 0.25f, 0.65f), middle),
+                         voxel()});
     }
     std::vector<Instance> many;
     for (int i = 0; i < 9; ++i) {
       Instance instance{asset(), i % 3 ? &poses_[static_cast<std::size_t>(1 + i % 3)] : nullptr};
       const auto f = static_cast<float>(i);
-      instance.to_world = glm::rotate(glm::translate(glm::mat4(1), {1.1f * static_cast<float>(i % 3) - 1, 0.2f * f - 0.8f, -0.9f * static_cast<float>(i / 3)}), f, {0.2f, 1, 0.1f * f}) *
-                          glm::scale(glm::mat4(1), {i % 2 ? 0.7f : -0.7f, 0.6f + 0.05f * f, 0.8f});
+      instance.to_world =
+          glm::rotate(glm::translate(glm::mat4(1), {1.1f * static_cast<float>(i % 3) - 1, 0.2f * f - 0.8f,
+                                                    -0.9f * static_cast<float>(i / 3)}),
+                      f, {0.2f, 1, 0.1f * f}) *
+          glm::scale(glm::mat4(1), {i % 2 ? 0.7f : -0.7f, 0.6f + 0.05f * f, 0.8f});
       instance.tint = {0.3f + 0.07f * f, 1 - 0.09f * f, 0.5f + 0.05f * f, 1};
       many.push_back(instance);
     }
-    scenes_.push_back({"nine instances", many, lookAt(kPixels, {0.4f, 0.8f, 1.6f}, {0.1f, 0.3f, -0.6f}), voxel()});
+    scenes_.push_back(
+        {"nine instances", many, lookAt(kPixels, {0.4f, 0.8f, 1.6f}, {0.1f, 0.3f, -0.6f}), voxel()});
     gl::View close = lookAt(kPixels, {0.25f, 0.55f, 0.75f}, {0, 0.5f, 0});
     scenes_.push_back({"close up", {rest}, close, voxel()});
     close.shading = gl::Shading::kFaces;
@@ -60,8 +69,14 @@ class Scenes {
     close.shading = gl::Shading::kSmooth;
     scenes_.push_back({"close up, smooth", {rest}, close, voxel()});
     const Instance bent{asset(), &poses_[1]};
-    scenes_.push_back({"eye inside", {bent}, lookAt(kPixels, toWorld(bent, 0, {30, 62, 25}), toWorld(bent, 0, {60, 40, 30}), 0.02f), voxel()});
-    scenes_.push_back({"orthographic", {Instance{asset(), &poses_[2]}}, orthographic(kPixels, {3, 2, 4}, {0, 0.5f, 0}, 0.7f), voxel()});
+    scenes_.push_back({"eye inside",
+                       {bent},
+                       lookAt(kPixels, toWorld(bent, 0, {30, 62, 25}), toWorld(bent, 0, {60, 40, 30}), 0.02f),
+                       voxel()});
+    scenes_.push_back({"orthographic",
+                       {Instance{asset(), &poses_[2]}},
+                       orthographic(kPixels, {3, 2, 4}, {0, 0.5f, 0}, 0.7f),
+                       voxel()});
     gl::View coarse = lookAt(kPixels, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
     coarse.finest_level = 2;
     scenes_.push_back({"level 2", {Instance{asset(), &poses_[3]}}, coarse, 4 * voxel()});
@@ -91,7 +106,8 @@ class TwoApisTest : public testing::Test {
     config.getProcAddress = EglContext::getProcAddress;
     config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
     const auto shaded = gl::Renderer::create(config);
-    config.surface_glsl = "vec4 kelpSurface(KelpSurface s) { return vec4(kelpRecord(kelp_record + 11).rgb, 1.0); }\n";
+    config.surface_glsl =
+        "vec4 kelpSurface(KelpSurface s) { return vec4(kelpRecord(kelp_record + 11).rgb, 1.0); }\n";
     const auto named = gl::Renderer::create(config);
     std::vector<Picture> pictures;
     for (const auto* renderer : {&shaded, &named}) {
@@ -106,7 +122,8 @@ class TwoApisTest : public testing::Test {
       const glm::dmat4 to_eye = glm::inverse(glm::dmat4(scene.view.eye_to_clip));
       const std::vector<float> depths = canvas.depths();
       for (std::size_t i = 0; i < depths.size(); ++i) {
-        const glm::dvec2 at = 2.0 * (glm::dvec2(i % kPixels.x, i / kPixels.x) + 0.5) / glm::dvec2(kPixels) - 1.0;
+        const glm::dvec2 at =
+            2.0 * (glm::dvec2(i % kPixels.x, i / kPixels.x) + 0.5) / glm::dvec2(kPixels) - 1.0;
         const glm::dvec4 p = to_eye * glm::dvec4(at, 2 * double{depths[i]} - 1, 1);
         picture.depths.push_back(-p.z / p.w);
       }
@@ -121,8 +138,8 @@ class TwoApisTest : public testing::Test {
     return pictures;
   }
 
-  // An edge: a pixel one of whose four neighbours shows another instance, or nothing where it shows something, or lies more than two voxels
-  // nearer or farther; in either picture.
+  // An edge: a pixel one of whose four neighbours shows another instance, or nothing where it shows
+  // something, or lies more than two voxels nearer or farther; in either picture.
   static bool isEdge(const Picture& picture, int x, int y, double voxel) {
     const auto i = static_cast<std::size_t>(kPixels.x * y + x);
     for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)}) {
@@ -130,7 +147,8 @@ class TwoApisTest : public testing::Test {
       if (at.x < 0 || at.y < 0 || at.x >= kPixels.x || at.y >= kPixels.y) continue;
       const auto j = static_cast<std::size_t>(kPixels.x * at.y + at.x);
       if (picture.names[i] != picture.names[j]) return true;
-      if (picture.names[i][3] != 0 && std::abs(picture.depths[i] - picture.depths[j]) > 2 * voxel) return true;
+      if (picture.names[i][3] != 0 && std::abs(picture.depths[i] - picture.depths[j]) > 2 * voxel)
+        return true;
     }
     return false;
   }
@@ -139,8 +157,10 @@ class TwoApisTest : public testing::Test {
 TEST_F(TwoApisTest, DrawTheSameColoursButAtEdges) {
   std::vector<std::string> names, same_names;
   std::vector<double> voxels, same_voxels;
-  const std::vector<Picture> desktop = draw(GlApi::kDesktop33, names, voxels), embedded = draw(GlApi::kEs30, same_names, same_voxels);
-  if (desktop.empty() || embedded.empty()) GTEST_SKIP() << "no EGL device gives both contexts: install libegl1 libgl1-mesa-dri";
+  const std::vector<Picture> desktop = draw(GlApi::kDesktop33, names, voxels),
+                             embedded = draw(GlApi::kEs30, same_names, same_voxels);
+  if (desktop.empty() || embedded.empty())
+    GTEST_SKIP() << "no EGL device gives both contexts: install libegl1 libgl1-mesa-dri";
   ASSERT_EQ(desktop.size(), embedded.size());
   for (std::size_t s = 0; s < desktop.size(); ++s) {
     const Picture &a = desktop[s], &b = embedded[s];
@@ -150,7 +170,8 @@ TEST_F(TwoApisTest, DrawTheSameColoursButAtEdges) {
         const auto i = static_cast<std::size_t>(kPixels.x * y + x);
         const bool edge = isEdge(a, x, y, voxels[s]) || isEdge(b, x, y, voxels[s]);
         int difference = 0;
-        for (std::size_t c = 0; c < 4; ++c) difference = std::max(difference, std::abs(a.colors[i][c] - b.colors[i][c]));
+        for (std::size_t c = 0; c < 4; ++c)
+          difference = std::max(difference, std::abs(a.colors[i][c] - b.colors[i][c]));
         edges += edge;
         within += !edge && a.names[i][3] != 0;
         edges_differ += edge && difference > 1;
@@ -159,8 +180,10 @@ TEST_F(TwoApisTest, DrawTheSameColoursButAtEdges) {
         if (!edge) worst = std::max(worst, difference);
       }
     }
-    std::printf("%-20s %5d pixels at edges, of which %d differ by more than 1/255; %5d within surfaces; %d differ anywhere but at edges, at most %d/255\n", names[s].c_str(), edges,
-                edges_differ, within, others_differ, worst);
+    std::printf(
+        "%-20s %5d pixels at edges, of which %d differ by more than 1/255; %5d within surfaces; %d differ "
+        "anywhere but at edges, at most %d/255\n",
+        names[s].c_str(), edges, edges_differ, within, others_differ, worst);
     EXPECT_GT(within, 2000) << names[s] << ": hardly anything but edges";
     EXPECT_EQ(others_differ, 0) << names[s];
     EXPECT_EQ(depths_differ, 0) << names[s];

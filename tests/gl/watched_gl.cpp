@@ -12,8 +12,8 @@
 namespace kelp::test {
 namespace {
 
-// All relaxed, and no question to EGL, which locks: counting must not put the threads in an order that they would not have without it, or
-// the thread sanitizer sees no race.
+// All relaxed, and no question to EGL, which locks: counting must not put the threads in an order that they
+// would not have without it, or the thread sanitizer sees no race.
 constexpr auto kRelaxed = std::memory_order_relaxed;
 std::atomic<long> calls_made{0}, stray_calls{0};
 thread_local bool is_gl_thread = false;
@@ -21,7 +21,7 @@ thread_local bool is_gl_thread = false;
 // A function of the table, by its member of Api: counts, then calls EGL's, which serves every context.
 template <auto kMember>
 struct Watched;
-template <class R, class... Arguments, R(KELP_GL_CALL* gl::Api::*kMember)(Arguments...)>
+template <class R, class... Arguments, R (KELP_GL_CALL* gl::Api::*kMember)(Arguments...)>
 struct Watched<kMember> {
   static inline std::atomic<R(KELP_GL_CALL*)(Arguments...)> real = nullptr;
   static R KELP_GL_CALL call(Arguments... arguments) {

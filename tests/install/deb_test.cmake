@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# The Debian packages of this build: what they hold and need, and that they work, unpacked into a folder (no rights needed; tests/ports.sh debian installs
-# them into a fresh Debian).
+# The Debian packages of this build: what they hold and need, and that they work, unpacked into a folder (no
+# rights needed; tests/ports.sh debian installs them into a fresh Debian).
 include(${TEST_DIR}/steps.cmake)
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
@@ -20,7 +20,8 @@ foreach(package kelp-tools libkelp-dev)
   file(GLOB deb ${WORK_DIR}/packages/${package}_*.deb)
   step("reading ${package}" ${DPKG_DEB} --info ${deb})
   set(${package}_info "${step_output}")
-  expect("${step_output}" "Maintainer: .+ <.+@.+>" "Version: [0-9.]+-1\n" "Description: voxel models that bend - ")
+  expect("${step_output}" "Maintainer: .+ <.+@.+>" "Version: [0-9.]+-1\n"
+    "Description: voxel models that bend - ")
   step("listing ${package}" ${DPKG_DEB} --contents ${deb})
   set(${package}_files "${step_output}")
   expect("${step_output}" "root/root.*/doc/${package}/copyright" "/doc/${package}/changelog.gz")
@@ -30,15 +31,21 @@ foreach(package kelp-tools libkelp-dev)
 endforeach()
 expect("${kelp-tools_info}" "Depends: .*libc6 .*libfmt.*libstdc[+][+]6")
 expect("${kelp-tools_files}" "bin/kelp-dump" "kelpToolTargets.cmake")
+if(HAS_VIEW)
+  expect("${kelp-tools_files}" "bin/kelp-view")
+  expect("${kelp-tools_info}" "Depends: .*libglfw3")
+endif()
 expect("${libkelp-dev_info}" "Depends: libglm-dev, libzstd-dev, libxxhash-dev" "Recommends: kelp-tools")
-expect("${libkelp-dev_files}" "libkelp_runtime_gl.a" "kelp/gl/renderer.h" "kelpConfig.cmake" "kelp_add_pack.cmake")
+expect("${libkelp-dev_files}" "libkelp_runtime_gl.a" "kelp/gl/renderer.h" "kelpConfig.cmake"
+  "kelp_add_pack.cmake")
 if("${kelp-tools_files}" MATCHES "[.]a\n|[.]h\n" OR "${libkelp-dev_files}" MATCHES "/bin/")
   message(FATAL_ERROR "a file is in the wrong package")
 endif()
 
 # One program is enough to see that the package is whole; install.consumer builds them all.
-step("configuring the consumer" ${CMAKE_COMMAND} -S ${TEST_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
-  -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${WORK_DIR}/root/usr)
+step("configuring the consumer" ${CMAKE_COMMAND} -S ${TEST_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+  "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${WORK_DIR}/root/usr)
 step("building write_pack" ${CMAKE_COMMAND} --build ${WORK_DIR}/build --target write_pack)
 step("write_pack" ${WORK_DIR}/build/write_pack ${WORK_DIR}/cube.kelp)
 step("kelp-dump" ${WORK_DIR}/root/usr/bin/kelp-dump verify ${WORK_DIR}/cube.kelp)

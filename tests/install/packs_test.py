@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp_add_pack() through a real CMake project (packs/), by Ninja and by Make: packs are baked again exactly when they must be.
-Usage: packs_test.py KELP_BUILD_DIR KELP_SOURCE_DIR WORK_DIR CXX [unittest options]"""
+"""kelp_add_pack() through a real CMake project (packs/), by Ninja and by Make: packs are baked again exactly
+when they must be. Usage: packs_test.py KELP_BUILD_DIR KELP_SOURCE_DIR WORK_DIR CXX [unittest options]"""
 import json
 import os
 import shutil
@@ -12,7 +12,8 @@ import time
 import unittest
 import zlib
 
-KELP_BUILD, KELP_SOURCE, WORK, CXX = (os.path.abspath(word) if i < 3 else word for i, word in enumerate(sys.argv[1:5]))
+KELP_BUILD, KELP_SOURCE, WORK, CXX = (os.path.abspath(word) if i < 3 else word
+                                      for i, word in enumerate(sys.argv[1:5]))
 del sys.argv[1:5]
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -25,7 +26,9 @@ def png(path, color):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     pixels = zlib.compress(b"\0" + bytes(color))
-    write(path, b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)) + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
+    write(path,
+          b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0))
+          + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
 
 
 def obj(path, mtl=None):
@@ -37,19 +40,23 @@ def obj(path, mtl=None):
 
 def gltf(folder):
     triangles = [i for a, b, c, d in FACES for i in (a, b, c, a, c, d)]
-    data = b"".join(struct.pack("<3f", *corner) for corner in CORNERS) + b"".join(struct.pack("<2f", 0.5, 0.5) for _ in CORNERS)
+    data = b"".join(struct.pack("<3f", *corner)
+                    for corner in CORNERS) + b"".join(struct.pack("<2f", 0.5, 0.5) for _ in CORNERS)
     data += struct.pack(f"<{len(triangles)}H", *triangles)
     write(f"{folder}/reed data.bin", data)
     count = len(CORNERS)
     write(f"{folder}/reed.gltf", json.dumps({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
         "textures": [{"source": 0}], "images": [{"uri": "reed%20skin.png"}],
         "buffers": [{"uri": "reed%20data.bin", "byteLength": len(data)}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 12 * count}, {"buffer": 0, "byteOffset": 12 * count, "byteLength": 8 * count},
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 12 * count},
+                        {"buffer": 0, "byteOffset": 12 * count, "byteLength": 8 * count},
                         {"buffer": 0, "byteOffset": 20 * count, "byteLength": 2 * len(triangles)}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [1, 2, 1]},
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 2, 1]},
                       {"bufferView": 1, "componentType": 5126, "count": count, "type": "VEC2"},
                       {"bufferView": 2, "componentType": 5123, "count": len(triangles), "type": "SCALAR"}]}))
 
@@ -65,7 +72,8 @@ def read(path):
 
 
 def run(*words, cwd=None, environment=None):
-    result = subprocess.run(words, cwd=cwd, env={**os.environ, **(environment or {})}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    result = subprocess.run(words, cwd=cwd, env={**os.environ, **(environment or {})}, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True)
     return result.returncode, result.stdout
 
 
@@ -89,11 +97,14 @@ class Packs:
         write(f"{cls.models}/fish.gpl", "GIMP Palette\n200 100 100 fish\n")
         code, text = run("cmake", "--install", KELP_BUILD, "--prefix", f"{cls.prefix}")
         assert code == 0, text
-        cls.reed, cls.crate, cls.fish = f"{cls.build}/reed.kelp", f"{cls.build}/more packs/crate, 1.kelp", f"{cls.build}/fish.kelp"
+        cls.reed, cls.fish = f"{cls.build}/reed.kelp", f"{cls.build}/fish.kelp"
+        cls.crate = f"{cls.build}/more packs/crate, 1.kelp"
 
     def configure(self, *words, build=None, environment=None):
-        return run("cmake", "-S", f"{HERE}/packs", "-B", build or self.build, "-G", self.generator, f"-DCMAKE_CXX_COMPILER={CXX}", "-DCMAKE_BUILD_TYPE=Debug",
-                   f"-DMODELS={self.models}", f"-DCMAKE_PREFIX_PATH={self.prefix}", *words, environment=environment)
+        return run("cmake", "-S", f"{HERE}/packs", "-B", build or self.build, "-G", self.generator,
+                   f"-DCMAKE_CXX_COMPILER={CXX}", "-DCMAKE_BUILD_TYPE=Debug",
+                   f"-DMODELS={self.models}", f"-DCMAKE_PREFIX_PATH={self.prefix}", *words,
+                   environment=environment)
 
     def make(self):
         """Builds; answers the packs that were baked, by their own times and inodes."""
@@ -104,7 +115,8 @@ class Packs:
         self.assertEqual(code, 0, text)
         self.log = text
         baked = [os.path.basename(pack)[:4] for pack, old in zip(packs, before)
-                 if not old or (os.stat(pack).st_mtime_ns, os.stat(pack).st_ino) != (old.st_mtime_ns, old.st_ino)]
+                 if not old
+                 or (os.stat(pack).st_mtime_ns, os.stat(pack).st_ino) != (old.st_mtime_ns, old.st_ino)]
         self.assertEqual(text.count("Baking "), len(baked), text)  # and nothing else was
         return baked
 
@@ -126,10 +138,14 @@ class Packs:
         everything = ("reed", "crat", "fish")
         self.settled(*everything)
         code, text = run(f"{self.build}/game", self.reed, self.crate, self.fish)
-        self.assertEqual((code, text), (0, "1 clips, 12 x 24 x 12\n0 clips, 8 x 16 x 8\n1 clips, 16 x 8 x 8\n"[:len(text)]), text)
+        self.assertEqual((code, text),
+                         (0, "1 clips, 12 x 24 x 12\n0 clips, 8 x 16 x 8\n1 clips, 16 x 8 x 8\n"[:len(text)]),
+                         text)
 
-        for name, baked in (("reed skin.png", "reed"), ("reed data.bin", "reed"), ("reed.gltf", "reed"), ("bend.json", "reed"), ("crate box.obj", "crat"),
-                            ("crate paint.mtl", "crat"), ("wood.png", "crat"), ("fish.txt", "fish"), ("fish.gpl", "fish")):
+        for name, baked in (("reed skin.png", "reed"), ("reed data.bin", "reed"), ("reed.gltf", "reed"),
+                            ("bend.json", "reed"), ("crate box.obj", "crat"),
+                            ("crate paint.mtl", "crat"), ("wood.png", "crat"), ("fish.txt", "fish"),
+                            ("fish.gpl", "fish")):
             with self.subTest(touched=name):
                 self.touch(name)
                 self.settled(baked)
@@ -163,7 +179,8 @@ class Packs:
         with self.subTest("options"):
             # One that makes the rule another's, too: the build still knows its pack.
             write(f"{self.models}/target.toml", 'deps-target = "all"\n')
-            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>", f"--config;{self.models}/target.toml", ""):
+            for options in ("--levels;1", "--levels;1;--pad;$<IF:1,2,3>",
+                            f"--config;{self.models}/target.toml", ""):
                 self.assertEqual(self.configure(f"-DCRATE_OPTIONS={options}")[0], 0)
                 self.settled("crat")
             self.assertEqual(self.configure("-DCRATE_OPTIONS=")[0], 0)
@@ -192,7 +209,8 @@ class Packs:
         with self.subTest("install, clean"):
             code, text = run("cmake", "--install", self.build, "--prefix", f"{self.work}/shipped")
             self.assertEqual(code, 0, text)
-            self.assertEqual(sorted(os.listdir(f"{self.work}/shipped/share/game")), sorted(map(os.path.basename, (self.reed, self.crate, self.fish))))
+            self.assertEqual(sorted(os.listdir(f"{self.work}/shipped/share/game")),
+                             sorted(map(os.path.basename, (self.reed, self.crate, self.fish))))
             self.assertEqual(run("cmake", "--build", self.build, "--target", "clean")[0], 0)
             self.settled(*everything)
 
@@ -226,12 +244,16 @@ class NinjaPacks(Packs, unittest.TestCase):
         """A build for another machine runs this machine's kelp-bake, never the package's."""
         write(f"{self.work}/other.cmake", "set(CMAKE_SYSTEM_NAME Linux)\n")
         words = [f"-DCMAKE_TOOLCHAIN_FILE={self.work}/other.cmake"]
-        nowhere = {"PATH": os.pathsep.join(folder for folder in os.environ["PATH"].split(os.pathsep) if not os.path.exists(f"{folder}/kelp-bake"))}
-        code, text = self.configure(*words, "-DCMAKE_FIND_USE_CMAKE_PATH=OFF", f"-Dkelp_DIR={self.cmake_package()}", build=f"{self.work}/cross", environment=nowhere)
+        nowhere = {"PATH": os.pathsep.join(folder for folder in os.environ["PATH"].split(os.pathsep)
+                                           if not os.path.exists(f"{folder}/kelp-bake"))}
+        code, text = self.configure(*words, "-DCMAKE_FIND_USE_CMAKE_PATH=OFF",
+                                    f"-Dkelp_DIR={self.cmake_package()}", build=f"{self.work}/cross",
+                                    environment=nowhere)
         self.assertNotEqual(code, 0)
         self.assertIn("-DKELP_BAKE_PROGRAM=", text)
         shutil.copy(f"{self.prefix}/bin/kelp-bake", f"{self.work}/host-bake")
-        code, text = self.configure(*words, f"-DKELP_BAKE_PROGRAM={self.work}/host-bake", build=f"{self.work}/cross")
+        code, text = self.configure(*words, f"-DKELP_BAKE_PROGRAM={self.work}/host-bake",
+                                    build=f"{self.work}/cross")
         self.assertEqual(code, 0, text)
         code, text = run("ninja", "-t", "inputs", "reed.kelp", cwd=f"{self.work}/cross")
         self.assertIn("host-bake", text)
@@ -244,18 +266,23 @@ class NinjaPacks(Packs, unittest.TestCase):
         self.fail("no kelpConfig.cmake")
 
     def test_subdirectory(self):
-        """kelp inside the game's own build: its kelp-bake is built first. Only the plan is looked at; building it takes minutes."""
-        code, text = self.configure(f"-DKELP_AS_SUBDIRECTORY={KELP_SOURCE}", "-DKELP_BAKER=ON", build=f"{self.work}/whole")
+        """kelp inside the game's own build: its kelp-bake is built first. Only the plan is looked at;
+        building it takes minutes."""
+        code, text = self.configure(f"-DKELP_AS_SUBDIRECTORY={KELP_SOURCE}", "-DKELP_BAKER=ON",
+                                    build=f"{self.work}/whole")
         self.assertEqual(code, 0, text)
         code, text = run("ninja", "-t", "inputs", "reed.kelp", cwd=f"{self.work}/whole")
         self.assertIn("kelp/bin/kelp-bake", text)
 
     def test_configurations(self):
-        """Several configurations in one build: one pack for all, or one for each; and files that OPTIONS name from the source folder, behind a =."""
+        """Several configurations in one build: one pack for all, or one for each; and files that OPTIONS name
+        from the source folder, behind a =."""
         self.__class__.generator, build = "Ninja Multi-Config", f"{self.work}/multi"
         palette = f"--palette={os.path.relpath(self.models, f'{HERE}/packs')}/fish.gpl"
         try:
-            code, text = self.configure(f'-DEXTRA=kelp_add_pack(TARGET own SOURCE "{self.models}/reed.gltf" OUTPUT $<CONFIG>/own.kelp OPTIONS --resolution $<IF:$<CONFIG:Debug>,8,16> "{palette}")',
+            code, text = self.configure(f'-DEXTRA=kelp_add_pack(TARGET own SOURCE "{self.models}/reed.gltf" '
+                                        'OUTPUT $<CONFIG>/own.kelp OPTIONS '
+                                        f'--resolution $<IF:$<CONFIG:Debug>,8,16> "{palette}")',
                                         build=build)
         finally:
             self.__class__.generator = "Ninja"
@@ -264,7 +291,8 @@ class NinjaPacks(Packs, unittest.TestCase):
             code, text = run("cmake", "--build", build, "--config", configuration)
             self.assertEqual(code, 0, text)
         self.assertIn("no work to do", text)
-        self.assertEqual(run(f"{build}/Debug/game", f"{build}/Debug/own.kelp", f"{build}/Release/own.kelp")[1], "0 clips, 4 x 8 x 4\n0 clips, 8 x 16 x 8\n")
+        self.assertEqual(run(f"{build}/Debug/game", f"{build}/Debug/own.kelp",
+                             f"{build}/Release/own.kelp")[1], "0 clips, 4 x 8 x 4\n0 clips, 8 x 16 x 8\n")
 
 
 class MakePacks(Packs, unittest.TestCase):

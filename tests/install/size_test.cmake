@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What linking kelp adds to a stripped program, zstd included: the consumer's draw against its triangle, which is the same without kelp.
+# What linking kelp adds to a stripped program, zstd included: the consumer's draw against its triangle, which
+# is the same without kelp.
 include(${TEST_DIR}/steps.cmake)
 set(limit 1048576)
 file(MAKE_DIRECTORY ${WORK_DIR})
@@ -9,7 +10,8 @@ build(${KELP_SOURCE_DIR} ${WORK_DIR}/kelp Release "-O2 -DNDEBUG"
   -DKELP_BAKER=OFF -DKELP_TOOLS=OFF -DKELP_SAMPLES=OFF -DKELP_TESTS=OFF)
 step("installing" ${CMAKE_COMMAND} --install ${WORK_DIR}/kelp --prefix ${WORK_DIR}/prefix)
 build(${TEST_DIR}/consumer ${WORK_DIR}/consumer Release "-O2 -DNDEBUG -ffunction-sections -fdata-sections"
-  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -Wl,--gc-sections")
+  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+  "-DCMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -Wl,--gc-sections")
 
 foreach(program draw triangle)
   step("stripping" ${STRIP} -o ${WORK_DIR}/${program}.stripped ${WORK_DIR}/consumer/${program})
@@ -24,7 +26,8 @@ if(step_output MATCHES "zstd|stdc\\+\\+")
 endif()
 
 math(EXPR kib "${added} / 1024")
-message(STATUS "kelp adds ${added} bytes (${kib} KiB) to a stripped program: ${draw_size} against ${triangle_size}; at most ${limit}")
+message(STATUS "kelp adds ${added} bytes (${kib} KiB) to a stripped program: ${draw_size} against "
+  "${triangle_size}; at most ${limit}")
 if(added GREATER limit)
   message(FATAL_ERROR "kelp adds ${added} bytes, more than ${limit}")
 endif()

@@ -14,8 +14,9 @@ endfunction()
 # build(SOURCE_DIR BINARY_DIR BUILD_TYPE FLAGS [cache entries...])
 function(build source_dir binary_dir build_type flags)
   string(TOUPPER "${build_type}" type)
-  step("configuring ${source_dir}" ${CMAKE_COMMAND} -S ${source_dir} -B ${binary_dir} -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${build_type}
-    -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=
+  step("configuring ${source_dir}" ${CMAKE_COMMAND} -S ${source_dir} -B ${binary_dir} -G ${GENERATOR}
+    -DCMAKE_BUILD_TYPE=${build_type} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
+    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=
     "-DCMAKE_CXX_FLAGS_${type}=${flags}" ${ARGN})
   step("building ${source_dir}" ${CMAKE_COMMAND} --build ${binary_dir} --parallel 2)
 endfunction()

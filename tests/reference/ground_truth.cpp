@@ -40,7 +40,8 @@ double parameterAt(const Cubic& s, double y, bool lowest) {
   return lowest ? low : high;
 }
 
-// Walks a curve q(x), x in [x0, x1], in order and stops at the first point inside the solid shrunk by `erode` (negative: grown).
+// Walks a curve q(x), x in [x0, x1], in order and stops at the first point inside the solid shrunk by `erode`
+// (negative: grown).
 class Walk {
  public:
   Walk(const Volume& volume, const Cubic& q, double erode)
@@ -61,9 +62,12 @@ class Walk {
           x = x0;
           return true;
         }
-        // The box that the surroundings of every point of the hull have in common: is there something empty in it?
+        // The box that the surroundings of every point of the hull have in common: is there something empty
+        // in it?
         const dvec3 core_low = high - erode_, core_high = low + erode_;
-        if (core_low.x <= core_high.x && core_low.y <= core_high.y && core_low.z <= core_high.z && !allSolid(core_low, core_high)) return false;
+        if (core_low.x <= core_high.x && core_low.y <= core_high.y && core_low.z <= core_high.z &&
+            !allSolid(core_low, core_high))
+          return false;
       }
     }
     const double middle = 0.5 * (x0 + x1);
@@ -90,7 +94,8 @@ class Walk {
   }
 
   bool meetsVolume(const dvec3& low, const dvec3& high) const {
-    return low.x <= extent_.x && low.y <= extent_.y && low.z <= extent_.z && high.x >= 0 && high.y >= 0 && high.z >= 0;
+    return low.x <= extent_.x && low.y <= extent_.y && low.z <= extent_.z && high.x >= 0 && high.y >= 0 &&
+           high.z >= 0;
   }
 
   // Voxels whose closed cubes meet the box; those of a coarse level end where the volume does.
@@ -105,7 +110,10 @@ class Walk {
     const bool tiled = volume_.tile.x > 0;
     const glm::ivec3 v = tiled ? glm::ivec3(x, y, z) % volume_.tile : glm::ivec3(x, y, z);
     const glm::ivec3& size = tiled ? volume_.tile : volume_.size;
-    return volume_.solid[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z))] != 0;
+    return volume_.solid[static_cast<std::size_t>(v.x) +
+                         static_cast<std::size_t>(size.x) *
+                             (static_cast<std::size_t>(v.y) +
+                              static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z))] != 0;
   }
 
   bool anySolid(const dvec3& low, const dvec3& high, glm::ivec3& voxel) const {
@@ -125,7 +133,8 @@ class Walk {
 
   // Whether the whole box is inside the union of the solid voxels. What is outside the volume is empty.
   bool allSolid(const dvec3& low, const dvec3& high) const {
-    if (low.x < 0 || low.y < 0 || low.z < 0 || high.x > extent_.x || high.y > extent_.y || high.z > extent_.z) return false;
+    if (low.x < 0 || low.y < 0 || low.z < 0 || high.x > extent_.x || high.y > extent_.y || high.z > extent_.z)
+      return false;
     glm::ivec3 from, to;
     voxelsOf(low, high, from, to);
     for (int z = from.z; z <= to.z; ++z) {
@@ -146,10 +155,11 @@ class Walk {
 
 }  // namespace
 
-std::optional<Touch> firstTouch(const Volume& volume, std::span<const Knot> knots, const dvec3& o, const dvec3& r, double s_min, double s_max,
-                                double erode) {
+std::optional<Touch> firstTouch(const Volume& volume, std::span<const Knot> knots, const dvec3& o,
+                                const dvec3& r, double s_min, double s_max, double erode) {
   const double base = double{knots.front().position.y};
-  const double stretch = double{static_cast<double>(volume.size0.y)} / (double{knots.back().position.y} - base);
+  const double stretch =
+      double{static_cast<double>(volume.size0.y)} / (double{knots.back().position.y} - base);
   const dvec3 unit(volume.scale, volume.scale * stretch, volume.scale);
   std::optional<Touch> best;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
@@ -166,20 +176,24 @@ std::optional<Touch> firstTouch(const Volume& volume, std::span<const Knot> knot
       x1 = s_max;
       double x;
       glm::ivec3 voxel;
-      if (Walk(volume, q, erode).first(x0, x1, x, voxel) && (!best || x < best->s)) best = Touch{x, t, static_cast<int>(i), voxel, q.at(x)};
+      if (Walk(volume, q, erode).first(x0, x1, x, voxel) && (!best || x < best->s))
+        best = Touch{x, t, static_cast<int>(i), voxel, q.at(x)};
       continue;
     }
     // s(t) = (Sy(t) - o.y) / r.y; walked in the ray's direction, so with x = t or x = -t.
     const double h0 = std::clamp(o.y + s_min * r.y, std::min(y0, y1), std::max(y0, y1));
     const double h1 = std::clamp(o.y + s_max * r.y, std::min(y0, y1), std::max(y0, y1));
-    if ((r.y > 0 && (o.y + s_max * r.y < y0 || o.y + s_min * r.y > y1)) || (r.y < 0 && (o.y + s_min * r.y < y0 || o.y + s_max * r.y > y1))) continue;
+    if ((r.y > 0 && (o.y + s_max * r.y < y0 || o.y + s_min * r.y > y1)) ||
+        (r.y < 0 && (o.y + s_min * r.y < y0 || o.y + s_max * r.y > y1)))
+      continue;
     const double ta = parameterAt(spline, h0, r.y > 0);
     const double tb = parameterAt(spline, h1, r.y < 0);
     const double sign = r.y > 0 ? 1.0 : -1.0;
     Cubic in_t;
     for (std::size_t n = 0; n < 4; ++n) {
       const double s_n = (spline.k[n].y - (n == 0 ? o.y : 0.0)) / r.y;
-      in_t.k[n] = unit * ((n == 0 ? dvec3(o.x, o.y - base, o.z) : dvec3(0)) + s_n * r - dvec3(spline.k[n].x, 0.0, spline.k[n].z));
+      in_t.k[n] = unit * ((n == 0 ? dvec3(o.x, o.y - base, o.z) : dvec3(0)) + s_n * r -
+                          dvec3(spline.k[n].x, 0.0, spline.k[n].z));
     }
     // The height is known without the detour through s.
     for (std::size_t n = 0; n < 4; ++n) in_t.k[n].y = unit.y * (spline.k[n].y - (n == 0 ? base : 0.0));

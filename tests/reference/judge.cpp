@@ -5,13 +5,15 @@
 
 namespace kelp::reference {
 
-Truth truthOf(const Volume& volume, std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s_max) {
+Truth truthOf(const Volume& volume, std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r,
+              double s_max) {
   Truth truth;
   const auto possible = firstTouch(volume, knots, o, r, 0, s_max, -kMargin);
   if (!possible) return truth;
   truth.possible = possible->s;
   // What is shrunk lies in what is grown, so the search may start there.
-  if (const auto owed = firstTouch(volume, knots, o, r, std::max(possible->s - 1e-3, 0.0), s_max, kMargin)) truth.owed = owed->s;
+  if (const auto owed = firstTouch(volume, knots, o, r, std::max(possible->s - 1e-3, 0.0), s_max, kMargin))
+    truth.owed = owed->s;
   return truth;
 }
 

@@ -20,7 +20,9 @@ class ForwardMap {
  public:
   ForwardMap(std::span<const Knot> knots, const glm::ivec3& size) : knots_(knots), height_(size.y) {}
   dvec3 operator()(const dvec3& rest) const {
-    const double y = double{knots_.front().position.y} + rest.y / height_ * (double{knots_.back().position.y} - double{knots_.front().position.y});
+    const double y =
+        double{knots_.front().position.y} +
+        rest.y / height_ * (double{knots_.back().position.y} - double{knots_.front().position.y});
     std::size_t i = 0;
     while (i + 2 < knots_.size() && y > double{knots_[i + 1].position.y}) ++i;
     double low = 0, high = 1;
@@ -33,8 +35,8 @@ class ForwardMap {
   dvec3 at(std::size_t i, double t) const {
     const Knot &k0 = knots_[i], &k1 = knots_[i + 1];
     const double u = 1 - t, share = double{k1.at} - double{k0.at};
-    return u * u * (1 + 2 * t) * dvec3(k0.position) + t * u * u * share * dvec3(k0.tangent) + t * t * (3 - 2 * t) * dvec3(k1.position) -
-           t * t * u * share * dvec3(k1.tangent);
+    return u * u * (1 + 2 * t) * dvec3(k0.position) + t * u * u * share * dvec3(k0.tangent) +
+           t * t * (3 - 2 * t) * dvec3(k1.position) - t * t * u * share * dvec3(k1.tangent);
   }
   std::span<const Knot> knots_;
   double height_;
@@ -49,8 +51,8 @@ class RayMaker {
   RayMaker(const TrialVolume& volume, std::span<const Knot> knots, const Box& bounds, unsigned seed)
       : volume_(volume), knots_(knots), map_(knots, volume.size), bounds_(bounds), random_(seed) {}
 
-  // Not inlined: GCC 12 takes the rounding to float32 and back out where it sees both ends, and the truth would be asked about another ray
-  // than the trace (one false hit in 10 million, at 4096).
+  // Not inlined: GCC 12 takes the rounding to float32 and back out where it sees both ends, and the truth
+  // would be asked about another ray than the trace (one false hit in 10 million, at 4096).
   [[gnu::noinline]] Ray make(int kind) {
     const dvec3 size(volume_.size);
     dvec3 rest = size * dvec3(unit(), unit(), unit());
@@ -70,7 +72,8 @@ class RayMaker {
     d = glm::normalize(d);
     double back = 1e30;  // to where the ray enters the bounds, as callers do
     for (int a = 0; a < 3; ++a) {
-      if (d[a] != 0) back = std::min(back, (target[a] - double{d[a] > 0 ? bounds_.min[a] : bounds_.max[a]}) / d[a]);
+      if (d[a] != 0)
+        back = std::min(back, (target[a] - double{d[a] > 0 ? bounds_.min[a] : bounds_.max[a]}) / d[a]);
     }
     if (kind == 5) back *= unit() * unit();
     return {glm::vec3(target - back * d), glm::vec3(d)};
@@ -82,12 +85,15 @@ class RayMaker {
   dvec3 besideSolid(const dvec3& otherwise) {
     const glm::ivec3 size = volume_.pattern.size;
     for (int i = 0; i < 2000; ++i) {
-      const glm::ivec3 v(static_cast<int>(random_() % static_cast<unsigned>(size.x)), static_cast<int>(random_() % static_cast<unsigned>(size.y)),
+      const glm::ivec3 v(static_cast<int>(random_() % static_cast<unsigned>(size.x)),
+                         static_cast<int>(random_() % static_cast<unsigned>(size.y)),
                          static_cast<int>(random_() % static_cast<unsigned>(size.z)));
       if (!volume_.pattern.solid[volume_.pattern.index(v)]) continue;
       const glm::ivec3 tiles = volume_.size / size;
-      const glm::ivec3 tile(static_cast<int>(unit() * tiles.x), static_cast<int>(unit() * tiles.y), static_cast<int>(unit() * tiles.z));
-      return glm::clamp(dvec3(v + tile * size) + dvec3(-0.25) + 1.5 * dvec3(unit(), unit(), unit()), dvec3(0), dvec3(volume_.size));
+      const glm::ivec3 tile(static_cast<int>(unit() * tiles.x), static_cast<int>(unit() * tiles.y),
+                            static_cast<int>(unit() * tiles.z));
+      return glm::clamp(dvec3(v + tile * size) + dvec3(-0.25) + 1.5 * dvec3(unit(), unit(), unit()), dvec3(0),
+                        dvec3(volume_.size));
     }
     return otherwise;
   }
@@ -107,11 +113,16 @@ class RayMaker {
   std::mt19937 random_;
 };
 
-std::string describe(const TrialVolume& volume, const TrialRig& rig, int kind, const Ray& ray, const tiled::KelpHit& hit, const Truth& truth) {
+std::string describe(const TrialVolume& volume, const TrialRig& rig, int kind, const Ray& ray,
+                     const tiled::KelpHit& hit, const Truth& truth) {
   char text[512];
-  std::snprintf(text, sizeof text, "%s, rig %s, kind %d: o (%a %a %a) r (%a %a %a): %s s %.4f voxel %d %d %d, %d steps; owed %.4f, possible %.4f", volume.name.c_str(),
-                rig.name.c_str(), kind, double{ray.o.x}, double{ray.o.y}, double{ray.o.z}, double{ray.r.x}, double{ray.r.y}, double{ray.r.z}, hit.found ? "hit" : "no hit",
-                double{hit.s}, hit.voxel.x, hit.voxel.y, hit.voxel.z, hit.steps, truth.owed.value_or(-1), truth.possible.value_or(-1));
+  std::snprintf(text, sizeof text,
+                "%s, rig %s, kind %d: o (%a %a %a) r (%a %a %a): %s s %.4f voxel %d %d %d, %d steps; owed "
+                "%.4f, possible %.4f",
+                volume.name.c_str(), rig.name.c_str(), kind, double{ray.o.x}, double{ray.o.y},
+                double{ray.o.z}, double{ray.r.x}, double{ray.r.y}, double{ray.r.z},
+                hit.found ? "hit" : "no hit", double{hit.s}, hit.voxel.x, hit.voxel.y, hit.voxel.z, hit.steps,
+                truth.owed.value_or(-1), truth.possible.value_or(-1));
   return text;
 }
 
@@ -129,12 +140,16 @@ TrialVolume wholeVolume(std::string name, fields::Occupancy volume) {
 
 TrialVolume tiledVolume(std::string name, const fields::Occupancy& tile, const glm::ivec3& size) {
   // The tile in the middle of others like it, so many that no box of its bricks reaches their end.
-  const int around = (kCellMaxReach * kBrickSide + std::min({tile.size.x, tile.size.y, tile.size.z}) - 1) / std::min({tile.size.x, tile.size.y, tile.size.z});
+  const int around = (kCellMaxReach * kBrickSide + std::min({tile.size.x, tile.size.y, tile.size.z}) - 1) /
+                     std::min({tile.size.x, tile.size.y, tile.size.z});
   const int side = 2 * around + 1;
-  fields::Occupancy block{side * tile.size, std::vector<std::uint8_t>(static_cast<std::size_t>(side * side * side) * tile.solid.size())};
+  fields::Occupancy block{
+      side * tile.size,
+      std::vector<std::uint8_t>(static_cast<std::size_t>(side * side * side) * tile.solid.size())};
   for (int z = 0; z < block.size.z; ++z)
     for (int y = 0; y < block.size.y; ++y)
-      for (int x = 0; x < block.size.x; ++x) block.solid[block.index({x, y, z})] = tile.solid[tile.index(glm::ivec3(x, y, z) % tile.size)];
+      for (int x = 0; x < block.size.x; ++x)
+        block.solid[block.index({x, y, z})] = tile.solid[tile.index(glm::ivec3(x, y, z) % tile.size)];
   TrialVolume out;
   out.name = std::move(name);
   out.size = size;
@@ -158,7 +173,9 @@ std::vector<TrialRig> namedRigs(const glm::ivec3& size) {
                    {1, s * glm::vec3(0.1f, 1, 0), s * glm::vec3(0, 1, 0)}}});
   // Nothing round: no coefficient is exact in float32.
   const float height = 1.567578f * s.y;
-  rigs.push_back({"lifted", {{0, {3.7f, 17.3f, -2.9f}, height * glm::vec3(0, 0, -3.1f)}, {1, {-1.3f, 17.3f + height, 8.1f}, height * glm::vec3(-33.3f, 0, -10.7f)}}});
+  rigs.push_back({"lifted",
+                  {{0, {3.7f, 17.3f, -2.9f}, height * glm::vec3(0, 0, -3.1f)},
+                   {1, {-1.3f, 17.3f + height, 8.1f}, height * glm::vec3(-33.3f, 0, -10.7f)}}});
   return rigs;
 }
 
@@ -172,9 +189,14 @@ TrialRig randomRig(const glm::ivec3& size, unsigned seed) {
     const int count = 2 + static_cast<int>(random() % 4);
     const float height = s.y * (0.4f + 2 * unit()), strength = std::pow(10.0f, 1.5f * unit() - 0.5f);
     for (int i = 0; i < count; ++i) {
-      const float at = i == 0 ? 0.0f : (i == count - 1 ? 1.0f : (static_cast<float>(i) + 0.6f * signedUnit()) / static_cast<float>(count - 1));
+      const float at = i == 0 ? 0.0f
+                              : (i == count - 1 ? 1.0f
+                                                : (static_cast<float>(i) + 0.6f * signedUnit()) /
+                                                      static_cast<float>(count - 1));
       const float rise = unit() < 0.4f ? 0.0f : height * 2 * unit();
-      rig.knots.push_back({at, {0.5f * s.x * signedUnit(), 3 + height * at, 0.5f * s.z * signedUnit()}, {strength * s.x * signedUnit(), rise, strength * s.z * signedUnit()}});
+      rig.knots.push_back({at,
+                           {0.5f * s.x * signedUnit(), 3 + height * at, 0.5f * s.z * signedUnit()},
+                           {strength * s.x * signedUnit(), rise, strength * s.z * signedUnit()}});
     }
     if (checkKnots(rig.knots)) return rig;
   }
@@ -201,8 +223,10 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
     segments.push_back({g.p0, g.m0, g.p1, g.m1});
   }
   const Box bounds = deformedBounds(rig.knots, volume.size);
-  const tiled::Context context{volume, segments.data(), static_cast<int>(segments.size()), bounds.min, bounds.max};
-  const Volume truth_volume{volume.size, volume.pattern.solid, 1.0, volume.size, volume.tiled ? volume.pattern.size : glm::ivec3(0)};
+  const tiled::Context context{volume, segments.data(), static_cast<int>(segments.size()), bounds.min,
+                               bounds.max};
+  const Volume truth_volume{volume.size, volume.pattern.solid, 1.0, volume.size,
+                            volume.tiled ? volume.pattern.size : glm::ivec3(0)};
   const float s_max = 2 * glm::length(bounds.max - bounds.min);
 
   TrialTally tally;
@@ -224,7 +248,8 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
     tally.steps += static_cast<std::uint64_t>(hit.steps);
     tally.outside += static_cast<std::uint64_t>(hit.outside);
     tally.steps_max = std::max(tally.steps_max, hit.steps);
-    if (verdict != Verdict::kRight && tally.first_failure.empty()) tally.first_failure = describe(volume, rig, kind, ray, hit, truth);
+    if (verdict != Verdict::kRight && tally.first_failure.empty())
+      tally.first_failure = describe(volume, rig, kind, ray, hit, truth);
   }
   return tally;
 }

@@ -13,7 +13,9 @@
 namespace kelp::runtime {
 namespace {
 
-std::vector<std::byte> clumpBytes() { return test::bytesOf(test::packOf(test::ballClump({70, 90, 60}, 30, 1))); }
+std::vector<std::byte> clumpBytes() {
+  return test::bytesOf(test::packOf(test::ballClump({70, 90, 60}, 30, 1)));
+}
 
 void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
   const VoxelLevel* level = asset.level(0, 0);
@@ -30,8 +32,12 @@ void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
     for (v.y = 0; v.y < volume.size.y; ++v.y) {
       for (v.x = 0; v.x < volume.size.x; ++v.x) {
         const glm::ivec3 b = v / 8;
-        const std::uint32_t cell = level->cells[static_cast<std::size_t>(b.x + level->grid.x * (b.y + level->grid.y * b.z))];
-        solid.push_back(cell & kCellSolid ? isSolidCode(codeOf(pages[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell), v)) : 0);
+        const std::uint32_t cell =
+            level->cells[static_cast<std::size_t>(b.x + level->grid.x * (b.y + level->grid.y * b.z))];
+        solid.push_back(
+            cell & kCellSolid
+                ? isSolidCode(codeOf(pages[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell), v))
+                : 0);
       }
     }
   }
@@ -67,7 +73,8 @@ TEST(Asset, LevelsArriveCoarseToFine) {
     if (now >= 0) {
       EXPECT_LE(now, finest);
       finest = now;
-      for (int l = now; l < (*asset)->pack().parts()[0].levels; ++l) EXPECT_NE((*asset)->level(0, l), nullptr);
+      for (int l = now; l < (*asset)->pack().parts()[0].levels; ++l)
+        EXPECT_NE((*asset)->level(0, l), nullptr);
     }
   }
   EXPECT_EQ(finest, 0);

@@ -37,19 +37,23 @@ void shake(Pose& pose, std::mt19937& random) {
     knot.tangent += 60.0f * glm::vec3(d(random), d(random), d(random));
   }
   for (int part = 0; part < pose.parts(); ++part) {
-    *pose.motion(part) = {{d(random), d(random), d(random)}, glm::normalize(glm::quat(d(random), d(random), d(random), d(random))), glm::vec3(1.5f + d(random))};
+    *pose.motion(part) = {{d(random), d(random), d(random)},
+                          glm::normalize(glm::quat(d(random), d(random), d(random), d(random))),
+                          glm::vec3(1.5f + d(random))};
   }
 }
 
 // Rotation by the angle between two unit quaternions, in double precision.
 double angleBetween(const glm::quat& a, const glm::quat& b) {
   const glm::dquat difference = glm::conjugate(glm::dquat(a)) * glm::dquat(b);
-  return 2 * std::atan2(glm::length(glm::dvec3(difference.x, difference.y, difference.z)), std::abs(difference.w));
+  return 2 * std::atan2(glm::length(glm::dvec3(difference.x, difference.y, difference.z)),
+                        std::abs(difference.w));
 }
 
 TEST(Blend, GoesStraightAndTurnsEvenly) {
   Loaded loaded(twoParts());
-  Pose a = *Pose::create(*loaded.asset), b = *Pose::create(*loaded.asset), pose = *Pose::create(*loaded.asset);
+  Pose a = *Pose::create(*loaded.asset), b = *Pose::create(*loaded.asset),
+       pose = *Pose::create(*loaded.asset);
   std::mt19937 random(11);
   for (int n = 0; n < 50; ++n) {
     a.reset();
@@ -61,9 +65,14 @@ TEST(Blend, GoesStraightAndTurnsEvenly) {
       ASSERT_TRUE(pose.blend(b, w));
       for (std::size_t i = 0; i < pose.allKnots().size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-          const auto mixed = [w](float x, float y) { return static_cast<double>(x) + static_cast<double>(w) * (static_cast<double>(y) - static_cast<double>(x)); };
-          EXPECT_NEAR(pose.allKnots()[i].position[axis], mixed(a.allKnots()[i].position[axis], b.allKnots()[i].position[axis]), 1e-5);
-          EXPECT_NEAR(pose.allKnots()[i].tangent[axis], mixed(a.allKnots()[i].tangent[axis], b.allKnots()[i].tangent[axis]), 4e-5);
+          const auto mixed = [w](float x, float y) {
+            return static_cast<double>(x) +
+                   static_cast<double>(w) * (static_cast<double>(y) - static_cast<double>(x));
+          };
+          EXPECT_NEAR(pose.allKnots()[i].position[axis],
+                      mixed(a.allKnots()[i].position[axis], b.allKnots()[i].position[axis]), 1e-5);
+          EXPECT_NEAR(pose.allKnots()[i].tangent[axis],
+                      mixed(a.allKnots()[i].tangent[axis], b.allKnots()[i].tangent[axis]), 4e-5);
         }
         EXPECT_EQ(pose.allKnots()[i].at, a.allKnots()[i].at);
       }
@@ -73,8 +82,12 @@ TEST(Blend, GoesStraightAndTurnsEvenly) {
         EXPECT_NEAR(glm::length(q), 1.0f, 1e-6f);
         EXPECT_NEAR(angleBetween(a.motion(part)->rotation, q), static_cast<double>(w) * whole, 2e-3);
         EXPECT_NEAR(angleBetween(q, b.motion(part)->rotation), (1 - static_cast<double>(w)) * whole, 2e-3);
-        EXPECT_LT(glm::distance(pose.motion(part)->scale, glm::mix(a.motion(part)->scale, b.motion(part)->scale, w)), 1e-6f);
-        EXPECT_LT(glm::distance(pose.motion(part)->translation, glm::mix(a.motion(part)->translation, b.motion(part)->translation, w)), 1e-6f);
+        EXPECT_LT(glm::distance(pose.motion(part)->scale,
+                                glm::mix(a.motion(part)->scale, b.motion(part)->scale, w)),
+                  1e-6f);
+        EXPECT_LT(glm::distance(pose.motion(part)->translation,
+                                glm::mix(a.motion(part)->translation, b.motion(part)->translation, w)),
+                  1e-6f);
       }
     }
   }
@@ -109,7 +122,8 @@ TEST(Blend, MasksParts) {
 // Weights that add up to one: what two clips do together is between what they do alone, at every moment.
 TEST(Blend, ACrossfadeOfClipsIsTheBlendOfTheirPoses) {
   Loaded loaded(twoParts());
-  Pose left = *Pose::create(*loaded.asset), right = *Pose::create(*loaded.asset), faded = *Pose::create(*loaded.asset);
+  Pose left = *Pose::create(*loaded.asset), right = *Pose::create(*loaded.asset),
+       faded = *Pose::create(*loaded.asset);
   for (int i = 0; i <= 40; ++i) {
     const float w = static_cast<float>(i) / 40;
     const double seconds = 0.1 * i;
@@ -130,7 +144,8 @@ TEST(Blend, ACrossfadeOfClipsIsTheBlendOfTheirPoses) {
 
 TEST(Blend, MisuseIsAnsweredAndChangesNothing) {
   Loaded loaded(twoParts()), other(reed({0, 1}));
-  Pose pose = *Pose::create(*loaded.asset), to = *Pose::create(*loaded.asset), foreign = *Pose::create(*other.asset);
+  Pose pose = *Pose::create(*loaded.asset), to = *Pose::create(*loaded.asset),
+       foreign = *Pose::create(*other.asset);
   to.knots(0)[1].position.x = 5;
   EXPECT_EQ(pose.blend(foreign, 0.5f).error().code, ErrorCode::kMisuse);
   for (const float w : {-0.1f, 1.1f, std::nanf(""), HUGE_VALF}) {

@@ -16,7 +16,8 @@ namespace {
 using Exact = long double;
 
 Exact swing(const Wave& wave, double seconds) {
-  const Exact turns = std::fmod(static_cast<Exact>(seconds) / static_cast<Exact>(wave.period), 1.0L) + static_cast<Exact>(wave.phase);
+  const Exact turns = std::fmod(static_cast<Exact>(seconds) / static_cast<Exact>(wave.period), 1.0L) +
+                      static_cast<Exact>(wave.phase);
   return std::sin(2 * std::numbers::pi_v<Exact> * turns);
 }
 
@@ -32,7 +33,12 @@ RawPack waves() {
   std::uniform_real_distribution<float> d(-1, 1);
   const float periods[] = {0.9f, 4.0f, 1.3f, 2.0f, 17.0f, 0.05f, 3.3f, 6.0f, 1.0f, 0.7f, 2.5f};
   for (std::uint32_t i = 0; i < 40; ++i) {
-    clip.waves.push_back({i % 2, i % 3 + i / 20, i % 5 ? Target::kKnotOffset : Target::kKnotTangent, {d(random), d(random), d(random)}, periods[i % 11], 3 * d(random)});
+    clip.waves.push_back({i % 2,
+                          i % 3 + i / 20,
+                          i % 5 ? Target::kKnotOffset : Target::kKnotTangent,
+                          {d(random), d(random), d(random)},
+                          periods[i % 11],
+                          3 * d(random)});
   }
   clip.waves.push_back(clip.waves[3]);
   pack.clips.push_back(clip);
@@ -57,14 +63,19 @@ TEST(Clip, WavesAreSinesWheneverTheyAreAsked) {
             Exact sum[3] = {}, most = 0;
             for (const Wave& wave : pack.clips[0].waves) {
               if (static_cast<int>(wave.part) != part || wave.knot != knot || wave.target != target) continue;
-              for (int i = 0; i < 3; ++i) sum[i] += 0.75L * static_cast<Exact>(wave.amplitude[i]) * swing(wave, seconds);
+              for (int i = 0; i < 3; ++i)
+                sum[i] += 0.75L * static_cast<Exact>(wave.amplitude[i]) * swing(wave, seconds);
               most += 1;
             }
             const Knot& rest = pack.parts[static_cast<std::size_t>(part)].knots[knot];
             const Knot& now = pose.knots(part)[knot];
-            const glm::vec3 moved = target == Target::kKnotOffset ? now.position - rest.position : now.tangent - rest.tangent;
+            const glm::vec3 moved =
+                target == Target::kKnotOffset ? now.position - rest.position : now.tangent - rest.tangent;
             // A millionth of each wave, and the rounding of numbers up to 40.
-            for (int i = 0; i < 3; ++i) EXPECT_NEAR(static_cast<double>(moved[i]), static_cast<double>(sum[i]), 1e-6 * static_cast<double>(most) + 4e-6) << seconds;
+            for (int i = 0; i < 3; ++i)
+              EXPECT_NEAR(static_cast<double>(moved[i]), static_cast<double>(sum[i]),
+                          1e-6 * static_cast<double>(most) + 4e-6)
+                  << seconds;
           }
         }
       }
@@ -101,7 +112,8 @@ TEST(Clip, AnOffsetInTimeIsAPhase) {
   Pose late = *Pose::create(*loaded.asset), other = *Pose::create(*loaded.asset);
   ASSERT_TRUE(addClip(*loaded.asset, 0, 0.2 + 1.7, 1, late));
   ASSERT_TRUE(addClip(*loaded.asset, 0, 1.9, 1, other));
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(glm::distance(late.knots(1)[i].position, other.knots(1)[i].position), 1e-5f);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT(glm::distance(late.knots(1)[i].position, other.knots(1)[i].position), 1e-5f);
 }
 
 TEST(Clip, TimesBeyondAllPhasesAreHarmless) {
@@ -131,13 +143,16 @@ RawPack keyed(Interpolation interpolation, const std::vector<Key>& keys) {
 }
 
 TEST(Clip, TimesOfWhichTheDurationIsNoShareAreHarmless) {
-  for (const float duration : {std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::min(), std::numeric_limits<float>::max()}) {
-    RawPack pack = keyed(Interpolation::kLinear, {{0, {7, 0, 0, 0}, {}, {}}, {duration, {7, 0, 0, 0}, {}, {}}});
+  for (const float duration : {std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::min(),
+                               std::numeric_limits<float>::max()}) {
+    RawPack pack =
+        keyed(Interpolation::kLinear, {{0, {7, 0, 0, 0}, {}, {}}, {duration, {7, 0, 0, 0}, {}, {}}});
     pack.clips[0].duration = duration;
     Loaded loaded(pack);
     Pose pose = *Pose::create(*loaded.asset);
     const float rest = pose.knots(0)[1].tangent.x;
-    for (const double seconds : {0.0, 1e-320, -1e-320, 3.0, -3.0, 1e263, 1e300, -1e300, std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}) {
+    for (const double seconds : {0.0, 1e-320, -1e-320, 3.0, -3.0, 1e263, 1e300, -1e300,
+                                 std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}) {
       pose.reset();
       ASSERT_TRUE(addClip(*loaded.asset, 0, seconds, 1, pose));
       EXPECT_EQ(pose.knots(0)[1].tangent.x, rest + 7) << duration << ' ' << seconds;
@@ -147,9 +162,11 @@ TEST(Clip, TimesOfWhichTheDurationIsNoShareAreHarmless) {
 
 TEST(Clip, TracksStepGoStraightAndCurve) {
   std::vector<Key> keys(4);
-  const float times[] = {0.25f, 1.0f, 1.5f, 2.75f}, values[] = {1, -2, 3, 0.5f}, in[] = {0, 2, -1, 4}, out[] = {3, -2, 0.5f, 0};
+  const float times[] = {0.25f, 1.0f, 1.5f, 2.75f}, values[] = {1, -2, 3, 0.5f}, in[] = {0, 2, -1, 4},
+              out[] = {3, -2, 0.5f, 0};
   for (std::size_t i = 0; i < 4; ++i) keys[i] = {times[i], {values[i], 0, -values[i], 0}, {}, {}};
-  for (const Interpolation interpolation : {Interpolation::kStep, Interpolation::kLinear, Interpolation::kCubic}) {
+  for (const Interpolation interpolation :
+       {Interpolation::kStep, Interpolation::kLinear, Interpolation::kCubic}) {
     if (interpolation == Interpolation::kCubic) {
       for (std::size_t i = 0; i < 4; ++i) keys[i].in.x = in[i], keys[i].out.x = out[i];
     }
@@ -166,20 +183,27 @@ TEST(Clip, TracksStepGoStraightAndCurve) {
       } else if (k == 4) {
         expected = values[3];
       } else {
-        const double dt = static_cast<double>(times[k]) - static_cast<double>(times[k - 1]), u = (t - static_cast<double>(times[k - 1])) / dt;
+        const double dt = static_cast<double>(times[k]) - static_cast<double>(times[k - 1]),
+                     u = (t - static_cast<double>(times[k - 1])) / dt;
         const double a = values[k - 1], b = values[k];
         switch (interpolation) {
-          case Interpolation::kStep: expected = a; break;
-          case Interpolation::kLinear: expected = a + u * (b - a); break;
+          case Interpolation::kStep:
+            expected = a;
+            break;
+          case Interpolation::kLinear:
+            expected = a + u * (b - a);
+            break;
           default:
-            expected = (1 + 2 * u) * (1 - u) * (1 - u) * a + u * (1 - u) * (1 - u) * dt * static_cast<double>(out[k - 1]) +
+            expected = (1 + 2 * u) * (1 - u) * (1 - u) * a +
+                       u * (1 - u) * (1 - u) * dt * static_cast<double>(out[k - 1]) +
                        u * u * (3 - 2 * u) * b - u * u * (1 - u) * dt * static_cast<double>(in[k]);
         }
       }
       pose.reset();
       ASSERT_TRUE(addClip(*loaded.asset, 0, seconds, 1, pose));
       // At the very time of a key a step may still be to come.
-      const bool at_key = interpolation == Interpolation::kStep && (n == 25 || n == 100 || n == 150 || n == 275);
+      const bool at_key =
+          interpolation == Interpolation::kStep && (n == 25 || n == 100 || n == 150 || n == 275);
       if (!at_key) {
         EXPECT_NEAR(pose.knots(0)[1].tangent.x, expected, 5e-5) << t;
       }

@@ -30,6 +30,8 @@ inline std::vector<Knot> straight(std::initializer_list<float> places, float hei
 }
 
 // A part of 24 x 40 x 24 voxels on these knots.
-inline RawPack reed(std::initializer_list<float> places) { return test::packOf(test::ballClump({24, 40, 24}, 8, 1), straight(places, 40)); }
+inline RawPack reed(std::initializer_list<float> places) {
+  return test::packOf(test::ballClump({24, 40, 24}, 8, 1), straight(places, 40));
+}
 
 }  // namespace kelp::runtime

@@ -15,7 +15,8 @@ namespace {
 
 using test::Bytes;
 
-// Each brick has one voxel and a page of its own: what no writer makes and every reader must take. Level 0 has side^3 bricks.
+// Each brick has one voxel and a page of its own: what no writer makes and every reader must take. Level 0
+// has side^3 bricks.
 Bytes onePagePerBrick(std::uint32_t side, std::uint8_t levels) {
   fields::Occupancy one;
   one.size = {8, 8, 8};
@@ -24,7 +25,8 @@ Bytes onePagePerBrick(std::uint32_t side, std::uint8_t levels) {
   test::PackSurgeon pack(test::bytesOf(test::packOf(one)));
   for (std::size_t axis = 0; axis < 3; ++axis) test::set(pack.content("PART"), 8 + 12 + 4 * axis, 8 * side);
   test::set(pack.content("PART"), 8 + 9, levels);
-  const test::PackSurgeon::Chunk grid = pack.chunks[pack.find("GRID")], bricks = pack.chunks[pack.find("BRCK")];
+  const test::PackSurgeon::Chunk grid = pack.chunks[pack.find("GRID")],
+                                 bricks = pack.chunks[pack.find("BRCK")];
   pack.chunks.resize(pack.find("GRID"));
   for (std::uint32_t level = levels; level-- > 0;) {
     const std::uint32_t n = side >> level, count = n * n * n;
@@ -46,7 +48,8 @@ Bytes onePagePerBrick(std::uint32_t side, std::uint8_t levels) {
     for (std::uint32_t slot = 0; slot < count; ++slot) {
       test::set(all.content, 4 * std::size_t{cells[slot].second}, 0x80000000u | slot);
       const std::size_t entry = table + 32 * std::size_t{slot};
-      std::copy(grid.content.end() - 32, grid.content.end(), all.content.begin() + static_cast<std::ptrdiff_t>(entry));
+      std::copy(grid.content.end() - 32, grid.content.end(),
+                all.content.begin() + static_cast<std::ptrdiff_t>(entry));
       test::set(all.content, entry, std::uint64_t{pages.content.size()});
       test::set(all.content, entry + 24, slot);
       pages.content.insert(pages.content.end(), bricks.content.begin(), bricks.content.end());
@@ -80,7 +83,8 @@ double secondsOf(const auto& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Beside reading and decoding each page once in the same build: about twice as long; 30 to 40 times as long if each is found by a walk over all.
+// Beside reading and decoding each page once in the same build: about twice as long; 30 to 40 times as long
+// if each is found by a walk over all.
 TEST(ManyPages, TakeLittleLongerThanReadingThem) {
   const Bytes bytes = onePagePerBrick(32, 2);
   MemorySource source(bytes);
@@ -119,7 +123,8 @@ TEST(ManyPages, TakeLittleLongerThanReadingThem) {
       asked->request(0, 0, static_cast<float>(round));
       pump(*asked);
       const auto pages = static_cast<std::uint32_t>(asked->level(0, 0)->pages.size());
-      for (std::uint32_t page = static_cast<std::uint32_t>(round) % 4; page < pages; page += 4) (void)asked->pin(0, 0, page, static_cast<float>(round));
+      for (std::uint32_t page = static_cast<std::uint32_t>(round) % 4; page < pages; page += 4)
+        (void)asked->pin(0, 0, page, static_cast<float>(round));
       pump(*asked);
     }
   });
@@ -184,7 +189,8 @@ TEST(ManyPages, TheMostUrgentComesNext) {
       const std::uint32_t page = random() % pages.size();
       const float urgency = static_cast<float>(random() % 50);
       EXPECT_EQ(static_cast<bool>(asset.pin(0, 0, page, urgency)), pages[page].resident);
-      if (pages[page].round != now || pages[page].urgency < urgency) pages[page].urgency = urgency, pages[page].round = now;
+      if (pages[page].round != now || pages[page].urgency < urgency)
+        pages[page].urgency = urgency, pages[page].round = now;
     } else {
       std::size_t next = pages.size();
       float most = 0;
@@ -198,7 +204,8 @@ TEST(ManyPages, TheMostUrgentComesNext) {
       ASSERT_TRUE(more);
       ASSERT_EQ(*more, next < pages.size());
       if (!*more) continue;
-      ASSERT_EQ(recorder.offsets, std::vector<std::uint64_t>{infos[next].offset}) << "page " << next << " at " << most;
+      ASSERT_EQ(recorder.offsets, std::vector<std::uint64_t>{infos[next].offset})
+          << "page " << next << " at " << most;
       pages[next].resident = true;
       ++loaded;
     }

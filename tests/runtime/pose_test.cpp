@@ -72,7 +72,8 @@ TEST(Pose, AddsClips) {
   EXPECT_NEAR(angle, 0.25f, 1e-4f);  // half-way of one radian, half weight
   pose.reset();
   ASSERT_TRUE(addClip(*loaded.asset, 0, 1.0, 1.0f, pose));
-  EXPECT_NEAR(pose.knots(0)[0].position.x, 0.5f * 4 + 0.125f * 2 * 1 - 0.125f * 2 * -1, 1e-5f);  // Hermite at its middle
+  // Hermite at its middle
+  EXPECT_NEAR(pose.knots(0)[0].position.x, 0.5f * 4 + 0.125f * 2 * 1 - 0.125f * 2 * -1, 1e-5f);
   pose.reset();
   ASSERT_TRUE(addClip(*loaded.asset, 0, -3.0, 1.0f, pose));  // wraps to 1
   EXPECT_NEAR(pose.knots(0)[0].position.x, 2.5f, 1e-4f);
@@ -80,7 +81,9 @@ TEST(Pose, AddsClips) {
 
 TEST(Pose, MisuseIsAnswered) {
   Loaded loaded(animated());
-  Loaded other(test::packOf(test::ballClump({24, 40, 24}, 8, 1), {{0, {0, 0, 0}, {0, 40, 0}}, {0.5f, {0, 20, 0}, {0, 40, 0}}, {1, {0, 40, 0}, {0, 40, 0}}}));
+  Loaded other(test::packOf(
+      test::ballClump({24, 40, 24}, 8, 1),
+      {{0, {0, 0, 0}, {0, 40, 0}}, {0.5f, {0, 20, 0}, {0, 40, 0}}, {1, {0, 40, 0}, {0, 40, 0}}}));
   Pose pose = *Pose::create(*loaded.asset);
   Pose wrong = *Pose::create(*other.asset);
   EXPECT_EQ(addClip(*loaded.asset, 5, 0, 1, pose).error().code, ErrorCode::kMisuse);
@@ -136,7 +139,8 @@ TEST(Pose, ClampMendsManyKnots) {
   }
 }
 
-// Numbers that are none are an error wherever they are, not something to clamp; what asks about such a pose answers that there is nothing.
+// Numbers that are none are an error wherever they are, not something to clamp; what asks about such a pose
+// answers that there is nothing.
 TEST(Pose, NumbersThatAreNoneAreRefused) {
   Loaded loaded(animated());
   Pose pose = *Pose::create(*loaded.asset);
@@ -147,7 +151,8 @@ TEST(Pose, NumbersThatAreNoneAreRefused) {
     for (std::size_t knot = 0; knot < 2; ++knot) {
       for (int axis = 0; axis < 3; ++axis) {
         for (const bool tangent : {true, false}) {
-          SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis << (tangent ? ", tangent" : ", position"));
+          SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis
+                                          << (tangent ? ", tangent" : ", position"));
           pose.reset();
           (tangent ? pose.knots(0)[knot].tangent : pose.knots(0)[knot].position)[axis] = bad;
           ASSERT_FALSE(pose.check());

@@ -46,7 +46,8 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
   for (int place = 0; place < 40; ++place) {
     Ray ray;
     ray.origin = {2.0f * unit(random) - 1, unit(random), 2};
-    ray.direction = toWorld(instance, 0, {96 * unit(random), 128 * unit(random), 96 * unit(random)}) - ray.origin;
+    ray.direction =
+        toWorld(instance, 0, {96 * unit(random), 128 * unit(random), 96 * unit(random)}) - ray.origin;
     const auto wanted = raycast(truth, ray);
     bool fine = false;
     for (int tick = 0; tick < 40 && !fine; ++tick, ++ticks) {
@@ -63,7 +64,9 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
         if (!*more) break;
       }
       EXPECT_LE(asset.memory(), options.memory_budget);
-      fine = wanted ? hit && hit->level == 0 && hit->voxel == wanted->voxel && std::abs(hit->t - wanted->t) < 1e-4f : !hit;
+      fine = wanted ? hit && hit->level == 0 && hit->voxel == wanted->voxel &&
+                          std::abs(hit->t - wanted->t) < 1e-4f
+                    : !hit;
     }
     EXPECT_TRUE(fine) << "what the ray asked for never came, place " << place;
   }
@@ -97,7 +100,8 @@ TEST(Query, PinnedPagesStay) {
   for (int round = 0; round < 600; ++round) {
     asset.beginRequests();
     const std::uint32_t page = static_cast<std::uint32_t>(round / 10) % pages;
-    if (std::find(which.begin(), which.end(), page) == which.end() && asset.pin(0, 0, page, 1)) came[page] = true;
+    if (std::find(which.begin(), which.end(), page) == which.end() && asset.pin(0, 0, page, 1))
+      came[page] = true;
     while (*asset.pump()) {
     }
     EXPECT_LE(asset.memory(), options.memory_budget);
@@ -114,10 +118,12 @@ TEST(Query, PinnedPagesStay) {
 
 // All of a part, at most `finest` fine, and what of it is there is looked at.
 void askFor(const Asset& asset, int part, int finest, float urgency) {
-  for (int level = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1; level >= finest; --level) {
+  for (int level = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1; level >= finest;
+       --level) {
     asset.request(part, level, urgency);
     const VoxelLevel* data = asset.level(part, level);
-    for (std::uint32_t page = 0; data && page < data->pages.size(); ++page) (void)asset.pin(part, level, page, urgency);
+    for (std::uint32_t page = 0; data && page < data->pages.size(); ++page)
+      (void)asset.pin(part, level, page, urgency);
   }
 }
 void pumpAll(Asset& asset) {
@@ -127,10 +133,12 @@ void pumpAll(Asset& asset) {
   }
 }
 
-// A level that is asked for most urgently, and for which there is no room, must not keep smaller things from coming.
+// A level that is asked for most urgently, and for which there is no room, must not keep smaller things from
+// coming.
 TEST(Query, WhatDoesNotFitHoldsUpNobody) {
   RawPack pack = test::packOf(test::dust({800, 8, 800}, 20000, 3));  // a large grid
-  pack.parts.push_back(test::partOf(test::ballClump({12, 12, 12}, 4, 3), test::figureKnots(test::kFigure6[0], {12, 12, 12}), "small"));
+  pack.parts.push_back(test::partOf(test::ballClump({12, 12, 12}, 4, 3),
+                                    test::figureKnots(test::kFigure6[0], {12, 12, 12}), "small"));
   const std::vector<std::byte> bytes = test::bytesOf(pack);
   std::uint64_t small = 0;
   {

@@ -28,10 +28,12 @@ TEST(Raycast, AgreesWithTheGroundTruthFromAfar) {
     const std::vector<Knot> knots = test::figureKnots(figure, volume.size);
     std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
     Instance instance{&asset, &pose};
-    instance.to_world = glm::mat4(glm::vec4(0, 0, 2, 0), glm::vec4(0, 3, 0, 0), glm::vec4(-2, 0.5f, 0, 0), glm::vec4(30, -20, 10, 1));
+    instance.to_world = glm::mat4(glm::vec4(0, 0, 2, 0), glm::vec4(0, 3, 0, 0), glm::vec4(-2, 0.5f, 0, 0),
+                                  glm::vec4(30, -20, 10, 1));
     const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0)));
     for (int i = 0; i < 3000; ++i) {
-      const glm::vec3 target = toWorld(instance, 0, {60 * unit(random), 80 * unit(random), 50 * unit(random)});
+      const glm::vec3 target =
+          toWorld(instance, 0, {60 * unit(random), 80 * unit(random), 50 * unit(random)});
       Ray ray;
       ray.direction = 0.1f + 5.0f * (glm::vec3(unit(random), unit(random), unit(random)) - 0.5f);
       ray.origin = target - 30.0f * ray.direction;

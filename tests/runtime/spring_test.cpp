@@ -26,7 +26,9 @@ struct Reference {
   void advance(double seconds) {
     const int steps = static_cast<int>(std::ceil(seconds / 1e-5));
     const double h = seconds / steps;
-    const auto pull = [&](double p, double q) { return -omega * omega * (p - held) - 2 * damping * omega * q; };
+    const auto pull = [&](double p, double q) {
+      return -omega * omega * (p - held) - 2 * damping * omega * q;
+    };
     for (int i = 0; i < steps; ++i) {
       const double x1 = v, v1 = pull(x, v);
       const double x2 = v + h / 2 * v1, v2 = pull(x + h / 2 * x1, v + h / 2 * v1);
@@ -105,7 +107,8 @@ TEST(Spring, LosesEnergyAndComesToRest) {
   for (int step = 0; step < 600; ++step) {
     ASSERT_TRUE(spring.step(1.0f / 60));
     float energy = 0;
-    for (const Swing& s : spring.knots(0)) energy += glm::dot(s.velocity, s.velocity) + omega * omega * glm::dot(s.offset, s.offset);
+    for (const Swing& s : spring.knots(0))
+      energy += glm::dot(s.velocity, s.velocity) + omega * omega * glm::dot(s.offset, s.offset);
     EXPECT_LE(energy, before);
     before = energy;
   }
@@ -179,8 +182,10 @@ double distanceTo(const glm::vec3& point, const Pose& pose, const glm::mat4& par
     const double share = static_cast<double>(k[i + 1].at) - static_cast<double>(k[i].at);
     for (int step = 0; step <= 500; ++step) {
       const double t = step / 500.0, u = 1 - t;
-      const glm::dvec3 s = (1 + 2 * t) * u * u * glm::dvec3(k[i].position) + t * u * u * share * glm::dvec3(k[i].tangent) +
-                           t * t * (3 - 2 * t) * glm::dvec3(k[i + 1].position) - t * t * u * share * glm::dvec3(k[i + 1].tangent);
+      const glm::dvec3 s = (1 + 2 * t) * u * u * glm::dvec3(k[i].position) +
+                           t * u * u * share * glm::dvec3(k[i].tangent) +
+                           t * t * (3 - 2 * t) * glm::dvec3(k[i + 1].position) -
+                           t * t * u * share * glm::dvec3(k[i + 1].tangent);
       const glm::dvec3 world = glm::dmat4(part_to_world) * glm::dvec4(s + glm::dvec3(12, 0, 12), 1);
       least = std::min(least, glm::distance(world, glm::dvec3(point)));
     }
@@ -198,7 +203,8 @@ TEST(Spring, ASpherePushesItAway) {
       Pose pose = *Pose::create(*loaded.asset);
       pose.knots(0).back().position.x += 10 * d(random);
       Instance instance{loaded.asset.get(), &pose};
-      instance.to_world = glm::translate(glm::mat4(1), glm::vec3(100, 2, -50)) * glm::rotate(glm::mat4(1), 3 * d(random), glm::vec3(0.6f, 0.8f, 0)) *
+      instance.to_world = glm::translate(glm::mat4(1), glm::vec3(100, 2, -50)) *
+                          glm::rotate(glm::mat4(1), 3 * d(random), glm::vec3(0.6f, 0.8f, 0)) *
                           glm::scale(glm::mat4(1), glm::vec3(1.5f, 2.0f, 1.5f));
       // Beside the upper half of the reed, one unit high before it is scaled, and touching it or nearly.
       const float height = 0.75f + 0.25f * d(random);
@@ -227,7 +233,8 @@ TEST(Spring, ASphereStopsWhatComesTowardsIt) {
   Spring spring = *Spring::create(*loaded.asset, {1.0f, 0.2f});
   const Instance instance{loaded.asset.get(), nullptr};
   ASSERT_TRUE(spring.push(0, {40, 0, 10}));
-  ASSERT_TRUE(spring.pushAway(instance, {0.15f, 0.9f, 0}, 0.2f));  // stands on the side of +x, the reed on the origin
+  // stands on the side of +x, the reed on the origin
+  ASSERT_TRUE(spring.pushAway(instance, {0.15f, 0.9f, 0}, 0.2f));
   EXPECT_LT(spring.knots(0)[1].offset.x, -1.0f);
   EXPECT_NEAR(spring.knots(0)[1].velocity.x, 0, 1e-3f);
   EXPECT_NEAR(spring.knots(0)[1].velocity.z, 10, 0.1f);
@@ -247,7 +254,8 @@ TEST(Spring, NothingAbsurdMakesNumbersThatAreNone) {
         ASSERT_TRUE(spring.setWind(0, {any(), any(), any()}));
         pose.reset();
         const Instance instance{loaded.asset.get(), &pose};
-        ASSERT_TRUE(spring.pushAway(instance, i % 2 ? glm::vec3(any(), any(), any()) : glm::vec3(0.1f, 0.5f, 0), std::abs(any())));
+        ASSERT_TRUE(spring.pushAway(
+            instance, i % 2 ? glm::vec3(any(), any(), any()) : glm::vec3(0.1f, 0.5f, 0), std::abs(any())));
         ASSERT_TRUE(spring.step(std::abs(any())));
         ASSERT_TRUE(isFinite(spring)) << i;
         ASSERT_TRUE(spring.addTo(pose));
@@ -301,11 +309,14 @@ TEST(Spring, MisuseIsAnswered) {
   }
   EXPECT_EQ(spring.push(0, {0, kNan, 0}).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(spring.setWind(0, {0, 0, HUGE_VALF}).error().code, ErrorCode::kMisuse);
-  for (const float seconds : {-1e-3f, kNan, HUGE_VALF}) EXPECT_EQ(spring.step(seconds).error().code, ErrorCode::kMisuse);
+  for (const float seconds : {-1e-3f, kNan, HUGE_VALF})
+    EXPECT_EQ(spring.step(seconds).error().code, ErrorCode::kMisuse);
   EXPECT_TRUE(spring.step(0));
   EXPECT_EQ(spring.knots(0)[1].velocity, glm::vec3(0)) << "nothing of all that was done";
-  for (const SpringSettings& bad : {SpringSettings{0}, SpringSettings{-1}, SpringSettings{kNan}, SpringSettings{1e6f}, SpringSettings{1, -0.1f},
-                                    SpringSettings{1, kNan}, SpringSettings{1, HUGE_VALF}, SpringSettings{1, 1, 0}, SpringSettings{1, 1, kNan}}) {
+  for (const SpringSettings& bad :
+       {SpringSettings{0}, SpringSettings{-1}, SpringSettings{kNan}, SpringSettings{1e6f},
+        SpringSettings{1, -0.1f}, SpringSettings{1, kNan}, SpringSettings{1, HUGE_VALF},
+        SpringSettings{1, 1, 0}, SpringSettings{1, 1, kNan}}) {
     EXPECT_EQ(Spring::create(*loaded.asset, bad).error().code, ErrorCode::kMisuse);
   }
 }

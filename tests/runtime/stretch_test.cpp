@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// End knots moved along y: the volume follows the paper's map, y = Y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)), here in double precision.
+// End knots moved along y: the volume follows the paper's map, y = Y (Sy(t) - Sy(0)) / (Sy(1) - Sy(0)), here
+// in double precision.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,17 +17,20 @@ namespace {
 // S at parameter t of the segment from k0 to k1, in the Hermite basis.
 glm::dvec3 splineAt(const Knot& k0, const Knot& k1, double t) {
   const double share = static_cast<double>(k1.at) - static_cast<double>(k0.at), u = 1 - t;
-  return (1 + 2 * t) * u * u * glm::dvec3(k0.position) + t * u * u * share * glm::dvec3(k0.tangent) + t * t * (3 - 2 * t) * glm::dvec3(k1.position) -
-         t * t * u * share * glm::dvec3(k1.tangent);
+  return (1 + 2 * t) * u * u * glm::dvec3(k0.position) + t * u * u * share * glm::dvec3(k0.tangent) +
+         t * t * (3 - 2 * t) * glm::dvec3(k1.position) - t * t * u * share * glm::dvec3(k1.tangent);
 }
 
-// Where a rest point of a volume of height Y goes, in part space: the spline point at its height, by bisection.
+// Where a rest point of a volume of height Y goes, in part space: the spline point at its height, by
+// bisection.
 glm::dvec3 mapped(std::span<const Knot> knots, double height, const glm::dvec3& rest) {
-  const double low = knots.front().position.y, high = knots.back().position.y, y = low + rest.y / height * (high - low);
+  const double low = knots.front().position.y, high = knots.back().position.y,
+               y = low + rest.y / height * (high - low);
   std::size_t i = 0;
   while (i + 2 < knots.size() && static_cast<double>(knots[i + 1].position.y) < y) ++i;
   double from = 0, to = 1;
-  for (int step = 0; step < 60; ++step) (splineAt(knots[i], knots[i + 1], (from + to) / 2).y < y ? from : to) = (from + to) / 2;
+  for (int step = 0; step < 60; ++step)
+    (splineAt(knots[i], knots[i + 1], (from + to) / 2).y < y ? from : to) = (from + to) / 2;
   const glm::dvec3 s = splineAt(knots[i], knots[i + 1], from);
   return {rest.x + s.x, y, rest.z + s.z};
 }
@@ -35,7 +39,8 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
   Loaded loaded(reed({0, 0.4f, 1}));
   Pose pose = *Pose::create(*loaded.asset);
   Instance instance{loaded.asset.get(), &pose};
-  instance.to_world = glm::rotate(glm::translate(glm::mat4(1), glm::vec3(3, -1, 2)), 0.7f, glm::vec3(0, 0.6f, 0.8f));
+  instance.to_world =
+      glm::rotate(glm::translate(glm::mat4(1), glm::vec3(3, -1, 2)), 0.7f, glm::vec3(0, 0.6f, 0.8f));
   std::mt19937 random(13);
   std::uniform_real_distribution<float> unit(0, 1), d(-1, 1);
   int stretched = 0, squashed = 0;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""samples/farm, run as a user would. Usage: check_farm.py Local|Slurm KELP_BAKE SAMPLES_FARM [unittest options]
-Local needs Snakemake. Slurm is minutes long and needs munge and slurm-wlm too: see tests/farm.sh."""
+"""samples/farm, run as a user would. Usage: check_farm.py Local|Slurm KELP_BAKE SAMPLES_FARM [unittest
+options] Local needs Snakemake. Slurm is minutes long and needs munge and slurm-wlm too: see tests/farm.sh."""
 import json
 import os
 import re
@@ -35,7 +35,10 @@ def baking(folder, pack, seconds):
             try:
                 with open("/proc/%d/cmdline" % pid, "rb") as file:
                     words = file.read().decode(errors="replace").split("\0")
-                if words[0] == KELP_BAKE and pack in words and os.path.samefile("/proc/%d/cwd" % pid, folder) and (processor_time(pid) or 0) >= seconds:
+                if words[0] == KELP_BAKE and pack in words and os.path.samefile("/proc/%d/cwd" % pid,
+                                                                                folder) and (
+                                                                                    processor_time(pid)
+                                                                                    or 0) >= seconds:
                     return pid
             except OSError:
                 continue  # it has ended
@@ -52,7 +55,8 @@ class Farm(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="kelp_farm_")
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        subprocess.run([sys.executable, "-B", os.path.join(FARM, "make_assets.py"), self.folder, "--count", str(self.COUNT)], check=True)
+        subprocess.run([sys.executable, "-B", os.path.join(FARM, "make_assets.py"), self.folder, "--count",
+                        str(self.COUNT)], check=True)
         self.environment = {**os.environ, "PATH": PATH, "XDG_CACHE_HOME": os.path.join(self.folder, ".cache")}
 
     def path(self, name):
@@ -72,9 +76,11 @@ class Farm(unittest.TestCase):
             json.dump(manifest, file)
 
     def start(self, *more, manifest="assets.json"):
-        command = ["snakemake", "-s", os.path.join(FARM, "Snakefile"), *self.PROFILE, *more, "--config", "kelp_bake=" + KELP_BAKE, "manifest=" + manifest, "mem_mb=500", *self.CONFIG]
+        command = ["snakemake", "-s", os.path.join(FARM, "Snakefile"), *self.PROFILE, *more, "--config",
+                   "kelp_bake=" + KELP_BAKE, "manifest=" + manifest, "mem_mb=500", *self.CONFIG]
         with open(self.path("farm.log"), "wb") as log:  # a pipe that nobody reads would stop it
-            process = subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=subprocess.STDOUT, env=self.environment, start_new_session=True)
+            process = subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=subprocess.STDOUT,
+                                       env=self.environment, start_new_session=True)
         self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
         return process
 
@@ -112,8 +118,10 @@ class Farm(unittest.TestCase):
         """The packs of one kelp-bake, in a copy of the folder."""
         with tempfile.TemporaryDirectory() as other:
             copy = os.path.join(other, "copy")
-            shutil.copytree(self.folder, copy, ignore=shutil.ignore_patterns("packs", "packs in stock", ".snakemake", ".cache"))
-            subprocess.run([KELP_BAKE, "--manifest", "assets.json"], cwd=copy, check=True, capture_output=True)
+            shutil.copytree(self.folder, copy,
+                            ignore=shutil.ignore_patterns("packs", "packs in stock", ".snakemake", ".cache"))
+            subprocess.run([KELP_BAKE, "--manifest", "assets.json"], cwd=copy, check=True,
+                           capture_output=True)
             return self.packs(copy)
 
     def baked(self, *outputs):
@@ -121,11 +129,13 @@ class Farm(unittest.TestCase):
 
     def all_current(self, count):
         """kelp-bake itself, which asks the packs and no time stamps, finds nothing left to do."""
-        result = subprocess.run([KELP_BAKE, "--manifest", "assets.json"], cwd=self.folder, capture_output=True, text=True, check=True)
+        result = subprocess.run([KELP_BAKE, "--manifest", "assets.json"], cwd=self.folder,
+                                capture_output=True, text=True, check=True)
         self.assertIn("%d of %d assets done: 0 baked, %d up to date" % (count, count, count), result.stderr)
 
 
-@unittest.skipUnless(shutil.which("snakemake"), "SKIPPED (opt-in): Snakemake is not here; tools/setup.sh farm installs it")
+@unittest.skipUnless(shutil.which("snakemake"),
+                     "SKIPPED (opt-in): Snakemake is not here; tools/setup.sh farm installs it")
 class Local(Farm):
     def test_the_same_bytes_and_nothing_in_vain(self):
         # A bad asset stops no other.
@@ -134,7 +144,8 @@ class Local(Farm):
         done, text = self.farm(code=1)
         self.assertEqual(len(done), self.COUNT)
         self.assertEqual(len(self.packs()), self.COUNT - 1)
-        self.assertRegex(text, r"(?m)^farm: no .*lump002\.kelp: kelp-bake: plain/lump002\.ply: .+; .+ \(exit code 3\)$")
+        self.assertRegex(text, r"(?m)^farm: no .*lump002\.kelp: kelp-bake: plain/lump002\.ply: "
+                               r".+; .+ \(exit code 3\)$")
         self.assertIn("farm: %d of %d packs are there" % (self.COUNT - 1, self.COUNT), text)
 
         # Mended, it alone is baked.
@@ -145,18 +156,22 @@ class Local(Farm):
         self.assertEqual(self.packs(), self.truth())
         self.assertTrue(os.listdir(self.path("packs in stock")))
 
-        # A texture that many share and that no manifest names, a rig that appears, an option that changes, an asset that is new.
+        # A texture that many share and that no manifest names, a rig that appears, an option that changes, an
+        # asset that is new.
         self.edit("textured/skin.png", lambda content: content)
         with open(self.path("painted/lump004.rig.json"), "w", encoding="utf-8") as file:
             json.dump({"kelp": 1}, file)
-        self.edit_manifest(lambda manifest: manifest["assets"].append({**self.SLOW, "resolution": 9, "report": "own.json"}))
+        self.edit_manifest(
+            lambda manifest: manifest["assets"].append({**self.SLOW, "resolution": 9, "report": "own.json"}))
         with open(self.path("plain/plain.json"), encoding="utf-8") as file:
             plain = json.load(file)
         plain["assets"][1] = {"input": "lump003.stl", "resolution": 10}
         with open(self.path("plain/plain.json"), "w", encoding="utf-8") as file:
             json.dump(plain, file)
         textured = [pack for pack in self.packs() if pack.startswith("textured")]
-        self.assertEqual(self.farm()[0], self.baked(*textured, "painted/lump004.kelp", "plain/lump003.kelp", "textured/slow one.kelp"))
+        self.assertEqual(self.farm()[0],
+                         self.baked(*textured, "painted/lump004.kelp", "plain/lump003.kelp",
+                                    "textured/slow one.kelp"))
         with open(self.path("own.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["schema"], "kelp-bake-report/1")
         self.assertEqual(self.farm()[0], set())
@@ -172,7 +187,8 @@ class Local(Farm):
 
     def test_what_was_killed_is_baked_again(self):
         with open(self.path("two.json"), "w", encoding="utf-8") as file:
-            json.dump({"output": "packs/textured", "assets": [{"input": "textured/lump001.gltf", "resolution": 20}, self.SLOW]}, file)
+            json.dump({"output": "packs/textured",
+                       "assets": [{"input": "textured/lump001.gltf", "resolution": 20}, self.SLOW]}, file)
         process = self.start(manifest="two.json")
         pid = baking(self.folder, self.SLOW_PACK, 0.3)
         while not os.path.exists(self.path("packs/textured/lump001.kelp.json")):
@@ -182,10 +198,13 @@ class Local(Farm):
         os.kill(pid, signal.SIGKILL)
         process.wait(timeout=60)
         self.assertEqual(set(self.packs()), {"textured/lump001.kelp"})
-        subprocess.run(["snakemake", "-s", os.path.join(FARM, "Snakefile"), "--unlock", "--config", "kelp_bake=" + KELP_BAKE, "manifest=two.json"], cwd=self.folder, check=True, capture_output=True, env=self.environment)
+        subprocess.run(["snakemake", "-s", os.path.join(FARM, "Snakefile"), "--unlock", "--config",
+                        "kelp_bake=" + KELP_BAKE, "manifest=two.json"], cwd=self.folder, check=True,
+                        capture_output=True, env=self.environment)
         done, _ = self.farm("--rerun-incomplete", manifest="two.json")
         self.assertIn(self.SLOW_PACK, done)
-        subprocess.run([KELP_BAKE, "textured/lump000.obj", "-o", "alone.kelp", "--resolution", str(self.SLOW["resolution"])], cwd=self.folder, check=True, capture_output=True)
+        subprocess.run([KELP_BAKE, "textured/lump000.obj", "-o", "alone.kelp", "--resolution",
+                        str(self.SLOW["resolution"])], cwd=self.folder, check=True, capture_output=True)
         with open(self.path("alone.kelp"), "rb") as file:
             self.assertEqual(self.packs()["textured/slow one.kelp"], file.read())
 
@@ -201,7 +220,9 @@ class Slurm(Farm):
     def start_slurm(self):
         """A Slurm that runs until its standard input ends."""
         where = self.path("slurm")
-        slurm = subprocess.Popen([os.path.join(FARM, "one_node_slurm.sh"), where, "sh", "-c", "echo ready; cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**self.environment, "KELP_SLURM_CPUS": "2"})
+        slurm = subprocess.Popen([os.path.join(FARM, "one_node_slurm.sh"), where, "sh", "-c",
+                                  "echo ready; cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                  text=True, env={**self.environment, "KELP_SLURM_CPUS": "2"})
         self.assertEqual(slurm.stdout.readline(), "ready\n")
 
         def stop():
@@ -212,7 +233,8 @@ class Slurm(Farm):
         self.environment["SLURM_CONF"] = os.path.join(where, "slurm.conf")
 
     def slurm(self, *command):
-        return subprocess.run(command, check=True, capture_output=True, text=True, env=self.environment).stdout
+        return subprocess.run(command, check=True, capture_output=True, text=True,
+                              env=self.environment).stdout
 
     def caught(self):
         """The process that bakes the slow one, at work, and its job."""
@@ -242,7 +264,8 @@ class Slurm(Farm):
             shutil.rmtree(self.path(leftover))
 
         self.start_slurm()
-        self.PROFILE = ["--profile", os.path.join(FARM, "slurm"), "--cores", "2", "--group-components", "bakes=10"]
+        self.PROFILE = ["--profile", os.path.join(FARM, "slurm"), "--cores", "2", "--group-components",
+                        "bakes=10"]
         lap("Slurm starts")
 
         # A job dies with everything in it, as when a machine does, and nobody tries again. One asset is bad.
@@ -257,7 +280,8 @@ class Slurm(Farm):
                 os.kill(int(victim.split()[0]), signal.SIGKILL)
         while processor_time(pid) is not None:
             time.sleep(0.05)
-        print("job %s was killed, and in it kelp-bake, process %d, after %.1f s of work on '%s'" % (job, pid, worked, self.SLOW_PACK), flush=True)
+        print("job %s was killed, and in it kelp-bake, process %d, after %.1f s of work on '%s'"
+              % (job, pid, worked, self.SLOW_PACK), flush=True)
         text = self.end(process, 1)
         survivors = self.packs()
         self.assertEqual(survivors, {name: truth[name] for name in survivors})
@@ -270,7 +294,8 @@ class Slurm(Farm):
         self.assertLessEqual(lost, bad | its_group)
         self.assertRegex(text, r"(?m)^farm: no packs/textured/slow one\.kelp: not finished")
         self.assertRegex(text, r"(?m)^farm: no .*lump002\.kelp: kelp-bake: plain/lump002\.ply: ")
-        lap("Slurm, %d jobs, one of them killed, one asset bad: %d packs" % (len(submissions), len(survivors)))
+        lap("Slurm, %d jobs, one of them killed, one asset bad: %d packs"
+            % (len(submissions), len(survivors)))
 
         # Mended and again. Now the job is cancelled: the profile tries once more.
         with open(self.path("plain/lump002.ply"), "wb") as file:

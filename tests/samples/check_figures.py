@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_figures.py PICTURES BIN MODELS OUT: runs PICTURES/figures.py at a small size without the paper's models, and looks at both sheets."""
+"""check_figures.py PICTURES BIN MODELS OUT: runs PICTURES/figures.py at a small size without the paper's
+models, and looks at both sheets."""
 
 import os
 import shutil
@@ -9,7 +10,8 @@ import sys
 
 def tile_of(sheet, box):
     left, top, width, height = box
-    return [tuple(sheet.rows[y][3 * x:3 * x + 3]) for y in range(top, top + height) for x in range(left, left + width)]
+    return [tuple(sheet.rows[y][3 * x:3 * x + 3]) for y in range(top, top + height)
+            for x in range(left, left + width)]
 
 
 def share_of(pixels, test):
@@ -28,13 +30,16 @@ def check_sheet(sheet, columns, tile, letters):
     """The tiles of a sheet, by row and column; there is writing above and under each."""
     head, label, gap = 4 * letters, 3 * letters, letters
     rows = round((sheet.height - head) / (tile[1] + label))
-    assert sheet.width == gap + columns * (tile[0] + gap) and sheet.height == head + rows * (tile[1] + label), (sheet.width, sheet.height)
+    assert sheet.width == gap + columns * (tile[0]
+                                           + gap) and sheet.height == head + rows * (tile[1] + label), (
+                                               sheet.width, sheet.height)
     assert share_of(tile_of(sheet, (0, 0, sheet.width, head)), dark) > 0.005, "the title is missing"
     tiles = []
     for row in range(rows):
         for column in range(columns):
             left, top = gap + column * (tile[0] + gap), head + row * (tile[1] + label)
-            assert share_of(tile_of(sheet, (left, top + tile[1], tile[0], label)), dark) > 0.01, "a label is missing"
+            assert share_of(tile_of(sheet, (left, top + tile[1], tile[0], label)),
+                            dark) > 0.01, "a label is missing"
             tiles.append(tile_of(sheet, (left, top, *tile)))
     return tiles
 
@@ -45,21 +50,26 @@ def main(pictures, binaries, models, out):
     import png
 
     shutil.rmtree(out, ignore_errors=True)
-    command = [sys.executable, "-B", os.path.join(pictures, "figures.py"), "--bin", binaries, "--models", models, "--out", out]
-    done = subprocess.run([*command, "--assets", os.path.join(out, "none"), "--tile", "84", "--resolution", "64"], capture_output=True, text=True, timeout=600)
+    command = [sys.executable, "-B", os.path.join(pictures, "figures.py"), "--bin", binaries, "--models",
+               models, "--out", out]
+    done = subprocess.run([*command, "--assets", os.path.join(out, "none"), "--tile", "84", "--resolution",
+                           "64"], capture_output=True, text=True, timeout=600)
     if "no EGL device" in done.stderr:
         print("SKIPPED: " + done.stderr.strip())
         return
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("stands in; set KELP_ASSETS") == 2, done.stderr
     files = done.stdout.split()
-    assert files == [os.path.abspath(os.path.join(out, name)) for name in ("figure6.png", "figure7.png")], done.stdout
+    assert files == [os.path.abspath(os.path.join(out, name))
+                     for name in ("figure6.png", "figure7.png")], done.stdout
 
     # Figure 6: something on every tile, and another pose on each of a column.
     tiles = check_sheet(png.read(files[0]), 3, (84, 75), 5)
     assert len(tiles) == 9
     for tile in tiles:
-        assert 0.006 < share_of(tile, lambda r, g, b: max(r, g, b) - min(r, g, b) > 25) < 0.8, "a model does not fill its tile, or is not there"
+        assert 0.006 < share_of(tile, lambda r, g,
+                                b: max(r, g, b)
+                                - min(r, g, b) > 25) < 0.8, "a model does not fill its tile, or is not there"
     for a, b in ((0, 3), (3, 6), (1, 4), (4, 7), (2, 5), (5, 8)):
         assert differing(tiles[a], tiles[b]) > 0.04, "two poses look the same"
 
@@ -69,7 +79,8 @@ def main(pictures, binaries, models, out):
     for tile in tiles:
         assert share_of(tile, lambda r, g, b: g > 1.5 * b and g > 0.8 * r) > 0.01, "the plants are missing"
         assert share_of(tile, lambda r, g, b: r > 1.5 * g and r > 2 * b) > 0.0015, "the fish is missing"
-        assert share_of(tile, lambda r, g, b: r > 150 and 1.05 * b < r < 1.9 * b) > 0.03, "the sand is missing"
+        assert share_of(tile, lambda r, g,
+                        b: r > 150 and 1.05 * b < r < 1.9 * b) > 0.03, "the sand is missing"
     for a, b in ((0, 1), (2, 3)):
         assert 0.01 < differing(tiles[a], tiles[b]) < 0.4, "the scene does not move"
 
@@ -77,8 +88,10 @@ def main(pictures, binaries, models, out):
     again = os.path.join(out, "again.png")
     png.write(again, png.read(files[0]))
     assert png.read(again).rows == png.read(files[0]).rows
-    done = subprocess.run([*command, "--models", os.path.join(out, "none")], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1 and "none/orange.glb" in done.stderr and "Traceback" not in done.stderr, done.stderr
+    done = subprocess.run([*command, "--models", os.path.join(out, "none")], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 1 and "none/orange.glb" in done.stderr, done.stderr
+    assert "Traceback" not in done.stderr, done.stderr
 
 
 if __name__ == "__main__":

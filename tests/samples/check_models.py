@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs samples/models/make_models.py twice and checks what it wrote, as a reader would who knows glTF 2.0 but not the script.
+"""Runs samples/models/make_models.py twice and checks what it wrote, as a reader would who knows glTF 2.0 but
+not the script.
 
 Usage: check_models.py path/to/make_models.py
 """
@@ -52,15 +53,18 @@ def area_vector(p, q, r):
 
 
 def read_glb(path):
-    """The document and the binary chunk; checks header, chunk order, lengths and padding (glTF 2.0, section 4.4)."""
+    """The document and the binary chunk; checks header, chunk order, lengths and padding (glTF 2.0, section
+    4.4)."""
     with open(path, "rb") as file:
         data = file.read()
     magic, version, length = struct.unpack_from("<4sII", data)
     require((magic, version, length) == (b"glTF", 2, len(data)), "header is %r" % ((magic, version, length),))
     json_size, json_type = struct.unpack_from("<I4s", data, 12)
-    require(json_type == b"JSON" and json_size % 4 == 0, "the first chunk is %r, %d bytes" % (json_type, json_size))
+    require(json_type == b"JSON" and json_size % 4 == 0,
+            "the first chunk is %r, %d bytes" % (json_type, json_size))
     bin_size, bin_type = struct.unpack_from("<I4s", data, 20 + json_size)
-    require(bin_type == b"BIN\0" and bin_size % 4 == 0, "the second chunk is %r, %d bytes" % (bin_type, bin_size))
+    require(bin_type == b"BIN\0" and bin_size % 4 == 0,
+            "the second chunk is %r, %d bytes" % (bin_type, bin_size))
     require(28 + json_size + bin_size == len(data), "bytes after the last chunk")
 
     def no_constants(text):
@@ -68,7 +72,8 @@ def read_glb(path):
 
     document = json.loads(data[20:20 + json_size].decode("utf-8"), parse_constant=no_constants)
     require(document["asset"]["version"] == "2.0", "asset.version")
-    require(len(document["buffers"]) == 1 and 0 <= bin_size - document["buffers"][0]["byteLength"] < 4, "buffers[0].byteLength")
+    require(len(document["buffers"]) == 1 and 0 <= bin_size - document["buffers"][0]["byteLength"] < 4,
+            "buffers[0].byteLength")
     return document, data[28 + json_size:]
 
 
@@ -78,13 +83,18 @@ def read_accessor(document, binary, index, kinds, target):
     letter, size = COMPONENTS[accessor["componentType"]]
     width = WIDTHS[accessor["type"]]
     place = "accessors[%d]" % index
-    require((accessor["type"], accessor["componentType"]) in kinds, "%s is %s of %d" % (place, accessor["type"], accessor["componentType"]))
-    require(view["target"] == target and view["buffer"] == 0 and "byteStride" not in view, place + ": its view's target")
+    require((accessor["type"], accessor["componentType"]) in kinds,
+            "%s is %s of %d" % (place, accessor["type"], accessor["componentType"]))
+    require(view["target"] == target and view["buffer"] == 0 and "byteStride" not in view,
+            place + ": its view's target")
     start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
     require(start % 4 == 0, place + " is not aligned")
-    require(accessor.get("byteOffset", 0) + accessor["count"] * width * size <= view["byteLength"], place + " leaves its view")
-    require(view.get("byteOffset", 0) + view["byteLength"] <= document["buffers"][0]["byteLength"], place + ": its view leaves the buffer")
-    values = list(struct.iter_unpack("<%d%s" % (width, letter), binary[start:start + accessor["count"] * width * size]))
+    require(accessor.get("byteOffset", 0) + accessor["count"] * width * size <= view["byteLength"],
+            place + " leaves its view")
+    require(view.get("byteOffset", 0) + view["byteLength"] <= document["buffers"][0]["byteLength"],
+            place + ": its view leaves the buffer")
+    values = list(struct.iter_unpack("<%d%s" % (width, letter),
+                                     binary[start:start + accessor["count"] * width * size]))
     require(all(map(math.isfinite, (x for v in values for x in v))), place + " is not finite")
     for bound, choose in (("min", min), ("max", max)):
         if bound in accessor:
@@ -112,15 +122,18 @@ def components(count, triangles):
 
 
 def check_surface(positions, triangles, least_area):
-    """Every component closed, two-manifold, consistently wound, facing outward, without slivers of no area. Returns their number."""
-    require({i for t in triangles for i in t} == set(range(len(positions))), "an index out of range, or a vertex without a triangle")
+    """Every component closed, two-manifold, consistently wound, facing outward, without slivers of no area.
+    Returns their number."""
+    require({i for t in triangles for i in t} == set(range(len(positions))),
+            "an index out of range, or a vertex without a triangle")
     require(len(set(positions)) == len(positions), "two vertices share a position")
     edges = set()
     for t in triangles:
         a, b, c = t
         for edge in ((a, b), (b, c), (c, a)):
             if edge[0] == edge[1] or edge in edges:
-                raise Fault("triangle %r repeats a vertex, or walks an edge in a direction already taken" % (t,))
+                raise Fault("triangle %r repeats a vertex, or walks an edge in a direction already taken"
+                            % (t,))
             edges.add(edge)
     for a, b in edges:
         if (b, a) not in edges:
@@ -152,27 +165,35 @@ def check_normals(positions, normals, triangles):
 
 
 def check_rig(rig, expected_axis, clips):
-    require(set(rig) == {"kelp", "axis", "knots", "clips"} and rig["kelp"] == 1, "extras.kelp has the keys %s" % sorted(rig))
+    require(set(rig) == {"kelp", "axis", "knots", "clips"} and rig["kelp"] == 1,
+            "extras.kelp has the keys %s" % sorted(rig))
     require(rig["axis"] == expected_axis, "axis is %s" % rig["axis"])
     at = [knot["at"] for knot in rig["knots"]]
-    require(all(set(knot) == {"at"} for knot in rig["knots"]) and at[0] == 0 and at[-1] == 1 and at == sorted(set(at)), "knots at %r" % at)
+    require(all(set(knot) == {"at"} for knot in rig["knots"]) and at[0] == 0 and at[-1] == 1
+            and at == sorted(set(at)), "knots at %r" % at)
     require(set(rig["clips"]) == set(clips), "clips are %s" % sorted(rig["clips"]))
     along = "xyz".index(expected_axis[1])
     for name, clip in rig["clips"].items():
         for wave in clip["waves"]:
             kind = "offset" if "offset" in wave else "tangent"
-            require(set(wave) == {"knot", kind, "period", "phase"}, "%s: a wave has the keys %s" % (name, sorted(wave)))
-            require(0 <= wave["knot"] < len(at) and wave["period"] > 0 and len(wave[kind]) == 3, "%s: %r" % (name, wave))
-            require(wave[kind][along] == 0, "%s moves along the axis: the spline would not stay monotone beyond doubt" % name)
-            require(expected_axis != "+y" or kind == "tangent" or wave["knot"] > 0, "%s moves the foot" % name)
+            require(set(wave) == {"knot", kind, "period", "phase"},
+                    "%s: a wave has the keys %s" % (name, sorted(wave)))
+            require(0 <= wave["knot"] < len(at) and wave["period"] > 0 and len(wave[kind]) == 3,
+                    "%s: %r" % (name, wave))
+            require(wave[kind][along] == 0,
+                    "%s moves along the axis: the spline would not stay monotone beyond doubt" % name)
+            require(expected_axis != "+y" or kind == "tangent" or wave["knot"] > 0,
+                    "%s moves the foot" % name)
         longest = max(wave["period"] for wave in clip["waves"])
-        require(all(abs(longest / w["period"] - round(longest / w["period"])) < 1e-6 for w in clip["waves"]), "%s does not loop" % name)
+        require(all(abs(longest / w["period"] - round(longest / w["period"])) < 1e-6 for w in clip["waves"]),
+                "%s does not loop" % name)
         reach = 0.0
         for step in range(240):
             moved = [0.0, 0.0, 0.0]
             for wave in clip["waves"]:
                 if wave["knot"] == len(at) - 1 and "offset" in wave:
-                    phase = math.sin(2.0 * math.pi * (step / 240.0 * longest / wave["period"] + wave["phase"]))
+                    phase = math.sin(2.0 * math.pi
+                                     * (step / 240.0 * longest / wave["period"] + wave["phase"]))
                     moved = [m + phase * x for m, x in zip(moved, wave["offset"])]
             reach = max(reach, math.sqrt(dot(moved, moved)))
         require(clips[name][0] <= reach <= clips[name][1], "%s moves the far end by %.3f" % (name, reach))
@@ -187,15 +208,20 @@ def check_model(path, name):
     parts, count, corners = 0, 0, []
     for primitive in document["meshes"][node["mesh"]]["primitives"]:
         attributes = primitive["attributes"]
-        require(set(attributes) == {"POSITION", "NORMAL", "COLOR_0"} and primitive.get("mode", 4) == 4, "attributes %s" % sorted(attributes))
+        require(set(attributes) == {"POSITION", "NORMAL", "COLOR_0"} and primitive.get("mode", 4) == 4,
+                "attributes %s" % sorted(attributes))
         require(0 <= primitive["material"] < len(document["materials"]), "material")
-        position, positions = read_accessor(document, binary, attributes["POSITION"], {("VEC3", 5126)}, ARRAY_BUFFER)
+        position, positions = read_accessor(document, binary, attributes["POSITION"], {("VEC3", 5126)},
+                                            ARRAY_BUFFER)
         require("min" in position and "max" in position, "POSITION needs min and max")
         _, normals = read_accessor(document, binary, attributes["NORMAL"], {("VEC3", 5126)}, ARRAY_BUFFER)
-        colour, colours = read_accessor(document, binary, attributes["COLOR_0"], {("VEC4", 5123)}, ARRAY_BUFFER)
-        require(colour["normalized"] is True and all(c[3] == 65535 for c in colours), "COLOR_0 is not normalized or not opaque")
+        colour, colours = read_accessor(document, binary, attributes["COLOR_0"], {("VEC4", 5123)},
+                                        ARRAY_BUFFER)
+        require(colour["normalized"] is True and all(c[3] == 65535 for c in colours),
+                "COLOR_0 is not normalized or not opaque")
         require(len(set(colours)) > 100, "COLOR_0 is all but plain")
-        _, indices = read_accessor(document, binary, primitive["indices"], {("SCALAR", 5123), ("SCALAR", 5125)}, ELEMENT_ARRAY_BUFFER)
+        _, indices = read_accessor(document, binary, primitive["indices"],
+                                   {("SCALAR", 5123), ("SCALAR", 5125)}, ELEMENT_ARRAY_BUFFER)
         require(len(positions) == len(normals) == len(colours) and len(indices) % 3 == 0, "counts differ")
         flat = [i for i, in indices]
         triangles = list(zip(flat[0::3], flat[1::3], flat[2::3]))
@@ -212,7 +238,8 @@ def check_model(path, name):
 
 
 def check_the_check(positions, triangles):
-    """A check that cannot fail shows nothing: damage the last surface in four ways and expect an answer to each."""
+    """A check that cannot fail shows nothing: damage the last surface in four ways and expect an answer to
+    each."""
     a, b, c = triangles[0]
     damaged = {
         "a hole": (positions, triangles[1:]),
@@ -232,22 +259,27 @@ def main(script):
     with tempfile.TemporaryDirectory() as folder:
         runs = [os.path.join(folder, "first"), os.path.join(folder, "second", "deeper")]
         for run in runs:
-            require(subprocess.run([sys.executable, script, run], stdout=subprocess.DEVNULL).returncode == 0, "the script failed")
+            require(subprocess.run([sys.executable, script, run], stdout=subprocess.DEVNULL).returncode == 0,
+                    "the script failed")
         for name in EXPECTED:
             file = name + ".glb"
-            require(filecmp.cmp(os.path.join(runs[0], file), os.path.join(runs[1], file), shallow=False), file + " differs from run to run")
+            require(filecmp.cmp(os.path.join(runs[0], file), os.path.join(runs[1], file), shallow=False),
+                    file + " differs from run to run")
         for name in EXPECTED:
             try:
                 positions, triangles = check_model(os.path.join(runs[0], name + ".glb"), name)
             except Fault as fault:
                 raise Fault("%s.glb: %s" % (name, fault)) from None
         check_the_check(positions, triangles)
-        # The command line: no folder is a usage error, a folder that cannot be made an I/O error; both in one line or two, no traceback.
+        # The command line: no folder is a usage error, a folder that cannot be made an I/O error; both in one
+        # line or two, no traceback.
         for arguments, code in (([], 1), ([os.path.join(runs[0], "fish.glb", "below_a_file")], 2)):
-            run = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            run = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, text=True)
             require(run.returncode == code and not run.stdout and "Traceback" not in run.stderr,
                     "with %r: exit code %d, %s" % (arguments, run.returncode, run.stderr))
-        require(not os.path.exists(os.path.join(os.path.dirname(script), "__pycache__")), "the script left __pycache__ in the source tree")
+        require(not os.path.exists(os.path.join(os.path.dirname(script), "__pycache__")),
+                "the script left __pycache__ in the source tree")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_picture.py game_loop|mirror|viewer PROGRAM PACK: runs a sample on a pack of the kelp plant and looks at the picture it saves, and at what it
-says of bad input."""
+"""check_picture.py game_loop|mirror|kelp-view PROGRAM PACK: runs a sample on a pack of the kelp plant and looks
+at the picture it saves, and at what it says of bad input."""
 
 import os
 import subprocess
@@ -13,7 +13,8 @@ def read_ppm(path):
     with open(path, "rb") as file:
         magic, size, depth, pixels = file.read().split(b"\n", 3)
     width, height = map(int, size.split())
-    assert magic == b"P6" and depth == b"255" and len(pixels) == 3 * width * height, "not a whole PPM picture: " + path
+    assert magic == b"P6" and depth == b"255" and len(
+        pixels) == 3 * width * height, "not a whole PPM picture: " + path
     return width, height, [tuple(pixels[i:i + 3]) for i in range(0, len(pixels), 3)]
 
 
@@ -39,20 +40,24 @@ def check_game_loop(width, height, pixels):
     assert share(pixels, is_red) > 0.001 and share(pixels, is_white) > 0.001, "the hoop is missing"
     # The hoop goes round the stem at half height.
     middle = pixels[width * (height // 3):width * (2 * height // 3)]
-    assert share(middle, is_olive) > 0.01 and share(middle, lambda *p: is_red(*p) or is_white(*p)) > 0.002, "plant and hoop do not meet"
+    assert share(middle, is_olive) > 0.01 and share(middle,
+                                                    lambda *p: is_red(*p)
+                                                    or is_white(*p)) > 0.002, "plant and hoop do not meet"
 
 
 def check_mirror(width, height, pixels):
-    # The plant itself left of the middle, one image of it behind to the left, another to the right of the mirrors' common edge.
+    # The plant itself left of the middle, one image of it behind to the left, another to the right of the
+    # mirrors' common edge.
     def olive(left, right, top, bottom):
-        box = [pixels[width * y + x] for y in range(int(top * height), int(bottom * height)) for x in range(int(left * width), int(right * width))]
+        box = [pixels[width * y + x] for y in range(int(top * height), int(bottom * height))
+               for x in range(int(left * width), int(right * width))]
         return share(box, is_olive)
     assert olive(0.40, 0.56, 0.35, 0.75) > 0.1, "the plant is missing"
     assert olive(0.28, 0.37, 0.30, 0.60) > 0.05, "the mirror behind shows no plant"
     assert olive(0.62, 0.74, 0.22, 0.55) > 0.05, "the mirror to the right shows no plant"
 
 
-def check_viewer(width, height, pixels):
+def check_view(width, height, pixels):
     assert share(pixels, is_olive) > 0.02, "the plant is missing"
     assert share(pixels, lambda r, g, b: (r, g, b) == (255, 200, 60)) > 0.0001, "the knots are missing"
     assert share(pixels, lambda r, g, b: (r, g, b) == (90, 200, 255)) > 0.0001, "the tangents are missing"
@@ -61,7 +66,8 @@ def check_viewer(width, height, pixels):
 def expect(command, exit_code, word):
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     lines = done.stderr.strip().splitlines()
-    assert done.returncode == exit_code, "%s: exit code %d instead of %d\n%s" % (command, done.returncode, exit_code, done.stderr)
+    assert done.returncode == exit_code, "%s: exit code %d instead of %d\n%s" % (command, done.returncode,
+                                                                                 exit_code, done.stderr)
     assert len(lines) >= 1 and word in lines[0], "%s says %r, which lacks %r" % (command, done.stderr, word)
 
 
@@ -69,7 +75,8 @@ def main(sample, program, pack):
     with tempfile.TemporaryDirectory() as folder:
         picture = os.path.join(folder, "picture.ppm")
         subprocess.run([program, pack, "--frames", "3", picture], check=True, timeout=240)
-        {"game_loop": check_game_loop, "mirror": check_mirror, "viewer": check_viewer}[sample](*read_ppm(picture))
+        {"game_loop": check_game_loop, "mirror": check_mirror,
+         "kelp-view": check_view}[sample](*read_ppm(picture))
 
         truncated = os.path.join(folder, "truncated.kelp")
         with open(pack, "rb") as whole, open(truncated, "wb") as part:
@@ -77,8 +84,9 @@ def main(sample, program, pack):
         expect([program, truncated, "--frames", "1"], 3, truncated)
         absent = os.path.join(folder, "absent.kelp")
         expect([program, absent, "--frames", "1"], 2, absent)
-        expect([program, pack, "--frames", "1", os.path.join(folder, "absent", "picture.ppm")], 2, "picture.ppm")
-        expect([program, pack, "--frames", "none"], 1, "usage")
+        expect([program, pack, "--frames", "1", os.path.join(folder, "absent", "picture.ppm")], 2,
+               "picture.ppm")
+        expect([program, pack, "--frames", "none"], 1, "--help" if sample == "kelp-view" else "usage")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_underwater.py PROGRAM PACKS PICTURES: runs the underwater sample small and short, looks at the pictures that it saves, and at what it says of bad input.
-PICTURES is samples/pictures."""
+"""check_underwater.py PROGRAM PACKS PICTURES: runs the underwater sample small and short, looks at the
+pictures that it saves, and at what it says of bad input. PICTURES is samples/pictures."""
 
 import os
 import shutil
@@ -54,14 +54,17 @@ def main(program, packs, pictures):
         assert first == again, "the same moment looks different the second time"
         later = picture(program, packs, os.path.join(folder, "later.ppm"), "--start", "2", "--frames", "12")
         check(later)
-        moved = sum(1 for p, q in zip(first, later) if max(abs(a - b) for a, b in zip(p, q)) > 12) / len(first)
+        moved = sum(1 for p, q in zip(first, later)
+                    if max(abs(a - b) for a, b in zip(p, q)) > 12) / len(first)
         assert 0.02 < moved < 0.6, "a third of a second changes %.3f of the picture" % moved
 
         converted = os.path.join(folder, "first.png")
-        subprocess.run([sys.executable, "-B", os.path.join(pictures, "ppm_to_png.py"), os.path.join(folder, "first.ppm"), converted], check=True, timeout=60)
+        subprocess.run([sys.executable, "-B", os.path.join(pictures, "ppm_to_png.py"),
+                        os.path.join(folder, "first.ppm"), converted], check=True, timeout=60)
         sys.path.insert(0, pictures)
         import png
-        assert b"".join(png.read(converted).rows) == bytes(c for pixel in first for c in pixel), "the PNG shows something else"
+        assert b"".join(png.read(converted).rows) == bytes(c for pixel in first
+                                                           for c in pixel), "the PNG shows something else"
 
         damaged = os.path.join(folder, "damaged")
         shutil.copytree(packs, damaged)
@@ -72,7 +75,8 @@ def main(program, packs, pictures):
             pack.seek(-200, os.SEEK_END)
             pack.write(bytes((byte ^ 1,)))
         expect([program, damaged, *small], 3, "dulse.kelp")
-        os.truncate(os.path.join(damaged, "dulse.kelp"), os.path.getsize(os.path.join(damaged, "dulse.kelp")) - 100)
+        os.truncate(os.path.join(damaged, "dulse.kelp"),
+                    os.path.getsize(os.path.join(damaged, "dulse.kelp")) - 100)
         expect([program, damaged, "--frames", "1"], 3, "dulse.kelp")
         os.remove(os.path.join(damaged, "dulse.kelp"))
         expect([program, damaged, "--frames", "1"], 2, "dulse.kelp")

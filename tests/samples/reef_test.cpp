@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The whole underwater scene without a window, on small packs of its own: everyone in the water, every spline monotone, nothing
-// allocated.
+// The whole underwater scene without a window, on small packs of its own: everyone in the water, every spline
+// monotone, nothing allocated.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,24 +20,25 @@ class ReefTest : public ::testing::Test {
   void SetUp() override {
     kelp::RawPack plant = kelp::test::packOf(kelp::test::ballClump({16, 32, 16}, 5, 1), knots());
     // A clip that would turn the spline back.
-    plant.clips.push_back(
-        {"sway",
-         2,
-         {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0}, {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}},
-         {}});
-    for (const char* name : {"kelp_plant", "sea_grass", "dulse"}) scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(plant));
+    plant.clips.push_back({"sway",
+                           2,
+                           {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0},
+                            {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}},
+                           {}});
+    for (const char* name : {"kelp_plant", "sea_grass", "dulse"})
+      scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(plant));
     kelp::RawPack fish = kelp::test::packOf(kelp::test::ballClump({12, 32, 8}, 5, 1), knots());
-    fish.parts[0].to_object = glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
-                                          kVoxel * glm::vec3(16, -6, -4));  // swims along +x
+    fish.parts[0].to_object =
+        glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
+                    kVoxel * glm::vec3(16, -6, -4));  // swims along +x
     fish.clips.push_back({"swim", 1, {{0, 3, kelp::Target::kKnotOffset, {0, 0, 4}, 1, 0}}, {}});
-    for (const char* name : {"fish", "fusilier"}) scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(fish));
+    for (const char* name : {"fish", "fusilier"})
+      scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(fish));
     auto library = Library::open(scratch_.folder().string(), wrong_);
     ASSERT_TRUE(library) << wrong_;
     library_ = *std::move(library);
   }
-  void TearDown() override {
-    library_.reset();
-  }
+  void TearDown() override { library_.reset(); }
 
   static constexpr float kVoxel = 0.3f / 32;  // metres
   static std::vector<kelp::Knot> knots() {
@@ -51,7 +52,8 @@ class ReefTest : public ::testing::Test {
     return *std::move(reef);
   }
   bool isFish(const kelp::runtime::Instance& instance) const {
-    return instance.asset == &library_->asset(Species::kFish) || instance.asset == &library_->asset(Species::kFusilier);
+    return instance.asset == &library_->asset(Species::kFish) ||
+           instance.asset == &library_->asset(Species::kFusilier);
   }
 
   const kelp::test::Scratch scratch_;
@@ -122,7 +124,8 @@ TEST_F(ReefTest, PlantsMakeWayForWhoeverComesAndSwingBack) {
 
 TEST_F(ReefTest, PlantsLeanAsTheCurrentDoes) {
   const auto reef = grow(150);
-  // The mean over a long time and all plants: the current's own mean, 0.07 heights in x. Clips and swings cancel out.
+  // The mean over a long time and all plants: the current's own mean, 0.07 heights in x. Clips and swings
+  // cancel out.
   double lean = 0;
   int count = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -150,7 +153,8 @@ TEST_F(ReefTest, IsTheSameEveryTimeAndAllocatesNothing) {
   for (int i = 0; i < 50; ++i) second->update(0.03 * i, i > 0 ? 0.03f : 0.0f, kNobody);
   for (std::size_t i = 0; i < first->instances().size(); ++i) {
     EXPECT_EQ(first->instances()[i].to_world, second->instances()[i].to_world);
-    const auto a = std::as_const(*first->instances()[i].pose).knots(0), b = std::as_const(*second->instances()[i].pose).knots(0);
+    const auto a = std::as_const(*first->instances()[i].pose).knots(0),
+               b = std::as_const(*second->instances()[i].pose).knots(0);
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].position, b[k].position);
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What moves in the underwater scene, without a window: paths, bodies on paths, the current, and where things stand.
+// What moves in the underwater scene, without a window: paths, bodies on paths, the current, and where things
+// stand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +39,8 @@ glm::dvec3 catmullRom(const std::vector<glm::vec3>& points, double u) {
   const auto i = static_cast<std::size_t>(u) % n;
   const double t = u - std::floor(u);
   const glm::dvec3 a(points[(i + n - 1) % n]), b(points[i]), c(points[(i + 1) % n]), d(points[(i + 2) % n]);
-  return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) + t * t * t * (3.0 * b - a - 3.0 * c + d));
+  return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
+                t * t * t * (3.0 * b - a - 3.0 * c + d));
 }
 
 TEST(Path, IsAsLongAsItsChordsAndWalkedAtOneSpeed) {
@@ -52,7 +54,8 @@ TEST(Path, IsAsLongAsItsChordsAndWalkedAtOneSpeed) {
     const glm::dvec3 at = catmullRom(points, static_cast<double>(points.size()) * i / kSteps);
     length += glm::length(at - before);
     before = at;
-    if (i % 500 == 0) worst = std::max(worst, glm::distance(path.at(static_cast<float>(length)), glm::vec3(at)));
+    if (i % 500 == 0)
+      worst = std::max(worst, glm::distance(path.at(static_cast<float>(length)), glm::vec3(at)));
   }
   EXPECT_NEAR(path.length(), length, 1e-4 * length);
   EXPECT_LT(worst, 2e-3f);  // metres: the place after s metres is the place after s metres of chords
@@ -91,7 +94,8 @@ kelp::Part fishPart(std::span<const kelp::Knot> knots) {
   kelp::Part part;
   part.size = {40, 100, 20};
   const float s = 0.005f;
-  part.to_object = glm::mat4x3(glm::vec3(0, s, 0), glm::vec3(-s, 0, 0), glm::vec3(0, 0, s), glm::vec3(0.25f, -0.12f, -0.05f));
+  part.to_object = glm::mat4x3(glm::vec3(0, s, 0), glm::vec3(-s, 0, 0), glm::vec3(0, 0, s),
+                               glm::vec3(0.25f, -0.12f, -0.05f));
   part.knots = knots;
   return part;
 }
@@ -111,7 +115,8 @@ TEST(Swimmer, IsStraightOnAStraightLane) {
   std::vector<kelp::Knot> knots = rest;
   layOnLane(anatomy, swimFrame(anatomy, lane, 100, 1, 0), lane, 100, 1, knots);
   for (std::size_t i = 0; i < knots.size(); ++i) {
-    EXPECT_LT(glm::distance(knots[i].position, rest[i].position), 0.3f) << i;  // voxels: half a metre of a circle of 500
+    // voxels: half a metre of a circle of 500
+    EXPECT_LT(glm::distance(knots[i].position, rest[i].position), 0.3f) << i;
     EXPECT_LT(glm::distance(knots[i].tangent, rest[i].tangent), 0.3f) << i;
   }
 }
@@ -134,9 +139,11 @@ TEST(Swimmer, LiesOnItsLaneHeadFirstAndUpright) {
       const glm::mat4 to_world = frame * anatomy.voxel_to_object;
       for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
         for (const float t : {0.0f, 0.3f, 0.6f, 1.0f}) {
-          const glm::vec3 middle = evaluate(kelp::makeSegment(knots[i], knots[i + 1]), t) + glm::vec3(20, 0, 10);
+          const glm::vec3 middle =
+              evaluate(kelp::makeSegment(knots[i], knots[i + 1]), t) + glm::vec3(20, 0, 10);
           const glm::vec3 at = to_world * glm::vec4(middle, 1);
-          EXPECT_NEAR(glm::length(glm::vec2(at.x, at.z)), radius - 0.1f, 0.004f) << radius << " " << head << " " << i;
+          EXPECT_NEAR(glm::length(glm::vec2(at.x, at.z)), radius - 0.1f, 0.004f)
+              << radius << " " << head << " " << i;
           EXPECT_NEAR(at.y, 1.2f, 0.004f);
         }
       }
@@ -188,14 +195,16 @@ TEST(Scatter, KeepsApartAndInside) {
     for (std::size_t k = 0; k < i; ++k) nearest = std::min(nearest, glm::distance(sites[i].at, sites[k].at));
   }
   for (const int count : of) EXPECT_GT(count, 40);
-  EXPECT_GT(nearest, 0.2f);  // metres; thrown at random, 400 in this disc come within some 0.03 m of one another
+  // metres; thrown at random, 400 in this disc come within some 0.03 m of one another
+  EXPECT_GT(nearest, 0.2f);
 }
 
 TEST(Terrain, SlopesAsItsHeightSays) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const glm::vec2 at = random.inDisc(40);
-    const float h = 0.01f, dx = (sandHeight(at + glm::vec2(h, 0)) - sandHeight(at - glm::vec2(h, 0))) / (2 * h);
+    const float h = 0.01f,
+                dx = (sandHeight(at + glm::vec2(h, 0)) - sandHeight(at - glm::vec2(h, 0))) / (2 * h);
     const float dz = (sandHeight(at + glm::vec2(0, h)) - sandHeight(at - glm::vec2(0, h))) / (2 * h);
     EXPECT_LT(glm::distance(sandNormal(at), glm::normalize(glm::vec3(-dx, 1, -dz))), 2e-3f);
     EXPECT_LT(std::abs(sandHeight(at)), 0.5f);
@@ -206,7 +215,8 @@ TEST(Terrain, MeshCoversTheDiscOnceFacingUp) {
   const FloorMesh mesh = makeFloorMesh(20, 12, 32);
   double area = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const glm::vec3 &a = mesh.vertices.at(mesh.indices[i]).position, &b = mesh.vertices.at(mesh.indices[i + 1]).position,
+    const glm::vec3 &a = mesh.vertices.at(mesh.indices[i]).position,
+                    &b = mesh.vertices.at(mesh.indices[i + 1]).position,
                     &c = mesh.vertices.at(mesh.indices[i + 2]).position;
     const float upward = 0.5f * glm::cross(b - a, c - a).y;
     EXPECT_GT(upward, 0);
@@ -225,7 +235,8 @@ TEST(CameraOfTheReef, CirclesInTheGladeAndStaysInTheWater) {
     const glm::vec2 ground(camera.at().x, camera.at().z);
     EXPECT_GT(camera.at().y, sandHeight(ground) + 0.5f);
     EXPECT_LT(glm::length(ground), 1.1f * kGladeRadius);
-    EXPECT_GT(glm::dot(-glm::normalize(ground), glm::vec2(camera.forward().x, camera.forward().z)), 0.9f);  // sees the glade
+    // sees the glade
+    EXPECT_GT(glm::dot(-glm::normalize(ground), glm::vec2(camera.forward().x, camera.forward().z)), 0.9f);
     if (seconds > 0) {
       EXPECT_LT(glm::distance(camera.at(), before), 0.15f);
     }
@@ -250,7 +261,8 @@ TEST(ArgumentsOfTheReef, AreReadOrRefused) {
     words.insert(words.begin(), "underwater");
     return parse(static_cast<int>(words.size()), words.data());
   };
-  const auto all = read({"--plants", "60", "packs", "--size", "320x240", "--start", "2.5", "--frames", "3", "out.ppm"});
+  const auto all =
+      read({"--plants", "60", "packs", "--size", "320x240", "--start", "2.5", "--frames", "3", "out.ppm"});
   ASSERT_TRUE(all);
   EXPECT_EQ(all->packs, "packs");
   EXPECT_EQ(all->plants, 60);

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# with_display.sh COMMAND...: runs the command on an X server of its own without a screen, and answers its exit code. Unlike xvfb-run it needs no
-# xauth, and the server itself picks the display's number, so that any number of these may start at the same time.
+# with_display.sh COMMAND...: runs the command on an X server of its own without a screen, and answers its
+# exit code. Unlike xvfb-run it needs no xauth, and the server itself picks the display's number, so that any
+# number of these may start at the same time.
 set -euo pipefail
 command -v Xvfb >/dev/null || { echo "SKIPPED: no Xvfb (Debian: xvfb)"; exit 0; }
 

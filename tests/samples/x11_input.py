@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Mouse and keys for a program on an X server without a window manager. Needs libX11 and libXtst (Debian: libxtst6)."""
+"""Mouse and keys for a program on an X server without a window manager. Needs libX11 and libXtst (Debian:
+libxtst6)."""
 
 import ctypes
 import ctypes.util
@@ -18,8 +19,10 @@ def load(name):
 
 
 class ClientMessage(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
-                ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong), ("format", ctypes.c_int), ("data", ctypes.c_long * 5),
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p),
+                ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong), ("format", ctypes.c_int),
+                ("data", ctypes.c_long * 5),
                 ("pad", ctypes.c_long * 24)]
 
 
@@ -28,24 +31,30 @@ class Screen:
 
     def __init__(self):
         self.x11, self.xtst = load("X11"), load("Xtst")
-        for function in (self.x11.XOpenDisplay, self.x11.XDefaultRootWindow, self.x11.XInternAtom, self.x11.XStringToKeysym):
+        for function in (self.x11.XOpenDisplay, self.x11.XDefaultRootWindow, self.x11.XInternAtom,
+                         self.x11.XStringToKeysym):
             function.restype = ctypes.c_void_p if function is self.x11.XOpenDisplay else ctypes.c_ulong
         self.display = ctypes.c_void_p(self.x11.XOpenDisplay(None))
         if not self.display:
             raise Absent("no display")
-        self.quiet = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(lambda display, event: 0)
+        self.quiet = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p,
+                                      ctypes.c_void_p)(lambda display, event: 0)
         self.x11.XSetErrorHandler(self.quiet)
         self.root = self.x11.XDefaultRootWindow(self.display)
         self.window = None
 
     def find(self, width, height):
         """The window of that size, once it is there; it gets the keys."""
-        root, parent, children, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint()
+        root, parent, children, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.POINTER(
+            ctypes.c_ulong)(), ctypes.c_uint()
         for _ in range(400):
-            self.x11.XQueryTree(self.display, ctypes.c_ulong(self.root), ctypes.byref(root), ctypes.byref(parent), ctypes.byref(children), ctypes.byref(count))
+            self.x11.XQueryTree(self.display, ctypes.c_ulong(self.root), ctypes.byref(root),
+                                ctypes.byref(parent), ctypes.byref(children), ctypes.byref(count))
             for i in range(count.value):
-                x, y, w, h, border, depth = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint(), ctypes.c_uint(), ctypes.c_uint(), ctypes.c_uint()
-                self.x11.XGetGeometry(self.display, ctypes.c_ulong(children[i]), ctypes.byref(root), *map(ctypes.byref, (x, y, w, h, border, depth)))
+                x, y = ctypes.c_int(), ctypes.c_int()
+                w, h, border, depth = (ctypes.c_uint() for _ in range(4))
+                self.x11.XGetGeometry(self.display, ctypes.c_ulong(children[i]), ctypes.byref(root),
+                                      *map(ctypes.byref, (x, y, w, h, border, depth)))
                 if (w.value, h.value) == (width, height):
                     self.window, self.corner = children[i], (x.value, y.value)
                     return self.focus()
@@ -53,7 +62,8 @@ class Screen:
         raise AssertionError("no window of %d x %d" % (width, height))
 
     def focus(self):
-        """A window takes the keys once it is seen, which may be a moment after it is there; until then the server complains."""
+        """A window takes the keys once it is seen, which may be a moment after it is there; until then the
+        server complains."""
         has, revert = ctypes.c_ulong(), ctypes.c_int()
         for _ in range(400):
             self.x11.XSetInputFocus(self.display, ctypes.c_ulong(self.window), 1, ctypes.c_ulong(0))
@@ -70,7 +80,8 @@ class Screen:
         time.sleep(seconds)
 
     def move(self, x, y):
-        self.xtst.XTestFakeMotionEvent(self.display, -1, self.corner[0] + x, self.corner[1] + y, ctypes.c_ulong(0))
+        self.xtst.XTestFakeMotionEvent(self.display, -1, self.corner[0] + x, self.corner[1] + y,
+                                       ctypes.c_ulong(0))
         self.settle()
 
     def button(self, down):
@@ -91,7 +102,9 @@ class Screen:
 
     def key(self, *names):
         """All of them at once: key("Control_L", "s")."""
-        codes = [self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(self.x11.XStringToKeysym(name.encode()))) for name in names]
+        codes = [self.x11.XKeysymToKeycode(self.display,
+                                           ctypes.c_ulong(self.x11.XStringToKeysym(name.encode())))
+                                           for name in names]
         for code in codes:
             self.xtst.XTestFakeKeyEvent(self.display, code, 1, ctypes.c_ulong(0))
             self.settle(0.1)
@@ -101,7 +114,9 @@ class Screen:
 
     def close(self):
         """What the cross of a window's frame does."""
-        message = ClientMessage(33, 0, 1, self.display, self.window, self.x11.XInternAtom(self.display, b"WM_PROTOCOLS", 0), 32)
+        message = ClientMessage(33, 0, 1, self.display, self.window,
+                                self.x11.XInternAtom(self.display, b"WM_PROTOCOLS", 0), 32)
         message.data[0] = self.x11.XInternAtom(self.display, b"WM_DELETE_WINDOW", 0)
-        self.x11.XSendEvent(self.display, ctypes.c_ulong(self.window), 0, ctypes.c_long(0), ctypes.byref(message))
+        self.x11.XSendEvent(self.display, ctypes.c_ulong(self.window), 0, ctypes.c_long(0),
+                            ctypes.byref(message))
         self.settle()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The paper's method (shaders/reference/paper.glsl, compiled as C++) does what the paper says: its parts against double precision, its
-// marches against the ground truth. It is what kelp is measured against, so it must be neither broken nor better than published.
+// The paper's method (shaders/reference/paper.glsl, compiled as C++) does what the paper says: its parts
+// against double precision, its marches against the ground truth. It is what kelp is measured against, so it
+// must be neither broken nor better than published.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +35,8 @@ struct Spline {
 };
 
 struct Scene {
-  Scene(fields::Occupancy volume_, const test::FigurePose& pose) : volume(std::move(volume_)), knots(test::figureKnots(pose, volume.size)) {
+  Scene(fields::Occupancy volume_, const test::FigurePose& pose)
+      : volume(std::move(volume_)), knots(test::figureKnots(pose, volume.size)) {
     std::vector<std::uint32_t> squared(volume.solid.size());
     fields::squaredDistance(volume.solid, volume.size, squared, 1);
     distance.assign(squared.begin(), squared.end());
@@ -56,7 +58,10 @@ struct Scene {
 };
 
 fields::Occupancy solidBox(const glm::ivec3& size) {
-  return {size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z), std::uint8_t{1})};
+  return {size,
+          std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                        static_cast<std::size_t>(size.z),
+                                    std::uint8_t{1})};
 }
 
 // A ray from around the bounds towards a point of the deformed volume.
@@ -74,7 +79,9 @@ class RayMaker {
     const dvec3 d = glm::normalize(dvec3(unit(), unit(), unit()) - 0.5 + dvec3(1e-4, 0, 0));
     double back = 1e30;  // from the target backwards to the bounds
     for (int a = 0; a < 3; ++a) {
-      if (d[a] != 0) back = std::min(back, (target[a] - double{d[a] > 0 ? scene_.bounds.min[a] : scene_.bounds.max[a]}) / d[a]);
+      if (d[a] != 0)
+        back = std::min(back,
+                        (target[a] - double{d[a] > 0 ? scene_.bounds.min[a] : scene_.bounds.max[a]}) / d[a]);
     }
     return {glm::vec3(target - back * d), glm::vec3(d)};
   }
@@ -96,14 +103,16 @@ TEST(Paper, DepressedCubicFindsEveryRoot) {
     const bool pair = i % 2 == 1;
     const double sum = pair ? 2 * r1 : r1 + r2;
     const double product = pair ? r1 * r1 + r2 * r2 + 0.01 : r1 * r2;
-    const auto roots = paper::paperCubic(static_cast<float>(scale), static_cast<float>(-scale * (r0 + sum)), static_cast<float>(scale * (product + r0 * sum)),
+    const auto roots = paper::paperCubic(static_cast<float>(scale), static_cast<float>(-scale * (r0 + sum)),
+                                         static_cast<float>(scale * (product + r0 * sum)),
                                          static_cast<float>(-scale * r0 * product));
     const auto nearest = [&](double r) {
       double best = 1e30;
       for (int k = 0; k < roots.count; ++k) best = std::min(best, std::abs(double{roots.t[k]} - r));
       return best;
     };
-    // Near a double root float32 knows the root to the square root of its precision only, and may lose the pair.
+    // Near a double root float32 knows the root to the square root of its precision only, and may lose the
+    // pair.
     if (pair) {
       ASSERT_LT(nearest(r0), 2e-3) << "roots " << r0 << ", " << r1 << " +- i " << r2;
     } else if (std::min({std::abs(r0 - r1), std::abs(r1 - r2), std::abs(r2 - r0)}) > 0.05) {
@@ -141,7 +150,8 @@ TEST(Paper, MapIsTheInverseOfTheDeformation) {
       const dvec3 s = spline.at(t);
       const glm::vec3 p(glm::dvec3(rest.x + s.x, rest.y, rest.z + s.z));
       const auto back = paper::paperMap(scene.context, paper::paperSpline(scene.context.segment), p);
-      const auto shortcut = paper_arcsine::paperMap(scene.context, paper_arcsine::paperSpline(scene.context.segment), p);
+      const auto shortcut =
+          paper_arcsine::paperMap(scene.context, paper_arcsine::paperSpline(scene.context.segment), p);
       ASSERT_GE(back.t, 0.0f) << pose.name << " at t " << t;
       ASSERT_NEAR(back.t, t, 1e-4) << pose.name;
       ASSERT_NEAR(shortcut.t, t, 1e-4) << pose.name;
@@ -165,7 +175,8 @@ TEST(Paper, EntryAndExitAreThoseOfTheDeformedBox) {
       const auto entry = reference::firstTouch(box, scene.knots, dvec3(ray.o), dvec3(ray.r), 0, far, 0.0);
       if (!entry) continue;
       ++compared;
-      const auto span = paper::paperEntryExit(scene.context, paper::paperSpline(scene.context.segment), ray.o, ray.r);
+      const auto span =
+          paper::paperEntryExit(scene.context, paper::paperSpline(scene.context.segment), ray.o, ray.r);
       if (span.entry > span.leave) {
         ++lost;
         continue;
@@ -204,7 +215,8 @@ March run(const Scene& scene, int count, Function&& march) {
     result.owed += owed.has_value();
     result.missed += owed && (!hit.found || double{hit.s} > owed->s + 1);
     if (!hit.found) continue;
-    const auto possible = reference::firstTouch(truth, scene.knots, dvec3(ray.o), dvec3(ray.r), 0, far, -0.01);
+    const auto possible =
+        reference::firstTouch(truth, scene.knots, dvec3(ray.o), dvec3(ray.r), 0, far, -0.01);
     result.invented += !possible || double{hit.s} < possible->s - 1;
     EXPECT_TRUE(scene.volume.solid[scene.volume.index(hit.voxel)]);
   }
@@ -214,7 +226,9 @@ March run(const Scene& scene, int count, Function&& march) {
 TEST(Paper, ConstantStepsFindAlmostEveryHit) {
   for (const auto& pose : test::kFigure6) {
     const Scene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
-    const March all = run(scene, 500, [](const auto& c, auto o, auto r, float far) { return paper::paperStandard(c, o, r, 0.0f, far); });
+    const March all = run(scene, 500, [](const auto& c, auto o, auto r, float far) {
+      return paper::paperStandard(c, o, r, 0.0f, far);
+    });
     EXPECT_LT(all.missedShare(), 0.05) << pose.name;
     EXPECT_LE(all.invented, 5) << pose.name;
     EXPECT_GT(all.owed, 100) << pose.name;
@@ -227,9 +241,15 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
   int missed = 0, missed_world = 0, owed = 0;
   for (const auto& pose : test::kFigure6) {
     const Scene scene(test::ballClump({96, 120, 72}, 24, 1), pose);
-    const auto constant = run(scene, 300, [](const auto& c, auto o, auto r, float far) { return paper::paperStandard(c, o, r, 0.0f, far); });
-    const auto mapped = run(scene, 300, [](const auto& c, auto o, auto r, float far) { return paper::paperDistanceField(c, o, r, 0.0f, far, true); });
-    const auto world = run(scene, 300, [](const auto& c, auto o, auto r, float far) { return paper::paperDistanceField(c, o, r, 0.0f, far, false); });
+    const auto constant = run(scene, 300, [](const auto& c, auto o, auto r, float far) {
+      return paper::paperStandard(c, o, r, 0.0f, far);
+    });
+    const auto mapped = run(scene, 300, [](const auto& c, auto o, auto r, float far) {
+      return paper::paperDistanceField(c, o, r, 0.0f, far, true);
+    });
+    const auto world = run(scene, 300, [](const auto& c, auto o, auto r, float far) {
+      return paper::paperDistanceField(c, o, r, 0.0f, far, false);
+    });
     EXPECT_LT(mapped.steps, 0.6 * constant.steps) << pose.name;
     EXPECT_LT(mapped.missedShare(), 0.35) << pose.name;
     owed += mapped.owed;
@@ -237,7 +257,8 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
     missed_world += world.missed;
     if (pose.name == std::string("rest")) at_rest = mapped;
   }
-  // Without deformation both are sphere tracing with a centre-to-centre distance, which is too long already; bent, the heuristic errs too.
+  // Without deformation both are sphere tracing with a centre-to-centre distance, which is too long already;
+  // bent, the heuristic errs too.
   EXPECT_LT(at_rest.steps, 15);
   EXPECT_LT(at_rest.missedShare(), 0.2);
   EXPECT_GT(missed, owed / 200);
@@ -253,19 +274,23 @@ double normalError(const glm::vec3& first, const glm::vec3& second, bool in_plan
   double worst = 0;
   for (int i = 0; i < 1000; ++i) {
     const float t = 0.02f + 0.96f * static_cast<float>(i) / 1000;
-    const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), in_plane ? 0.0f : normal(random)));
+    const glm::vec3 n =
+        glm::normalize(glm::vec3(normal(random), normal(random), in_plane ? 0.0f : normal(random)));
     const glm::vec3 exact = glm::normalize(trace::kelpDeformNormal(g, t, 1.0f, n));
     const glm::vec3 got = glm::normalize(paper::paperNormal(paper::paperSpline(g), t, n));
-    worst = std::max(worst, static_cast<double>(glm::degrees(std::atan2(glm::length(glm::cross(got, exact)), glm::dot(got, exact)))));
+    worst = std::max(worst, static_cast<double>(glm::degrees(
+                                std::atan2(glm::length(glm::cross(got, exact)), glm::dot(got, exact)))));
   }
   return worst;
 }
 
 TEST(Paper, NormalsAreRightInThePlaneOfOneBendOnly) {
-  EXPECT_LT(normalError({240, 80, 0}, {-160, 80, 0}, true), 0.1);   // bent in x, normals in the plane of x and y
-  EXPECT_GT(normalError({240, 80, 0}, {-160, 80, 0}, false), 5.0);  // the same bend, any normal: n_z is not shortened
+  // bent in x, normals in the plane of x and y
+  EXPECT_LT(normalError({240, 80, 0}, {-160, 80, 0}, true), 0.1);
+  // the same bend, any normal: n_z is not shortened
+  EXPECT_GT(normalError({240, 80, 0}, {-160, 80, 0}, false), 5.0);
   EXPECT_GT(normalError({240, 80, 80}, {240, 80, 160}, false), 5.0);  // two bent axes
-  EXPECT_LT(normalError({0, 80, 0}, {0, 80, 0}, false), 0.1);       // none
+  EXPECT_LT(normalError({0, 80, 0}, {0, 80, 0}, false), 0.1);         // none
 }
 
 }  // namespace

@@ -78,21 +78,25 @@ struct RayMaker {
   void make(int kind, glm::vec3& o, glm::vec3& r) {
     const glm::vec3 target = inside();
     glm::vec3 d = glm::normalize(glm::vec3(unit(), unit(), unit()) - 0.5f + glm::vec3(1e-4f, 0, 0));
-    if (kind == 1) d = glm::normalize(inside() - target + glm::vec3(1e-3f, 1e-3f, 0));  // along the spline, about
-    if (kind == 2) d = glm::normalize(glm::vec3(d.x + 1e-3f, 0, d.z));                  // exactly horizontal
-    if (kind == 3) d = glm::normalize(glm::vec3(d.x + 1e-3f, 1e-5f * d.y, d.z));        // nearly
-    if (kind == 4) {                                                                    // along an axis
+    // along the spline, about
+    if (kind == 1) d = glm::normalize(inside() - target + glm::vec3(1e-3f, 1e-3f, 0));
+    if (kind == 2) d = glm::normalize(glm::vec3(d.x + 1e-3f, 0, d.z));            // exactly horizontal
+    if (kind == 3) d = glm::normalize(glm::vec3(d.x + 1e-3f, 1e-5f * d.y, d.z));  // nearly
+    if (kind == 4) {                                                              // along an axis
       d = glm::vec3(0);
       d[static_cast<int>(unit() * 2.999f)] = unit() < 0.5f ? -1.0f : 1.0f;
     }
     r = d;
-    const float back = kind == 5 ? 0.0f : 3.0f * glm::length(posed.context.bounds_max - posed.context.bounds_min) * unit();  // 5: starts inside
+    // 5: starts inside
+    const float back =
+        kind == 5 ? 0.0f : 3.0f * glm::length(posed.context.bounds_max - posed.context.bounds_min) * unit();
     // As the callers do: the origin where the ray enters the bounds.
     glm::vec3 from = target - back * d;
     float enter = 0;
     for (int a = 0; a < 3; ++a) {
       if (d[a] == 0) continue;
-      const float s = std::min((posed.context.bounds_min[a] - from[a]) / d[a], (posed.context.bounds_max[a] - from[a]) / d[a]);
+      const float s = std::min((posed.context.bounds_min[a] - from[a]) / d[a],
+                               (posed.context.bounds_max[a] - from[a]) / d[a]);
       enter = std::max(enter, s);
     }
     o = from + enter * d;
@@ -109,8 +113,10 @@ constexpr int kRayKinds = 6;
 Tally compare(const Scene& scene, std::vector<Knot> knots, int rays_per_kind) {
   const Posed posed(scene, std::move(knots));
   RayMaker rays{scene, posed};
-  reference::Volume truth{scene.volume.size, scene.volume.solid, static_cast<double>(posed.context.level_scale), scene.size0};
-  // kelp promises voxels shrunk by KELP_ERODE; the rest of this margin is float32's, at coordinates of thousands of voxels.
+  reference::Volume truth{scene.volume.size, scene.volume.solid,
+                          static_cast<double>(posed.context.level_scale), scene.size0};
+  // kelp promises voxels shrunk by KELP_ERODE; the rest of this margin is float32's, at coordinates of
+  // thousands of voxels.
   const double margin = 2.0 * double{KELP_ERODE};
   Tally tally;
   for (int kind = 0; kind < kRayKinds; ++kind) {
@@ -119,7 +125,8 @@ Tally compare(const Scene& scene, std::vector<Knot> knots, int rays_per_kind) {
       rays.make(kind, o, r);
       const float s_max = 4.0f * glm::length(posed.context.bounds_max - posed.context.bounds_min);
       const trace::KelpHit hit = trace::kelpTrace(posed.context, o, r, 0.0f, s_max);
-      const auto certain = reference::firstTouch(truth, posed.knots, glm::dvec3(o), glm::dvec3(r), 0.0, s_max, margin);
+      const auto certain =
+          reference::firstTouch(truth, posed.knots, glm::dvec3(o), glm::dvec3(r), 0.0, s_max, margin);
       ++tally.rays;
       tally.steps += hit.steps;
       if (!hit.found) {
@@ -127,7 +134,8 @@ Tally compare(const Scene& scene, std::vector<Knot> knots, int rays_per_kind) {
         continue;
       }
       ++tally.hits;
-      const auto possible = reference::firstTouch(truth, posed.knots, glm::dvec3(o), glm::dvec3(r), 0.0, s_max, -margin);
+      const auto possible =
+          reference::firstTouch(truth, posed.knots, glm::dvec3(o), glm::dvec3(r), 0.0, s_max, -margin);
       if (!possible) {
         ++tally.invented;
         continue;
@@ -151,22 +159,26 @@ void expectExact(const Tally& tally, const char* what) {
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfAClump) {
   const Scene scene = makeScene(test::ballClump({96, 120, 72}, 24, 1));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+  for (const auto& pose : test::kFigure6)
+    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfDust) {
   const Scene scene = makeScene(test::dust({61, 64, 67}, 400, 2));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+  for (const auto& pose : test::kFigure6)
+    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfPlatesAndRods) {
   const Scene scene = makeScene(test::platesAndRods({70, 90, 50}));
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+  for (const auto& pose : test::kFigure6)
+    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitAtACoarserLevelOfOddSize) {
   const Scene scene = makeScene(test::ballClump({97, 121, 73}, 24, 3), 1);
-  for (const auto& pose : test::kFigure6) expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(4000)), pose.name);
+  for (const auto& pose : test::kFigure6)
+    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(4000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitThroughSeveralSegments) {
@@ -182,7 +194,8 @@ TEST(Trace, FindsEveryHitThroughSeveralSegments) {
 TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {
   const Scene scene = makeScene(test::ballClump({64, 80, 64}, 20, 5));
   for (const float height : {20.0f, 60.0f, 250.0f}) {
-    const std::vector<Knot> knots{{0, {0, 5, 0}, {30, height, 10}}, {1, {10, 5 + height, -20}, {-60, height, 0}}};
+    const std::vector<Knot> knots{{0, {0, 5, 0}, {30, height, 10}},
+                                  {1, {10, 5 + height, -20}, {-60, height, 0}}};
     ASSERT_TRUE(checkKnots(knots));
     expectExact(compare(scene, knots, 5000), "stretched");
   }
@@ -209,7 +222,8 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int i = 0; i < 20000; ++i) {
-    // Monotone by construction: slopes m0, m1 >= 0 with m0^2 + m1^2 <= 9 rise^2; every third at the limit, every fifth flat at both ends.
+    // Monotone by construction: slopes m0, m1 >= 0 with m0^2 + m1^2 <= 9 rise^2; every third at the limit,
+    // every fifth flat at both ends.
     const float rise = 10.0f + 500.0f * unit(random);
     const float angle = 1.5707963f * unit(random);
     const float size = i % 3 == 0 ? 3.0f : 3.0f * unit(random);
@@ -219,8 +233,10 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
     const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
     const float y = 3.0f + rise * unit(random);
     const double t = static_cast<double>(trace::kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
-    const double back = 3.0 + t * (double{m0} + t * (3.0 * double{rise} - 2.0 * double{m0} - double{m1} + t * (double{m0} + double{m1} - 2.0 * double{rise})));
-    ASSERT_NEAR(back, double{y}, 4e-6 * (3.0 + double{rise}) + 1e-5) << "m0 " << m0 << " m1 " << m1 << " rise " << rise;
+    const double back = 3.0 + t * (double{m0} + t * (3.0 * double{rise} - 2.0 * double{m0} - double{m1} +
+                                                     t * (double{m0} + double{m1} - 2.0 * double{rise})));
+    ASSERT_NEAR(back, double{y}, 4e-6 * (3.0 + double{rise}) + 1e-5)
+        << "m0 " << m0 << " m1 " << m1 << " rise " << rise;
   }
 }
 
@@ -233,19 +249,22 @@ TEST(Trace, DeformedNormalIsTheInverseTransposeOfTheMap) {
     const float t = 0.02f + 0.96f * static_cast<float>(i) / 1000.0f;
     const glm::vec3 n(normal(random), normal(random), normal(random));
     const float stretch = 1.7f;
-    // Two directions of the undeformed surface, pushed forward by finite differences of the map's inverse: (x + Sx(t), y, z + Sz(t)).
+    // Two directions of the undeformed surface, pushed forward by finite differences of the map's inverse: (x
+    // + Sx(t), y, z + Sz(t)).
     const auto forward = [&](const glm::dvec3& rest) {
       const double y = rest.y / double{stretch};
       double lo = 0, hi = 1;
       const auto at = [&](double u) {
         const double v = 1 - u;
-        return v * v * (1 + 2 * u) * glm::dvec3(s.p0) + u * v * v * glm::dvec3(s.m0) + u * u * (3 - 2 * u) * glm::dvec3(s.p1) - u * u * v * glm::dvec3(s.m1);
+        return v * v * (1 + 2 * u) * glm::dvec3(s.p0) + u * v * v * glm::dvec3(s.m0) +
+               u * u * (3 - 2 * u) * glm::dvec3(s.p1) - u * u * v * glm::dvec3(s.m1);
       };
       for (int k = 0; k < 100; ++k) (at(0.5 * (lo + hi)).y < y ? lo : hi) = 0.5 * (lo + hi);
       const glm::dvec3 p = at(lo);
       return glm::dvec3(rest.x + p.x, y, rest.z + p.z);
     };
-    const glm::dvec3 u = glm::normalize(glm::cross(glm::dvec3(n), glm::abs(n.x) < glm::abs(n.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+    const glm::dvec3 u = glm::normalize(
+        glm::cross(glm::dvec3(n), glm::abs(n.x) < glm::abs(n.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
     const glm::dvec3 v = glm::normalize(glm::cross(glm::dvec3(n), u));
     const glm::dvec3 rest(3, double{stretch} * static_cast<double>(evaluate(s, t).y), 4);
     const double h = 1e-4;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Half a million rays at 256 voxels, in every pose of the paper's Figure 6, through several segments and random rigs: no owed hit missed, no
-// hit invented. The words are those of reference/judge.h.
+// Half a million rays at 256 voxels, in every pose of the paper's Figure 6, through several segments and
+// random rigs: no owed hit missed, no hit invented. The words are those of reference/judge.h.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,9 @@ using reference::TrialVolume;
 
 template <class Solid>
 fields::Occupancy volumeWhere(const glm::ivec3& size, Solid&& solid) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
       for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = solid(glm::ivec3(x, y, z));
@@ -28,7 +30,8 @@ fields::Occupancy volumeWhere(const glm::ivec3& size, Solid&& solid) {
 // Posts of one voxel along each axis, far apart, and their stumps on the faces of the box.
 fields::Occupancy thinPosts(const glm::ivec3& size) {
   return volumeWhere(size, [&](const glm::ivec3& v) {
-    return (v.x % 37 == 5 && v.z % 41 == 7) || (v.y % 43 == 11 && v.z % 53 == 30) || (v.x % 47 == 21 && v.y % 59 == 2);
+    return (v.x % 37 == 5 && v.z % 41 == 7) || (v.y % 43 == 11 && v.z % 53 == 30) ||
+           (v.x % 47 == 21 && v.y % 59 == 2);
   });
 }
 
@@ -37,7 +40,8 @@ fields::Occupancy shells(const glm::ivec3& size) {
   const glm::vec3 centre = 0.5f * glm::vec3(size);
   return volumeWhere(size, [&](const glm::ivec3& v) {
     const float d = glm::distance(glm::vec3(v) + 0.5f, centre);
-    return (std::abs(d - 40) < 0.6f || std::abs(d - 90) < 0.6f || std::abs(d - 120) < 0.6f) && (v.x + 2 * v.y + 3 * v.z) % 29 > 3;
+    return (std::abs(d - 40) < 0.6f || std::abs(d - 90) < 0.6f || std::abs(d - 120) < 0.6f) &&
+           (v.x + 2 * v.y + 3 * v.z) % 29 > 3;
   });
 }
 
@@ -45,7 +49,8 @@ fields::Occupancy shells(const glm::ivec3& size) {
 fields::Occupancy endLayers(const glm::ivec3& size) {
   std::mt19937 random(3);
   return volumeWhere(size, [&](const glm::ivec3& v) {
-    const bool outermost = v.x == 0 || v.y == 0 || v.z == 0 || v.x == size.x - 1 || v.y == size.y - 1 || v.z == size.z - 1;
+    const bool outermost =
+        v.x == 0 || v.y == 0 || v.z == 0 || v.x == size.x - 1 || v.y == size.y - 1 || v.z == size.z - 1;
     return outermost && random() % 8 == 0;
   });
 }
@@ -58,8 +63,10 @@ int someOf(int rays) { return test::allTests() ? rays : (rays + 5) / 6; }
 void expectExact(const TrialVolume& volume, int rays = kRays) {
   TrialTally all;
   unsigned seed = 1;
-  for (const auto& rig : reference::namedRigs(volume.size)) all.add(reference::runTrial(volume, rig, rays, seed++));
-  for (unsigned i = 0; i < 3; ++i) all.add(reference::runTrial(volume, reference::randomRig(volume.size, 100 + i), rays, seed++));
+  for (const auto& rig : reference::namedRigs(volume.size))
+    all.add(reference::runTrial(volume, rig, rays, seed++));
+  for (unsigned i = 0; i < 3; ++i)
+    all.add(reference::runTrial(volume, reference::randomRig(volume.size, 100 + i), rays, seed++));
   EXPECT_EQ(all.missed, 0u) << "of " << all.owed << " owed; " << all.first_failure;
   EXPECT_EQ(all.invented, 0u) << "of " << all.hits << " hits; " << all.first_failure;
   EXPECT_LE(1000 * all.depth_off, all.hits) << "hits more than half a voxel off";
@@ -69,14 +76,25 @@ void expectExact(const TrialVolume& volume, int rays = kRays) {
   ::testing::Test::RecordProperty("rays", static_cast<int>(all.rays));
 }
 
-TEST(TraceTruth, ClumpAt256) { expectExact(reference::wholeVolume("clump", test::ballClump({256, 249, 195}, 30, 1))); }
-TEST(TraceTruth, NoiseAt256) { expectExact(reference::wholeVolume("noise", test::dust({256, 256, 163}, 3000, 2))); }
+TEST(TraceTruth, ClumpAt256) {
+  expectExact(reference::wholeVolume("clump", test::ballClump({256, 249, 195}, 30, 1)));
+}
+TEST(TraceTruth, NoiseAt256) {
+  expectExact(reference::wholeVolume("noise", test::dust({256, 256, 163}, 3000, 2)));
+}
 TEST(TraceTruth, ThinPostsAt256) { expectExact(reference::wholeVolume("posts", thinPosts({256, 256, 180}))); }
 TEST(TraceTruth, ShellsAt256) { expectExact(reference::wholeVolume("shells", shells({256, 256, 256}))); }
-TEST(TraceTruth, EndLayersAt256) { expectExact(reference::wholeVolume("end layers", endLayers({256, 256, 256}))); }
+TEST(TraceTruth, EndLayersAt256) {
+  expectExact(reference::wholeVolume("end layers", endLayers({256, 256, 256})));
+}
 
-TEST(TraceTruth, NoiseAt512) { expectExact(reference::wholeVolume("noise", test::dust({512, 361, 512}, 3000, 4)), someOf(kRays)); }
-TEST(TraceTruth, VirtualAt4096) { expectExact(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 20000, 5), {4096, 4096, 2048}), someOf(kRays)); }
+TEST(TraceTruth, NoiseAt512) {
+  expectExact(reference::wholeVolume("noise", test::dust({512, 361, 512}, 3000, 4)), someOf(kRays));
+}
+TEST(TraceTruth, VirtualAt4096) {
+  expectExact(reference::tiledVolume("virtual", test::dust({64, 64, 64}, 20000, 5), {4096, 4096, 2048}),
+              someOf(kRays));
+}
 
 void expectFewSteps(const glm::ivec3& size, double mean_allowed, int rays = test::shareOf(4000)) {
   const TrialVolume volume = reference::wholeVolume("clump", test::ballClump(size, 30, 1));
@@ -89,7 +107,9 @@ void expectFewSteps(const glm::ivec3& size, double mean_allowed, int rays = test
 }
 
 TEST(TraceTruth, StepsAreFewInEveryPoseAt256) { expectFewSteps({256, 249, 195}, 10.5); }
-TEST(TraceTruth, StepsAreFewInEveryPoseAt512) { expectFewSteps({512, 498, 390}, 1.1 * 10.5, someOf(test::shareOf(4000))); }
+TEST(TraceTruth, StepsAreFewInEveryPoseAt512) {
+  expectFewSteps({512, 498, 390}, 1.1 * 10.5, someOf(test::shareOf(4000)));
+}
 
 }  // namespace
 }  // namespace kelp

@@ -24,16 +24,21 @@ struct Nothing<R(KELP_GL_CALL*)(Arguments...)> {
   static R KELP_GL_CALL call(Arguments...) { return R(); }
 };
 
-const std::uint8_t* KELP_GL_CALL getString(Enum) { return reinterpret_cast<const std::uint8_t*>(FakeGl::current()->version); }
-Enum KELP_GL_CALL getError() { return FakeGl::current()->out_of_memory ? constant::kOutOfMemory : constant::kNoError; }
+const std::uint8_t* KELP_GL_CALL getString(Enum) {
+  return reinterpret_cast<const std::uint8_t*>(FakeGl::current()->version);
+}
+Enum KELP_GL_CALL getError() {
+  return FakeGl::current()->out_of_memory ? constant::kOutOfMemory : constant::kNoError;
+}
 void KELP_GL_CALL getIntegerv(Enum what, std::int32_t* out) {
   if (what == constant::kViewport) {
     for (int i = 0; i < 4; ++i) out[i] = i < 2 ? 0 : 100;
     return;
   }
-  *out = what == constant::kMaxTextureSize ? FakeGl::current()->max_texture_size
+  *out = what == constant::kMaxTextureSize          ? FakeGl::current()->max_texture_size
          : what == constant::kMaxArrayTextureLayers ? FakeGl::current()->max_array_layers
-         : what == constant::kMaxTextureUnits ? 32 : 0;
+         : what == constant::kMaxTextureUnits       ? 32
+                                                    : 0;
 }
 void KELP_GL_CALL succeed(Name, Enum, std::int32_t* out) { *out = 1; }
 void KELP_GL_CALL genNames(std::int32_t count, Name* out) {
@@ -51,46 +56,61 @@ FakeGl::Texture& boundTo(Enum target) {
   return fake.textures[name];
 }
 // Of the formats that kelp uploads; 0 of others.
-int wordsOf(Enum format) { return format == constant::kRedInteger ? 1 : format == constant::kRgbaInteger ? 4 : 0; }
+int wordsOf(Enum format) {
+  return format == constant::kRedInteger ? 1 : format == constant::kRgbaInteger ? 4 : 0;
+}
 
-void KELP_GL_CALL texImage3d(Enum target, std::int32_t, std::int32_t, std::int32_t width, std::int32_t height, std::int32_t layers, std::int32_t, Enum format, Enum,
-                             const void*) {
+void KELP_GL_CALL texImage3d(Enum target, std::int32_t, std::int32_t, std::int32_t width, std::int32_t height,
+                             std::int32_t layers, std::int32_t, Enum format, Enum, const void*) {
   ++FakeGl::current()->storage_made;
   if (!FakeGl::current()->keeps_texels) return;
   FakeGl::Texture& texture = boundTo(target);
   texture = {width, height, layers, wordsOf(format), {}};
-  texture.words.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(layers) * static_cast<std::size_t>(texture.texel_words));
+  texture.words.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                       static_cast<std::size_t>(layers) * static_cast<std::size_t>(texture.texel_words));
 }
-void KELP_GL_CALL texImage2d(Enum target, std::int32_t level, std::int32_t internal, std::int32_t width, std::int32_t height, std::int32_t border, Enum format, Enum type,
+void KELP_GL_CALL texImage2d(Enum target, std::int32_t level, std::int32_t internal, std::int32_t width,
+                             std::int32_t height, std::int32_t border, Enum format, Enum type,
                              const void* texels) {
   texImage3d(target, level, internal, width, height, 1, border, format, type, texels);
 }
-void KELP_GL_CALL texSubImage3d(Enum target, std::int32_t, std::int32_t x, std::int32_t y, std::int32_t layer, std::int32_t width, std::int32_t height, std::int32_t layers,
-                                Enum format, Enum, const void* texels) {
+void KELP_GL_CALL texSubImage3d(Enum target, std::int32_t, std::int32_t x, std::int32_t y, std::int32_t layer,
+                                std::int32_t width, std::int32_t height, std::int32_t layers, Enum format,
+                                Enum, const void* texels) {
   if (!FakeGl::current()->keeps_texels) return;
   FakeGl::Texture& texture = boundTo(target);
-  const auto isWithin = [](int first, int count, int size) { return first >= 0 && count > 0 && first < size && count <= size - first; };
-  if (!isWithin(x, width, texture.width) || !isWithin(y, height, texture.height) || !isWithin(layer, layers, texture.layers) || wordsOf(format) != texture.texel_words) {
-    std::fprintf(stderr, "fake GL: %d x %d x %d texels at (%d, %d, %d) of a texture of %d x %d x %d\n", width, height, layers, x, y, layer, texture.width, texture.height,
-                 texture.layers);
+  const auto isWithin = [](int first, int count, int size) {
+    return first >= 0 && count > 0 && first < size && count <= size - first;
+  };
+  if (!isWithin(x, width, texture.width) || !isWithin(y, height, texture.height) ||
+      !isWithin(layer, layers, texture.layers) || wordsOf(format) != texture.texel_words) {
+    std::fprintf(stderr, "fake GL: %d x %d x %d texels at (%d, %d, %d) of a texture of %d x %d x %d\n", width,
+                 height, layers, x, y, layer, texture.width, texture.height, texture.layers);
     std::abort();
   }
   const auto* from = static_cast<const std::uint32_t*>(texels);
   const auto row_words = static_cast<std::size_t>(width) * static_cast<std::size_t>(texture.texel_words);
   for (int z = layer; z < layer + layers; ++z) {
     for (int row = y; row < y + height; ++row, from += row_words) {
-      const auto at = ((static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.height) + static_cast<std::size_t>(row)) * static_cast<std::size_t>(texture.width) + static_cast<std::size_t>(x)) * static_cast<std::size_t>(texture.texel_words);
+      const auto at = ((static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.height) +
+                        static_cast<std::size_t>(row)) *
+                           static_cast<std::size_t>(texture.width) +
+                       static_cast<std::size_t>(x)) *
+                      static_cast<std::size_t>(texture.texel_words);
       std::copy(from, from + row_words, texture.words.begin() + static_cast<std::ptrdiff_t>(at));
     }
   }
 }
-void KELP_GL_CALL texSubImage2d(Enum target, std::int32_t level, std::int32_t x, std::int32_t y, std::int32_t width, std::int32_t height, Enum format, Enum type,
+void KELP_GL_CALL texSubImage2d(Enum target, std::int32_t level, std::int32_t x, std::int32_t y,
+                                std::int32_t width, std::int32_t height, Enum format, Enum type,
                                 const void* texels) {
   texSubImage3d(target, level, x, y, 0, width, height, 1, format, type, texels);
 }
 void KELP_GL_CALL attachment(Enum, Enum, Enum what, std::int32_t* out) {
   const int bits = FakeGl::current()->depth_bits;
-  *out = what == constant::kAttachmentObjectType ? (bits > 0) : what == constant::kAttachmentDepthSize ? bits : 0;
+  *out = what == constant::kAttachmentObjectType  ? (bits > 0)
+         : what == constant::kAttachmentDepthSize ? bits
+                                                  : 0;
 }
 Name KELP_GL_CALL create(Enum) { return 1; }
 Name KELP_GL_CALL createProgram() { return 1; }
@@ -117,7 +137,8 @@ std::unordered_map<std::string_view, void*> allFunctions() {
       {"glIsProgram", reinterpret_cast<void*>(&isProgram)},
       {"glCreateProgram", reinterpret_cast<void*>(&createProgram)},
   };
-#define KELP_FAKE(result, function, parameters) all.emplace("gl" #function, reinterpret_cast<void*>(&Nothing<decltype(gl::Api::function)>::call));
+#define KELP_FAKE(result, function, parameters) \
+  all.emplace("gl" #function, reinterpret_cast<void*>(&Nothing<decltype(gl::Api::function)>::call));
   KELP_GL_FUNCTIONS(KELP_FAKE)
   KELP_GL_DESKTOP_FUNCTIONS(KELP_FAKE)
   KELP_GL_BLEND_FUNCTIONS(KELP_FAKE)
@@ -134,7 +155,8 @@ FakeGl*& FakeGl::current() {
 
 const FakeGl::Texture& FakeGl::pool() const {
   static const Texture none;
-  const auto last = std::find_if(textures.rbegin(), textures.rend(), [](const Texture& texture) { return texture.texel_words == 1; });
+  const auto last = std::find_if(textures.rbegin(), textures.rend(),
+                                 [](const Texture& texture) { return texture.texel_words == 1; });
   return last == textures.rend() ? none : *last;
 }
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Finds zstd (a static library if there is one, so that a game ships one file less) and makes the target kelp_deps::zstd.
+# Finds zstd (a static library if there is one, so that a game ships one file less) and makes the target
+# kelp_deps::zstd.
 find_path(KelpZstd_INCLUDE_DIR zstd.h)
 find_library(KelpZstd_LIBRARY NAMES libzstd.a zstd)
 include(FindPackageHandleStandardArgs)

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-# Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies, and the programs where they are built.
-# Two components, each useful without the other: `dev` (libraries, headers, the CMake package) and `tools` (the programs).
+# Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies, and
+# the programs where they are built. Two components, each useful without the other: `dev` (libraries, headers,
+# the CMake package) and `tools` (the programs).
 include(CMakePackageConfigHelpers)
 set(kelp_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kelp)
-configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake.in ${PROJECT_BINARY_DIR}/kelpConfig.cmake
+configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/kelpConfig.cmake
   INSTALL_DESTINATION ${kelp_config_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kelpConfig.cmake ${PROJECT_BINARY_DIR}/kelpConfigVersion.cmake

@@ -1,41 +1,55 @@
 # SPDX-License-Identifier: MIT
-# The one way in which kelp makes a library or a program: C++20, warnings and floating point set per target, nothing global.
+# How kelp makes every library and program: C++20, warnings and floating point set per target, nothing global.
 include_guard(GLOBAL)
 option(KELP_WERROR "Treat warnings as errors" OFF)
 
 function(kelp_target_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
-  # Sources that are compiled as one see each other's names and are included by another, so that there -Wshadow and GCC's -Wsubobject-linkage mean nothing.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic $<IF:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>,-Wshadow> -Wnon-virtual-dtor -ffp-contract=off
+  set_target_properties(${target} PROPERTIES
+    CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
     -ffunction-sections -fdata-sections $<$<BOOL:${KELP_WERROR}>:-Werror>)
-  # What ships is hardened as Debian hardens: overrun stacks and buffers end the program, jumps land where they may, and tables of addresses are read-only.
+  # No contraction into fused multiply-add: the same input bakes to the same bytes on every machine.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  # A unity build compiles several sources as one. They see each other's names there, and are included by
+  # another source, so -Wshadow and GCC's -Wsubobject-linkage warn of nothing real.
+  set(unity $<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>)
+  target_compile_options(${target} PRIVATE
+    $<IF:${unity},$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>,-Wshadow>)
+  # GCC 12 warns wrongly at -O3 inside the standard library: of overlapping copies in "text" + std::string()
+  # (GCC bug 105651), and of freeing the middle of a std::vector. GCC 13 does not, and keeps these warnings.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Wno-restrict;-Wno-free-nonheap-object>)
+  endif()
+  # Releases are hardened as Debian does it: a stack or buffer that is overrun ends the program, indirect
+  # jumps reach function entries only, and tables of addresses are read-only.
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
     set(ships $<CONFIG:Release,RelWithDebInfo,MinSizeRel>)
-    target_compile_options(${target} PRIVATE $<${ships}:-fstack-protector-strong;-fstack-clash-protection;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>
-      $<$<AND:${ships},$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:-fcf-protection>)
+    set(x86_64 $<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>)
+    target_compile_options(${target} PRIVATE
+      $<${ships}:-fstack-protector-strong;-fstack-clash-protection;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>
+      $<$<AND:${ships},${x86_64}>:-fcf-protection>)
     get_target_property(type ${target} TYPE)
     if(type STREQUAL "EXECUTABLE")
       set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
       target_link_options(${target} PRIVATE $<${ships}:-pie;LINKER:-z,relro,-z,now,-z,noexecstack>)
     endif()
   endif()
-  # GCC 12 sees overlapping copies in "text" + std::string() at -O3 (GCC bug 105651, mended in 13).
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    target_compile_options(${target} PRIVATE $<$<AND:$<BOOL:${KELP_WERROR}>,$<CONFIG:Release>>:-Wno-error=restrict>)
-  endif()
 endfunction()
 
-# kelp_add_library(NAME INCLUDE_DIR dir HEADERS ... SOURCES ... [DEPENDS public...] [DEPENDS_PRIVATE ...] [NO_EXCEPTIONS] [INSTALL])
-# Makes the static library kelp_NAME with the alias kelp::NAME. Headers are listed relative to the current folder.
+# kelp_add_library(NAME INCLUDE_DIR dir HEADERS ... SOURCES ... [DEPENDS public...] [DEPENDS_PRIVATE ...]
+#                  [NO_EXCEPTIONS] [INSTALL])
+# Makes the static library kelp_NAME with the alias kelp::NAME. Headers are relative to the current folder.
 function(kelp_add_library name)
-  cmake_parse_arguments(arg "NO_EXCEPTIONS;INSTALL" "INCLUDE_DIR" "HEADERS;SOURCES;DEPENDS;DEPENDS_PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "NO_EXCEPTIONS;INSTALL" "INCLUDE_DIR" "HEADERS;SOURCES;DEPENDS;DEPENDS_PRIVATE"
+    ${ARGN})
   set(target kelp_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(kelp::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
-  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/${arg_INCLUDE_DIR}" FILES ${arg_HEADERS})
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
+  target_sources(${target} PUBLIC
+    FILE_SET HEADERS BASE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/${arg_INCLUDE_DIR}" FILES ${arg_HEADERS})
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_DEPENDS_PRIVATE})
   kelp_target_defaults(${target})
   if(arg_NO_EXCEPTIONS)
@@ -47,9 +61,11 @@ function(kelp_add_library name)
   endif()
 endfunction()
 
-# What a program says of how it was built: the format it writes, the libraries in it (property KELP_FEATURES of the targets it links), the compiler.
+# What --version says in brackets: the pack format that the program writes, the libraries in it (property
+# KELP_FEATURES of the targets that it links), the compiler.
 function(kelp_build_words result)
-  file(STRINGS ${PROJECT_SOURCE_DIR}/formats/include/kelp/formats/pack.h lines REGEX "kFormat(Major|Minor) = [0-9]+")
+  file(STRINGS ${PROJECT_SOURCE_DIR}/formats/include/kelp/formats/pack.h lines
+    REGEX "kFormat(Major|Minor) = [0-9]+")
   list(TRANSFORM lines REPLACE ".* = ([0-9]+);.*" "\\1")
   list(JOIN lines "." format)
   set(words "format ${format}")
@@ -66,8 +82,8 @@ function(kelp_build_words result)
   set(${result} "${words}, ${compiler} ${CMAKE_CXX_COMPILER_VERSION}" PARENT_SCOPE)
 endfunction()
 
-# kelp_add_tool(NAME SOURCES ... DEPENDS ... VERSION_IN source): an installed program, and the target kelp::NAME for those who run it in their builds. VERSION_IN
-# is the source that answers --version: it gets KELP_BUILD.
+# kelp_add_tool(NAME SOURCES ... DEPENDS ... VERSION_IN source): an installed program, and the target
+# kelp::NAME for builds that run it. VERSION_IN is the source that answers --version; it gets KELP_BUILD.
 function(kelp_add_tool name)
   cmake_parse_arguments(arg "" "VERSION_IN" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})

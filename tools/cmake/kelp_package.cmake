@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-# Debian packages of the two components: kelp-tools (the programs) and libkelp-dev (libraries, headers, the CMake package). `cmake --workflow --preset package`
-# makes both as they ship, in build/package.
-set(KELP_PACKAGE_CONTACT "The kelp authors <kelp@kelp.invalid>" CACHE STRING "Who answers for the packages that this build makes: Name <mail address>")
+# Debian packages of the two components: kelp-tools (the programs) and libkelp-dev (libraries, headers, the
+# CMake package). `cmake --workflow --preset package` makes both as they ship, in build/package.
+set(KELP_PACKAGE_CONTACT "The kelp authors <kelp@kelp.invalid>" CACHE STRING
+  "The maintainer of the packages that this build makes: Name <mail address>")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME kelp)
 set(CPACK_PACKAGE_VENDOR kelp)
@@ -9,7 +10,8 @@ set(CPACK_PACKAGE_CONTACT "${KELP_PACKAGE_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # CPack would put it before the components' own
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ
+  GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -31,15 +33,17 @@ if(KELP_BAKER OR KELP_TOOLS)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME kelp-tools)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION graphics)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-  set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS libgl1-mesa-dri)  # kelp-render, where there is no other OpenGL
+  set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS libgl1-mesa-dri)  # for kelp-render and kelp-view
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "libkelp-dev (= ${PROJECT_VERSION}-1)")
-  set(CPACK_DEBIAN_TOOLS_DESCRIPTION "voxel models that bend - baker, inspector and renderer
+  set(CPACK_DEBIAN_TOOLS_DESCRIPTION "voxel models that bend - baker, inspector, renderer and viewer
 kelp-bake turns meshes and volumes into voxel packs that bend by splines in
-real time, kelp-dump says what is in a pack and whether it is sound, and
-kelp-render draws pictures of packs without a display.")
+real time, kelp-dump says what is in a pack and whether it is sound,
+kelp-render draws pictures of packs without a display, and kelp-view shows
+packs in a window and edits their rigs.")
 endif()
 
-# A package's papers: the licence, with those of what is compiled into it (Debian's own packages carry them), and the changes.
+# A package's papers: kelp's licence, the licences of the code that is compiled into it (from Debian's own
+# packages), and the changes.
 function(kelp_package_papers component package)
   set(papers ${PROJECT_BINARY_DIR}/papers/${package})
   file(READ ${PROJECT_SOURCE_DIR}/LICENSE copyright)
@@ -51,9 +55,12 @@ function(kelp_package_papers component package)
   endforeach()
   file(WRITE ${papers}/copyright "${copyright}")
   string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, if set
-  file(WRITE ${papers}/changelog.Debian "${package} (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See changelog.gz.\n\n -- ${KELP_PACKAGE_CONTACT}  ${now}\n")
+  file(WRITE ${papers}/changelog.Debian
+    "${package} (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See changelog.gz.\n\n"
+    " -- ${KELP_PACKAGE_CONTACT}  ${now}\n")
   configure_file(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${papers}/changelog COPYONLY)
-  execute_process(COMMAND ${KELP_GZIP} -9nf ${papers}/changelog.Debian ${papers}/changelog COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${KELP_GZIP} -9nf ${papers}/changelog.Debian ${papers}/changelog
+    COMMAND_ERROR_IS_FATAL ANY)
   install(FILES ${papers}/copyright ${papers}/changelog.gz ${papers}/changelog.Debian.gz
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
@@ -61,6 +68,7 @@ find_program(KELP_GZIP gzip)
 mark_as_advanced(KELP_GZIP)
 if(KELP_GZIP)
   kelp_package_papers(dev libkelp-dev libglm-dev libxxhash-dev)
-  kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libstb-dev libnanovdb-dev)
+  kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev
+    libtinygltf-dev libstb-dev libnanovdb-dev libimgui-dev)
 endif()
 include(CPack)

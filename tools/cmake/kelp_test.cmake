@@ -3,11 +3,12 @@ include_guard(GLOBAL)
 find_package(GTest REQUIRED)
 include(GoogleTest)
 
-# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...] [ENVIRONMENT name=value] [DRIVES]): one GoogleTest program, every case a ctest entry.
-# One that DRIVES another program computes nothing itself: optimising it under a sanitizer takes longer than it runs.
-# Built for another system, a program is one entry: its emulator takes longer to start than most cases to run.
-# KELP_TEST_ARGUMENTS (preset web) leaves out what can not run there: cases that start threads of their own.
-# Tests that need the shared assets use tests/support/assets.h, which skips (and says so) where they are absent.
+# kelp_add_test(NAME SOURCES ... DEPENDS ... [LABELS ...] [ENVIRONMENT name=value] [DRIVES]): one GoogleTest
+# program, every case a ctest entry. One that DRIVES another program computes nothing itself: optimising it
+# under a sanitizer takes longer than it runs. Built for another system, a program is one entry: its emulator
+# takes longer to start than most cases to run. KELP_TEST_ARGUMENTS (preset web) leaves out what can not run
+# there: cases that start threads of their own. Tests that need the shared assets use tests/support/assets.h,
+# which skips (and says so) where they are absent.
 function(kelp_add_test name)
   cmake_parse_arguments(arg "DRIVES" "ENVIRONMENT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})

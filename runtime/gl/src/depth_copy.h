@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The depth drawn so far, copied from the framebuffer that is bound into a texture of kelp's own, so that what is drawn next can end its rays there.
+// The depth drawn so far, copied from the bound framebuffer into a texture of kelp's, so that the next draw
+// can end its rays there.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -15,21 +16,23 @@ class DepthCopy {
   void destroy(const Api& api);
   Name texture() const { return texture_; }
 
-  // Looks at the framebuffer that is bound for drawing, and makes room for what its viewport shows; anew only for a larger viewport or another
-  // format. False: its depth can not be copied, because there is none, it is multisampled, or the driver refuses. Within an UploadGuard.
+  // Examines the framebuffer that is bound for drawing, and allocates a texture of its viewport's size. It is
+  // allocated again only for a larger viewport or another format. False: the depth cannot be copied, because
+  // there is none, it is multisampled, or the driver refuses. Within an UploadGuard.
   bool prepare(const Api& api);
-  // After prepare(), with the same framebuffer. Leaves the bindings of framebuffers as they were. The host's scissor test narrows the copy as it narrows the draw.
+  // Call it after prepare(), with the same framebuffer. The framebuffer bindings stay as they were. The
+  // host's scissor test applies to the copy as to the draw.
   void copy(const Api& api) const;
 
  private:
-  // What can be asked of a depth buffer.
+  // What OpenGL tells of a depth buffer.
   struct Source {
     std::int32_t framebuffer = 0;
-    std::int32_t type = 0;     // of the attached object, and its name
+    std::int32_t type = 0;  // of the attached object, and its name
     std::int32_t object = 0;
     std::int32_t bits = 0;
     std::int32_t stencil = 0;
-    std::int32_t kind = 0;     // fixed or floating point
+    std::int32_t kind = 0;  // fixed or floating point
     bool operator==(const Source&) const = default;
   };
   struct Format;
@@ -41,11 +44,11 @@ class DepthCopy {
 
   Name texture_ = 0;
   Name framebuffer_ = 0;
-  glm::ivec2 size_{0};         // 0: no storage yet
-  Source source_;              // that was tried last
-  bool good_ = false;          // and whether its depth can be copied
-  glm::ivec4 viewport_{0};     // x, y, width, height
-  std::int32_t read_ = 0;      // the host's binding
+  glm::ivec2 size_{0};      // 0: no storage yet
+  Source source_;           // that was tried last
+  bool good_ = false;       // and whether its depth can be copied
+  glm::ivec4 viewport_{0};  // x, y, width, height
+  std::int32_t read_ = 0;   // the host's binding
 };
 
 }  // namespace kelp::gl

@@ -42,8 +42,9 @@ Result<Camera> makeCamera(const View& view) {
   }
   double side = 0;  // of a unit cube in eye space: to_world has what world_to_eye does not scale
   for (int axis = 0; axis < 3; ++axis) side = std::max(side, glm::length(glm::dvec3(to_eye[axis])));
-  const double pixels = std::max(glm::length(glm::dvec3(to_clip[0][0], to_clip[1][0], to_clip[2][0])) * view.viewport.x,
-                                 glm::length(glm::dvec3(to_clip[0][1], to_clip[1][1], to_clip[2][1])) * view.viewport.y);
+  const double pixels =
+      std::max(glm::length(glm::dvec3(to_clip[0][0], to_clip[1][0], to_clip[2][0])) * view.viewport.x,
+               glm::length(glm::dvec3(to_clip[0][1], to_clip[1][1], to_clip[2][1])) * view.viewport.y);
   camera.pixel_scale = static_cast<float>(0.5 * side * pixels);
   return camera;
 }
@@ -51,7 +52,8 @@ Result<Camera> makeCamera(const View& view) {
 bool drawsCoarser(const Detail& detail, const glm::ivec2& pixel) {
   const int x = pixel.x ^ pixel.y;
   const int y = pixel.y;
-  return ((x & 1) << 5 | (y & 1) << 4 | (x & 2) << 2 | (y & 2) << 1 | (x & 4) >> 1 | (y & 4) >> 2) < detail.coarser;
+  return ((x & 1) << 5 | (y & 1) << 4 | (x & 2) << 2 | (y & 2) << 1 | (x & 4) >> 1 | (y & 4) >> 2) <
+         detail.coarser;
 }
 
 }  // namespace kelp::gl

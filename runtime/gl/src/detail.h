@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which level of detail is drawn: a number between two levels, and a pattern of pixels that draw the one or the other.
+// The view's checks, the camera, and the level of detail: two levels, and a pattern of pixels that draw the
+// one or the other.
 #pragma once
 
 #include "kelp/gl/renderer.h"
@@ -13,6 +14,10 @@ struct Camera {
   glm::dvec4 eye{0};      // world; w = 1, or the direction of view and w = 0
   float pixel_scale = 0;  // pixels per unit of length at clip w = 1
 };
+
+// kMisuse for a view that draw() and bindTrace() cannot use. `look_is_plain`: the program has no secondary
+// rays.
+Result<void> checkView(const View& view, bool look_is_plain);
 
 // kMisuse for a matrix that is not finite or not invertible.
 Result<Camera> makeCamera(const View& view);

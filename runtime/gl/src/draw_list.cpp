@@ -11,16 +11,14 @@
 #include <glm/gtc/type_precision.hpp>
 #include <glm/matrix.hpp>
 
-#include "kelp/formats/lanes.h"
-
 namespace kelp::gl {
 namespace {
 
-// Of a record: what is the same in all, and what comes before the segments of the frame before.
+// Texels of a record: its head, and what precedes the segments of the frame before.
 constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4), kMotionTexels = 4;
 
 constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
-// Doubles the room of `buffer` until it holds `size`, keeping what is there.
+// Enlarges `buffer` to `size` or more, at least twice as large, and keeps its content.
 template <class T>
 [[nodiscard]] bool grow(Buffer<T>& buffer, std::size_t size) {
   if (size <= buffer.size()) return true;
@@ -31,7 +29,7 @@ template <class T>
   return true;
 }
 
-constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset is not known to the renderer"};
+constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added to the renderer"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
 constexpr Error kBadPose{ErrorCode::kMisuse, "an instance's pose is not monotone, or not finite"};
 constexpr Error kForeignPose{ErrorCode::kMisuse, "an instance's pose belongs to another asset"};
@@ -39,7 +37,7 @@ constexpr Error kBadMatrix{ErrorCode::kMisuse, "an instance's to_world is not an
 
 bool isAffine(const glm::mat4& m) { return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1; }
 
-// The assets that the frame's instances name, found once each as long as they do not fall on the same place.
+// A cache of the assets that the frame's instances name.
 class FoundAssets {
  public:
   // Null, and `error` set: it must not be drawn.
@@ -78,7 +76,8 @@ constexpr glm::mat4x3 kSame(1);
 // Puts world -> part space in place of part -> clip space.
 void worldToPart(RecordHead& head) {
   const glm::vec4(&rows)[3] = head.to_world;
-  const glm::dmat4 inverse = glm::inverse(glm::transpose(glm::dmat4(glm::dvec4(rows[0]), glm::dvec4(rows[1]), glm::dvec4(rows[2]), glm::dvec4(0, 0, 0, 1))));
+  const glm::dmat4 inverse = glm::inverse(glm::transpose(
+      glm::dmat4(glm::dvec4(rows[0]), glm::dvec4(rows[1]), glm::dvec4(rows[2]), glm::dvec4(0, 0, 0, 1))));
   const glm::mat4 inverse_rows(glm::transpose(inverse));
   for (int row = 0; row < 4; ++row) head.to_clip[row] = inverse_rows[row];
 }
@@ -90,7 +89,7 @@ std::uint32_t ascending(float number) {
   return (bits >> 31 ? ~bits : bits | 0x80000000u) >> 1;
 }
 
-// How far along the view's direction a part's bounds begin: of an orthographic view, where clip w says nothing of it.
+// How far along the view's direction a part's bounds begin, for orthographic views, where clip w is constant.
 float alongView(const glm::dvec4& direction, const RecordHead& head) {
   glm::vec4 along(0);
   for (int row = 0; row < 3; ++row) along += static_cast<float>(direction[row]) * head.to_world[row];
@@ -98,15 +97,18 @@ float alongView(const glm::dvec4& direction, const RecordHead& head) {
   return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), head.high - middle);
 }
 
-// As makeSegment. Writes one number more: what comes next lies over it.
+// As makeSegment. Writes one number too many, which the next write covers.
 glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
-  static_assert(sizeof(Segment) == 3 * sizeof *out && offsetof(Segment, m0) == 12 && offsetof(Segment, p1) == 24 && offsetof(Segment, m1) == 36);
+  static_assert(sizeof(Segment) == 3 * sizeof *out && offsetof(Segment, m0) == 12 &&
+                offsetof(Segment, p1) == 24 && offsetof(Segment, m1) == 36);
   static_assert(offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Knot& k0 = knots[i];
     const Knot& k1 = knots[i + 1];
     const float share = k1.at - k0.at;
-    const auto tangentOf = [share](const Knot& knot) { return share * Lanes::load(&knot.position.z).rotated(); };
+    const auto tangentOf = [share](const Knot& knot) {
+      return share * Lanes::load(&knot.position.z).rotated();
+    };
     float* const numbers = reinterpret_cast<float*>(out);
     Lanes::load(&k0.position.x).store(numbers);
     tangentOf(k0).store(numbers + 3);
@@ -118,19 +120,23 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
 }
 
 // Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments.
-glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance, std::uint32_t part, glm::uvec4* out) {
+glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
+                        std::uint32_t part, glm::uvec4* out) {
   const int index = static_cast<int>(part);
   runtime::Instance before = instance;
   if (instance.previous_pose) before.pose = instance.previous_pose;
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
-  const glm::mat4 rows(glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
+  const glm::mat4 rows(
+      glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
   std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
-  return writeSegments(out + kMotionTexels, before.pose ? before.pose->knots(index) : before.asset->pack().parts()[part].knots);
+  return writeSegments(out + kMotionTexels,
+                       before.pose ? before.pose->knots(index) : before.asset->pack().parts()[part].knots);
 }
 
 }  // namespace
 
-Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
+Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view,
+                             std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
   const Frame frame{camera, view, kind, rays};
   waiting_ = 0;
   count_ = 0;
@@ -151,7 +157,8 @@ Result<void> DrawList::build(Residency& store, const Camera& camera, const View&
   return *error;
 }
 
-const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index) {
+const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
+                                   const runtime::Instance& instance, std::uint32_t index) {
   const std::span<const Part> parts = asset.packed;
   if (instance.pose && static_cast<std::size_t>(instance.pose->parts()) != parts.size()) return &kForeignPose;
   if (instance.previous_pose) {
@@ -160,7 +167,8 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
   }
   bool is_drawn = false;
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
-    const std::span<const Knot> knots = instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
+    const std::span<const Knot> knots =
+        instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
     if (parts[part].kind != frame.kind) continue;
     if (waiting_ == kBlock) {
@@ -181,7 +189,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset, con
     posed.to_world[k] = &instance.to_world;
     posed.to_object[k] = &parts[part].to_object;
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
-      if (!isAffine(instance.to_world)) return &kBadMatrix;  // of the others, placeParts sees it
+      if (!isAffine(instance.to_world)) return &kBadMatrix;  // placeParts checks it for the others
       moved_[i] = runtime::partToWorld(instance, static_cast<int>(part));
       posed.to_world[k] = &moved_[i];
       posed.to_object[k] = &kSame;
@@ -195,7 +203,8 @@ const Error* DrawList::addBlock(const Frame& frame) {
   const std::size_t count = std::exchange(waiting_, 0);
   if (count == 0) return nullptr;
   const std::size_t eights = (count + 7) / 8;
-  for (std::size_t i = count; i < 8 * eights; ++i) posed_[i / 8].repeat(i % 8);  // company for the last ones
+  for (std::size_t i = count; i < 8 * eights; ++i)
+    posed_[i / 8].repeat(i % 8);  // pad the last group to eight
   const auto countOf = [count](std::size_t eight) { return std::min<std::size_t>(count - 8 * eight, 8); };
   std::size_t segments = 0;
   for (std::size_t i = 0; i < eights; ++i) {
@@ -206,8 +215,10 @@ const Error* DrawList::addBlock(const Frame& frame) {
     if (const Error* const error = place(frame, i, countOf(i))) return error;
   }
   for (std::size_t i = 0; i < eights; ++i) choose(frame, i, countOf(i));
-  // One texel more for the number that writeSegments writes too much.
-  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1)) return &kNoMemoryForFrame;
+  // One texel more, because writeSegments writes one number too many.
+  if (!grow(order_, count_ + count) ||
+      !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1))
+    return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
 }
@@ -215,15 +226,18 @@ const Error* DrawList::addBlock(const Frame& frame) {
 const Error* DrawList::place(const Frame& frame, std::size_t eight, std::size_t count) {
   placeParts(frame.camera, posed_[eight], placed_[eight]);
   if (placed_[eight].affine != 255) {
-    // The product with a motion is affine wherever that is finite: of moved parts the host's own matrix was looked at before.
+    // addInstance checked the host's matrix of parts that move. Their product is affine if the motion is
+    // finite.
     for (std::size_t k = 0; k < count; ++k) {
-      if (!(placed_[eight].affine >> k & 1)) return posed_[eight].to_object[k] == &kSame ? &kBadPose : &kBadMatrix;
+      if (!(placed_[eight].affine >> k & 1))
+        return posed_[eight].to_object[k] == &kSame ? &kBadPose : &kBadMatrix;
     }
   }
   if (placed_[eight].invertible == 255) return nullptr;
   for (std::size_t k = 0; k < count; ++k) {
-    // A part may be scaled to nothing by its motion: it has no voxel to show.
-    if (!(placed_[eight].invertible >> k & 1) && !isInvertible(block_[8 * eight + k].instance->to_world)) return &kBadMatrix;
+    // A motion may scale a part to nothing: then it shows no voxel.
+    if (!(placed_[eight].invertible >> k & 1) && !isInvertible(block_[8 * eight + k].instance->to_world))
+      return &kBadMatrix;
   }
   return nullptr;
 }
@@ -236,7 +250,8 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     ResidentPart& resident = *candidate.resident;
     const bool is_seen = judged.seen >> k & 1;
     const Detail wanted = Detail::of(judged.level.of[k]);
-    if (placed_[eight].invertible >> k & 1) Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
+    if (placed_[eight].invertible >> k & 1)
+      Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
     candidate.drawn = is_seen && resident.finest != resident.levels;
     culled_ += !is_seen;
@@ -248,7 +263,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   const bool motion = frame.rays == Rays::kView && frame.view.previous_world_to_clip;
   RecordHead unused;
   RecordHead* heads[8];
-  // Segments first, since each writes over what comes behind it.
+  // Segments first, because each overwrites what follows it.
   glm::uvec4* const begin = &records_[texels_];
   glm::uvec4* out = begin;
   for (std::size_t k = 0; k < 8; ++k) {
@@ -257,7 +272,8 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     if (k >= count || !candidate.drawn) continue;
     heads[k] = reinterpret_cast<RecordHead*>(out);
     out = writeSegments(out + kHeadTexels, posed.knots[k]);
-    if (motion) out = writeMotion(*frame.view.previous_world_to_clip, *candidate.instance, candidate.part, out);
+    if (motion)
+      out = writeMotion(*frame.view.previous_world_to_clip, *candidate.instance, candidate.part, out);
   }
   if (out == begin) return;
   texels_ += static_cast<std::size_t>(out - begin);
@@ -278,28 +294,33 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
   if (frame.kind == PartKind::kFog) has_heat_ = has_heat_ || asset.packed[candidate.part].fog->channels() > 1;
 
   Ordered& ordered = order_[count_++];
-  ordered.key = ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, head) : std::max(nearest, 0.0f));
+  ordered.key =
+      ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, head) : std::max(nearest, 0.0f));
   ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
 
   const bool any = frame.rays == Rays::kAny;
   if (any) worldToPart(head);
   head.tint = candidate.instance->tint;
   head.levels_at = asset.palette() + resident.table;
-  head.detail = static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16);
+  head.detail = static_cast<std::uint32_t>(candidate.detail.level |
+                                           (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16);
   head.palette = asset.palette();
   head.instance = candidate.index;
   head.part = candidate.part;
 }
 
-// Sorts the parts, and writes the numbers of their records behind the records. The order serves speed, and that of fog what can be told apart: 15 bits of the depths' fractions do,
-// three rounds of a radix sort that leaves equals as they were.
+// Sorts the parts, and writes the numbers of their records after the records. The order of solids serves
+// speed only, and that of fog need only separate visibly different depths. So 15 bits of the depths'
+// fractions are enough: three rounds of a stable radix sort.
 Result<void> DrawList::writeOrder(PartKind kind) {
   if (count_ == 0) return {};
   rows_ = (texels_ + (count_ + 3) / 4 + kRecordWidth - 1) / kRecordWidth;
   if (!grow(records_, rows_ * kRecordWidth) || !grow(sorted_, count_)) return kNoMemoryForFrame;
   constexpr int kRounds = 3, kLowestBit = 7;
   constexpr std::uint32_t kBuckets = 256;
-  const auto bucketOf = [](std::uint32_t key, int round) { return key >> (kLowestBit + 8 * round) & (kBuckets - 1); };
+  const auto bucketOf = [](std::uint32_t key, int round) {
+    return key >> (kLowestBit + 8 * round) & (kBuckets - 1);
+  };
   std::uint32_t starts[kRounds][kBuckets] = {};
   for (std::size_t i = 0; i < count_; ++i) {
     for (int round = 0; round < kRounds; ++round) ++starts[round][bucketOf(order_[i].key, round)];
@@ -309,11 +330,13 @@ Result<void> DrawList::writeOrder(PartKind kind) {
     for (std::uint32_t& start : of_round) sum += std::exchange(start, sum);
   }
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < count_; ++i) sorted_[starts[round][bucketOf(order_[i].key, round)]++] = order_[i];
+    for (std::size_t i = 0; i < count_; ++i)
+      sorted_[starts[round][bucketOf(order_[i].key, round)]++] = order_[i];
     std::swap(order_, sorted_);
   }
   std::uint32_t* const numbers = reinterpret_cast<std::uint32_t*>(&records_[texels_]);
-  for (std::size_t i = 0; i < count_; ++i) numbers[i] = order_[kind == PartKind::kFog ? count_ - 1 - i : i].texel;
+  for (std::size_t i = 0; i < count_; ++i)
+    numbers[i] = order_[kind == PartKind::kFog ? count_ - 1 - i : i].texel;
   return {};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a frame draws: instances taken apart, culled, given a level, written out as the records of instance.glsl, and ordered: solids near to far, which
-// spares what is hidden, fog far to near, which is blended over what is there.
+// What a frame draws. Instances are divided into parts, culled, given a level, and written as the records of
+// instance.glsl. Solids are ordered near to far, so that hidden ones are not traced; fog far to near, because
+// it is blended.
 #pragma once
 
 #include "placing.h"
@@ -13,16 +14,20 @@ class DrawList {
  public:
   static constexpr std::size_t kRecordWidth = 1024;  // texels
 
-  explicit DrawList(const Allocator& allocator) : order_(allocator), sorted_(allocator), records_(allocator) {}
+  explicit DrawList(const Allocator& allocator)
+      : order_(allocator), sorted_(allocator), records_(allocator) {}
 
-  // Lists the parts of one kind. Tells `store` what is wanted. kMisuse for an instance that must not be drawn; nothing is listed then.
-  Result<void> build(Residency& store, const Camera& camera, const View& view, std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid, Rays rays = Rays::kView);
+  // Lists the parts of one kind, and tells `store` which levels are wanted. kMisuse for an instance that must
+  // not be drawn; then nothing is listed.
+  Result<void> build(Residency& store, const Camera& camera, const View& view,
+                     std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid,
+                     Rays rays = Rays::kView);
 
   // Parts to draw, in order.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
   // Rows of kRecordWidth texels.
   std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
-  // Where the numbers of the parts' records begin: four to a texel.
+  // Where the numbers of the parts' records begin, four to a texel.
   std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
   std::uint32_t culled() const { return culled_; }
   // Whether fog that is listed has heat.
@@ -30,8 +35,8 @@ class DrawList {
 
  private:
   struct Ordered {
-    std::uint32_t key = 0;     // ascends with the depth of the part's nearest point
-    std::uint32_t texel = 0;   // of the record
+    std::uint32_t key = 0;    // ascends with the depth of the part's nearest point
+    std::uint32_t texel = 0;  // of the record
   };
   struct Frame {
     const Camera& camera;
@@ -39,7 +44,7 @@ class DrawList {
     PartKind kind;
     Rays rays;
   };
-  // A posed part on its way into the list, and what lanes do not compute with.
+  // A posed part before it is listed, without what the lanes compute with.
   struct Candidate {
     const runtime::Instance* instance;
     ResidentAsset* asset;
@@ -49,28 +54,29 @@ class DrawList {
     Detail detail;
     bool drawn;
   };
-  // Candidates are computed eight side by side, and all of a block take each step before the next one: the processor works on several eights at
-  // once, where a step is a chain of results that wait for each other. README.md has what that is worth.
+  // Candidates are computed eight at a time, and a whole block takes each step before the next one. A step is
+  // a chain of dependent results, so the processor works on several eights at once. README.md has the gain.
   static constexpr std::size_t kBlock = 32, kEights = kBlock / 8;
 
-  // Null, or what is wrong.
-  const Error* addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance, std::uint32_t index);
+  // Null: no error.
+  const Error* addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance,
+                           std::uint32_t index);
   const Error* addBlock(const Frame& frame);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   void choose(const Frame& frame, std::size_t eight, std::size_t count);
   void write(const Frame& frame, std::size_t eight, std::size_t count);
-  // What of a record is not in lanes.
+  // Writes what is not computed in lanes.
   void finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head);
   Result<void> writeOrder(PartKind kind);
 
-  Candidate block_[kBlock]{};    // the first waiting_
-  glm::mat4 moved_[kBlock];      // part -> world, of those that move as a whole
+  Candidate block_[kBlock]{};  // the first waiting_
+  glm::mat4 moved_[kBlock];    // part -> world, of those that move as a whole
   PosedParts posed_[kEights];
   PlacedParts placed_[kEights]{};
   std::size_t waiting_ = 0;
-  Buffer<Ordered> order_;        // the first count_
+  Buffer<Ordered> order_;  // the first count_
   Buffer<Ordered> sorted_;
-  Buffer<glm::uvec4> records_;   // the first texels_
+  Buffer<glm::uvec4> records_;  // the first texels_
   std::size_t count_ = 0;
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;

@@ -20,7 +20,8 @@ bool parseVersion(const char* text, bool& es, int& version) {
   return true;
 }
 
-// getProcAddress may answer functions that the context does not have, so the context is asked. In OpenGL ES they have a suffix.
+// getProcAddress may answer functions that the context does not have, so the context is asked. In OpenGL ES
+// they have a suffix.
 void loadDebug(void* (*getProcAddress)(void* user, const char* name), void* user, int version, Api& api) {
   bool there = version >= (api.es ? 32 : 43);
   const bool suffix = api.es && !there;
@@ -31,33 +32,38 @@ void loadDebug(void* (*getProcAddress)(void* user, const char* name), void* user
     there = name && std::strcmp(reinterpret_cast<const char*>(name), "GL_KHR_debug") == 0;
   }
   if (!there) return;
-#define KELP_GL_LOAD(result, name, parameters) \
-  api.name = reinterpret_cast<result(KELP_GL_CALL*) parameters>(getProcAddress(user, suffix ? "gl" #name "KHR" : "gl" #name));
+#define KELP_GL_LOAD(result, name, parameters)                   \
+  api.name = reinterpret_cast<result(KELP_GL_CALL*) parameters>( \
+      getProcAddress(user, suffix ? "gl" #name "KHR" : "gl" #name));
   KELP_GL_DEBUG_FUNCTIONS(KELP_GL_LOAD)
 #undef KELP_GL_LOAD
-  if (!api.ObjectLabel || !api.PushDebugGroup || !api.PopDebugGroup) api.ObjectLabel = nullptr, api.PushDebugGroup = nullptr, api.PopDebugGroup = nullptr;
+  if (!api.ObjectLabel || !api.PushDebugGroup || !api.PopDebugGroup)
+    api.ObjectLabel = nullptr, api.PushDebugGroup = nullptr, api.PopDebugGroup = nullptr;
 }
 
 }  // namespace
 
 Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void* user, Api& api) {
   bool complete = true;
-#define KELP_GL_LOAD(result, name, parameters)                                                    \
+#define KELP_GL_LOAD(result, name, parameters)                                                     \
   api.name = reinterpret_cast<result(KELP_GL_CALL*) parameters>(getProcAddress(user, "gl" #name)); \
   complete = complete && api.name;
   KELP_GL_LOAD(const std::uint8_t*, GetString, (Enum))
-  if (!complete) return Error{ErrorCode::kGraphics, "getProcAddress does not know glGetString: is a context current?"};
+  if (!complete)
+    return Error{ErrorCode::kGraphics,
+                 "getProcAddress returns null for glGetString; make a context current first"};
   const std::uint8_t* text = api.GetString(constant::kVersion);
   int version = 0;
   if (!text || !parseVersion(reinterpret_cast<const char*>(text), api.es, version)) {
     return Error{ErrorCode::kGraphics, "no OpenGL context is current"};
   }
-  if (version < (api.es ? 30 : 33)) return Error{ErrorCode::kGraphics, "the context is below OpenGL 3.3 and OpenGL ES 3.0"};
+  if (version < (api.es ? 30 : 33))
+    return Error{ErrorCode::kGraphics, "the context is below OpenGL 3.3 and OpenGL ES 3.0"};
 
   KELP_GL_FUNCTIONS(KELP_GL_LOAD)
   if (!api.es) {
     KELP_GL_DESKTOP_FUNCTIONS(KELP_GL_LOAD)
-  } else if (version >= 32) {  // where draw buffers have states of their own in ES too
+  } else if (version >= 32) {  // from 3.2 on draw buffers have separate states in ES too
     KELP_GL_LOAD(std::uint8_t, IsEnabledi, (Enum, Name))
     KELP_GL_LOAD(void, Enablei, (Enum, Name))
     KELP_GL_LOAD(void, GetBooleani_v, (Enum, Name, std::uint8_t*))
@@ -67,7 +73,9 @@ Result<void> loadApi(void* (*getProcAddress)(void* user, const char* name), void
     KELP_GL_BLEND_FUNCTIONS(KELP_GL_LOAD)
   }
 #undef KELP_GL_LOAD
-  if (!complete) return Error{ErrorCode::kGraphics, "getProcAddress does not know a function of OpenGL 3.3 / OpenGL ES 3.0"};
+  if (!complete)
+    return Error{ErrorCode::kGraphics,
+                 "getProcAddress returns null for a function of OpenGL 3.3 / OpenGL ES 3.0"};
 
   api.GetIntegerv(constant::kMaxTextureSize, &api.max_texture_size);
   api.GetIntegerv(constant::kMaxArrayTextureLayers, &api.max_array_layers);
@@ -100,7 +108,8 @@ DebugGroup::~DebugGroup() {
 }
 
 void drainErrors(const Api& api) {
-  for (int i = 0; i < 16 && api.GetError() != constant::kNoError; ++i) {  // a lost context may never run out of errors
+  // a lost context may never run out of errors
+  for (int i = 0; i < 16 && api.GetError() != constant::kNoError; ++i) {
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "placing_steps.h"
+#include "placing.h"
 
 #include <array>
 #include <cmath>
@@ -9,17 +9,17 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "kelp/formats/lanes8.h"
-
 namespace kelp::gl {
 namespace {
 
-// Added to the bounds on every side: a ray that meets a voxel in the box's very face must not be lost to rounding. Voxels.
+// Added to the bounds on every side: a ray that meets a voxel in the box's very face must not be lost to
+// rounding. Voxels.
 constexpr float kMargin = 1.0f / 64.0f;
 
-// The eye in part space by Cramer's rule: the columns of a matrix's inverse are the cross products of its rows, over the determinant.
-// In double, whatever the size of the numbers. False: the matrix has no inverse.
-bool eyeThoroughly(const glm::dvec3& r0, const glm::dvec3& r1, const glm::dvec3& r2, const glm::dvec3& d, glm::vec4& eye) {
+// The eye in part space by Cramer's rule: the columns of a matrix's inverse are the cross products of its
+// rows, over the determinant. In double, whatever the size of the numbers. False: the matrix has no inverse.
+bool eyeThoroughly(const glm::dvec3& r0, const glm::dvec3& r1, const glm::dvec3& r2, const glm::dvec3& d,
+                   glm::vec4& eye) {
   const glm::dvec3 r12 = glm::cross(r1, r2);
   const double determinant = glm::dot(r0, r12), per = 1.0 / determinant;
   if (!std::isfinite(determinant) || !std::isfinite(per)) return false;
@@ -35,29 +35,10 @@ constexpr float kHiddenWorth = 0.125f;
 namespace four {
 using Floats = Lanes;
 #include "placing.inl"
-constexpr PlacingSteps kSteps{Floats::kCount, placeParts, judgeParts, findSides, writeHeads};
 }  // namespace four
 
-#if defined(KELP_EIGHT_LANES)
-KELP_EIGHT_LANES_BEGIN
-namespace eight {
-using Floats = Lanes8;
-#include "placing.inl"
-constexpr PlacingSteps kSteps{Floats::kCount, placeParts, judgeParts, findSides, writeHeads};
-}  // namespace eight
-KELP_EIGHT_LANES_END
-#endif
-
-const PlacingSteps& fourLanes() { return four::kSteps; }
-const PlacingSteps& widestLanes() {
-#if defined(KELP_EIGHT_LANES)
-  if (hasEightLanes()) return eight::kSteps;
-#endif
-  return four::kSteps;
-}
-
 unsigned boundParts(const PosedParts& parts, PlacedParts& placed) {
-  unsigned good = boundSoundKnots(parts.knots, kMargin, placed.bounds);
+  unsigned good = simd::boundKnots(parts.knots, kMargin, placed.bounds);
   for (unsigned part = 0; good != 255 && part < 8; ++part) {
     if ((good >> part & 1) || !checkKnots(parts.knots[part])) continue;
     good |= 1u << part;
@@ -94,31 +75,32 @@ void settleEyes(const Camera& camera, PlacedParts& placed) {
 
 void placeParts(const Camera& camera, const PosedParts& parts, PlacedParts& placed) {
   placed.affine = placed.invertible = placed.ordinary = 0;
-  const PlacingSteps& steps = widestLanes();
-  for (int first = 0; first < 8; first += steps.lanes) steps.place(camera, parts, first, placed);
+  for (int first = 0; first < 8; first += 4) four::placeParts(camera, parts, first, placed);
   if (camera.eye.w == 0 || (placed.invertible & ~placed.ordinary)) settleEyes(camera, placed);
 }
 
-void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedParts& placed, JudgedParts& judged) {
+void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedParts& placed,
+                JudgedParts& judged) {
   judged.seen = 0;
-  const PlacingSteps& steps = widestLanes();
-  for (int first = 0; first < 8; first += steps.lanes) steps.judge(camera, view, rays, first, placed, judged);
+  for (int first = 0; first < 8; first += 4) four::judgeParts(camera, view, rays, first, placed, judged);
   judged.seen &= placed.invertible;
 }
 
 void writeHeads(const Camera& camera, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
-  const PlacingSteps& steps = widestLanes();
-  for (int first = 0; first < 8; first += steps.lanes) steps.writeHeads(camera, first, placed, heads);
+  for (int first = 0; first < 8; first += 4) four::writeHeads(camera, first, placed, heads);
 }
 
 Detail detailAt(const View& view, float pixels, int levels) {
-  return Detail::of(four::chooseLevel(pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(levels)).first());
+  return Detail::of(
+      four::chooseLevel(pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(levels))
+          .first());
 }
 
 bool isInvertible(const glm::mat4& m) {
   glm::vec4 eye(0);
   const glm::mat4 rows = glm::transpose(m);
-  return std::isfinite(m[3][0] + m[3][1] + m[3][2]) && eyeThoroughly(glm::vec3(rows[0]), glm::vec3(rows[1]), glm::vec3(rows[2]), glm::dvec3(0), eye);
+  return std::isfinite(m[3][0] + m[3][1] + m[3][2]) &&
+         eyeThoroughly(glm::vec3(rows[0]), glm::vec3(rows[1]), glm::vec3(rows[2]), glm::dvec3(0), eye);
 }
 
 namespace {
@@ -129,7 +111,8 @@ constexpr std::array<std::uint32_t, 64> makeOutlines() {
   for (std::uint32_t sides = 0; sides < 64; ++sides) {
     const std::uint32_t below = sides & 7, above = sides >> 3, beside = below | above;
     if (beside == 0 || (below & above) != 0) continue;
-    // The corner at the eye, a at one side of it; b and c are the other axes, c one that the eye lies within if there is one.
+    // The corner at the eye, a at one side of it; b and c are the other axes, c one that the eye lies within
+    // if there is one.
     const std::uint32_t corner = above;
     std::uint32_t a = 0, b = 0, c = 0;
     for (std::uint32_t axis = 1; axis < 8; axis *= 2) {
@@ -141,7 +124,8 @@ constexpr std::array<std::uint32_t, 64> makeOutlines() {
     }
     const bool one = beside == a, two = !one && (beside & c) == 0;
     // Around the outline: of one face, of two, of three.
-    const std::uint32_t loops[3][6] = {{0, b, b | c, c, c, c}, {b, 0, a, a | c, c, b | c}, {a, a | b, b, b | c, c, a | c}};
+    const std::uint32_t loops[3][6] = {
+        {0, b, b | c, c, c, c}, {b, 0, a, a | c, c, b | c}, {a, a | b, b, b | c, c, a | c}};
     const std::uint32_t(&loop)[6] = loops[one ? 0 : two ? 1 : 2];
     const int face_order[6] = {0, 1, 3, 2, 2, 2}, order[6] = {0, 1, 5, 2, 4, 3};
     for (int i = 0; i < 6; ++i) outlines[sides] |= (loop[one ? face_order[i] : order[i]] ^ corner) << (3 * i);
@@ -154,8 +138,7 @@ constexpr std::array<std::uint32_t, 64> kOutlines = makeOutlines();
 
 void outlineParts(bool orthographic, const PlacedParts& placed, std::uint32_t (&outlines)[8]) {
   EightFloats sides;
-  const PlacingSteps& steps = widestLanes();
-  for (int first = 0; first < 8; first += steps.lanes) steps.findSides(orthographic, placed, first, sides);
+  for (int first = 0; first < 8; first += 4) four::findSides(orthographic, placed, first, sides);
   for (int part = 0; part < 8; ++part) outlines[part] = kOutlines[static_cast<std::size_t>(sides.of[part])];
 }
 

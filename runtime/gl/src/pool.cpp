@@ -16,7 +16,8 @@ constexpr std::uint64_t kMostLayers = 4096;  // an address has 32 bits
 
 Result<void> Pool::create(const Api& api, std::uint64_t budget) {
   if (budget < kLeast) return Error{ErrorCode::kMisuse, "gpu_budget is less than 256 KiB"};
-  const std::uint64_t most = std::min<std::uint64_t>(static_cast<std::uint64_t>(api.max_array_layers), kMostLayers) * kLayerRows;
+  const std::uint64_t most =
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(api.max_array_layers), kMostLayers) * kLayerRows;
   std::uint64_t rows = std::min(budget / kRowBytes, most);
   if (rows > kLayerRows) rows -= rows % kLayerRows;
   const auto height = static_cast<std::int32_t>(std::min<std::uint64_t>(rows, kLayerRows));
@@ -24,12 +25,15 @@ Result<void> Pool::create(const Api& api, std::uint64_t budget) {
   if (!zeros_.reset(kRowWords)) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
   texture_ = makeTexture(api, kTexture2dArray, "kelp voxels");
   drainErrors(api);
-  api.TexImage3D(kTexture2dArray, 0, kR32ui, kRowWords, height, layers, 0, kRedInteger, kUnsignedInt, nullptr);
+  api.TexImage3D(kTexture2dArray, 0, kR32ui, kRowWords, height, layers, 0, kRedInteger, kUnsignedInt,
+                 nullptr);
   if (auto good = checkErrors(api, "OpenGL refused a texture of gpu_budget bytes"); !good) return good;
   rows_ = static_cast<std::uint32_t>(rows);
   used_ = 0;
   mayBeginAt(0);
-  return take({0, 1, nullptr, Block::kGrid}) ? Result<void>() : Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};  // address 0 is nobody's
+  // address 0 is nobody's
+  return take({0, 1, nullptr, Block::kGrid}) ? Result<void>()
+                                             : Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
 }
 
 void Pool::destroy(const Api& api) {
@@ -58,7 +62,8 @@ std::span<const Pool::Block> Pool::findVictims(std::uint32_t rows, float priorit
   std::span<const Block> best;
   float best_price = priority;
   for (std::size_t i = 0; i < count_; ++i) {
-    // The shortest run that ends with block i, and room up to the block after it. Runs begin after the last block that may not go.
+    // The shortest run that ends with block i, and room up to the block after it. Runs begin after the last
+    // block that may not go.
     if (!(blocks_[i].level && worthOf(blocks_[i]) < priority)) {
       first = i + 1;
       continue;
@@ -120,10 +125,13 @@ void Pool::write(const Api& api, std::uint64_t address, std::span<const std::uin
     // Part of a row, or as many whole rows of one layer as there are.
     std::uint32_t width = static_cast<std::uint32_t>(std::min<std::size_t>(words.size(), kRowWords - column));
     std::uint32_t height = 1;
-    if (width == kRowWords) height = static_cast<std::uint32_t>(std::min<std::size_t>(words.size() / kRowWords, kLayerRows - row % kLayerRows));
-    api.TexSubImage3D(kTexture2dArray, 0, static_cast<std::int32_t>(column), static_cast<std::int32_t>(row % kLayerRows),
-                      static_cast<std::int32_t>(row / kLayerRows), static_cast<std::int32_t>(width), static_cast<std::int32_t>(height), 1,
-                      kRedInteger, kUnsignedInt, words.data());
+    if (width == kRowWords)
+      height = static_cast<std::uint32_t>(
+          std::min<std::size_t>(words.size() / kRowWords, kLayerRows - row % kLayerRows));
+    api.TexSubImage3D(kTexture2dArray, 0, static_cast<std::int32_t>(column),
+                      static_cast<std::int32_t>(row % kLayerRows),
+                      static_cast<std::int32_t>(row / kLayerRows), static_cast<std::int32_t>(width),
+                      static_cast<std::int32_t>(height), 1, kRedInteger, kUnsignedInt, words.data());
     const std::size_t done = std::size_t{width} * height;
     words = words.subspan(done);
     address += done;

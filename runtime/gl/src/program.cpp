@@ -19,9 +19,12 @@ constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
 
 constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n";
 
-// Compilers name a place as STRING:LINE. The numbers of the strings; runtime/gl/README.md tells them to the host.
+// Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/gl/README.md
+// lists for the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
-               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n", kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n";
+               kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
+               kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
+               kCurveLine[] = "#line 1 10\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -44,7 +47,8 @@ Name compile(const Api& api, Enum kind, const char* const (&strings)[kCount], co
   if (good) return shader;
   std::int32_t length = 0;
   api.GetShaderiv(shader, kInfoLogLength, &length);
-  passLog(log, length, [&](std::int32_t size, char* text) { api.GetShaderInfoLog(shader, size, nullptr, text); });
+  passLog(log, length,
+          [&](std::int32_t size, char* text) { api.GetShaderInfoLog(shader, size, nullptr, text); });
   api.DeleteShader(shader);
   return 0;
 }
@@ -59,7 +63,8 @@ Name link(const Api& api, Name vertex, Name fragment, const LogSink& log) {
   if (good) return program;
   std::int32_t length = 0;
   api.GetProgramiv(program, kInfoLogLength, &length);
-  passLog(log, length, [&](std::int32_t size, char* text) { api.GetProgramInfoLog(program, size, nullptr, text); });
+  passLog(log, length,
+          [&](std::int32_t size, char* text) { api.GetProgramInfoLog(program, size, nullptr, text); });
   api.DeleteProgram(program);
   return 0;
 }
@@ -81,28 +86,41 @@ Program locateLook(const Api& api, Name name) {
 
 }  // namespace
 
-// In a shader of the host's the strings' numbers are its own affair.
+// Without #line: in a host's shader the host numbers the strings.
 TraceStrings traceStrings(const Api& api, bool rays) {
-  return {api.es ? KELP_ES_PRECISIONS : "", rays ? kRaysDefine : "", shaders::kInstance, shaders::kTrace, shaders::kSurface, shaders::kShading, shaders::kScene};
+  return {api.es ? KELP_ES_PRECISIONS : "",
+          rays ? kRaysDefine : "",
+          shaders::kInstance,
+          shaders::kSpline,
+          shaders::kCurve,
+          shaders::kTrace,
+          shaders::kSurface,
+          shaders::kShading,
+          shaders::kScene};
 }
 
 TraceProgram locateTrace(const Api& api, Name name) {
   const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
-  return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"), locate("kelp_part_count"), locateLook(api, name)};
+  return {locate("kelp_pool"), locate("kelp_records"), locate("kelp_first_instance"),
+          locate("kelp_part_count"), locateLook(api, name)};
 }
 
 namespace {
 
 // From two complete texts.
 template <std::size_t kVertexCount, std::size_t kFragmentCount>
-Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCount], const char* const (&fragment_text)[kFragmentCount], const char* name_label, const LogSink& log) {
+Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCount],
+                      const char* const (&fragment_text)[kFragmentCount], const char* name_label,
+                      const LogSink& log) {
   const Name vertex = compile(api, kVertexShader, vertex_text, log);
   const Name fragment = vertex ? compile(api, kFragmentShader, fragment_text, log) : 0;
   const Name name = fragment ? link(api, vertex, fragment, log) : 0;
   if (vertex) api.DeleteShader(vertex);
   if (fragment) api.DeleteShader(fragment);
-  if (!vertex || !fragment) return Error{ErrorCode::kGraphics, "a shader does not compile; Config::log was told why"};
-  if (!name) return Error{ErrorCode::kGraphics, "the shaders do not link; Config::log was told why"};
+  if (!vertex || !fragment)
+    return Error{ErrorCode::kGraphics, "a shader does not compile; Config::log got the compiler's message"};
+  if (!name)
+    return Error{ErrorCode::kGraphics, "the shaders do not link; Config::log got the linker's message"};
 
   const auto locate = [&](const char* uniform) { return api.GetUniformLocation(name, uniform); };
   api.UseProgram(name);
@@ -125,20 +143,42 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
 Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log) {
   const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : rays ? kRaysDefine : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const char* const vertex_text[] = {prelude, defines, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {
-      prelude,      defines,           kInstanceLine, shaders::kInstance,     kTraceLine,   shaders::kTrace,
-      kSurfaceLine, shaders::kSurface, kHostLine,     surface ? surface : "", kShadingLine, shaders::kShading,
-      kPixelLine,   shaders::kPixel,   kMainLine,     shaders::kFragment};
+  const char* const vertex_text[] = {prelude,   defines,         kInstanceLine, shaders::kInstance,
+                                     kMainLine, shaders::kVertex};
+  const char* const fragment_text[] = {prelude,       defines,
+                                       kInstanceLine, shaders::kInstance,
+                                       kSplineLine,   shaders::kSpline,
+                                       kCurveLine,    shaders::kCurve,
+                                       kTraceLine,    shaders::kTrace,
+                                       kSurfaceLine,  shaders::kSurface,
+                                       kHostLine,     surface ? surface : "",
+                                       kShadingLine,  shaders::kShading,
+                                       kPixelLine,    shaders::kPixel,
+                                       kMainLine,     shaders::kFragment};
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 
 Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,       heat ? "#define KELP_FOG_HEAT\n" : "", shadow ? "#define KELP_FOG_SHADOW\n" : "", "#define KELP_SCENE_MARGIN 0.0\n",
-                                       kInstanceLine, shaders::kInstance, kTraceLine, shaders::kTrace, kFogLine,  shaders::kFog,
-                                       kPixelLine,    shaders::kPixel,    kMainLine,  shaders::kFogFragment};
+  const char* const fragment_text[] = {prelude,
+                                       heat ? "#define KELP_FOG_HEAT\n" : "",
+                                       shadow ? "#define KELP_FOG_SHADOW\n" : "",
+                                       "#define KELP_SCENE_MARGIN 0.0\n",
+                                       kInstanceLine,
+                                       shaders::kInstance,
+                                       kSplineLine,
+                                       shaders::kSpline,
+                                       kCurveLine,
+                                       shaders::kCurve,
+                                       kTraceLine,
+                                       shaders::kTrace,
+                                       kFogLine,
+                                       shaders::kFog,
+                                       kPixelLine,
+                                       shaders::kPixel,
+                                       kMainLine,
+                                       shaders::kFogFragment};
   return build(api, vertex_text, fragment_text, "kelp fog program", log);
 }
 

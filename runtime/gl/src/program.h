@@ -8,7 +8,7 @@
 
 namespace kelp::gl {
 
-// Receives what the GLSL compiler or linker said about a program that was refused.
+// Gets the message of the GLSL compiler or linker about a program that was refused.
 struct LogSink {
   void (*write)(void* user, const char* text) = nullptr;
   void* user = nullptr;
@@ -25,17 +25,17 @@ struct Program {
   std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
-// Compiles and links; binds the program and gives its samplers their units. `surface`: the host's kelpSurface, or null: then
-// `rays` says whether kelp's own may cast any.
+// Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
+// kelpSurface. Null: kelp's own, and `rays` says whether it may cast any.
 Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log);
 // A program for fog: for parts that have heat too, or with the sun's shadow of fog on itself.
 Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 7>;
+using TraceStrings = std::array<const char*, 9>;
 TraceStrings traceStrings(const Api& api, bool rays);
 
-// Where a program of the host's that has that text keeps its uniforms; -1 for those that it does not use.
+// The uniforms of a host's program that contains that text; -1: it does not use them.
 struct TraceProgram {
   std::int32_t pool = -1, records = -1, first_instance = -1, part_count = -1;
   Program look;  // what a program of kelp's has as well

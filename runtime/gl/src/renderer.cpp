@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "depth_copy.h"
-#include "placing.h"
 #include "draw_list.h"
+#include "placing.h"
 #include "program.h"
 #include "residency.h"
 #include "state_guard.h"
@@ -22,9 +22,9 @@ using namespace constant;
 
 constexpr std::uint64_t kLeastUpload = 4096;
 static_assert(kFirstHostUnit >= kTextureUnits);
-constexpr int kMostBatches = 16;
 
-// The frame's records on the GPU. Several, used in turn, so that a frame does not wait for the one before to have been drawn.
+// The frame's records on the GPU. Several textures, used in turn, so that a frame does not wait until the one
+// before is drawn.
 struct RecordTextures {
   static constexpr int kCount = 3;
   Name names[kCount] = {};
@@ -44,14 +44,17 @@ Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<c
     drainErrors(api);
     for (const Name name : textures.names) {
       api.BindTexture(kTexture2d, name);
-      api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger, kUnsignedInt, nullptr);
+      api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger,
+                     kUnsignedInt, nullptr);
     }
-    if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good) return good;
+    if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good)
+      return good;
     textures.rows = fresh;
   }
   textures.now = (textures.now + 1) % RecordTextures::kCount;
   api.BindTexture(kTexture2d, textures.names[textures.now]);
-  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt, records.data());
+  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt,
+                    records.data());
   return {};
 }
 
@@ -60,24 +63,11 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
   api.BindTexture(kUnitTargets[unit], texture);
 }
 
-bool isGood(const View& view) {
-  const float length = glm::length(view.sun_direction);
-  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 && view.smallest_pixels >= 0 &&
-         view.shading <= Shading::kSmooth && view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
-         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 && view.depth_batches <= kMostBatches;
-}
-
-// What draw() and bindTrace() can not do anything with.
-Result<void> checkView(const View& view, bool look_is_plain) {
-  if (view.viewport.x <= 0 || view.viewport.y <= 0) return Error{ErrorCode::kMisuse, "the viewport has no pixels; leave out frames while the window is minimised"};
-  if (!isGood(view)) return Error{ErrorCode::kMisuse, "the view has a negative level, no direction of the sun, a shading that is none, more than 16 rays of occlusion, or depth batches beyond 1 .. 16"};
-  if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0)) return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays want Config::secondary_rays"};
-  return {};
-}
-
 // The uniforms of the look, in the program in use.
 void setLook(const Api& api, const Program& program, const View& view) {
-  const auto set = [&api](std::int32_t location, const glm::vec3& v) { api.Uniform3f(location, v.x, v.y, v.z); };
+  const auto set = [&api](std::int32_t location, const glm::vec3& v) {
+    api.Uniform3f(location, v.x, v.y, v.z);
+  };
   set(program.sun_direction, glm::normalize(view.sun_direction));
   set(program.sun_color, view.sun_color);
   set(program.sky_color, view.sky_color);
@@ -92,8 +82,13 @@ void setLook(const Api& api, const Program& program, const View& view) {
 
 struct Renderer::Impl {
   Impl(const Config& config, const Api& loaded)
-      : api(loaded), log{config.log, config.user}, restore(config.state == State::kRestore), look_is_plain(!config.surface_glsl && !config.secondary_rays),
-        store(config.allocator), list(config.allocator), traced(config.allocator) {}
+      : api(loaded),
+        log{config.log, config.user},
+        restore(config.state == State::kRestore),
+        look_is_plain(!config.surface_glsl && !config.secondary_rays),
+        store(config.allocator),
+        list(config.allocator),
+        traced(config.allocator) {}
 
   Api api;
   LogSink log;
@@ -141,7 +136,7 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
   api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
 }
 
-// Compiles what the fog among the parts needs, before it is drawn. Within a DrawGuard.
+// Compiles the programs that fog among the parts needs. Within a DrawGuard.
 Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
   for (const Part& part : parts) {
     if (!part.fog) continue;
@@ -157,11 +152,12 @@ Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
   return {};
 }
 
-// Near to far, as many parts each. Where there are several, what is drawn so far is known to the next.
+// Draws near to far, in batches of equal size. Before each of several batches the depth so far is copied.
 std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t batches) const {
   const std::uint64_t parts = list.parts();
   for (std::uint32_t batch = 0; batch < batches; ++batch) {
-    const auto first = static_cast<std::uint32_t>(parts * batch / batches), last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
+    const auto first = static_cast<std::uint32_t>(parts * batch / batches),
+               last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
     if (batches > 1) depth.copy(api);
     api.Uniform1i(used.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
@@ -185,20 +181,23 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
   if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
-  auto program = buildProgram(self.api, config.surface_glsl, config.secondary_rays, {config.log, config.user});
+  auto program =
+      buildProgram(self.api, config.surface_glsl, config.secondary_rays, {config.log, config.user});
   if (!program) return program.error();
   self.program = *program;
   self.trace_strings = traceStrings(self.api, config.secondary_rays);
   self.api.GenVertexArrays(1, &self.vertex_array);
-  self.api.BindVertexArray(self.vertex_array);  // a name is an object, which can be labelled, from then on
+  self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labelled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
   self.api.GenSamplers(1, &self.sampler);
   self.api.BindSampler(0, self.sampler);
-  for (const Enum filter : {kTextureMinFilter, kTextureMagFilter}) self.api.SamplerParameteri(self.sampler, filter, kNearest);
+  for (const Enum filter : {kTextureMinFilter, kTextureMagFilter})
+    self.api.SamplerParameteri(self.sampler, filter, kNearest);
   self.api.SamplerParameteri(self.sampler, kTextureCompareMode, kNone);
   label(self.api, kLabelSampler, self.sampler, "kelp nearest");
   for (Name& name : self.records.names) name = makeTexture(self.api, kTexture2d, "kelp records");
-  for (Name& name : self.traced_records.names) name = makeTexture(self.api, kTexture2d, "kelp traced records");
+  for (Name& name : self.traced_records.names)
+    name = makeTexture(self.api, kTexture2d, "kelp traced records");
   self.depth.create(self.api);
   return renderer;
 }
@@ -238,13 +237,17 @@ void Renderer::remove(const runtime::Asset& asset) {
 Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (max_bytes > 0 && max_bytes < kLeastUpload) return Error{ErrorCode::kMisuse, "an upload of less than 4096 bytes would never end; 0 uploads nothing"};
+  if (max_bytes > 0 && max_bytes < kLeastUpload)
+    return Error{ErrorCode::kMisuse,
+                 "max_bytes is below 4096, and an upload might never end; 0 uploads nothing"};
   const DebugGroup group(self.api, "kelp upload");
   const UploadGuard guard(self.api, self.restore);
   const auto progress = self.store.upload(self.api, max_bytes);
   if (!progress) return progress.error();
   self.pending = progress->pending;
-  if (!progress->coarsest_fit) return Error{ErrorCode::kLimit, "gpu_budget is too small for the coarsest levels of the assets: some can not be drawn"};
+  if (!progress->coarsest_fit)
+    return Error{ErrorCode::kLimit,
+                 "gpu_budget is too small for the coarsest levels of all assets: some are not drawn"};
   Stats stats;
   stats.bytes_uploaded = progress->bytes;
   stats.gpu_bytes = self.store.pool().usedBytes();
@@ -262,7 +265,10 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
   const bool fog = pass == Pass::kFog;
-  if (auto good = self.list.build(self.store, *camera, view, instances, fog ? PartKind::kFog : PartKind::kSolid); !good) return good.error();
+  if (auto good =
+          self.list.build(self.store, *camera, view, instances, fog ? PartKind::kFog : PartKind::kSolid);
+      !good)
+    return good.error();
   stats.culled = self.list.culled();
   stats.instances = self.list.parts();
   if (stats.instances == 0) return stats;
@@ -289,34 +295,39 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
     if (view.bind) view.bind(view.bind_user, used.name);
     stats.draws = self.drawBatches(used, batches);
   }
-  // The copy is not left where a host might find it.
+  // The host must not find the copy bound.
   if (scene_depth != view.scene_depth) bindUnit(self.api, kScene, 0);
   return stats;
 }
 
 std::span<const char* const> Renderer::traceGlsl() const { return impl_->trace_strings; }
 
-Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::span<const runtime::Instance> instances, int first_unit) {
+Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
+                                  std::span<const runtime::Instance> instances, int first_unit) {
   Impl& self = *impl_;
   const Api& api = self.api;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   std::int32_t linked = 0;
   if (program != 0 && api.IsProgram(program)) api.GetProgramiv(program, kLinkStatus, &linked);
-  if (!linked) return Error{ErrorCode::kMisuse, "no program of this context that is linked"};
-  if (first_unit < 0 || first_unit > api.max_texture_units - 2) return Error{ErrorCode::kMisuse, "first_unit and the next are no texture units of the context"};
+  if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
+  if (first_unit < 0 || first_unit > api.max_texture_units - 2)
+    return Error{ErrorCode::kMisuse, "first_unit or the next is not a texture unit of this context"};
   if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
   const auto camera = makeCamera(view);
   if (!camera) return camera.error();
-  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, Rays::kAny); !good) return good.error();
+  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, Rays::kAny);
+      !good)
+    return good.error();
   stats.culled = self.traced.culled();
   stats.instances = self.traced.parts();
   const DebugGroup group(api, "kelp trace");
   if (stats.instances > 0) {
     const UploadGuard guard(api, self.restore);
-    if (auto good = uploadRecords(api, self.traced_records, self.traced.records()); !good) return good.error();
+    if (auto good = uploadRecords(api, self.traced_records, self.traced.records()); !good)
+      return good.error();
   }
   std::int32_t before = 0, unit_before = 0;
   if (self.restore) {
@@ -338,7 +349,8 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
   api.Uniform1i(locations.part_count, static_cast<std::int32_t>(self.traced.parts()));
   setLook(api, locations.look, view);
   if (self.restore) {
-    api.UseProgram(api.IsProgram(static_cast<Name>(before)) ? static_cast<Name>(before) : 0);  // it may have been deleted while it was current
+    // It may have been deleted while it was current.
+    api.UseProgram(api.IsProgram(static_cast<Name>(before)) ? static_cast<Name>(before) : 0);
     api.ActiveTexture(static_cast<Enum>(unit_before));
   }
   return stats;
@@ -347,26 +359,6 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view, std::
 void Renderer::abandon() {
   impl_->abandoned = true;
   impl_->store.clear(nullptr);
-}
-
-int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, true)) return -1;
-  const auto camera = makeCamera(view);
-  if (!camera || !instance.asset || part < 0 || static_cast<std::size_t>(part) >= instance.asset->pack().parts().size()) return -1;
-  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
-  if (knots.size() != of.knots.size()) return -1;
-  const glm::mat4 to_world = runtime::partToWorld(instance, part);
-  constexpr glm::mat4x3 kSame(1);
-  const glm::vec4 extent(glm::vec3(of.size), static_cast<float>(of.levels));
-  PosedParts parts;
-  for (int i = 0; i < 8; ++i) parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame, parts.extents[i] = &extent;
-  PlacedParts placed;
-  if (!boundParts(parts, placed)) return -1;
-  placeParts(*camera, parts, placed);
-  if (!placed.invertible) return -1;
-  const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
-  return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
 }
 
 }  // namespace kelp::gl

@@ -13,9 +13,10 @@ struct Store {
   std::int32_t tight;  // the value for tightly packed rows
   bool desktop;        // not in OpenGL ES 3.0
 };
-constexpr Store kStoreTable[] = {{kUnpackAlignment, 1, false}, {kUnpackRowLength, 0, false},  {kUnpackImageHeight, 0, false},
-                                 {kUnpackSkipRows, 0, false},  {kUnpackSkipPixels, 0, false}, {kUnpackSkipImages, 0, false},
-                                 {kUnpackSwapBytes, 0, true},  {kUnpackLsbFirst, 0, true}};
+constexpr Store kStoreTable[] = {{kUnpackAlignment, 1, false},   {kUnpackRowLength, 0, false},
+                                 {kUnpackImageHeight, 0, false}, {kUnpackSkipRows, 0, false},
+                                 {kUnpackSkipPixels, 0, false},  {kUnpackSkipImages, 0, false},
+                                 {kUnpackSwapBytes, 0, true},    {kUnpackLsbFirst, 0, true}};
 
 void setEnabled(const Api& api, Enum what, bool on) { on ? api.Enable(what) : api.Disable(what); }
 
@@ -55,7 +56,8 @@ DrawGuard::DrawGuard(const Api& api, bool restore) : api_(api), restore_(restore
   api.GetIntegerv(kActiveTexture, &active_);
   for (int i = 0; i < kTextureUnits; ++i) {
     api.ActiveTexture(kTexture0 + static_cast<Enum>(i));
-    api.GetIntegerv(kUnitTargets[i] == kTexture2dArray ? kTextureBinding2dArray : kTextureBinding2d, &texture_[i]);
+    api.GetIntegerv(kUnitTargets[i] == kTexture2dArray ? kTextureBinding2dArray : kTextureBinding2d,
+                    &texture_[i]);
     api.GetIntegerv(kSamplerBinding, &sampler_[i]);
   }
   api.ActiveTexture(static_cast<Enum>(active_));
@@ -124,7 +126,8 @@ BlendGuard::~BlendGuard() {
   api_.Disable(kBlend);  // as every other draw leaves it
   if (!restore_) return;
   const auto asEnum = [](std::int32_t value) { return static_cast<Enum>(value); };
-  set({asEnum(equations_[0]), asEnum(equations_[1])}, {asEnum(factors_[0]), asEnum(factors_[1]), asEnum(factors_[2]), asEnum(factors_[3])});
+  set({asEnum(equations_[0]), asEnum(equations_[1])},
+      {asEnum(factors_[0]), asEnum(factors_[1]), asEnum(factors_[2]), asEnum(factors_[3])});
 }
 
 void BlendGuard::set(const Enum (&equations)[2], const Enum (&factors)[4]) const {

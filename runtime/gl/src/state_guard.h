@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Puts the GL state that kelp touches back as it was. One guard per kind of work; nothing happens in State::kLeave.
+// Restores the GL state that kelp changes. One guard for each kind of work. With State::kLeave nothing is
+// saved or restored.
 #pragma once
 
 #include "gl_api.h"
@@ -8,10 +9,11 @@ namespace kelp::gl {
 
 inline constexpr int kTextureUnits = 3;
 // The target that kelp binds on each unit it draws with; the order of Unit in program.h.
-inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2dArray, constant::kTexture2d, constant::kTexture2d};
+inline constexpr Enum kUnitTargets[kTextureUnits] = {constant::kTexture2dArray, constant::kTexture2d,
+                                                     constant::kTexture2d};
 
-// What filling textures touches: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array on the active unit. Sets the pixel store
-// to tightly packed rows from client memory.
+// What filling textures changes: pixel store, the pixel unpack buffer, and a 2D texture and a 2D array on the
+// active unit. Sets the pixel store to tightly packed rows from client memory.
 class UploadGuard {
  public:
   UploadGuard(const Api& api, bool restore);
@@ -29,7 +31,8 @@ class UploadGuard {
   std::int32_t texture_2d_array_ = 0;
 };
 
-// What compiling and drawing touch: program, vertex array, texture units, depth, culling, blending, polygon mode, colour mask.
+// What compiling and drawing change: program, vertex array, texture units, depth, culling, blending, polygon
+// mode, colour mask.
 class DrawGuard {
  public:
   DrawGuard(const Api& api, bool restore);
@@ -55,7 +58,8 @@ class DrawGuard {
   std::uint8_t color_mask_[kMaxDrawBuffers][4] = {};
 };
 
-// What fog touches on top, and sets: how the first draw buffer blends, and the masks of the others, which DrawGuard puts back. Within a DrawGuard.
+// What fog changes in addition, and sets: the blending of the first draw buffer, and the masks of the others,
+// which DrawGuard restores. Within a DrawGuard.
 class BlendGuard {
  public:
   BlendGuard(const Api& api, bool restore);

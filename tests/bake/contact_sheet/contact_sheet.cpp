@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Lays out pictures of packs beside pictures of the triangles they were baked from. contact_sheet.sh makes what this reads.
-//   contact_sheet FOLDER      FOLDER/list.txt has a line for each mesh: a stem, a tab, the mesh's path, a tab, its name. FOLDER/STEM.log is
-//                             what kelp-bake said, with its exit code as last line; STEM.kelp and STEM.png the pack and its picture.
+// Lays out pictures of packs beside pictures of the triangles they were baked from. contact_sheet.sh makes
+// what this reads.
+//   contact_sheet FOLDER      FOLDER/list.txt has a line for each mesh: a stem, a tab, the mesh's path, a
+//   tab, its name. FOLDER/STEM.log is
+//                             what kelp-bake said, with its exit code as last line; STEM.kelp and STEM.png
+//                             the pack and its picture.
 // Writes FOLDER/page_N.png. Exit code 7 if pictures differ.
 #include <algorithm>
 #include <cmath>
@@ -39,7 +42,8 @@ constexpr Explained kExplained[] = {
     {"multiple_spaces.obj", "one triangle, seen from behind: kelp lights a sheet as it is wound"},
     {"regr_3429812.obj", "one quad, modelled twice and seen from behind: kelp lights a sheet as it is wound"},
     {"TextureSettingsTest.gltf", "the board's front and back share a voxel and its one normal (not at 256)"},
-    {"only_a_part_of_vertexcolors.obj", "assimp gives the colours to the first vertices, kelp to those that have them"},
+    {"only_a_part_of_vertexcolors.obj",
+     "assimp gives the colours to the first vertices, kelp to those that have them"},
 };
 
 struct Entry {
@@ -111,8 +115,8 @@ double astray(const Picture& a, const Picture& b) {
   return shown > 0 ? static_cast<double>(lost) / shown : 0.0;
 }
 
-// Mean difference of the channels, 0 to 1, of the two pictures' means: what a turned, darkened or lost texture changes, and a step of the voxels
-// does not.
+// Mean difference of the channels, 0 to 1, of the two pictures' means: what a turned, darkened or lost
+// texture changes, and a step of the voxels does not.
 double colorDifference(const Picture& a, const Picture& b) {
   constexpr int kCell = 12;
   double sum = 0;
@@ -140,13 +144,15 @@ double colorDifference(const Picture& a, const Picture& b) {
 }
 
 // Draws one mesh at (left, top) of the page; false if its pictures differ.
-bool layOut(const Entry& entry, const std::filesystem::path& folder, int side, Picture& page, int left, int top) {
+bool layOut(const Entry& entry, const std::filesystem::path& folder, int side, Picture& page, int left,
+            int top) {
   const int wide = 2 * side;
   std::string why;
   std::optional<Scene> scene = readWithAssimp(entry.mesh, why);
   if (!scene) scene = readWithKelp(entry.mesh, why);
   const gl::View view = viewOf(folder / (entry.stem + ".kelp"), scene ? &*scene : nullptr);
-  const std::optional<Picture> voxels = entry.exit == 0 ? readPicture(folder / (entry.stem + ".png"), kGround) : std::nullopt;
+  const std::optional<Picture> voxels =
+      entry.exit == 0 ? readPicture(folder / (entry.stem + ".png"), kGround) : std::nullopt;
   Picture triangles(side, side, kGround);
   if (scene) triangles = drawTriangles(*scene, view, side, kGround);
   page.paste(voxels ? *voxels : Picture(side, side, kGround), left, top);
@@ -154,10 +160,13 @@ bool layOut(const Entry& entry, const std::filesystem::path& folder, int side, P
   page.write(entry.name, left, top + side + 3, wide, kInk);
   if (entry.exit != 0) {
     // The message without the path, which is above; in the place of the picture.
-    const std::string text = fmt::format("refused, exit code {}: {}", entry.exit, entry.said.substr(std::min(entry.said.size(), entry.said.rfind(entry.mesh) + entry.mesh.size() + 2)));
+    const std::string text = fmt::format(
+        "refused, exit code {}: {}", entry.exit,
+        entry.said.substr(std::min(entry.said.size(), entry.said.rfind(entry.mesh) + entry.mesh.size() + 2)));
     constexpr std::size_t kLetters = 36;
     for (std::size_t line = 0; line * kLetters < text.size(); ++line) {
-      page.write(std::string_view(text).substr(line * kLetters, kLetters), left + 8, top + 20 + static_cast<int>(line) * kLine, side - 8, kWarn);
+      page.write(std::string_view(text).substr(line * kLetters, kLetters), left + 8,
+                 top + 20 + static_cast<int>(line) * kLine, side - 8, kWarn);
     }
     std::printf("%-60s %s\n", entry.name.c_str(), text.c_str());
     return true;
@@ -168,11 +177,17 @@ bool layOut(const Entry& entry, const std::filesystem::path& folder, int side, P
     return false;
   }
   const double lost = astray(*voxels, triangles), color = colorDifference(*voxels, triangles);
-  const auto explained = std::find_if(std::begin(kExplained), std::end(kExplained), [&](const Explained& e) { return entry.name.ends_with(e.file); });
+  const auto explained = std::find_if(std::begin(kExplained), std::end(kExplained),
+                                      [&](const Explained& e) { return entry.name.ends_with(e.file); });
   const bool same = lost <= kMostAstray && color <= kMostColor;
-  const std::string text = fmt::format("right: {} triangles as {} reads them; astray {:.1f} %, colour {:.3f}{}", scene->triangles.size(), scene->reader, 100 * lost, color,
-                                       same ? "" : explained != std::end(kExplained) ? "  EXPLAINED" : "  DIFFERS");
-  if (!same && explained != std::end(kExplained)) page.write(explained->why, left, top + side + 3 + 2 * kLine, wide, kInk);
+  const std::string text =
+      fmt::format("right: {} triangles as {} reads them; astray {:.1f} %, colour {:.3f}{}",
+                  scene->triangles.size(), scene->reader, 100 * lost, color,
+                  same                                ? ""
+                  : explained != std::end(kExplained) ? "  EXPLAINED"
+                                                      : "  DIFFERS");
+  if (!same && explained != std::end(kExplained))
+    page.write(explained->why, left, top + side + 3 + 2 * kLine, wide, kInk);
   page.write(text, left, top + side + 3 + kLine, wide, same ? kInk : kWarn);
   std::printf("%-60s %s\n", entry.name.c_str(), text.c_str());
   return same || explained != std::end(kExplained);
@@ -192,9 +207,12 @@ int run(const std::filesystem::path& folder) {
   constexpr std::size_t kPage = kColumns * kRows;
   for (std::size_t first = 0; first < entries.size(); first += kPage) {
     const std::size_t count = std::min(kPage, entries.size() - first);
-    Picture page(kColumns * cell_x + kGap, static_cast<int>((count + kColumns - 1) / kColumns) * cell_y + kGap, kPaper);
+    Picture page(kColumns * cell_x + kGap,
+                 static_cast<int>((count + kColumns - 1) / kColumns) * cell_y + kGap, kPaper);
     for (std::size_t i = 0; i < count; ++i) {
-      differ += !layOut(entries[first + i], folder, side, page, kGap + static_cast<int>(i % kColumns) * cell_x, kGap + static_cast<int>(i / kColumns) * cell_y);
+      differ +=
+          !layOut(entries[first + i], folder, side, page, kGap + static_cast<int>(i % kColumns) * cell_x,
+                  kGap + static_cast<int>(i / kColumns) * cell_y);
     }
     const std::filesystem::path name = folder / fmt::format("page_{}.png", first / kPage + 1);
     if (!writePng(name, page)) {

@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Bakes every mesh of the shared assets, draws each pack with kelp-render, and beside it the triangles as assimp reads them, from the same camera;
+# Bakes every mesh of the shared assets, draws each pack with kelp-render, and beside it the triangles as
+# assimp reads them, from the same camera;
 # names and refusals are printed below. The pages are samples/out/contact_sheet/page_N.png: look at them.
-#   tests/bake/contact_sheet/contact_sheet.sh [BUILD_FOLDER [RESOLUTION [PIXELS]]]        (default build/dev, 96 voxels, 260 pixels)
-# Exit code 7 if a pack and its triangles differ. Opt-in: apt-get install --no-install-recommends libassimp-dev
+#   tests/bake/contact_sheet/contact_sheet.sh [BUILD_FOLDER [RESOLUTION [PIXELS]]]        (default build/dev,
+#   96 voxels, 260 pixels)
+# Exit code 7 if a pack and its triangles differ. Opt-in: apt-get install --no-install-recommends
+# libassimp-dev
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)"
 build="${1:-$root/build/dev}" resolution="${2:-96}" pixels="${3:-260}"

@@ -18,8 +18,8 @@
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb/stb_image_write.h>
 #include <stb/stb_easy_font.h>
+#include <stb/stb_image_write.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -34,11 +34,14 @@ using Bytes = std::unique_ptr<unsigned char, Free>;
 
 }  // namespace
 
-float linearFromSrgb(float value) { return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f); }
+float linearFromSrgb(float value) {
+  return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
+}
 
 void Picture::paste(const Picture& other, int left, int top) {
   for (int y = 0; y < other.height && top + y < height; ++y) {
-    for (int x = 0; x < other.width && left + x < width; ++x) pixels[index(left + x, top + y)] = other.pixels[other.index(x, y)];
+    for (int x = 0; x < other.width && left + x < width; ++x)
+      pixels[index(left + x, top + y)] = other.pixels[other.index(x, y)];
   }
 }
 
@@ -46,9 +49,11 @@ void Picture::write(std::string_view text, int left, int top, int most, Rgb colo
   std::string line(text);
   for (char& c : line) c = c >= 32 && c < 127 ? c : '?';
   while (!line.empty() && stb_easy_font_width(line.data()) > most) line.pop_back();
-  // Quads of four corners of 16 bytes (x, y, z as floats, a colour): axis-parallel rectangles of whole pixels.
+  // Quads of four corners of 16 bytes (x, y, z as floats, a colour): axis-parallel rectangles of whole
+  // pixels.
   std::vector<float> quads(line.size() * 300 / sizeof(float) + 64);
-  const int count = stb_easy_font_print(0, 0, line.data(), nullptr, quads.data(), static_cast<int>(quads.size() * sizeof(float)));
+  const int count = stb_easy_font_print(0, 0, line.data(), nullptr, quads.data(),
+                                        static_cast<int>(quads.size() * sizeof(float)));
   for (int q = 0; q < count; ++q) {
     const float* low = &quads[static_cast<std::size_t>(q) * 16];
     const float* high = low + 8;
@@ -63,13 +68,16 @@ void Picture::write(std::string_view text, int left, int top, int most, Rgb colo
 std::optional<Texture> decodeTexture(const void* bytes, std::size_t size) {
   Texture texture;
   int channels = 0;
-  const Bytes data(stbi_load_from_memory(static_cast<const unsigned char*>(bytes), static_cast<int>(size), &texture.width, &texture.height, &channels, 4));
+  const Bytes data(stbi_load_from_memory(static_cast<const unsigned char*>(bytes), static_cast<int>(size),
+                                         &texture.width, &texture.height, &channels, 4));
   if (!data) return std::nullopt;
-  const std::size_t count = static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
+  const std::size_t count =
+      static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
   texture.texels.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto channel = [&](std::size_t c) { return static_cast<float>(data.get()[4 * i + c]) / 255.0f; };
-    texture.texels.emplace_back(linearFromSrgb(channel(0)), linearFromSrgb(channel(1)), linearFromSrgb(channel(2)), channel(3));
+    texture.texels.emplace_back(linearFromSrgb(channel(0)), linearFromSrgb(channel(1)),
+                                linearFromSrgb(channel(2)), channel(3));
   }
   return texture;
 }
@@ -89,14 +97,16 @@ std::optional<Picture> readPicture(const std::filesystem::path& path, Rgb ground
     const unsigned char* rgba = data.get() + 4 * i;
     picture.covered.push_back(rgba[3] >= 128 ? 1 : 0);
     for (int c = 0; c < 3; ++c) {
-      picture.pixels[i][c] = static_cast<std::uint8_t>((rgba[c] * rgba[3] + ground[c] * (255 - rgba[3]) + 127) / 255);
+      picture.pixels[i][c] =
+          static_cast<std::uint8_t>((rgba[c] * rgba[3] + ground[c] * (255 - rgba[3]) + 127) / 255);
     }
   }
   return picture;
 }
 
 bool writePng(const std::filesystem::path& path, const Picture& picture) {
-  return stbi_write_png(path.c_str(), picture.width, picture.height, 3, picture.pixels.data(), 3 * picture.width) != 0;
+  return stbi_write_png(path.c_str(), picture.width, picture.height, 3, picture.pixels.data(),
+                        3 * picture.width) != 0;
 }
 
 }  // namespace kelp::sheet

@@ -14,15 +14,19 @@ namespace kelp::sheet {
 
 using Rgb = glm::u8vec3;
 
-// 8 bits a channel, row 0 at the top. `covered`: where a picture on a transparent ground shows something; empty for opaque ones.
+// 8 bits a channel, row 0 at the top. `covered`: where a picture on a transparent ground shows something;
+// empty for opaque ones.
 struct Picture {
   int width = 0, height = 0;
   std::vector<Rgb> pixels;
   std::vector<std::uint8_t> covered;
 
   Picture() = default;
-  Picture(int w, int h, Rgb color) : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), color) {}
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(x) + static_cast<std::size_t>(width) * static_cast<std::size_t>(y); }
+  Picture(int w, int h, Rgb color)
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), color) {}
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(x) + static_cast<std::size_t>(width) * static_cast<std::size_t>(y);
+  }
   void paste(const Picture& other, int left, int top);
   // Letters are some 9 pixels high; what does not fit `most` pixels is left out.
   void write(std::string_view text, int left, int top, int most, Rgb color);

@@ -6,9 +6,9 @@
 #include <map>
 
 #include <assimp/GltfMaterial.h>
-#include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
 #include "pixels.h"
 
@@ -18,7 +18,8 @@ namespace {
 glm::dmat4 matrixOf(const aiMatrix4x4& m) {
   glm::dmat4 out;
   for (unsigned r = 0; r < 4; ++r) {
-    for (unsigned c = 0; c < 4; ++c) out[static_cast<int>(c)][static_cast<int>(r)] = static_cast<double>(m[r][c]);
+    for (unsigned c = 0; c < 4; ++c)
+      out[static_cast<int>(c)][static_cast<int>(r)] = static_cast<double>(m[r][c]);
   }
   return out;
 }
@@ -27,10 +28,12 @@ glm::vec3 vectorOf(const aiColor3D& c) { return {c.r, c.g, c.b}; }
 
 class Reader {
  public:
-  Reader(const aiScene& file, const std::filesystem::path& path) : file_(file), folder_(path.parent_path()), gltf_(isGltf(path)) {}
+  Reader(const aiScene& file, const std::filesystem::path& path)
+      : file_(file), folder_(path.parent_path()), gltf_(isGltf(path)) {}
 
   Scene read() {
-    for (unsigned i = 0; i < file_.mNumMaterials; ++i) scene_.surfaces.push_back(surfaceOf(*file_.mMaterials[i], gltf_ && i + 1 == file_.mNumMaterials));
+    for (unsigned i = 0; i < file_.mNumMaterials; ++i)
+      scene_.surfaces.push_back(surfaceOf(*file_.mMaterials[i], gltf_ && i + 1 == file_.mNumMaterials));
     placeNodes(*file_.mRootNode, glm::dmat4(1));
     for (const auto& [node, to_world] : nodes_) {
       for (unsigned i = 0; i < node->mNumMeshes; ++i) addMesh(*file_.mMeshes[node->mMeshes[i]], to_world);
@@ -40,10 +43,14 @@ class Reader {
   }
 
  private:
-  static bool isGltf(const std::filesystem::path& path) { return path.extension() == ".glb" || path.extension() == ".gltf"; }
+  static bool isGltf(const std::filesystem::path& path) {
+    return path.extension() == ".glb" || path.extension() == ".gltf";
+  }
 
   // glTF's colours are linear; the plain formats say nothing, and painters mean what they see.
-  glm::vec3 linear(const glm::vec3& c) const { return gltf_ ? c : glm::vec3(linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b)); }
+  glm::vec3 linear(const glm::vec3& c) const {
+    return gltf_ ? c : glm::vec3(linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b));
+  }
 
   void placeNodes(const aiNode& node, const glm::dmat4& parent) {
     const glm::dmat4 to_world = parent * matrixOf(node.mTransformation);
@@ -52,8 +59,8 @@ class Reader {
     for (unsigned i = 0; i < node.mNumChildren; ++i) placeNodes(*node.mChildren[i], to_world);
   }
 
-  // For primitives without a material assimp puts one at the end of a glTF file's. By the format's defaults it is white metal; kelp documents that
-  // it takes it for white paint.
+  // For primitives without a material assimp puts one at the end of a glTF file's. By the format's defaults
+  // it is white metal; kelp documents that it takes it for white paint.
   Surface surfaceOf(const aiMaterial& material, bool made_up) {
     Surface surface;
     aiColor3D color(1, 1, 1);
@@ -73,13 +80,15 @@ class Reader {
     aiColor3D glow(0, 0, 0);
     if (gltf_ && material.Get(AI_MATKEY_COLOR_EMISSIVE, glow) == AI_SUCCESS) surface.glow = vectorOf(glow);
     aiString mode, file;
-    if (material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS && std::strcmp(mode.C_Str(), "MASK") == 0) {
+    if (material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS &&
+        std::strcmp(mode.C_Str(), "MASK") == 0) {
       surface.alpha_cutoff = 0.5f;
       material.Get(AI_MATKEY_GLTF_ALPHACUTOFF, surface.alpha_cutoff);
     }
     aiTextureMapMode wrap[2] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
     for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
-      if (material.GetTexture(type, 0, &file, nullptr, nullptr, nullptr, nullptr, wrap) != AI_SUCCESS) continue;
+      if (material.GetTexture(type, 0, &file, nullptr, nullptr, nullptr, nullptr, wrap) != AI_SUCCESS)
+        continue;
       surface.texture = textureOf(file, repeatOf(wrap[0]), repeatOf(wrap[1]));
       if (surface.texture >= 0) break;
     }
@@ -87,7 +96,9 @@ class Reader {
   }
 
   static Repeat repeatOf(aiTextureMapMode mode) {
-    return mode == aiTextureMapMode_Clamp ? Repeat::kNone : mode == aiTextureMapMode_Mirror ? Repeat::kMirror : Repeat::kPlain;
+    return mode == aiTextureMapMode_Clamp    ? Repeat::kNone
+           : mode == aiTextureMapMode_Mirror ? Repeat::kMirror
+                                             : Repeat::kPlain;
   }
 
   int textureOf(const aiString& name, Repeat repeat_u, Repeat repeat_v) {
@@ -113,7 +124,8 @@ class Reader {
       const glm::dmat4 skin = named_[bone.mName.C_Str()] * matrixOf(bone.mOffsetMatrix);
       for (unsigned k = 0; k < bone.mNumWeights; ++k) {
         const aiVector3D& v = mesh.mVertices[bone.mWeights[k].mVertexId];
-        positions[bone.mWeights[k].mVertexId] += static_cast<double>(bone.mWeights[k].mWeight) * glm::dvec3(skin * glm::dvec4(v.x, v.y, v.z, 1));
+        positions[bone.mWeights[k].mVertexId] +=
+            static_cast<double>(bone.mWeights[k].mWeight) * glm::dvec3(skin * glm::dvec4(v.x, v.y, v.z, 1));
       }
     }
     for (unsigned i = 0; mesh.mNumBones == 0 && i < mesh.mNumVertices; ++i) {
@@ -127,7 +139,8 @@ class Reader {
       for (std::size_t c = 0; c < 3; ++c) {
         const unsigned at = mesh.mFaces[f].mIndices[c];
         triangle.corner[c].position = positions[at];
-        if (mesh.mTextureCoords[0]) triangle.corner[c].uv = {mesh.mTextureCoords[0][at].x, mesh.mTextureCoords[0][at].y};
+        if (mesh.mTextureCoords[0])
+          triangle.corner[c].uv = {mesh.mTextureCoords[0][at].x, mesh.mTextureCoords[0][at].y};
         if (mesh.mColors[0]) {
           const aiColor4D& color = mesh.mColors[0][at];
           triangle.corner[c].color = glm::vec4(linear({color.r, color.g, color.b}), color.a);

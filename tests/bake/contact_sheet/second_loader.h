@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Meshes as somebody else reads them: assimp, so that a mistake of kelp's importers shows as a difference between two pictures.
+// Meshes as somebody else reads them: assimp, so that a mistake of kelp's importers shows as a difference
+// between two pictures.
 #pragma once
 
 #include <array>
@@ -47,7 +48,8 @@ struct Scene {
   std::string reader;  // who read it, for the caption
 };
 
-// All triangles of the file's scene at rest, skins in their bind pose. nullopt where assimp can not read it (`why` then says so).
+// All triangles of the file's scene at rest, skins in their bind pose. nullopt where assimp can not read it
+// (`why` then says so).
 std::optional<Scene> readWithAssimp(const std::filesystem::path& path, std::string& why);
 
 // The same from kelp's own importer, for files that assimp can not read. nullopt where kelp refuses them too.

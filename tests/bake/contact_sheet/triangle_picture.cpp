@@ -18,14 +18,18 @@ int wrap(int i, int count, Repeat repeat) {
 }
 
 glm::vec4 sample(const Texture& texture, glm::vec2 uv) {
-  const float x = uv.x * static_cast<float>(texture.width) - 0.5f, y = (1 - uv.y) * static_cast<float>(texture.height) - 0.5f;
+  const float x = uv.x * static_cast<float>(texture.width) - 0.5f,
+              y = (1 - uv.y) * static_cast<float>(texture.height) - 0.5f;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
   glm::vec4 sum(0);
   for (int dy = 0; dy < 2; ++dy) {
     for (int dx = 0; dx < 2; ++dx) {
-      const float share = (dx ? x - static_cast<float>(x0) : 1 - (x - static_cast<float>(x0))) * (dy ? y - static_cast<float>(y0) : 1 - (y - static_cast<float>(y0)));
-      sum += share * texture.texels[static_cast<std::size_t>(wrap(x0 + dx, texture.width, texture.repeat_u)) +
-                                    static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(wrap(y0 + dy, texture.height, texture.repeat_v))];
+      const float share = (dx ? x - static_cast<float>(x0) : 1 - (x - static_cast<float>(x0))) *
+                          (dy ? y - static_cast<float>(y0) : 1 - (y - static_cast<float>(y0)));
+      sum += share *
+             texture.texels[static_cast<std::size_t>(wrap(x0 + dx, texture.width, texture.repeat_u)) +
+                            static_cast<std::size_t>(texture.width) *
+                                static_cast<std::size_t>(wrap(y0 + dy, texture.height, texture.repeat_v))];
     }
   }
   return sum;
@@ -46,18 +50,24 @@ glm::vec4 baseColor(const Scene& scene, const Triangle& t, const glm::dvec3& wei
 }
 
 // kelp's own look (shaders/surface.glsl), without its highlight.
-glm::vec3 light(const gl::View& view, const Surface& surface, const glm::vec3& color, const glm::vec3& normal, const glm::vec3& to_eye) {
-  const float facing = std::max((glm::dot(normal, glm::normalize(view.sun_direction)) + 0.15f) / (1.15f * 1.15f), 0.0f);
-  const glm::vec3 diffuse = color * (1 - surface.metallic), specular = glm::mix(glm::vec3(0.04f), color, surface.metallic);
+glm::vec3 light(const gl::View& view, const Surface& surface, const glm::vec3& color, const glm::vec3& normal,
+                const glm::vec3& to_eye) {
+  const float facing =
+      std::max((glm::dot(normal, glm::normalize(view.sun_direction)) + 0.15f) / (1.15f * 1.15f), 0.0f);
+  const glm::vec3 diffuse = color * (1 - surface.metallic),
+                  specular = glm::mix(glm::vec3(0.04f), color, surface.metallic);
   const float mirror = glm::reflect(-to_eye, normal).y, blur = surface.roughness + 0.1f;
-  const glm::vec3 reflected = glm::mix(view.ground_color, view.sky_color, glm::smoothstep(-blur, blur, mirror));
-  return diffuse * (view.sun_color * (facing / 3.14159265f) + glm::mix(view.ground_color, view.sky_color, 0.5f + 0.5f * normal.y)) +
+  const glm::vec3 reflected =
+      glm::mix(view.ground_color, view.sky_color, glm::smoothstep(-blur, blur, mirror));
+  return diffuse * (view.sun_color * (facing / 3.14159265f) +
+                    glm::mix(view.ground_color, view.sky_color, 0.5f + 0.5f * normal.y)) +
          specular * (1 - 0.5f * surface.roughness) * reflected + surface.glow;
 }
 
 std::uint8_t srgbByte(float linear) {
   const float c = std::clamp(linear, 0.0f, 1.0f);
-  return static_cast<std::uint8_t>(std::lround(255.0f * (c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f)));
+  return static_cast<std::uint8_t>(
+      std::lround(255.0f * (c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f)));
 }
 
 }  // namespace
@@ -66,7 +76,8 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
   const int fine = side * kSamples;
   const glm::dmat4 to_clip = glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye);
   const glm::dvec3 eye(glm::inverse(glm::dmat4(view.world_to_eye))[3]);
-  std::vector<double> depth(static_cast<std::size_t>(fine) * static_cast<std::size_t>(fine), std::numeric_limits<double>::infinity());
+  std::vector<double> depth(static_cast<std::size_t>(fine) * static_cast<std::size_t>(fine),
+                            std::numeric_limits<double>::infinity());
   std::vector<glm::vec3> color(depth.size());
   for (const Triangle& t : scene.triangles) {
     glm::dvec3 at[3];  // pixel, pixel, 1 / w
@@ -78,7 +89,8 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
     }
     const double area = (at[1].x - at[0].x) * (at[2].y - at[0].y) - (at[1].y - at[0].y) * (at[2].x - at[0].x);
     if (behind || area == 0 || !std::isfinite(area)) continue;
-    glm::dvec3 normal = glm::cross(t.corner[1].position - t.corner[0].position, t.corner[2].position - t.corner[0].position);
+    glm::dvec3 normal =
+        glm::cross(t.corner[1].position - t.corner[0].position, t.corner[2].position - t.corner[0].position);
     const double length = glm::length(normal);
     if (!(length > 0)) continue;
     normal *= (glm::dot(normal, eye - t.corner[0].position) < 0 ? -1 : 1) / length;  // what is seen is lit
@@ -86,8 +98,10 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
     const auto [top, bottom] = std::minmax({at[0].y, at[1].y, at[2].y});
     const Surface& surface = scene.surfaces[static_cast<std::size_t>(t.surface)];
     const glm::vec3 to_eye(glm::normalize(eye - t.corner[0].position));
-    for (int y = std::max(0, static_cast<int>(std::ceil(top))); y <= std::min(fine - 1, static_cast<int>(std::floor(bottom))); ++y) {
-      for (int x = std::max(0, static_cast<int>(std::ceil(left))); x <= std::min(fine - 1, static_cast<int>(std::floor(right))); ++x) {
+    for (int y = std::max(0, static_cast<int>(std::ceil(top)));
+         y <= std::min(fine - 1, static_cast<int>(std::floor(bottom))); ++y) {
+      for (int x = std::max(0, static_cast<int>(std::ceil(left)));
+           x <= std::min(fine - 1, static_cast<int>(std::floor(right))); ++x) {
         glm::dvec3 w;
         w[1] = ((x - at[0].x) * (at[2].y - at[0].y) - (y - at[0].y) * (at[2].x - at[0].x)) / area;
         w[2] = ((at[1].x - at[0].x) * (y - at[0].y) - (at[1].y - at[0].y) * (x - at[0].x)) / area;
@@ -95,7 +109,8 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
         if (w[0] < -1e-9 || w[1] < -1e-9 || w[2] < -1e-9) continue;
         w *= glm::dvec3(at[0].z, at[1].z, at[2].z);
         const double nearness = w[0] + w[1] + w[2];
-        const std::size_t pixel = static_cast<std::size_t>(x) + static_cast<std::size_t>(fine) * static_cast<std::size_t>(y);
+        const std::size_t pixel =
+            static_cast<std::size_t>(x) + static_cast<std::size_t>(fine) * static_cast<std::size_t>(y);
         if (1 / nearness >= depth[pixel]) continue;
         const glm::vec4 base = baseColor(scene, t, w / nearness);
         if (base.a < surface.alpha_cutoff) continue;
@@ -112,7 +127,9 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
       glm::vec3 sum(0);
       int hits = 0;
       for (int s = 0; s < kSamples * kSamples; ++s) {
-        const std::size_t pixel = static_cast<std::size_t>(x * kSamples + s % kSamples) + static_cast<std::size_t>(fine) * static_cast<std::size_t>(y * kSamples + s / kSamples);
+        const std::size_t pixel =
+            static_cast<std::size_t>(x * kSamples + s % kSamples) +
+            static_cast<std::size_t>(fine) * static_cast<std::size_t>(y * kSamples + s / kSamples);
         if (!std::isfinite(depth[pixel])) continue;
         sum += color[pixel];
         ++hits;
@@ -122,7 +139,8 @@ Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb gr
       const float share = static_cast<float>(hits) / (kSamples * kSamples);
       for (int c = 0; c < 3; ++c) {
         const float value = srgbByte(sum[c] / static_cast<float>(hits));
-        picture.pixels[picture.index(x, y)][c] = static_cast<std::uint8_t>(value * share + static_cast<float>(ground[c]) * (1 - share));
+        picture.pixels[picture.index(x, y)][c] =
+            static_cast<std::uint8_t>(value * share + static_cast<float>(ground[c]) * (1 - share));
       }
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws the pack that write_pack makes, as a game would, and checks pixels, depth and the CPU's ray against what the cube's
-// geometry says.
+// Draws the pack that write_pack makes, as a game would, and checks pixels, depth and the CPU's ray against
+// what the cube's geometry says.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -38,7 +38,8 @@ std::array<int, 4> pixel(int x, int y) {
 }
 
 void checkPicture(const kelp::runtime::Instance& instance) {
-  const std::array<int, 4> corner = pixel(2, 2), left = pixel(kSide / 2 - 8, kSide / 2), right = pixel(kSide / 2 + 8, kSide / 2);
+  const std::array<int, 4> corner = pixel(2, 2), left = pixel(kSide / 2 - 8, kSide / 2),
+                           right = pixel(kSide / 2 + 8, kSide / 2);
   expect(corner == std::array<int, 4>{51, 102, 153, 255}, "the background keeps the host's clear colour");
   expect(left[0] > 3 * left[2] && left[0] > 60, "the cube is red on its left");
   expect(right[2] > 3 * right[0] && right[2] > 60, "the cube is blue on its right");
@@ -50,7 +51,8 @@ void checkPicture(const kelp::runtime::Instance& instance) {
 
   const auto hit = kelp::runtime::raycast(instance, {kEye, {0.001f, 0, -1}});
   expect(hit.has_value() && std::abs(hit->t - kDistance) < kSlack, "the CPU's ray meets the cube's front");
-  expect(hit.has_value() && hit->voxel == glm::ivec3(4, 4, 5) && hit->material == 1, "the CPU's ray meets the right voxel");
+  expect(hit.has_value() && hit->voxel == glm::ivec3(4, 4, 5) && hit->material == 1,
+         "the CPU's ray meets the right voxel");
   expect(!kelp::runtime::raycast(instance, {kEye, {0.5f, 0, -1}}), "the CPU's ray passes beside the cube");
 }
 
@@ -75,7 +77,8 @@ int run(const char* path) {
   glEnable(GL_DEPTH_TEST);
   glClearColor(0.2f, 0.4f, 0.6f, 1);
 
-  // Two frames: in the first the clip has swayed the cube's top aside, in the second (time 0) it is back at rest.
+  // Two frames: in the first the clip has swayed the cube's top aside, in the second (time 0) it is back at
+  // rest.
   std::array<int, 4> beside{};
   for (const double seconds : {0.5, 0.0}) {
     while (true) {

@@ -27,14 +27,20 @@ void* getProcAddress(void*, const char* name) { return reinterpret_cast<void*>(e
 
 bool makeContext() {
   display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-  if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return fail("no surfaceless EGL display");
+  if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr))
+    return fail("no surfaceless EGL display");
   if (!eglBindAPI(EGL_OPENGL_API)) return fail("EGL offers no desktop OpenGL");
-  const EGLint attributes[] = {
-      EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                               3,
+                               EGL_CONTEXT_MINOR_VERSION,
+                               3,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_NONE};
   context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
   if (context == EGL_NO_CONTEXT) return fail("no OpenGL 3.3 core context");
-  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return fail("the context can not be made current");
+  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+    return fail("the context can not be made current");
 
   GLuint framebuffer = 0, buffers[2] = {};
   glGenFramebuffers(1, &framebuffer);
@@ -43,9 +49,11 @@ bool makeContext() {
   for (const int i : {0, 1}) {
     glBindRenderbuffer(GL_RENDERBUFFER, buffers[i]);
     glRenderbufferStorage(GL_RENDERBUFFER, i == 0 ? GL_RGBA8 : GL_DEPTH_COMPONENT32F, kSide, kSide);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, i == 0 ? GL_COLOR_ATTACHMENT0 : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffers[i]);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, i == 0 ? GL_COLOR_ATTACHMENT0 : GL_DEPTH_ATTACHMENT,
+                              GL_RENDERBUFFER, buffers[i]);
   }
-  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return fail("the framebuffer is incomplete");
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    return fail("the framebuffer is incomplete");
   glViewport(0, 0, kSide, kSide);
   return true;
 }

@@ -7,8 +7,8 @@
 
 constexpr int kSide = 128;  // pixels
 
-// Makes a context current, with a bound framebuffer of kSide x kSide pixels of colour and depth. On failure says why and answers
-// false.
+// Makes a context current, with a bound framebuffer of kSide x kSide pixels of colour and depth. On failure
+// says why and answers false.
 bool makeContext();
 void destroyContext();
 void* getProcAddress(void* user, const char* name);

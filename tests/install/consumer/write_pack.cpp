@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Writes the smallest pack that shows something: one brick with a cube of 4 x 4 x 4 voxels in its middle, red on its left, blue
-// on its right. In metres the volume is 1 m high, stands on the origin and is centred in x and z: the cube is [-1/4, 1/4] x [1/4,
-// 3/4] x [-1/4, 1/4].
+// Writes the smallest pack that shows something: one brick with a cube of 4 x 4 x 4 voxels in its middle, red
+// on its left, blue on its right. In metres the volume is 1 m high, stands on the origin and is centred in x
+// and z: the cube is [-1/4, 1/4] x [1/4, 3/4] x [-1/4, 1/4].
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -24,7 +24,8 @@ kelp::RawLevel cube() {
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         if (outside(x) + outside(y) + outside(z) > 0) {
-          const int apart = (outside(x) > 1) + (outside(y) > 1) + (outside(z) > 1);  // squared distance of the closed cubes
+          // squared distance of the closed cubes
+          const int apart = (outside(x) > 1) + (outside(y) > 1) + (outside(z) > 1);
           level.codes.push_back(static_cast<std::uint8_t>(4.0 * std::sqrt(apart)));
         } else if (onFace(x) || onFace(y) || onFace(z)) {
           level.codes.push_back(static_cast<std::uint8_t>(kelp::kSurfaceCode + rank++));
@@ -47,9 +48,8 @@ int main(int count, char** words) {
   part.name = "cube";
   part.size = glm::ivec3(kSide);
   part.to_object = glm::mat4x3(0.125f, 0, 0, 0, 0.125f, 0, 0, 0, 0.125f, -0.5f, 0, -0.5f);
-  kelp::Knot knots[2];
-  kelp::straightKnots(part.size, knots);
-  part.knots.assign(knots, knots + 2);
+  part.knots = {{0, glm::vec3(0), glm::vec3(0, kSide, 0)},
+                {1, glm::vec3(0, kSide, 0), glm::vec3(0, kSide, 0)}};
   part.levels.push_back(cube());
 
   kelp::RawPack pack;
@@ -65,10 +65,13 @@ int main(int count, char** words) {
   std::FILE* const file = std::fopen(words[1], "wb");
   if (!file) return std::perror(words[1]), 2;
   const kelp::Sink sink{[](void* user, std::span<const std::byte> bytes) {
-                          return std::fwrite(bytes.data(), 1, bytes.size(), static_cast<std::FILE*>(user)) == bytes.size();
+                          return std::fwrite(bytes.data(), 1, bytes.size(), static_cast<std::FILE*>(user)) ==
+                                 bytes.size();
                         },
                         file};
   const kelp::Result<void> written = kelp::writePack(pack, sink);
-  if (!written) std::fprintf(stderr, "%s: %s: %s\n", words[1], kelp::toString(written.error().code), written.error().detail);
+  if (!written)
+    std::fprintf(stderr, "%s: %s: %s\n", words[1], kelp::toString(written.error().code),
+                 written.error().detail);
   return std::fclose(file) == 0 && written ? 0 : 2;
 }

@@ -11,7 +11,8 @@ int main(int count, char** words) {
     const auto pack = kelp::Pack::open(file->source());
     if (!pack) return std::fprintf(stderr, "%s: %s\n", words[i], pack.error().detail), 3;
     const kelp::Part& part = pack->parts()[0];
-    std::printf("%d clips, %d x %d x %d\n", static_cast<int>(pack->clips().size()), part.size.x, part.size.y, part.size.z);
+    std::printf("%d clips, %d x %d x %d\n", static_cast<int>(pack->clips().size()), part.size.x, part.size.y,
+                part.size.z);
   }
   return 0;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// kelp in a page: a renderer on WebGL 2 and one frame of a pack. tests/ports.sh web links it; without a canvas, as under node, it ends with a message.
+// kelp in a page: a renderer on WebGL 2 and one frame of a pack. tests/ports.sh web links it; without a
+// canvas, as under node, it ends with a message.
 #include <emscripten/html5.h>
 #include <emscripten/html5_webgl.h>
 
@@ -12,7 +13,8 @@ int main(int count, char** words) {
   if (!file) return std::fprintf(stderr, "draw: %s\n", file.error().detail), 2;
   const auto asset = kelp::runtime::Asset::open(file->source());
   if (!asset) return std::fprintf(stderr, "draw: %s\n", asset.error().detail), 3;
-  if (const auto loaded = (*asset)->loadAll(); !loaded) return std::fprintf(stderr, "draw: %s\n", loaded.error().detail), 3;
+  if (const auto loaded = (*asset)->loadAll(); !loaded)
+    return std::fprintf(stderr, "draw: %s\n", loaded.error().detail), 3;
   const auto pose = kelp::runtime::Pose::create(**asset);
   if (!pose) return std::fprintf(stderr, "draw: %s\n", pose.error().detail), 4;
   std::printf("draw: %d parts loaded\n", static_cast<int>((*asset)->pack().parts().size()));

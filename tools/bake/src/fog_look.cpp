@@ -13,7 +13,8 @@ double planck(double nanometres, double kelvin) {
   return 1e15 / (std::pow(nanometres, 5) * std::expm1(kSecondRadiation / (nanometres * kelvin)));
 }
 
-// From dark red to the light of a lamp. At the wavelengths where Rec. 709's primaries are; the hottest has red 1.
+// From dark red to the light of a lamp. At the wavelengths where Rec. 709's primaries are; the hottest has
+// red 1.
 std::vector<glm::vec3> blackBody() {
   constexpr int kColors = 64;
   constexpr double kColdest = 800, kHottest = 3200, kRed = 612, kGreen = 549, kBlue = 464;
@@ -21,7 +22,8 @@ std::vector<glm::vec3> blackBody() {
   std::vector<glm::vec3> ramp;
   for (int i = 0; i < kColors; ++i) {
     const double kelvin = kColdest + (kHottest - kColdest) * i / (kColors - 1);
-    ramp.emplace_back(planck(kRed, kelvin) / brightest, planck(kGreen, kelvin) / brightest, planck(kBlue, kelvin) / brightest);
+    ramp.emplace_back(planck(kRed, kelvin) / brightest, planck(kGreen, kelvin) / brightest,
+                      planck(kBlue, kelvin) / brightest);
   }
   return ramp;
 }

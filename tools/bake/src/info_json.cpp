@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hash_file.h"
+#include "kelp/common/hash.h"
 
 namespace kelp::bake {
 
@@ -16,7 +16,8 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 const std::string* findHash(const FilesUsed& used, const std::filesystem::path& path) {
-  const auto file = std::find_if(used.read.begin(), used.read.end(), [&](const FilesUsed::File& f) { return f.path == path; });
+  const auto file = std::find_if(used.read.begin(), used.read.end(),
+                                 [&](const FilesUsed::File& f) { return f.path == path; });
   return file == used.read.end() ? nullptr : &file->xxh3;
 }
 
@@ -25,21 +26,28 @@ std::string hashOf(const FilesUsed& used, const std::filesystem::path& path) {
   return hash ? *hash : hashFile(path);
 }
 
-OrderedJson fileJson(const FilesUsed& used, const std::filesystem::path& path) { return {{"name", path.filename().string()}, {"xxh3", hashOf(used, path)}}; }
+OrderedJson fileJson(const FilesUsed& used, const std::filesystem::path& path) {
+  return {{"name", path.filename().string()}, {"xxh3", hashOf(used, path)}};
+}
 
 // The rig from outside the input, if it came from a file.
-std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
+std::optional<std::filesystem::path> rigFile(const std::filesystem::path& input, const Settings& settings,
+                                             const FilesUsed& used) {
   if (settings.rig_file) return settings.rig_file;
   const std::filesystem::path beside = rigBeside(input);
   if (!findHash(used, beside)) return std::nullopt;
   return beside;
 }
 
-// What neither the source nor the options name: pictures, buffers, materials. Sorted, whatever the order in which they were read.
-std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input, const Settings& settings, const FilesUsed& used) {
+// What neither the source nor the options name: pictures, buffers, materials. Sorted, whatever the order in
+// which they were read.
+std::map<std::string, OrderedJson> otherFiles(const std::filesystem::path& input, const Settings& settings,
+                                              const FilesUsed& used) {
   std::map<std::string, OrderedJson> files;
   const auto add = [&](const std::filesystem::path& path, const OrderedJson& value) {
-    if (path == input || path == settings.rig_file || path == settings.palette_file || path == settings.ramp_file || path == rigBeside(input)) return;
+    if (path == input || path == settings.rig_file || path == settings.palette_file ||
+        path == settings.ramp_file || path == rigBeside(input))
+      return;
     files[path.lexically_relative(input.parent_path()).generic_string()] = value;
   };
   for (const std::filesystem::path& path : used.missing) add(path, nullptr);
@@ -54,7 +62,8 @@ std::filesystem::path rigBeside(const std::filesystem::path& input) {
   return beside.replace_extension(".rig.json");
 }
 
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const FilesUsed& used) {
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
+                     const Settings& settings, const FilesUsed& used) {
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
@@ -68,23 +77,27 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (const auto rig = rigFile(input, settings, used)) options["rig"] = fileJson(used, *rig);
   if (settings.rig_preset) options["rig"] = *settings.rig_preset;
   if (settings.scene) options["scene"] = *settings.scene;
-  options["fill"] = settings.fill == Fill::kAuto ? "auto" : settings.fill == Fill::kSolid ? "solid" : "surface";
+  options["fill"] = settings.fill == Fill::kAuto    ? "auto"
+                    : settings.fill == Fill::kSolid ? "solid"
+                                                    : "surface";
   if (settings.parts == Parts::kNodes) options["parts"] = "nodes";
   if (settings.frame) options["frame"] = *settings.frame;
   if (settings.at) options["at"] = {{"clip", settings.at->clip}, {"seconds", settings.at->seconds}};
   if (settings.palette_file) options["palette"] = fileJson(used, *settings.palette_file);
   if (settings.keep_materials) options["keep_materials"] = true;
   if (settings.grid) options["grid"] = *settings.grid;
-  if (settings.volume != VolumeKind::kAuto) options["volume"] = settings.volume == VolumeKind::kSolid ? "solid" : "fog";
+  if (settings.volume != VolumeKind::kAuto)
+    options["volume"] = settings.volume == VolumeKind::kSolid ? "solid" : "fog";
   if (settings.isovalue) options["isovalue"] = *settings.isovalue;
   if (settings.color_grid) options["color_grid"] = *settings.color_grid;
   if (settings.heat_grid) options["heat_grid"] = *settings.heat_grid;
   if (settings.density != 1) options["density"] = settings.density;
   if (settings.ramp_file) options["ramp"] = fileJson(used, *settings.ramp_file);
   if (settings.levels > 0) options["levels"] = settings.levels;
-  OrderedJson info = {{"tool", "kelp-bake " KELP_VERSION},
-               {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
-               {"options", options}};
+  OrderedJson info = {
+      {"tool", "kelp-bake " KELP_VERSION},
+      {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
+      {"options", options}};
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
   // A name that is not UTF-8 must not stop the bake.
   return info.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);

@@ -6,9 +6,11 @@
 
 namespace kelp::bake {
 
-// The pack's INFO: tool version, source name and hash, the options that change content, and the other files it was made of by their names beside the source:
-// a hash, or null where one was looked for in vain. Nothing that differs between two bakes of the same input: no place, time or number of threads.
-std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume, const Settings& settings, const FilesUsed& used);
+// The pack's INFO: tool version, source name and hash, the options that change content, and the other files
+// it was made of by their names beside the source: a hash, or null where one was looked for in vain. Nothing
+// that differs between two bakes of the same input: no place, time or number of threads.
+std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
+                     const Settings& settings, const FilesUsed& used);
 
 // STEM.rig.json, which is taken where no rig is asked for.
 std::filesystem::path rigBeside(const std::filesystem::path& input);

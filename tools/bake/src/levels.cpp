@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Levels: occupancy by OR, normals and colours by average.
+#include "levels.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <map>
+#include <utility>
 
 #include "kelp/bake/bake.h"
+#include "kelp/common/dense_index.h"
+#include "kelp/common/parallel.h"
 #include "kelp/fields/fields.h"
-#include "levels.h"
 #include "palette.h"
-#include "parallel.h"
 
 namespace kelp::bake {
 namespace {
 
-// A surface voxel of some level. Coarser levels follow from what level 0 stores, so that a pack that comes back through another format has them again; from
-// there on colours and normals stay unrounded from level to level.
+// A surface voxel of some level. Coarser levels follow from what level 0 stores, so that a pack that comes
+// back through another format has them again; from there on colours and normals stay unrounded from level to
+// level.
 using Attribute = SurfaceSample;
 
 // The commonest of at most eight sources; the lowest of several.
@@ -24,7 +27,8 @@ std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t
   std::uint32_t best = sources[0];
   std::ptrdiff_t most = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::ptrdiff_t votes = std::count(sources.begin(), sources.begin() + static_cast<std::ptrdiff_t>(count), sources[i]);
+    const std::ptrdiff_t votes =
+        std::count(sources.begin(), sources.begin() + static_cast<std::ptrdiff_t>(count), sources[i]);
     if (votes < most || (votes == most && sources[i] >= best)) continue;
     most = votes;
     best = sources[i];
@@ -32,18 +36,19 @@ std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t
   return best;
 }
 
-std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size, const glm::ivec3& coarse_size) {
+std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
+                                         const glm::ivec3& coarse_size) {
   struct Child {
     std::uint64_t parent;
     std::size_t at;
   };
   std::vector<Child> children(fine.size());
-  const std::uint64_t x = static_cast<std::uint64_t>(fine_size.x), y = static_cast<std::uint64_t>(fine_size.y);
   for (std::size_t i = 0; i < fine.size(); ++i) {
-    const std::uint64_t index = fine[i].index;
-    children[i] = {index % x / 2 + static_cast<std::uint64_t>(coarse_size.x) * (index / x % y / 2 + static_cast<std::uint64_t>(coarse_size.y) * (index / (x * y) / 2)), i};
+    children[i] = {denseIndex(coarse_size, voxelAt(fine_size, fine[i].index) / 2), i};
   }
-  std::sort(children.begin(), children.end(), [](const Child& a, const Child& b) { return a.parent != b.parent ? a.parent < b.parent : a.at < b.at; });
+  std::sort(children.begin(), children.end(), [](const Child& a, const Child& b) {
+    return a.parent != b.parent ? a.parent < b.parent : a.at < b.at;
+  });
   std::vector<Attribute> coarse;
   for (std::size_t begin = 0; begin < children.size();) {
     std::size_t end = begin;
@@ -81,11 +86,14 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
 
 int levelCount(const glm::ivec3& size, int asked) {
   int count = 1;
-  for (int side = std::max({size.x, size.y, size.z}); side > kBrickSide && count < kMaxLevels; side = (side + 1) / 2) ++count;
+  for (int side = std::max({size.x, size.y, size.z}); side > kBrickSide && count < kMaxLevels;
+       side = (side + 1) / 2)
+    ++count;
   return asked > 0 ? std::min(asked, count) : count;
 }
 
-std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices, const std::vector<Material>& palette, int levels, int threads,
+std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices,
+                                  const std::vector<Material>& palette, int levels, int threads,
                                   const Progress& progress, const std::vector<std::uint32_t>& sources) {
   std::vector<MaterialPoint> points;
   points.reserve(palette.size());
@@ -99,7 +107,9 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
   }
   const auto nearestOf = [&](const Attribute& attribute) {
     const MaterialPoint point = materialPoint(attribute.material);
-    return sources.empty() ? nearestEntry(points, point) : entries_of.at(attribute.source)[nearestEntry(points_of.at(attribute.source), point)];
+    return sources.empty()
+               ? nearestEntry(points, point)
+               : entries_of.at(attribute.source)[nearestEntry(points_of.at(attribute.source), point)];
   };
   std::vector<Attribute> attributes = std::move(grid.surface);
 
@@ -107,7 +117,8 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
   fields::Occupancy occupancy{grid.size, std::move(grid.solid)};
   const int count = levelCount(grid.size, levels);
   for (int level = 0; level < count; ++level) {
-    if (progress && !progress("levels", 1 - std::pow(4.0, -level))) throw BakeError(Exit::kInterrupted, "interrupted");
+    if (progress && !progress("levels", 1 - std::pow(4.0, -level)))
+      throw ToolError(Exit::kInterrupted, "interrupted");
     if (level > 0) {
       fields::Occupancy coarse = fields::coarser(occupancy, threadCount(threads));
       attributes = coarserAttributes(attributes, occupancy.size, coarse.size);
@@ -126,7 +137,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
     });
     built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));
   }
-  if (progress && !progress("levels", 1.0)) throw BakeError(Exit::kInterrupted, "interrupted");
+  if (progress && !progress("levels", 1.0)) throw ToolError(Exit::kInterrupted, "interrupted");
   return built;
 }
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "kelp/bake/bake.h"
-#include "parallel.h"
+#include "kelp/common/parallel.h"
 
 namespace kelp::bake {
 namespace {
@@ -19,14 +19,18 @@ constexpr float kCell = 1.0f / 128.0f;
 constexpr int kRounds = 8;
 
 auto materialKey(const Material& m) {
-  return std::make_tuple(m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x, m.emissive.y, m.emissive.z, m.metallic, m.roughness);
+  return std::make_tuple(m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x,
+                         m.emissive.y, m.emissive.z, m.metallic, m.roughness);
 }
 bool less(const Material& a, const Material& b) { return materialKey(a) < materialKey(b); }
 bool same(const Material& a, const Material& b) { return materialKey(a) == materialKey(b); }
 
 // What is averaged: linear light, as a filter would.
 using Vector = std::array<double, 9>;
-Vector vectorOf(const Material& m) { return {m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x, m.emissive.y, m.emissive.z, m.metallic, m.roughness}; }
+Vector vectorOf(const Material& m) {
+  return {m.base_color.x, m.base_color.y, m.base_color.z, m.base_color.w, m.emissive.x,
+          m.emissive.y,   m.emissive.z,   m.metallic,     m.roughness};
+}
 Material meanMaterial(const Vector& sum, double weight) {
   Material m;
   const auto mean = [&](std::size_t i) { return static_cast<float>(sum[i] / weight); };
@@ -61,7 +65,8 @@ std::vector<Material> distinct(const std::vector<const VoxelGrid*>& grids, std::
 }
 
 // Samples pooled by cell. `cell_of` gets the pool of each sample, grid by grid.
-std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int threads, std::vector<std::uint32_t>& cell_of) {
+std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int threads,
+                              std::vector<std::uint32_t>& cell_of) {
   using Cell = std::array<std::int16_t, 9>;
   std::vector<Cell> cells;
   std::vector<const Material*> materials;
@@ -72,7 +77,8 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
   parallelRanges(materials.size(), kEntriesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const MaterialPoint point = materialPoint(*materials[i]);
-      for (std::size_t k = 0; k < point.size(); ++k) cells[i][k] = static_cast<std::int16_t>(std::lround(std::clamp(point[k], -250.0f, 250.0f) / kCell));
+      for (std::size_t k = 0; k < point.size(); ++k)
+        cells[i][k] = static_cast<std::int16_t>(std::lround(std::clamp(point[k], -250.0f, 250.0f) / kCell));
     }
   });
   std::vector<Cell> known(cells);
@@ -80,7 +86,9 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
   known.erase(std::unique(known.begin(), known.end()), known.end());
   cell_of.resize(cells.size());
   parallelRanges(cells.size(), kEntriesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) cell_of[i] = static_cast<std::uint32_t>(std::lower_bound(known.begin(), known.end(), cells[i]) - known.begin());
+    for (std::size_t i = begin; i < end; ++i)
+      cell_of[i] =
+          static_cast<std::uint32_t>(std::lower_bound(known.begin(), known.end(), cells[i]) - known.begin());
   });
   std::vector<Pool> pools(known.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -93,7 +101,8 @@ std::vector<Pool> poolSamples(const std::vector<const VoxelGrid*>& grids, int th
   return pools;
 }
 
-// Median cut (Heckbert 1982) by variance: the box with the largest squared error is cut at its mean along its widest axis.
+// Median cut (Heckbert 1982) by variance: the box with the largest squared error is cut at its mean along its
+// widest axis.
 std::vector<Material> medianCut(std::vector<Pool>& pools, std::size_t count) {
   struct Cut {
     std::size_t begin, end;
@@ -109,7 +118,8 @@ std::vector<Material> medianCut(std::vector<Pool>& pools, std::size_t count) {
       weight += pools[i].weight;
       for (std::size_t k = 0; k < sum.size(); ++k) {
         sum[k] += pools[i].weight * static_cast<double>(pools[i].point[k]);
-        squares[k] += pools[i].weight * static_cast<double>(pools[i].point[k]) * static_cast<double>(pools[i].point[k]);
+        squares[k] +=
+            pools[i].weight * static_cast<double>(pools[i].point[k]) * static_cast<double>(pools[i].point[k]);
       }
     }
     double widest = 0;
@@ -126,11 +136,14 @@ std::vector<Material> medianCut(std::vector<Pool>& pools, std::size_t count) {
   };
   std::vector<Cut> cuts{measured(0, pools.size())};
   while (cuts.size() < count) {
-    const auto worst = std::max_element(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.error < b.error; });
-    const auto begin = pools.begin() + static_cast<std::ptrdiff_t>(worst->begin), end = pools.begin() + static_cast<std::ptrdiff_t>(worst->end);
+    const auto worst = std::max_element(cuts.begin(), cuts.end(),
+                                        [](const Cut& a, const Cut& b) { return a.error < b.error; });
+    const auto begin = pools.begin() + static_cast<std::ptrdiff_t>(worst->begin),
+               end = pools.begin() + static_cast<std::ptrdiff_t>(worst->end);
     const std::size_t axis = worst->axis;
     const float mean = worst->mean;
-    const auto middle = std::stable_partition(begin, end, [&](const Pool& pool) { return pool.point[axis] < mean; });
+    const auto middle =
+        std::stable_partition(begin, end, [&](const Pool& pool) { return pool.point[axis] < mean; });
     if (middle == begin || middle == end) {
       if (worst->error == 0) break;
       worst->error = 0;  // rounding alone: nothing left to cut
@@ -161,16 +174,19 @@ std::vector<MaterialPoint> pointsOf(const std::vector<Material>& entries) {
   return points;
 }
 
-std::vector<std::uint8_t> assign(const std::vector<Pool>& pools, const std::vector<Material>& entries, int threads) {
+std::vector<std::uint8_t> assign(const std::vector<Pool>& pools, const std::vector<Material>& entries,
+                                 int threads) {
   const std::vector<MaterialPoint> points = pointsOf(entries);
   std::vector<std::uint8_t> index(pools.size());
   parallelRanges(pools.size(), 256, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) index[i] = static_cast<std::uint8_t>(nearestEntry(points, pools[i].point));
+    for (std::size_t i = begin; i < end; ++i)
+      index[i] = static_cast<std::uint8_t>(nearestEntry(points, pools[i].point));
   });
   return index;
 }
 
-// Lloyd's iteration: each entry moves to the mean of what is nearest to it; an entry that nothing is nearest to stays.
+// Lloyd's iteration: each entry moves to the mean of what is nearest to it; an entry that nothing is nearest
+// to stays.
 void refine(const std::vector<Pool>& pools, int threads, std::vector<Material>& entries) {
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<std::uint8_t> index = assign(pools, entries, threads);
@@ -207,7 +223,8 @@ double colorDistance(const Material& a, const Material& b) {
 }
 
 std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit) {
-  const bool none = std::all_of(grids.begin(), grids.end(), [](const VoxelGrid* grid) { return grid->surface.empty(); });
+  const bool none =
+      std::all_of(grids.begin(), grids.end(), [](const VoxelGrid* grid) { return grid->surface.empty(); });
   const std::size_t found = distinct(grids, limit).size();
   return none || found > 0 ? found : limit + 1;
 }
@@ -219,7 +236,10 @@ Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t l
     for (const VoxelGrid* grid : grids) {
       std::vector<std::uint8_t>& indices = palette.indices.emplace_back(grid->surface.size());
       for (std::size_t i = 0; i < indices.size(); ++i) {
-        indices[i] = static_cast<std::uint8_t>(std::lower_bound(palette.entries.begin(), palette.entries.end(), grid->surface[i].material, less) - palette.entries.begin());
+        indices[i] =
+            static_cast<std::uint8_t>(std::lower_bound(palette.entries.begin(), palette.entries.end(),
+                                                       grid->surface[i].material, less) -
+                                      palette.entries.begin());
       }
     }
     return palette;

@@ -10,16 +10,23 @@
 
 namespace kelp::bake {
 
-inline constexpr std::size_t kMaxPalette = 256;
-
-// A material as a point: base colour in OKLab, alpha, emissive in OKLab, metallic, roughness; weighted so that equal distances matter
-// about equally. The colour decides; gloss weighs less, for it shows only where light is reflected.
+// A material as a point: base colour in OKLab, alpha, emissive in OKLab, metallic, roughness; weighted so
+// that equal distances matter about equally. The colour decides; gloss weighs less, for it shows only where
+// light is reflected.
 using MaterialPoint = std::array<float, 9>;
 
 inline MaterialPoint materialPoint(const Material& m) {
   const glm::vec3 base = toOklab(glm::vec3(m.base_color));
   const glm::vec3 glow = toOklab(m.emissive);
-  return {base.x, base.y, base.z, 0.5f * m.base_color.w, glow.x, glow.y, glow.z, 0.25f * m.metallic, 0.25f * m.roughness};
+  return {base.x,
+          base.y,
+          base.z,
+          0.5f * m.base_color.w,
+          glow.x,
+          glow.y,
+          glow.z,
+          0.25f * m.metallic,
+          0.25f * m.roughness};
 }
 
 inline float squaredDistance(const MaterialPoint& a, const MaterialPoint& b) {
@@ -28,7 +35,8 @@ inline float squaredDistance(const MaterialPoint& a, const MaterialPoint& b) {
   return sum;
 }
 
-// The best palette of at most `limit` entries (chosen in OKLab, exact where that many are enough), the samples' indices and the mean error.
+// The best palette of at most `limit` entries (chosen in OKLab, exact where that many are enough), the
+// samples' indices and the mean error.
 Palette clusterPalette(const std::vector<const VoxelGrid*>& grids, std::size_t limit, int threads);
 // How many distinct materials the samples have; `limit` + 1 if more than `limit`.
 std::size_t countDistinct(const std::vector<const VoxelGrid*>& grids, std::size_t limit);

@@ -6,14 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "kelp/common/error.h"
+#include "kelp/common/parallel.h"
+#include "kelp/import/core/source_model.h"
 #include "palette.h"
-#include "parallel.h"
 
 namespace kelp::bake {
 namespace {
 
-// The entries are the colours, in their order; what a colour says nothing of is the mean over the voxels that get it.
-Palette fixedPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<glm::vec3>& colors, int threads) {
+// The entries are the colours, in their order; what a colour says nothing of is the mean over the voxels that
+// get it.
+Palette fixedPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<glm::vec3>& colors,
+                     int threads) {
   Palette palette;
   for (const glm::vec3& color : colors) palette.entries.emplace_back().base_color = glm::vec4(color, 1);
   struct Sum {
@@ -61,25 +65,31 @@ Palette fixedPalette(const std::vector<const VoxelGrid*>& grids, const std::vect
   return palette;
 }
 
-// The entries are the file's own, and so are the voxels' indices. Unless they blend each entry is its own source: coarser voxels keep the commonest index of their
-// children, so that whoever paints an entry anew paints the same places on every level.
-Palette givenPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<Material>& entries, bool blends) {
+// The entries are the file's own, and so are the voxels' indices. Unless they blend each entry is its own
+// source: coarser voxels keep the commonest index of their children, so that whoever paints an entry anew
+// paints the same places on every level.
+Palette givenPalette(const std::vector<const VoxelGrid*>& grids, const std::vector<Material>& entries,
+                     bool blends) {
   Palette palette;
   palette.entries = entries;
-  for (std::size_t e = 0; !blends && e < entries.size(); ++e) palette.sources.push_back(static_cast<std::uint32_t>(e));
+  for (std::size_t e = 0; !blends && e < entries.size(); ++e)
+    palette.sources.push_back(static_cast<std::uint32_t>(e));
   for (const VoxelGrid* grid : grids) {
     std::vector<std::uint8_t>& indices = palette.indices.emplace_back();
     indices.reserve(grid->surface.size());
-    for (const SurfaceSample& sample : grid->surface) indices.push_back(static_cast<std::uint8_t>(sample.source));
+    for (const SurfaceSample& sample : grid->surface)
+      indices.push_back(static_cast<std::uint8_t>(sample.source));
   }
   return palette;
 }
 
-// Each source gets as many entries as it has materials; where that is too many, those with the most get equal shares of what the others leave.
+// Each source gets as many entries as it has materials; where that is too many, those with the most get equal
+// shares of what the others leave.
 std::vector<std::size_t> shareEntries(const std::vector<std::size_t>& wanted) {
   std::vector<std::size_t> order(wanted.size()), given(wanted.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wanted[a] < wanted[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return wanted[a] < wanted[b]; });
   std::size_t left = kMaxPalette;
   for (std::size_t i = 0; i < order.size(); ++i) {
     given[order[i]] = std::min(wanted[order[i]], left / (order.size() - i));
@@ -99,7 +109,9 @@ Palette separatePalette(const std::vector<const VoxelGrid*>& grids, int threads)
     }
   }
   if (by_source.size() > kMaxPalette) {
-    throw BakeError(Exit::kUnsupported, fmt::format("--keep-materials: {} materials are seen, a palette holds {}; merge some, or leave the option out", by_source.size(), kMaxPalette));
+    throw ToolError(Exit::kUnsupported, fmt::format("--keep-materials: {} materials are seen, a palette "
+                                                    "holds {}; merge some, or leave the option out",
+                                                    by_source.size(), kMaxPalette));
   }
   std::vector<std::vector<const VoxelGrid*>> parts;
   std::vector<std::size_t> wanted;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
-// A pack says what it was made of. What it would say if it were made now is compared with that, letter by letter: one rule for both.
+// A pack says what it was made of. What it would say if it were made now is compared with that, letter by
+// letter: one rule for both.
 #include <optional>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
 
-#include "hash_file.h"
 #include "info_json.h"
+#include "kelp/common/hash.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
 #include "kelp/formats/verify.h"
+#include "kelp/import/core/files_used.h"
 
 namespace kelp::bake {
 namespace {
@@ -59,13 +61,16 @@ FilesNow namedFiles(const std::filesystem::path& input, const Settings& settings
 
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings) {
   const FilesNow now = namedFiles(input, settings);
-  return {makeInfo(input, "", true, settings, now.used()), now.used()};  // as of a volume: so a resolution stands there if it was asked for
+  // as of a volume: so a resolution stands there if it was asked for
+  return {makeInfo(input, "", true, settings, now.used()), now.used()};
 }
 
-std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input, const Settings& settings) {
+std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input,
+                                const Settings& settings) {
   if (text.size() > kMaxInfoBytes) return std::nullopt;
   const Json info = Json::parse(text, nullptr, false);
-  const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr, *options = member(info, "options"), *files = member(info, "files");
+  const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr,
+             *options = member(info, "options"), *files = member(info, "files");
   if (!format || !format->is_string() || !options || (files && !files->is_object())) return std::nullopt;
   FilesNow now = namedFiles(input, settings);
   if (files) {
@@ -74,12 +79,14 @@ std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::
       now.look(input.parent_path() / name);
     }
   }
-  // Whether it is a volume with voxels of its own, the file tells: by the resolution that was taken where none was asked for.
+  // Whether it is a volume with voxels of its own, the file tells: by the resolution that was taken where
+  // none was asked for.
   const bool volume = !settings.voxel_size && !settings.resolution_given && !member(*options, "resolution");
   return Recipe{makeInfo(input, format->get<std::string>(), volume, settings, now.used()), now.used()};
 }
 
-bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input, const Settings& settings) {
+bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input,
+               const Settings& settings) {
   try {
     Result<FileSource> file = FileSource::open(pack_path.c_str());
     if (!file) return false;
@@ -89,7 +96,9 @@ bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::pa
     if (!pack) return false;
     const std::string said(pack->infoJson());
     const std::optional<Recipe> now = recipeNow(said, input, settings);
-    return now && now->info == said && verify(source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
+    return now && now->info == said &&
+           verify(
+               source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
   } catch (const std::exception&) {
     return false;  // a file that can not be read now: the bake itself will say which, and why
   }

@@ -8,6 +8,7 @@
 
 #include "brick_clearance.h"
 #include "check.h"
+#include "kelp/common/dense_index.h"
 #include "parallel.h"
 
 namespace kelp::fields {
@@ -15,38 +16,40 @@ namespace kelp::fields {
 BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads) {
   BrickCells out;
   out.cells.resize(checkedVolume(grid));
-  const auto cellIndex = [&grid](const glm::ivec3& brick) {
-    return static_cast<std::size_t>(brick.x) + static_cast<std::size_t>(grid.x) * (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(brick.z));
-  };
   const std::vector<std::uint8_t> clearances = brickClearances(bits, grid, threads);
   const BrickSums sums(bits, grid);
-  parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads, [&](std::int64_t begin, std::int64_t end) {
-    glm::ivec3 brick{0};
-    for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
-      for (brick.y = 0; brick.y < grid.y; ++brick.y) {
-        for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-          out.cells[cellIndex(brick)] =
-              bits.holdsSolid(brick) ? kCellSolid : sums.grownBox(brick) | std::uint32_t{clearances[cellIndex(brick)]} << kCellClearanceShift;
-        }
-      }
-    }
-  });
+  parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads,
+              [&](std::int64_t begin, std::int64_t end) {
+                glm::ivec3 brick{0};
+                for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
+                  for (brick.y = 0; brick.y < grid.y; ++brick.y) {
+                    for (brick.x = 0; brick.x < grid.x; ++brick.x) {
+                      out.cells[denseIndex(grid, brick)] =
+                          bits.holdsSolid(brick)
+                              ? kCellSolid
+                              : sums.grownBox(brick) | std::uint32_t{clearances[denseIndex(grid, brick)]}
+                                                           << kCellClearanceShift;
+                    }
+                  }
+                }
+              });
   std::vector<std::pair<std::uint64_t, glm::ivec3>> ordered;
   glm::ivec3 brick{0};
   for (brick.z = 0; brick.z < grid.z; ++brick.z) {
     for (brick.y = 0; brick.y < grid.y; ++brick.y) {
       for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-        if (out.cells[cellIndex(brick)] & kCellSolid) ordered.emplace_back(mortonCode(brick), brick);
+        if (out.cells[denseIndex(grid, brick)] & kCellSolid) ordered.emplace_back(mortonCode(brick), brick);
       }
     }
   }
   if (ordered.size() > std::size_t{kCellSlotMask} + 1) {
-    throw std::invalid_argument("a level holds at most 16777216 bricks, this one would need " + std::to_string(ordered.size()));
+    throw std::invalid_argument("a level holds at most 16777216 bricks, this one would need " +
+                                std::to_string(ordered.size()));
   }
   std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   out.stored.reserve(ordered.size());
   for (const auto& [code, position] : ordered) {
-    out.cells[cellIndex(position)] = kCellSolid | static_cast<std::uint32_t>(out.stored.size());
+    out.cells[denseIndex(grid, position)] = kCellSolid | static_cast<std::uint32_t>(out.stored.size());
     out.stored.push_back(position);
   }
   return out;

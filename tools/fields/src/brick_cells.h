@@ -14,7 +14,8 @@ struct BrickCells {
   std::vector<glm::ivec3> stored;    // bricks by slot
 };
 
-// Empty bricks get their box and their clearance; the others a slot, in Morton order. Throws std::invalid_argument where slots do not suffice.
+// Empty bricks get their box and their clearance; the others a slot, in Morton order. Throws
+// std::invalid_argument where slots do not suffice.
 BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads);
 
 }  // namespace kelp::fields

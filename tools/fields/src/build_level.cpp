@@ -7,6 +7,7 @@
 #include "brick_clearance.h"
 #include "check.h"
 #include "empty_boxes.h"
+#include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
 #include "parallel.h"
@@ -17,7 +18,10 @@ namespace {
 class LevelBuilder {
  public:
   LevelBuilder(const Occupancy& occupancy, int threads)
-      : occupancy_(occupancy), grid_(brickGrid(occupancy.size)), threads_(threads), bits_(occupancy, threads) {
+      : occupancy_(occupancy),
+        grid_(brickGrid(occupancy.size)),
+        threads_(threads),
+        bits_(occupancy, threads) {
     BrickCells built = buildCells(bits_, grid_, threads);
     level_.cells = std::move(built.cells);
     stored_ = std::move(built.stored);
@@ -28,7 +32,8 @@ class LevelBuilder {
     level_.codes.assign(stored_.size() * kBrickVoxels, kInnerCode);
     parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,
                 [&](std::int64_t begin, std::int64_t end) {
-                  for (auto slot = static_cast<std::size_t>(begin); slot < static_cast<std::size_t>(end); ++slot)
+                  for (auto slot = static_cast<std::size_t>(begin); slot < static_cast<std::size_t>(end);
+                       ++slot)
                     chooseCodes(bits_, stored_[slot], level_.codes.data() + slot * kBrickVoxels);
                 });
   }
@@ -39,8 +44,10 @@ class LevelBuilder {
       const std::uint64_t index = surface[i].index;
       if (index >= occupancy_.solid.size())
         throw std::invalid_argument("surface voxel " + std::to_string(index) + " lies outside the volume");
-      if (i > 0 && index <= surface[i - 1].index) throw std::invalid_argument("surface voxels are not in ascending order");
-      if (!occupancy_.solid[index]) throw std::invalid_argument("surface voxel " + std::to_string(index) + " is empty");
+      if (i > 0 && index <= surface[i - 1].index)
+        throw std::invalid_argument("surface voxels are not in ascending order");
+      if (!occupancy_.solid[index])
+        throw std::invalid_argument("surface voxel " + std::to_string(index) + " is empty");
       level_.codes[codeOf(index)] = kSurfaceCode;
     }
     // Slices are 64 consecutive codes. Count in them, and note where in the list of attributes each begins.
@@ -58,7 +65,8 @@ class LevelBuilder {
     level_.attributes.resize(surface.size());
     for (const SurfaceVoxel& voxel : surface) {
       const std::size_t code = codeOf(voxel.index);
-      level_.attributes[slice_base[code / kSliceVoxels] + level_.codes[code] - kSurfaceCode] = voxel.attribute;
+      level_.attributes[slice_base[code / kSliceVoxels] + level_.codes[code] - kSurfaceCode] =
+          voxel.attribute;
     }
   }
 
@@ -67,19 +75,10 @@ class LevelBuilder {
  private:
   static constexpr std::size_t kSliceVoxels = kBrickSide * kBrickSide;
 
-  std::size_t cellIndex(const glm::ivec3& brick) const {
-    return static_cast<std::size_t>(brick.x) +
-           static_cast<std::size_t>(grid_.x) *
-               (static_cast<std::size_t>(brick.y) + static_cast<std::size_t>(grid_.y) * static_cast<std::size_t>(brick.z));
-  }
-
   // Place in the codes of a voxel of a stored brick.
   std::size_t codeOf(std::uint64_t index) const {
-    const auto width = static_cast<std::uint64_t>(occupancy_.size.x);
-    const auto height = static_cast<std::uint64_t>(occupancy_.size.y);
-    const glm::ivec3 voxel(static_cast<int>(index % width), static_cast<int>(index / width % height),
-                           static_cast<int>(index / width / height));
-    const std::size_t slot = level_.cells[cellIndex(voxel / kBrickSide)] & kCellSlotMask;
+    const glm::ivec3 voxel = voxelAt(occupancy_.size, index);
+    const std::size_t slot = level_.cells[denseIndex(grid_, voxel / kBrickSide)] & kCellSlotMask;
     return slot * kBrickVoxels + static_cast<std::size_t>(codeIndex(voxel));
   }
 
@@ -95,7 +94,8 @@ class LevelBuilder {
 
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads) {
   checkedVolume(occupancy.solid.size(), occupancy.size);
-  if (std::all_of(occupancy.solid.begin(), occupancy.solid.end(), [](std::uint8_t solid) { return solid == 0; })) {
+  if (std::all_of(occupancy.solid.begin(), occupancy.solid.end(),
+                  [](std::uint8_t solid) { return solid == 0; })) {
     throw std::invalid_argument("a level needs at least one solid voxel");
   }
   LevelBuilder builder(occupancy, threads);
@@ -108,9 +108,11 @@ std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks) {
   checkedVolume(size);
   const glm::ivec3 grid = brickGrid(size);
   const std::uint64_t bricks = checkedVolume(grid);
-  // A brick: its cell. A stored one: its place in the order of slots (with growth), its position, the first attribute of each slice, its codes.
+  // A brick: its cell. A stored one: its place in the order of slots (with growth), its position, the first
+  // attribute of each slice, its codes.
   const std::uint64_t stored = 3 * 24 + 12 + 8 * 4 + kBrickVoxels;
-  return SolidBits::bytes(grid) + BrickSums::bytes(grid) + brickClearanceBytes(grid) + sizeof(std::uint32_t) * bricks + stored * std::min(stored_bricks, bricks);
+  return SolidBits::bytes(grid) + BrickSums::bytes(grid) + brickClearanceBytes(grid) +
+         sizeof(std::uint32_t) * bricks + stored * std::min(stored_bricks, bricks);
 }
 
 }  // namespace kelp::fields

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
 
 namespace kelp::fields {
@@ -14,19 +15,20 @@ namespace kelp::fields {
 inline std::size_t checkedVolume(const glm::ivec3& size) {
   for (const int side : {size.x, size.y, size.z}) {
     if (side < 1 || side > kMaxSide) {
-      throw std::invalid_argument("a volume's sides must be 1 to " + std::to_string(kMaxSide) + " voxels, not " +
-                                  std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z));
+      throw std::invalid_argument("a volume's sides must be 1 to " + std::to_string(kMaxSide) +
+                                  " voxels, not " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                                  " x " + std::to_string(size.z));
     }
   }
-  return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
+  return denseCount(size);
 }
 
 inline std::size_t checkedVolume(std::size_t values, const glm::ivec3& size) {
   const std::size_t volume = checkedVolume(size);
   if (values != volume) {
-    throw std::invalid_argument("a volume of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " x " +
-                                std::to_string(size.z) + " voxels comes with " + std::to_string(values) + " values instead of " +
-                                std::to_string(volume));
+    throw std::invalid_argument("a volume of " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                                " x " + std::to_string(size.z) + " voxels comes with " +
+                                std::to_string(values) + " values instead of " + std::to_string(volume));
   }
   return volume;
 }

@@ -14,7 +14,8 @@ constexpr int kReach = 7;                         // the longest of a code
 constexpr int kWindow = kBrickSide + 2 * kReach;  // voxels that matter to a brick's codes, on each axis
 constexpr int kReaches = 4;                       // 2^k - 1 for k = 0 .. 3
 
-// The 64 codes, the best first: by the shortest of their three reaches, then the middle one, then the longest, then by number.
+// The 64 codes, the best first: by the shortest of their three reaches, then the middle one, then the
+// longest, then by number.
 std::array<std::uint8_t, 64> preferredCodes() {
   std::array<std::uint8_t, 64> codes;
   for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<std::uint8_t>(i);
@@ -23,19 +24,22 @@ std::array<std::uint8_t, 64> preferredCodes() {
     std::sort(k.begin(), k.end());
     return k;
   };
-  std::stable_sort(codes.begin(), codes.end(), [&](std::uint8_t a, std::uint8_t b) { return sorted(a) > sorted(b); });
+  std::stable_sort(codes.begin(), codes.end(),
+                   [&](std::uint8_t a, std::uint8_t b) { return sorted(a) > sorted(b); });
   return codes;
 }
 
-// The 22 lines of a window -> for k = 0 .. 3, for each of the eight lines in its middle, the union of all lines within 2^k - 1 of
-// it. Runs of 2^k lines double from one k to the next, and two of them cover the 2^(k+1) - 1 lines around one.
+// The 22 lines of a window -> for k = 0 .. 3, for each of the eight lines in its middle, the union of all
+// lines within 2^k - 1 of it. Runs of 2^k lines double from one k to the next, and two of them cover the
+// 2^(k+1) - 1 lines around one.
 template <class Line>
 std::array<std::array<Line, kBrickSide>, kReaches> spread(const std::array<Line, kWindow>& lines) {
   std::array<std::array<Line, kBrickSide>, kReaches> near{};
   std::array<Line, kWindow> run = lines;
   for (std::size_t k = 0; k < kReaches; ++k) {
     const std::size_t length = std::size_t{1} << k;
-    for (std::size_t i = 0; i < kBrickSide; ++i) near[k][i] = run[i + kReach] | run[i + kReach - (length - 1)];
+    for (std::size_t i = 0; i < kBrickSide; ++i)
+      near[k][i] = run[i + kReach] | run[i + kReach - (length - 1)];
     for (std::size_t i = 0; i + length < kWindow; ++i) run[i] |= run[i + length];
   }
   return near;
@@ -57,17 +61,20 @@ SolidBits::SolidBits(const Occupancy& occupancy, int threads)
       height_(static_cast<std::size_t>(brickGrid(occupancy.size).y + 2) * kBrickSide),
       bits_(bytes(brickGrid(occupancy.size))) {
   const glm::ivec3 size = occupancy.size;
-  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    for (int z = static_cast<int>(begin); z < end; ++z) {
-      for (int y = 0; y < size.y; ++y) {
-        const std::uint8_t* const solid = occupancy.solid.data() + occupancy.index({0, y, z});
-        std::uint8_t* const row = bits_.data() + index(0, y, z);
-        int x = 0;
-        for (; x + kBrickSide <= size.x; x += kBrickSide) row[x / kBrickSide] = bitsOfEight(solid + x);
-        for (; x < size.x; ++x) row[x / kBrickSide] |= static_cast<std::uint8_t>((solid[x] != 0) << (x % kBrickSide));
-      }
-    }
-  });
+  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads,
+              [&](std::int64_t begin, std::int64_t end) {
+                for (int z = static_cast<int>(begin); z < end; ++z) {
+                  for (int y = 0; y < size.y; ++y) {
+                    const std::uint8_t* const solid = occupancy.solid.data() + occupancy.index({0, y, z});
+                    std::uint8_t* const row = bits_.data() + index(0, y, z);
+                    int x = 0;
+                    for (; x + kBrickSide <= size.x; x += kBrickSide)
+                      row[x / kBrickSide] = bitsOfEight(solid + x);
+                    for (; x < size.x; ++x)
+                      row[x / kBrickSide] |= static_cast<std::uint8_t>((solid[x] != 0) << (x % kBrickSide));
+                  }
+                }
+              });
 }
 
 bool SolidBits::holdsSolid(const glm::ivec3& brick) const {
@@ -88,15 +95,17 @@ void chooseCodes(const SolidBits& bits, const glm::ivec3& brick, std::uint8_t* c
   static const std::array<std::uint8_t, 64> preferred = preferredCodes();
   const glm::ivec3 first = brick * kBrickSide - kReach;
 
-  // Which voxels have a solid one in the box of each code: along x by shifts of a row, along y over rows, along z over slices of
-  // 64 bits.
+  // Which voxels have a solid one in the box of each code: along x by shifts of a row, along y over rows,
+  // along z over slices of 64 bits.
   std::array<std::array<std::array<std::uint64_t, kWindow>, kReaches>, kReaches> slices;  // [kx][ky][z]
   for (std::size_t z = 0; z < kWindow; ++z) {
     std::array<std::array<std::uint8_t, kWindow>, kReaches> rows;  // [kx][y]
     for (std::size_t y = 0; y < kWindow; ++y) {
-      std::uint32_t run = 0;  // bit i: a solid voxel among the 2^k from i on; the brick's own row begins at bit 8
+      // bit i: a solid voxel among the 2^k from i on; the brick's own row begins at bit 8
+      std::uint32_t run = 0;
       for (int i = 0; i < 3; ++i) {
-        const std::uint32_t eight = bits.row(brick.x - 1 + i, first.y + static_cast<int>(y), first.z + static_cast<int>(z));
+        const std::uint32_t eight =
+            bits.row(brick.x - 1 + i, first.y + static_cast<int>(y), first.z + static_cast<int>(z));
         run |= eight << (kBrickSide * i);
       }
       for (std::size_t k = 0; k < kReaches; ++k) {
@@ -128,12 +137,14 @@ void chooseCodes(const SolidBits& bits, const glm::ivec3& brick, std::uint8_t* c
     for (std::size_t z = 0; z < kBrickSide; ++z) {
       std::uint64_t fits = open[z] & ~blocked[code][z];
       open[z] ^= fits;
-      for (; fits != 0; fits &= fits - 1) codes[64 * z + static_cast<std::size_t>(std::countr_zero(fits))] = code;
+      for (; fits != 0; fits &= fits - 1)
+        codes[64 * z + static_cast<std::size_t>(std::countr_zero(fits))] = code;
     }
   }
 }
 
-BrickSums::BrickSums(const SolidBits& bits, const glm::ivec3& grid) : grid_(grid), sums_(bytes(grid) / sizeof(std::uint32_t)) {
+BrickSums::BrickSums(const SolidBits& bits, const glm::ivec3& grid)
+    : grid_(grid), sums_(bytes(grid) / sizeof(std::uint32_t)) {
   for (int z = 0; z < grid.z; ++z) {
     for (int y = 0; y < grid.y; ++y) {
       std::uint32_t row = 0;
@@ -163,7 +174,8 @@ std::uint32_t BrickSums::count(glm::ivec3 low, glm::ivec3 high) const {
 }
 
 std::uint32_t BrickSums::grownBox(const glm::ivec3& brick) const {
-  if (count(brick - kCellMaxReach, brick + kCellMaxReach) == 0) return 0xffffff;  // as most are in a large volume
+  // as most are in a large volume
+  if (count(brick - kCellMaxReach, brick + kCellMaxReach) == 0) return 0xffffff;
   glm::ivec3 low = brick, high = brick;
   std::array<int, 6> reach{};
   std::array<bool, 6> grows;

@@ -9,7 +9,8 @@ namespace kelp::fields {
 namespace {
 
 void row(const std::uint8_t* set, int count, std::uint32_t* squared) {
-  // Distances to the left, then the lesser of those and the ones to the right. kMaxSide is farther than any voxel of the row.
+  // Distances to the left, then the lesser of those and the ones to the right. kMaxSide is farther than any
+  // voxel of the row.
   std::uint32_t distance = kMaxSide;
   for (int x = 0; x < count; ++x) {
     distance = set[x] ? 0 : std::min<std::uint32_t>(distance + 1, kMaxSide);
@@ -26,10 +27,10 @@ void rows(const std::uint8_t* set, int count, int row_count, std::uint16_t*, std
   for (int r = 0; r < row_count; ++r, set += count, squared += count) row(set, count, squared);
 }
 
-// Lower envelope of the parabolas f[j] + (i - j)^2 of one pencil, after Meijster, Roerdink and Hesselink 2000. `vertex` and
-// `start` are the stack: which parabola, and the first i at which it is the lowest.
-void envelope(const std::uint32_t* f, int count, std::int32_t* vertex, std::int32_t* start, std::uint32_t* out,
-              std::size_t stride) {
+// Lower envelope of the parabolas f[j] + (i - j)^2 of one pencil, after Meijster, Roerdink and Hesselink
+// 2000. `vertex` and `start` are the stack: which parabola, and the first i at which it is the lowest.
+void envelope(const std::uint32_t* f, int count, std::int32_t* vertex, std::int32_t* start,
+              std::uint32_t* out, std::size_t stride) {
   const auto value = [&](std::int64_t j, std::int64_t i) { return f[j] + (i - j) * (i - j); };
   int top = -1;
   for (int u = 0; u < count; ++u) {
@@ -63,11 +64,13 @@ void envelopes(std::uint32_t* values, std::size_t stride, int count, int width, 
   }
   std::int32_t* const vertex = scratch + length * kTileWidth;
   for (int x = 0; x < width; ++x)
-    envelope(pencils + static_cast<std::size_t>(x) * length, count, vertex, vertex + length, values + x, stride);
+    envelope(pencils + static_cast<std::size_t>(x) * length, count, vertex, vertex + length, values + x,
+             stride);
 }
 
 template <class Pick>
-void neighbours(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch, std::uint8_t* out, Pick pick) {
+void neighbours(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
+                std::uint8_t* out, Pick pick) {
   std::uint8_t* const across = scratch + 1;
   std::memcpy(across, rows[0], static_cast<std::size_t>(count));
   for (int r = 1; r < row_count; ++r) {
@@ -77,12 +80,16 @@ void neighbours(const std::uint8_t* const* rows, int row_count, int count, std::
   for (int x = 0; x < count; ++x) out[x] = pick(across[x], pick(across[x - 1], across[x + 1]));
 }
 
-void largest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch, std::uint8_t* out) {
-  neighbours(rows, row_count, count, scratch, out, [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
+void largest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
+             std::uint8_t* out) {
+  neighbours(rows, row_count, count, scratch, out,
+             [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
 }
 
-void smallest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch, std::uint8_t* out) {
-  neighbours(rows, row_count, count, scratch, out, [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+void smallest(const std::uint8_t* const* rows, int row_count, int count, std::uint8_t* scratch,
+              std::uint8_t* out) {
+  neighbours(rows, row_count, count, scratch, out,
+             [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
 }
 
 }  // namespace

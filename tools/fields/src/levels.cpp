@@ -3,8 +3,8 @@
 
 #include "check.h"
 #include "kelp/fields/fields.h"
-#include "parallel.h"
 #include "kelp/formats/brick.h"
+#include "parallel.h"
 
 namespace kelp::fields {
 
@@ -13,15 +13,18 @@ Occupancy coarser(const Occupancy& occupancy, int threads) {
   Occupancy half;
   half.size = levelSize(occupancy.size, 1);
   half.solid.resize(checkedVolume(half.size));
-  parallelFor(half.size.z, grainOf(std::int64_t{4} * half.size.x * half.size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), occupancy.size.z); ++z) {
-      for (int y = 0; y < occupancy.size.y; ++y) {
-        const std::uint8_t* const fine = occupancy.solid.data() + occupancy.index({0, y, z});
-        std::uint8_t* const coarse = half.solid.data() + half.index({0, y / 2, z / 2});
-        for (int x = 0; x < occupancy.size.x; ++x) coarse[x / 2] |= static_cast<std::uint8_t>(fine[x] != 0);
-      }
-    }
-  });
+  parallelFor(half.size.z, grainOf(std::int64_t{4} * half.size.x * half.size.y), threads,
+              [&](std::int64_t begin, std::int64_t end) {
+                for (int z = 2 * static_cast<int>(begin);
+                     z < std::min(2 * static_cast<int>(end), occupancy.size.z); ++z) {
+                  for (int y = 0; y < occupancy.size.y; ++y) {
+                    const std::uint8_t* const fine = occupancy.solid.data() + occupancy.index({0, y, z});
+                    std::uint8_t* const coarse = half.solid.data() + half.index({0, y / 2, z / 2});
+                    for (int x = 0; x < occupancy.size.x; ++x)
+                      coarse[x / 2] |= static_cast<std::uint8_t>(fine[x] != 0);
+                  }
+                }
+              });
   return half;
 }
 
@@ -35,7 +38,8 @@ Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
                                 std::to_string(checkedVolume(grid)));
   }
   const std::size_t slots = level.codes.size() / kBrickVoxels;
-  if (level.codes.size() % kBrickVoxels != 0) throw std::invalid_argument("the codes of a level are not whole bricks");
+  if (level.codes.size() % kBrickVoxels != 0)
+    throw std::invalid_argument("the codes of a level are not whole bricks");
 
   const std::uint32_t* cell = level.cells.data();
   glm::ivec3 brick{0};
@@ -45,7 +49,8 @@ Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
         if (!(*cell & kCellSolid)) continue;
         const std::size_t slot = *cell & kCellSlotMask;
         if (slot >= slots) {
-          throw std::invalid_argument("a cell names slot " + std::to_string(slot) + " of a level with " + std::to_string(slots));
+          throw std::invalid_argument("a cell names slot " + std::to_string(slot) + " of a level with " +
+                                      std::to_string(slots));
         }
         const std::uint8_t* code = level.codes.data() + slot * kBrickVoxels;
         for (int i = 0; i < kBrickVoxels; ++i, ++code) {

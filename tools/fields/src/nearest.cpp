@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The nearest set voxel of every voxel, for voxels of any shape, and what follows from it. Separable lower envelopes as in edt.cpp, but what is kept
-// from pass to pass is which voxel is nearest: the distance follows from that, rounded once, whatever the spacing.
+// The nearest set voxel of every voxel, for voxels of any shape, and what follows from it. Separable lower
+// envelopes as in edt.cpp, but what is kept from pass to pass is which voxel is nearest: the distance follows
+// from that, rounded once, whatever the spacing.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -16,6 +17,7 @@ struct Lattice {
   glm::ivec3 size;
   glm::dvec3 spacing;
 
+  // As voxelAt, in 32 bits: it is asked for every voxel.
   glm::ivec3 at(std::uint32_t index) const {
     const auto x = static_cast<std::uint32_t>(size.x), y = static_cast<std::uint32_t>(size.y);
     return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
@@ -41,19 +43,21 @@ void nearestInRow(const std::uint8_t* set, int count, std::uint32_t first, std::
   int after = -1;
   for (int x = count - 1; x >= 0; --x) {
     if (set[x]) after = x;
-    if (after >= 0 && (nearest[x] == kNoFeature || after - x < x - static_cast<int>(nearest[x] - first))) nearest[x] = first + static_cast<std::uint32_t>(after);
+    if (after >= 0 && (nearest[x] == kNoFeature || after - x < x - static_cast<int>(nearest[x] - first)))
+      nearest[x] = first + static_cast<std::uint32_t>(after);
   }
 }
 
 struct Parabola {
-  int at;             // its lowest point
-  double height;      // there
-  int from;           // the first voxel of the pencil at which it is the lowest
+  int at;         // its lowest point
+  double height;  // there
+  int from;       // the first voxel of the pencil at which it is the lowest
   std::uint32_t nearest;
 };
 
 // One pencil along `axis` through `start`: nearest[i * stride] knows the axes before.
-void nearestInPencil(const Lattice& lattice, int axis, glm::ivec3 start, std::uint32_t* nearest, std::size_t stride, Parabola* stack) {
+void nearestInPencil(const Lattice& lattice, int axis, glm::ivec3 start, std::uint32_t* nearest,
+                     std::size_t stride, Parabola* stack) {
   const int count = lattice.size[axis];
   const double square = lattice.spacing[axis] * lattice.spacing[axis];
   int top = -1;
@@ -82,12 +86,15 @@ void nearestInPencil(const Lattice& lattice, int axis, glm::ivec3 start, std::ui
 
 void checkSpacing(const glm::dvec3& spacing) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!(spacing[axis] >= 1e-100 && spacing[axis] <= 1e100)) throw std::invalid_argument("a voxel's spacing must be above 0 and finite, not " + std::to_string(spacing[axis]));
+    if (!(spacing[axis] >= 1e-100 && spacing[axis] <= 1e100))
+      throw std::invalid_argument("a voxel's spacing must be above 0 and finite, not " +
+                                  std::to_string(spacing[axis]));
   }
 }
 
 // distance[i] of voxels whose `set` is 0; others keep theirs.
-void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, float sign, std::span<float> distance, int threads) {
+void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing,
+                      float sign, std::span<float> distance, int threads) {
   const auto grain = grainOf(1);
   const auto voxels = static_cast<std::int64_t>(set.size());
   if (spacing.x == spacing.y && spacing.y == spacing.z) {
@@ -95,7 +102,8 @@ void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size,
     squaredDistance(set, size, {squared.get(), set.size()}, threads);
     parallelFor(voxels, grain, threads, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-        const double root = squared[i] == kNoFeature ? std::numeric_limits<double>::infinity() : spacing.x * std::sqrt(static_cast<double>(squared[i]));
+        const double root = squared[i] == kNoFeature ? std::numeric_limits<double>::infinity()
+                                                     : spacing.x * std::sqrt(static_cast<double>(squared[i]));
         if (!set[i]) distance[i] = sign * static_cast<float>(root);
       }
     });
@@ -106,8 +114,10 @@ void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size,
   parallelFor(voxels, grain, threads, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       if (set[i]) continue;
-      const double squared = nearest[i] == kNoFeature ? std::numeric_limits<double>::infinity()
-                                                      : lattice.squared(lattice.at(static_cast<std::uint32_t>(i)), lattice.at(nearest[i]), 3);
+      const double squared =
+          nearest[i] == kNoFeature
+              ? std::numeric_limits<double>::infinity()
+              : lattice.squared(lattice.at(static_cast<std::uint32_t>(i)), lattice.at(nearest[i]), 3);
       distance[i] = sign * static_cast<float>(std::sqrt(squared));
     }
   });
@@ -115,31 +125,43 @@ void distancesOutside(std::span<const std::uint8_t> set, const glm::ivec3& size,
 
 }  // namespace
 
-std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads) {
+std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                                      const glm::dvec3& spacing, int threads) {
   checkedVolume(set.size(), size);
   checkSpacing(spacing);
-  if (set.size() >= kNoFeature) throw std::invalid_argument("a volume of " + std::to_string(set.size()) + " voxels has more than 32 bits can tell apart");
+  if (set.size() >= kNoFeature)
+    throw std::invalid_argument("a volume of " + std::to_string(set.size()) +
+                                " voxels has more than 32 bits can tell apart");
   const Lattice lattice{size, spacing};
   const auto row = static_cast<std::size_t>(size.x), slice = row * static_cast<std::size_t>(size.y);
   std::vector<std::uint32_t> nearest(set.size());
-  parallelFor(size.z, grainOf(static_cast<std::int64_t>(slice)), threads, [&](std::int64_t begin, std::int64_t end) {
-    const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.y)]);
-    for (auto z = static_cast<int>(begin); z < end; ++z) {
-      const std::size_t first = slice * static_cast<std::size_t>(z);
-      for (std::size_t at = first; at < first + slice; at += row) nearestInRow(set.data() + at, size.x, static_cast<std::uint32_t>(at), nearest.data() + at);
-      for (int x = 0; x < size.x; ++x) nearestInPencil(lattice, 1, {x, 0, z}, nearest.data() + first + static_cast<std::size_t>(x), row, stack.get());
-    }
-  });
-  parallelFor(size.y, grainOf(std::int64_t{size.x} * size.z), threads, [&](std::int64_t begin, std::int64_t end) {
-    const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.z)]);
-    for (auto y = static_cast<int>(begin); y < end; ++y) {
-      for (int x = 0; x < size.x; ++x) nearestInPencil(lattice, 2, {x, y, 0}, nearest.data() + row * static_cast<std::size_t>(y) + static_cast<std::size_t>(x), slice, stack.get());
-    }
-  });
+  parallelFor(
+      size.z, grainOf(static_cast<std::int64_t>(slice)), threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.y)]);
+        for (auto z = static_cast<int>(begin); z < end; ++z) {
+          const std::size_t first = slice * static_cast<std::size_t>(z);
+          for (std::size_t at = first; at < first + slice; at += row)
+            nearestInRow(set.data() + at, size.x, static_cast<std::uint32_t>(at), nearest.data() + at);
+          for (int x = 0; x < size.x; ++x)
+            nearestInPencil(lattice, 1, {x, 0, z}, nearest.data() + first + static_cast<std::size_t>(x), row,
+                            stack.get());
+        }
+      });
+  parallelFor(
+      size.y, grainOf(std::int64_t{size.x} * size.z), threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::unique_ptr<Parabola[]> stack(new Parabola[static_cast<std::size_t>(size.z)]);
+        for (auto y = static_cast<int>(begin); y < end; ++y) {
+          for (int x = 0; x < size.x; ++x)
+            nearestInPencil(lattice, 2, {x, y, 0},
+                            nearest.data() + row * static_cast<std::size_t>(y) + static_cast<std::size_t>(x),
+                            slice, stack.get());
+        }
+      });
   return nearest;
 }
 
-std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads) {
+std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                            const glm::dvec3& spacing, int threads) {
   checkedVolume(set.size(), size);
   checkSpacing(spacing);
   std::vector<float> out(set.size());
@@ -147,7 +169,8 @@ std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3&
   return out;
 }
 
-std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads) {
+std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                                  const glm::dvec3& spacing, int threads) {
   std::vector<float> out = distance(set, size, spacing, threads);
   std::vector<std::uint8_t> unset(set.size());
   for (std::size_t i = 0; i < set.size(); ++i) unset[i] = set[i] ? 0 : 1;

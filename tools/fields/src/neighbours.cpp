@@ -28,16 +28,17 @@ std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads) {
   std::vector<std::uint8_t> dilated(checkedVolume(occupancy.solid.size(), occupancy.size));
   const glm::ivec3 size = occupancy.size;
   const Kernels& kernels = fastKernels();
-  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
-    const std::uint8_t* rows[9];
-    for (int z = static_cast<int>(begin); z < end; ++z) {
-      for (int y = 0; y < size.y; ++y) {
-        const int count = rowsAround(occupancy, y, z, rows);
-        kernels.largest(rows, count, size.x, scratch.get(), dilated.data() + occupancy.index({0, y, z}));
-      }
-    }
-  });
+  parallelFor(
+      size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
+        const std::uint8_t* rows[9];
+        for (int z = static_cast<int>(begin); z < end; ++z) {
+          for (int y = 0; y < size.y; ++y) {
+            const int count = rowsAround(occupancy, y, z, rows);
+            kernels.largest(rows, count, size.x, scratch.get(), dilated.data() + occupancy.index({0, y, z}));
+          }
+        }
+      });
   return dilated;
 }
 
@@ -46,27 +47,28 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
   const glm::ivec3 size = occupancy.size;
   const Kernels& kernels = fastKernels();
   std::vector<std::vector<std::uint64_t>> slices(static_cast<std::size_t>(size.z));
-  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads, [&](std::int64_t begin, std::int64_t end) {
-    const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
-    std::vector<std::uint8_t> inner(static_cast<std::size_t>(size.x));
-    const std::uint8_t* rows[9];
-    for (int z = static_cast<int>(begin); z < end; ++z) {
-      std::vector<std::uint64_t>& surface = slices[static_cast<std::size_t>(z)];
-      for (int y = 0; y < size.y; ++y) {
-        // Where a row around is outside the volume, nothing of this row is inner.
-        const int count = rowsAround(occupancy, y, z, rows);
-        if (count == 9) {
-          kernels.smallest(rows, count, size.x, scratch.get(), inner.data());
-        } else {
-          std::fill(inner.begin(), inner.end(), std::uint8_t{0});
-        }
-        const std::size_t first = occupancy.index({0, y, z});
-        for (std::size_t x = 0; x < inner.size(); ++x) {
-          if (occupancy.solid[first + x] && !inner[x]) surface.push_back(first + x);
-        }
-      }
-    }
-  });
+  parallelFor(size.z, grainOf(std::int64_t{size.x} * size.y), threads,
+              [&](std::int64_t begin, std::int64_t end) {
+                const std::unique_ptr<std::uint8_t[]> scratch(new std::uint8_t[neighbourScratch(size.x)]);
+                std::vector<std::uint8_t> inner(static_cast<std::size_t>(size.x));
+                const std::uint8_t* rows[9];
+                for (int z = static_cast<int>(begin); z < end; ++z) {
+                  std::vector<std::uint64_t>& surface = slices[static_cast<std::size_t>(z)];
+                  for (int y = 0; y < size.y; ++y) {
+                    // Where a row around is outside the volume, nothing of this row is inner.
+                    const int count = rowsAround(occupancy, y, z, rows);
+                    if (count == 9) {
+                      kernels.smallest(rows, count, size.x, scratch.get(), inner.data());
+                    } else {
+                      std::fill(inner.begin(), inner.end(), std::uint8_t{0});
+                    }
+                    const std::size_t first = occupancy.index({0, y, z});
+                    for (std::size_t x = 0; x < inner.size(); ++x) {
+                      if (occupancy.solid[first + x] && !inner[x]) surface.push_back(first + x);
+                    }
+                  }
+                }
+              });
   std::size_t total = 0;
   for (const auto& surface : slices) total += surface.size();
   std::vector<std::uint64_t> all;

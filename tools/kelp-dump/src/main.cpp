@@ -4,32 +4,32 @@
 #include <new>
 #include <string>
 
-#include "commands.h"
-#include "kelp/console/console.h"
-#include "options.h"
-#include "system.h"
-#include "text.h"
+#include "command_line.h"
+#include "kelp/common/console.h"
+#include "kelp/common/output_file.h"
+#include "text/text.h"
 
 namespace {
 
-int complain(int exit, const std::string& text) {
+int complain(kelp::Exit exit, const std::string& text) {
   kelp::dump::say("{}", text);
-  return exit;
+  return static_cast<int>(exit);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace kelp::dump;
+  using kelp::Exit;
   kelp::console::prepareStreams();
-  catchInterrupts();
+  kelp::endOnInterrupt("kelp-dump");
   try {
-    return runCommandLine(kelp::console::arguments(argc, argv));
-  } catch (const DumpError& error) {
+    return static_cast<int>(kelp::dump::runCommandLine(kelp::console::arguments(argc, argv)));
+  } catch (const kelp::ToolError& error) {
     return complain(error.exit, error.what());
   } catch (const std::bad_alloc&) {
-    return complain(kFailure, "out of memory; close other programs or use a machine with more memory");
+    return complain(Exit::kRuntime, "out of memory; close other programs or use a machine with more memory");
   } catch (const std::exception& error) {
-    return complain(kFailure, std::string("unexpected failure (") + error.what() + "); please report this as a fault of kelp-dump");
+    return complain(Exit::kRuntime, std::string("unexpected failure (") + error.what() +
+                                        "); please report this as a fault of kelp-dump");
   }
 }

@@ -13,20 +13,27 @@ namespace {
 constexpr double kFieldOfView = 35.0;  // degrees, vertical
 constexpr double kMargin = 0.9;        // of the picture that the model may fill
 
-glm::dmat4 aboutY(double degrees) { return glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0)); }
-glm::dmat4 aboutX(double degrees) { return glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(1, 0, 0)); }
+glm::dmat4 aboutY(double degrees) {
+  return glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0));
+}
+glm::dmat4 aboutX(double degrees) {
+  return glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(1, 0, 0));
+}
 
 }  // namespace
 
-Framing::Framing(double yaw, double pitch, int turns, double aspect) : yaw_(yaw), pitch_(pitch), aspect_(aspect) {
-  // In the camera's axes the side planes through the eye (ex, ey, ez) ask ez >= z + |x - ex| / tan, so the extremes of z + x / tan and of z - x / tan decide;
-  // the same for y.
+Framing::Framing(double yaw, double pitch, int turns, double aspect)
+    : yaw_(yaw), pitch_(pitch), aspect_(aspect) {
+  // In the camera's axes the side planes through the eye (ex, ey, ez) ask ez >= z + |x - ex| / tan, so the
+  // extremes of z + x / tan and of z - x / tan decide; the same for y.
   const double tan_y = std::tan(glm::radians(0.5 * kFieldOfView)) * kMargin;
   const double tan_x = tan_y * aspect;
   for (int turn = 0; turn < turns; ++turn) {
     const glm::dmat3 to_camera(aboutX(pitch) * aboutY(-yaw - 360.0 * turn / turns));
     const glm::dmat3 rows = glm::transpose(to_camera);
-    turns_.push_back({{rows[2] + rows[0] / tan_x, rows[2] - rows[0] / tan_x, rows[2] + rows[1] / tan_y, rows[2] - rows[1] / tan_y, rows[2], -rows[2]}, {}});
+    turns_.push_back({{rows[2] + rows[0] / tan_x, rows[2] - rows[0] / tan_x, rows[2] + rows[1] / tan_y,
+                       rows[2] - rows[1] / tan_y, rows[2], -rows[2]},
+                      {}});
     turns_.back().farthest.fill(-std::numeric_limits<double>::infinity());
   }
 }
@@ -35,18 +42,26 @@ void Framing::add(const glm::dvec3& point) {
   low_ = glm::min(low_, point);
   high_ = glm::max(high_, point);
   for (Turn& turn : turns_)
-    for (std::size_t i = 0; i < kExtremes; ++i) turn.farthest[i] = std::max(turn.farthest[i], glm::dot(turn.direction[i], point));
+    for (std::size_t i = 0; i < kExtremes; ++i)
+      turn.farthest[i] = std::max(turn.farthest[i], glm::dot(turn.direction[i], point));
 }
 
-Camera::Camera(const Framing& framing) : yaw_(framing.yaw_), pitch_(framing.pitch_), turns_(static_cast<int>(framing.turns_.size())), aspect_(framing.aspect_), pivot_(0.5 * (framing.low_ + framing.high_)) {
+Camera::Camera(const Framing& framing)
+    : yaw_(framing.yaw_),
+      pitch_(framing.pitch_),
+      turns_(static_cast<int>(framing.turns_.size())),
+      aspect_(framing.aspect_),
+      pivot_(0.5 * (framing.low_ + framing.high_)) {
   const double tan_y = std::tan(glm::radians(0.5 * kFieldOfView)) * kMargin;
   const double tan_x = tan_y * aspect_;
   std::array<double, Framing::kExtremes> all;
   all.fill(-std::numeric_limits<double>::infinity());
   for (const Framing::Turn& turn : framing.turns_)
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::max(all[i], turn.farthest[i] - glm::dot(turn.direction[i], pivot_));
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] = std::max(all[i], turn.farthest[i] - glm::dot(turn.direction[i], pivot_));
   const auto [right, left, up, down, front, behind] = all;
-  eye_ = {0.5 * tan_x * (right - left), 0.5 * tan_y * (up - down), std::max(0.5 * (right + left), 0.5 * (up + down))};
+  eye_ = {0.5 * tan_x * (right - left), 0.5 * tan_y * (up - down),
+          std::max(0.5 * (right + left), 0.5 * (up + down))};
   const double depth = std::max(front + behind, 1e-6);
   near_ = std::max(eye_.z - front - 0.05 * depth, 0.01 * (eye_.z + behind));
   far_ = eye_.z + behind + 0.05 * depth;
@@ -55,7 +70,8 @@ Camera::Camera(const Framing& framing) : yaw_(framing.yaw_), pitch_(framing.pitc
 void Camera::apply(int turn, gl::View& view) const {
   const double yaw = yaw_ + 360.0 * turn / turns_;
   const glm::dmat4 to_camera = aboutX(pitch_) * aboutY(-yaw);
-  view.world_to_eye = glm::translate(glm::dmat4(1), -eye_) * to_camera * glm::translate(glm::dmat4(1), -pivot_);
+  view.world_to_eye =
+      glm::translate(glm::dmat4(1), -eye_) * to_camera * glm::translate(glm::dmat4(1), -pivot_);
   view.eye_to_clip = glm::perspective(glm::radians(kFieldOfView), aspect_, near_, far_);
   view.sun_direction = glm::dvec3(aboutY(yaw) * glm::dvec4(-0.55, 0.8, 0.6, 0));
 }
@@ -66,7 +82,9 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
     const Part& part = parts[static_cast<std::size_t>(p)];
     int index = 0;
-    while (index + 1 < part.levels && std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index) ++index;
+    while (index + 1 < part.levels &&
+           std::max({part.size.x, part.size.y, part.size.z}) > (kMostBricks * kBrickSide) << index)
+      ++index;
     const runtime::VoxelLevel& level = *instance.asset->level(p, index);
     const float brick = static_cast<float>(kBrickSide << index);
     const glm::mat4 to_world = partToWorld(instance, p);
@@ -79,11 +97,15 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
         for (int z = 0; z < level.grid.z; ++z) {
           for (int x = 0; x < level.grid.x; ++x) {
             const auto cell = static_cast<std::size_t>(x) +
-                              static_cast<std::size_t>(level.grid.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(z));
+                              static_cast<std::size_t>(level.grid.x) *
+                                  (static_cast<std::size_t>(y) +
+                                   static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(z));
             if (!(level.cells[cell] & kCellSolid)) continue;
             for (int corner = 0; corner < 4; ++corner) {
-              const float along_x = std::min(brick * static_cast<float>(x + (corner & 1)), static_cast<float>(part.size.x));
-              const float along_z = std::min(brick * static_cast<float>(z + (corner >> 1)), static_cast<float>(part.size.z));
+              const float along_x =
+                  std::min(brick * static_cast<float>(x + (corner & 1)), static_cast<float>(part.size.x));
+              const float along_z =
+                  std::min(brick * static_cast<float>(z + (corner >> 1)), static_cast<float>(part.size.z));
               framing.add(axis + glm::dvec3(along_x * to_world[0] + along_z * to_world[2]));
             }
           }

@@ -8,12 +8,12 @@
 
 #include <glm/mat4x4.hpp>
 
-#include "kelp/runtime/pose.h"
 #include "kelp/gl/renderer.h"
+#include "kelp/runtime/pose.h"
 
 namespace kelp::render {
 
-// World points to be seen, in any frame: of each frame of a full turn what lies farthest out.
+// Collects the world points that any frame shows: for each frame of a full turn, the outermost ones.
 class Framing {
  public:
   // `turns`: how many frames of a full turn; 1: no turntable. Angles in degrees.
@@ -35,10 +35,10 @@ class Framing {
 
 class Camera {
  public:
-  // The nearest that has all points between the planes of its sides.
+  // The nearest camera that has all points between its side planes.
   explicit Camera(const Framing& framing);
 
-  // The view of one frame; viewport and light of the caller are kept, but the sun stands to the left behind the camera.
+  // Sets the matrices of one frame, and the sun, which stands to the left behind the camera. Leaves the rest.
   void apply(int turn, gl::View& view) const;
   double nearPlane() const { return near_; }
   double farPlane() const { return far_; }
@@ -52,7 +52,7 @@ class Camera {
   double near_ = 0, far_ = 0;
 };
 
-// The corners of the bricks that hold voxels, as the instance poses them, world: what a camera has to see. The asset must be loaded.
+// Adds the corners of the bricks that hold voxels, posed, in the world. The asset must be loaded.
 void addOutline(const runtime::Instance& instance, Framing& framing);
 
 }  // namespace kelp::render

@@ -11,14 +11,20 @@ namespace kelp::render {
 
 class Canvas {
  public:
-  // Bound from here on, viewport set. `colors`: what is written is linear colour and is stored as sRGB. RenderError (kFailure) if the
-  // context has no framebuffer of that size.
+  // Binds itself and sets the viewport. `colors`: linear colour is written, and stored as sRGB.
+  // ToolError kRuntime if the context has no framebuffer of that size.
   Canvas(glm::ivec2 size, bool colors, bool es);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
+  // Binds itself again and sets the viewport.
+  void bind() const;
   void clear() const;
+  // Only one pixel is drawn from here on, or all of them again.
+  void restrict(bool one_pixel) const;
+  // Waits until OpenGL has drawn everything.
+  void finish() const;
   // RGBA, rows from bottom to top.
   const std::vector<std::uint8_t>& read();
 

@@ -3,15 +3,19 @@
 
 #include <EGL/eglext.h>
 
-#include "render_error.h"
+#include "kelp/common/error.h"
 
 namespace kelp::render {
 namespace {
 
-// A machine's GPU if it has one (devices come first to last), else Mesa's software, else whatever the environment offers.
+// A machine's GPU if it has one (devices come first to last), else Mesa's software, else whatever the
+// environment offers.
 EGLDisplay openDisplay() {
-  const auto tryDisplay = [](EGLDisplay display) { return display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr); };
-  const EGLDisplay surfaceless = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  const auto tryDisplay = [](EGLDisplay display) {
+    return display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr);
+  };
+  const EGLDisplay surfaceless =
+      eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
   if (tryDisplay(surfaceless)) return surfaceless;
   const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
   EGLDeviceEXT devices[8];
@@ -29,10 +33,13 @@ EGLDisplay openDisplay() {
 }  // namespace
 
 HeadlessContext::HeadlessContext() : display_(openDisplay()) {
-  if (display_ == EGL_NO_DISPLAY) throw RenderError(kFailure, "no EGL device to draw with; install libegl1 libgl1-mesa-dri");
+  if (display_ == EGL_NO_DISPLAY)
+    throw ToolError(Exit::kRuntime, "no EGL device to draw with; install libegl1 libgl1-mesa-dri");
   if (makeCurrent(false) || makeCurrent(true)) return;
   eglTerminate(display_);
-  throw RenderError(kFailure, "the EGL device offers neither OpenGL 3.3 nor OpenGL ES 3.0; install libegl1 libgl1-mesa-dri, or update the driver");
+  throw ToolError(Exit::kRuntime,
+                  "the EGL device offers neither OpenGL 3.3 nor OpenGL ES 3.0; install libegl1 "
+                  "libgl1-mesa-dri, or update the driver");
 }
 
 HeadlessContext::~HeadlessContext() {
@@ -44,12 +51,18 @@ HeadlessContext::~HeadlessContext() {
 bool HeadlessContext::makeCurrent(bool es) {
   es_ = es;
   eglBindAPI(es ? EGL_OPENGL_ES_API : EGL_OPENGL_API);
-  const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, es ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
+  const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, es ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT,
+                           EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
   if (!eglChooseConfig(display_, wanted, &config, 1, &count) || count == 0) return false;
-  const EGLint desktop[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  const EGLint desktop[] = {EGL_CONTEXT_MAJOR_VERSION,
+                            3,
+                            EGL_CONTEXT_MINOR_VERSION,
+                            3,
+                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                            EGL_NONE};
   const EGLint embedded[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE};
   context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, es ? embedded : desktop);
   if (context_ == EGL_NO_CONTEXT) return false;
@@ -58,6 +71,8 @@ bool HeadlessContext::makeCurrent(bool es) {
   return false;
 }
 
-void* HeadlessContext::getProcAddress(void*, const char* name) { return reinterpret_cast<void*>(eglGetProcAddress(name)); }
+void* HeadlessContext::getProcAddress(void*, const char* name) {
+  return reinterpret_cast<void*>(eglGetProcAddress(name));
+}
 
 }  // namespace kelp::render

@@ -8,7 +8,7 @@ namespace kelp::render {
 
 class HeadlessContext {
  public:
-  // Current on this thread from here on. RenderError (kFailure) where the machine has none.
+  // Current on this thread from here on. ToolError kRuntime where the machine has none.
   HeadlessContext();
   ~HeadlessContext();
   HeadlessContext(const HeadlessContext&) = delete;

@@ -8,12 +8,12 @@
 #include <map>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "kelp/console/console.h"
-#include "render_error.h"
+#include "kelp/common/console.h"
+#include "kelp/common/error.h"
 
 namespace kelp::render {
 namespace {
@@ -22,7 +22,8 @@ constexpr int kMaxSide = 8192;
 constexpr int kMaxFrames = 9999;
 
 [[noreturn]] void refuse(const char* option, const std::string& text, const char* wanted) {
-  throw RenderError(kUsage, fmt::format("{} {}: expected {}; see kelp-render --help", option, text, wanted));
+  throw ToolError(Exit::kUsage,
+                  fmt::format("{} {}: expected {}; see kelp-render --help", option, text, wanted));
 }
 
 // All of `text` as a number.
@@ -54,6 +55,13 @@ ViewKind parseView(const std::string& text) {
   return found->second;
 }
 
+Method parseMethod(const std::string& text) {
+  for (const Method method : {Method::kKelp, Method::kPaper, Method::kPaperDf}) {
+    if (text == toString(method)) return method;
+  }
+  refuse("--method", text, "kelp, paper or paper-df");
+}
+
 gl::Shading parseShading(const std::string& text) {
   if (text == "gradient") return gl::Shading::kGradient;
   if (text == "faces") return gl::Shading::kFaces;
@@ -65,7 +73,8 @@ glm::ivec2 parseSize(const std::string& text) {
   const std::size_t cross = text.find('x');
   glm::ivec2 size;
   if (cross == std::string::npos || !parseNumber(std::string_view(text).substr(0, cross), size.x) ||
-      !parseNumber(std::string_view(text).substr(cross + 1), size.y) || size.x < 1 || size.y < 1 || size.x > kMaxSide || size.y > kMaxSide) {
+      !parseNumber(std::string_view(text).substr(cross + 1), size.y) || size.x < 1 || size.y < 1 ||
+      size.x > kMaxSide || size.y > kMaxSide) {
     refuse("--size", text, "WIDTHxHEIGHT, each from 1 to 8192");
   }
   return size;
@@ -96,20 +105,34 @@ Background parseBackground(const std::string& text) {
     return background;
   }
   const auto parseColor = [](std::string_view color, glm::vec3& out) {
-    return parseVector(color, out) && glm::all(glm::greaterThanEqual(out, glm::vec3(0))) && glm::all(glm::lessThanEqual(out, glm::vec3(255)));
+    return parseVector(color, out) && glm::all(glm::greaterThanEqual(out, glm::vec3(0))) &&
+           glm::all(glm::lessThanEqual(out, glm::vec3(255)));
   };
   const std::size_t colon = text.find(':');
   const std::string_view top = std::string_view(text).substr(0, colon);
   const std::string_view bottom = colon == std::string::npos ? top : std::string_view(text).substr(colon + 1);
   if (!parseColor(top, background.top) || !parseColor(bottom, background.bottom)) {
-    refuse("--background", text, "R,G,B or TOP:BOTTOM of two such colours, each number from 0 to 255, or none");
+    refuse("--background", text,
+           "R,G,B or TOP:BOTTOM of two such colours, each number from 0 to 255, or none");
   }
   background.top /= 255.0f;
   background.bottom /= 255.0f;
   return background;
 }
 
-// What is said of each pack, before and after --and alike.
+// The paper's method has one level and one normal for each voxel.
+void checkPaperOptions(const Options& options, int level) {
+  const char* const method = toString(options.method);
+  if (level > 0)
+    throw ToolError(Exit::kUsage, fmt::format("--level {}: --method {} draws level 0 only; leave --level out",
+                                              level, method));
+  if (options.shading != gl::Shading::kGradient)
+    throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
+                                              "--shading out",
+                                              method));
+}
+
+// The options of one pack, the same before and after --and.
 struct ItemText {
   Item item;
   std::vector<std::string> tangents, offsets;
@@ -118,32 +141,43 @@ struct ItemText {
 };
 
 void addItemOptions(CLI::App& app, ItemText& text) {
-  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that an alias can be overruled
+  // So that options of a shell alias can be overridden.
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
   app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");
-  text.time = app.add_option("--time", text.item.time, "where in the clip, or where its first frame is")->option_text("SECONDS [0]");
-  app.add_option("--tangent", text.tangents, "replaces the tangent dS/d(at) of a knot; may be repeated")
+  text.time =
+      app.add_option("--time", text.item.time, "where in the clip the picture, or the first frame, is")
+          ->option_text("SECONDS [0]");
+  app.add_option("--tangent", text.tangents, "replace the tangent dS/d(at) of a knot; may be repeated")
       ->option_text("[PART:]KNOT=x,y,z")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app.add_option("--offset", text.offsets, "moves a knot; may be repeated")
+  app.add_option("--offset", text.offsets, "move a knot; may be repeated")
       ->option_text("[PART:]KNOT=x,y,z")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
-  app.add_option("--at", text.at, "where the model stands, in metres")->option_text("x,y,z [0,0,0]");
-  app.add_option("--turn", text.item.turn, "turns the model about the vertical, counter-clockwise from above")->option_text("DEGREES [0]");
-  app.add_option("--scale", text.item.scale, "makes the model larger or smaller")->option_text("FACTOR [1]");
+  app.add_option("--at", text.at, "place the model there, in metres")->option_text("x,y,z [0,0,0]");
+  app.add_option("--turn", text.item.turn,
+                 "turn the model about the vertical, counter-clockwise seen from above")
+      ->option_text("DEGREES [0]");
+  app.add_option("--scale", text.item.scale, "scale the model")->option_text("FACTOR [1]");
 }
 
 Item finishItem(const ItemText& text) {
   Item item = text.item;
-  if (!std::isfinite(item.time)) throw RenderError(kUsage, "--time takes a finite number; see kelp-render --help");
-  if (*text.time && item.clip.empty()) throw RenderError(kUsage, "--time: there is no clip to play; name one with --clip, kelp-dump info lists them");
+  if (!std::isfinite(item.time))
+    throw ToolError(Exit::kUsage, "--time takes a finite number; see kelp-render --help");
+  if (*text.time && item.clip.empty())
+    throw ToolError(Exit::kUsage, "--time needs a clip; name one with --clip (kelp-dump info lists them)");
   if (!text.at.empty() && !parseVector(text.at, item.at)) refuse("--at", text.at, "x,y,z");
-  if (!std::isfinite(item.turn)) throw RenderError(kUsage, "--turn takes a finite number; see kelp-render --help");
-  if (!(item.scale >= 1e-6 && item.scale <= 1e6)) throw RenderError(kUsage, "--scale takes a number from 0.000001 to 1000000; see kelp-render --help");
-  for (const std::string& change : text.tangents) item.changes.push_back(parseChange("--tangent", change, true));
-  for (const std::string& change : text.offsets) item.changes.push_back(parseChange("--offset", change, false));
+  if (!std::isfinite(item.turn))
+    throw ToolError(Exit::kUsage, "--turn takes a finite number; see kelp-render --help");
+  if (!(item.scale >= 1e-6 && item.scale <= 1e6))
+    throw ToolError(Exit::kUsage, "--scale takes a number from 0.000001 to 1000000; see kelp-render --help");
+  for (const std::string& change : text.tangents)
+    item.changes.push_back(parseChange("--tangent", change, true));
+  for (const std::string& change : text.offsets)
+    item.changes.push_back(parseChange("--offset", change, false));
   return item;
 }
 
@@ -153,30 +187,121 @@ bool parse(CLI::App& app, std::vector<std::string> arguments) {
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw RenderError(kUsage, fmt::format("{}; see kelp-render --help", error.what()));
+    if (error.get_exit_code() != 0)
+      throw ToolError(Exit::kUsage, fmt::format("{}; see kelp-render --help", error.what()));
     std::ostringstream text;
     app.exit(error, text);
     if (const std::string problem = console::writeOut(text.str()); !problem.empty())
-      throw RenderError(kIo, fmt::format("standard output can not be written: {}; free space or choose another file", problem));
+      throw ToolError(
+          Exit::kIo,
+          fmt::format("standard output cannot be written: {}; free space or choose another file", problem));
     return false;
   }
   return true;
+}
+
+// The options of the whole picture that are checked after parsing.
+struct PictureText {
+  std::string view, method, shading, shadows, size, background;
+  int level = 0;
+  CLI::Option* level_option = nullptr;
+};
+
+void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
+  app.add_option("-o,--output", options.output, "the .png file; with --frames a number is added before .png")
+      ->required()
+      ->option_text("OUT.png");
+  app.add_option("--view", text.view, "what to show")
+      ->option_text("shaded|normals|depth|steps|level [shaded]");
+  app.add_option(
+         "--method", text.method,
+         "how rays are traced: by kelp, or as the paper published it, with constant steps or distance-field "
+         "steps; prints steps and time")
+      ->option_text("kelp|paper|paper-df [kelp]");
+  app.add_option("--shading", text.shading,
+                 "the look of voxels larger than pixels: one normal each, blocks, or blended")
+      ->option_text("gradient|faces|smooth [gradient]");
+  app.add_option("--shadows", text.shadows, "whether parts cast shadows on themselves")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->option_text("on|off [on]");
+  app.add_option("--occlusion", options.occlusion,
+                 "rays for each sample that measure how much of the sky it sees")
+      ->check(CLI::Range(0, 16))
+      ->option_text("N [0]");
+  app.add_option("--size", text.size, "pixels")->option_text("WxH [800x600]");
+  app.add_option("--samples", options.samples, "samples along each side of a pixel")
+      ->check(CLI::IsMember({1, 2, 4}))
+      ->option_text("1|2|4 [2]");
+  app.add_option("--frames", options.frames,
+                 "number of pictures over the first clip's duration; without a clip, over a full turn")
+      ->check(CLI::Range(1, kMaxFrames))
+      ->option_text("N [1]");
+  app.add_option("--yaw", options.yaw, "degrees to the right of the model's front")
+      ->option_text("DEGREES [30]");
+  app.add_option("--pitch", options.pitch, "degrees from which the camera looks down")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->option_text("DEGREES [15]");
+  text.level_option =
+      app.add_option(
+             "--level", text.level,
+             "the level to draw, 0 = finest; by default chosen by the size of its voxels in the picture")
+          ->check(CLI::Range(0, 15))
+          ->option_text("N");
+  app.add_option("--background", text.background,
+                 "one colour or two, or none for a transparent picture; by default a gradient")
+      ->option_text("R,G,B|TOP:BOTTOM|none");
+}
+
+void finishPicture(const PictureText& text, Options& options) {
+  if (!options.output.ends_with(".png")) refuse("-o", options.output, "a name that ends in .png");
+  if (!std::isfinite(options.yaw))
+    throw ToolError(Exit::kUsage, "--yaw takes a finite number; see kelp-render --help");
+  if (!text.view.empty()) options.view = parseView(text.view);
+  if (!text.shading.empty()) options.shading = parseShading(text.shading);
+  options.report = !text.method.empty();
+  if (options.report) options.method = parseMethod(text.method);
+  if (options.method != Method::kKelp) checkPaperOptions(options, *text.level_option ? text.level : 0);
+  options.shadows = text.shadows != "off";
+  if (!text.size.empty()) options.size = parseSize(text.size);
+  if (!text.background.empty()) options.background = parseBackground(text.background);
+  if (*text.level_option) options.level = text.level;
 }
 
 constexpr char kFooter[] =
     "Examples:\n"
     "  kelp-render reed.kelp -o reed.png                                     at rest\n"
     "  kelp-render orange.kelp -o bent.png --tangent 0=3,0,1 --tangent 1=3,0,2\n"
-    "  kelp-render reed.kelp -o sway.png --clip sway --frames 24             sway_0001.png ... sway_0024.png\n"
+    "  kelp-render reed.kelp -o sway.png --clip sway --frames 24             sway_0001.png ... "
+    "sway_0024.png\n"
     "  kelp-render reed.kelp -o turn.png --frames 36                         a turntable\n"
-    "  kelp-render reed.kelp -o cost.png --view steps                        how many steps each ray took: blue 0, red 64 and more\n"
+    "  kelp-render reed.kelp -o cost.png --view steps                        steps of each ray: blue 0, "
+    "red 64 and more\n"
+    "  kelp-render orange.kelp -o paper.png --method paper-df                the paper's method as "
+    "published, "
+    "with its steps and time\n"
     "  kelp-render reed.kelp -o pond.png --and fish.kelp --clip swim --at 0.3,0.4,0.1 --turn 20\n"
     "\n"
-    "--and PACK adds a pack to the picture; --clip, --time, --tangent, --offset, --at, --turn and --scale speak of the pack before them.\n"
+    "--and PACK adds a pack to the picture. --clip, --time, --tangent, --offset, --at, --turn and --scale "
+    "belong to the pack before them; all other options come before the first --and.\n"
     "Vectors are in the part's axes, y along the spline; 1 is the length of the axis.\n"
-    "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or pose, 4 failure at run time, 5 unsupported feature.";
+    "--method prints one line: the mean number of steps of a ray that meets a part's box, and the time of a "
+    "frame.\n"
+    "Exit codes: 0 ok, 1 usage, 2 input/output, 3 invalid pack or pose, 4 failure at run time, 5 unsupported "
+    "feature, 130 interrupted.";
 
 }  // namespace
+
+const char* toString(Method method) {
+  switch (method) {
+    case Method::kPaper:
+      return "paper";
+    case Method::kPaperDf:
+      return "paper-df";
+    case Method::kKelp:
+      break;
+  }
+  return "kelp";
+}
 
 std::optional<Options> parseOptions(int argc, char** argv) {
   CLI::App app("Renders .kelp packs to PNG, without a window.", "kelp-render");
@@ -184,27 +309,9 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   app.footer(kFooter);
   Options options;
   ItemText first;
-  std::string view, shading, shadows, size, background;
-  int level = 0;
+  PictureText picture;
   addItemOptions(app, first);
-  app.add_option("-o,--output", options.output, "the .png file; with --frames a number is put before .png")->required()->option_text("OUT.png");
-  app.add_option("--view", view, "what to show")->option_text("shaded|normals|depth|steps|level [shaded]");
-  app.add_option("--shading", shading, "how voxels larger than pixels look: one normal each, as blocks, or blended")
-      ->option_text("gradient|faces|smooth [gradient]");
-  app.add_option("--shadows", shadows, "whether parts shade themselves")->check(CLI::IsMember({"on", "off"}))->option_text("on|off [on]");
-  app.add_option("--occlusion", options.occlusion, "rays a sample that look how much of the sky is seen")->check(CLI::Range(0, 16))->option_text("N [0]");
-  app.add_option("--size", size, "pixels")->option_text("WxH [800x600]");
-  app.add_option("--samples", options.samples, "samples along each side of a pixel")->check(CLI::IsMember({1, 2, 4}))->option_text("1|2|4 [2]");
-  app.add_option("--frames", options.frames, "pictures over the first clip's duration; without a clip, over a full turn")
-      ->check(CLI::Range(1, kMaxFrames))
-      ->option_text("N [1]");
-  app.add_option("--yaw", options.yaw, "degrees to the right of the model's front")->option_text("DEGREES [30]");
-  app.add_option("--pitch", options.pitch, "degrees from which it is looked down upon")->check(CLI::Range(-90.0, 90.0))->option_text("DEGREES [15]");
-  CLI::Option* const level_option =
-      app.add_option("--level", level, "the level to draw, 0 = finest; by default chosen by the size of its voxels in the picture")
-          ->check(CLI::Range(0, 15))
-          ->option_text("N");
-  app.add_option("--background", background, "one colour or two, or none for a transparent picture; by default a gradient")->option_text("R,G,B|TOP:BOTTOM|none");
+  addPictureOptions(app, options, picture);
 
   std::vector<std::vector<std::string>> groups(1);
   for (int i = 1; i < argc; ++i) {
@@ -217,20 +324,13 @@ std::optional<Options> parseOptions(int argc, char** argv) {
   if (!parse(app, groups[0])) return std::nullopt;
   options.items.push_back(finishItem(first));
   for (std::size_t i = 1; i < groups.size(); ++i) {
-    CLI::App more("A pack that joins the picture; kelp-render --help says all.", "kelp-render --and");
+    CLI::App more("Adds a pack to the picture; see kelp-render --help.", "kelp-render --and");
     ItemText text;
     addItemOptions(more, text);
     if (!parse(more, groups[i])) return std::nullopt;
     options.items.push_back(finishItem(text));
   }
-  if (!options.output.ends_with(".png")) refuse("-o", options.output, "a name that ends in .png");
-  if (!std::isfinite(options.yaw)) throw RenderError(kUsage, "--yaw takes a finite number; see kelp-render --help");
-  if (!view.empty()) options.view = parseView(view);
-  if (!shading.empty()) options.shading = parseShading(shading);
-  options.shadows = shadows != "off";
-  if (!size.empty()) options.size = parseSize(size);
-  if (!background.empty()) options.background = parseBackground(background);
-  if (*level_option) options.level = level;
+  finishPicture(picture, options);
   return options;
 }
 

@@ -14,6 +14,9 @@
 namespace kelp::render {
 
 enum class ViewKind { kShaded, kNormals, kDepth, kSteps, kLevel };
+// Who traces the rays: kelp's runtime, or the paper's method as published, with constant or distance-field
+// steps.
+enum class Method { kKelp, kPaper, kPaperDf };
 
 // --tangent or --offset: a knot and a vector in units of the axis' length.
 struct KnotChange {
@@ -30,8 +33,8 @@ struct Item {
   std::string clip;
   double time = 0;
   std::vector<KnotChange> changes;
-  glm::vec3 at{0};   // metres
-  double turn = 0;   // degrees about +y, counter-clockwise from above
+  glm::vec3 at{0};  // metres
+  double turn = 0;  // degrees about +y, counter-clockwise from above
   double scale = 1;
 };
 
@@ -44,6 +47,8 @@ struct Options {
   std::vector<Item> items;  // at least one
   std::string output;
   ViewKind view = ViewKind::kShaded;
+  Method method = Method::kKelp;
+  bool report = false;  // print steps and time
   gl::Shading shading = gl::Shading::kGradient;
   bool shadows = true;
   int occlusion = 0;  // rays a sample
@@ -56,7 +61,9 @@ struct Options {
   std::optional<Background> background;
 };
 
-// nullopt: --help or --version was answered. RenderError (kUsage) otherwise.
+const char* toString(Method method);
+
+// nullopt: --help or --version was answered. ToolError kUsage otherwise.
 std::optional<Options> parseOptions(int argc, char** argv);
 
 }  // namespace kelp::render

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pixels in memory, from the samples that were drawn to what goes into the file.
+// From the samples that were drawn to the pixels of the file.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,10 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-// `drawn`: `samples` * `samples` for each pixel, rows from bottom to top as OpenGL reads them, premultiplied, alpha 0 where nothing was drawn.
-// `colors`: the values are sRGB colours, to be averaged as light; else plain numbers. Transparent backgrounds leave alpha as coverage.
-Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int samples, bool colors, const Background& background);
+// `drawn`: `samples` * `samples` values for each pixel, RGBA, premultiplied, rows from bottom to top; alpha 0
+// where nothing was drawn. `colors`: the values are sRGB colours and are averaged as light; else plain
+// numbers. With a transparent background alpha is the coverage.
+Picture resolve(const std::vector<std::uint8_t>& drawn, glm::ivec2 size, int samples, bool colors,
+                const Background& background);
 
 }  // namespace kelp::render

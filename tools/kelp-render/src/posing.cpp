@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "render_error.h"
+#include "kelp/common/pack_error.h"
 
 namespace kelp::render {
 namespace {
 
-// Names for a message: at most eight.
+// At most eight names, for a message.
 template <class Range>
 std::string listNames(const Range& things) {
   std::string list;
@@ -26,7 +26,9 @@ int findPart(const Pack& pack, const KnotChange& change) {
   const std::span<const Part> parts = pack.parts();
   if (change.part.empty()) {
     if (parts.size() == 1) return 0;
-    throw RenderError(kUsage, fmt::format("{}: the pack has several parts; say which as PART:KNOT. Parts: {}", change.text, listNames(parts)));
+    throw ToolError(Exit::kUsage,
+                    fmt::format("{}: the pack has several parts; say which as PART:KNOT. Parts: {}",
+                                change.text, listNames(parts)));
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (parts[i].name == change.part) return static_cast<int>(i);
@@ -34,17 +36,21 @@ int findPart(const Pack& pack, const KnotChange& change) {
   int index = -1;
   const char* const end = change.part.data() + change.part.size();
   const auto parsed = std::from_chars(change.part.data(), end, index);
-  if (parsed.ec == std::errc() && parsed.ptr == end && index >= 0 && static_cast<std::size_t>(index) < parts.size()) return index;
-  throw RenderError(kUsage, fmt::format("{}: the pack has no part \"{}\". Parts: {}", change.text, change.part, listNames(parts)));
+  if (parsed.ec == std::errc() && parsed.ptr == end && index >= 0 &&
+      static_cast<std::size_t>(index) < parts.size())
+    return index;
+  throw ToolError(Exit::kUsage, fmt::format("{}: the pack has no part \"{}\". Parts: {}", change.text,
+                                            change.part, listNames(parts)));
 }
 
-// The first segment that turns back; the pose is known to have one.
+// Names the first segment that turns back. The pose must have one.
 std::string describe(const Pack& pack, const runtime::Pose& pose) {
   for (int p = 0; p < pose.parts(); ++p) {
     const std::span<const Knot> knots = pose.knots(p);
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
       if (isMonotone(makeSegment(knots[k], knots[k + 1]))) continue;
-      return fmt::format("part {}: the spline turns back along its axis between knots {} and {}", pack.parts()[static_cast<std::size_t>(p)].name, k, k + 1);
+      return fmt::format("part {}: the spline turns back along its axis between knots {} and {}",
+                         pack.parts()[static_cast<std::size_t>(p)].name, k, k + 1);
     }
   }
   return "the spline turns back along its axis";
@@ -58,16 +64,21 @@ Posing::Posing(const runtime::Asset& asset, const Item& item) : asset_(asset), i
     const int part = findPart(pack, change);
     const std::size_t knots = pack.parts()[static_cast<std::size_t>(part)].knots.size();
     if (static_cast<std::size_t>(change.knot) >= knots) {
-      throw RenderError(kUsage, fmt::format("{}: the part has the knots 0 to {}; name one of them", change.text, knots - 1));
+      throw ToolError(Exit::kUsage, fmt::format("{}: the part has the knots 0 to {}; name one of them",
+                                                change.text, knots - 1));
     }
     changes_.push_back({part, &change});
   }
   if (item.clip.empty()) return;
   clip_ = runtime::findClip(asset, item.clip);
-  if (clip_ < 0) throw RenderError(kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", item.clip, item.pack, listNames(pack.clips())));
+  if (clip_ < 0)
+    throw ToolError(Exit::kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", item.clip,
+                                              item.pack, listNames(pack.clips())));
 }
 
-double Posing::duration() const { return clip_ < 0 ? 0 : double{asset_.pack().clips()[static_cast<std::size_t>(clip_)].duration}; }
+double Posing::duration() const {
+  return clip_ < 0 ? 0 : double{asset_.pack().clips()[static_cast<std::size_t>(clip_)].duration};
+}
 
 void Posing::apply(double seconds, runtime::Pose& pose) const {
   pose.reset();
@@ -82,11 +93,14 @@ void Posing::apply(double seconds, runtime::Pose& pose) const {
     }
   }
   if (clip_ >= 0) {
-    if (const auto added = runtime::addClip(asset_, clip_, item_.time + seconds, 1, pose); !added) failPack(item_.pack, added.error());
+    if (const auto added = runtime::addClip(asset_, clip_, item_.time + seconds, 1, pose); !added)
+      failPack(item_.pack, added.error());
   }
   if (!pose.check()) {
-    throw RenderError(kInvalid, fmt::format("{}: {}; keep the knots' y ascending and the y of every tangent between 0 and 3 times the rise to the "
-                                            "next knot per share of the axis", item_.pack, describe(asset_.pack(), pose)));
+    throw ToolError(Exit::kInvalid,
+                    fmt::format("{}: {}; let the knots' y ascend, and keep the y of every tangent "
+                                "between 0 and 3 times the slope to the next knot",
+                                item_.pack, describe(asset_.pack(), pose)));
   }
 }
 

@@ -9,12 +9,12 @@ namespace kelp::render {
 
 class Posing {
  public:
-  // RenderError: kUsage for a clip, part or knot that is not there.
+  // ToolError: kUsage for a clip, part or knot that is not there.
   Posing(const runtime::Asset& asset, const Item& item);
 
-  // How long the clip is, in seconds; 0: there is none.
+  // The clip's duration in seconds; 0: there is no clip.
   double duration() const;
-  // Sets `pose`, `seconds` after --time. RenderError (kInvalid) with the knot's name if it is not monotone.
+  // Sets `pose`, `seconds` after --time. ToolError kInvalid with the knot's name if it is not monotone.
   void apply(double seconds, runtime::Pose& pose) const;
 
  private:

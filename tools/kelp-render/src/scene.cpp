@@ -11,8 +11,9 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "kelp/console/console.h"
-#include "render_error.h"
+#include "kelp/common/console.h"
+#include "kelp/common/memory.h"
+#include "kelp/common/pack_error.h"
 
 namespace kelp::render {
 namespace {
@@ -24,30 +25,36 @@ FileSource openFile(const std::string& path) {
   const int reason = errno;
   std::error_code ignored;
   if (std::filesystem::is_other(path, ignored) || std::filesystem::is_fifo(path, ignored))
-    throw RenderError(kIo, path + ": is a pipe or a device; a pack is not read from front to back: write it to a file first");
+    throw ToolError(
+        Exit::kIo,
+        path + ": is a pipe or a device, and a pack is read in any order; write it to a file first");
   errno = reason;
-  throw RenderError(kIo, fmt::format("{}: can not be opened: {}; check the path and its permissions", path, errno ? std::strerror(errno) : "it is not a file"));
+  throw ToolError(Exit::kIo, fmt::format("{}: cannot be opened: {}; check the path and its permissions", path,
+                                         errno ? std::strerror(errno) : "it is not a file"));
 }
 
-// Parts may have different numbers of levels; a level that none of them has would be the coarsest of each in disguise.
+// Refuses a level that no part has. Parts may have different numbers of levels; those with fewer draw their
+// coarsest.
 void checkLevel(const Options& options, const std::string& path, const Pack& pack) {
   int levels = 0;
   for (const Part& part : pack.parts()) levels = std::max(levels, static_cast<int>(part.levels));
-  if (options.level.value_or(0) >= levels) throw RenderError(kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them", *options.level, path, levels - 1));
+  if (options.level.value_or(0) >= levels)
+    throw ToolError(Exit::kUsage, fmt::format("--level {}: {} has the levels 0 to {}; name one of them",
+                                              *options.level, path, levels - 1));
 }
-
-// For the voxels of all packs. OpenGL keeps them too; without a GPU, in the same memory.
-std::uint64_t mostMemory() { return console::physicalMemory() / 5 * 2; }
 
 glm::mat4 placeOf(const Item& item) {
   const glm::mat4 at = glm::translate(glm::mat4(1), item.at);
-  return glm::scale(glm::rotate(at, static_cast<float>(glm::radians(item.turn)), glm::vec3(0, 1, 0)), glm::vec3(static_cast<float>(item.scale)));
+  return glm::scale(glm::rotate(at, static_cast<float>(glm::radians(item.turn)), glm::vec3(0, 1, 0)),
+                    glm::vec3(static_cast<float>(item.scale)));
 }
 
 }  // namespace
 
+std::uint64_t mostMemory() { return physicalMemory() / 5 * 2; }
+
 Scene::Scene(const Options& options) {
-  // The command line is checked against all packs before the first voxel is read.
+  // Checks the command line against all packs before it reads the first voxel.
   for (const Item& item : options.items) {
     Pack& pack = packs_[item.pack];
     if (!pack.asset) {
@@ -65,8 +72,13 @@ Scene::Scene(const Options& options) {
   for (const auto& [path, pack] : packs_) {
     Result<void> loaded = pack.asset->loadAll();
     memory += pack.asset->memory();
-    if (memory > mostMemory() || (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
-      throw RenderError(kFailure, fmt::format("{}: takes more than the {} MiB of voxels that this machine has memory for, with what OpenGL makes of them; draw it on a larger one, or bake it with a lower --resolution", path, mostMemory() >> 20));
+    if (memory > mostMemory() ||
+        (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
+      throw ToolError(
+          Exit::kRuntime,
+          fmt::format("{}: its voxels take more than {} MiB, and this machine has no memory for that and "
+                      "OpenGL's copy; use one with more memory, or bake it with a lower --resolution",
+                      path, mostMemory() >> 20));
     checkPack(path, loaded);
   }
   for (std::size_t i = 0; i < options.items.size(); ++i) {

@@ -15,16 +15,21 @@
 
 namespace kelp::render {
 
+// Bytes that the voxels of all packs may take, in the form in which they are drawn. OpenGL keeps them too,
+// and without a GPU it does so in the same memory.
+std::uint64_t mostMemory();
+
 class Scene {
  public:
-  // Reads every pack once, however often it is drawn. RenderError: what is wrong with which pack. `options` must outlive the scene.
+  // Reads every pack once, even if it is drawn several times. ToolError: what is wrong, and with which
+  // pack. `options` must outlive the scene.
   explicit Scene(const Options& options);
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  // How long the first clip is, in seconds; 0: nothing has a clip.
+  // The first clip's duration in seconds; 0: no pack plays a clip.
   double duration() const { return duration_; }
-  // Poses everything, `seconds` after each --time. RenderError (kInvalid) for a pose that is not monotone.
+  // Poses everything, `seconds` after each --time. ToolError kInvalid for a pose that is not monotone.
   void pose(double seconds);
   std::span<const runtime::Instance> instances() const { return instances_; }
 

@@ -47,10 +47,18 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
       style.colors = true;
       style.background = {false, {0.93f, 0.93f, 0.92f}, {0.72f, 0.77f, 0.82f}};
       break;
-    case ViewKind::kNormals: style.surface = kNormals; break;
-    case ViewKind::kDepth: style.surface = fmt::format(kDepth, camera.nearPlane(), camera.farPlane()); break;
-    case ViewKind::kSteps: style.surface = kSteps; break;
-    case ViewKind::kLevel: style.surface = kLevel; break;
+    case ViewKind::kNormals:
+      style.surface = kNormals;
+      break;
+    case ViewKind::kDepth:
+      style.surface = fmt::format(kDepth, camera.nearPlane(), camera.farPlane());
+      break;
+    case ViewKind::kSteps:
+      style.surface = kSteps;
+      break;
+    case ViewKind::kLevel:
+      style.surface = kLevel;
+      break;
   }
   return style;
 }

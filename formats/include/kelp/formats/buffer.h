@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The one container whose size may come from a file: growth that fails answers false instead of throwing.
+// An array whose size may come from a file. If memory is short, functions return false; nothing throws.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,15 @@
 
 namespace kelp {
 
-// The host's allocator. Both functions must be callable from every thread that uses the object; allocate answers null when it can not.
-// Memory must be aligned to 16 bytes.
+// The host's allocator. Both functions are called from every thread that uses the object. allocate returns
+// null if memory is short. Memory must be aligned to 16 bytes.
 struct Allocator {
-  void* (*allocate)(void* user, std::size_t bytes) = [](void*, std::size_t bytes) { return std::malloc(bytes); };
-  void (*deallocate)(void* user, void* memory, std::size_t bytes) = [](void*, void* memory, std::size_t) { std::free(memory); };
+  void* (*allocate)(void* user, std::size_t bytes) = [](void*, std::size_t bytes) {
+    return std::malloc(bytes);
+  };
+  void (*deallocate)(void* user, void* memory, std::size_t bytes) = [](void*, void* memory, std::size_t) {
+    std::free(memory);
+  };
   void* user = nullptr;
 };
 
@@ -25,7 +29,8 @@ struct Allocator {
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 16);
-  static constexpr std::size_t kSize = sizeof(T);  // NOLINT(bugprone-sizeof-expression): of a pointer, where the values are pointers
+  static constexpr std::size_t kSize =
+      sizeof(T);  // NOLINT(bugprone-sizeof-expression): of a pointer, where the values are pointers
 
  public:
   Buffer() = default;
@@ -42,8 +47,8 @@ class Buffer {
     if (data_) allocator_.deallocate(allocator_.user, data_, capacity_ * kSize);
   }
 
-  // Replaces the content by `count` zeroed values. False, with the content unchanged, when memory is short. 64 bits everywhere: a size that comes from a
-  // file may be more than a machine of 32 bits can address.
+  // Replaces the content with `count` zeroed values. False, with the content unchanged, if memory is short.
+  // The count has 64 bits on every machine, because a file may ask for more than 32 bits can address.
   [[nodiscard]] bool reset(std::uint64_t count) {
     if (count > std::numeric_limits<std::size_t>::max() / kSize) return false;
     const std::size_t size = static_cast<std::size_t>(count);
@@ -58,8 +63,8 @@ class Buffer {
     size_ = capacity_ = size;
     return true;
   }
-  // Gives room for `count` values of unspecified content. Allocates only beyond the largest size so far: for buffers that are used again
-  // and again. False, with the content unchanged, when memory is short.
+  // Resizes to `count` values of unspecified content. Allocates only if `count` exceeds the largest size so
+  // far. False, with the content unchanged, if memory is short.
   [[nodiscard]] bool reuse(std::uint64_t count) {
     if (count > capacity_) return reset(count);
     size_ = static_cast<std::size_t>(count);

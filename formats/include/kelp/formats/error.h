@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How formats and runtime report errors: a numbered code, the byte of the pack concerned, and a word. No exceptions, no allocation.
+// How formats and runtime report errors: a numbered code, a byte offset in the pack, and a short text. No
+// exceptions, no allocation.
 #pragma once
 
 #include <cstdint>
@@ -9,32 +10,34 @@
 namespace kelp {
 
 enum class ErrorCode : std::uint16_t {
-  kMisuse = 1,          // the caller broke the contract of the function (bad index, null callback, object of another context)
-  kIo,                  // the source could not read, or the sink could not write
-  kNotAPack,            // the file does not begin with the identifier of a .kelp pack
+  // The caller broke the function's contract: a bad index, a null callback, an object of another context.
+  kMisuse = 1,
+  kIo,                  // the source failed to read, or the sink failed to write
+  kNotAPack,            // the file does not start with the identifier of a .kelp pack
   kUnsupportedVersion,  // written by a newer major version of the format
-  kUnsupportedFeature,  // a required chunk or flag this version does not know
-  kTruncated,           // the file ends before its header says it does
+  kUnsupportedFeature,  // a required chunk, a flag or a kind of part that this version does not know
+  kTruncated,           // the file is shorter than its header says
   kChecksum,            // bytes differ from their checksum
-  kCorrupt,             // structure contradicts itself although the checksums hold
-  kLimit,               // sound perhaps, but larger than the Limits given
+  kCorrupt,             // the content breaks a rule of SPEC.md although the checksums match
+  kLimit,               // larger than the given limits or memory budget allow
   kOutOfMemory,         // an allocation failed
-  kNotMonotone,         // a spline turns back along its axis (section 3.1 of the paper demands monotone splines)
-  kGraphics,            // OpenGL refused: missing function, shader that does not compile, texture too large
+  // A spline turns back along its axis. Section 3.1 of the paper needs monotone splines.
+  kNotMonotone,
+  kGraphics,  // OpenGL failed: a missing function, a shader that does not compile, a texture too large
 };
 
-// A short English word for the code, such as "checksum mismatch". Static storage.
+// The code in a few English words, such as "checksum mismatch". Static storage.
 const char* toString(ErrorCode code);
 
 struct Error {
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
   ErrorCode code = ErrorCode::kMisuse;
-  const char* detail = "";          // static string: what is wrong, in a few words
-  std::uint64_t offset = kNoOffset;  // byte in the pack, where that makes sense
+  const char* detail = "";           // what is wrong, in a few words; static storage
+  std::uint64_t offset = kNoOffset;  // byte in the pack, if there is one
 };
 
-// A value or an Error. Test it before use: reading the wrong one is the caller's mistake (asserted).
+// A value or an Error. Test it before use: only read the value if the test is true, else only the error.
 template <class T>
 class [[nodiscard]] Result {
  public:

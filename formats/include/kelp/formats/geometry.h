@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The few geometric types that everything shares.
+// Geometric types that every library of kelp shares.
 #pragma once
 
 #include <glm/mat4x3.hpp>
@@ -9,8 +9,9 @@
 
 namespace kelp {
 
-// A host that compiles GLM with forced alignment would disagree with kelp's libraries about every struct: refuse at compile time.
-static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::mat4) == 64, "kelp needs GLM without GLM_FORCE_DEFAULT_ALIGNED_GENTYPES");
+// With forced alignment in GLM, a host and kelp's libraries would disagree about the layout of every struct.
+static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::mat4) == 64,
+              "kelp needs GLM without GLM_FORCE_DEFAULT_ALIGNED_GENTYPES");
 
 // An axis-aligned box. Empty when min > max on any axis (the default).
 struct Box {
@@ -24,7 +25,7 @@ struct Box {
   }
 };
 
-// The box around the eight transformed corners of `box`.
+// The bounds of the eight transformed corners of `box`. Empty for an empty box.
 Box transformed(const glm::mat4& matrix, const Box& box);
 
 }  // namespace kelp

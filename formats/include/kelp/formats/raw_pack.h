@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The writer's side: a pack as plain data that a tool fills in, and the function that writes it.
+// Writing packs: plain structs that a tool fills in, and the functions that write them.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,20 @@
 
 namespace kelp {
 
-// One level of one part, as brick.h, or fog.h, describes it.
+// One level of one part, as brick.h (solid) or fog.h (fog) describes it.
 struct RawLevel {
-  std::vector<std::uint32_t> cells;       // one a brick of the grid; slots number the stored bricks in Morton order
-  // Of a solid part.
+  // One a brick of the grid, x fastest, then y, then z. Slots number the stored bricks in Morton order.
+  std::vector<std::uint32_t> cells;
+  // If the part is solid:
   std::vector<std::uint8_t> codes;        // 512 a slot
-  std::vector<std::uint32_t> attributes;  // of all surface voxels, slot by slot, in code order
-  // Of fog.
-  std::vector<std::uint8_t> density;      // 729 a slot
-  std::vector<std::uint8_t> heat;         // as many, if the part's ramp has colours
-  float extinction = 0;                   // see Fog
+  std::vector<std::uint32_t> attributes;  // one a surface voxel, slot by slot, in the order of codes
+  // If the part is fog:
+  std::vector<std::uint8_t> density;  // 729 a slot
+  std::vector<std::uint8_t> heat;     // 729 a slot if the part's ramp has colours, else empty
+  float extinction = 0;               // as in Fog
 };
 
-// See Fog.
+// Like Fog.
 struct RawFog {
   glm::vec3 color{1};
   float anisotropy = 0;
@@ -43,7 +44,7 @@ struct RawPart {
   glm::mat4x3 pivot{1};
   std::vector<Knot> knots;
   std::vector<RawLevel> levels;  // finest first, at least one
-  std::optional<RawFog> fog;     // set: the part is of the kind kFog
+  std::optional<RawFog> fog;     // set: the part is fog
 };
 
 struct RawTrack {
@@ -68,28 +69,30 @@ struct RawPack {
   std::vector<RawClip> clips;
 };
 
-// Receives the file's bytes in order, from the first to the last. Answers false to stop (the writer then answers kIo).
+// Receives the bytes of the file in order. `write` returns false to stop; the writer then returns kIo.
 struct Sink {
   bool (*write)(void* user, std::span<const std::byte> bytes) = nullptr;
   void* user = nullptr;
 };
 
-// Writes the pack. The same RawPack gives the same bytes on every machine. kMisuse with a word if the data break the rules of SPEC.md
-// (all that the reader would refuse), kIo if the sink does, kOutOfMemory. Nothing is written before the data were checked.
-// threads: how many compress pages at once, at least 1.
+// Writes the pack. The same RawPack gives the same bytes on every machine. Everything is checked before the
+// first byte is written. kMisuse, with a text, for everything that the reader would refuse; kIo if the sink
+// fails; kOutOfMemory. threads: how many threads compress pages, at least 1.
 Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
 
-// What can be replaced in a pack that stays as it is otherwise.
+// What writeRigs replaces in a pack.
 struct RawRigs {
   std::string info_json;
   std::vector<std::vector<Knot>> knots;  // one list a part
   std::vector<RawClip> clips;
 };
 
-// Writes the pack in `source` once more with other information, rest knots and clips. Every other chunk, voxels and chunks of unknown kinds among them, is
-// copied byte by byte and compared with its checksum on the way: where nothing else differs, the bytes are those that writePack would give. kMisuse with a
-// word if the rigs break the rules of SPEC.md; what Pack::open answers for a source that is no sound pack; kChecksum, kIo. The source is not trusted; what
-// the sink got before an error is of no use. Memory: the metadata and a block of 64 KiB.
-Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink, const Limits& limits = {});
+// Writes the pack in `source` again, with other information, rest knots and clips. Every other chunk is
+// copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the result has
+// the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of SPEC.md; the
+// errors of Pack::open if the source is not a valid pack; kChecksum; kIo. Safe for hostile sources. After an
+// error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
+Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
+                       const Limits& limits = {});
 
 }  // namespace kelp

@@ -10,27 +10,31 @@
 
 namespace kelp {
 
-// The host's reader: a file, memory, an entry of an archive, HTTP ranges. `read` fills all of `bytes` from `offset` and answers whether it
-// could; it is called from every thread that calls Pack or Asset functions, at the same time. kelp never reads past `size`, trusts neither
-// size nor bytes, and does not own `user`, which must outlive every object opened from the source.
+// The host's reader: a file, memory, an entry of an archive, HTTP ranges. `read` fills all of `bytes` from
+// `offset` and returns whether it succeeded. Every thread that calls functions of Pack or Asset calls it,
+// several at the same time. kelp never reads past `size` and trusts neither the size nor the bytes. kelp does
+// not own `user`, which must outlive every object opened from the source.
 struct Source {
   bool (*read)(void* user, std::uint64_t offset, std::span<std::byte> bytes) = nullptr;
   void* user = nullptr;
   std::uint64_t size = 0;
 };
 
-// A pack in memory, which must outlive the objects opened from it (and the span object itself need not).
+// A pack in memory. The bytes and this object must outlive every object opened from the source; the span
+// itself is copied.
 class MemorySource {
  public:
   explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  Source source() & { return {&MemorySource::read, this, bytes_.size()}; }  // not on a temporary: the Source points to this object
+  // The Source points to this object, so this cannot be called on a temporary.
+  Source source() & { return {&MemorySource::read, this, bytes_.size()}; }
 
  private:
   static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
   std::span<const std::byte> bytes_;
 };
 
-// A file, read at places (pread, on Windows ReadFile): any number of threads. Movable; must stay where it is while a Source of it is in use.
+// A file. Any number of threads may read at the same time (pread; ReadFile on Windows). Movable, but it must
+// stay in place while one of its Sources is in use.
 class FileSource {
  public:
   FileSource() = default;
@@ -38,7 +42,8 @@ class FileSource {
   FileSource& operator=(FileSource&& other) noexcept;
   ~FileSource();
 
-  // The path is as the system has it, on Windows UTF-8. kIo if the file can not be opened or is not a regular file (errno says why).
+  // path: in the system's encoding; UTF-8 on Windows. kIo if the file cannot be opened or is not a regular
+  // file; errno says why. kMisuse if `path` is null.
   static Result<FileSource> open(const char* path);
   Source source() { return {&FileSource::read, this, size_}; }
 

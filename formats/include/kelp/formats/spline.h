@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The spline of a rig: cubic Hermite segments through knots, in level-0 voxels of the part, +y along the spline.
-// Source: Groen et al., "Spline Based Shell Mapping for Smooth Voxel Deformation", section 3.1, equations 1 and 2.
-// Deviation: several segments in a row, and tangents that belong to the whole axis instead of to one segment.
+// The spline of a rig: cubic Hermite segments through knots, in level-0 voxels of the part, with +y along the
+// spline. Source: Groen et al., "Spline Based Shell Mapping for Smooth Voxel Deformation", section 3.1,
+// equations 1 and 2. Differences: several segments in a row, and tangents relative to the whole axis, not to
+// one segment.
 #pragma once
 
 #include <span>
@@ -11,38 +12,40 @@
 
 namespace kelp {
 
-// A part has 2 to kMaxKnots knots; `at` ascends strictly from 0 to 1.
+// A part has 2 to kMaxKnots knots. Their `at` ascends strictly from 0 to 1.
 inline constexpr int kMaxKnots = 64;
 
 struct Knot {
-  float at = 0;           // where along the axis the knot belongs, 0 .. 1; constant under animation
-  glm::vec3 position{0};  // voxels; the straight rig has (0, at * size.y, 0)
-  glm::vec3 tangent{0};   // dS/d(at), voxels; the straight rig has (0, size.y, 0)
+  float at = 0;           // place along the axis, 0 to 1; animation does not change it
+  glm::vec3 position{0};  // voxels; (0, at * size.y, 0) in a straight rig
+  glm::vec3 tangent{0};   // dS/d(at), voxels; (0, size.y, 0) in a straight rig
 };
 
-// A cubic S(t), t in [0, 1], from p0 to p1 with the slopes dS/dt = m0 and m1 there; voxels.
+// A cubic S(t), t in [0, 1], from p0 to p1, with dS/dt = m0 and m1 at the ends. Voxels.
 struct Segment {
   glm::vec3 p0{0}, m0{0}, p1{0}, m1{0};
 };
 
-// The segment from knot k0 to knot k1: the tangents are scaled by the segment's share of the axis, k1.at - k0.at.
+// The segment from knot k0 to knot k1. Its slopes are the knots' tangents times k1.at - k0.at.
 Segment makeSegment(const Knot& k0, const Knot& k1);
 
+// t in [0, 1].
 glm::vec3 evaluate(const Segment& segment, float t);
 glm::vec3 derivative(const Segment& segment, float t);  // dS/dt
 
-// Whether Sy never decreases on [0, 1] (up to 1e-5 of its rise) and rises in all: what the map of section 3.1 of the paper needs.
+// Whether Sy(1) > Sy(0), and Sy never falls on [0, 1] by more than 1e-5 of that rise. The map of section 3.1
+// of the paper needs this.
 bool isMonotone(const Segment& segment);
 
-// Whether every segment between the knots is monotone, every number is finite, and `at` ascends strictly from 0 to 1.
-// kNotMonotone or kMisuse with the knot's index in `offset` if not.
+// Checks that there are 2 to kMaxKnots knots, `at` ascends strictly from 0 to 1, every number is finite, and
+// every segment is monotone. Else kMisuse, or kNotMonotone if a segment is not; `offset` is the index of the
+// knot. Safe for any numbers.
 Result<void> checkKnots(std::span<const Knot> knots);
 
-// Straight knots for a volume of `size` voxels: two of them.
-void straightKnots(const glm::ivec3& size, Knot (&knots)[2]);
-
-// A box that contains every deformed voxel of a volume of `size` voxels (section 3.1 of the paper: copies of the base along the spline):
-// the exact range of every segment, widened by what evaluation in float may err, swept by the base. Voxels. Fewer than 2 knots: empty.
+// A box that contains every deformed voxel of a volume of `size` voxels, in voxels. The deformed volume
+// consists of copies of the volume's base along the spline (section 3.1 of the paper). So the box is the
+// exact range of every segment, plus the error of evaluation in float, plus the base. Empty for fewer than 2
+// knots.
 Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size);
 
 }  // namespace kelp

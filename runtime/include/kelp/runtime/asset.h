@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pack in memory: opened in an instant, filled page by page, coarse to fine, by whoever calls pump().
+// A pack in memory. Opening it reads some kilobytes. Then pump() loads its voxels page by page, coarse to
+// fine.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +12,26 @@
 
 namespace kelp::runtime {
 
-// One level of one part, all but its voxels. Immutable once handed out; good as long as the asset.
+// One level of one part, without its voxels. Immutable; valid as long as the asset.
 struct VoxelLevel {
-  glm::ivec3 size{0};                       // voxels of this level
-  glm::ivec3 grid{0};                       // bricks
-  std::span<const std::uint32_t> cells;     // one a brick, x fastest, then y, then z: kelp/runtime/page.h
-  std::span<const PageInfo> pages;          // which hold the stored bricks
+  glm::ivec3 size{0};                    // voxels of this level
+  glm::ivec3 grid{0};                    // bricks
+  std::span<const std::uint32_t> cells;  // one a brick, x fastest, then y, then z (kelp/runtime/page.h)
+  std::span<const PageInfo> pages;       // they hold the stored bricks
 };
 
 struct Options {
   Limits limits;
-  Allocator allocator;  // for grids, pages and what decodes them: all but some hundred bytes for each level of each part
-  // Bytes of grids and pages that are kept in memory, at most. When it is used up, the pages that nobody asked for or looked at for longest
-  // make room. The coarsest level of each part is never dropped. Nor is what rays look at all the time: where they look at more than the budget
-  // leaves, a renderer waits for its pages, and draws coarser ones, until they rest.
+  // For grids, pages and decoding. Some hundred bytes for each level of each part come from operator new.
+  Allocator allocator;
+  // The most bytes of grids and pages to keep in memory. When they are used up, the pages that were not used
+  // for longest make room. The coarsest level of each part is never dropped. Pages used in the last eight
+  // rounds (beginRequests()) are dropped only for a coarsest level. If rays use more than the budget holds, a
+  // renderer draws coarser pages until those rays stop.
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
 };
 
-// A page of bricks that stays in memory while this lives. Movable; let go of it before the asset goes.
+// Keeps a page of bricks in memory while it lives. Movable. Destroy it before the asset.
 class PinnedPage {
  public:
   PinnedPage() = default;
@@ -45,7 +48,7 @@ class PinnedPage {
   void* pins_ = nullptr;
 };
 
-// Tells whether an asset is still there, without touching it: for those that keep a pointer to it. Copyable; any thread.
+// Tells whether an asset still exists, for code that keeps a pointer to it. Copyable; usable on any thread.
 class AssetWatch {
  public:
   AssetWatch() = default;
@@ -58,18 +61,20 @@ class AssetWatch {
  private:
   friend class Asset;
   struct Life;
-  explicit AssetWatch(Life* life);  // takes a reference over
+  explicit AssetWatch(Life* life);  // takes over a reference
   Life* life_ = nullptr;
 };
 
-// Owns the decoded voxels. Thread-safe: any thread may call any function at any time, except that the destructor must come last.
-// No threads of its own: a host calls pump() from its jobs, or starts one thread that does.
+// Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
+// must come last. Starts no threads: the host calls pump() from its jobs or from a thread of its own.
 //
-// What is loaded: until somebody asks for something (a renderer does, in every upload()), everything, coarse to fine. From then on what was
-// asked for lately, the most urgent first, and always the coarsest level of each part.
+// What is loaded: until the first request (a renderer requests in every upload()), everything, coarse to
+// fine. After it, only what was requested recently, the most urgent first, and always the coarsest level of
+// each part.
 class Asset {
  public:
-  // Reads and checks everything but the voxels: a few kilobytes. The source's `user` must outlive the asset. Hostile packs are safe.
+  // Reads and checks everything except the voxels: a few kilobytes. The source's `user` must outlive the
+  // asset. Errors of Pack::open, and kOutOfMemory. Safe for hostile packs.
   static Result<std::unique_ptr<Asset>> open(const Source& source, const Options& options = {});
   ~Asset();
   Asset(const Asset&) = delete;
@@ -77,37 +82,43 @@ class Asset {
 
   const Pack& pack() const;
 
-  // Reads and decodes one grid or one page, the most urgent. True: something was done, call again. False: nothing is wanted now that there
-  // is room for, or other threads have it in hand.
-  // After an error (the pack is damaged, the source could not read, memory is short) what was to be loaded stays absent, and what rests on
-  // it: coarser voxels are drawn in its place. The error is answered once, with the place in the pack, and pump() goes on with the rest.
+  // Reads and decodes the most urgent grid or page. Blocks while the source reads. True: something was
+  // loaded, call again. False: nothing that fits is wanted now, or other threads are loading it; call again
+  // later. An error (the pack is damaged, the source cannot read, memory is short) is returned once, with its
+  // place in the pack. That grid or page, and everything that needs it, stays absent until retry(), and
+  // coarser voxels are drawn instead. The next pump() goes on with the rest.
   Result<bool> pump();
-  // pump() until everything is resident, asked for or not, waiting for what other threads have in hand. Answers the first error of any page,
-  // also one that another thread's pump() met; what could be loaded is resident all the same. kLimit: memory_budget is too small for everything.
+  // Loads everything, requested or not, and waits for what other threads are loading. Returns the first error
+  // of any grid or page, including errors of other threads; everything else is loaded all the same. kLimit if
+  // memory_budget is too small for everything.
   Result<void> loadAll();
-  // What failed is wanted again: after a source that could not read can.
+  // Tries again what failed. Call it when a source that could not read can read again.
   void retry();
 
-  // The level's grid if it has been loaded, and those of all coarser levels; else null.
+  // The level, if its grid and those of all coarser levels are loaded; else null.
   const VoxelLevel* level(int part, int level) const;
-  // The finest level of the part that is wholly resident and at least as coarse as `wanted`; failing that the finest there is; -1: none yet.
+  // The finest level of the part that is wholly in memory and not finer than `wanted`. If there is none, the
+  // coarsest of the finer ones. -1: none yet.
   int residentLevel(int part, int wanted = 0) const;
-  // Bytes of grids and pages in memory now.
+  // Bytes of grids and pages that are in memory now.
   std::uint64_t memory() const;
   AssetWatch watch() const;
 
-  // For renderers, and for a host that only asks rays (raycast() asks for what it lacks) in less memory than the pack takes: it calls
-  // beginRequests() once a tick. Requests age: what was not asked for again in the last eight rounds is no longer wanted, and what was not
-  // looked at in them may make room. `urgency` > 0, the greater the sooner; pixels that change when it is there, say. Wrong indices ask for nothing.
-  void beginRequests() const;  // a new round
-  void request(int part, int level, float urgency) const;  // the level's grid
-  // The page if it is resident; else null, and it is asked for.
+  // Requests. Renderers make them. A host without a renderer whose memory budget is smaller than the pack
+  // calls beginRequests() once a tick; raycast() then requests what it needs. A request ends eight rounds
+  // after it was last made, and a page that was not used for eight rounds may make room. urgency > 0; the
+  // most urgent is loaded first; for example, the number of pixels that would change. Wrong indices are
+  // ignored.
+  void beginRequests() const;                              // starts a round
+  void request(int part, int level, float urgency) const;  // requests the grid of a level
+  // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
   PinnedPage pin(int part, int level, std::uint32_t page, float urgency) const;
-  // Whether the grid, or the page, could not be loaded; until retry().
+  // Whether loading the grid, or the page, failed since the last retry().
   bool hasFailed(int part, int level) const;
   bool hasFailed(int part, int level, std::uint32_t page) const;
 
  private:
+  friend struct ClipReader;
   friend class PageReader;
   struct Impl;
   Asset(std::unique_ptr<Impl> impl, const AssetWatch& watch);

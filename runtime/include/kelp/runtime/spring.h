@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Springs on the knots of an asset: pushed by the player, a blow or the wind, they swing back. On top of any pose.
+// Springs on the knots of an asset. Pushed by the player, a blow or the wind, they swing back. They work on
+// top of any pose:
 //
 //   pose.reset();  addClip(asset, clip, seconds, 1, pose);       the pose without the spring
 //   spring.step(frame_seconds);
-//   spring.pushAway({&asset, &pose, to_world}, player, 0.4f);    whoever walks through
+//   spring.pushAway({&asset, &pose, to_world}, player, 0.4f);    a player who walks through
 //   spring.addTo(pose);                                          the pose to draw
 #pragma once
 
@@ -12,63 +13,72 @@
 namespace kelp::runtime {
 
 struct SpringSettings {
-  float frequency = 1.0f;  // swings per second, if nothing damped them; > 0
-  float damping = 0.25f;   // damping ratio: 0 swings for ever, 1 returns soonest without swinging past, more creeps back; >= 0
-  float reach = 0.6f;      // how far pushes may carry a knot, and wind hold it, in heights of its part; > 0
-  // A part stands on its first knot, which stays where it is, and bends like a beam: the more, the farther from there. False: nothing holds it,
-  // and all its knots are pushed alike.
+  float frequency = 1.0f;  // of the undamped swing, in Hz; > 0
+  // Damping ratio, >= 0. 0: swings for ever. 1: returns fastest without overshoot. More: returns slowly.
+  float damping = 0.25f;
+  // The farthest that pushes or wind move a knot, in heights of its part; > 0.
+  float reach = 0.6f;
+  // True: the first knot of a part is fixed, and the part bends like a beam: the farther from there, the
+  // more. False: nothing is fixed, and all knots are pushed alike.
   bool rooted = true;
 };
 
-// What a knot does beside its pose.
+// The movement of a knot relative to its pose.
 struct Swing {
   glm::vec3 offset{0};    // voxels
   glm::vec3 velocity{0};  // voxels per second
 };
 
-// Each knot is a damped harmonic oscillator about its place in the pose or, in wind, about the place where the wind holds it. Only create()
-// allocates. Independent of the asset once created, as a Pose. Not thread-safe; different springs may be used on different threads at the
-// same time. Every function but create() answers kMisuse, with nothing changed, for a part that is not there, a pose or asset of another
-// kind and numbers that are not finite; whatever the pushes and the time steps, the state stays finite.
+// Each knot is a damped harmonic oscillator about its place in the pose or, in wind, about the place where
+// the wind holds it. Keeps no pointer to its asset. Only create() allocates. Not thread-safe: use a spring on
+// one thread at a time. Different springs may be used on different threads at the same time. Functions that
+// return a Result return kMisuse, with nothing changed, for a part that does not exist, a pose or asset that
+// does not fit, and numbers that are not finite. The state stays finite for any pushes and time steps.
 class Spring {
  public:
-  // At rest, in still air. kMisuse for settings out of their ranges, kOutOfMemory.
-  static Result<Spring> create(const Asset& asset, const SpringSettings& settings = {}, const Allocator& allocator = {});
+  // A spring at rest, without wind. kMisuse for settings out of range; kOutOfMemory.
+  static Result<Spring> create(const Asset& asset, const SpringSettings& settings = {},
+                               const Allocator& allocator = {});
   Spring(Spring&&) noexcept = default;
   Spring& operator=(Spring&&) noexcept = default;
 
   int parts() const { return static_cast<int>(bodies_.size()); }
-  // The state of a part's knots; empty for a part that is not there.
+  // The state of the knots of a part. Empty for a part that does not exist.
   std::span<const Swing> knots(int part) const;
-  void reset();  // at rest, in still air
+  void reset();  // to rest, without wind
 
-  // A blow: changes the velocity of the part's free end by `velocity` (voxels per second, part space) and that of the other knots as much less as a
-  // beam under an even load bends less there. A vector v of the world is inverse(mat3(partToWorld(instance, part))) * v in part space.
-  // The swing that follows carries no knot farther than `reach` from where the wind holds it: what is too much is taken off.
+  // A blow: adds `velocity` (voxels per second, part space) to the free end of the part, and less to the
+  // other knots, in proportion to the bend of a beam under an even load. A world vector v is
+  // inverse(mat3(partToWorld(instance, part))) * v in part space. The velocity is cut so that no knot swings
+  // farther than `reach` from where the wind holds it.
   Result<void> push(int part, const glm::vec3& velocity);
-  // Wind, from now on: what it would accelerate the free end by if nothing held it (voxels per second squared, part space). It leans the free end by
-  // acceleration / (2 pi frequency)^2, at most `reach`. Set it each frame for gusts.
+  // Wind from now on: the acceleration that it would give the free end if nothing held it (voxels per second
+  // squared, part space). It leans the free end by acceleration / (2 pi frequency)^2, at most `reach`. For
+  // gusts, set it each frame.
   Result<void> setWind(int part, const glm::vec3& acceleration);
-  // The player's body: pushes the middle line of every part out of a sphere (world space), as a beam bends under a load where they touch deepest,
-  // and stops what moves towards it. instance.pose is the pose without the spring, null for rest. What is nearer to the root than a quarter of
-  // the height gives way less than all, and nothing beyond `reach`. A radius of 0 or less touches nothing.
+  // The player's body, a sphere in world space. Pushes the middle line of every part out of it, as a beam
+  // bends under a load at the deepest contact, and stops knots that move towards it. instance.pose is the
+  // pose without the spring; null means rest. The lowest quarter of a part yields only in part, and no knot
+  // moves beyond `reach`. A radius of 0 or less has no effect.
   Result<void> pushAway(const Instance& instance, const glm::vec3& center, float radius);
 
-  // Goes on by `seconds` >= 0. The solution is exact, whatever the step: two half steps are one whole.
+  // Advances the springs by `seconds` >= 0. The solution is exact for any step: two half steps equal one
+  // whole.
   Result<void> step(float seconds);
 
-  // Adds the offsets to the knots' positions, and to their tangents the slopes of the curve through the offsets: none at the root, without
-  // curvature at free ends, so that a rig of two knots bends exactly as a beam loaded at its end. Then pose.clampMonotone(), which has nothing
-  // to do where a monotone pose is pushed sideways.
+  // Adds the offsets to the knots' positions, and the slopes of the curve through the offsets to their
+  // tangents. The slope is 0 at a fixed root, and free ends have no curvature, so a rig of two knots bends
+  // exactly like a beam that is loaded at its end. Then calls pose.clampMonotone(), which changes nothing if
+  // a monotone pose was pushed sideways.
   Result<void> addTo(Pose& pose) const;
 
  private:
-  struct Body {             // of a part
-    std::uint32_t first = 0;  // of its knots
+  struct Body {               // of a part
+    std::uint32_t first = 0;  // the index of its first knot
     std::uint32_t knots = 0;
-    float height = 0;         // voxels
-    glm::vec3 middle{0};      // from the spline to the volume's middle line
-    glm::vec3 lean{0};        // where the wind holds the free end
+    float height = 0;     // voxels
+    glm::vec3 middle{0};  // from the spline to the volume's middle line
+    glm::vec3 lean{0};    // where the wind holds the free end
   };
   Spring() = default;
   bool fits(const Pose& pose) const;
@@ -77,7 +87,8 @@ class Spring {
   float energyOf(const Body& body, std::uint32_t knot) const;
   void limit(const Body& body, std::uint32_t knot, float energy_before);
   void addTo(const Body& body, std::span<Knot> knots) const;
-  void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world, const glm::vec3& center, float radius);
+  void pushAway(const Body& body, const Part& part, std::span<const Knot> pose, const glm::mat4& to_world,
+                const glm::vec3& center, float radius);
 
   SpringSettings settings_;
   float omega_ = 0;  // radians per second

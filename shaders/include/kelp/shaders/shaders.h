@@ -4,15 +4,19 @@
 
 namespace kelp::shaders {
 
-extern const char* const kTrace;     // trace.glsl: the tracing core
-extern const char* const kInstance;  // instance.glsl: where instances, segments and bricks come from on the GPU
-extern const char* const kShading;  // shading.glsl: the material and the normal of a hit
-extern const char* const kSurface;   // surface.glsl: the default look, and KelpSurface
-extern const char* const kScene;     // scene.glsl: rays for a host's own shaders
-extern const char* const kPixel;    // pixel.glsl: the ray of a fragment
-extern const char* const kFog;      // fog.glsl: light through fog
-extern const char* const kVertex;    // draw.vert: rasterises the proxy box of an instance
-extern const char* const kFragment;  // draw.frag: traces, shades, writes depth
+// The tracing core, in this order.
+extern const char* const kSpline;  // spline.glsl: a segment of a part's spline, and normals
+extern const char* const kCurve;   // curve.glsl: a ray as a curve in the volume, and its steps
+extern const char* const kTrace;   // trace.glsl: where a ray first meets a solid voxel
+// instance.glsl: where instances, segments and bricks come from on the GPU
+extern const char* const kInstance;
+extern const char* const kShading;      // shading.glsl: the material and the normal of a hit
+extern const char* const kSurface;      // surface.glsl: the default look, and KelpSurface
+extern const char* const kScene;        // scene.glsl: rays for a host's own shaders
+extern const char* const kPixel;        // pixel.glsl: the ray of a fragment
+extern const char* const kFog;          // fog.glsl: light through fog
+extern const char* const kVertex;       // draw.vert: rasterises the proxy box of an instance
+extern const char* const kFragment;     // draw.frag: traces, shades, writes depth
 extern const char* const kFogFragment;  // fog.frag: draws fog over what is there
 
 }  // namespace kelp::shaders

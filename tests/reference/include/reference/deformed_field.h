@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Ground truth for normals, in double precision and independent of shaders/trace.glsl and of kelp's spline code: an implicit shape, the map
-// that deforms it (straight from the definition of Hermite splines), and the gradient of the deformed field by finite differences, which
-// knows nothing of how normals transform.
+// Ground truth for normals, in double precision and independent of shaders/trace.glsl and of kelp's spline
+// code: an implicit shape, the map that deforms it (straight from the definition of Hermite splines), and the
+// gradient of the deformed field by finite differences, which knows nothing of how normals transform.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +45,8 @@ class SplineMap {
   Place placeOf(double y) const {
     Place place;
     const int last = static_cast<int>(knots_.size()) - 2;
-    while (place.segment < last && y > double{knots_[static_cast<std::size_t>(place.segment) + 1].position.y}) ++place.segment;
+    while (place.segment < last && y > double{knots_[static_cast<std::size_t>(place.segment) + 1].position.y})
+      ++place.segment;
     double low = 0, high = 1;
     while (true) {
       const double middle = 0.5 * (low + high);
@@ -70,15 +71,18 @@ class SplineMap {
 
  private:
   glm::dvec3 spline(int segment, double t) const {
-    const Knot &k0 = knots_[static_cast<std::size_t>(segment)], &k1 = knots_[static_cast<std::size_t>(segment) + 1];
+    const Knot &k0 = knots_[static_cast<std::size_t>(segment)],
+               &k1 = knots_[static_cast<std::size_t>(segment) + 1];
     const double u = 1 - t, share = double{k1.at} - double{k0.at};
     return u * u * (1 + 2 * t) * glm::dvec3(k0.position) + t * u * u * share * glm::dvec3(k0.tangent) +
            t * t * (3 - 2 * t) * glm::dvec3(k1.position) - t * t * u * share * glm::dvec3(k1.tangent);
   }
   glm::dvec3 slope(int segment, double t) const {
-    const Knot &k0 = knots_[static_cast<std::size_t>(segment)], &k1 = knots_[static_cast<std::size_t>(segment) + 1];
+    const Knot &k0 = knots_[static_cast<std::size_t>(segment)],
+               &k1 = knots_[static_cast<std::size_t>(segment) + 1];
     const double u = 1 - t, share = double{k1.at} - double{k0.at};
-    return 6 * t * u * (glm::dvec3(k1.position) - glm::dvec3(k0.position)) + u * (1 - 3 * t) * share * glm::dvec3(k0.tangent) +
+    return 6 * t * u * (glm::dvec3(k1.position) - glm::dvec3(k0.position)) +
+           u * (1 - 3 * t) * share * glm::dvec3(k0.tangent) +
            t * (3 * t - 2) * share * glm::dvec3(k1.tangent);
   }
 
@@ -88,8 +92,9 @@ class SplineMap {
 
 using Field = std::function<double(const glm::dvec3&)>;  // negative inside
 
-// The outward unit normal of the deformed field at p, part space: central differences of two widths, extrapolated. The width follows the
-// distance to the nearest knot, where the map may have a corner of infinite slope; nearer than kRoom there is none to speak of.
+// The outward unit normal of the deformed field at p, part space: central differences of two widths,
+// extrapolated. The width follows the distance to the nearest knot, where the map may have a corner of
+// infinite slope; nearer than kRoom there is none to speak of.
 inline constexpr double kRoom = 1e-3;  // voxels
 inline glm::dvec3 differenceNormal(const Field& field, const SplineMap& map, const glm::dvec3& p) {
   const double width = 1e-3 * std::min(1.0, map.toKnot(p.y));
@@ -121,25 +126,25 @@ inline std::vector<Shape> shapesIn(const glm::ivec3& size) {
     return glm::normalize(glm::dvec3(n(random), n(random), n(random)));
   };
   const double radius = 0.45 * least;
-  Shape sphere{"sphere",
-               [=](const glm::dvec3& q) { return glm::distance(q, centre) - radius; },
+  Shape sphere{"sphere", [=](const glm::dvec3& q) { return glm::distance(q, centre) - radius; },
                [=](std::mt19937& random) { return centre + radius * direction(random); },
                [=](const glm::dvec3& q) { return glm::normalize(q - centre); }};
 
   // A torus that leans, so that it is symmetric to no axis of the map.
   const glm::dvec3 axis = glm::normalize(glm::dvec3(0.4, 1, -0.3));
-  const glm::dvec3 across = glm::normalize(glm::cross(axis, glm::dvec3(1, 0, 0))), beside = glm::cross(axis, across);
+  const glm::dvec3 across = glm::normalize(glm::cross(axis, glm::dvec3(1, 0, 0))),
+                   beside = glm::cross(axis, across);
   const double ring = 0.3 * least, tube = 0.12 * least;
   const auto onRing = [=](const glm::dvec3& q) {
     const glm::dvec3 d = q - centre - glm::dot(q - centre, axis) * axis;
     return centre + ring * glm::normalize(d);
   };
-  Shape torus{"torus",
-              [=](const glm::dvec3& q) { return glm::distance(q, onRing(q)) - tube; },
+  Shape torus{"torus", [=](const glm::dvec3& q) { return glm::distance(q, onRing(q)) - tube; },
               [=](std::mt19937& random) {
                 std::uniform_real_distribution<double> turn(0, 6.283185307179586), unit(0, 1);
                 double b = turn(random);
-                while (unit(random) * (ring + tube) > ring + tube * std::cos(b)) b = turn(random);  // evenly in area
+                // evenly in area
+                while (unit(random) * (ring + tube) > ring + tube * std::cos(b)) b = turn(random);
                 const double a = turn(random);
                 const glm::dvec3 out = std::cos(a) * across + std::sin(a) * beside;
                 return centre + (ring + tube * std::cos(b)) * out + tube * std::sin(b) * axis;
@@ -148,14 +153,14 @@ inline std::vector<Shape> shapesIn(const glm::ivec3& size) {
 
   // Touches all six faces of the box, so that it has normals up to the ends of the map.
   const glm::dvec3 half = 0.499 * glm::dvec3(size);
-  Shape ellipsoid{"ellipsoid",
-                  [=](const glm::dvec3& q) { return glm::length((q - centre) / half) - 1; },
+  Shape ellipsoid{"ellipsoid", [=](const glm::dvec3& q) { return glm::length((q - centre) / half) - 1; },
                   [=](std::mt19937& random) { return centre + half * direction(random); },
                   [=](const glm::dvec3& q) { return glm::normalize((q - centre) / (half * half)); }};
   return {sphere, torus, ellipsoid};
 }
 
-// Degrees between two vectors of any length; 90 for a zero vector, which says nothing. Exact for small angles too.
+// Degrees between two vectors of any length; 90 for a zero vector, which says nothing. Exact for small angles
+// too.
 inline double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
   if (!(glm::dot(a, a) > 0) || !(glm::dot(b, b) > 0)) return 90;
   const glm::dvec3 u = glm::normalize(a), v = glm::normalize(b);

@@ -22,7 +22,8 @@ struct Truth {
   bool grazing() const { return possible && !owed; }
 };
 
-Truth truthOf(const Volume& volume, std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s_max);
+Truth truthOf(const Volume& volume, std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r,
+              double s_max);
 
 enum class Verdict { kRight, kMissed, kFalse };
 

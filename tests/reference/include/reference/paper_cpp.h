@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// shaders/reference/paper.glsl compiled as C++ with GLM, over a dense volume: the method as published, for tests. Include from .cpp files only.
+// shaders/reference/paper.glsl compiled as C++ with GLM, over a dense volume: the method as published, for
+// tests. Include from .cpp files only.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,10 @@ struct PaperContext {
 };
 
 inline float fetchDistance(const PaperContext& context, glm::ivec3 v) {
-  return context.distance[static_cast<std::size_t>(v.x) + static_cast<std::size_t>(context.size.x) * (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(context.size.y) * static_cast<std::size_t>(v.z))];
+  return context.distance[static_cast<std::size_t>(v.x) +
+                          static_cast<std::size_t>(context.size.x) *
+                              (static_cast<std::size_t>(v.y) +
+                               static_cast<std::size_t>(context.size.y) * static_cast<std::size_t>(v.z))];
 }
 
 }  // namespace kelp::reference

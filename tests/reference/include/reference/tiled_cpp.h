@@ -26,10 +26,14 @@ KelpSegment segmentOf(const Context& context, int i);
 inline uint fetchCell(const Context& context, ivec3 brick) {
   const TrialVolume& v = context.volume;
   const ivec3 at = v.first_brick + brick % v.tile_bricks;
-  return v.level.cells[static_cast<std::size_t>(at.x) + static_cast<std::size_t>(v.grid.x) * (static_cast<std::size_t>(at.y) + static_cast<std::size_t>(v.grid.y) * static_cast<std::size_t>(at.z))];
+  return v.level.cells[static_cast<std::size_t>(at.x) +
+                       static_cast<std::size_t>(v.grid.x) *
+                           (static_cast<std::size_t>(at.y) +
+                            static_cast<std::size_t>(v.grid.y) * static_cast<std::size_t>(at.z))];
 }
 inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
-  return context.volume.level.codes[std::size_t{brick - 1u} * 512u + static_cast<std::size_t>(codeIndex(voxel))];
+  return context.volume.level
+      .codes[std::size_t{brick - 1u} * 512u + static_cast<std::size_t>(codeIndex(voxel))];
 }
 
 #define KELP_FN inline
@@ -49,6 +53,10 @@ inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
 #define KELP_BRICK_ABOVE(k, v) 0u
 #define KELP_CODE(k, brick, v) fetchCode(kelp_context, brick, v)
 
+#include "spline.glsl"
+// After spline.glsl.
+#include "curve.glsl"
+// After both.
 #include "trace.glsl"
 
 #undef KELP_FN

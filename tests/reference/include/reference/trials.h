@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Many awkward rays through a posed volume: trace.glsl, compiled as C++, judged by the ground truth. For tests and for long runs.
+// Many awkward rays through a posed volume: trace.glsl, compiled as C++, judged by the ground truth. For
+// tests and for long runs.
 #pragma once
 
 #include <array>
@@ -12,7 +13,8 @@
 
 namespace kelp::reference {
 
-// A volume with what trace.glsl reads. A tiled one repeats a small pattern, so that it may be larger than any memory.
+// A volume with what trace.glsl reads. A tiled one repeats a small pattern, so that it may be larger than any
+// memory.
 struct TrialVolume {
   std::string name;
   glm::ivec3 size{0};
@@ -41,13 +43,13 @@ struct TrialTally {
   std::uint64_t depth_off = 0;  // hits, not grazing, more than half a voxel from the truth
   std::uint64_t steps = 0, outside = 0;
   int steps_max = 0;
-  std::string first_failure;    // the first ray that was judged wrong, to be traced again
+  std::string first_failure;  // the first ray that was judged wrong, to be traced again
 
   void add(const TrialTally& more);
 };
 
-// Rays of every kind: any direction, along the spline, exactly and nearly horizontal, along an axis, from inside, at the ends, close past solid voxels, (nearly)
-// horizontal close to a knot.
+// Rays of every kind: any direction, along the spline, exactly and nearly horizontal, along an axis, from
+// inside, at the ends, close past solid voxels, (nearly) horizontal close to a knot.
 inline constexpr int kRayKinds = 9;
 TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, unsigned seed);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether a test should try all that it can: with KELP_ALL_TESTS set, as tests/run.sh --all does. Without, it takes some of it, a few seconds' worth.
+// Whether a test should try all that it can: with KELP_ALL_TESTS set, as tests/run.sh --all does. Without, it
+// takes some of it, a few seconds' worth.
 #pragma once
 
 #include <cstdlib>
@@ -8,7 +9,8 @@ namespace kelp::test {
 
 inline bool allTests() { return std::getenv("KELP_ALL_TESTS") != nullptr; }
 
-// Under a sanitizer, where everything takes several times as long, tests of many like cases try a share of them: run.sh has another preset that tries them all.
+// Under a sanitizer, where everything takes several times as long, tests of many like cases try a share of
+// them: run.sh has another preset that tries them all.
 #if defined(__has_feature)
 constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
 #else

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// An OpenGL that does nothing, of any version and any limits: what kelp allocates and lays out, without a driver's own doings.
+// An OpenGL that does nothing, of any version and any limits: what kelp allocates and lays out, without a
+// driver's own doings.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +12,20 @@ struct FakeGl {
   const char* version = "OpenGL ES 3.0 fake";
   int max_texture_size = 2048;  // what OpenGL ES 3.0 guarantees
   int max_array_layers = 256;
-  bool out_of_memory = false;   // glGetError says so
-  int depth_bits = 0;           // of the framebuffer that is bound; 0: it has no depth
-  long names_made = 0;          // by all glGen*
-  long storage_made = 0;        // calls of glTexImage2D and glTexImage3D
+  bool out_of_memory = false;  // glGetError says so
+  int depth_bits = 0;          // of the framebuffer that is bound; 0: it has no depth
+  long names_made = 0;         // by all glGen*
+  long storage_made = 0;       // calls of glTexImage2D and glTexImage3D
 
-  // If set before a renderer is created, textures of 32-bit words hold what is uploaded, and an upload beyond its texture ends the program.
+  // If set before a renderer is created, textures of 32-bit words hold what is uploaded, and an upload beyond
+  // its texture ends the program.
   bool keeps_texels = false;
   struct Texture {
     int width = 0, height = 0, layers = 0;
     int texel_words = 0;
     std::vector<std::uint32_t> words;  // texel by texel, row by row, layer by layer
   };
-  std::vector<Texture> textures;           // by their names
+  std::vector<Texture> textures;             // by their names
   std::uint32_t bound = 0, bound_array = 0;  // the last, whatever the unit: for uploads, which follow it
   // The pool of the voxels of the renderer that was created last.
   const Texture& pool() const;

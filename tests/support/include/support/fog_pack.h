@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Packs of fog made in memory, and what a ray through one must see: double precision, small constant steps, the map solved anew at every sample.
+// Packs of fog made in memory, and what a ray through one must see: double precision, small constant steps,
+// the map solved anew at every sample.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +19,14 @@ using FogShape = std::function<double(const glm::dvec3&)>;
 
 // Round puffs with edges that fade.
 inline double puffs(const glm::dvec3& p) {
-  constexpr double kPuffs[4][4] = {{0.5, 0.25, 0.5, 0.24}, {0.35, 0.55, 0.6, 0.2}, {0.68, 0.6, 0.4, 0.17}, {0.5, 0.84, 0.5, 0.13}};
+  constexpr double kPuffs[4][4] = {
+      {0.5, 0.25, 0.5, 0.24}, {0.35, 0.55, 0.6, 0.2}, {0.68, 0.6, 0.4, 0.17}, {0.5, 0.84, 0.5, 0.13}};
   double sum = 0;
   for (const auto& puff : kPuffs) {
     const double away = glm::distance(p, glm::dvec3(puff[0], puff[1], puff[2])) / puff[3];
-    sum += away < 1 ? (1 - away * away) * (0.6 + 0.4 * std::sin(23 * p.x) * std::sin(31 * p.y) * std::cos(19 * p.z)) : 0;
+    sum += away < 1 ? (1 - away * away) *
+                          (0.6 + 0.4 * std::sin(23 * p.x) * std::sin(31 * p.y) * std::cos(19 * p.z))
+                    : 0;
   }
   return std::clamp(sum, 0.0, 1.0);
 }
@@ -42,11 +46,13 @@ inline fields::FogSamples fogOf(const glm::ivec3& size, const FogShape& density,
 
 // One part, placed as partOf's. extinction: optical depth of a voxel's edge where the density is 1.
 inline RawPack fogPack(fields::FogSamples fog, float extinction, std::vector<Knot> knots = {}) {
-  RawPack pack = packOf({glm::ivec3(8, fog.size.y, 8), std::vector<std::uint8_t>(static_cast<std::size_t>(64 * fog.size.y), 1)});
+  RawPack pack = packOf({glm::ivec3(8, fog.size.y, 8),
+                         std::vector<std::uint8_t>(static_cast<std::size_t>(64 * fog.size.y), 1)});
   RawPart& part = pack.parts[0];
   part.size = fog.size;
   const float s = 1.0f / static_cast<float>(fog.size.y);
-  part.to_object[3] = s * glm::vec3(-0.5f * static_cast<float>(fog.size.x), 0, -0.5f * static_cast<float>(fog.size.z));
+  part.to_object[3] =
+      s * glm::vec3(-0.5f * static_cast<float>(fog.size.x), 0, -0.5f * static_cast<float>(fog.size.z));
   part.knots = knots.empty() ? figureKnots(kFigure6[0], fog.size) : std::move(knots);
   part.fog = RawFog{};
   part.fog->color = {0.9f, 0.8f, 0.7f};
@@ -73,18 +79,24 @@ struct FogSight {
 class FogTruth {
  public:
   FogTruth(const RawPart& part, int level)
-      : part_(part), level_(level), samples_(fields::fogSamplesOf(part.levels[static_cast<std::size_t>(level)], levelSize(part.size, level))) {}
+      : part_(part),
+        level_(level),
+        samples_(fields::fogSamplesOf(part.levels[static_cast<std::size_t>(level)],
+                                      levelSize(part.size, level))) {}
 
   // At a place of the undeformed part, level-0 voxels; 0 outside of it.
   double density(const glm::dvec3& rest) const {
     return sample(rest, samples_.density, [](std::uint8_t code) { return double{fogDensity(code)}; });
   }
   double heat(const glm::dvec3& rest) const {
-    return samples_.heat.empty() ? 0 : sample(rest, samples_.heat, [](std::uint8_t code) { return code / 255.0; });
+    return samples_.heat.empty()
+               ? 0
+               : sample(rest, samples_.heat, [](std::uint8_t code) { return code / 255.0; });
   }
 
   // Along o + s r of part space, posed; r is a unit vector. step: of s, level-0 voxels.
-  FogSight look(std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s0, double s1, double step = 1.0 / 32) const {
+  FogSight look(std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s0, double s1,
+                double step = 1.0 / 32) const {
     FogSight sight;
     const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / step)));
     const double ds = (s1 - s0) / steps;
@@ -119,19 +131,23 @@ class FogTruth {
  private:
   static glm::dvec3 hermite(std::span<const Knot> knots, std::size_t i, double t) {
     const double w = double{knots[i + 1].at} - double{knots[i].at};
-    return (2 * t * t * t - 3 * t * t + 1) * glm::dvec3(knots[i].position) + (t * t * t - 2 * t * t + t) * w * glm::dvec3(knots[i].tangent) +
-           (-2 * t * t * t + 3 * t * t) * glm::dvec3(knots[i + 1].position) + (t * t * t - t * t) * w * glm::dvec3(knots[i + 1].tangent);
+    return (2 * t * t * t - 3 * t * t + 1) * glm::dvec3(knots[i].position) +
+           (t * t * t - 2 * t * t + t) * w * glm::dvec3(knots[i].tangent) +
+           (-2 * t * t * t + 3 * t * t) * glm::dvec3(knots[i + 1].position) +
+           (t * t * t - t * t) * w * glm::dvec3(knots[i + 1].tangent);
   }
   glm::dvec3 ramp(double heat) const {
     const double at = heat * (static_cast<double>(part_.fog->ramp.size()) - 1);
     const std::size_t below = std::min(static_cast<std::size_t>(at), part_.fog->ramp.size() - 2);
-    return glm::mix(glm::dvec3(part_.fog->ramp[below]), glm::dvec3(part_.fog->ramp[below + 1]), at - static_cast<double>(below));
+    return glm::mix(glm::dvec3(part_.fog->ramp[below]), glm::dvec3(part_.fog->ramp[below + 1]),
+                    at - static_cast<double>(below));
   }
   template <class Value>
   double sample(const glm::dvec3& rest, const std::vector<std::uint8_t>& codes, Value&& value) const {
     for (int axis = 0; axis < 3; ++axis)
       if (rest[axis] < 0 || rest[axis] > part_.size[axis]) return 0;
-    const glm::dvec3 q = glm::clamp(rest / std::exp2(level_) - 0.5, glm::dvec3(0), glm::dvec3(samples_.size - 1));
+    const glm::dvec3 q =
+        glm::clamp(rest / std::exp2(level_) - 0.5, glm::dvec3(0), glm::dvec3(samples_.size - 1));
     const glm::ivec3 low(glm::floor(q)), high = glm::min(low + 1, samples_.size - 1);
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -142,7 +158,8 @@ class FogTruth {
         at[axis] = up ? high[axis] : low[axis];
         weight[axis] = up ? q[axis] - low[axis] : 1 - (q[axis] - low[axis]);
       }
-      sum += weight.x * weight.y * weight.z * value(codes[static_cast<std::size_t>(at.x + samples_.size.x * (at.y + samples_.size.y * at.z))]);
+      sum += weight.x * weight.y * weight.z *
+             value(codes[static_cast<std::size_t>(at.x + samples_.size.x * (at.y + samples_.size.y * at.z))]);
     }
     return sum;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A small JSON Schema validator (draft 2020-12, the keywords that kelp's schemas use), so that published schemas are tested without a
-// further package. A keyword it does not know is an error: nothing is skipped in silence.
+// A small JSON Schema validator (draft 2020-12, the keywords that kelp's schemas use), so that published
+// schemas are tested without a further package. A keyword it does not know is an error: nothing is skipped in
+// silence.
 #pragma once
 
 #include <algorithm>
@@ -43,12 +44,16 @@ class JsonSchema {
     return "";
   }
 
-  std::string checkKeyword(const Json& schema, const std::string& key, const Json& rule, const Json& v, const std::string& at) const {
+  std::string checkKeyword(const Json& schema, const std::string& key, const Json& rule, const Json& v,
+                           const std::string& at) const {
     if (key[0] == '$' && key != "$ref") return "";
     if (key == "title" || key == "description" || key == "examples" || key == "default") return "";
     if (key == "$ref") return check(root_.at(Json::json_pointer(rule.get<std::string>().substr(1))), v, at);
     if (key == "const") return v == rule ? "" : at + ": is not " + rule.dump();
-    if (key == "enum") return std::find(rule.begin(), rule.end(), v) != rule.end() ? "" : at + ": " + v.dump() + " is none of " + rule.dump();
+    if (key == "enum")
+      return std::find(rule.begin(), rule.end(), v) != rule.end()
+                 ? ""
+                 : at + ": " + v.dump() + " is none of " + rule.dump();
     if (key == "type") {
       if (rule.is_string()) return hasType(v, rule) ? "" : at + ": is no " + rule.get<std::string>();
       for (const Json& type : rule) {
@@ -61,13 +66,24 @@ class JsonSchema {
       for (const Json& option : rule) matches += check(option, v, at).empty() ? 1 : 0;
       return matches == 1 ? "" : at + ": matches " + std::to_string(matches) + " of the options";
     }
-    if (key == "minimum") return !v.is_number() || v.get<double>() >= rule.get<double>() ? "" : at + ": below the minimum";
-    if (key == "maximum") return !v.is_number() || v.get<double>() <= rule.get<double>() ? "" : at + ": above the maximum";
-    if (key == "minLength") return !v.is_string() || v.get_ref<const std::string&>().size() >= rule.get<std::size_t>() ? "" : at + ": too short";
-    if (key == "pattern") return !v.is_string() || std::regex_search(v.get<std::string>(), std::regex(rule.get<std::string>())) ? "" : at + ": does not match";
-    if (key == "minItems") return !v.is_array() || v.size() >= rule.get<std::size_t>() ? "" : at + ": too few items";
-    if (key == "maxItems") return !v.is_array() || v.size() <= rule.get<std::size_t>() ? "" : at + ": too many items";
-    if (key == "minProperties") return !v.is_object() || v.size() >= rule.get<std::size_t>() ? "" : at + ": too few members";
+    if (key == "minimum")
+      return !v.is_number() || v.get<double>() >= rule.get<double>() ? "" : at + ": below the minimum";
+    if (key == "maximum")
+      return !v.is_number() || v.get<double>() <= rule.get<double>() ? "" : at + ": above the maximum";
+    if (key == "minLength")
+      return !v.is_string() || v.get_ref<const std::string&>().size() >= rule.get<std::size_t>()
+                 ? ""
+                 : at + ": too short";
+    if (key == "pattern")
+      return !v.is_string() || std::regex_search(v.get<std::string>(), std::regex(rule.get<std::string>()))
+                 ? ""
+                 : at + ": does not match";
+    if (key == "minItems")
+      return !v.is_array() || v.size() >= rule.get<std::size_t>() ? "" : at + ": too few items";
+    if (key == "maxItems")
+      return !v.is_array() || v.size() <= rule.get<std::size_t>() ? "" : at + ": too many items";
+    if (key == "minProperties")
+      return !v.is_object() || v.size() >= rule.get<std::size_t>() ? "" : at + ": too few members";
     if (key == "required") {
       for (const Json& name : rule) {
         if (v.is_object() && !v.contains(name.get<std::string>())) return at + ": lacks " + name.dump();

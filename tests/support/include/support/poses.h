@@ -36,19 +36,24 @@ inline std::vector<Knot> figureKnots(const FigurePose& pose, const glm::ivec3& s
 
 // A clump of balls: smooth, with gaps and thin necks. Never empty.
 inline fields::Occupancy ballClump(const glm::ivec3& size, int balls, unsigned seed) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int i = 0; i < balls; ++i) {
     glm::vec3 centre;
-    for (const int axis : {2, 1, 0}) centre[axis] = static_cast<float>(size[axis]) * unit(random);  // in this order, whatever the compiler
-    const float radius = (0.04f + 0.14f * unit(random)) * static_cast<float>(std::min({size.x, size.y, size.z}));
+    // in this order, whatever the compiler
+    for (const int axis : {2, 1, 0}) centre[axis] = static_cast<float>(size[axis]) * unit(random);
+    const float radius =
+        (0.04f + 0.14f * unit(random)) * static_cast<float>(std::min({size.x, size.y, size.z}));
     const glm::ivec3 low = glm::max(glm::ivec3(centre - radius), glm::ivec3(0));
     const glm::ivec3 high = glm::min(glm::ivec3(centre + radius), size - 1);
     for (int z = low.z; z <= high.z; ++z)
       for (int y = low.y; y <= high.y; ++y)
         for (int x = low.x; x <= high.x; ++x)
-          if (glm::distance(glm::vec3(x, y, z) + 0.5f, centre) <= radius) volume.solid[volume.index({x, y, z})] = 1;
+          if (glm::distance(glm::vec3(x, y, z) + 0.5f, centre) <= radius)
+            volume.solid[volume.index({x, y, z})] = 1;
   }
   volume.solid[volume.index(size / 2)] = 1;
   return volume;
@@ -56,7 +61,9 @@ inline fields::Occupancy ballClump(const glm::ivec3& size, int balls, unsigned s
 
 // Single voxels, one in `one_in`: what a step that is too long skips first.
 inline fields::Occupancy dust(const glm::ivec3& size, unsigned one_in, unsigned seed) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   std::mt19937 random(seed);
   for (auto& voxel : volume.solid) voxel = random() % one_in == 0;
   volume.solid[volume.index(size / 2)] = 1;
@@ -65,12 +72,16 @@ inline fields::Occupancy dust(const glm::ivec3& size, unsigned one_in, unsigned 
 
 // One-voxel plates and rods, in every direction, also on the faces of the box.
 inline fields::Occupancy platesAndRods(const glm::ivec3& size) {
-  fields::Occupancy volume{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z))};
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
       for (int x = 0; x < size.x; ++x) {
-        const bool plate = (x == size.x / 3 && y % 7 < 4) || (y == size.y - 1 && x % 5 == 0) || (z == size.z / 2 && x > size.x / 2);
-        const bool rod = (x % 11 == 0 && y % 13 == 0) || (y % 17 == 3 && z % 9 == 0) || (x % 19 == 5 && z % 15 == 0);
+        const bool plate = (x == size.x / 3 && y % 7 < 4) || (y == size.y - 1 && x % 5 == 0) ||
+                           (z == size.z / 2 && x > size.x / 2);
+        const bool rod =
+            (x % 11 == 0 && y % 13 == 0) || (y % 17 == 3 && z % 9 == 0) || (x % 19 == 5 && z % 15 == 0);
         volume.solid[volume.index({x, y, z})] = plate || rod;
       }
   return volume;
@@ -79,7 +90,8 @@ inline fields::Occupancy platesAndRods(const glm::ivec3& size) {
 // The surface voxels of a volume with one palette entry and one normal: enough to trace.
 inline std::vector<fields::SurfaceVoxel> plainSurface(const fields::Occupancy& volume) {
   std::vector<fields::SurfaceVoxel> surface;
-  for (const std::uint64_t index : fields::surfaceVoxels(volume, 1)) surface.push_back({index, makeAttribute(0, encodeNormal({0, 1, 0}))});
+  for (const std::uint64_t index : fields::surfaceVoxels(volume, 1))
+    surface.push_back({index, makeAttribute(0, encodeNormal({0, 1, 0}))});
   return surface;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a shape (the
-// emptiness that cells and codes promise is random), they are only well formed.
+// Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a
+// shape (the emptiness that cells and codes promise is random), they are only well formed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -42,7 +42,8 @@ struct RandomPackOptions {
 
 class RandomPack {
  public:
-  explicit RandomPack(std::uint32_t seed, const RandomPackOptions& options = {}) : random_(seed), options_(options) {}
+  explicit RandomPack(std::uint32_t seed, const RandomPackOptions& options = {})
+      : random_(seed), options_(options) {}
 
   RawPack make() {
     RawPack pack;
@@ -86,7 +87,9 @@ class RandomPack {
  private:
   int between(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
   float unit() { return std::uniform_real_distribution<float>(0.0f, 1.0f)(random_); }
-  glm::vec3 vector(float reach) { return {reach * (2 * unit() - 1), reach * (2 * unit() - 1), reach * (2 * unit() - 1)}; }
+  glm::vec3 vector(float reach) {
+    return {reach * (2 * unit() - 1), reach * (2 * unit() - 1), reach * (2 * unit() - 1)};
+  }
 
   void addBrick(RawLevel& level, const glm::ivec3& brick, const glm::ivec3& size, std::size_t palette_size) {
     const float solid = 0.02f + 0.9f * unit();
@@ -102,8 +105,9 @@ class RandomPack {
         level.codes.push_back(kInnerCode);
       } else {
         level.codes.push_back(static_cast<std::uint8_t>(kSurfaceCode + rank++));
-        level.attributes.push_back(makeAttribute(static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1)),
-                                                 static_cast<std::uint32_t>(random_()) & 0xffffffu));
+        level.attributes.push_back(
+            makeAttribute(static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1)),
+                          static_cast<std::uint32_t>(random_()) & 0xffffffu));
       }
     }
   }
@@ -123,7 +127,8 @@ class RandomPack {
     for (int k = 0; k < knots; ++k) {
       const float at = k + 1 == knots ? 1.0f : static_cast<float>(k) / static_cast<float>(knots - 1);
       const glm::vec3 aside = vector(5);
-      part.knots.push_back({at, {aside.x, at * height, aside.z}, {aside.z, height * (0.2f + 2 * unit()), aside.y}});
+      part.knots.push_back(
+          {at, {aside.x, at * height, aside.z}, {aside.z, height * (0.2f + 2 * unit()), aside.y}});
     }
     const int levels = between(1, options_.max_levels);
     for (int level = 0; level < levels; ++level) {
@@ -140,21 +145,24 @@ class RandomPack {
       const int part = between(0, static_cast<int>(parts.size()) - 1);
       const int knot = between(0, static_cast<int>(parts[static_cast<std::size_t>(part)].knots.size()) - 1);
       clip.waves.push_back({static_cast<std::uint32_t>(part), static_cast<std::uint32_t>(knot),
-                            unit() < 0.5f ? Target::kKnotOffset : Target::kKnotTangent, vector(3), 0.1f + unit(), unit()});
+                            unit() < 0.5f ? Target::kKnotOffset : Target::kKnotTangent, vector(3),
+                            0.1f + unit(), unit()});
     }
     for (int i = between(0, 4); i > 0; --i) {
       RawTrack track;
       track.part = static_cast<std::uint32_t>(between(0, static_cast<int>(parts.size()) - 1));
       track.target = static_cast<Target>(between(0, 4));
       if (track.target <= Target::kKnotTangent) {
-        track.knot = static_cast<std::uint32_t>(between(0, static_cast<int>(parts[track.part].knots.size()) - 1));
+        track.knot =
+            static_cast<std::uint32_t>(between(0, static_cast<int>(parts[track.part].knots.size()) - 1));
       }
       track.interpolation = static_cast<Interpolation>(between(0, 2));
       float time = unit();
       for (int key = between(1, 4); key > 0; --key, time += 0.01f + unit()) {
         Key k;
         k.time = time;
-        k.value = track.target == Target::kPartRotation ? glm::vec4(0.6f, 0, 0, 0.8f) : glm::vec4(vector(2), 0);
+        k.value =
+            track.target == Target::kPartRotation ? glm::vec4(0.6f, 0, 0, 0.8f) : glm::vec4(vector(2), 0);
         if (track.interpolation == Interpolation::kCubic) k.in = k.out = glm::vec4(vector(1), 0);
         track.keys.push_back(k);
       }

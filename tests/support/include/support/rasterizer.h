@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The plainest picture of triangles: orthographic, a z-buffer, double precision. What pictures of voxels are compared with.
+// The plainest picture of triangles: orthographic, a z-buffer, double precision. What pictures of voxels are
+// compared with.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,8 @@ struct OrthographicCamera {
   int width = 0, height = 0;
 
   // Sees the box [low, high] from a direction given in degrees, with a margin.
-  static OrthographicCamera around(const glm::dvec3& low, const glm::dvec3& high, double yaw, double pitch, int side) {
+  static OrthographicCamera around(const glm::dvec3& low, const glm::dvec3& high, double yaw, double pitch,
+                                   int side) {
     OrthographicCamera c;
     const double a = glm::radians(yaw), b = glm::radians(pitch);
     c.forward = -glm::dvec3(std::sin(a) * std::cos(b), std::sin(b), std::cos(a) * std::cos(b));
@@ -27,14 +29,17 @@ struct OrthographicCamera {
     c.up = glm::cross(c.right, c.forward);
     c.centre = 0.5 * (low + high);
     const glm::dvec3 half = 0.5 * (high - low);
-    const auto reach = [&](const glm::dvec3& d) { return std::abs(d.x) * half.x + std::abs(d.y) * half.y + std::abs(d.z) * half.z; };
+    const auto reach = [&](const glm::dvec3& d) {
+      return std::abs(d.x) * half.x + std::abs(d.y) * half.y + std::abs(d.z) * half.z;
+    };
     c.pixel = 2.1 * std::max(reach(c.right), reach(c.up)) / side;
     c.width = c.height = side;
     return c;
   }
   double depthRange(const glm::dvec3& low, const glm::dvec3& high) const { return glm::length(high - low); }
   glm::dvec3 pixelOrigin(int x, int y, double back) const {
-    return centre + (x + 0.5 - 0.5 * width) * pixel * right + (0.5 * height - y - 0.5) * pixel * up - back * forward;
+    return centre + (x + 0.5 - 0.5 * width) * pixel * right + (0.5 * height - y - 0.5) * pixel * up -
+           back * forward;
   }
 };
 
@@ -48,11 +53,14 @@ class Rasterizer {
     bool hit() const { return std::isfinite(depth); }
   };
 
-  explicit Rasterizer(const OrthographicCamera& camera) : camera_(camera), pixels_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)) {}
+  explicit Rasterizer(const OrthographicCamera& camera)
+      : camera_(camera),
+        pixels_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)) {}
 
-  // Draws the triangle with the number that pixels then name; u0..u2 are weights that a subdivided triangle hands on.
-  void draw(std::uint32_t number, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec2& wa = {0, 0}, const glm::dvec2& wb = {1, 0},
-            const glm::dvec2& wc = {0, 1}) {
+  // Draws the triangle with the number that pixels then name; u0..u2 are weights that a subdivided triangle
+  // hands on.
+  void draw(std::uint32_t number, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+            const glm::dvec2& wa = {0, 0}, const glm::dvec2& wb = {1, 0}, const glm::dvec2& wc = {0, 1}) {
     const glm::dvec3 pa = project(a), pb = project(b), pc = project(c);
     const double area = (pb.x - pa.x) * (pc.y - pa.y) - (pb.y - pa.y) * (pc.x - pa.x);
     if (area == 0) return;
@@ -65,7 +73,8 @@ class Rasterizer {
         const double u = ((x - pa.x) * (pc.y - pa.y) - (y - pa.y) * (pc.x - pa.x)) / area;
         const double v = ((pb.x - pa.x) * (y - pa.y) - (pb.y - pa.y) * (x - pa.x)) / area;
         if (u < -1e-9 || v < -1e-9 || u + v > 1 + 1e-9) continue;
-        Pixel& pixel = pixels_[static_cast<std::size_t>(x) + static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(y)];
+        Pixel& pixel = pixels_[static_cast<std::size_t>(x) +
+                               static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(y)];
         const double depth = pa.z + u * (pb.z - pa.z) + v * (pc.z - pa.z);
         if (depth >= pixel.depth) continue;
         const glm::dvec2 w = wa + u * (wb - wa) + v * (wc - wa);
@@ -74,12 +83,16 @@ class Rasterizer {
     }
   }
 
-  const Pixel& at(int x, int y) const { return pixels_[static_cast<std::size_t>(x) + static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(y)]; }
+  const Pixel& at(int x, int y) const {
+    return pixels_[static_cast<std::size_t>(x) +
+                   static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(y)];
+  }
 
  private:
   glm::dvec3 project(const glm::dvec3& p) const {
     const glm::dvec3 d = p - camera_.centre;
-    return {glm::dot(d, camera_.right) / camera_.pixel + 0.5 * camera_.width - 0.5, 0.5 * camera_.height - 0.5 - glm::dot(d, camera_.up) / camera_.pixel,
+    return {glm::dot(d, camera_.right) / camera_.pixel + 0.5 * camera_.width - 0.5,
+            0.5 * camera_.height - 0.5 - glm::dot(d, camera_.up) / camera_.pixel,
             glm::dot(d, camera_.forward)};
   }
 

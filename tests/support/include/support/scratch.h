@@ -14,12 +14,14 @@
 
 namespace kelp::test {
 
-// A folder that no other object has, of this process or of any beside it (ctest runs many at once); gone with the object.
+// A folder that no other object has, of this process or of any beside it (ctest runs many at once); gone with
+// the object.
 class Scratch {
  public:
   Scratch() {
     static std::atomic<int> count{0};
-    folder_ = std::filesystem::temp_directory_path() / ("kelp_test_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+    folder_ = std::filesystem::temp_directory_path() /
+              ("kelp_test_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
     std::filesystem::create_directories(folder_);
   }
   ~Scratch() {
@@ -36,7 +38,8 @@ class Scratch {
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path.parent_path());
-    std::filesystem::remove(path);  // writing over a file waits for the disk; some tests do thousands of times
+    // writing over a file waits for the disk; some tests do thousands of times
+    std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary).write(content.data(), static_cast<std::streamsize>(content.size()));
     return path;
   }

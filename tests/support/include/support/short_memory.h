@@ -40,11 +40,13 @@ struct ShortMemory {
   }
 };
 
-// What Limits (kelp/formats/pack.h) promise of a file of so many bytes: for an open pack, one of its grids and one of its pages together.
+// What Limits (kelp/formats/pack.h) promise of a file of so many bytes: for an open pack, one of its grids
+// and one of its pages together.
 inline std::uint64_t mostMemory(const Limits& limits, std::uint64_t file_bytes) {
   constexpr std::uint64_t kQuarter = std::uint64_t{1} << 18;
   const std::uint64_t decoded = std::min(limits.max_decoded_bytes, 32768 * file_bytes);
-  return 2 * limits.max_metadata_bytes + 2 * file_bytes + kQuarter + decoded * 9 / 4 + file_bytes + kQuarter + 2 * kQuarter;
+  return 2 * limits.max_metadata_bytes + 2 * file_bytes + kQuarter + decoded * 9 / 4 + file_bytes + kQuarter +
+         2 * kQuarter;
 }
 
 }  // namespace kelp::test

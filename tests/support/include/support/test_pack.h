@@ -15,7 +15,8 @@
 
 namespace kelp::test {
 
-// All levels of a volume, every surface voxel with palette entry `material` and a normal away from the volume's centre.
+// All levels of a volume, every surface voxel with palette entry `material` and a normal away from the
+// volume's centre.
 inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t material = 0) {
   std::vector<RawLevel> levels;
   while (true) {
@@ -31,7 +32,9 @@ inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t mat
     const auto sx = static_cast<std::uint64_t>(volume.size.x);
     const auto sy = static_cast<std::uint64_t>(volume.size.y);
     for (const std::uint64_t i : indices) {
-      const glm::vec3 centre = glm::vec3(static_cast<float>(i % sx), static_cast<float>(i / sx % sy), static_cast<float>(i / sx / sy)) + 0.5f;
+      const glm::vec3 centre = glm::vec3(static_cast<float>(i % sx), static_cast<float>(i / sx % sy),
+                                         static_cast<float>(i / sx / sy)) +
+                               0.5f;
       surface.push_back({i, makeAttribute(material, encodeNormal(centre - 0.5f * glm::vec3(volume.size)))});
     }
     levels.push_back(fields::buildLevel(volume, surface, 1));
@@ -41,13 +44,15 @@ inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t mat
 }
 
 // A part in metres: one metre high, standing on the origin, centred in x and z.
-inline RawPart partOf(const fields::Occupancy& volume, std::vector<Knot> knots, const std::string& name = "part") {
+inline RawPart partOf(const fields::Occupancy& volume, std::vector<Knot> knots,
+                      const std::string& name = "part") {
   RawPart part;
   part.name = name;
   part.size = volume.size;
   const float s = 1.0f / static_cast<float>(volume.size.y);
-  part.to_object = glm::mat4x3(glm::vec3(s, 0, 0), glm::vec3(0, s, 0), glm::vec3(0, 0, s),
-                               s * glm::vec3(-0.5f * static_cast<float>(volume.size.x), 0, -0.5f * static_cast<float>(volume.size.z)));
+  part.to_object = glm::mat4x3(
+      glm::vec3(s, 0, 0), glm::vec3(0, s, 0), glm::vec3(0, 0, s),
+      s * glm::vec3(-0.5f * static_cast<float>(volume.size.x), 0, -0.5f * static_cast<float>(volume.size.z)));
   part.knots = std::move(knots);
   part.levels = levelsOf(volume);
   return part;
@@ -71,7 +76,8 @@ inline std::vector<std::byte> bytesOf(const RawPack& pack) {
 inline RawPack packOf(const fields::Occupancy& volume, std::vector<Knot> knots = {}) {
   RawPack pack;
   pack.info_json = "{}";
-  pack.palette = {Material{{0.8f, 0.4f, 0.1f, 1}, {0, 0, 0}, 0, 0.7f}, Material{{0.1f, 0.6f, 0.2f, 1}, {0, 0, 0}, 0, 1}};
+  pack.palette = {Material{{0.8f, 0.4f, 0.1f, 1}, {0, 0, 0}, 0, 0.7f},
+                  Material{{0.1f, 0.6f, 0.2f, 1}, {0, 0, 0}, 0, 1}};
   if (knots.empty()) knots = figureKnots(kFigure6[0], volume.size);
   pack.parts.push_back(partOf(volume, std::move(knots)));
   return pack;

@@ -13,7 +13,8 @@ inline trace::Level tracedLevel(const RawLevel& level, const glm::ivec3& size) {
   out.cells = level.cells.data();
   out.grid = brickGrid(size);
   out.brick = [](const void* user, std::uint32_t cell) -> const std::uint8_t* {
-    return static_cast<const RawLevel*>(user)->codes.data() + std::size_t{cell & kCellSlotMask} * kBrickVoxels;
+    return static_cast<const RawLevel*>(user)->codes.data() +
+           std::size_t{cell & kCellSlotMask} * kBrickVoxels;
   };
   out.user = &level;
   return out;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Exact Euclidean distance transform, clearance, empty boxes and levels of voxel volumes. The baker computes with it, kelp-dump
-// verifies with it. Every function gives the same result for any number of threads, with or without SIMD. Arrays are dense, x
-// fastest, then y, then z.
+// Exact Euclidean distance transform, clearance, empty boxes and levels of voxel volumes. The baker computes
+// with it, kelp-dump verifies with it. Every function gives the same result for any number of threads, with
+// or without SIMD. Arrays are dense, x fastest, then y, then z.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "kelp/common/dense_index.h"
 #include "kelp/formats/raw_pack.h"
 
 namespace kelp::fields {
@@ -24,42 +25,46 @@ struct Occupancy {
   glm::ivec3 size{0};
   std::vector<std::uint8_t> solid;
 
-  std::size_t index(const glm::ivec3& v) const {
-    return static_cast<std::size_t>(v.x) +
-           static_cast<std::size_t>(size.x) *
-               (static_cast<std::size_t>(v.y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(v.z));
-  }
+  std::size_t index(const glm::ivec3& v) const { return denseIndex(size, v); }
 };
 
-// squared[i] = squared distance, in voxels, from the centre of voxel i to the centre of the nearest voxel whose `set` is not 0;
-// exact. Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al. 2003, in integers. Throws
-// std::invalid_argument on sizes that do not match or exceed kMaxSide.
-void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, std::span<std::uint32_t> squared, int threads);
+// squared[i] = squared distance, in voxels, from the centre of voxel i to the centre of the nearest voxel
+// whose `set` is not 0; exact. Separable lower envelopes after Felzenszwalb and Huttenlocher / Maurer et al.
+// 2003, in integers. Throws std::invalid_argument on sizes that do not match or exceed kMaxSide.
+void squaredDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                     std::span<std::uint32_t> squared, int threads);
 
-// The same for voxels of `spacing` along x, y and z, in any unit: the index (x + size.x (y + size.y z)) of a set voxel whose centre is nearest to voxel
-// i's, to the rounding of doubles where two are as near; kNoFeature if none is set. Plain loops on `threads` threads. Throws std::invalid_argument as above, for
+// The same for voxels of `spacing` along x, y and z, in any unit: the index (x + size.x (y + size.y z)) of a
+// set voxel whose centre is nearest to voxel i's, to the rounding of doubles where two are as near;
+// kNoFeature if none is set. Plain loops on `threads` threads. Throws std::invalid_argument as above, for
 // spacings that are not above 0 and finite, and for volumes of 2^32 - 1 voxels and more.
-std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
+std::vector<std::uint32_t> nearestSet(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                                      const glm::dvec3& spacing, int threads);
 
-// The distance to it, in the unit of `spacing`; infinite if no voxel is set, 0 for set ones. Of cubes it is the root of squaredDistance, as fast.
-std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
+// The distance to it, in the unit of `spacing`; infinite if no voxel is set, 0 for set ones. Of cubes it is
+// the root of squaredDistance, as fast.
+std::vector<float> distance(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                            const glm::dvec3& spacing, int threads);
 
 // The same, and for set voxels minus the distance to the nearest voxel that is not set, infinite if all are.
-std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size, const glm::dvec3& spacing, int threads);
+std::vector<float> signedDistance(std::span<const std::uint8_t> set, const glm::ivec3& size,
+                                  const glm::dvec3& spacing, int threads);
 
 // Occupancy dilated by one voxel in the 26-neighbourhood, clipped to the volume.
 std::vector<std::uint8_t> dilate26(const Occupancy& occupancy, int threads);
 
-// Squared clearance of every voxel: for empty voxels the squared distance between its closed cube and the nearest solid closed
-// cube, in voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid. Equals squaredDistance of dilate26.
+// Squared clearance of every voxel: for empty voxels the squared distance between its closed cube and the
+// nearest solid closed cube, in voxels, an integer; 0 for solid voxels too; kNoFeature when nothing is solid.
+// Equals squaredDistance of dilate26.
 std::vector<std::uint32_t> squaredClearance(const Occupancy& occupancy, int threads);
 
-// floor(scale * sqrt(squared)), exact: clearance in 1/scale voxel; cells hold it with scale = 1 (brick.h). Throws
-// std::invalid_argument above kMaxClearanceScale, where the result may no longer fit.
+// floor(scale * sqrt(squared)), exact: clearance in 1/scale voxel; cells hold it with scale = 1 (brick.h).
+// Throws std::invalid_argument above kMaxClearanceScale, where the result may no longer fit.
 inline constexpr std::uint32_t kMaxClearanceScale = 65535;
 std::uint32_t quantizedClearance(std::uint32_t squared, std::uint32_t scale);
 
-// A surface voxel with its attribute. Lists are sorted by index (x + size.x (y + size.y z)), each at most once.
+// A surface voxel with its attribute. Lists are sorted by index (x + size.x (y + size.y z)), each at most
+// once.
 struct SurfaceVoxel {
   std::uint64_t index = 0;
   std::uint32_t attribute = 0;
@@ -71,11 +76,13 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
 Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 
-// Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels that get an attribute,
-// all solid. Throws std::invalid_argument if nothing is solid or `surface` does not fit.
+// Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels
+// that get an attribute, all solid. Throws std::invalid_argument if nothing is solid or `surface` does not
+// fit.
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
-// The occupancy that a level's cells and codes hold (the inverse of buildLevel, for checks). Throws on slots out of range.
+// The occupancy that a level's cells and codes hold (the inverse of buildLevel, for checks). Throws on slots
+// out of range.
 Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size);
 
 // Samples of one level of fog: codes as kelp/formats/fog.h has them, dense. Heat may be empty.
@@ -87,19 +94,21 @@ struct FogSamples {
 // The cubes between samples, 1 where one is not clear.
 Occupancy fogCubes(const FogSamples& fog, int threads);
 
-// Cells and samples of one level of fog, but for its extinction. Throws std::invalid_argument if all is clear or sizes do not match.
+// Cells and samples of one level of fog, but for its extinction. Throws std::invalid_argument if all is clear
+// or sizes do not match.
 RawLevel buildFogLevel(const FogSamples& fog, int threads);
 
-// The next coarser level: means over the voxels that each covers, of what is stored. Where anything is, codes are at least 1: what is clear is clear
-// at all finer levels. `extinction` is the finer level's, and becomes the coarser one's: its greatest density has the code 255.
+// The next coarser level: means over the voxels that each covers, of what is stored. Where anything is, codes
+// are at least 1: what is clear is clear at all finer levels. `extinction` is the finer level's, and becomes
+// the coarser one's: its greatest density has the code 255.
 FogSamples coarserFog(const FogSamples& fine, float& extinction, int threads);
 
-// The samples that a level's bricks hold (the inverse of buildFogLevel, for checks). Where two bricks disagree about a sample that they share, the
-// later one counts. Throws on slots out of range.
+// The samples that a level's bricks hold (the inverse of buildFogLevel, for checks). Where two bricks
+// disagree about a sample that they share, the later one counts. Throws on slots out of range.
 FogSamples fogSamplesOf(const RawLevel& level, const glm::ivec3& size);
 
-// Bytes that buildLevel needs at its peak for a volume of `size` voxels of which so many bricks hold something, not counting the occupancy and the
-// surface itself, nor 4 bytes of result for each surface voxel.
+// Bytes that buildLevel needs at its peak for a volume of `size` voxels of which so many bricks hold
+// something, not counting the occupancy and the surface itself, nor 4 bytes of result for each surface voxel.
 std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks);
 
 }  // namespace kelp::fields

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "resident_asset.h"
+
+#include <cstring>
+#include <new>
+
+#include "kelp/formats/fog.h"
+#include "kelp/gl/renderer.h"
+
+namespace kelp::gl {
+namespace {
+
+constexpr std::uint32_t kPaletteWords = 9;
+constexpr std::uint32_t kTableComplete = 0x80000000u;
+
+// What fog's samples mean: shaders/fog.glsl, kelpLoadFog. It comes after the tables of the part's levels.
+std::uint32_t fogWords(const Part& part) {
+  return part.fog ? 6 + static_cast<std::uint32_t>(part.levels) +
+                        3 * static_cast<std::uint32_t>(part.fog->ramp.size())
+                  : 0;
+}
+void writeFog(const Fog& fog, std::span<std::uint32_t> words) {
+  const auto put = [&words](float value) {
+    std::memcpy(words.data(), &value, sizeof value);
+    words = words.subspan(1);
+  };
+  for (const float value : {fog.color.r, fog.color.g, fog.color.b, fog.anisotropy, fog.glow}) put(value);
+  words[0] = static_cast<std::uint32_t>(fog.ramp.size());
+  words = words.subspan(1);
+  for (const float extinction : fog.extinction) put(extinction);
+  for (const glm::vec3& color : fog.ramp) {
+    for (const float value : {color.r, color.g, color.b}) put(value);
+  }
+}
+
+std::uint32_t tableWords(const Part& part) {
+  return kTableWords * static_cast<std::uint32_t>(part.levels) + fogWords(part);
+}
+
+void writePalette(std::span<const Material> palette, std::span<std::uint32_t> tables) {
+  for (std::size_t i = 0; i < palette.size(); ++i) {
+    const Material& m = palette[i];
+    const float entry[kPaletteWords] = {m.base_color.r, m.base_color.g, m.base_color.b,
+                                        m.base_color.a, m.emissive.r,   m.emissive.g,
+                                        m.emissive.b,   m.metallic,     m.roughness};
+    std::memcpy(&tables[kPaletteWords * i], entry, sizeof entry);
+  }
+}
+
+}  // namespace
+
+std::uint64_t cellCount(const glm::ivec3& grid) {
+  return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) *
+         static_cast<std::uint64_t>(grid.z);
+}
+
+float ofPageOrGrid(float priority, std::uint32_t page) {
+  if (page != Pool::Block::kGrid) return priority;
+  return priority > 0 ? 1.5f * priority : priority + 0.5f;
+}
+
+float worthOf(const Pool::Block& block) { return ofPageOrGrid(block.level->worth.value(), block.page); }
+
+ResidentAsset::~ResidentAsset() {
+  for (const ResidentLevel* level : levels) delete level;
+}
+
+std::uint64_t pageEntry(const ResidentLevel& level, std::uint32_t page) {
+  return level.cellsAt() + cellCount(level.grid) + page;
+}
+
+void tableOf(const ResidentLevel& level, std::span<std::uint32_t, kTableWords> words) {
+  std::fill(words.begin(), words.end(), 0u);
+  if (level.grid_row == 0) return;
+  words[0] = static_cast<std::uint32_t>(level.cellsAt());
+  words[1] = static_cast<std::uint32_t>(pageEntry(level, 0));
+  words[2] = static_cast<std::uint32_t>(level.grid.x - 1) |
+             static_cast<std::uint32_t>(level.grid.y - 1) << 10 | (level.complete() ? kTableComplete : 0);
+}
+
+Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, const Allocator& allocator,
+                                                Buffer<std::uint32_t>& tables) {
+  const std::span<const Part> parts = asset.pack().parts();
+  std::unique_ptr<ResidentAsset> fresh(new (std::nothrow) ResidentAsset);
+  if (!fresh) return kNoMemory;
+  fresh->asset = &asset;
+  fresh->watch = asset.watch();
+  fresh->packed = parts;
+  fresh->parts = Buffer<ResidentPart>(allocator);
+  fresh->levels = Buffer<ResidentLevel*>(allocator);
+  const std::span<const Material> palette = asset.pack().palette();
+  const auto palette_words = static_cast<std::uint32_t>(kPaletteWords * palette.size());
+  std::uint32_t levels = 0, table_words = palette_words;
+  for (const Part& part : parts) {
+    levels += static_cast<std::uint32_t>(part.levels);
+    table_words += tableWords(part);
+  }
+  if (!fresh->parts.reset(parts.size()) || !fresh->levels.reset(levels) || !tables.reset(table_words))
+    return kNoMemory;
+  writePalette(palette, tables.span());
+  std::uint32_t next = 0, table = palette_words;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    fresh->parts[p] = {next,
+                       parts[p].levels,
+                       parts[p].levels,
+                       {},
+                       glm::vec4(glm::vec3(parts[p].size), static_cast<float>(parts[p].levels)),
+                       table};
+    for (int l = 0; l < parts[p].levels; ++l, ++next) {
+      auto* const level = new (std::nothrow) ResidentLevel;
+      if (!level) return kNoMemory;
+      level->asset = fresh.get();
+      level->part = static_cast<std::int32_t>(p);
+      level->level = l;
+      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, l)));
+      level->table = table + kTableWords * static_cast<std::uint32_t>(l);
+      level->page_rows = Buffer<std::uint32_t>(allocator);
+      fresh->levels[next] = level;
+    }
+    if (parts[p].fog)
+      writeFog(*parts[p].fog,
+               tables.span().subspan(table + kTableWords * static_cast<std::uint32_t>(parts[p].levels)));
+    table += tableWords(parts[p]);
+  }
+  return fresh;
+}
+
+std::uint64_t poolBytes(const runtime::Asset& asset) {
+  const std::span<const Part> parts = asset.pack().parts();
+  std::uint64_t rows = 0, table_words = kPaletteWords * asset.pack().palette().size();
+  for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
+    table_words += tableWords(parts[static_cast<std::size_t>(p)]);
+    for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) {
+      const runtime::VoxelLevel* level = asset.level(p, l);
+      if (!level) continue;
+      rows += Pool::rowsFor(level->cells.size() + level->pages.size());
+      for (const PageInfo& page : level->pages) rows += Pool::rowsFor(runtime::pageWords(page));
+    }
+  }
+  return (rows + Pool::rowsFor(table_words)) * Pool::kRowBytes;
+}
+
+}  // namespace kelp::gl

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// View: its checks, and the level that it draws at a pixel.
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "detail.h"
+#include "placing.h"
+
+namespace kelp::gl {
+namespace {
+
+constexpr int kMostBatches = 16;
+
+bool isGood(const View& view) {
+  const float length = glm::length(view.sun_direction);
+  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
+         view.smallest_pixels >= 0 && view.shading <= Shading::kSmooth &&
+         view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
+         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 &&
+         view.depth_batches <= kMostBatches;
+}
+
+}  // namespace
+
+Result<void> checkView(const View& view, bool look_is_plain) {
+  if (view.viewport.x <= 0 || view.viewport.y <= 0)
+    return Error{ErrorCode::kMisuse, "the viewport has no pixels; skip frames while the window is minimised"};
+  if (!isGood(view))
+    return Error{ErrorCode::kMisuse,
+                 "the view has a negative number, a sun without direction, an unknown shading, more than 16 "
+                 "occlusion rays, or depth_batches outside 1 .. 16"};
+  if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0))
+    return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Config::secondary_rays"};
+  return {};
+}
+
+int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
+  if (!checkView(view, true)) return -1;
+  const auto camera = makeCamera(view);
+  if (!camera || !instance.asset || part < 0 ||
+      static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
+    return -1;
+  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+  const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
+  if (knots.size() != of.knots.size()) return -1;
+  const glm::mat4 to_world = runtime::partToWorld(instance, part);
+  constexpr glm::mat4x3 kSame(1);
+  const glm::vec4 extent(glm::vec3(of.size), static_cast<float>(of.levels));
+  PosedParts parts;
+  for (int i = 0; i < 8; ++i)
+    parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame,
+    parts.extents[i] = &extent;
+  PlacedParts placed;
+  if (!boundParts(parts, placed)) return -1;
+  placeParts(*camera, parts, placed);
+  if (!placed.invertible) return -1;
+  const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
+  return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);
+}
+
+}  // namespace kelp::gl

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Presets keep their promises on every axis: sideways motion only, provably monotone, seamless, and round
+// trips.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kelp/rig/rig.h"
+
+namespace kelp {
+namespace {
+
+TEST(Presets, AreMonotoneSidewaysAndSeamless) {
+  EXPECT_EQ(presetNames(), (std::vector<std::string>{"none", "sway", "swim"}));
+  EXPECT_FALSE(presetRig("walk"));
+  for (const std::string& name : presetNames()) {
+    for (const auto axis : {std::optional<Axis>{}, std::optional(Axis::kPlusX), std::optional(Axis::kMinusY),
+                            std::optional(Axis::kPlusZ)}) {
+      const auto rig = presetRig(name, axis);
+      ASSERT_TRUE(rig) << name;
+      if (axis) {
+        EXPECT_EQ(rig->axis, axis);
+      }
+      EXPECT_EQ(parseRig(printRig(*rig)), *rig);
+      const glm::ivec3 size(30, 100, 40);
+      const auto knots = realizeKnots(*rig, size);
+      const auto clips = realizeClips(*rig, size, 0);
+      EXPECT_EQ(clips.empty(), name == "none");
+      for (const RawClip& clip : clips) {
+        EXPECT_EQ(clip.name, name);
+        for (const Wave& wave : clip.waves) {
+          EXPECT_NEAR(wave.amplitude.y, 0, 1e-6);
+          const float swings = clip.duration / wave.period;
+          EXPECT_NEAR(swings, std::round(swings), 1e-4) << "the clip does not end where it began";
+        }
+        const ClipReport report = proveClip(clip, 0, knots, size);
+        EXPECT_GT(report.leaves_box, 0.05f);
+        EXPECT_LT(report.leaves_box, 0.35f);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp

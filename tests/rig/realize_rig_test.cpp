@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// From the artist's units to voxels, against numbers worked out by hand.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "kelp/rig/rig.h"
+
+namespace kelp {
+namespace {
+
+constexpr std::array<Axis, 6> kAxes{Axis::kPlusX,  Axis::kMinusX, Axis::kPlusY,
+                                    Axis::kMinusY, Axis::kPlusZ,  Axis::kMinusZ};
+
+glm::vec3 direction(Axis axis) {
+  switch (axis) {
+    case Axis::kPlusX:
+      return {1, 0, 0};
+    case Axis::kMinusX:
+      return {-1, 0, 0};
+    case Axis::kPlusY:
+      return {0, 1, 0};
+    case Axis::kMinusY:
+      return {0, -1, 0};
+    case Axis::kPlusZ:
+      return {0, 0, 1};
+    case Axis::kMinusZ:
+      return {0, 0, -1};
+  }
+  return {};
+}
+
+TEST(Axis, RotationsAreProperAndTurnTheAxisUp) {
+  for (const Axis axis : kAxes) {
+    const glm::mat3 r = axisRotation(axis);
+    EXPECT_EQ(r * direction(axis), glm::vec3(0, 1, 0)) << toString(axis);
+    EXPECT_EQ(glm::determinant(r), 1.0f) << toString(axis);
+    EXPECT_EQ(glm::transpose(r) * r, glm::mat3(1)) << toString(axis);
+    EXPECT_EQ(parseAxis(toString(axis)), axis);
+  }
+  EXPECT_EQ(axisRotation(Axis::kPlusY), glm::mat3(1));
+  EXPECT_EQ(parseAxis("z"), Axis::kPlusZ);
+  for (const char* bad : {"", "+", "w", "+xy", "X", "--x"}) EXPECT_FALSE(parseAxis(bad)) << bad;
+}
+
+TEST(RealizeKnots, TheStraightRigIsStraightToTheLastBit) {
+  for (const Axis axis : kAxes) {
+    RigDescription rig;
+    rig.axis = axis;
+    for (const float at : {0.0f, 0.1f, 1.0f / 3, 0.7f, 1.0f})
+      rig.knots.push_back({at, glm::vec3(0), std::nullopt});
+    for (const Knot& knot : realizeKnots(rig, {10, 97, 20})) {
+      EXPECT_EQ(knot.position, glm::vec3(0, knot.at * 97, 0));
+      EXPECT_EQ(knot.tangent, glm::vec3(0, 97, 0));
+    }
+  }
+  const auto two = realizeKnots({}, {10, 64, 20});
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[1].at, 1.0f);
+  EXPECT_EQ(two[1].position, glm::vec3(0, 64, 0));
+}
+
+TEST(RealizeKnots, PoseOfThePaper) {
+  // Tangents (3,0,1) and (3,0,2), as the paper writes them: no y part.
+  const auto rig =
+      parseRig(R"({"kelp": 1, "knots": [{"at": 0, "tangent": [3, 0, 1]}, {"at": 1, "tangent": [3, 0, 2]}]})");
+  const auto knots = realizeKnots(rig, {50, 100, 60});
+  EXPECT_EQ(knots[0].tangent, glm::vec3(300, 0, 100));
+  EXPECT_EQ(knots[1].tangent, glm::vec3(300, 0, 200));
+  EXPECT_TRUE(checkKnots(knots));
+}
+
+TEST(RealizeKnots, OffsetsAndAutomaticTangentsByHand) {
+  // Axis -x, so that artist (dx, dy, dz) is part (dy, -dx, dz). Slopes: ends one-sided, the middle between
+  // its neighbours.
+  const auto rig = parseRig(
+      R"({"kelp": 1, "axis": "-x", "knots": [{"at": 0}, {"at": 0.25, "offset": [-0.05, 0.1, 0.2]}, {"at": 1, "offset": [0, 0, 0.4]}]})");
+  const auto knots = realizeKnots(rig, {8, 200, 8});
+  const auto expectNear = [](const glm::vec3& a, const glm::vec3& b) {
+    EXPECT_LT(glm::length(a - b), 1e-3f) << a.x << " " << a.y << " " << a.z;
+  };
+  expectNear(knots[1].position, {20, 50 + 10, 40});
+  expectNear(knots[2].position, {0, 200, 80});
+  expectNear(knots[0].tangent, {20 / 0.25f, 60 / 0.25f, 40 / 0.25f});
+  expectNear(knots[1].tangent, {0, 200, 80});
+  expectNear(knots[2].tangent, {-20 / 0.75f, 140 / 0.75f, 40 / 0.75f});
+}
+
+TEST(RealizeClips, WavesAndKeysByHand) {
+  const auto rig = parseRig(R"({"kelp": 1, "axis": "+z", "clips": {
+    "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3, "phase": 0.1}, {"knot": 0, "offset": [1, 0, 0], "period": 5}]},
+    "b": {"interpolation": "cubic", "keys": [
+      {"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0]}, {"time": 3, "knot": 1, "offset": [0.3, 0, 0], "in": [0, 0, 1]},
+      {"time": 0, "translation": [1, 2, 3], "interpolation": "linear"}, {"time": 2, "translation": [4, 5, 6]}]}}})");
+  const auto clips = realizeClips(rig, {8, 100, 8}, 7);
+  ASSERT_EQ(clips.size(), 2u);
+  EXPECT_EQ(clips[0].duration, 5.0f);  // the longest period
+  EXPECT_EQ(clips[0].waves[0].part, 7u);
+  EXPECT_EQ(clips[0].waves[0].knot, 1u);
+  // +z: artist (x, y, z) is part (x, z, -y)
+  EXPECT_EQ(clips[0].waves[0].amplitude, glm::vec3(50, 12.5f, -25));
+  EXPECT_EQ(clips[0].waves[0].period, 3.0f);
+  EXPECT_EQ(clips[0].waves[0].phase, 0.1f);
+
+  EXPECT_EQ(clips[1].duration, 3.0f);  // the last key
+  const auto& keys = clips[1].tracks.at(0).keys;
+  EXPECT_EQ(keys[1].value, glm::vec4(50, 0, 0, 0));
+  EXPECT_FLOAT_EQ(keys[0].out.x, 50);  // one-sided: 50 voxels in 1 s
+  EXPECT_FLOAT_EQ(keys[1].in.x, 10);   // between its neighbours: 30 voxels in 3 s
+  EXPECT_FLOAT_EQ(keys[1].out.x, 10);
+  EXPECT_EQ(keys[2].in, glm::vec4(0, 100, 0, 0));
+  EXPECT_FLOAT_EQ(keys[2].out.x, -10);
+  // Part motion is in the pivot's units: neither scaled nor turned.
+  EXPECT_EQ(clips[1].tracks.at(1).keys[1].value, glm::vec4(4, 5, 6, 0));
+}
+
+TEST(RealizeClips, NeighbouringRotationsTakeTheShortWay) {
+  const auto rig = parseRig(R"({"kelp": 1, "clips": {"c": {"interpolation": "cubic", "keys": [
+    {"time": 0, "rotation": [0, 0, 0, 1]}, {"time": 1, "rotation": [0, -0.6, 0, -0.8]}, {"time": 2, "rotation": [0, -0.8, 0, -0.6]}]}}})");
+  const auto keys = realizeClips(rig, {8, 8, 8}, 0)[0].tracks[0].keys;
+  for (const Key& key : keys) {
+    EXPECT_GE(key.value.w, 0.0f);
+    EXPECT_NEAR(glm::length(key.value), 1, 1e-6);
+  }
+  EXPECT_FLOAT_EQ(keys[1].in.y, 0.4f);
+}
+
+TEST(MergeClips, JoinsByName) {
+  RawClip waves{"idle", 5, {Wave{}}, {}}, tracks{"idle", 2, {}, {RawTrack{}}}, other{"run", 1, {Wave{}}, {}},
+      longer{"idle", 3, {}, {RawTrack{}}};
+  std::vector<RawClip> clips{waves};
+  mergeClips(clips, {tracks, other});
+  ASSERT_EQ(clips.size(), 2u);
+  EXPECT_EQ(clips[0].duration, 2.0f);  // tracks say when the clip repeats
+  EXPECT_EQ(clips[0].waves.size(), 1u);
+  EXPECT_EQ(clips[0].tracks.size(), 1u);
+  mergeClips(clips, {longer});
+  EXPECT_EQ(clips[0].duration, 3.0f);
+  EXPECT_EQ(clips[0].tracks.size(), 2u);
+}
+
+TEST(DescribeRig, IsTheInverseOfRealize) {
+  const auto rig = parseRig(
+      R"({"kelp": 1, "axis": "-z", "knots": [{"at": 0}, {"at": 0.3, "offset": [0.1, 0.02, 0.3]}, {"at": 1, "tangent": [0.5, 0.2, -1]}], "clips": {
+    "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3, "phase": 0.1}]},
+    "b": {"interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0]},
+          {"time": 2, "scale": [1, 1, 2], "interpolation": "step"}]}}})");
+  const glm::ivec3 size(33, 128, 65);
+  const auto knots = realizeKnots(rig, size);
+  auto clips = realizeClips(rig, size, 3);
+  clips.push_back({"of another part", 1, {Wave{}}, {}});
+  const RigDescription described = parseRig(printRig(describeRig(knots, clips, 3, size)));
+  EXPECT_EQ(described.axis, Axis::kPlusY);
+  ASSERT_EQ(described.clips.size(), 2u);
+
+  const auto again = realizeKnots(described, size);
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    EXPECT_LT(glm::length(again[i].position - knots[i].position), 1e-4f);
+    EXPECT_LT(glm::length(again[i].tangent - knots[i].tangent), 1e-4f);
+  }
+  const auto clips_again = realizeClips(described, size, 3);
+  EXPECT_EQ(clips_again[0].duration, clips[0].duration);
+  EXPECT_LT(glm::length(clips_again[0].waves[0].amplitude - clips[0].waves[0].amplitude), 1e-4f);
+  ASSERT_EQ(clips_again[1].tracks.size(), 2u);
+  EXPECT_EQ(clips_again[1].tracks[1].interpolation, Interpolation::kStep);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_LT(glm::length(clips_again[1].tracks[0].keys[k].value - clips[1].tracks[0].keys[k].value), 1e-4f);
+    EXPECT_LT(glm::length(clips_again[1].tracks[0].keys[k].out - clips[1].tracks[0].keys[k].out), 1e-4f);
+  }
+}
+
+// An artist whose file has the spline along another axis gets the rig in that file's axes.
+TEST(DescribeRig, SpeaksOfEveryAxis) {
+  const auto rig = parseRig(
+      R"({"kelp": 1, "axis": "-z", "knots": [{"at": 0}, {"at": 0.25, "offset": [0.125, 0.5, 0.375]}, {"at": 1, "tangent": [0.5, 0.25, -1]}], "clips": {
+    "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3}]},
+    "b": {"interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0.25]}, {"time": 2, "rotation": [0, 0, 0, 1]}]}}})");
+  const glm::ivec3 size(32, 128, 64);
+  const auto knots = realizeKnots(rig, size);
+  const auto clips = realizeClips(rig, size, 0);
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    const RigDescription described = parseRig(printRig(describeRig(knots, clips, 0, size, axis)));
+    EXPECT_EQ(described.axis, axis);
+    const auto again = realizeKnots(described, size);
+    for (std::size_t i = 0; i < knots.size(); ++i)
+      EXPECT_TRUE(again[i].position == knots[i].position && again[i].tangent == knots[i].tangent)
+          << toString(axis);
+    const auto clips_again = realizeClips(described, size, 0);
+    EXPECT_EQ(clips_again[0].waves[0].amplitude, clips[0].waves[0].amplitude);
+    for (std::size_t t = 0; t < clips[1].tracks.size(); ++t)
+      for (std::size_t k = 0; k < clips[1].tracks[t].keys.size(); ++k) {
+        EXPECT_EQ(clips_again[1].tracks[t].keys[k].value, clips[1].tracks[t].keys[k].value);
+        EXPECT_EQ(clips_again[1].tracks[t].keys[k].out, clips[1].tracks[t].keys[k].out);
+      }
+    EXPECT_TRUE(axis != Axis::kMinusZ || described.knots[1].offset == rig.knots[1].offset);
+  }
+}
+
+TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
+  std::vector<RawClip> clips;
+  for (const char* name : {"", "swim", "swim", ""})
+    clips.push_back({name, 1, {Wave{0, 1, Target::kKnotOffset, {1, 0, 0}, 1, 0}}, {}});
+  const auto rig = parseRig(printRig(describeRig(realizeKnots({}, {8, 8, 8}), clips, 0, {8, 8, 8})));
+  std::vector<std::string> names;
+  for (const auto& clip : rig.clips) names.push_back(clip.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));
+}
+
+}  // namespace
+}  // namespace kelp

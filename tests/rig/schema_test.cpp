@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The published schema and the parser speak one language, and the README's examples are part of it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "kelp/rig/rig.h"
+#include "support/json_schema.h"
+
+namespace kelp {
+namespace {
+
+const std::string kFolder = std::string(KELP_SOURCE_DIR) + "/tools/rig_json/";
+
+bool parses(const std::string& text) {
+  try {
+    parseRig(text);
+    return true;
+  } catch (const RigError&) {
+    return false;
+  }
+}
+
+TEST(RigSchema, AcceptsTheExamplesOfTheReadme) {
+  std::ifstream file(kFolder + "README.md");
+  const std::string readme((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const test::JsonSchema schema(kFolder + "rig.schema.json");
+  int examples = 0;
+  for (std::size_t at = readme.find("```json\n"); at != std::string::npos;
+       at = readme.find("```json\n", at + 1)) {
+    const std::string text = readme.substr(at + 8, readme.find("```", at + 8) - at - 8);
+    const RigDescription rig = parseRig(text);
+    EXPECT_EQ(schema.check(nlohmann::json::parse(text)), "") << text;
+    EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(rig))), "") << text;
+    const glm::ivec3 size(64, 128, 64);
+    for (const RawClip& clip : realizeClips(rig, size, 0))
+      EXPECT_NO_THROW(proveClip(clip, 0, realizeKnots(rig, size), size));
+    ++examples;
+  }
+  EXPECT_EQ(examples, 3);
+}
+
+TEST(RigSchema, AgreesWithTheParser) {
+  const test::JsonSchema schema(kFolder + "rig.schema.json");
+  for (const std::string& name : presetNames())
+    EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(*presetRig(name)))), "");
+  const char* const kRefusedByBoth[] = {
+      R"({})",
+      R"({"kelp": 2})",
+      R"({"kelp": 1, "axes": "+x"})",
+      R"({"kelp": 1, "axis": "up"})",
+      R"({"kelp": 1, "knots": [{"at": 0}]})",
+      R"({"kelp": 1, "knots": [{"at": 0}, {"at": 1, "offset": [1, 2]}]})",
+      R"({"kelp": 1, "clips": {"": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 1}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "tangent": [0, 0, 0], "period": 1}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 0}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "period": 1}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"keys": [{"time": 1, "offset": [0, 0, 0]}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"keys": [{"time": 1, "knot": 1, "scale": [0, 0, 0]}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"keys": [{"time": 1, "rotation": [0, 0, 0]}]}}})",
+      R"({"kelp": 1, "clips": {"c": {"keys": [{"time": -1, "knot": 1, "offset": [0, 0, 0]}]}}})",
+  };
+  for (const char* text : kRefusedByBoth) {
+    EXPECT_FALSE(parses(text)) << text;
+    EXPECT_NE(schema.check(nlohmann::json::parse(text)), "") << text;
+  }
+}
+
+}  // namespace
+}  // namespace kelp

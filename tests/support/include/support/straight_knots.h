@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "kelp/formats/spline.h"
+
+namespace kelp::test {
+
+// The straight rig of a volume of `size` voxels: two knots.
+inline std::vector<Knot> straightKnots(const glm::ivec3& size) {
+  const glm::vec3 top(0, size.y, 0);
+  return {{0, glm::vec3(0), top}, {1, top, top}};
+}
+
+}  // namespace kelp::test

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// Caps over holes: torn bodies are whole again, openings stay flat, and no rim is too wild.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "shapes.h"
+#include "support/all_tests.h"
+
+namespace kelp {
+namespace {
+
+using test::voxelizeUnit;
+
+constexpr double kPi = 3.14159265358979;
+
+glm::vec3 centreOf(const bake::TriangleSoup& soup, const bake::TriangleSoup::Triangle& t) {
+  return (soup.positions[t.vertex[0]] + soup.positions[t.vertex[1]] + soup.positions[t.vertex[2]]) / 3.0f;
+}
+
+// Without the triangles whose centres are `gone`: a jagged rim.
+bake::TriangleSoup torn(bake::TriangleSoup soup, const std::function<bool(const glm::vec3&)>& gone) {
+  std::erase_if(soup.triangles, [&](const auto& t) { return gone(centreOf(soup, t)); });
+  return soup;
+}
+
+std::function<bool(const glm::vec3&)> within(const glm::vec3& place, float distance) {
+  return [=](const glm::vec3& p) { return glm::distance(p, place) < distance; };
+}
+
+// The share of the whole's voxels that differ.
+double changed(const test::Baked& whole, const test::Baked& part) {
+  EXPECT_EQ(whole.grid().size, part.grid().size);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < whole.grid().solid.size(); ++i)
+    count += whole.grid().solid[i] != part.grid().solid[i];
+  return static_cast<double>(count) / static_cast<double>(whole.solid);
+}
+
+// A flat cap would miss 2.4 % of the ball (h = R - R cos 35 degrees).
+TEST(Caps, ATornSphereIsRound) {
+  bake::TriangleSoup sphere;
+  test::addSphere(sphere, {0, 0, 0}, 40, 40);
+  const glm::vec3 place = 40.0f * glm::normalize(glm::vec3(1));
+  const test::Baked whole = voxelizeUnit(test::makeModel(sphere));
+  const test::Baked part = voxelizeUnit(test::makeModel(torn(sphere, within(place, 24))));
+  EXPECT_NE(part.result.fill.find("capped"), std::string::npos) << part.result.fill;
+  EXPECT_LT(changed(whole, part), 0.003);
+  // The light falls on it as on the sphere.
+  double angle = 0;
+  std::size_t count = 0, around = 0, rough = 0;
+  for (const bake::SurfaceSample& sample : part.grid().surface) {
+    const auto x = static_cast<std::uint64_t>(part.grid().size.x),
+               y = static_cast<std::uint64_t>(part.grid().size.y);
+    const glm::vec3 voxel(sample.index % x, sample.index / x % y, sample.index / (x * y));
+    const glm::vec3 p = part.grid().to_node * glm::vec4(voxel + 0.5f, 1);
+    const double off = std::acos(std::min(1.0f, glm::dot(sample.normal, glm::normalize(p)))) * 180 / kPi;
+    if (glm::distance(p, place) < 30) {  // also along the rim
+      ++around;
+      rough += off > 5;
+    }
+    if (glm::distance(p, place) > 20) continue;
+    angle += off;
+    ++count;
+  }
+  ASSERT_GT(count, 1000u);
+  EXPECT_LT(angle / static_cast<double>(count), 4.0);
+  EXPECT_LT(static_cast<double>(rough), 0.004 * static_cast<double>(around));
+}
+
+// Whichever way the file winds it.
+TEST(Caps, ATornBodyInsideOutIsTheSame) {
+  bake::TriangleSoup sphere;
+  test::addSphere(sphere, {0, 0, 0}, 40, 40);
+  bake::TriangleSoup piece = torn(sphere, within(40.0f * glm::normalize(glm::vec3(1)), 24));
+  const test::Baked right = voxelizeUnit(test::makeModel(piece));
+  for (bake::TriangleSoup::Triangle& t : piece.triangles) std::swap(t.vertex[1], t.vertex[2]);
+  const test::Baked turned = voxelizeUnit(test::makeModel(piece));
+  EXPECT_LT(changed(right, turned), 1e-4);
+}
+
+TEST(Caps, ATornTorusIsRound) {
+  bake::TriangleSoup torus;
+  test::addTorus(torus, 40, 22, 60);
+  const glm::vec3 place = glm::vec3(40, 0, 40) / std::sqrt(2.0f) + 22.0f * glm::normalize(glm::vec3(1, 1, 1));
+  const test::Baked whole = voxelizeUnit(test::makeModel(torus));
+  EXPECT_LT(changed(whole, voxelizeUnit(test::makeModel(torn(torus, within(place, 18))))), 0.002);
+}
+
+// A can without its lid, of `steps` sides that end in `fine` edges each. The rim stands at height + wave(in
+// turns), give or take `jag`.
+bake::TriangleSoup can(int steps, int fine, float foot, float mouth, float height,
+                       const std::function<float(float)>& wave, float jag = 0) {
+  bake::TriangleSoup soup;
+  const auto at = [](float turns, float radius, float y) {
+    return glm::vec3(radius * std::cos(2 * static_cast<float>(kPi) * turns), y,
+                     radius * std::sin(2 * static_cast<float>(kPi) * turns));
+  };
+  const int edges = steps * fine;
+  const auto rim = [&](int i) {
+    const float turns = static_cast<float>(i % edges) / static_cast<float>(edges);
+    return at(turns, mouth, height + wave(turns) + (i % 2 ? jag : -jag));
+  };
+  const auto wall = [&](int i, bool top) {
+    const float turns = static_cast<float>(i % steps) / static_cast<float>(steps);
+    constexpr float kTop = 0.95f;
+    return top ? glm::mix(at(turns, foot, 0), at(turns, mouth, height + wave(turns)), kTop)
+               : at(turns, foot, 0);
+  };
+  for (int i = 0; i < steps; ++i) {
+    const glm::vec3 a = wall(i, false), b = wall(i + 1, false), c = wall(i + 1, true), d = wall(i, true);
+    test::addTriangle(soup, a, c, b);
+    test::addTriangle(soup, a, d, c);
+    test::addTriangle(soup, {0, 0, 0}, a, b);
+    for (int k = i * fine; k < (i + 1) * fine; ++k) test::addTriangle(soup, d, rim(k), rim(k + 1));
+    test::addTriangle(soup, d, rim((i + 1) * fine), c);
+  }
+  return soup;
+}
+
+TEST(Caps, ASleeveEndsWhereItEnds) {
+  const auto wave = [](float turns) { return 2 * std::sin(6 * static_cast<float>(kPi) * turns); };
+  bake::TriangleSoup sleeve = can(60, 1, 15, 15, 60, wave);
+  test::addBox(sleeve, {-1, 75, -1}, {1, 77, 1});  // so that the box has room for what must not be there
+  const test::Baked baked = voxelizeUnit(test::makeModel(sleeve));
+  EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
+  const double volume = kPi * 15 * 15 * 60;
+  EXPECT_NEAR(static_cast<double>(baked.solid), volume, 0.02 * volume);
+}
+
+// Asked to be solid, a bowl is full to its rim and no further: what flares has come to its end.
+TEST(Caps, ABowlIsFullToItsRim) {
+  bake::TriangleSoup sphere;
+  test::addSphere(sphere, {0, 0, 0}, 40, 60);
+  const auto wavy = [](const glm::vec3& p) { return p.y > -22 + 2 * std::sin(3 * std::atan2(p.x, p.z)); };
+  bake::TriangleSoup bowl = torn(sphere, wavy);
+  test::addBox(bowl, {-1, 10, -1}, {1, 12, 1});  // room as above
+  const test::Baked baked = voxelizeUnit(test::makeModel(bowl), bake::Fill::kSolid);
+  const double cap = kPi * 18 * 18 * (40 - 18.0 / 3), block = 8;
+  EXPECT_NEAR(static_cast<double>(baked.solid), cap + block, 0.04 * cap);
+}
+
+// 100,000 edges that go up and down on a wave: walked in even steps, they cost no more than others. A
+// frustum's mouth goes on as a dome.
+TEST(Caps, ARimOf100000Edges) {
+  const auto wave = [](float turns) { return std::sin(6 * static_cast<float>(kPi) * turns); };
+  constexpr int kFine = test::kSanitized ? 40 : 200;
+  const auto start = std::chrono::steady_clock::now();
+  const test::Baked baked = voxelizeUnit(test::makeModel(can(500, kFine, 40, 20, 20, wave, 1e-4f)));
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+            test::kSanitized ? 60.0 : 10.0);
+  EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
+  // The box ends with the rim, a voxel above its mean.
+  const double frustum = kPi * 20 / 3 * (40.0 * 40 + 40 * 20 + 20 * 20), dome = kPi * 20 * 20;
+  EXPECT_NEAR(static_cast<double>(baked.solid), frustum + dome, 0.01 * frustum);
+}
+
+TEST(Caps, HolesByTheThousand) {
+  bake::TriangleSoup sphere;
+  test::addSphere(sphere, {0, 0, 0}, 40, 150);
+  const test::Baked whole = voxelizeUnit(test::makeModel(sphere));
+  int at = 0;
+  const test::Baked part =
+      voxelizeUnit(test::makeModel(torn(sphere, [&](const glm::vec3&) { return ++at % 9 == 0; })));
+  EXPECT_GT(part.result.counts.cap_triangles, 25000u);
+  EXPECT_LT(changed(whole, part), 0.0005);
+}
+
+// Whatever is left of a sphere: rims that touch themselves and each other, edges of three faces, turned and
+// doubled faces, corners off their places.
+TEST(Caps, NoRimIsTooWild) {
+  for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(test::shareOf(30)); ++seed) {
+    std::mt19937 random(seed);
+    const auto unit = [&] { return static_cast<float>(random() & 0xffff) / 65536.0f; };
+    bake::TriangleSoup soup;
+    const int rings = 4 + static_cast<int>(random() % 16);
+    test::addSphere(soup, {0, 0, 0}, 12, rings);
+    for (int hole = static_cast<int>(random() % 5); hole >= 0; --hole) {
+      const float x = unit() - 0.5f, y = unit() - 0.5f, z = unit() - 0.4f, size = 12 * unit();
+      soup = torn(soup, within(12.0f * glm::normalize(glm::vec3(x, y, z) + 1e-3f), size));
+    }
+    const float drop = seed % 3 == 0 ? 0.2f * unit() : 0.0f, noise = seed % 2 == 0 ? 3 * unit() : 0.0f;
+    soup = torn(soup, [&](const glm::vec3&) { return unit() < drop; });
+    for (glm::vec3& p : soup.positions) {
+      // Corners of one place stay together.
+      const glm::vec3 q = p * 1000.0f;
+      p += noise * glm::vec3(std::sin(q.x), std::sin(q.y + q.z), std::sin(q.z - q.x));
+    }
+    for (std::size_t i = 0, count = soup.triangles.size(); i < count; ++i) {
+      if (seed % 4 == 1 && unit() < 0.3f) std::swap(soup.triangles[i].vertex[0], soup.triangles[i].vertex[1]);
+      if (seed % 5 == 1 && unit() < 0.1f) {
+        const auto triangle = soup.triangles[i];
+        const glm::vec3 tip = 1.5f * centreOf(soup, triangle);
+        test::addTriangle(soup, soup.positions[triangle.vertex[0]], soup.positions[triangle.vertex[1]], tip);
+      }
+    }
+    if (soup.triangles.empty()) continue;
+    const bake::Fill fill = seed % 2 == 0 ? bake::Fill::kSolid : bake::Fill::kAuto;
+    const test::Baked one = voxelizeUnit(test::makeModel(soup), fill, 1),
+                      three = voxelizeUnit(test::makeModel(soup), fill, 3);
+    EXPECT_EQ(one.grid().solid, three.grid().solid) << seed;
+    EXPECT_GT(one.solid, 0u) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace kelp

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+// Wires, blades and plates that are thinner than voxels, against what must hold of them by brute force.
+#include "kelp/voxelize/fill/thin.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "kelp/voxelize/fill/scan.h"
+#include "kelp/voxelize/surface/triangle_bvh.h"
+#include "shapes.h"
+#include "truth.h"
+
+namespace kelp::bake {
+namespace {
+
+// The scanlines' voxels, and the same with the thin parts.
+struct Filled {
+  glm::ivec3 size{0};
+  Topology mesh;
+  std::vector<std::uint64_t> touched;
+  std::vector<std::uint8_t> before, after;
+
+  glm::ivec3 at(std::size_t i) const {
+    const std::size_t x = static_cast<std::size_t>(size.x), y = static_cast<std::size_t>(size.y);
+    return {static_cast<int>(i % x), static_cast<int>(i / x % y), static_cast<int>(i / x / y)};
+  }
+  std::size_t added() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) count += before[i] == kEmpty && after[i] != kEmpty;
+    return count;
+  }
+  // Sets of solid voxels that touch each other by corners at least: by walking from each.
+  int pieces() const {
+    std::vector<std::uint8_t> seen(after.size(), 0);
+    int pieces = 0;
+    for (std::size_t start = 0; start < after.size(); ++start) {
+      if (after[start] == kEmpty || seen[start]) continue;
+      ++pieces;
+      std::vector<std::size_t> open{start};
+      seen[start] = 1;
+      while (!open.empty()) {
+        const glm::ivec3 voxel = at(open.back());
+        open.pop_back();
+        for (int k = 0; k < 27; ++k) {
+          const glm::ivec3 n = voxel + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+          if (glm::any(glm::lessThan(n, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(n, size))) continue;
+          const std::size_t i = static_cast<std::size_t>(n.x + size.x * (n.y + size.y * n.z));
+          if (after[i] == kEmpty || seen[i]) continue;
+          seen[i] = 1;
+          open.push_back(i);
+        }
+      }
+    }
+    return pieces;
+  }
+};
+
+Filled fill(const TriangleSoup& soup, Fill how = Fill::kAuto, int threads = 2) {
+  Filled filled;
+  Frame frame;
+  frame.size = filled.size = glm::ivec3(40);
+  frame.voxel_size = 1;
+  filled.mesh = analyse(soup, frame, how);
+  filled.before.assign(40 * 40 * 40, kEmpty);
+  fillScanlines(filled.mesh, {}, filled.size, threads, filled.before);
+  // Touched voxels by brute force: no OpenVDB in this test.
+  const test::MeshTruth truth(soup, frame);
+  for (std::size_t i = 0; i < filled.before.size(); ++i) {
+    if (truth.nearest(glm::dvec3(filled.at(i)) + 0.5).distance <= kHalfDiagonal) filled.touched.push_back(i);
+  }
+  filled.after = filled.before;
+  keepThinParts(filled.mesh, TriangleBvh(filled.mesh), filled.touched, filled.size, threads, filled.after,
+                {});
+  return filled;
+}
+
+// Wires much thinner than a voxel, in any direction: one piece from end to end, nothing beside the wire,
+// nothing lost.
+TEST(Thin, WiresHangTogether) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> place(4, 36);
+  for (int round = 0; round < 12; ++round) {
+    const glm::vec3 a(place(random), place(random), place(random)),
+        b(place(random), place(random), place(random));
+    if (glm::distance(a, b) < 12) continue;
+    TriangleSoup soup;
+    test::addRod(soup, a, b, round % 2 ? 0.2f : 0.02f);
+    const Filled filled = fill(soup);
+    EXPECT_GT(filled.added(), 0u);
+    EXPECT_EQ(filled.pieces(), 1) << round;
+    const glm::dvec3 way(b - a);
+    double first = 1, last = 0;
+    for (std::size_t i = 0; i < filled.after.size(); ++i) {
+      EXPECT_LE(filled.after[i], kKept);
+      if (filled.before[i] != kEmpty) {
+        EXPECT_EQ(filled.after[i], filled.before[i]);
+      }
+      if (filled.after[i] == kEmpty) continue;
+      const glm::dvec3 from = glm::dvec3(filled.at(i)) + 0.5 - glm::dvec3(a);
+      const double along = glm::dot(from, way) / glm::dot(way, way);
+      EXPECT_LT(glm::length(from - glm::clamp(along, 0.0, 1.0) * way), 1.1);
+      first = std::min(first, along);
+      last = std::max(last, along);
+    }
+    EXPECT_LT(first * glm::length(way), 1);
+    EXPECT_GT(last * glm::length(way), glm::length(way) - 1);
+  }
+}
+
+// A ribbon of a third of a voxel in width: scanlines meet it here and there.
+TEST(Thin, RibbonsHangTogether) {
+  for (const glm::vec3& side :
+       {glm::vec3(0.3f, 0, 0), glm::vec3(0.2f, -0.1f, 0.2f), glm::vec3(0, 0, 0.05f)}) {
+    TriangleSoup soup;
+    const glm::vec3 a(5.2f, 6.1f, 4.7f), b(34.4f, 31.3f, 22.9f);
+    test::addTriangle(soup, a, b, a + side);
+    test::addTriangle(soup, b, b + side, a + side);
+    const Filled filled = fill(soup);
+    EXPECT_EQ(filled.pieces(), 1);
+  }
+}
+
+TEST(Thin, ThickBodiesGainNothing) {
+  TriangleSoup soup;
+  test::addSphere(soup, {20, 20, 20}, 12.3f, 24);
+  EXPECT_EQ(fill(soup).added(), 0u);
+}
+
+// Two plates with an empty voxel between them stay two.
+TEST(Thin, WhatLiesApartStaysApart) {
+  for (const float gap : {2.0f, 2.4f, 3.0f}) {
+    TriangleSoup soup;
+    test::addBox(soup, {5, 5, 10}, {35, 35, 10.3f});
+    test::addBox(soup, {5, 5, 10.3f + gap}, {35, 35, 10.6f + gap});
+    EXPECT_EQ(fill(soup).pieces(), 2) << gap;
+  }
+}
+
+TEST(Thin, IsTheSameOnAnyNumberOfThreads) {
+  TriangleSoup soup;
+  test::addRod(soup, {5, 6, 7}, {33, 30, 21}, 0.1f);
+  test::addRod(soup, {5, 30, 7}, {33, 6, 21}, 0.3f);
+  EXPECT_EQ(fill(soup, Fill::kAuto, 1).after, fill(soup, Fill::kAuto, 4).after);
+}
+
+// Cells that touch, found by walking from one to the next.
+TEST(Thin, MasksHangTogetherAsAWalkSays) {
+  std::mt19937 random(1);
+  const auto touch = [](int a, int b) {
+    return std::abs(a % 3 - b % 3) < 2 && std::abs(a / 3 % 3 - b / 3 % 3) < 2 && std::abs(a / 9 - b / 9) < 2;
+  };
+  int yes = 0;
+  for (int round = 0; round < 4000; ++round) {
+    std::uint32_t mask = random() & random() & random() & 0x7ffffffu & ~kCentreBit;
+    if (round % 2) mask &= random();
+    std::vector<int> reached;
+    for (int cell = 0; cell < 27 && reached.empty(); ++cell) {
+      if (mask >> cell & 1) reached.push_back(cell);
+    }
+    std::uint32_t left = mask;
+    if (!reached.empty()) left &= ~(1u << reached[0]);
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (int cell = 0; cell < 27; ++cell) {
+        if (!(left >> cell & 1) || !touch(cell, reached[i])) continue;
+        left &= ~(1u << cell);
+        reached.push_back(cell);
+      }
+    }
+    EXPECT_EQ(hangTogether(mask), left == 0) << mask;
+    yes += left == 0;
+  }
+  EXPECT_GT(yes, 400);
+  EXPECT_LT(yes, 3600);
+}
+
+TEST(Thin, NeighbourMasksReadTheVolume) {
+  const glm::ivec3 size(4, 3, 5);
+  std::mt19937 random(1);
+  std::vector<std::uint8_t> voxels(60);
+  for (std::uint8_t& voxel : voxels) voxel = static_cast<std::uint8_t>(random() % 3);
+  for (int z = 0; z < 5; ++z) {
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 4; ++x) {
+        const std::uint32_t mask = neighbourMask(voxels, size, {x, y, z});
+        for (int k = 0; k < 27; ++k) {
+          const int nx = x + k % 3 - 1, ny = y + k / 3 % 3 - 1, nz = z + k / 9 - 1;
+          const bool inside = nx >= 0 && ny >= 0 && nz >= 0 && nx < 4 && ny < 3 && nz < 5;
+          EXPECT_EQ(mask >> k & 1,
+                    inside && voxels[static_cast<std::size_t>(nx + 4 * (ny + 3 * nz))] != kEmpty ? 1u : 0u);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp::bake

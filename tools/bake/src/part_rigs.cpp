@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "part_rigs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "kelp/formats/pack.h"
+#include "part_frames.h"
+
+namespace kelp::bake {
+namespace {
+
+bool isKnots(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
+
+// Whether what a clip does to a part moves its knots, or the part as a whole.
+bool bends(const RawClip& share) {
+  return !share.waves.empty() || std::any_of(share.tracks.begin(), share.tracks.end(),
+                                             [](const RawTrack& track) { return isKnots(track.target); });
+}
+bool moves(const RawClip& share) {
+  return std::any_of(share.tracks.begin(), share.tracks.end(),
+                     [](const RawTrack& track) { return !isKnots(track.target); });
+}
+
+// Clips that no reader would take by default are refused before the long work.
+void checkClips(const RawPack& pack, const std::filesystem::path& input) {
+  std::uint64_t bytes = 0;
+  for (const RawClip& clip : pack.clips) {
+    bytes += sizeof(Clip) + clip.waves.size() * kWaveMemory;
+    for (const RawTrack& track : clip.tracks) bytes += sizeof(Track) + track.keys.size() * sizeof(Key);
+  }
+  constexpr std::uint64_t kMost = Limits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables
+  if (bytes > kMost)
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: its clips take {} MiB in memory, and packs with more than {} are not "
+                                "read by default; leave clips out, or give them fewer keys",
+                                input.filename().string(), bytes >> 20, kMost >> 20));
+}
+
+bool isFinite(const glm::vec4& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
+}
+
+// A file's numbers are finite; what they are by the part's size or its scale at rest may not be.
+void checkTracks(const SourceModel& model, const RawPack& pack, const std::filesystem::path& input) {
+  for (const RawClip& clip : pack.clips)
+    for (const RawTrack& track : clip.tracks)
+      for (const Key& key : track.keys)
+        if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out))
+          throw ToolError(
+              Exit::kInvalid,
+              fmt::format("{}: clip '{}': its key at {:g} s is beyond what a 32-bit float can hold, seen "
+                          "from the part at rest; give the part a larger scale there, or move it less",
+                          partPlace(input, model.parts[track.part]), clip.name, key.time));
+}
+
+}  // namespace
+
+void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
+  std::vector<RawClip> clips;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    try {
+      pack.parts[i].knots = realizeKnots(model.parts[i].rig, pack.parts[i].size);
+      std::ranges::move(realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)),
+                        std::back_inserter(clips));
+    } catch (const RigError& error) {
+      throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]),
+                                                  model.parts[i].rig_origin, error.what()));
+    }
+    if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
+      throw ToolError(Exit::kInvalid,
+                      fmt::format("{} ({}): knot {}: {}; the spline may not turn back along its axis: give "
+                                  "the knot a shorter tangent or a smaller offset",
+                                  partPlace(input, model.parts[i]), model.parts[i].rig_origin,
+                                  sound.error().offset, sound.error().detail));
+    }
+  }
+  mergeClips(pack.clips, std::move(clips));
+  checkClips(pack, input);
+  checkTracks(model, pack, input);
+  for (const RawClip& clip : pack.clips) {
+    for (const auto& [part, share] : splitByPart(clip)) {
+      const SourcePart& source = model.parts[part];
+      try {
+        const ClipReport proof = proveClip(share, part, pack.parts[part].knots, pack.parts[part].size);
+        report.clips.push_back(
+            {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
+      } catch (const RigError& error) {
+        throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, source),
+                                                    source.rig_origin, error.what()));
+      }
+    }
+  }
+}
+
+}  // namespace kelp::bake

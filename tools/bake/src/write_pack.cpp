@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include <chrono>
+#include <new>
+#include <span>
+
+#include "kelp/bake/bake.h"
+#include "kelp/common/hash.h"
+#include "kelp/common/memory.h"
+#include "kelp/common/output_file.h"
+#include "kelp/common/parallel.h"
+
+namespace kelp::bake {
+namespace {
+
+struct Output {
+  OutputFile& file;
+  const Progress& progress;
+  std::uint64_t bytes = 0;
+  Hash hash;
+  bool interrupted = false;
+};
+
+bool receive(void* user, std::span<const std::byte> bytes) {
+  Output& output = *static_cast<Output*>(user);
+  output.bytes += bytes.size();
+  output.hash.add(bytes);
+  if (output.progress && !output.progress("write", 0.5)) output.interrupted = true;
+  return !output.interrupted && output.file.tryWrite(bytes);
+}
+
+}  // namespace
+
+void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
+                   const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  OutputFile file(path);
+  Output output{file, progress, 0, {}, false};
+  const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads));
+  if (output.interrupted || (progress && !progress("write", 1.0)))
+    throw ToolError(Exit::kInterrupted, "interrupted");
+  if (!written) {
+    if (file.failed()) file.commit();  // throws the reason
+    if (written.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
+    throw ToolError(Exit::kRuntime,
+                    path.string() + ": the model makes no valid pack (" + written.error().detail +
+                        "); try another --resolution, and report this as a defect of kelp-bake");
+  }
+  file.commit();
+  report.pack_bytes = output.bytes;
+  report.pack_hash = output.hash.text();
+  report.stages.push_back({"write",
+                           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+                           peakMemory()});
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Rigs from outside the model's own file. The first of these that exists counts: --rig FILE, --rig PRESET,
+// STEM.rig.json beside the input.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kelp/import/core/import_settings.h"
+#include "kelp/import/core/input_files.h"
+#include "kelp/import/core/source_model.h"
+
+namespace kelp::bake {
+
+struct OuterRig {
+  RigDescription rig;
+  std::string origin;
+};
+std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings);
+
+// Gives a part without a rig of its own the outer rig, or the straight one. A rig that names no axis gets
+// that of the settings. ToolError kUsage if it names another axis than the settings.
+void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings);
+
+// The input's name without folder and extension: the name of its main part.
+std::string stemOf(const InputFiles& files);
+
+}  // namespace kelp::bake

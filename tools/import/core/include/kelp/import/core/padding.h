@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The empty voxels around a part.
+#pragma once
+
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/source_model.h"
+
+namespace kelp::bake {
+
+inline constexpr int kMaxPad = 1024;
+
+// The padding in voxels on each side, by axis. None along y where a rig bends the part: the rig's unit is the
+// source's length, and its spline ends where the box ends.
+glm::ivec3 paddingOf(const SourcePart& part, int pad);
+void padFrame(Frame& frame, const glm::ivec3& pad);
+void padGrid(VoxelGrid& grid, const glm::ivec3& pad);
+void padFog(FogGrid& fog, const glm::ivec3& pad);
+
+}  // namespace kelp::bake

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// What importers produce and voxelization reads: plain data, no types of other libraries.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kelp/import/core/memory_estimate.h"
+#include "kelp/rig/rig.h"
+
+namespace kelp::bake {
+
+// The most materials of a palette: its indices are bytes.
+inline constexpr std::size_t kMaxPalette = 256;
+
+// RGBA, 8 bits a channel; row 0 is the top (v = 0), as in glTF.
+struct Image {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  bool srgb = true;  // the colour channels; alpha is always linear
+  std::vector<std::uint8_t> rgba;
+};
+
+enum class Wrap : std::uint8_t { kRepeat, kMirror, kClamp };
+
+// A picture, and which texture coordinates place it on a triangle.
+struct SurfaceMap {
+  int texture = -1;  // index into SourceModel::images; -1: none
+  Wrap wrap_u = Wrap::kRepeat;
+  Wrap wrap_v = Wrap::kRepeat;
+  bool nearest = false;  // the sampler asks for nearest filtering
+  int coordinates = 0;   // 0: TriangleSoup::uvs; n: its more_uvs[n - 1]
+};
+
+struct SurfaceMaterial {
+  std::string name;
+  glm::vec4 base_color{1};  // linear; multiplies texture and vertex colour
+  int texture = -1;         // index into SourceModel::images
+  Wrap wrap_u = Wrap::kRepeat;
+  Wrap wrap_v = Wrap::kRepeat;
+  bool nearest = false;  // the sampler asks for nearest filtering
+  glm::vec3 emissive{0};
+  float metallic = 0;
+  float roughness = 1;
+  SurfaceMap glow_map;   // multiplies emissive
+  SurfaceMap metal_map;  // green multiplies roughness, blue metallic
+  bool double_sided = false;
+  // sheets are cut out where the alpha of base_color x texture x vertex colour is below this; 0: nowhere
+  float alpha_cutoff = 0;
+};
+
+// Triangles in the space of their part's node, in metres for glTF, in file units otherwise.
+// Attributes belong to triangle corners, so that seams need no vertex splits. Vertices with equal positions
+// are one vertex.
+struct TriangleSoup {
+  struct Triangle {
+    std::array<std::uint32_t, 3> vertex{};
+    std::uint32_t material = 0;  // index into SourceModel::materials
+  };
+  std::vector<glm::vec3> positions;
+  std::vector<Triangle> triangles;
+  std::vector<std::array<glm::vec2, 3>> uvs;  // empty, or one a triangle
+  // each likewise: for pictures with other coordinates than the base colour's
+  std::array<std::vector<std::array<glm::vec2, 3>>, 2> more_uvs;
+  // empty, or one a triangle; linear, multiplies the base colour
+  std::vector<std::array<glm::vec4, 3>> colors;
+  // triangles that were left out: corners in one place, or not finite
+  std::uint64_t dropped = 0;
+};
+
+// A surface voxel before the palette is chosen.
+struct SurfaceSample {
+  std::uint64_t index = 0;    // x + size.x (y + size.y z)
+  glm::vec3 normal{0, 1, 0};  // unit, outward, in voxel axes
+  Material material;
+  // index into SourceModel::materials, or into SourceModel::palette if there is one; 0 for volumes without
+  // either
+  std::uint32_t source = 0;
+};
+
+// A voxel volume in its rig frame: +y along the spline.
+struct VoxelGrid {
+  glm::ivec3 size{0};
+  glm::mat4x3 to_node{1};              // voxels -> the node's space
+  std::vector<std::uint8_t> solid;     // dense, x fastest, then y, then z
+  std::vector<SurfaceSample> surface;  // ascending index; exactly fields::surfaceVoxels
+};
+
+// Smoke, clouds, scans. In its rig frame, as VoxelGrid. A sample is the mean over its voxel; between voxel
+// centres the field is trilinear, outside the volume it is zero.
+struct FogGrid {
+  glm::ivec3 size{0};
+  glm::mat4x3 to_node{1};  // voxels -> the node's space
+  // optical depth of one voxel's edge at density 65535, > 0: density x length in the file's units
+  float extinction = 0;
+  // dense, x fastest, then y, then z; rounded to nearest; 65535 is the densest voxel
+  std::vector<std::uint16_t> density;
+  // empty, or one a voxel: where on the ramp the fog glows; 0: not at all, 65535: the ramp's end
+  std::vector<std::uint16_t> heat;
+};
+
+struct SourcePart {
+  std::string name;
+  int parent = -1;
+  glm::mat4x3 to_object{1};  // node -> object at rest
+  glm::mat4x3 pivot{1};      // see formats/model.h
+  RigDescription rig;
+  // where the rig is from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
+  std::string rig_origin;
+  TriangleSoup soup;              // empty if grid or fog is set
+  std::optional<VoxelGrid> grid;  // from a volume file, already in the rig's frame
+  std::optional<FogGrid> fog;     // likewise; never both
+  // exists only for its motion, which other parts follow; `grid` is one invisible voxel
+  bool carrier = false;
+
+  bool isVolume() const { return grid || fog; }
+  // Of volumes.
+  const glm::ivec3& volumeSize() const { return grid ? grid->size : fog->size; }
+  const glm::mat4x3& volumeToNode() const { return grid ? grid->to_node : fog->to_node; }
+};
+
+struct SourceModel {
+  std::string format;  // "glTF 2.0", "OBJ", "OpenVDB", ...
+  std::vector<SourcePart> parts;
+  std::vector<SurfaceMaterial> materials;  // at least one
+  // for files that are painted by index: the pack's palette, in this order, at most 256; empty: the baker
+  // chooses
+  std::vector<Material> palette;
+  // coarser voxels get the entry nearest to the mean of their children's materials, not their most frequent
+  // index
+  bool palette_blends = false;
+  Axis up = Axis::kPlusY;  // the axis that points up in this format, unless the user gives another
+  std::vector<Image> images;
+  std::vector<std::string> notices;  // what was skipped or repaired; one line each, for the user
+};
+
+}  // namespace kelp::bake

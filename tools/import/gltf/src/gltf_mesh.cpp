@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+// Meshes of a glTF file as triangles: primitive modes, morph targets and skins at rest, attributes of
+// corners.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "gltf_model.h"
+#include "kelp/common/error.h"
+#include "kelp/import/mesh/soup.h"
+
+namespace kelp::bake {
+namespace {
+
+int attributeOf(const tinygltf::Primitive& primitive, const std::string& name) {
+  const auto found = primitive.attributes.find(name);
+  return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+GltfValues readSized(const GltfModel& model, int accessor, int least, int most, std::size_t count,
+                     const std::string& place, const char* name, bool fractions = false) {
+  GltfValues values = readValues(model, accessor, place + "." + name, fractions);
+  if (values.components < least || values.components > most)
+    model.refuse(place, std::string(name) + " has the wrong number of components");
+  if (values.count != count)
+    model.refuse(place, std::string(name) + " has " + std::to_string(values.count) + " values for " +
+                            std::to_string(count) + " vertices");
+  return values;
+}
+
+// The joint matrices of a skin at rest, world <- mesh. Section 3.7.3 of the specification.
+std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin_index) {
+  const tinygltf::Skin& skin = model.data.skins[static_cast<std::size_t>(skin_index)];
+  const std::string place = placeOf("skins", static_cast<std::size_t>(skin_index));
+  model.countRead(skin.joints.size(), place);
+  std::vector<glm::dmat4> matrices;
+  GltfValues inverse;
+  if (skin.inverseBindMatrices >= 0) {
+    inverse = readValues(model, skin.inverseBindMatrices, place);
+    if (inverse.components != 16 || inverse.count < skin.joints.size())
+      model.refuse(place, "has too few inverse bind matrices");
+  }
+  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+    const int joint = skin.joints[j];
+    if (joint < 0 || joint >= static_cast<int>(model.data.nodes.size()))
+      model.refuse(place, "names a joint that does not exist");
+    glm::dmat4 bind(1);
+    if (!inverse.values.empty()) bind = glm::dmat4(glm::make_mat4(inverse.values.data() + 16 * j));
+    matrices.push_back(model.world[static_cast<std::size_t>(joint)] * bind);
+  }
+  return matrices;
+}
+
+int modeOf(const tinygltf::Primitive& primitive) {
+  return primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+}
+
+class PrimitiveReader {
+ public:
+  PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world)
+      : model_(model), node_(model.node(node)) {
+    if (node_.skin >= 0) {
+      for (const glm::dmat4& joint : jointMatrices(model, node_.skin)) joints_.push_back(from_world * joint);
+      // Joints place a skinned mesh; the transform of its own node is ignored. Mirrored joints mirror the
+      // mesh.
+      flip_ = !joints_.empty() && glm::determinant(glm::dmat3(joints_[0])) < 0;
+    } else {
+      to_part_ = from_world * model.world[static_cast<std::size_t>(node)];
+      flip_ = glm::determinant(glm::dmat3(to_part_)) < 0;
+    }
+    const glm::dmat3 linear(joints_.empty() ? to_part_ : joints_[0]);
+    scale_ = static_cast<float>(
+        std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])}));
+  }
+
+  // Long: it reads corners, colours, coordinates, morphs and weights of a primitive in one pass over its
+  // triangles, and they share what is decided before.
+  void read(const tinygltf::Primitive& primitive, const std::string& place,
+            const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
+    constexpr std::uint64_t kPrimitiveCost = 256;  // vertices
+    model_.countRead(kPrimitiveCost, place);
+    const int position = attributeOf(primitive, "POSITION");
+    if (position < 0) {
+      model_.noteOnce(place + ": has no positions and is skipped");
+      return;
+    }
+    const int mode = modeOf(primitive);
+    if (!hasTriangles(primitive)) {
+      model_.noteOnce(place + ": holds points or lines, which have no volume, and is skipped");
+      return;
+    }
+    const std::vector<glm::dvec3> positions = readPositions(primitive, position, place);
+    const std::size_t count = positions.size();
+    const float step = stepOf(model_, position);
+    // A skin moves each vertex differently. Draco rounds each primitive on a grid of its own.
+    if (step > 0 && joints_.empty() && !isDraco(model_, position))
+      soup.roundedTo(step * scale_, to_part_, step);
+    else
+      soup.roundedTo(step * scale_);
+
+    SoupBuilder::Triangle triangle;
+    if (primitive.material >= static_cast<int>(model_.data.materials.size()))
+      model_.refuse(place, "names a material that does not exist");
+    triangle.material = static_cast<std::uint32_t>(
+        primitive.material < 0 ? model_.data.materials.size() : static_cast<std::size_t>(primitive.material));
+    const GltfMaterialUse& use = materials[triangle.material];
+    GltfValues colors;
+    std::vector<GltfValues> uvs(use.coordinates.size());
+    for (std::size_t k = 0; k < uvs.size(); ++k) {
+      const std::string name = "TEXCOORD_" + std::to_string(use.coordinates[k].set);
+      const int accessor = attributeOf(primitive, name);
+      if (accessor >= 0)
+        uvs[k] = readSized(model_, accessor, 2, 2, count, place, name.c_str());
+      else
+        model_.noteOnce(fmt::format(
+            "{}: its material has a texture but it has no {}: the texture's corner is used", place, name));
+    }
+    if (const int accessor = attributeOf(primitive, "COLOR_0"); accessor >= 0)
+      colors = readSized(model_, accessor, 3, 4, count, place, "COLOR_0", true);
+
+    std::vector<std::uint32_t> indices;
+    if (primitive.indices >= 0) {
+      indices = readIndices(model_, primitive.indices, place);
+      model_.countRead(indices.size() / 6, place);
+      for (std::uint32_t index : indices)
+        if (index >= count)
+          model_.refuse(place, "has the index " + std::to_string(index) + " but only " +
+                                   std::to_string(count) + " vertices");
+    } else {
+      indices.resize(count);
+      for (std::size_t i = 0; i < count; ++i) indices[i] = static_cast<std::uint32_t>(i);
+    }
+    if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
+      model_.noteOnce(place + ": the number of indices is not a multiple of three: the rest is dropped");
+
+    std::size_t kept = 0, cut = 0;
+    const auto emit = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      const auto alpha = [&](std::uint32_t i) {
+        return use.keep_alpha && colors.components == 4 ? colors.at(i, 3) : 1.0f;
+      };
+      const bool none = std::max({alpha(a), alpha(b), alpha(c)}) < use.least_alpha;
+      ++(none ? cut : kept);
+      if (none) return;
+      const std::array<std::uint32_t, 3> corner =
+          flip_ ? std::array<std::uint32_t, 3>{a, c, b} : std::array<std::uint32_t, 3>{a, b, c};
+      for (std::size_t i = 0; i < 3; ++i) triangle.position[i] = glm::vec3(positions[corner[i]]);
+      for (std::size_t k = 0; k < uvs.size(); ++k) {
+        if (uvs[k].values.empty()) continue;
+        auto& uv = k == 0 ? triangle.uv : triangle.more_uv[k - 1];
+        uv.emplace();
+        for (std::size_t i = 0; i < 3; ++i)
+          (*uv)[i] = glm::vec2(use.coordinates[k].transform *
+                               glm::vec3(uvs[k].at(corner[i], 0), uvs[k].at(corner[i], 1), 1));
+      }
+      if (!colors.values.empty()) {
+        triangle.color.emplace();
+        for (std::size_t i = 0; i < 3; ++i)
+          (*triangle.color)[i] = {colors.at(corner[i], 0), colors.at(corner[i], 1), colors.at(corner[i], 2),
+                                  alpha(corner[i])};
+      }
+      if (!soup.add(triangle))
+        model_.refuse(place, "brings the file beyond 64 million triangles; bake it in pieces");
+    };
+    // Section 3.7.2.1 of the specification: strips and fans, with the winding of each triangle.
+    if (mode == TINYGLTF_MODE_TRIANGLES) {
+      for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+        emit(indices[i], indices[i + 1], indices[i + 2]);
+    } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      for (std::size_t i = 0; i + 2 < indices.size(); ++i)
+        emit(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+    } else {
+      for (std::size_t i = 1; i + 1 < indices.size(); ++i) emit(indices[i], indices[i + 1], indices[0]);
+    }
+    if (cut > 0 && kept == 0 && model_.cut_out.insert(place).second)
+      model_.noteOnce(
+          place +
+          ": its alphaMode is MASK, and its alpha is below the cutoff everywhere: it is cut out entirely");
+  }
+
+  // Extends a box by the positions of the primitives that read() turns into triangles.
+  void enclose(const tinygltf::Primitive& primitive, const std::string& place, glm::dvec3& low,
+               glm::dvec3& high) const {
+    const int position = attributeOf(primitive, "POSITION");
+    if (position < 0 || !hasTriangles(primitive)) return;
+    for (const glm::dvec3& p : readPositions(primitive, position, place)) {
+      if (!std::isfinite(p.x + p.y + p.z)) continue;
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  }
+
+ private:
+  // In the part's space, at rest.
+  std::vector<glm::dvec3> readPositions(const tinygltf::Primitive& primitive, int accessor,
+                                        const std::string& place) const {
+    const GltfValues values = readValues(model_, accessor, place + ".POSITION");
+    if (values.components != 3) model_.refuse(place, "POSITION is not a VEC3");
+    model_.countRead(values.count, place);
+    std::vector<glm::dvec3> local(values.count);
+    for (std::size_t i = 0; i < values.count; ++i)
+      local[i] = {values.at(i, 0), values.at(i, 1), values.at(i, 2)};
+    applyMorph(primitive, place, local);
+    std::vector<glm::dvec3> out(local.size());
+    if (joints_.empty() || attributeOf(primitive, "JOINTS_0") < 0) {
+      const glm::dmat4& matrix = joints_.empty() ? to_part_ : joints_[0];
+      for (std::size_t i = 0; i < local.size(); ++i) out[i] = glm::dvec3(matrix * glm::dvec4(local[i], 1));
+      return out;
+    }
+    std::vector<glm::dvec3> sum(local.size(), glm::dvec3(0));
+    std::vector<double> total(local.size(), 0.0);
+    for (int set = 0; set < 16; ++set) {  // more than four influences come in further sets
+      const std::string suffix = std::to_string(set);
+      const int joints_at = attributeOf(primitive, "JOINTS_" + suffix),
+                weights_at = attributeOf(primitive, "WEIGHTS_" + suffix);
+      if (joints_at < 0 || weights_at < 0) break;
+      const GltfValues joints = readSized(model_, joints_at, 4, 4, local.size(), place, "JOINTS");
+      const GltfValues weights = readSized(model_, weights_at, 4, 4, local.size(), place, "WEIGHTS");
+      for (std::size_t i = 0; i < local.size(); ++i) {
+        for (int c = 0; c < 4; ++c) {
+          const double weight = weights.at(i, c);
+          if (!(weight > 0)) continue;
+          const float named = joints.at(i, c);
+          if (!(named >= 0 && named < static_cast<float>(joints_.size())))
+            model_.refuse(place, "has a vertex that names a joint which its skin does not have");
+          const auto joint = static_cast<std::size_t>(named);
+          sum[i] += weight * glm::dvec3(joints_[joint] * glm::dvec4(local[i], 1));
+          total[i] += weight;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < local.size(); ++i)
+      out[i] = total[i] > 0 ? sum[i] / total[i] : glm::dvec3(joints_[0] * glm::dvec4(local[i], 1));
+    return out;
+  }
+
+  void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,
+                  std::vector<glm::dvec3>& positions) const {
+    const std::vector<double>& weights =
+        node_.weights.empty() ? model_.data.meshes[static_cast<std::size_t>(node_.mesh)].weights
+                              : node_.weights;
+    for (std::size_t target = 0; target < primitive.targets.size() && target < weights.size(); ++target) {
+      const auto found = primitive.targets[target].find("POSITION");
+      if (weights[target] == 0 || found == primitive.targets[target].end()) continue;
+      const GltfValues delta =
+          readSized(model_, found->second, 3, 3, positions.size(), place, "morph target");
+      model_.countRead(positions.size(), place);
+      for (std::size_t i = 0; i < positions.size(); ++i)
+        positions[i] += weights[target] * glm::dvec3(delta.at(i, 0), delta.at(i, 1), delta.at(i, 2));
+    }
+  }
+
+  const GltfModel& model_;
+  const tinygltf::Node& node_;
+  glm::dmat4 to_part_{1};
+  std::vector<glm::dmat4> joints_;
+  float scale_ = 1;  // the most that a length grows on its way to the part
+  bool flip_ = false;
+};
+
+}  // namespace
+
+bool hasTriangles(const tinygltf::Primitive& primitive) {
+  const int mode = modeOf(primitive);
+  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world,
+             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
+  const int mesh_index = model.node(node).mesh;
+  if (mesh_index < 0) return;
+  const tinygltf::Mesh& mesh = model.data.meshes[static_cast<std::size_t>(mesh_index)];
+  PrimitiveReader reader(model, node, from_world);
+  for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
+    reader.read(mesh.primitives[p],
+                placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p),
+                materials, soup);
+}
+
+std::optional<glm::dvec3> middleOf(const GltfModel& model, const std::vector<int>& nodes) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kInfinity), high(-kInfinity);
+  for (int node : nodes) {
+    const int mesh = model.node(node).mesh;
+    if (mesh < 0) continue;
+    const PrimitiveReader reader(model, node, glm::dmat4(1));
+    for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives)
+      reader.enclose(primitive, placeOf("meshes", static_cast<std::size_t>(mesh)), low, high);
+  }
+  return floatMiddle(low, high);
+}
+
+void explainEmptiness(const GltfModel& model) {
+  bool meshes = false, triangles = false;
+  for (int node : model.order) {
+    const int mesh = model.node(node).mesh;
+    if (mesh < 0) continue;
+    meshes = true;
+    for (const tinygltf::Primitive& primitive : model.data.meshes[static_cast<std::size_t>(mesh)].primitives)
+      triangles = triangles || hasTriangles(primitive);
+  }
+  const std::string last = model.notices->empty() ? "" : " (" + model.notices->back() + ")";
+  if (!model.cut_out.empty())
+    refuse(Exit::kUnsupported, model.files->input(), "scene",
+           "shows nothing: the alpha of " + *model.cut_out.begin() +
+               (model.cut_out.size() > 1 ? " and others" : "") +
+               " is below the cutoff of alphaMode MASK everywhere; raise the alpha, or lower alphaCutoff");
+  if (triangles)
+    model.refuse("scene", "holds no triangles" + last + "; export a scene with at least one mesh");
+  if (!model.document.flaws.empty())
+    model.refuse("",
+                 model.document.flaws[0] + "; there is nothing to bake in it either: export the model again");
+  if (meshes)
+    refuse(Exit::kUnsupported, model.files->input(), "scene",
+           "holds no triangles" + last + "; export a scene with at least one mesh of triangles");
+  if (!model.data.meshes.empty())
+    model.note("the file has " + std::to_string(model.data.meshes.size()) +
+               " meshes that no node of its scene shows");
+}
+
+}  // namespace kelp::bake

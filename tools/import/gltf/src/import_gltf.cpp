@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+// glTF 2.0: from nodes to parts.
+#include "kelp/import/gltf/import_gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <new>
+#include <set>
+
+#include "gltf_parts.h"
+#include "kelp/common/error.h"
+#include "kelp/import/core/files_used.h"
+#include "kelp/import/core/import_settings.h"
+#include "kelp/import/core/outer_rig.h"
+#include "kelp/import/core/source_model.h"
+#include "kelp/import/mesh/soup.h"
+
+namespace kelp::bake {
+namespace {
+
+glm::mat4x3 toAffine(const glm::dmat4& matrix) { return glm::mat4x3(glm::dmat4x3(matrix)); }
+
+void noteNonFinite(const GltfModel& model, const std::string& part, const SoupBuilder& soup) {
+  if (soup.droppedNonFinite() > 0)
+    model.note("part '" + part + "': " + std::to_string(soup.droppedNonFinite()) +
+               " triangles with corners that are not finite are dropped");
+}
+
+// Whether rounding to floats may have damaged the shape of a soup, or removed all of its triangles.
+bool mayHaveLostItsShape(const TriangleSoup& soup) {
+  if (soup.triangles.empty()) return soup.dropped > 0;
+  glm::vec3 low = soup.positions[0], high = low;
+  for (const glm::vec3& p : soup.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return isFar(glm::dvec3(low), glm::dvec3(high));
+}
+
+class GltfImporter {
+ public:
+  GltfImporter(const InputFiles& files, const ImportSettings& settings)
+      : files_(files), settings_(settings), budget_(files, settings.max_memory) {}
+
+  SourceModel import() {
+    out_.format = "glTF 2.0";
+    outer_ = findOuterRig(files_, settings_);
+    model_ = parseGltf(files_, readGltfDocument(files_, budget_), settings_.scene, out_.notices);
+    model_.max_memory = settings_.max_memory;
+    model_.budget = &budget_;
+    materials_ = readMaterials(model_, out_);
+    animations_ = readAnimations(model_);
+    channels_ = indexChannels(animations_);
+    for (const GltfAnimation& animation : animations_) used_.emplace_back(animation.channels.size(), false);
+    if (settings_.at) poseAt(model_, animations_, *settings_.at);
+    if (outer_ && settings_.parts == Parts::kNodes)
+      throw ToolError(Exit::kUsage, "--parts nodes: the rig (" + outer_->origin +
+                                        ") is one for the whole file; give nodes rigs of their own "
+                                        "(extras.kelp or knots), or leave --parts out");
+
+    const std::vector<PartPlan> plans = settings_.parts == Parts::kNodes
+                                            ? planByNodes(model_, animations_)
+                                            : planByRigs(model_, outer_.has_value());
+    checkPartCount(files_, plans.size(), "meshes");
+    std::vector<int> part_of(plans.size(), -1);
+    for (std::size_t p = 0; p < plans.size(); ++p) {
+      if (std::optional<SourcePart> part = makePart(plans[p])) {
+        // A parent without geometry is no part: then its own parent, if any, moves this part.
+        int parent = plans[p].parent;
+        while (parent >= 0 && part_of[static_cast<std::size_t>(parent)] < 0)
+          parent = plans[static_cast<std::size_t>(parent)].parent;
+        part->parent = parent < 0 ? -1 : part_of[static_cast<std::size_t>(parent)];
+        part_of[p] = static_cast<int>(out_.parts.size());
+        out_.parts.push_back(*std::move(part));
+      }
+    }
+    placeCarriers();
+    if (out_.parts.empty()) explainEmptiness(model_);
+    uniqueNames();
+    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
+    return std::move(out_);
+  }
+
+ private:
+  std::optional<SourcePart> makePart(const PartPlan& plan) {
+    SourcePart part;
+    part.name = partName(plan.node);
+    glm::dmat4 space(1);
+    if (plan.node >= 0) {
+      space = plan.rigid ? rigidSpace(plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
+      if (std::abs(glm::determinant(glm::dmat3(space))) < 1e-30)
+        model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
+    }
+    const bool whole = plan.node < 0 && plan.knots.empty();
+    const std::size_t notices = out_.notices.size();
+    const std::set<std::string> said = whole ? model_.said : std::set<std::string>();
+    part.soup = readSoup(plan, space, part.name);
+    // Far from the origin, floats cannot hold the shape: then the place of the mesh becomes the place of the
+    // part. Not with knots at the top of the scene, which are read in the world.
+    if (whole && mayHaveLostItsShape(part.soup)) {
+      model_.elements_read = 0;
+      if (const std::optional<glm::dvec3> middle = middleOf(model_, plan.members)) {
+        space[3] = glm::dvec4(*middle, 1);
+        out_.notices.resize(notices);
+        model_.said = said;
+        part.soup = readSoup(plan, space, part.name);
+      }
+    }
+    triangles_ += part.soup.triangles.size();
+    if (triangles_ > kMaxTriangles)
+      model_.refuse("scene", "has more than 64 million triangles; bake it in pieces");
+    if (part.soup.triangles.empty()) {
+      if (plan.rig || !plan.knots.empty()) model_.note(noTriangles(plan));
+      if (!plan.rigid || plan.mover < 0) return std::nullopt;
+      part.carrier = true;
+    }
+    part.to_object = toAffine(space);
+    const int mover = giveMotion(plan, part);
+    if (plan.rig || !plan.knots.empty())
+      readRig(plan, mover, part);
+    else if (plan.rigid) {
+      part.rig_origin = "straight";
+      if (mover >= 0)
+        addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
+    }
+    if (!part.carrier) giveRig(part, outer_, settings_);
+    return part;
+  }
+
+  TriangleSoup readSoup(const PartPlan& plan, const glm::dmat4& space, const std::string& name) const {
+    const glm::dmat4 from_world = glm::inverse(space);
+    SoupBuilder soup;
+    for (int node : plan.members) addMesh(model_, node, from_world, materials_, soup);
+    noteNonFinite(model_, name, soup);
+    return soup.take();
+  }
+
+  std::string partName(int node) const {
+    if (node < 0) return stemOf(files_);
+    const tinygltf::Node& source = model_.node(node);
+    if (!source.name.empty()) return oneLine(source.name, 80);
+    if (source.mesh >= 0 && settings_.parts == Parts::kNodes)
+      if (const std::string& name = model_.data.meshes[static_cast<std::size_t>(source.mesh)].name;
+          !name.empty())
+        return oneLine(name, 80);
+    return stemOf(files_);
+  }
+
+  // The node's place and rotation in the object. Scale, shear and mirroring go into the triangles, so that
+  // voxels are cubes. Skins ignore the place of their node.
+  glm::dmat4 rigidSpace(int node) const {
+    if (model_.node(node).skin >= 0) return glm::dmat4(1);
+    glm::dquat turn(1, 0, 0, 0);
+    for (int at = node; at >= 0; at = model_.parents[static_cast<std::size_t>(at)])
+      turn = restTransform(model_.node(at)).rotation * turn;
+    glm::dmat4 space = glm::mat4_cast(glm::normalize(turn));
+    space[3] = model_.world[static_cast<std::size_t>(node)][3];
+    return space;
+  }
+
+  // Sets the pivot. Returns the node whose animations move the part; -1, with a notice, if its pivot cannot
+  // hold them.
+  int giveMotion(const PartPlan& plan, SourcePart& part) const {
+    const int node = plan.mover >= 0 ? plan.mover : plan.node;
+    const glm::dmat4 pivot = pivotOf(node);
+    const double volume = std::abs(glm::determinant(glm::dmat3(pivot)));
+    const double sides = glm::length(glm::dvec3(pivot[0])) * glm::length(glm::dvec3(pivot[1])) *
+                         glm::length(glm::dvec3(pivot[2]));
+    if (volume > 1e-7 * sides && volume > 1e-30) {
+      part.pivot = toAffine(pivot);
+      return plan.mover;
+    }
+    if (plan.mover >= 0)
+      model_.note(model_.nodeName(plan.mover) +
+                  " is animated below a scale of zero, which no part can follow: part '" + part.name +
+                  "' does not move by it; give its parents a size at rest");
+    return -1;
+  }
+
+  // Every part of a pack has voxels. A carrier has one, a millionth as large as the part that follows it and
+  // at its corner: it cannot be seen and does not enlarge the bounds.
+  void placeCarriers() {
+    for (std::size_t i = out_.parts.size(); i-- > 0;) {
+      SourcePart& carrier = out_.parts[i];
+      if (!carrier.carrier) continue;
+      const auto self = out_.parts.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto child = std::find_if(
+          self, out_.parts.end(), [&](const SourcePart& part) { return part.parent == static_cast<int>(i); });
+      if (child == out_.parts.end()) {  // what it was there for had no triangles
+        const auto after = out_.parts.erase(self);
+        std::for_each(after, out_.parts.end(),
+                      [&](SourcePart& part) { part.parent -= part.parent > static_cast<int>(i); });
+        continue;
+      }
+      double edge = static_cast<double>(child->to_object[0].x);
+      glm::vec3 place = child->to_object[3];
+      if (!child->carrier) {
+        const glm::vec3 corner = child->soup.positions.front();
+        double longest = 0;
+        for (const glm::vec3& p : child->soup.positions)
+          longest = std::max(longest, static_cast<double>(glm::length(p - corner)));
+        edge = 1e-6 * longest;
+        place = child->to_object * glm::vec4(corner, 1);
+      }
+      carrier.to_object = toAffine(glm::dmat4(glm::dvec4(edge, 0, 0, 0), glm::dvec4(0, edge, 0, 0),
+                                              glm::dvec4(0, 0, edge, 0), glm::dvec4(glm::dvec3(place), 1)));
+      carrier.grid.emplace();
+      carrier.grid->size = glm::ivec3(1);
+      carrier.grid->solid.assign(1, 1);
+    }
+  }
+
+  std::string noTriangles(const PartPlan& plan) const {
+    if (plan.node < 0)
+      return (plan.rig ? "extras.kelp of " + plan.rig->owner : std::string("the scene's knot empties")) +
+             " bends nothing: all triangles belong to nodes with rigs of their own";
+    return model_.nodeName(plan.node) +
+           " has a rig but no triangles in its subtree: no part is made of it; " +
+           (plan.rig ? "put extras.kelp on the mesh's node" : "parent the knots to the mesh");
+  }
+
+  // The world of the parent, then the node's own place and rotation at rest: here its animated translation,
+  // rotation and scale act.
+  glm::dmat4 pivotOf(int node) const {
+    if (node < 0) return glm::dmat4(1);
+    const int parent = model_.parents[static_cast<std::size_t>(node)];
+    GltfTransform rest = restTransform(model_.node(node));
+    rest.scale = glm::dvec3(1);
+    return (parent >= 0 ? model_.world[static_cast<std::size_t>(parent)] : glm::dmat4(1)) * rest.matrix();
+  }
+
+  void readRig(const PartPlan& plan, int mover, SourcePart& part) {
+    const std::string place = model_.nodeName(plan.node);
+    std::vector<int> knots = plan.knots;
+    if (plan.rig) {
+      try {
+        part.rig = parseRig(plan.rig->text);
+      } catch (const RigError& error) {
+        refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp", error.what());
+      }
+      part.rig_origin = "extras.kelp of " + plan.rig->owner;
+      if (!knots.empty())
+        model_.note(place + " has knot empties, and " + plan.rig->owner +
+                    " has extras.kelp: extras.kelp is the rig");
+      knots.clear();
+    } else if (plan.node < 0 && !lieBeside(model_, knots, part.soup)) {
+      model_.note("the empties knot.0 to knot." + std::to_string(knots.size() - 1) +
+                  " stand at the top of the scene, away from the mesh: no rig is made of them; move them "
+                  "along the mesh and parent them to it");
+      part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
+      knots.clear();
+    } else if (std::optional<RigDescription> rig =
+                   knotRig(model_, plan.node, knots, part.soup, settings_.axis)) {
+      part.rig = *std::move(rig);
+      part.rig_origin = std::to_string(knots.size()) + " knot empties of " + place;
+    } else {
+      part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
+      knots.clear();
+    }
+    addClips(model_, mover, knots, part.soup, part.name, animations_, channels_, used_, part.rig);
+  }
+
+  void uniqueNames() {
+    std::set<std::string> taken;
+    std::map<std::string, int> suffix;  // the last one tried
+    for (SourcePart& part : out_.parts) {
+      const std::string wanted = part.name;
+      while (!taken.insert(part.name).second)
+        part.name = wanted + "." + std::to_string(++suffix.try_emplace(wanted, 1).first->second);
+    }
+  }
+
+  const InputFiles& files_;
+  const ImportSettings& settings_;
+  DataBudget budget_;
+  SourceModel out_;
+  std::optional<OuterRig> outer_;
+  GltfModel model_;
+  std::vector<GltfMaterialUse> materials_;
+  std::vector<GltfAnimation> animations_;
+  GltfChannelIndex channels_;
+  std::vector<std::vector<bool>> used_;
+  std::size_t triangles_ = 0;
+};
+
+}  // namespace
+
+SourceModel importGltf(const std::filesystem::path& path, const ImportSettings& settings, FilesUsed* used) {
+  const InputFiles files(path, used);
+  try {
+    return GltfImporter(files, settings).import();
+  } catch (const std::exception&) {
+    refuseThrown(path);
+  }
+}
+
+}  // namespace kelp::bake

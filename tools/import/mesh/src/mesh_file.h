@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Readers of plain meshes; importMesh chooses one. Each adds at least one material to `out`. All are safe for
+// hostile input.
+#pragma once
+
+#include <span>
+
+#include "kelp/import/core/input_files.h"
+#include "kelp/import/core/source_model.h"
+#include "kelp/import/mesh/soup.h"
+
+namespace kelp::bake {
+
+// Wavefront OBJ with MTL. `max_memory` as in ImportSettings, for its pictures.
+void readObj(const InputFiles& files, std::span<const std::uint8_t> bytes, std::uint64_t max_memory,
+             SourceModel& out, SoupBuilder& soup);
+// PLY 1.0: ASCII and binary of either byte order, vertex and face colours.
+void readPly(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
+             SoupBuilder& soup);
+// STL, ASCII and binary.
+void readStl(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
+             SoupBuilder& soup);
+// OFF, COFF and NOFF as text.
+void readOff(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
+             SoupBuilder& soup);
+
+// Draco files: a mesh's positions and colours.
+void readDrc(const InputFiles& files, std::span<const std::uint8_t> bytes, SourceModel& out,
+             SoupBuilder& soup);
+
+// The vertices of a mesh of polygons. Colours are linear; there are none or one for each vertex.
+struct IndexedMesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec4> colors;
+};
+// Adds a polygon to the soup as triangles, relative to the soup's origin. `corners` index the mesh's vertices
+// and are checked; `place` names the polygon in errors. `face_color` may be null; it multiplies the vertices'
+// colours.
+void addPolygon(const InputFiles& files, const IndexedMesh& mesh, std::span<const std::int64_t> corners,
+                const std::string& place, const glm::vec4* face_color, SoupBuilder& soup);
+
+// The material of files that have none.
+SurfaceMaterial plainMaterial();
+
+}  // namespace kelp::bake

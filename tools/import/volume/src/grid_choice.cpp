@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "grid_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace kelp::bake {
+namespace {
+
+constexpr std::size_t kListed = 16;
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+template <std::size_t N>
+bool isOneOf(const std::string& name, const std::array<std::string_view, N>& names) {
+  return std::find(names.begin(), names.end(), lowerCase(name)) != names.end();
+}
+
+bool isScalar(const GridHeader& grid) {
+  return grid.kind == GridKind::kScalar || grid.kind == GridKind::kBinary;
+}
+bool isColor(const GridHeader& grid) {
+  return grid.kind == GridKind::kVector && grid.type.find("vec3i") == std::string::npos;
+}
+bool usable(const GridHeader& grid) { return !grid.empty && grid.linear; }
+constexpr std::array<std::string_view, 4> kHeatNames{"flame", "flames", "heat", "temperature"};
+constexpr std::array<std::string_view, 2> kColorNames{"cd", "color"};
+bool isHeat(const GridHeader& grid) {
+  return grid.kind == GridKind::kScalar && isOneOf(grid.name, kHeatNames);
+}
+
+template <class Wanted>
+std::string list(const std::vector<GridHeader>& grids, const Wanted& wanted) {
+  std::string text;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (!wanted(grids[i]) || ++count > kListed) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", i, describeGrid(grids[i]));
+  }
+  return count > kListed ? fmt::format("{} and {} more", text, count - kListed) : text;
+}
+
+std::string listAll(const std::vector<GridHeader>& grids) {
+  return list(grids, [](const GridHeader&) { return true; });
+}
+
+// Finds a grid by name, or else by index.
+std::size_t find(const InputFiles& files, const std::vector<GridHeader>& grids, const std::string& option,
+                 const std::string& wanted) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < grids.size(); ++i)
+    if (grids[i].name == wanted) found.push_back(i);
+  const std::string place = option + " " + oneLine(wanted, 60);
+  if (found.size() > 1)
+    refuse(Exit::kUsage, files.input(), place,
+           "several grids have that name; give the index of one of " + listAll(grids));
+  if (found.size() == 1) return found[0];
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < grids.size()) return index;
+  refuse(Exit::kUsage, files.input(), place,
+         "there is no such grid; give the name or the index of one of " + listAll(grids));
+}
+
+// ToolError if the chosen grid cannot become voxels.
+void requireVoxels(const InputFiles& files, const GridHeader& grid) {
+  const std::string place = gridPlace(grid);
+  if (grid.kind == GridKind::kPoints)
+    refuse(Exit::kUnsupported, files.input(), place,
+           "holds points, not voxels; convert them to a level set or a density");
+  if (grid.kind == GridKind::kVector)
+    refuse(
+        Exit::kUnsupported, files.input(), place,
+        "holds vectors: they can colour a volume (--color-grid), but not be one; choose a grid of numbers");
+  if (grid.kind == GridKind::kOther)
+    refuse(Exit::kUnsupported, files.input(), place,
+           "has values of a type that kelp does not read; convert it to float");
+  if (grid.empty)
+    refuse(Exit::kUnsupported, files.input(), place,
+           "is empty: it has no voxel but its background; export a frame that has some");
+  if (!grid.linear)
+    refuse(Exit::kUnsupported, files.input(), place, "has a frustum transform; resample it to a linear one");
+}
+
+std::size_t chooseVolume(const InputFiles& files, const std::vector<GridHeader>& grids,
+                         const ImportSettings& settings) {
+  if (settings.grid) return find(files, grids, "--grid", *settings.grid);
+  const auto pick = [&](const auto& wanted) -> std::optional<std::size_t> {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < grids.size(); ++i)
+      if (isScalar(grids[i]) && !grids[i].empty && wanted(grids[i])) found.push_back(i);
+    if (found.size() > 1)
+      refuse(Exit::kUsage, files.input(), "",
+             "has several grids to bake; choose one with --grid NAME or INDEX: " +
+                 list(grids,
+                      [&](const GridHeader& grid) { return isScalar(grid) && !grid.empty && wanted(grid); }));
+    return found.empty() ? std::nullopt : std::optional(found[0]);
+  };
+  if (const auto volume = pick([](const GridHeader& grid) { return !isHeat(grid); })) return *volume;
+  if (const auto heat = pick(isHeat)) return *heat;
+  if (grids.empty()) refuse(Exit::kUnsupported, files.input(), "", "holds no grid; export a volume");
+  if (grids.size() == 1) return 0;
+  if (std::all_of(grids.begin(), grids.end(), [](const GridHeader& grid) {
+        return grid.empty && grid.kind != GridKind::kPoints && grid.kind != GridKind::kOther;
+      }))
+    refuse(Exit::kUnsupported, files.input(), "",
+           "all its grids are empty: " + listAll(grids) + "; export a frame that has voxels");
+  refuse(Exit::kUnsupported, files.input(), "",
+         "has no grid of numbers with voxels, but " + listAll(grids) +
+             "; convert one to a level set or a density");
+}
+
+std::string_view className(GridClass grid_class) {
+  switch (grid_class) {
+    case GridClass::kLevelSet:
+      return "level set";
+    case GridClass::kFogVolume:
+      return "fog volume";
+    case GridClass::kStaggered:
+      return "staggered";
+    case GridClass::kUnknown:
+      break;
+  }
+  return "unknown class";
+}
+
+}  // namespace
+
+void countActive(const SparseGrid& grid, GridHeader& header) {
+  const auto include = [&](const glm::ivec3& low, const glm::ivec3& high) {
+    header.low = glm::min(header.low, low);
+    header.high = glm::max(header.high, high);
+  };
+  visitCells(
+      grid,
+      [&](const SparseCell& cell) {
+        for (int i = 0; i < grid.components; ++i)
+          if (grid.numbers[cell.first + static_cast<std::size_t>(i)] !=
+              grid.background[static_cast<std::size_t>(i)])
+            header.empty = false;
+        if (!cell.active) return;
+        header.empty = false;
+        const auto side = static_cast<std::uint64_t>(cell.side);
+        header.active += side * side * side;
+        include(cell.low, cell.low + (cell.side - 1));
+      },
+      [&](const SparseGrid::Leaf& leaf) {
+        header.empty = false;
+        for (const std::uint64_t word : leaf.active)
+          header.active += static_cast<std::uint64_t>(std::popcount(word));
+        if (glm::min(header.low, leaf.low) == header.low &&
+            glm::max(header.high, leaf.low + 7) == header.high)
+          return;
+        for (std::size_t i = 0; i < SparseGrid::kLeafVoxels; ++i)
+          if (leaf.active[i / 64] >> (i % 64) & 1) include(leafVoxel(leaf, i), leafVoxel(leaf, i));
+      });
+}
+
+std::string describeGrid(const GridHeader& grid) {
+  std::string text =
+      fmt::format("'{}' ({}, {}", oneLine(grid.name, 40), grid.type, className(grid.grid_class));
+  const bool known = grid.kind != GridKind::kPoints && grid.kind != GridKind::kOther;
+  if (known && grid.empty)
+    text += ", empty";
+  else if (known && grid.active == 0)
+    text += ", no active voxel";
+  else if (known)
+    text += fmt::format(", {} active voxels in {} x {} x {}", grid.active, grid.high.x - grid.low.x + 1,
+                        grid.high.y - grid.low.y + 1, grid.high.z - grid.low.z + 1);
+  return text + ")";
+}
+
+std::string gridPlace(const GridHeader& grid) { return grid.raw ? "" : "grid " + describeGrid(grid); }
+
+std::string gridSubject(const GridHeader& grid) {
+  return grid.raw ? "the volume" : "grid '" + grid.name + "'";
+}
+
+namespace {
+
+// What a grid's name adds to the chosen grid's, in files with several parts as kelp-dump extract writes them:
+// beside "reed" and "steam.density" are "reed.Cd" and "steam.heat".
+std::string nameBeside(const GridHeader& grid, const GridHeader& chosen) {
+  const std::size_t dot = chosen.name.rfind('.');
+  for (const std::string& prefix :
+       {chosen.name + ".", dot == std::string::npos ? std::string() : chosen.name.substr(0, dot + 1)})
+    if (!prefix.empty() && grid.name.starts_with(prefix)) return grid.name.substr(prefix.size());
+  return {};
+}
+
+// A usable grid with one of these names: the one that belongs to the chosen grid, or else the first of the
+// file.
+template <std::size_t N, class Wanted>
+std::optional<std::size_t> findNamed(const std::vector<GridHeader>& grids, std::size_t chosen,
+                                     const std::array<std::string_view, N>& names, const Wanted& wanted) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (i == chosen || !usable(grids[i]) || !wanted(grids[i])) continue;
+    if (isOneOf(nameBeside(grids[i], grids[chosen]), names)) return i;
+    if (!found && isOneOf(grids[i].name, names)) found = i;
+  }
+  return found;
+}
+
+}  // namespace
+
+VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids,
+                         const ImportSettings& settings) {
+  VolumeChoice choice;
+  choice.grid = chooseVolume(files, grids, settings);
+  requireVoxels(files, grids[choice.grid]);
+  if (settings.color_grid) {
+    choice.color = find(files, grids, "--color-grid", *settings.color_grid);
+    choice.color_named = true;
+    const GridHeader& grid = grids[*choice.color];
+    if (!isColor(grid))
+      refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
+             "holds no colours: " + describeGrid(grid) + "; name a grid of vec3s");
+    if (!usable(grid))
+      refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
+             std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
+  } else {
+    choice.color = findNamed(grids, choice.grid, kColorNames, isColor);
+    choice.attribute =
+        findNamed(grids, choice.grid, std::array<std::string_view, 1>{"kelp_attribute"}, isColor);
+    choice.palette = findNamed(grids, choice.grid, std::array<std::string_view, 1>{"kelp_palette"}, isColor);
+    if (!choice.attribute || !choice.palette) choice.attribute = choice.palette = std::nullopt;
+  }
+  if (settings.heat_grid) {
+    if (settings.heat_grid->empty()) return choice;
+    choice.heat = find(files, grids, "--heat-grid", *settings.heat_grid);
+    choice.heat_named = true;
+    const GridHeader& grid = grids[*choice.heat];
+    if (!isScalar(grid))
+      refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60),
+             "holds no numbers: " + describeGrid(grid) + "; name a grid of float");
+    if (!usable(grid))
+      refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60),
+             std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
+  } else {
+    choice.heat = findNamed(grids, choice.grid, kHeatNames,
+                            [](const GridHeader& grid) { return grid.kind == GridKind::kScalar; });
+  }
+  return choice;
+}
+
+}  // namespace kelp::bake

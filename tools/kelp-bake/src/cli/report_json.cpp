@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "cli/report_json.h"
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/summary.h"
+#include "kelp/common/console.h"
+#include "kelp/common/output_file.h"
+#include "kelp/rig/json_depth.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+// Make reads spaces as separators, $ as variables, # as comments and : as the end of targets; ninja reads
+// what compilers write for make. A backslash is one by itself, and to be doubled before what has one for its
+// own sake.
+std::string escapeForMake(const std::filesystem::path& path) {
+  std::string escaped;
+  std::size_t backslashes = 0;
+  for (const char c : path.string()) {
+    if (c == ' ' || c == '\t') escaped += std::string(backslashes + 1, '\\');
+    if (c == '#' || c == ':') escaped += '\\';
+    if (c == '$') escaped += '$';
+    escaped += c;
+    backslashes = c == '\\' ? backslashes + 1 : 0;
+  }
+  return escaped;
+}
+
+OrderedJson partJson(const bake::Report::Part& part) {
+  OrderedJson json{{"name", part.name},
+                   {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
+                   {"carrier", part.carrier},
+                   {"size", {part.size.x, part.size.y, part.size.z}},
+                   {"voxel_size", part.voxel_size},
+                   {"rig", part.rig_origin},
+                   {"fill", part.fill},
+                   {"closed", part.closed},
+                   {"triangles", part.triangles},
+                   {"solid_voxels", part.solid_voxels},
+                   {"surface_voxels", part.surface_voxels},
+                   {"fog", part.fog},
+                   {"fog_voxels", part.fog_voxels},
+                   {"bricks", part.bricks}};
+  json["mesh"] = {{"vertices", part.mesh.vertices},
+                  {"triangles", part.mesh.triangles},
+                  {"boundary_edges", part.mesh.boundary_edges},
+                  {"boundaries", part.mesh.boundaries},
+                  {"non_manifold_edges", part.mesh.non_manifold_edges},
+                  {"dropped_triangles", part.mesh.dropped}};
+  json["repairs"] = {{"components", part.repairs.components},
+                     {"closed_components", part.repairs.closed},
+                     {"capped_components", part.repairs.capped},
+                     {"sheets", part.repairs.sheets},
+                     {"walls", part.repairs.walls},
+                     {"doubled_triangles", part.repairs.doubled},
+                     {"turned_triangles", part.repairs.turned},
+                     {"cap_triangles", part.repairs.cap_triangles},
+                     {"kept_voxels", part.repairs.kept_voxels}};
+  json["components"] = OrderedJson::array();
+  for (const bake::ComponentReport& c : part.components) {
+    json["components"].push_back(
+        {{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
+  }
+  return json;
+}
+
+OrderedJson filesJson(const bake::FilesUsed& used) {
+  OrderedJson files = OrderedJson::array();
+  for (const bake::FilesUsed::File& file : used.read) {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(file.path, error);
+    files.push_back({{"name", file.path.string()}, {"bytes", error ? OrderedJson() : OrderedJson(bytes)}});
+  }
+  return files;
+}
+
+}  // namespace
+
+std::string reportJson(const Options& options, const bake::Report& report, double seconds) {
+  OrderedJson json;
+  json["schema"] = "kelp-bake-report/1";
+  json["kelp-bake"] = KELP_VERSION;
+  json["input"] = options.input.string();
+  json["output"] = options.output.string();
+  json["format"] = report.format;
+  json["files"] = filesJson(report.files);
+  json["materials"] = report.materials;
+  json["images"] = report.images;
+  json["parts"] = OrderedJson::array();
+  for (const bake::Report::Part& part : report.parts) json["parts"].push_back(partJson(part));
+  json["clips"] = OrderedJson::array();
+  for (const bake::Report::Clip& clip : report.clips)
+    json["clips"].push_back({{"name", clip.name},
+                             {"part", clip.part},
+                             {"duration", clip.duration},
+                             {"leaves_box", clip.leaves_box},
+                             {"bends", clip.bends},
+                             {"moves", clip.moves}});
+  json["stages"] = OrderedJson::array();
+  for (const bake::Report::Stage& stage : report.stages)
+    json["stages"].push_back(
+        {{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
+  json["notices"] = report.notices;
+  json["palette_entries"] = report.palette_entries;
+  if (!report.palette_materials.empty()) json["palette_materials"] = report.palette_materials;
+  json["palette_error"] = report.palette_error;
+  json["estimated_bytes"] = report.estimated_bytes;
+  json["pack_bytes"] = report.pack_bytes;
+  json["pack_xxh128"] = report.pack_hash;
+  json["cached"] = false;
+  json["seconds"] = seconds;
+  return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
+}
+
+std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files,
+                         double seconds) {
+  OrderedJson json = OrderedJson::parse(report);
+  json["input"] = options.input.string();
+  json["output"] = options.output.string();
+  json["files"] = filesJson(files);
+  json["stages"] = OrderedJson::array({{{"name", "cache"}, {"seconds", seconds}, {"peak_bytes", 0}}});
+  json["cached"] = true;
+  json["seconds"] = seconds;
+  return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
+}
+
+bool isReport(const std::string& text) {
+  constexpr int kMaxDepth = 16;
+  constexpr std::size_t kMaxMembers = 1000;
+  if (nestedDeeper(text, kMaxDepth) || hasLargerObjects(text, kMaxMembers)) return false;
+  const OrderedJson json = OrderedJson::parse(text, nullptr, false);
+  const auto isText = [](const OrderedJson& value) { return value.is_string(); };
+  return json.is_object() && json.contains("input") && isText(json["input"]) && json.contains("notices") &&
+         json["notices"].is_array() && std::all_of(json["notices"].begin(), json["notices"].end(), isText);
+}
+
+std::vector<std::string> noticesOf(const std::string& report) {
+  return OrderedJson::parse(report)["notices"].get<std::vector<std::string>>();
+}
+
+std::string inputOf(const std::string& report) {
+  return OrderedJson::parse(report)["input"].get<std::string>();
+}
+
+void checkDependencies(const Options& options, const bake::FilesUsed& files) {
+  const auto check = [](const std::filesystem::path& path) {
+    if (path.string().find_first_of("\n\r") != std::string::npos)
+      throw ToolError(Exit::kIo, console::oneLine(path.string()) +
+                                     ": has a line break in its name, and no make rule can name "
+                                     "it; rename it, or leave -MD and -MF out");
+  };
+  check(options.input);
+  check(options.output);
+  for (const bake::FilesUsed::File& file : files.read) check(file.path);
+  for (const std::filesystem::path& file : options.option_files) check(file);
+}
+
+void writeDependencies(const std::filesystem::path& path, const Options& options,
+                       const bake::FilesUsed& files) {
+  std::set<std::filesystem::path> others;  // in one order, whether they were read or looked up
+  for (const bake::FilesUsed::File& file : files.read)
+    if (file.path != options.input) others.insert(file.path);
+  std::vector<std::string> names;
+  names.reserve(others.size() + options.option_files.size());
+  for (const std::filesystem::path& file : others) names.push_back(escapeForMake(file));
+  for (const std::filesystem::path& file : options.option_files) names.push_back(escapeForMake(file));
+  const std::string input = escapeForMake(options.input);
+  std::string rule = options.deps_target.value_or(escapeForMake(options.output)) + ": \\\n  " + input;
+  for (const std::string& name : names) rule += " \\\n  " + name;
+  rule += "\n";
+  // As compilers write them: all but the input, whose absence is an error.
+  if (options.phony_deps)
+    for (const std::string& name : names) rule += "\n" + name + ":\n";
+  writeTextFile(path, rule);
+}
+
+}  // namespace kelp::bake_cli

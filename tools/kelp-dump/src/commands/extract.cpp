@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "extract/extract.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands/commands.h"
+#include "commands/options.h"
+#include "kelp/common/error.h"
+#include "pack/pack_file.h"
+#include "text/check_output.h"
+
+namespace kelp::dump {
+namespace {
+
+struct Format {
+  const char* name;
+  const char* help;
+  const Writer& writer;
+  bool into_folder = false;
+};
+constexpr Format kFormats[] = {
+    {"vox", "MagicaVoxel: colours by index, materials, one model a part", kVoxWriter},
+    {"ply", "a mesh of the visible voxel faces, in metres", kPlyWriter},
+    {"slices", "a folder of PNGs, one for each layer of voxels", kSlicesWriter, true},
+    {"vdb", "OpenVDB: solid parts as level sets with their colours, fog as densities", kVdbWriter},
+    {"nvdb", "NanoVDB: the same as --vdb", kNanoVdbWriter},
+};
+
+struct ExtractOptions {
+  std::string path, part;
+  int level = 0;
+  std::map<std::string, std::string> outputs;  // by the name of the format
+};
+
+// The one format that was asked for.
+const Format& formatOf(const CLI::App& command) {
+  const Format* wanted = nullptr;
+  for (const Format& format : kFormats) {
+    if (command.count(std::string("--") + format.name) == 0) continue;
+    if (wanted)
+      throw ToolError(Exit::kUsage,
+                      fmt::format("--{} and --{}: one format at a time; see kelp-dump extract --help",
+                                  wanted->name, format.name));
+    wanted = &format;
+  }
+  if (!wanted)
+    throw ToolError(
+        Exit::kUsage,
+        "extract: no format; name one with --vox, --vdb, --nvdb, --ply or --slices, see kelp-dump "
+        "extract --help");
+  if (!wanted->writer.write && !wanted->writer.handOver)
+    throw ToolError(
+        Exit::kUnsupported,
+        fmt::format("--{}: this kelp-dump was built without {}; it has {} (see --version), or build it "
+                    "where {} is installed",
+                    wanted->name, wanted->writer.needs, extractFormats(), wanted->writer.needs));
+  return *wanted;
+}
+
+ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const std::string& output) {
+  const std::span<const Part> parts = file.pack().parts();
+  ExtractRequest request{file, {}, options.level, output};
+  if (options.part.empty()) {
+    for (std::uint32_t part = 0; part < parts.size(); ++part) request.parts.push_back(part);
+  } else {
+    request.parts.push_back(file.findPart(options.part));
+  }
+  int levels = 0;
+  for (const std::uint32_t part : request.parts) levels = std::max(levels, parts[part].levels);
+  if (options.level < 0 || options.level >= levels)
+    throw ToolError(Exit::kUsage, fmt::format("{}: --level {}: there are levels 0 to {}; choose one of them",
+                                              options.path, options.level, levels - 1));
+  return request;
+}
+
+Exit runExtract(const CLI::App& command, const ExtractOptions& options) {
+  const Format& format = formatOf(command);
+  const Writer& writer = format.writer;
+  const std::string& output = options.outputs.at(format.name);
+  if (output == "-" && !writer.shown_as)
+    throw ToolError(Exit::kUsage, fmt::format("--{} -: cannot be written to standard output; name a {}",
+                                              format.name, format.into_folder ? "folder" : "file"));
+  if (!format.into_folder) checkBinaryOutput(output, options.path, writer.shown_as);
+  if (writer.handOver) {
+    std::vector<std::string> arguments{"extract", std::string("--") + format.name, output, "--level",
+                                       std::to_string(options.level)};
+    if (!options.part.empty()) arguments.insert(arguments.end(), {"--part", options.part});
+    arguments.insert(arguments.end(), {"--", options.path});
+    writer.handOver(std::move(arguments));
+  }
+  PackFile file(options.path);
+  writer.write(requestOf(file, options, output));
+  return Exit::kOk;
+}
+
+}  // namespace
+
+std::string extractFormats() {
+  std::string text;
+  for (const Format& format : kFormats)
+    if (format.writer.write || (format.writer.isThere && format.writer.isThere()))
+      text += fmt::format("{}{}", text.empty() ? "" : ", ", format.name);
+  return text;
+}
+
+Command addExtract(CLI::App& app) {
+  const auto options = std::make_shared<ExtractOptions>();
+  CLI::App* const command =
+      addCommand(app, "extract", "Write the voxels of a pack in another program's format",
+                 "  kelp-dump extract reed.kelp --vox reed.vox\n"
+                 "  kelp-dump extract reed.kelp --ply - --level 2 > reed.ply\n"
+                 "  kelp-dump extract smoke.kelp --vdb smoke.vdb\n");
+  addPack(command, options->path);
+  for (const Format& format : kFormats)
+    command->add_option(std::string("--") + format.name, options->outputs[format.name], format.help)
+        ->option_text(format.into_folder ? "FOLDER" : "OUT");
+  addPart(command, options->part, "all");
+  addLevel(command, options->level);
+  return {command, [command, options] { return runExtract(*command, *options); }};
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/formats/verify.h"
+
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "commands/commands.h"
+#include "commands/options.h"
+#include "kelp/common/pack_error.h"
+#include "pack/pack_file.h"
+#include "text/text.h"
+#include "verify/deep_check.h"
+#include "verify/finding.h"
+#include "verify/verify_output.h"
+
+namespace kelp::dump {
+namespace {
+
+struct VerifyOptions {
+  std::string path, format = "text";
+  bool deep = false;
+};
+
+Finding findingOf(const Issue& issue) {
+  Finding finding;
+  finding.id = static_cast<int>(issue.id);
+  finding.severity = issue.severity;
+  finding.message = toString(issue.id);
+  finding.detail = issue.error.detail;
+  finding.code = issue.error.code;
+  if (issue.error.offset != Error::kNoOffset) finding.offset = issue.error.offset;
+  finding.part = issue.part;
+  finding.level = issue.level;
+  finding.page = issue.page;
+  return finding;
+}
+
+// 3 if the pack breaks the rules. 2, 4 or 5 if only the disk, the memory or a newer version kept it from
+// being checked.
+Exit verdict(const VerifyReport& report) {
+  Exit worst = Exit::kOk;
+  for (const Finding& f : report.findings) {
+    if (f.severity != Severity::kError) continue;
+    const Exit exit = f.code ? exitOf(*f.code) : Exit::kInvalid;
+    if (exit == Exit::kInvalid) return Exit::kInvalid;
+    if (worst == Exit::kOk) worst = exit;
+  }
+  return worst;
+}
+
+Exit runVerify(const VerifyOptions& options) {
+  const bool json = isJson(options.format);
+  PackFile file(options.path);
+  VerifyReport report;
+  report.path = file.path();
+  report.deep = options.deep;
+  kelp::verify(
+      file.source(), {},
+      [](void* user, const Issue& issue) {
+        static_cast<VerifyReport*>(user)->findings.push_back(findingOf(issue));
+      },
+      &report);
+  // If the pack does not open, the findings say so already.
+  if (const Pack* pack = file.packIfSound()) {
+    for (const Part& part : pack->parts()) {
+      report.part_names.emplace_back(part.name);
+      report.levels += static_cast<std::uint64_t>(part.levels);
+    }
+    if (options.deep) checkDeeply(file, report);
+  }
+  print(json ? verifyJson(report) : verifyText(report));
+  return verdict(report);
+}
+
+}  // namespace
+
+Command addVerify(CLI::App& app) {
+  const auto options = std::make_shared<VerifyOptions>();
+  CLI::App* const command =
+      addCommand(app, "verify", "Check structure and checksums; list everything that is wrong",
+                 "  kelp-dump verify reed.kelp\n"
+                 "  kelp-dump verify reed.kelp --deep --format json\n"
+                 "  ssh farm cat reed.kelp | kelp-dump verify -\n");
+  addPack(command, options->path);
+  command->add_flag("--deep", options->deep,
+                    "also recompute empty boxes, levels and surface from the voxels, and compare");
+  addFormat(command, options->format);
+  return {command, [options] { return runVerify(*options); }};
+}
+
+}  // namespace kelp::dump

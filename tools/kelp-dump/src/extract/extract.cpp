@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "extract/extract.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kelp/common/output_file.h"
+#include "kelp/common/srgb.h"
+#include "kelp/rig/rig.h"
+#include "pack/part_axis.h"
+#include "text/text.h"
+
+namespace kelp::dump {
+namespace {
+
+bool bends(const Pack& pack, std::uint32_t part) {
+  for (const Clip& clip : pack.clips())
+    if (std::any_of(clip.waves.begin(), clip.waves.end(),
+                    [&](const Wave& wave) { return wave.part == part; }) ||
+        std::any_of(clip.tracks.begin(), clip.tracks.end(),
+                    [&](const Track& track) { return track.part == part; }))
+      return true;
+  const std::span<const Knot> knots = pack.parts()[part].knots;
+  return std::any_of(knots.begin(), knots.end(), [](const Knot& knot) {
+    return knot.position.x != 0 || knot.position.z != 0 || knot.tangent.x != 0 || knot.tangent.z != 0;
+  });
+}
+
+}  // namespace
+
+void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& parts,
+              const glm::dmat3& file_to_object) {
+  const Pack& pack = request.file.pack();
+  for (const std::uint32_t index : parts) {
+    if (!bends(pack, index)) continue;
+    const glm::dmat3 part_to_object(glm::dmat4x3(request.part(index).to_object));
+    const double edge = std::cbrt(std::abs(glm::determinant(part_to_object)));
+    const std::string it =
+        parts.size() > 1 ? fmt::format("part {} '{}'", index, nameText(request.part(index).name, 40)) : "it";
+    std::string text =
+        fmt::format("the rig of {} cannot be written in the file's axes: give {} a new one", it, it);
+    for (const Axis axis :
+         {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+      // kelp-bake makes the part's axes of the file's by this rotation.
+      const glm::dmat3 apart = file_to_object - part_to_object / edge * glm::dmat3(axisRotation(axis));
+      if (std::max({glm::length(apart[0]), glm::length(apart[1]), glm::length(apart[2])}) > 1e-3) continue;
+      text = axis == bakedAxis(request.part(index)).value_or(Axis::kPlusY)
+                 ? ""
+                 : fmt::format("bake {} with the rig that kelp-dump rig --part {} --axis {} prints", it,
+                               index, toString(axis));
+    }
+    if (!text.empty()) note(request, text);
+  }
+}
+
+LevelVoxels ExtractRequest::read(std::uint32_t index) const {
+  return LevelVoxels(file, index, std::min(level, part(index).levels - 1));
+}
+
+void note(const ExtractRequest& request, const std::string& text) {
+  say("{}: {}", request.file.path(), text);
+}
+
+std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format) {
+  std::vector<std::uint32_t> solid;
+  std::string fog;
+  for (const std::uint32_t part : request.parts) {
+    if (!request.fog(part))
+      solid.push_back(part);
+    else if (fog.size() < 200)
+      fog += fmt::format("{}'{}'", fog.empty() ? "" : ", ", nameText(request.part(part).name, 40));
+  }
+  if (solid.empty())
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: {} is fog, which {} cannot hold; use --vdb, --nvdb or --slices",
+                                request.file.path(), fog, format));
+  if (!fog.empty()) note(request, fmt::format("{} left out: {} cannot hold fog", fog, format));
+  return solid;
+}
+
+Rgba displayColor(const Material& material) {
+  const glm::vec4& color = material.base_color;
+  return {linearToSrgb8(color.r), linearToSrgb8(color.g), linearToSrgb8(color.b),
+          static_cast<std::uint8_t>(std::lround(255 * std::clamp(color.a, 0.0f, 1.0f)))};
+}
+
+}  // namespace kelp::dump

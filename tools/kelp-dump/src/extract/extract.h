@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// `extract`: a pack's voxels in formats of other programs. Each format has a file, and all get the same
+// request.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pack/level_voxels.h"
+#include "pack/pack_file.h"
+
+namespace kelp::dump {
+
+struct ExtractRequest {
+  PackFile& file;
+  std::vector<std::uint32_t> parts;  // at least one
+  int level = 0;                     // of parts that have fewer: their coarsest
+  std::string output;
+
+  const Part& part(std::uint32_t index) const { return file.pack().parts()[index]; }
+  bool fog(std::uint32_t index) const { return part(index).kind == PartKind::kFog; }
+  LevelVoxels read(std::uint32_t index) const;
+};
+
+// A line to stderr about what the format could not hold: "kelp-dump: reed.kelp: ...".
+void note(const ExtractRequest& request, const std::string& text);
+
+// For parts that bend: says which rig to bake the file with, unless plain `kelp-dump rig` prints it.
+// `file_to_object` maps the file's axes to the object's.
+void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& parts,
+              const glm::dmat3& file_to_object);
+
+// The solid parts, for formats that cannot hold fog. Says on stderr which parts are left out. ToolError
+// kUnsupported if all are fog.
+std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format);
+
+// What writes a format. Several sources define each writer; the build takes the one that fits what is
+// installed: extract_vdb.cpp, vdb_program.cpp or without_vdb.cpp; extract_slices.cpp or without_png.cpp.
+struct Writer {
+  // The libraries that this build lacks. Empty if it can write the format.
+  const char* needs = "";
+  // What goes to standard output ("a binary PLY"). Null: it is written to files only.
+  const char* shown_as = nullptr;
+  void (*write)(const ExtractRequest&) = nullptr;
+  // In place of `write`: another program does the work. Does not return.
+  void (*handOver)(std::vector<std::string> arguments) = nullptr;
+  // Whether that program is installed.
+  bool (*isThere)() = nullptr;
+};
+extern const Writer kVoxWriter, kPlyWriter, kSlicesWriter, kVdbWriter, kNanoVdbWriter;
+
+// MagicaVoxel, version 200, z up. Each part is one model, or several of 256 voxels a side. The scene graph
+// places them.
+void extractVox(const ExtractRequest& request);
+// Binary PLY: the faces between solid and empty voxels as quads, in the object's space, metres.
+void extractPly(const ExtractRequest& request);
+// A folder of PNGs, one for each layer across the spline.
+void extractSlices(const ExtractRequest& request);
+// OpenVDB, NanoVDB: level sets and densities as grids. Only built into kelp-dump-vdb.
+void extractVdb(const ExtractRequest& request);
+void extractNvdb(const ExtractRequest& request);
+
+// Display colour of a palette entry, 8 bits a channel, with its alpha.
+struct Rgba {
+  std::uint8_t r = 0, g = 0, b = 0, a = 0;
+};
+Rgba displayColor(const Material& material);
+
+}  // namespace kelp::dump

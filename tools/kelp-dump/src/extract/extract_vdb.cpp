@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "extract/vdb_grids.h"
+#include "kelp/common/console.h"
+#include "kelp/common/output_file.h"
+
+namespace kelp::dump {
+namespace {
+
+// Writes the same as openvdb::io::File, which does not report a full disk.
+class StreamArchive : public openvdb::io::Archive {
+ public:
+  void writeTo(std::ostream& stream, const openvdb::GridPtrVec& grids) const {
+    Archive::write(stream, grids, /*seekable=*/true);
+  }
+};
+
+}  // namespace
+
+void extractVdb(const ExtractRequest& request) {
+  withOpenVdb(request, [&] {
+    const openvdb::GridPtrVec grids = vdbGrids(request);
+    OutputFile out(console::pathOf(request.output));
+    out.writeBy([&](std::ostream& stream) { StreamArchive().writeTo(stream, grids); });
+    out.commit();
+    noteRigs(request, request.parts, glm::dmat3(1));
+  });
+}
+
+constinit const Writer kVdbWriter{.write = extractVdb};
+
+}  // namespace kelp::dump

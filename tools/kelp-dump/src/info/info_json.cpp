@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "info/info_json.h"
+
+#include <set>
+
+#include "text/json.h"
+#include "text/safe_json.h"
+#include "text/text.h"
+
+namespace kelp::dump {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json partJson(const PartSummary& p) {
+  const Part& part = *p.part;
+  Json knots = Json::array(), levels = Json::array(), to_object = Json::array();
+  for (const Knot& knot : part.knots)
+    knots.push_back(
+        {{"at", knot.at}, {"position", array3(knot.position)}, {"tangent", array3(knot.tangent)}});
+  for (std::size_t l = 0; l < p.levels.size(); ++l) {
+    const LevelSummary& level = p.levels[l];
+    levels.push_back({{"size", array3(level.size)},
+                      {"cells", level.cells},
+                      {"pages", level.pages},
+                      {"stored_bytes", level.stored}});
+    if (part.fog) levels.back()["extinction"] = part.fog->extinction[l];
+    if (!level.counted) continue;
+    levels.back().update({{"bricks", level.counted->bricks},
+                          {"solid_voxels", level.counted->solid},
+                          {"surface_voxels", level.counted->surface}});
+    if (part.fog)
+      levels.back().update({{"cubes", level.counted->cubes}, {"cubes_not_clear", level.counted->foggy}});
+  }
+  for (int column = 0; column < 4; ++column) to_object.push_back(array3(part.to_object[column]));
+  Json json = {{"name", part.name},
+               {"parent", part.parent >= 0 ? Json(part.parent) : Json(nullptr)},
+               {"kind", part.kind == PartKind::kFog ? "fog" : "solid"},
+               {"size", array3(part.size)},
+               {"voxel_metres", array3(p.voxel)},
+               {"to_object", to_object},
+               {"knots", knots},
+               {"levels", levels}};
+  if (part.fog) {
+    Json ramp = Json::array();
+    for (const glm::vec3& color : part.fog->ramp) ramp.push_back(array3(color));
+    json["fog"] = {{"color", array3(part.fog->color)},
+                   {"hex", hexColour({part.fog->color, 1})},
+                   {"anisotropy", part.fog->anisotropy},
+                   {"glow", part.fog->glow},
+                   {"ramp", ramp}};
+  }
+  return json;
+}
+
+Json clipJson(const Clip& clip) {
+  std::set<std::uint32_t> parts;
+  for (const Wave& wave : clip.waves) parts.insert(wave.part);
+  for (const Track& track : clip.tracks) parts.insert(track.part);
+  return {{"name", clip.name},
+          {"duration", clip.duration},
+          {"waves", clip.waves.size()},
+          {"tracks", clip.tracks.size()},
+          {"parts", parts}};
+}
+
+}  // namespace
+
+std::string infoJson(const Summary& summary) {
+  const Pack& pack = *summary.pack;
+  Json parts = Json::array(), clips = Json::array(), palette = Json::array(), chunks = Json::array();
+  for (const PartSummary& part : summary.parts) parts.push_back(partJson(part));
+  for (const Clip& clip : pack.clips()) clips.push_back(clipJson(clip));
+  for (std::size_t i = 0; i < pack.palette().size(); ++i) {
+    const Material& m = pack.palette()[i];
+    palette.push_back(
+        {{"base_color", Json::array({m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a})},
+         {"hex", hexColour(m.base_color)},
+         {"emissive", array3(m.emissive)},
+         {"metallic", m.metallic},
+         {"roughness", m.roughness}});
+    if (summary.counted) palette.back()["surface_voxels"] = summary.palette_use[i];
+  }
+  for (const ChunkSummary& c : summary.chunks) {
+    chunks.push_back({{"kind", c.kind}, {"count", c.count}, {"stored_bytes", c.stored}});
+    if (c.raw) chunks.back()["decoded_bytes"] = *c.raw;
+  }
+  const auto info = parseSafely(pack.infoJson());
+  Json json = {{"schema", kSchemaName},
+               {"command", "info"},
+               {"file", summary.path},
+               {"file_bytes", pack.fileSize()},
+               {"counted", summary.counted},
+               {"format", {{"major", kFormatMajor}, {"minor", pack.minorVersion()}}},
+               {"info", info ? *info : Json(nullptr)},
+               {"parts", parts},
+               {"clips", clips},
+               {"palette", palette},
+               {"chunks", chunks}};
+  if (const std::optional<std::uint64_t> decoded = summary.rawBytes()) json["decoded_bytes"] = *decoded;
+  return printed(json);
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// `info` on one screen: what the pack is, where it came from, what is in it, where the bytes go. Long lists
+// are cut and say so.
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "info/info_document.h"
+#include "info/summary.h"
+#include "text/text.h"
+
+namespace kelp::dump {
+namespace {
+
+constexpr std::size_t kMostLines = 6, kMostParts = 8, kMostClips = 6, kMostColours = 6, kMostChunks = 16;
+// With more parts: one line a part, and the sums of their levels.
+constexpr std::size_t kDetailedParts = 2;
+
+double share(std::uint64_t some, std::uint64_t all) {
+  return static_cast<double>(some) / static_cast<double>(std::max<std::uint64_t>(all, 1));
+}
+double percent(std::uint64_t some, std::uint64_t all) { return 100 * share(some, all); }
+
+// "  31.2 % ######".
+std::string shareText(std::uint64_t some, std::uint64_t all) {
+  return fmt::format("{:>8.2f} %  {}", percent(some, all), faint(bar(share(some, all))));
+}
+
+std::string more(std::size_t total, std::size_t shown, const char* what) {
+  return total > shown ? fmt::format("  ... and {} more {} (--format json lists all)\n", total - shown, what)
+                       : "";
+}
+
+std::string fogText(const Fog& fog) {
+  std::string text = fmt::format("    fog of {}{}, anisotropy {:.3g}", swatch({fog.color, 1}),
+                                 hexColour({fog.color, 1}), fog.anisotropy);
+  if (fog.ramp.empty()) return text + "; no heat\n";
+  return text + fmt::format("; glow {:.4g} in {} from {:.3g} {:.3g} {:.3g} to {:.3g} {:.3g} {:.3g}\n",
+                            fog.glow, plural(fog.ramp.size(), "colour"), fog.ramp.front().r,
+                            fog.ramp.front().g, fog.ramp.front().b, fog.ramp.back().r, fog.ramp.back().g,
+                            fog.ramp.back().b);
+}
+
+std::string levelsText(const Summary& summary, const PartSummary& p) {
+  const bool fog = p.part->fog != nullptr;
+  std::string text = fmt::format("    {:<6}{:>20}", "level", "voxels") +
+                     (summary.counted ? "" : fmt::format("{:>12}", "cells"));
+  if (fog) text += fmt::format("{:>12}", "extinction");
+  if (summary.counted)
+    text += fmt::format("{:>10}{:>9}", "bricks", "of cells") +
+            (fog ? fmt::format("{:>11}", "not clear") : fmt::format("{:>14}{:>13}", "solid", "surface"));
+  text += fmt::format("{:>8}{:>12}{:>10}\n", "pages", "stored", "of file");
+  for (std::size_t l = 0; l < p.levels.size(); ++l) {
+    const LevelSummary& level = p.levels[l];
+    text += fmt::format("    {:<6}{:>20}", l, sizeText(level.size)) +
+            (summary.counted ? "" : fmt::format("{:>12}", countText(level.cells)));
+    if (fog) text += fmt::format("{:>12.4g}", p.part->fog->extinction[l]);
+    if (level.counted) {
+      text += fmt::format("{:>10}{:>7.1f} %", countText(level.counted->bricks),
+                          percent(level.counted->bricks, level.cells));
+      text += fog ? fmt::format("{:>9.1f} %", percent(level.counted->foggy, level.counted->cubes))
+                  : fmt::format("{:>14}{:>13}", countText(level.counted->solid),
+                                countText(level.counted->surface));
+    }
+    text += fmt::format("{:>8}{:>12}{}\n", countText(level.pages), bytesText(level.stored),
+                        shareText(level.stored, summary.storedBytes()));
+  }
+  return text;
+}
+
+std::string voxelText(const PartSummary& p) {
+  const bool cubes =
+      std::max({p.voxel.x, p.voxel.y, p.voxel.z}) <= 1.00001 * std::min({p.voxel.x, p.voxel.y, p.voxel.z});
+  return cubes ? metresText(p.voxel.x)
+               : fmt::format("{} x {} x {}", metresText(p.voxel.x), metresText(p.voxel.y),
+                             metresText(p.voxel.z));
+}
+
+std::string partText(const Summary& summary, std::size_t index) {
+  const PartSummary& p = summary.parts[index];
+  const Part& part = *p.part;
+  std::string text = fmt::format("  {} {}{}: {} voxels of {} ({} x {} x {})", index,
+                                 bold(nameText(part.name)), part.fog ? " (fog)" : "", sizeText(part.size),
+                                 voxelText(p), metresText(p.voxel.x * part.size.x),
+                                 metresText(p.voxel.y * part.size.y), metresText(p.voxel.z * part.size.z));
+  text += fmt::format("; {} knots at", part.knots.size());
+  for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
+    text += fmt::format(" {:.3g}", part.knots[k].at);
+  if (part.knots.size() > 8) text += " ...";
+  if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);
+  return text + "\n" + (part.fog ? fogText(*part.fog) : "") + levelsText(summary, p);
+}
+
+// One line a part, and the levels of all parts together.
+std::string partsTable(const Summary& summary) {
+  std::string text = fmt::format("  {:<6}{:<28}{:>20}{:>12}{:>8}{:>7}{:>12}{:>10}\n", "part", "name",
+                                 "voxels", "voxel", "levels", "knots", "stored", "of file");
+  for (std::size_t i = 0; i < summary.parts.size() && i < kMostParts; ++i) {
+    const PartSummary& p = summary.parts[i];
+    const std::string name = nameText(p.part->name, 20) + (p.part->fog ? " (fog)" : "");
+    text += fmt::format("  {:<6}{}{:>20}{:>12}{:>8}{:>7}{:>12}{}\n", i, padRight(name, 28),
+                        sizeText(p.part->size), metresText(std::max({p.voxel.x, p.voxel.y, p.voxel.z})),
+                        p.part->levels, p.part->knots.size(), bytesText(p.stored()),
+                        shareText(p.stored(), summary.storedBytes()));
+  }
+  text += more(summary.parts.size(), kMostParts, "parts");
+  struct Sum {
+    std::uint64_t parts = 0, cells = 0, pages = 0, solid = 0, surface = 0, stored = 0;
+  };
+  std::map<std::size_t, Sum> levels;
+  for (const PartSummary& p : summary.parts)
+    for (std::size_t l = 0; l < p.levels.size(); ++l) {
+      const LevelSummary& level = p.levels[l];
+      Sum& sum = levels[l];
+      ++sum.parts;
+      sum.cells += level.cells;
+      sum.pages += level.pages;
+      sum.stored += level.stored;
+      if (level.counted) sum.solid += level.counted->solid, sum.surface += level.counted->surface;
+    }
+  text += fmt::format("{}\n  {:<7}{:>7}{:>14}{:>10}", bold("levels of all parts"), "level", "parts", "cells",
+                      "pages") +
+          (summary.counted ? fmt::format("{:>14}{:>13}", "solid", "surface") : "") +
+          fmt::format("{:>12}{:>10}\n", "stored", "of file");
+  for (const auto& [l, sum] : levels)
+    text +=
+        fmt::format("  {:<7}{:>7}{:>14}{:>10}", l, sum.parts, countText(sum.cells), countText(sum.pages)) +
+        (summary.counted ? fmt::format("{:>14}{:>13}", countText(sum.solid), countText(sum.surface)) : "") +
+        fmt::format("{:>12}{}\n", bytesText(sum.stored), shareText(sum.stored, summary.storedBytes()));
+  return text;
+}
+
+std::string clipText(const Summary& summary, const Clip& clip) {
+  std::set<std::uint32_t> parts;
+  for (const Wave& wave : clip.waves) parts.insert(wave.part);
+  for (const Track& track : clip.tracks) parts.insert(track.part);
+  std::string moved;
+  for (const std::uint32_t p : parts) {
+    if (moved.size() > 60) {
+      moved += ", ...";
+      break;
+    }
+    moved += (moved.empty() ? "" : ", ") + nameText(summary.pack->parts()[p].name, 40);
+  }
+  return fmt::format("  {} {:>8}  {}, {}, moves {}\n", padRight(nameText(clip.name, 40), 16),
+                     fmt::format("{:.4g} s", clip.duration), plural(clip.waves.size(), "wave"),
+                     plural(clip.tracks.size(), "track"), moved.empty() ? "nothing" : moved);
+}
+
+std::string paletteText(const Summary& summary) {
+  const auto palette = summary.pack->palette();
+  std::vector<std::size_t> order(palette.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return summary.palette_use[a] > summary.palette_use[b];
+  });
+  std::string text = fmt::format("{} ({}{})\n", bold("palette"), plural(palette.size(), "colour"),
+                                 summary.counted ? ", by their share of the surface" : "");
+  for (std::size_t i = 0; i < order.size() && i < kMostColours; ++i) {
+    const Material& m = palette[order[i]];
+    text += fmt::format("  {:<4}{}{}  roughness {:.2f}  metallic {:.2f}", order[i], swatch(m.base_color),
+                        hexColour(m.base_color), m.roughness, m.metallic);
+    if (m.base_color.a < 1) text += fmt::format("  alpha {:.2f}", m.base_color.a);
+    if (m.emissive != glm::vec3(0))
+      text += fmt::format("  emits {:.2f} {:.2f} {:.2f}", m.emissive.r, m.emissive.g, m.emissive.b);
+    if (summary.counted) text += shareText(summary.palette_use[order[i]], summary.surfaceVoxels());
+    text += "\n";
+  }
+  return text + more(order.size(), kMostColours, "colours");
+}
+
+std::string bytesTable(const Summary& summary) {
+  const auto row = [&](const std::string& kind, const std::string& count, std::uint64_t stored,
+                       const std::optional<std::uint64_t>& raw) {
+    return fmt::format(
+        "  {:<7}{:>7}{:>14}{:>14}{:>9}{}\n", kind, count, bytesText(stored), raw ? bytesText(*raw) : "-",
+        raw ? fmt::format("{:.2f}",
+                          static_cast<double>(*raw) / static_cast<double>(std::max<std::uint64_t>(stored, 1)))
+            : "-",
+        shareText(stored, summary.storedBytes()));
+  };
+  std::string text = fmt::format("{}\n  {:<7}{:>7}{:>14}{:>14}{:>9}{:>10}\n", bold("bytes"), "chunk", "count",
+                                 "stored", "decoded", "ratio", "of file");
+  const std::size_t kinds = summary.chunks.size() - 1;
+  for (std::size_t i = 0; i < kinds && i < kMostChunks; ++i)
+    text += row(summary.chunks[i].kind, std::to_string(summary.chunks[i].count), summary.chunks[i].stored,
+                summary.chunks[i].raw);
+  text += more(kinds, kMostChunks, "kinds");
+  text += row("other", "", summary.chunks.back().stored, summary.chunks.back().raw);
+  text += row("total", "", summary.storedBytes(), summary.rawBytes());
+  text += fmt::format("  {:.3g} bits of file for each of the {} voxels of level 0, empty ones too",
+                      8 * share(summary.storedBytes(), summary.voxels()), countText(summary.voxels()));
+  if (summary.surfaceVoxels() > 0)
+    text += fmt::format("; {:.2f} bytes for each of the surface",
+                        share(summary.storedBytes(), summary.surfaceVoxels()));
+  return text + (summary.counted ? "\n" : "; --count reads them and says more\n");
+}
+
+}  // namespace
+
+std::string infoText(const Summary& summary) {
+  const Pack& pack = *summary.pack;
+  std::string text =
+      fmt::format("{}: kelp pack, format {}.{}, {}, {}, {}\n", bold(nameText(summary.path, 4096)),
+                  kFormatMajor, pack.minorVersion(), bytesText(pack.fileSize()),
+                  plural(pack.parts().size(), "part"), plural(pack.clips().size(), "clip"));
+  const auto lines = infoLines(pack.infoJson());
+  for (std::size_t i = 0; i < lines.size() && i < kMostLines; ++i)
+    text += fmt::format("  {:<9}{}\n", lines[i].first, lines[i].second);
+  text += more(lines.size(), kMostLines, "members of INFO");
+  text += bold("parts") + "\n";
+  if (summary.parts.size() > kDetailedParts)
+    text += partsTable(summary);
+  else
+    for (std::size_t i = 0; i < summary.parts.size(); ++i) text += partText(summary, i);
+  if (!pack.clips().empty()) text += bold("clips") + "\n";
+  for (std::size_t i = 0; i < pack.clips().size() && i < kMostClips; ++i)
+    text += clipText(summary, pack.clips()[i]);
+  text += more(pack.clips().size(), kMostClips, "clips");
+  text += paletteText(summary);
+  text += bytesTable(summary);
+  return text;
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kelp/formats/pack.h"
+#include "pack/pack_file.h"
+
+namespace kelp::dump {
+
+// Reads the bricks of a level one after the other, in Morton order as they are in the file. Holds only the
+// grid and one page in memory.
+class BrickReader {
+ public:
+  // Reads the grid. ToolError here and from next().
+  BrickReader(PackFile& file, int part, int level);
+
+  const LevelGrid& grid() const { return grid_; }
+  // Moves to the next brick; the first call to the first one. False at the end.
+  bool next();
+  // Of the current brick.
+  const glm::ivec3& position() const { return positions_[slot_]; }
+  std::uint64_t morton() const { return mortonCode(position()); }
+  std::span<const std::uint8_t> codes() const {
+    return std::span<const std::uint8_t>(page_.codes.span()).subspan(inPage() * kBrickVoxels, kBrickVoxels);
+  }
+  // In the order of codes.
+  std::span<const std::uint32_t> attributes() const {
+    return std::span<const std::uint32_t>(page_.attributes.span()).subspan(first_attribute_, attributes_);
+  }
+  // Of fog. Channel 0 is density, 1 is heat.
+  std::span<const std::uint8_t> samples(int channel) const;
+  int channels() const { return grid_.pages[page_index_].channels; }
+
+ private:
+  std::size_t inPage() const { return slot_ - page_.first_slot; }
+
+  PackFile& file_;
+  std::uint32_t part_;
+  int level_;
+  LevelGrid grid_;
+  std::vector<glm::ivec3> positions_;  // by slot
+  PageData page_;
+  std::size_t page_index_ = 0;
+  std::uint32_t slot_ = 0;
+  std::size_t first_attribute_ = 0, attributes_ = 0;
+  bool begun_ = false;
+};
+
+// Calls visit(lowest voxel, a, b) for every brick that one of the levels has. The reader of a level that
+// lacks the brick is null.
+template <class Visit>
+void forEachBrick(BrickReader& a, BrickReader& b, const Visit& visit) {
+  bool more_a = a.next(), more_b = b.next();
+  while (more_a || more_b) {
+    const bool use_a = more_a && (!more_b || a.morton() <= b.morton()),
+               use_b = more_b && (!more_a || b.morton() <= a.morton());
+    visit((use_a ? a : b).position() * kBrickSide, use_a ? &a : nullptr, use_b ? &b : nullptr);
+    if (use_a) more_a = a.next();
+    if (use_b) more_b = b.next();
+  }
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "pack/level_voxels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kelp/common/dense_index.h"
+#include "pack/level_grid.h"
+#include "text/memory_check.h"
+
+namespace kelp::dump {
+namespace {
+
+// The memory that the level needs, known before any page is read: decoded pages and the tables beside them.
+std::uint64_t memoryOf(const LevelGrid& grid) {
+  std::uint64_t bytes = grid.cells.size() * sizeof(std::uint32_t) * 2 +
+                        std::uint64_t{grid.bricks} * (sizeof(glm::ivec3) + 8 * sizeof(std::uint32_t));
+  for (const PageInfo& page : grid.pages) bytes += page.raw;
+  return bytes;
+}
+
+}  // namespace
+
+LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
+  const Pack& pack = file.pack();
+  const Part& part = pack.parts()[part_index];
+  const LevelGrid grid = readLevelGrid(file, part_index, level);
+  requireMemory(memoryOf(grid), fmt::format("{}: {}:", file.path(), levelText(pack, part_index, level)),
+                "extract a coarser --level, or use a larger machine");
+  kind_ = part.kind;
+  size_ = levelSize(part.size, level);
+  grid_ = grid.grid;
+  const double scale = std::ldexp(1.0, level);
+  to_object_ = glm::dmat4x3(part.to_object);
+  for (int axis = 0; axis < 3; ++axis) to_object_[axis] *= scale;
+  if (fog()) extinction_ = part.fog->extinction[static_cast<std::size_t>(level)];
+  raw_ = readLevelData(file, part_index, level, grid);
+  brick_of_slot_ = bricksBySlot(grid);
+  slice_base_.resize(raw_.codes.size() / kBrickVoxels * 8);
+  computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
+}
+
+double LevelVoxels::edge() const { return std::cbrt(std::abs(glm::determinant(glm::dmat3(to_object_)))); }
+
+std::optional<std::uint32_t> LevelVoxels::attribute(const glm::ivec3& voxel) const {
+  const std::uint8_t here = code(voxel);
+  if (!isSurfaceCode(here)) return std::nullopt;
+  return attributeOf(cellOf(voxel) & kCellSlotMask, codeIndex(voxel), here);
+}
+
+void LevelVoxels::paletteRow(int y, int z, int from, std::span<std::int16_t> row) const {
+  std::fill(row.begin(), row.end(), std::int16_t{kEmpty});
+  const int beyond = from + static_cast<int>(row.size());
+  std::int16_t last = 0;
+  for (int first = 0; first < beyond; first += kBrickSide) {
+    const std::uint32_t cell = cellOf({first, y, z}), slot = cell & kCellSlotMask;
+    if (!(cell & kCellSolid)) continue;
+    for (int x = first; x < std::min(first + kBrickSide, beyond); ++x) {
+      const int index = codeIndex({x, y, z});
+      const std::uint8_t here =
+          raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
+      if (isSurfaceCode(here)) last = attributePalette(attributeOf(slot, index, here));
+      if (x >= from && isSolidCode(here)) row[static_cast<std::size_t>(x - from)] = last;
+    }
+  }
+}
+
+bool LevelVoxels::anyBrick(int from, int beyond, int y, int z) const {
+  for (int x = from / kBrickSide * kBrickSide; x < beyond; x += kBrickSide)
+    if (cellOf({x, y, z}) & kCellSolid) return true;
+  return false;
+}
+
+void LevelVoxels::fogLayer(int y, std::span<std::uint8_t> density, std::span<std::uint8_t> heat) const {
+  std::fill(density.begin(), density.end(), std::uint8_t{0});
+  std::fill(heat.begin(), heat.end(), std::uint8_t{0});
+  for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot) {
+    const glm::ivec3 low = brick_of_slot_[slot] * kBrickSide;
+    if (y < low.y || y >= low.y + kFogSide) continue;
+    for (int z = low.z; z < std::min(low.z + kFogSide, size_.z); ++z)
+      for (int x = low.x; x < std::min(low.x + kFogSide, size_.x); ++x) {
+        const std::size_t at =
+            slot * kFogSamples + denseIndex(glm::ivec3(kFogSide), glm::ivec3(x, y, z) - low);
+        const std::size_t pixel = denseIndex({size_.x, 1, size_.z}, x, 0, z);
+        density[pixel] = raw_.density[at];
+        if (!heat.empty()) heat[pixel] = raw_.heat[at];
+      }
+  }
+}
+
+std::uint64_t LevelVoxels::solidVoxels() const {
+  std::uint64_t count = 0;
+  eachSolid([&](const glm::ivec3&) { ++count; });
+  return count;
+}
+
+}  // namespace kelp::dump

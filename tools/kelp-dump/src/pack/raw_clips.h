@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp::dump {
+
+// Copies of a pack's clips.
+std::vector<RawClip> rawClips(const Pack& pack);
+
+// For each part, the clips that move it, with only the waves and tracks of that part. A clip of several parts
+// is as long as the longest share needs, so each share gets the length that it needs itself. A clip whose
+// length is not what its content needs keeps that length.
+std::vector<std::vector<RawClip>> clipsOfParts(const std::vector<RawClip>& clips, std::size_t parts);
+
+}  // namespace kelp::dump

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "text/check_output.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "kelp/common/console.h"
+#include "kelp/common/error.h"
+#include "kelp/common/links.h"
+#include "kelp/common/output_file.h"
+
+namespace kelp::dump {
+
+void checkBinaryOutput(const std::string& output, const std::string& input, const char* what) {
+  if (output == "-") {
+    if (!console::isTerminal(console::Stream::kOut)) return;
+    throw ToolError(
+        Exit::kUsage,
+        fmt::format("-: a terminal cannot show {}; redirect it (> FILE, or | PROGRAM), or name a file",
+                    what));
+  }
+  const std::filesystem::path path = console::pathOf(output);
+  if (streamOf(path))
+    throw ToolError(Exit::kIo,
+                    fmt::format("{}: is an open stream; give - for standard output, or name a file", output));
+  if (input != "-") checkNotOverwritten(path, console::pathOf(input));
+}
+
+}  // namespace kelp::dump

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "model.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace kelp::view {
+
+std::string describe(const Error& error) {
+  std::string text = toString(error.code);
+  text += std::string(": ") + error.detail;
+  if (error.offset != Error::kNoOffset) text += " (at " + std::to_string(error.offset) + ")";
+  return text;
+}
+
+Result<std::unique_ptr<Model>> Model::open(const std::string& path) {
+  std::unique_ptr<Model> model(new Model);
+  model->path_ = path;
+  Result<FileSource> file = FileSource::open(path.c_str());
+  if (!file) return file.error();
+  model->file_ = std::make_shared<FileSource>(*std::move(file));
+  const Source source = model->file_->source();
+  auto made = make(std::move(model), source);
+  if (made && !(*made)->weights_.empty()) (*made)->weights_[0] = 1;
+  return made;
+}
+
+Result<std::unique_ptr<Model>> Model::rerigged(const PackRig& rig) const {
+  std::unique_ptr<Model> model(new Model);
+  model->path_ = path_;
+  model->file_ = file_;
+  model->original_ = original_;
+  if (!model->original_) {
+    auto pack = Pack::open(file_->source());
+    if (!pack) return pack.error();
+    model->original_ = std::make_shared<const Pack>(*std::move(pack));
+  }
+  const auto sketch = RigSketch::make(rig);
+  if (!sketch) return sketch.error();
+  model->rerigged_ = std::make_unique<Rerigged>(file_->source(), *model->original_, **sketch);
+  const Source source = model->rerigged_->source();
+  auto made = make(std::move(model), source);
+  if (made) (*made)->takeWeights(clips(), weights_);
+  return made;
+}
+
+Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const Source& source) {
+  auto asset = runtime::Asset::open(source);
+  if (!asset) return asset.error();
+  model->asset_ = *std::move(asset);
+  Result<runtime::Pose> pose = runtime::Pose::create(*model->asset_);
+  if (!pose) return pose.error();
+  model->pose_ = *std::move(pose);
+
+  const Pack& pack = model->asset_->pack();
+  model->weights_.assign(pack.clips().size(), 0.0f);
+  for (const Part& part : pack.parts()) model->edits_.emplace_back(part.knots.size());
+  model->pose(0);
+  model->loader_ = std::thread([loading = model.get()] { loading->load(); });
+  return model;
+}
+
+Result<void> Model::setRig(const PackRig& rig) {
+  auto sketch = RigSketch::make(rig);
+  if (!sketch) return sketch.error();
+  auto pose = runtime::Pose::create((*sketch)->asset());
+  if (!pose) return pose.error();
+  if (!pose->fits(*asset_)) return Error{ErrorCode::kMisuse, "the rig has other numbers of knots"};
+  const std::vector<float> weights = weights_;
+  const std::unique_ptr<RigSketch> before = std::move(sketch_);
+  const std::span<const Clip> clips_before = before ? before->asset().pack().clips() : asset_->pack().clips();
+  sketch_ = *std::move(sketch);
+  sketch_pose_ = *std::move(pose);
+  takeWeights(clips_before, weights);
+  return {};
+}
+
+// By name. A new clip plays; a renamed one takes the weight of the clip whose place it has.
+void Model::takeWeights(std::span<const Clip> before, const std::vector<float>& weights) {
+  weights_.assign(clips().size(), 1.0f);
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [&](const Clip& clip) { return clip.name == clips()[i].name; });
+    if (same != before.end())
+      weights_[i] = weights[static_cast<std::size_t>(same - before.begin())];
+    else if (before.size() == weights_.size())
+      weights_[i] = weights[i];
+  }
+}
+
+Model::~Model() {
+  quit_ = true;
+  if (loader_.joinable()) loader_.join();
+}
+
+void Model::load() {
+  while (!quit_) {
+    const Result<bool> pumped = asset_->pump();
+    if (!pumped) {  // the voxels that are sound are shown
+      const std::lock_guard lock(mutex_);
+      load_error_ = path_ + ": " + describe(pumped.error());
+    } else if (!*pumped) {  // until the renderer asks for more
+      loaded_ = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+}
+
+std::string Model::loadError() const {
+  const std::lock_guard lock(mutex_);
+  return load_error_;
+}
+
+void Model::pose(double seconds) {
+  runtime::Pose& rigged = sketch_ ? *sketch_pose_ : *pose_;
+  rigged.reset();
+  for (std::size_t clip = 0; clip < weights_.size(); ++clip) {
+    if (weights_[clip] != 0)
+      (void)addClip(rigAsset(), static_cast<int>(clip), seconds, weights_[clip], rigged);
+  }
+  if (sketch_) {
+    std::copy(rigged.allKnots().begin(), rigged.allKnots().end(), pose_->allKnots().begin());
+    for (int part = 0; part < rigged.parts(); ++part)
+      *pose_->motion(part) = *std::as_const(rigged).motion(part);
+  }
+  for (std::size_t part = 0; part < edits_.size(); ++part) {
+    const std::span<Knot> knots = pose_->knots(static_cast<int>(part));
+    for (std::size_t k = 0; k < knots.size(); ++k) {
+      Edit& edit = edits_[part][k];
+      edit.before = knots[k];
+      knots[k].position += edit.offset;
+      knots[k].tangent += edit.tangent;
+    }
+  }
+  pose_->clampMonotone();
+}
+
+void Model::moveKnot(int part, int knot, const glm::vec3& position) {
+  edit(part, knot).offset = position - edit(part, knot).before.position;
+}
+
+void Model::bendKnot(int part, int knot, const glm::vec3& tangent) {
+  edit(part, knot).tangent = tangent - edit(part, knot).before.tangent;
+}
+
+void Model::forgetEdits() {
+  for (std::vector<Edit>& knots : edits_) std::fill(knots.begin(), knots.end(), Edit{});
+}
+
+bool Model::edited() const {
+  for (const std::vector<Edit>& knots : edits_) {
+    for (const Edit& edit : knots) {
+      if (edit.offset != glm::vec3(0) || edit.tangent != glm::vec3(0)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace kelp::view

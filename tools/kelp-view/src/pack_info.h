@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// What kelp-bake has noted in a pack about the bake.
+#pragma once
+
+#include <string_view>
+
+#include "kelp/rig/rig.h"
+
+namespace kelp::view {
+
+// The axis of the source file that became the object's +y; +y if INFO does not say. Safe for hostile text.
+Axis upAxisOf(std::string_view info_json);
+
+}  // namespace kelp::view

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include "pack_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "pack_info.h"
+
+namespace kelp::view {
+namespace {
+
+constexpr float kAlike = 1e-4f;   // of a part's height
+constexpr float kTurned = 1e-3f;  // between directions that count as one
+
+bool near(const glm::vec3& a, const glm::vec3& b, float tolerance) {
+  return glm::all(glm::lessThanEqual(glm::abs(a - b), glm::vec3(tolerance)));
+}
+bool near(const glm::vec4& a, const glm::vec4& b, float tolerance) {
+  return glm::all(glm::lessThanEqual(glm::abs(a - b), glm::vec4(tolerance)));
+}
+bool near(float a, float b) { return std::abs(a - b) <= 1e-4f * std::max(1.0f, std::abs(a)); }
+
+bool moves(const RawClip& clip, std::uint32_t part) {
+  return std::any_of(clip.waves.begin(), clip.waves.end(),
+                     [&](const auto& wave) { return wave.part == part; }) ||
+         std::any_of(clip.tracks.begin(), clip.tracks.end(),
+                     [&](const auto& track) { return track.part == part; });
+}
+
+// Turns what moves knots of one part.
+void turnClips(std::vector<RawClip>& clips, const glm::mat3& turn) {
+  const auto turned = [&](const glm::vec4& v) { return glm::vec4(turn * glm::vec3(v), v.w); };
+  for (RawClip& clip : clips) {
+    for (Wave& wave : clip.waves) wave.amplitude = turn * wave.amplitude;
+    for (RawTrack& track : clip.tracks) {
+      if (track.target != Target::kKnotOffset && track.target != Target::kKnotTangent) continue;
+      for (Key& key : track.keys) {
+        key.value = turned(key.value);
+        key.in = turned(key.in);
+        key.out = turned(key.out);
+      }
+    }
+  }
+}
+
+void turnKnots(std::vector<Knot>& knots, const glm::mat3& turn) {
+  for (Knot& knot : knots) {
+    knot.position = turn * knot.position;
+    knot.tangent = turn * knot.tangent;
+  }
+}
+
+// Takes away what a rig need not say: tangents that would come out the same.
+void leaveAutomatic(RigDescription& rig, const glm::ivec3& size) {
+  RigDescription automatic = rig;
+  for (RigDescription::Knot& knot : automatic.knots) knot.tangent.reset();
+  const std::vector<Knot> with = realizeKnots(rig, size), without = realizeKnots(automatic, size);
+  for (std::size_t i = 0; i < rig.knots.size(); ++i) {
+    if (near(with[i].tangent, without[i].tangent, 1e-5f * static_cast<float>(size.y)))
+      rig.knots[i].tangent.reset();
+  }
+}
+
+}  // namespace
+
+Sizes sizesOf(const Pack& pack) {
+  Sizes sizes;
+  for (const Part& part : pack.parts()) sizes.push_back(part.size);
+  return sizes;
+}
+
+PackRig rigOf(const Pack& pack) {
+  PackRig rig;
+  for (const Part& part : pack.parts()) rig.knots.emplace_back(part.knots.begin(), part.knots.end());
+  for (const Clip& clip : pack.clips()) {
+    RawClip& raw = rig.clips.emplace_back(
+        RawClip{std::string(clip.name), clip.duration, {clip.waves.begin(), clip.waves.end()}, {}});
+    for (const Track& track : clip.tracks)
+      raw.tracks.push_back({track.part,
+                            track.knot,
+                            track.target,
+                            track.interpolation,
+                            {track.keys.begin(), track.keys.end()}});
+  }
+  return rig;
+}
+
+bool alike(const PackRig& a, const PackRig& b, const Sizes& sizes) {
+  if (a.knots.size() != b.knots.size() || a.clips.size() != b.clips.size()) return false;
+  const auto slack = [&](std::uint32_t part) { return kAlike * static_cast<float>(sizes[part].y); };
+  for (std::size_t part = 0; part < a.knots.size(); ++part) {
+    const float most = slack(static_cast<std::uint32_t>(part));
+    if (!std::equal(a.knots[part].begin(), a.knots[part].end(), b.knots[part].begin(), b.knots[part].end(),
+                    [&](const Knot& k, const Knot& l) {
+                      return near(k.at, l.at) && near(k.position, l.position, most) &&
+                             near(k.tangent, l.tangent, 4 * most);
+                    }))
+      return false;
+  }
+  return std::equal(a.clips.begin(), a.clips.end(), b.clips.begin(), [&](const RawClip& c, const RawClip& d) {
+    return c.name == d.name && near(c.duration, d.duration) &&
+           std::equal(c.waves.begin(), c.waves.end(), d.waves.begin(), d.waves.end(),
+                      [&](const Wave& v, const Wave& w) {
+                        return v.part == w.part && v.knot == w.knot && v.target == w.target &&
+                               near(v.amplitude, w.amplitude, slack(v.part)) && near(v.period, w.period) &&
+                               near(v.phase, w.phase);
+                      }) &&
+           std::equal(c.tracks.begin(), c.tracks.end(), d.tracks.begin(), d.tracks.end(),
+                      [&](const RawTrack& t, const RawTrack& u) {
+                        return t.part == u.part && t.knot == u.knot && t.target == u.target &&
+                               t.interpolation == u.interpolation &&
+                               std::equal(t.keys.begin(), t.keys.end(), u.keys.begin(), u.keys.end(),
+                                          [&](const Key& k, const Key& l) {
+                                            return near(k.time, l.time) &&
+                                                   near(k.value, l.value, slack(t.part));
+                                          });
+                      });
+  });
+}
+
+RigAxes axesOf(const Pack& pack, int index) {
+  const Part& part = pack.parts()[static_cast<std::size_t>(index)];
+  RigAxes axes;
+  // The part's directions in the file, each of unit length: units and scales do not turn anything.
+  glm::mat3 in_file = glm::transpose(axisRotation(upAxisOf(pack.infoJson()))) * glm::mat3(part.to_object);
+  for (int column = 0; column < 3; ++column) in_file[column] = glm::normalize(in_file[column]);
+  std::optional<Axis> along;
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    if (near(glm::transpose(axisRotation(axis)) * glm::vec3(0, 1, 0), in_file[1], kTurned)) along = axis;
+  }
+  const glm::mat3 turn = along ? glm::inverse(in_file) * glm::transpose(axisRotation(*along)) : glm::mat3(1);
+  const bool rigid = along && near(turn * glm::vec3(0, 1, 0), glm::vec3(0, 1, 0), kTurned);
+  if (rigid) {
+    axes.axis = *along;
+    bool straight = true;
+    for (int column = 0; column < 3; ++column)
+      straight = straight && near(turn[column], glm::mat3(1)[column], kTurned);
+    if (!straight) axes.turn = turn;
+  }
+  const std::string name = "'" + std::string(part.name) + "'";
+  if (pack.parts().size() > 1) {
+    axes.trouble =
+        "this pack has several parts, and kelp-bake --rig is for one: put the rig into extras.kelp of the "
+        "node " +
+        name;
+  } else if (!rigid) {
+    axes.trouble =
+        "the spline does not run along an axis of the file: put the rig into extras.kelp of the node " + name;
+  }
+  return axes;
+}
+
+RigDescription describe(const PackRig& rig, const Sizes& sizes, int index, const RigAxes& axes) {
+  const auto part = static_cast<std::uint32_t>(index);
+  const glm::ivec3 size = sizes[part];
+  std::vector<Knot> knots = rig.knots[part];
+  std::vector<RawClip> clips;
+  for (const RawClip& clip : rig.clips) {
+    if (!moves(clip, part)) continue;
+    RawClip& own = clips.emplace_back(RawClip{clip.name, clip.duration, {}, {}});
+    std::copy_if(clip.waves.begin(), clip.waves.end(), std::back_inserter(own.waves),
+                 [&](const auto& wave) { return wave.part == part; });
+    std::copy_if(clip.tracks.begin(), clip.tracks.end(), std::back_inserter(own.tracks),
+                 [&](const auto& track) { return track.part == part; });
+  }
+  if (axes.turn != glm::mat3(1)) {
+    turnKnots(knots, glm::inverse(axes.turn));
+    turnClips(clips, glm::inverse(axes.turn));
+  }
+  RigDescription described = describeRig(knots, clips, part, size, axes.axis);
+  leaveAutomatic(described, size);
+  return described;
+}
+
+PackRig realize(const std::vector<RigDescription>& rigs, const Sizes& sizes,
+                const std::vector<RigAxes>& axes) {
+  PackRig rig;
+  for (std::size_t part = 0; part < rigs.size(); ++part) {
+    const glm::ivec3 size = sizes[part];
+    std::vector<Knot> knots = realizeKnots(rigs[part], size);
+    std::vector<RawClip> clips = realizeClips(rigs[part], size, static_cast<std::uint32_t>(part));
+    if (axes[part].turn != glm::mat3(1)) {
+      turnKnots(knots, axes[part].turn);
+      turnClips(clips, axes[part].turn);
+    }
+    rig.knots.push_back(std::move(knots));
+    mergeClips(rig.clips, std::move(clips));
+  }
+  return rig;
+}
+
+void prove(const PackRig& rig, const Sizes& sizes) {
+  for (std::size_t part = 0; part < rig.knots.size(); ++part) {
+    if (const auto sound = checkKnots(rig.knots[part]); !sound)
+      throw RigError("knot " + std::to_string(sound.error().offset) + ": " + sound.error().detail +
+                     "; the spline may not turn back along its axis");
+    for (const RawClip& clip : rig.clips) {
+      if (moves(clip, static_cast<std::uint32_t>(part)))
+        (void)proveClip(clip, static_cast<std::uint32_t>(part), rig.knots[part], sizes[part]);
+    }
+  }
+}
+
+}  // namespace kelp::view

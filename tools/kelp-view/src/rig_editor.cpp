@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "rig_editor.h"
+
+#include <utility>
+
+namespace kelp::view {
+namespace {
+
+constexpr std::size_t kMostSteps = 500;
+
+// Rounded to what a hand can do, so that files stay readable.
+glm::vec3 rounded(const glm::vec3& v) { return glm::round(v * 1e5f) / 1e5f + 0.0f; }
+
+std::vector<std::string> namesOf(const Pack& pack) {
+  std::vector<std::string> names;
+  for (const Part& part : pack.parts()) names.emplace_back(part.name);
+  return names;
+}
+
+}  // namespace
+
+RigEditor::RigEditor(const Pack& pack) {
+  load(pack);
+  now_ = {loaded_, realize(loaded_, sizes_, axes_)};
+  saved_ = loaded_;
+}
+
+void RigEditor::load(const Pack& pack) {
+  names_ = namesOf(pack);
+  sizes_ = sizesOf(pack);
+  axes_.clear();
+  loaded_.clear();
+  const PackRig rig = rigOf(pack);
+  for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
+    axes_.push_back(axesOf(pack, part));
+    loaded_.push_back(describe(rig, sizes_, part, axes_.back()));
+  }
+}
+
+void RigEditor::remember() {
+  if (!in_gesture_) {
+    undo_.push_back(now_);
+    if (undo_.size() > kMostSteps) undo_.erase(undo_.begin());
+  }
+  in_gesture_ = true;
+  redo_.clear();
+}
+
+std::string RigEditor::change(int part, const RigDescription& wanted) {
+  if (wanted == rig(part)) return {};
+  State next{now_.rigs, {}};
+  next.rigs[static_cast<std::size_t>(part)] = wanted;
+  try {
+    // What the file could not hold is refused now: the words are those of the baker.
+    (void)parseRig(printRig(wanted));
+    next.realized = realize(next.rigs, sizes_, axes_);
+    prove(next.realized, sizes_);
+  } catch (const RigError& error) {
+    return error.what();
+  }
+  remember();
+  now_ = std::move(next);
+  ++revision_;
+  return {};
+}
+
+std::string RigEditor::pull(const Handle& handle, const glm::vec3& by) {
+  const auto part = static_cast<std::size_t>(handle.part), knot = static_cast<std::size_t>(handle.knot);
+  const float height = static_cast<float>(sizes_[part].y);
+  const RigAxes& stands = axes_[part];
+  const glm::mat3 to_artist = glm::inverse(stands.turn * axisRotation(stands.axis) * height);
+  const auto pulled = [&](const glm::vec3& by_voxels) {
+    RigDescription next = rig(handle.part);
+    RigDescription::Knot& moved = next.knots[knot];
+    if (handle.kind == Handle::Kind::kKnot) {
+      moved.offset = rounded(moved.offset + to_artist * by_voxels);
+    } else {
+      moved.tangent = rounded(to_artist * (now_.realized.knots[part][knot].tangent + by_voxels));
+    }
+    return change(handle.part, next);
+  };
+  const std::string wrong = pulled(by);
+  if (wrong.empty()) return {};
+  return pulled({by.x, 0, by.z}).empty() ? std::string() : wrong;
+}
+
+void RigEditor::step(std::vector<State>& from, std::vector<State>& to) {
+  if (from.empty()) return;
+  to.push_back(std::exchange(now_, std::move(from.back())));
+  from.pop_back();
+  in_gesture_ = false;
+  ++revision_;
+}
+
+void RigEditor::reset(int part) {
+  endGesture();
+  (void)change(part, loaded_[static_cast<std::size_t>(part)]);
+  endGesture();
+}
+
+bool RigEditor::unsaved() const {
+  for (int part = 0; part < parts(); ++part) {
+    if (unsaved(part)) return true;
+  }
+  return false;
+}
+
+bool RigEditor::follow(const Pack& pack) {
+  const bool same_parts = namesOf(pack) == names_;
+  const bool had_unsaved = unsaved();
+  const int revision = revision_ + 1;
+  const auto anew = [&] {
+    *this = RigEditor(pack);
+    revision_ = revision;
+    return !had_unsaved;
+  };
+  if (!same_parts) return anew();
+  load(pack);
+  // All states in voxels of the new pack: it may be baked finer.
+  const auto again = [&](State& state) {
+    try {
+      state.realized = realize(state.rigs, sizes_, axes_);
+      prove(state.realized, sizes_);
+      return true;
+    } catch (const RigError&) {
+      return false;  // a hair within what the proof takes, and baked a little shorter
+    }
+  };
+  std::erase_if(undo_, [&](State& state) { return !again(state); });
+  std::erase_if(redo_, [&](State& state) { return !again(state); });
+  State kept = now_;
+  if (!again(kept) || (!had_unsaved && !alike(kept.realized, rigOf(pack), sizes_))) return anew();
+  now_ = std::move(kept);
+  revision_ = revision;
+  if (alike(now_.realized, rigOf(pack), sizes_)) saved_ = now_.rigs;  // baked as it was saved
+  return true;
+}
+
+}  // namespace kelp::view

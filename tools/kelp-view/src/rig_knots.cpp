@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "rig_knots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "sinusoid.h"
+
+namespace kelp::view {
+namespace {
+
+// All knot numbers of waves and tracks.
+template <class Each>
+void forKnots(RigDescription& rig, const Each& each) {
+  for (RigDescription::Clip& clip : rig.clips) {
+    for (RigDescription::Wave& wave : clip.waves) each(wave.knot);
+    for (RigDescription::Track& track : clip.tracks) {
+      if (movesKnot(track.target)) each(track.knot);
+    }
+  }
+}
+
+// What the waves of knots `after` and `after` + 1 do half way between them, which is where `after` + 1 is
+// now: a Hermite curve is linear in its ends.
+void shareWaves(RigDescription::Clip& clip, int after, float share) {
+  std::map<float, std::pair<Sinusoid, Sinusoid>> middle;  // by period: place, tangent
+  for (const RigDescription::Wave& wave : clip.waves) {
+    const bool lower = wave.knot == after, upper = wave.knot == after + 2;
+    if (!lower && !upper) continue;
+    auto& [place, tangent] = middle[wave.period];
+    const float side = lower ? 1.0f : -1.0f;
+    if (wave.target == Target::kKnotOffset) {
+      place.add(0.5f * wave.amplitude, wave.phase);
+      tangent.add(-1.5f * side / share * wave.amplitude, wave.phase);
+    } else {
+      place.add(0.125f * side * share * wave.amplitude, wave.phase);
+      tangent.add(-0.25f * wave.amplitude, wave.phase);
+    }
+  }
+  for (const auto& [period, motion] : middle) {
+    motion.first.appendTo(clip.waves, after + 1, Target::kKnotOffset, period);
+    motion.second.appendTo(clip.waves, after + 1, Target::kKnotTangent, period);
+  }
+}
+
+}  // namespace
+
+bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
+
+void insertKnot(RigDescription& rig, int after) {
+  const auto i = static_cast<std::size_t>(after);
+  constexpr int kFine = 1 << 12;  // voxels: as fine as need be
+  const std::vector<Knot> knots = realizeKnots(rig, glm::ivec3(kFine));
+  const Segment segment = makeSegment(knots[i], knots[i + 1]);
+  const float at = 0.5f * (knots[i].at + knots[i + 1].at), share = knots[i + 1].at - knots[i].at;
+  const glm::mat3 to_artist =
+      glm::inverse(axisRotation(rig.axis.value_or(Axis::kPlusY)) * static_cast<float>(kFine));
+  RigDescription::Knot knot;
+  knot.at = at;
+  knot.offset = to_artist * (evaluate(segment, 0.5f) - glm::vec3(0, at * static_cast<float>(kFine), 0));
+  const glm::vec3 tangent = to_artist * (derivative(segment, 0.5f) / share);
+  for (int axis = 0; axis < 3; ++axis) {  // what rounding leaves of a straight rig
+    if (std::abs(knot.offset[axis]) < 1e-6f) knot.offset[axis] = 0;
+  }
+  // Tangents that were automatic would now look at the new knot; they are, and stay, what they were, unless
+  // that is the same.
+  RigDescription made = rig;
+  made.knots.insert(made.knots.begin() + after + 1, knot);
+  const std::vector<Knot> automatic = realizeKnots(made, glm::ivec3(kFine));
+  const auto keep = [&](std::size_t index, const glm::vec3& wanted) {
+    if (made.knots[index].tangent) return;
+    const glm::vec3 is = to_artist * automatic[index].tangent;
+    if (glm::any(glm::greaterThan(glm::abs(is - wanted), glm::vec3(1e-5f))))
+      made.knots[index].tangent = wanted;
+  };
+  keep(i, to_artist * knots[i].tangent);
+  keep(i + 1, tangent);
+  keep(i + 2, to_artist * knots[i + 1].tangent);
+  forKnots(made, [&](int& index) { index += index > after ? 1 : 0; });
+  for (RigDescription::Clip& clip : made.clips) shareWaves(clip, after, share);
+  rig = std::move(made);
+}
+void removeKnot(RigDescription& rig, int knot) {
+  rig.knots.erase(rig.knots.begin() + knot);
+  for (RigDescription::Clip& clip : rig.clips) {
+    std::erase_if(clip.waves, [&](const auto& wave) { return wave.knot == knot; });
+    std::erase_if(clip.tracks,
+                  [&](const auto& track) { return movesKnot(track.target) && track.knot == knot; });
+  }
+  std::erase_if(rig.clips, [](const auto& clip) { return clip.waves.empty() && clip.tracks.empty(); });
+  forKnots(rig, [&](int& index) { index -= index > knot ? 1 : 0; });
+}
+
+RigDescription::Clip swayOf(const RigDescription& rig, const std::string& name) {
+  const RigDescription preset = presetRig("sway", rig.axis.value_or(Axis::kPlusY)).value();
+  RigDescription::Clip clip{name, preset.clips[0].duration, {}, {}};
+  for (std::size_t knot = 1; knot < rig.knots.size(); ++knot) {
+    const float at = rig.knots[knot].at;
+    // of a tip at 1: a at^2 has the slope 2 a at
+    for (RigDescription::Wave wave : preset.clips[0].waves) {
+      wave.knot = static_cast<int>(knot);
+      wave.amplitude *= wave.target == Target::kKnotOffset ? at * at : at;
+      clip.waves.push_back(wave);
+    }
+  }
+  return clip;
+}
+
+}  // namespace kelp::view

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Adding and removing knots. Waves and keys name knots by index; their indices follow.
+#pragma once
+
+#include "kelp/rig/rig.h"
+
+namespace kelp::view {
+
+bool movesKnot(Target target);
+
+// Adds a knot on the spline, half way between `after` and the next, with waves of its own, so that the motion
+// stays the same. It gets no keys.
+void insertKnot(RigDescription& rig, int after);
+// Removes a knot, and the waves and keys that move it; also a clip that moves nothing else. Not for the first
+// and the last knot.
+void removeKnot(RigDescription& rig, int knot);
+
+// The preset "sway" for any knots: the first stands still, the others swing as a beam bends, more towards the
+// tip.
+RigDescription::Clip swayOf(const RigDescription& rig, const std::string& name);
+
+}  // namespace kelp::view

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "rig_sketch.h"
+
+namespace kelp::view {
+namespace {
+
+RawLevel oneVoxel() {
+  RawLevel level;
+  level.cells = {kCellSolid};
+  level.codes.assign(kBrickVoxels, 0);
+  level.codes[0] = kSurfaceCode;
+  level.attributes = {0};
+  return level;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
+  RawPack pack;
+  pack.info_json = "{}";
+  pack.palette.emplace_back();
+  for (const std::vector<Knot>& knots : rig.knots) {
+    RawPart& part = pack.parts.emplace_back();
+    part.size = glm::ivec3(1);
+    part.knots = knots;
+    part.levels.push_back(oneVoxel());
+  }
+  pack.clips = rig.clips;
+
+  std::unique_ptr<RigSketch> sketch(new RigSketch);
+  const Sink sink{[](void* user, std::span<const std::byte> more) {
+                    auto& all = *static_cast<std::vector<std::byte>*>(user);
+                    all.insert(all.end(), more.begin(), more.end());
+                    return true;
+                  },
+                  &sketch->bytes_};
+  if (const auto written = writePack(pack, sink); !written) return written.error();
+  sketch->memory_ = MemorySource(sketch->bytes_);
+  runtime::Options options;
+  options.limits.max_parts = static_cast<std::uint32_t>(rig.knots.size());
+  auto asset = runtime::Asset::open(sketch->memory_.source(), options);
+  if (!asset) return asset.error();
+  sketch->asset_ = *std::move(asset);
+  return sketch;
+}
+
+}  // namespace kelp::view

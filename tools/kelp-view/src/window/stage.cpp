@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "window/stage.h"
+
+#define GL_GLEXT_PROTOTYPES
+#define GLFW_INCLUDE_GLCOREARB
+#include <GLFW/glfw3.h>
+
+#include <utility>
+
+namespace kelp::view {
+namespace {
+
+constexpr std::uint64_t kUploadPerFrame = 8 << 20;  // bytes
+
+const char* glslOf(Surface surface) {
+  switch (surface) {
+    case Surface::kNormals:
+      return "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }";
+    case Surface::kLevels:
+      return R"(vec4 kelpSurface(KelpSurface s) {
+  vec3 hue = 0.5 + 0.5 * cos(6.2831853 * (float(s.level) * 0.236 + vec3(0.40, 0.07, 0.73)));
+  return vec4(hue * (0.35 + 0.65 * max(dot(s.normal, s.view), 0.0)), 1.0);
+})";
+    case Surface::kSteps:
+      return R"(vec4 kelpSurface(KelpSurface s) {
+  float n = clamp(float(s.steps) / 48.0, 0.0, 1.0);
+  return vec4(mix(mix(vec3(0.01, 0.03, 0.20), vec3(0.75, 0.12, 0.25), min(2.0 * n, 1.0)), vec3(1.0, 0.9, 0.4), max(2.0 * n - 1.0, 0.0)), 1.0);
+})";
+    default:
+      return nullptr;
+  }
+}
+
+std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl::Renderer>& renderer) {
+  gl::Config config;
+  config.getProcAddress = [](void*, const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
+  config.surface_glsl = glslOf(surface);
+  auto made = gl::Renderer::create(config);
+  if (!made) return describe(made.error());
+  if (const auto added = (*made)->add(model.asset()); !added) return describe(added.error());
+  renderer = *std::move(made);
+  return {};
+}
+
+}  // namespace
+
+const char* toString(Surface surface) {
+  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps"};
+  return kNames[static_cast<int>(surface)];
+}
+
+std::string Stage::show(std::unique_ptr<Model> model) {
+  if (renderer_) {  // its programs are made already
+    if (const auto added = renderer_->add(model->asset()); !added) return describe(added.error());
+    renderer_->remove(model_->asset());
+  } else if (std::string wrong = makeRenderer(*model, surface_, renderer_); !wrong.empty()) {
+    return wrong;
+  }
+  model_ = std::move(model);
+  complete_ = false;
+  return {};
+}
+
+std::string Stage::paint(Surface surface) {
+  if (model_) {
+    std::unique_ptr<gl::Renderer> renderer;
+    if (std::string wrong = makeRenderer(*model_, surface, renderer); !wrong.empty()) return wrong;
+    renderer_ = std::move(renderer);
+  }
+  surface_ = surface;
+  return {};
+}
+
+std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
+  if (viewport.x == 0 || viewport.y == 0) return {};  // minimised
+  glViewport(0, 0, viewport.x, viewport.y);
+  glClearColor(0.15f, 0.18f, 0.21f, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (!model_) return {};
+
+  const bool all_read = model_->loaded();
+  const auto sent = renderer_->upload(kUploadPerFrame);
+  if (!sent) return describe(sent.error());
+  gl::View view;
+  view.world_to_eye = camera.worldToEye();
+  view.eye_to_clip = camera.eyeToClip();
+  view.viewport = viewport;
+  view.pixels_per_voxel = pixels_per_voxel;
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  const runtime::Instance instance = model_->instance();
+  const auto drawn = renderer_->draw(view, {&instance, 1});
+  const auto fog = renderer_->draw(view, {&instance, 1}, gl::Pass::kFog);
+  glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colours are encoded already
+  if (!drawn || !fog) return describe(drawn ? fog.error() : drawn.error());
+  stats_ = *drawn;
+  stats_.instances += fog->instances;
+  stats_.culled += fog->culled;
+  stats_.draws += fog->draws;
+  stats_.bytes_uploaded = sent->bytes_uploaded;
+  stats_.pending = sent->pending;
+  complete_ = all_read && sent->pending == 0;
+  return {};
+}
+
+}  // namespace kelp::view

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Rigs and clips as an artist writes them (*.rig.json, a glTF node's extras.kelp), and their translation into
+// a part's voxels. The language is described, with examples, in tools/rig/README.md.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kelp/formats/raw_pack.h"
+
+namespace kelp {
+
+enum class Axis : std::uint8_t { kPlusX, kMinusX, kPlusY, kMinusY, kPlusZ, kMinusZ };
+std::optional<Axis> parseAxis(std::string_view text);  // "+x", "x", "-y", ...
+const char* toString(Axis axis);
+
+// Proper rotation (determinant +1) that takes the artist's axes to the part's, where +y runs along the
+// spline: part = rotation * artist. The identity for +y.
+glm::mat3 axisRotation(Axis axis);
+
+// A rig in the artist's own units: vectors in the artist's axes, 1 = the source's extent along the axis.
+struct RigDescription {
+  struct Knot {
+    float at = 0;
+    glm::vec3 offset{0};
+    // dS/d(at); automatic (Catmull-Rom over the knots' rest positions) if absent
+    std::optional<glm::vec3> tangent;
+    bool operator==(const Knot&) const = default;
+  };
+  struct Wave {
+    int knot = 0;
+    Target target = Target::kKnotOffset;
+    glm::vec3 amplitude{0};
+    float period = 1;
+    float phase = 0;
+    bool operator==(const Wave&) const = default;
+  };
+  struct Key {
+    float time = 0;
+    // artist's axes; for part targets: as formats/model.h has them (scale: factor minus 1)
+    glm::vec4 value{0};
+    // slopes per second; automatic (Catmull-Rom over the keys) if absent, for kCubic
+    std::optional<glm::vec4> in, out;
+    bool operator==(const Key&) const = default;
+  };
+  struct Track {
+    int knot = 0;
+    Target target = Target::kKnotOffset;
+    Interpolation interpolation = Interpolation::kLinear;
+    std::vector<Key> keys;
+    bool operator==(const Track&) const = default;
+  };
+  struct Clip {
+    std::string name;
+    std::optional<float> duration;  // seconds; else the last key's time, or the longest period
+    std::vector<Wave> waves;
+    std::vector<Track> tracks;
+    bool operator==(const Clip&) const = default;
+  };
+
+  std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
+  std::vector<Knot> knots;   // empty: two, at 0 and 1
+  std::vector<Clip> clips;
+  bool operator==(const RigDescription&) const = default;
+};
+
+// What parseRig, printRig and proveClip throw. what() is one line: the place (a JSON pointer, or clip and
+// knot), what is wrong, what to do.
+struct RigError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Reads a rig. RigError for unknown keys, wrong types, numbers that are not finite, and knots that do not
+// ascend from 0 to 1. Safe for hostile input: size and depth are bounded.
+RigDescription parseRig(std::string_view text);
+// Writes a rig as JSON. parseRig of the result gives an equal description. RigError if two tracks move the
+// same thing.
+std::string printRig(const RigDescription& rig);
+
+// The presets: "none" (straight, no clips), "sway" (a plant: the upper end moves), "swim" (a fish: a wave
+// runs down three knots). nullopt: no such preset. Presets move at right angles to `axis`, so give the axis
+// here and do not change it afterwards. Absent: `up`, and for swim -z, from the head to the tail of a fish
+// that faces +z as in glTF. `up` is the file's axis that points up, +y if absent.
+std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axis> axis = std::nullopt,
+                                        std::optional<Axis> up = std::nullopt);
+std::vector<std::string> presetNames();
+
+// The rest knots in voxels, for a part whose axis is size.y voxels long.
+std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size);
+// The clips in voxels; their waves and tracks name part `part`. mergeClips joins clips of several parts that
+// have the same name.
+std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part);
+void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
+// The pairs (part, what the clip does to it) for all parts that the clip moves, ascending; each has the
+// clip's name and duration.
+std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
+// The inverse of realizeKnots and realizeClips, for `kelp-dump rig`: tangents are explicit; `axis` is the
+// part's axis in the artist's axes.
+RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part,
+                           const glm::ivec3& size, Axis axis = Axis::kPlusY);
+
+// The motion of one part over the whole clip.
+struct ClipReport {
+  Box bounds;            // voxels; contains the deformed box at every time (conservative)
+  float leaves_box = 0;  // how far the deformed box goes beyond the box at rest, in units of size.y
+};
+
+// Proves that the part's spline stays monotone at every time of the clip, and bounds the motion (interval
+// arithmetic over subdivided time; waves with unrelated periods are assumed to meet in the worst way).
+// RigError names the clip, the segment and a time at which it turns back.
+ClipReport proveClip(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots,
+                     const glm::ivec3& size);
+
+}  // namespace kelp

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT
+// JSON text -> RigDescription. The only file here that knows nlohmann-json.
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "json_scan.h"
+#include "kelp/rig/rig.h"
+#include "words.h"
+
+namespace kelp {
+namespace {
+
+using Json = nlohmann::ordered_json;  // clips keep the order in which the artist wrote them
+using rig::printable;
+using rig::suggestion;
+
+constexpr int kLanguageVersion = 1;
+constexpr std::size_t kMaxMembers = 4096;  // of one object; ordered_json searches linearly
+constexpr std::size_t kMaxNameBytes = 255;
+constexpr double kLargest = 1e6;          // of any number: far beyond sense, far from overflow
+constexpr double kShortestPeriod = 1e-3;  // seconds
+
+// A value and where it stands.
+struct Place {
+  const Json& json;
+  std::string pointer;  // RFC 6901; empty for the whole
+
+  Place at(const std::string& key) const {
+    std::string escaped;
+    for (const char c : key) {
+      if (c == '~')
+        escaped += "~0";
+      else if (c == '/')
+        escaped += "~1";
+      else
+        escaped += c;
+    }
+    return {json.at(key), pointer + "/" + printable(escaped)};
+  }
+  Place at(std::size_t index) const { return {json.at(index), pointer + "/" + std::to_string(index)}; }
+  bool has(const char* key) const { return json.contains(key); }
+};
+
+[[noreturn]] void fail(const Place& place, const std::string& message) {
+  throw RigError((place.pointer.empty() ? std::string("rig") : place.pointer) + ": " + message);
+}
+
+const char* kindOf(const Json& json) { return json.is_null() ? "null" : json.type_name(); }
+
+void requireObject(const Place& place, std::span<const std::string_view> known) {
+  if (!place.json.is_object())
+    fail(place, std::string("must be an object { ... }, not ") + kindOf(place.json));
+  for (const auto& member : place.json.items()) {
+    bool found = false;
+    for (const std::string_view key : known) found = found || key == member.key();
+    if (!found) fail(place.at(member.key()), "unknown key; " + suggestion(member.key(), known));
+  }
+}
+
+Place required(const Place& place, const char* key, const char* remedy) {
+  if (!place.has(key)) fail(place, std::string("the key '") + key + "' is missing; " + remedy);
+  return place.at(std::string(key));
+}
+
+void requireArray(const Place& place) {
+  if (!place.json.is_array()) fail(place, std::string("must be an array [ ... ], not ") + kindOf(place.json));
+}
+
+double readNumber(const Place& place, double min = -kLargest, double max = kLargest) {
+  if (!place.json.is_number()) fail(place, std::string("must be a number, not ") + kindOf(place.json));
+  const double value = place.json.get<double>();
+  if (!(value >= min && value <= max))
+    fail(place, printable(value) + " is out of range; it must lie between " + printable(min) + " and " +
+                    printable(max));
+  return value;
+}
+
+float readFloat(const Place& place, double min = -kLargest, double max = kLargest) {
+  return static_cast<float>(readNumber(place, min, max));
+}
+
+template <int N>
+std::array<double, N> readVector(const Place& place) {
+  requireArray(place);
+  if (place.json.size() != N)
+    fail(place, "must have " + std::to_string(N) + " numbers, has " + std::to_string(place.json.size()) +
+                    (N == 3 ? "; write [x, y, z]" : "; write [x, y, z, w]"));
+  std::array<double, N> v{};
+  for (std::size_t i = 0; i < N; ++i) v[i] = readNumber(place.at(i));
+  return v;
+}
+
+glm::vec3 readVec3(const Place& place) {
+  const auto v = readVector<3>(place);
+  return {v[0], v[1], v[2]};
+}
+
+int readKnotIndex(const Place& place, std::size_t knots) {
+  const double value = readNumber(place);
+  if (value != std::floor(value) || value < 0 || value >= static_cast<double>(knots))
+    fail(place, "there is no knot " + printable(value) + "; this rig has knots 0 to " +
+                    std::to_string(knots - 1) + ": correct the number or add knots under \"knots\"");
+  return static_cast<int>(value);
+}
+
+// The one of `targets` that `place` names.
+Target readTarget(const Place& place, std::span<const Target> targets) {
+  std::string words;
+  std::vector<Target> named;
+  for (const Target target : targets) {
+    words += (words.empty()              ? "'"
+              : target == targets.back() ? " or '"
+                                         : ", '") +
+             std::string(rig::wordOf(target)) + "'";
+    if (place.has(rig::wordOf(target))) named.push_back(target);
+  }
+  if (named.size() == 1) return named[0];
+  if (named.empty()) fail(place, "does not say what moves; give exactly one of " + words);
+  fail(place, std::string("has both '") + rig::wordOf(named[0]) + "' and '" + rig::wordOf(named[1]) +
+                  "'; exactly one of " + words + " is allowed: write two entries");
+}
+
+std::vector<RigDescription::Knot> readKnots(const Place& place) {
+  static constexpr std::array<std::string_view, 3> kKeys{"at", "offset", "tangent"};
+  requireArray(place);
+  const std::size_t count = place.json.size();
+  if (count < 2 || count > static_cast<std::size_t>(kMaxKnots))
+    fail(place, "has " + std::to_string(count) + (count == 1 ? " knot" : " knots") + "; a rig has 2 to " +
+                    std::to_string(kMaxKnots) + " (leave the key out for two, at 0 and 1)");
+  std::vector<RigDescription::Knot> knots;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Place entry = place.at(i);
+    requireObject(entry, kKeys);
+    const Place at = required(entry, "at", "say where along the axis the knot belongs, 0 to 1");
+    RigDescription::Knot& knot = knots.emplace_back();
+    knot.at = readFloat(at, 0, 1);
+    if (i == 0 && knot.at != 0) fail(at, "the first knot must be at 0, not at " + printable(knot.at));
+    if (i > 0 && !(knot.at > knots[i - 1].at))
+      fail(at, "knots must ascend: " + printable(knot.at) + " follows " + printable(knots[i - 1].at) +
+                   "; sort them, and let no two coincide");
+    if (i + 1 == count && knot.at != 1) fail(at, "the last knot must be at 1, not at " + printable(knot.at));
+    if (entry.has("offset")) knot.offset = readVec3(entry.at("offset"));
+    if (entry.has("tangent")) knot.tangent = readVec3(entry.at("tangent"));
+  }
+  return knots;
+}
+
+RigDescription::Wave readWave(const Place& place, std::size_t knots) {
+  static constexpr std::array<std::string_view, 5> kKeys{"knot", "offset", "tangent", "period", "phase"};
+  static constexpr std::array<Target, 2> kTargets{Target::kKnotOffset, Target::kKnotTangent};
+  requireObject(place, kKeys);
+  RigDescription::Wave wave;
+  wave.knot = readKnotIndex(required(place, "knot", "say which knot the wave moves"), knots);
+  wave.target = readTarget(place, kTargets);
+  wave.amplitude = readVec3(place.at(std::string(rig::wordOf(wave.target))));
+  wave.period =
+      readFloat(required(place, "period", "say how many seconds one swing takes"), kShortestPeriod, kLargest);
+  if (place.has("phase")) wave.phase = readFloat(place.at("phase"));
+  return wave;
+}
+
+// A key's value, or a slope of the same kind. `slope`: no unit length, no rest value.
+glm::vec4 readKeyValue(const Place& place, Target target, bool slope) {
+  if (target == Target::kPartRotation) {
+    const auto q = readVector<4>(place);
+    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!slope && std::abs(length - 1) > 1e-3)
+      fail(place, "a rotation is a unit quaternion [x, y, z, w], this has length " + printable(length) +
+                      "; [0, 0, 0, 1] is no rotation");
+    return {q[0], q[1], q[2], q[3]};
+  }
+  const auto v = readVector<3>(place);
+  const double rest = target == Target::kPartScale && !slope ? 1 : 0;
+  return {v[0] - rest, v[1] - rest, v[2] - rest, 0};
+}
+
+Interpolation readInterpolation(const Place& place) {
+  static constexpr std::array<std::string_view, 3> kWords{"step", "linear", "cubic"};
+  if (!place.json.is_string())
+    fail(place, std::string("must be \"step\", \"linear\" or \"cubic\", not ") + kindOf(place.json));
+  const auto& word = place.json.get_ref<const std::string&>();
+  if (const auto found = rig::interpolationOf(word)) return *found;
+  fail(place, "unknown interpolation '" + printable(word) + "'; " + suggestion(word, kWords));
+}
+
+// All keys are in one list. Keys that move the same thing form a track; tracks are ordered by their first
+// key.
+std::vector<RigDescription::Track> readKeys(const Place& place, std::size_t knots, Interpolation by_default) {
+  static constexpr std::array<std::string_view, 10> kKeys{
+      "time", "knot", "offset", "tangent", "translation", "rotation", "scale", "interpolation", "in", "out"};
+  static constexpr std::array<Target, 5> kTargets{Target::kKnotOffset, Target::kKnotTangent,
+                                                  Target::kPartTranslation, Target::kPartRotation,
+                                                  Target::kPartScale};
+  struct Origin {
+    bool stated = false;                       // a key of the track states the interpolation
+    std::optional<std::string> slope_pointer;  // first explicit slope
+  };
+  std::vector<RigDescription::Track> tracks;
+  std::vector<Origin> origins;
+  std::array<std::array<int, kMaxKnots>, kTargets.size()> track_of{};  // index + 1, by target and knot
+
+  requireArray(place);
+  for (std::size_t i = 0; i < place.json.size(); ++i) {
+    const Place entry = place.at(i);
+    requireObject(entry, kKeys);
+    const Target target = readTarget(entry, kTargets);
+    int knot = 0;
+    if (rig::movesKnot(target)) {
+      knot = readKnotIndex(required(entry, "knot", "say which knot the key moves"), knots);
+    } else if (entry.has("knot")) {
+      fail(entry.at("knot"),
+           std::string("'") + rig::wordOf(target) + "' moves the whole part, not a knot; remove this key");
+    }
+    int& slot = track_of[static_cast<std::size_t>(target)][static_cast<std::size_t>(knot)];
+    if (slot == 0) {
+      tracks.push_back({knot, target, by_default, {}});
+      origins.emplace_back();
+      slot = static_cast<int>(tracks.size());
+    }
+    RigDescription::Track& track = tracks[static_cast<std::size_t>(slot) - 1];
+    Origin& origin = origins[static_cast<std::size_t>(slot) - 1];
+
+    RigDescription::Key key;
+    const Place time = required(entry, "time", "say at how many seconds the value holds");
+    key.time = readFloat(time, 0, kLargest);
+    if (!track.keys.empty() && !(key.time > track.keys.back().time))
+      fail(time, "keys of one thing must ascend in time: " + printable(key.time) + " follows " +
+                     printable(track.keys.back().time) + "; sort them, and let no two coincide");
+    key.value = readKeyValue(entry.at(std::string(rig::wordOf(target))), target, false);
+    if (entry.has("interpolation")) {
+      const Interpolation stated = readInterpolation(entry.at("interpolation"));
+      if (origin.stated && stated != track.interpolation)
+        fail(entry.at("interpolation"), std::string("an earlier key of the same thing says '") +
+                                            rig::wordOf(track.interpolation) +
+                                            "'; all keys of one thing share one interpolation");
+      track.interpolation = stated;
+      origin.stated = true;
+    }
+    if (entry.has("in")) key.in = readKeyValue(entry.at("in"), target, true);
+    if (entry.has("out")) key.out = readKeyValue(entry.at("out"), target, true);
+    if ((key.in || key.out) && !origin.slope_pointer)
+      origin.slope_pointer = entry.pointer + (key.in ? "/in" : "/out");
+    track.keys.push_back(key);
+  }
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (origins[i].slope_pointer && tracks[i].interpolation != Interpolation::kCubic)
+      throw RigError(*origins[i].slope_pointer + ": slopes belong to cubic keys, these are " +
+                     rig::wordOf(tracks[i].interpolation) +
+                     "; add \"interpolation\": \"cubic\" or remove the slope");
+  }
+  return tracks;
+}
+
+RigDescription::Clip readClip(const Place& place, const std::string& name, std::size_t knots) {
+  static constexpr std::array<std::string_view, 4> kKeys{"duration", "interpolation", "waves", "keys"};
+  requireObject(place, kKeys);
+  if (name.empty() || name.size() > kMaxNameBytes)
+    fail(place, "a clip's name has 1 to " + std::to_string(kMaxNameBytes) + " bytes, this has " +
+                    std::to_string(name.size()));
+  if (rig::hasControls(name)) fail(place, "a clip's name may not hold control characters; rename it");
+  RigDescription::Clip clip;
+  clip.name = name;
+  if (place.has("duration")) clip.duration = readFloat(place.at("duration"), kShortestPeriod, kLargest);
+  Interpolation interpolation = Interpolation::kLinear;
+  if (place.has("interpolation")) {
+    interpolation = readInterpolation(place.at("interpolation"));
+    if (!place.has("keys"))
+      fail(place.at("interpolation"), "only keys are interpolated and this clip has none; remove it");
+  }
+  if (place.has("waves")) {
+    const Place waves = place.at("waves");
+    requireArray(waves);
+    for (std::size_t i = 0; i < waves.json.size(); ++i) clip.waves.push_back(readWave(waves.at(i), knots));
+  }
+  if (place.has("keys")) clip.tracks = readKeys(place.at("keys"), knots, interpolation);
+  if (clip.waves.empty() && clip.tracks.empty())
+    fail(place, "the clip moves nothing; give it \"waves\" or \"keys\", or remove it");
+
+  float last = 0;
+  for (const auto& track : clip.tracks) last = std::max(last, track.keys.back().time);
+  if (clip.duration && last > *clip.duration)
+    fail(place.at("duration"), "the clip ends at " + printable(*clip.duration) +
+                                   " s, before its last key at " + printable(last) + " s; make it longer");
+  if (!clip.duration && last < kShortestPeriod && clip.waves.empty())
+    fail(place, "all keys are at time 0, so the clip has no length; add \"duration\"");
+  return clip;
+}
+
+RigDescription readRig(const Place& place) {
+  static constexpr std::array<std::string_view, 4> kKeys{"kelp", "axis", "knots", "clips"};
+  requireObject(place, kKeys);
+  const Place version =
+      required(place, "kelp", "a rig begins with \"kelp\": 1, the version of the rig language");
+  if (!version.json.is_number() || version.json.get<double>() != kLanguageVersion)
+    fail(version, "this tool reads version " + std::to_string(kLanguageVersion) +
+                      " of the rig language; write \"kelp\": 1, or update kelp if the rig is newer");
+  RigDescription rig;
+  if (place.has("axis")) {
+    const Place axis = place.at("axis");
+    if (axis.json.is_string()) rig.axis = parseAxis(axis.json.get_ref<const std::string&>());
+    if (!rig.axis)
+      fail(axis, "must be one of \"+x\", \"-x\", \"+y\", \"-y\", \"+z\", \"-z\", not " +
+                     printable(axis.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  }
+  if (place.has("knots")) rig.knots = readKnots(place.at("knots"));
+  const std::size_t knots = rig.knots.empty() ? 2 : rig.knots.size();
+  if (place.has("clips")) {
+    const Place clips = place.at("clips");
+    if (!clips.json.is_object())
+      fail(clips, std::string("must be an object that maps names to clips, not ") + kindOf(clips.json));
+    for (const auto& member : clips.json.items())
+      rig.clips.push_back(readClip(clips.at(member.key()), member.key(), knots));
+  }
+  return rig;
+}
+
+// Refuses keys that occur twice in one object (the library would silently keep one of them) and objects with
+// very many keys. This is a pass of its own: with a callback the library goes through the whole array so far
+// at the end of each object in it.
+class MemberCheck : public nlohmann::json_sax<Json> {
+ public:
+  bool start_object(std::size_t) override {
+    open_.emplace_back();
+    return true;
+  }
+  bool end_object() override {
+    open_.pop_back();
+    return true;
+  }
+  bool key(std::string& key) override {
+    if (!open_.back().insert(key).second)
+      throw RigError("the key '" + printable(key) + "' stands twice in one object; remove or rename one");
+    if (open_.back().size() > kMaxMembers)
+      throw RigError("an object has more than " + std::to_string(kMaxMembers) +
+                     " keys: is it the right file?");
+    return true;
+  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(std::int64_t) override { return true; }
+  bool number_unsigned(std::uint64_t) override { return true; }
+  bool number_float(double, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(Json::binary_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  // parsing reports this
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
+
+ private:
+  std::vector<std::set<std::string>> open_;
+};
+
+// The library's text about a syntax error, without its own names and positions.
+std::string reasonOf(const std::string& what) {
+  std::size_t start = what.rfind("; last read");
+  const std::string head = what.substr(0, start);
+  start = head.find(" - ");
+  return start == std::string::npos ? std::string("syntax error") : printable(head.substr(start + 3));
+}
+
+}  // namespace
+
+RigDescription parseRig(std::string_view text) {
+  rig::checkJsonBounds(text);
+  Json json;
+  try {
+    MemberCheck check;
+    Json::sax_parse(text, &check);
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const rig::LineColumn at = rig::lineColumn(text, error.byte > 0 ? error.byte - 1 : 0);
+    throw RigError("line " + std::to_string(at.line) + ", column " + std::to_string(at.column) +
+                   ": not valid JSON (" + reasonOf(error.what()) + ")");
+  } catch (const Json::exception&) {
+    throw RigError("a number in the rig is too large; the largest allowed is " + printable(kLargest));
+  }
+  return readRig({json, ""});
+}
+
+}  // namespace kelp

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// RigDescription -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
+#include <locale>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "kelp/rig/rig.h"
+#include "words.h"
+
+namespace kelp {
+namespace {
+
+// `value` as the shortest decimal d for which float(d - rest) is `value` again.
+std::string number(float value, double rest = 0) {
+  std::string text;
+  for (int digits = 6; digits <= 17; ++digits) {
+    std::ostringstream out;
+    out.imbue(std::locale::classic());
+    out.precision(digits);
+    out << static_cast<double>(value) + rest;
+    text = out.str();
+    std::istringstream in(text);
+    in.imbue(std::locale::classic());
+    double back = 0;
+    in >> back;
+    if (static_cast<float>(back - rest) == value) break;
+  }
+  return text == "-0" ? "0" : text;
+}
+
+template <class V>
+std::string vector(const V& v, int components, double rest = 0) {
+  std::string text = "[";
+  for (int i = 0; i < components; ++i) text += (i ? ", " : "") + number(v[i], rest);
+  return text + "]";
+}
+
+std::string inQuotes(std::string_view text) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (byte < 0x20) {
+      out += "\\u00";
+      out += kHex[byte >> 4];
+      out += kHex[byte & 15];
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+std::string join(const std::vector<std::string>& lines, const std::string& indent) {
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i) text += (i ? ",\n" : "\n") + indent + lines[i];
+  return text;
+}
+
+std::string knotLine(const RigDescription::Knot& knot) {
+  std::string line = "{\"at\": " + number(knot.at);
+  if (knot.offset != glm::vec3(0)) line += ", \"offset\": " + vector(knot.offset, 3);
+  if (knot.tangent) line += ", \"tangent\": " + vector(*knot.tangent, 3);
+  return line + "}";
+}
+
+std::string waveLine(const RigDescription::Wave& wave) {
+  std::string line = "{\"knot\": " + std::to_string(wave.knot) + ", \"" + rig::wordOf(wave.target) +
+                     "\": " + vector(wave.amplitude, 3) + ", \"period\": " + number(wave.period);
+  if (wave.phase != 0) line += ", \"phase\": " + number(wave.phase);
+  return line + "}";
+}
+
+std::string keyLine(const RigDescription::Track& track, const RigDescription::Key& key,
+                    Interpolation by_default) {
+  const int components = track.target == Target::kPartRotation ? 4 : 3;
+  std::string line = "{\"time\": " + number(key.time);
+  if (rig::movesKnot(track.target)) line += ", \"knot\": " + std::to_string(track.knot);
+  line += std::string(", \"") + rig::wordOf(track.target) +
+          "\": " + vector(key.value, components, track.target == Target::kPartScale ? 1 : 0);
+  if (track.interpolation != by_default)
+    line += std::string(", \"interpolation\": \"") + rig::wordOf(track.interpolation) + "\"";
+  if (key.in) line += ", \"in\": " + vector(*key.in, components);
+  if (key.out) line += ", \"out\": " + vector(*key.out, components);
+  return line + "}";
+}
+
+std::string clipText(const RigDescription::Clip& clip) {
+  std::vector<std::string> members;
+  if (clip.duration) members.push_back("\"duration\": " + number(*clip.duration));
+  const Interpolation shared = clip.tracks.empty() ? Interpolation::kLinear : clip.tracks[0].interpolation;
+  if (shared != Interpolation::kLinear)
+    members.push_back(std::string("\"interpolation\": \"") + rig::wordOf(shared) + "\"");
+  if (!clip.waves.empty()) {
+    std::vector<std::string> lines;
+    for (const auto& wave : clip.waves) lines.push_back(waveLine(wave));
+    members.push_back("\"waves\": [" + join(lines, "        ") + "]");
+  }
+  if (!clip.tracks.empty()) {
+    std::vector<std::string> lines;
+    std::set<std::pair<Target, int>> seen;
+    for (const auto& track : clip.tracks) {
+      if (!seen.emplace(track.target, track.knot).second)
+        throw RigError("clip '" + rig::printable(clip.name) + "': two tracks move the " +
+                       rig::wordOf(track.target) + " of knot " + std::to_string(track.knot) +
+                       "; the rig language has one list of keys for each: merge them");
+      for (const auto& key : track.keys) lines.push_back(keyLine(track, key, shared));
+    }
+    members.push_back("\"keys\": [" + join(lines, "        ") + "]");
+  }
+  return inQuotes(clip.name) + ": {" + join(members, "      ") + "}";
+}
+
+}  // namespace
+
+std::string printRig(const RigDescription& rig) {
+  std::vector<std::string> members{"\"kelp\": 1"};
+  if (rig.axis) members.push_back(std::string("\"axis\": \"") + toString(*rig.axis) + "\"");
+  if (!rig.knots.empty()) {
+    std::vector<std::string> lines;
+    for (const auto& knot : rig.knots) lines.push_back(knotLine(knot));
+    members.push_back("\"knots\": [" + join(lines, "    ") + "]");
+  }
+  if (!rig.clips.empty()) {
+    std::vector<std::string> texts;
+    for (const auto& clip : rig.clips) texts.push_back(clipText(clip));
+    members.push_back("\"clips\": {" + join(texts, "    ") + "}");
+  }
+  return "{" + join(members, "  ") + "}\n";
+}
+
+}  // namespace kelp

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The words of the rig language and of its messages: names of enums, near misses, printable text.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "kelp/formats/model.h"
+
+namespace kelp::rig {
+
+const char* wordOf(Target target);
+const char* wordOf(Interpolation interpolation);
+std::optional<Interpolation> interpolationOf(std::string_view word);
+inline bool movesKnot(Target target) {
+  return target == Target::kKnotOffset || target == Target::kKnotTangent;
+}
+
+// The word among `known` that `word` most likely meant, or an empty view.
+std::string_view nearMiss(std::string_view word, std::span<const std::string_view> known);
+// "did you mean 'period'?", or "known are 'knot', 'period', ..." when nothing is near.
+std::string suggestion(std::string_view word, std::span<const std::string_view> known);
+// Whether UTF-8 text holds one of U+0000 to U+001F or U+007F to U+009F, which names in a pack must not.
+bool hasControls(std::string_view text);
+// Text from a file for a message of one line: cut to about 60 characters, without control characters.
+std::string printable(std::string_view text);
+// A number with up to six digits, in the C locale.
+std::string printable(double number);
+
+}  // namespace kelp::rig

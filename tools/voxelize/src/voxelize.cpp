@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// From triangles to voxels: what is solid, and what its surface looks like.
+#include "kelp/voxelize/voxelize.h"
+#include "kelp/common/dense_index.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kelp/common/error.h"
+#include "kelp/common/memory.h"
+#include "kelp/common/parallel.h"
+#include "kelp/common/progress.h"
+#include "kelp/fields/fields.h"
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/memory_estimate.h"
+#include "kelp/import/core/source_model.h"
+#include "kelp/voxelize/fill/cutout.h"
+#include "kelp/voxelize/fill/leaks.h"
+#include "kelp/voxelize/fill/match_volumes.h"
+#include "kelp/voxelize/fill/scan.h"
+#include "kelp/voxelize/fill/thin.h"
+#include "kelp/voxelize/surface/band.h"
+#include "kelp/voxelize/surface/look.h"
+#include "kelp/voxelize/surface/triangle_bvh.h"
+#include "kelp/voxelize/topology/fill_report.h"
+#include "kelp/voxelize/topology/mesh_counts.h"
+#include "kelp/voxelize/topology/reasons.h"
+#include "samples.h"
+
+namespace kelp::bake {
+
+VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill,
+                        int threads, const Progress& progress) {
+  const auto report = [&](double done) {
+    if (progress && !progress("voxelize", done)) throw ToolError(Exit::kInterrupted, "interrupted");
+  };
+  const auto between = [&](double begin, double end) {
+    return [&report, begin, end](double done) { report(begin + (end - begin) * done); };
+  };
+  report(0.0);
+  const Topology mesh = analyse(part.soup, frame, fill);
+  report(0.15);
+  std::vector<std::uint8_t> voxels(denseCount(frame.size), kEmpty);
+  const std::vector<Scanned> scanned =
+      fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
+  report(0.3);
+  const TriangleBvh bvh(mesh);
+  const SurfaceLook look(model, part.soup, mesh);
+  {
+    const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
+    keepThinParts(mesh, bvh, touched, frame.size, threads, voxels, between(0.3, 0.35));
+    report(0.35);
+    closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+    report(0.4);
+    matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels, between(0.4, 0.5));
+  }
+  returnFreedMemory();
+  if (look.cutsOut()) cutOutVoxels(look, bvh, frame.size, threads, voxels);
+  report(0.5);
+
+  // What made a voxel solid still tells where its look comes from: one dense array for both.
+  static_assert(kEmpty == 0);
+  fields::Occupancy occupancy{frame.size, std::move(voxels)};
+  VoxelizeResult result;
+  {
+    const std::vector<std::uint64_t> surface = fields::surfaceVoxels(occupancy, threads);
+    report(0.6);
+    result.grid.surface =
+        sampleSurface(look, mesh, bvh, occupancy.solid, frame.size, surface, threads, between(0.6, 1.0));
+  }
+  returnFreedMemory();
+  result.counts = countFill(mesh, part.soup.triangles.size());
+  result.counts.kept_voxels =
+      static_cast<std::uint64_t>(std::count(occupancy.solid.begin(), occupancy.solid.end(), kKept));
+  for (std::uint8_t& voxel : occupancy.solid) voxel = voxel != kEmpty ? 1 : 0;
+  result.grid.size = frame.size;
+  result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
+  result.grid.solid = std::move(occupancy.solid);
+  result.closed = mesh.closed;
+  result.fill = mesh.summary;
+  result.components = describeComponents(mesh, fill);
+  result.notices = look.notices();
+  report(1.0);
+  return result;
+}
+
+}  // namespace kelp::bake

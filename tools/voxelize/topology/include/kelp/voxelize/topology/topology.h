@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// A triangle soup made fit for counting: snapped, welded, consistently wound, its holes capped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/source_model.h"
+#include "kelp/voxelize/topology/fill_report.h"
+
+namespace kelp::bake {
+
+// Vertices lie on a lattice of 2^-kLatticeBits voxel: everything decided from them is exact integer
+// arithmetic. 8192 voxels need 27 bits, products of differences 57.
+inline constexpr int kLatticeBits = 14;
+inline constexpr double kLatticeStep = 1.0 / (1 << kLatticeBits);
+
+struct SolidTriangle {
+  std::array<std::uint32_t, 3> vertex{};
+  std::uint32_t source = 0;  // index into the soup; of caps: kCap
+  std::uint32_t component = 0;
+  // corners 1 and 2 against the soup's; in a sheet: it was wound against the larger part around it
+  bool swapped = false;
+  bool seam = false;  // joins a cap to the edges of its hole: which way it faces says nothing
+  // modelled from both sides, and what it is attached to is nearer to closed without it
+  bool wall = false;
+
+  void turn() {
+    std::swap(vertex[1], vertex[2]);
+    swapped = !swapped;
+  }
+};
+inline constexpr std::uint32_t kCap = 0xffffffffu;
+
+struct Component {
+  bool solid = false;   // has an inside
+  bool thin = false;    // thinner than a voxel in the mean (solid or not)
+  bool closed = false;  // no boundary before its holes were capped
+  bool wall = false;    // the walls where bodies touch, or leaves on a body: never solid, unless as asked
+  std::uint32_t triangles = 0;  // without caps
+  double area = 0;              // voxels^2, without caps
+  double cap_area = 0;
+  double volume = 0;  // voxels^3, with caps; negative where the file wound it inside out
+};
+
+struct Topology {
+  std::vector<glm::i64vec3> lattice;  // vertices in lattice units
+  // wound outward in solid components; last their caps, and of these last the cones
+  std::vector<SolidTriangle> triangles;
+  std::size_t caps = 0, cones = 0;  // how many; cones are caps too
+  std::vector<Component> components;
+  bool closed = false;  // all components were
+  // "solid: 3 of 4 components closed, 1 has holes (1.2 % of its surface), capped"
+  std::string summary;
+
+  glm::dvec3 position(std::uint32_t vertex) const { return glm::dvec3(lattice[vertex]) * kLatticeStep; }
+  glm::dvec3 areaVector(const SolidTriangle& t) const {
+    const glm::dvec3 a = position(t.vertex[0]);
+    return 0.5 * glm::cross(position(t.vertex[1]) - a, position(t.vertex[2]) - a);
+  }
+};
+
+// Holes of a component may have this share of its surface before it counts as an open sheet.
+inline constexpr double kMaxHoleShare = 0.17;
+
+// What is solid and what is a sheet. A component is the triangles that hang together by shared edges; walls
+// hang together among themselves. Its boundary, as a chain of oriented edges, is a cycle; the cone from a
+// point over it closes the component exactly, whatever the holes look like, so that signed crossings along
+// any line sum to zero. kAuto: solid if the cones are small beside the surface; kSolid and kSurface: as
+// asked.
+Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill);
+
+}  // namespace kelp::bake
