@@ -4,6 +4,7 @@
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "import_scratch.h"
 #include "support/all_tests.h"
@@ -64,7 +65,7 @@ Measure measure(const SourceModel& model) {
   return out;
 }
 
-constexpr double ballVolume(double r) { return 4.0 / 3.0 * 3.14159265358979 * r * r * r; }
+constexpr double ballVolume(double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; }
 
 TEST(ImportVdb, ASphereKeepsItsVoxelsItsPlaceAndItsVolume) {
   const Scratch scratch;

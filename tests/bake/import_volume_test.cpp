@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <numbers>
 
 #include "import_scratch.h"
 
@@ -222,7 +223,7 @@ TEST(ImportRaw, SpacingIsResampledToCubes) {
     return static_cast<double>(std::count(grid.solid.begin(), grid.solid.end(), 1)) *
            std::abs(glm::determinant(glm::dmat3(grid.to_node)));
   };
-  const double ball = 4.0 / 3 * 3.14159265 * 3375;
+  const double ball = 4.0 / 3 * std::numbers::pi * 3375;
   SourceModel model = importFile(path, settings);
   EXPECT_NEAR(glm::length(model.parts[0].grid->to_node[2]), 1, 1e-6);
   EXPECT_NEAR(volume(model), ball, 0.02 * ball);

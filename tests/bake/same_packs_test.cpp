@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 
 #include "../fields/every_target.h"
 #include "import_scratch.h"
@@ -23,7 +24,7 @@ std::string lump() {
   char line[160];
   for (int j = 0; j <= kSteps; ++j) {
     for (int i = 0; i < kSteps; ++i) {
-      const double u = 6.283185307179586 * i / kSteps, v = 3.141592653589793 * (0.04 + 0.92 * j / kSteps),
+      const double u = 6.283185307179586 * i / kSteps, v = std::numbers::pi * (0.04 + 0.92 * j / kSteps),
                    r = 1 + 0.15 * std::sin(5 * u) * std::sin(4 * v);
       std::snprintf(line, sizeof line, "v %.6f %.6f %.6f %.3f %.3f %.3f\n", r * std::sin(v) * std::cos(u),
                     1.3 * r * std::cos(v), r * std::sin(v) * std::sin(u), (i * 37 % 256) / 255.0,

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <stdexcept>
 
 #include "support/poses.h"
@@ -173,7 +174,7 @@ std::vector<Pose> makePoses(const Scene& scene) {
     std::snprintf(name, sizeof name, "sine %.2f", moment);
     Pose pose{name, true, {}};
     for (std::size_t i = 0; i < scene.items.size(); ++i) {
-      const double a = 2 * 3.14159265358979 * moment + 2.1 * static_cast<double>(i);
+      const double a = 2 * std::numbers::pi * moment + 2.1 * static_cast<double>(i);
       const test::FigurePose sine{name, glm::vec3(dvec3(3 * std::sin(a), 0, std::sin(a + 1))),
                                   glm::vec3(dvec3(3 * std::sin(a + 2), 0, 2 * std::sin(a + 3)))};
       pose.knots.push_back(test::figureKnots(sine, scene.items[i].volume.size));

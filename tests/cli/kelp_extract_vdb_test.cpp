@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "extract_packs.h"
 #include "support/fog_pack.h"
@@ -166,7 +167,7 @@ TEST_F(ExtractVdb, LevelSetsAreDistancesWithThePacksNormals) {
     }
     const glm::dvec3 normal = glm::normalize(glm::dvec3(away(v)));
     const double error = std::atan2(glm::length(glm::cross(gradient, normal)), glm::dot(gradient, normal)) *
-                         180 / 3.14159265358979;
+                         180 / std::numbers::pi;
     sum += error;
     worst = std::max(worst, error);
     ++count;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -26,7 +27,7 @@ Vector randomDirection(std::mt19937& random) {
 
 double degreesBetween(const Vector& a, const glm::vec3& b) {
   const double dx = a[0] - b.x, dy = a[1] - b.y, dz = a[2] - b.z;
-  return 2.0 * std::asin(0.5 * std::sqrt(dx * dx + dy * dy + dz * dz)) * 180.0 / 3.14159265358979323846;
+  return 2.0 * std::asin(0.5 * std::sqrt(dx * dx + dy * dy + dz * dz)) * 180.0 / std::numbers::pi;
 }
 
 // The decoder as SPEC.md states it, in double precision.

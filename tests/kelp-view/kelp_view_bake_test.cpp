@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "bake_job.h"
 #include "kelp/runtime/asset.h"
@@ -83,7 +84,7 @@ class Round : public ::testing::Test {
     std::vector<Knot> knots = rig.knots[0];
     for (const Wave& wave : rig.clips.at(0).waves) {
       const float value = static_cast<float>(
-          std::sin(2 * 3.14159265358979 *
+          std::sin(2 * std::numbers::pi *
                    (seconds / static_cast<double>(wave.period) + static_cast<double>(wave.phase))));
       (wave.target == Target::kKnotOffset ? knots[wave.knot].position : knots[wave.knot].tangent) +=
           value * wave.amplitude;

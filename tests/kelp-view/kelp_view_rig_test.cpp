@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <numbers>
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -213,7 +214,7 @@ TEST(ViewerRig, AKnotThatComesBendsNothing) {
     const auto posed = [](std::vector<Knot> knots, const RawClip& clip, double t) {
       for (const Wave& wave : clip.waves) {
         const float value = static_cast<float>(std::sin(
-            2 * 3.14159265358979 * (t / static_cast<double>(wave.period) + static_cast<double>(wave.phase))));
+            2 * std::numbers::pi * (t / static_cast<double>(wave.period) + static_cast<double>(wave.phase))));
         (wave.target == Target::kKnotOffset ? knots[wave.knot].position : knots[wave.knot].tangent) +=
             value * wave.amplitude;
       }
@@ -257,7 +258,7 @@ TEST(ViewerRig, ATravellingWaveIsThatWaveAtItsKnots) {
   const auto truth = [&](double at, double t, int axis) {
     const double a =
         static_cast<double>(wave.first[axis]) * (1 - at) + static_cast<double>(wave.last[axis]) * at;
-    return a * std::sin(2 * 3.14159265358979 * (t / 1.7 - 1.3 * at));
+    return a * std::sin(2 * std::numbers::pi * (t / 1.7 - 1.3 * at));
   };
   const std::vector<RigDescription::Wave> waves = wavesOf(wave, knots);
   for (double t = 0; t < 2; t += 0.21) {
@@ -267,7 +268,7 @@ TEST(ViewerRig, ATravellingWaveIsThatWaveAtItsKnots) {
         for (const RigDescription::Wave& w : waves) {
           if (w.knot != static_cast<int>(k)) continue;
           const double value = static_cast<double>(w.amplitude[axis]) *
-                               std::sin(2 * 3.14159265358979 *
+                               std::sin(2 * std::numbers::pi *
                                         (t / static_cast<double>(w.period) + static_cast<double>(w.phase)));
           (w.target == Target::kKnotOffset ? offset : tangent) += value;
         }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "arguments.h"
 #include "camera.h"
@@ -18,7 +19,7 @@
 namespace underwater {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 std::vector<glm::vec3> circle(float radius, int points) {
   std::vector<glm::vec3> all;

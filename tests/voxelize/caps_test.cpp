@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "shapes.h"
@@ -16,7 +17,7 @@ namespace {
 
 using test::voxelizeUnit;
 
-constexpr double kPi = 3.14159265358979;
+constexpr double kPi = std::numbers::pi;
 
 glm::vec3 centreOf(const bake::TriangleSoup& soup, const bake::TriangleSoup::Triangle& t) {
   return (soup.positions[t.vertex[0]] + soup.positions[t.vertex[1]] + soup.positions[t.vertex[2]]) / 3.0f;

@@ -6,12 +6,12 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 namespace kelp::bake {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 10;
 constexpr int kCorners = 60;
 
@@ -27,9 +27,9 @@ struct Plate {
 Plate clampedTo(const Height& height) {
   std::vector<glm::dvec3> rim;
   Plate plate;
-  const double step = 2 * kPi * kRadius / kCorners;
+  const double step = 2 * std::numbers::pi * kRadius / kCorners;
   for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2 * kPi * i / kCorners, c = std::cos(angle), s = std::sin(angle);
+    const double angle = 2 * std::numbers::pi * i / kCorners, c = std::cos(angle), s = std::sin(angle);
     rim.emplace_back(kRadius * c, kRadius * s, 0);
     const double x = (kRadius + step) * c, y = (kRadius + step) * s;
     plate.beyond.emplace_back(x, y, height(x, y));

@@ -7,13 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
 namespace kelp::bake {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 glm::dvec3 areaOf(const Patch& patch, std::size_t t) {
   const auto& [a, b, c] = patch.triangles[t];
@@ -28,8 +27,8 @@ double totalArea(const Patch& patch) {
 std::vector<glm::dvec3> circle(int corners, double radius) {
   std::vector<glm::dvec3> polygon;
   for (int i = 0; i < corners; ++i)
-    polygon.emplace_back(radius * std::cos(2 * kPi * i / corners), radius * std::sin(2 * kPi * i / corners),
-                         0);
+    polygon.emplace_back(radius * std::cos(2 * std::numbers::pi * i / corners),
+                         radius * std::sin(2 * std::numbers::pi * i / corners), 0);
   return polygon;
 }
 // A polygon through these corners, with points about every `step` along its edges.
@@ -124,14 +123,14 @@ TEST(Patch, IsADelaunayTriangulationOfAConvexPolygon) {
 // a disc of n edges of length 1 has about n^2 / (4 pi) points.
 TEST(Patch, IsRefinedToTheLengthOfThePolygonsEdges) {
   for (const int corners : {24, 48, 64}) {
-    const Patch patch = spanPolygon(circle(corners, corners / (2 * kPi)));
+    const Patch patch = spanPolygon(circle(corners, corners / (2 * std::numbers::pi)));
     for (const auto& [a, b, c] : patch.triangles) {
       const glm::dvec3 centre = (patch.points[a] + patch.points[b] + patch.points[c]) / 3.0;
       EXPECT_LT(std::min({glm::distance(centre, patch.points[a]), glm::distance(centre, patch.points[b]),
                           glm::distance(centre, patch.points[c])}),
                 0.7072);
     }
-    const double expected = corners * corners / (4 * kPi);
+    const double expected = corners * corners / (4 * std::numbers::pi);
     EXPECT_NEAR(static_cast<double>(patch.points.size()), expected, 0.35 * expected);
   }
 }

@@ -5,12 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace kelp::bake {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Hole {
   std::vector<glm::dvec3> corners, normals;
@@ -21,7 +20,7 @@ struct Hole {
 Hole roundHole(double radius, double slope, int corners = 2000, double wave = 0) {
   Hole hole;
   for (int i = 0; i < corners; ++i) {
-    const double angle = 2 * kPi * i / corners, c = std::cos(angle), s = std::sin(angle);
+    const double angle = 2 * std::numbers::pi * i / corners, c = std::cos(angle), s = std::sin(angle);
     hole.corners.emplace_back(radius * c, radius * s, wave * std::sin(3 * angle));
     hole.normals.emplace_back(std::sin(slope) * c, std::sin(slope) * s, std::cos(slope));
   }
@@ -31,7 +30,7 @@ Hole roundHole(double radius, double slope, int corners = 2000, double wave = 0)
 // Over a sphere's cap of the angle a the surface rises at a; a plate has 0, a tube a quarter turn, a funnel
 // more.
 TEST(Rim, TellsHowTheSurfaceAroundGoesOn) {
-  for (const double slope : {0.0, 0.3, 1.0, kPi / 2, 2.0, -0.5}) {
+  for (const double slope : {0.0, 0.3, 1.0, std::numbers::pi / 2, 2.0, -0.5}) {
     const Hole hole = roundHole(20, slope);
     const Rim rim = walkRim(hole.corners, hole.normals);
     ASSERT_EQ(rim.points.size(), 64u);
@@ -47,12 +46,12 @@ TEST(Rim, WalksInEvenSteps) {
   for (const double radius : {3.0, 5.0, 8.0, 40.0}) {
     const Hole hole = roundHole(radius, 0.4);
     const Rim rim = walkRim(hole.corners, hole.normals);
-    const double length = 2 * kPi * radius, steps = std::min(std::round(length), 64.0);
+    const double length = 2 * std::numbers::pi * radius, steps = std::min(std::round(length), 64.0);
     ASSERT_EQ(static_cast<double>(rim.points.size()), steps);
     EXPECT_NEAR(rim.step, length / steps, 1e-3);
-    const double reach = 2 * kPi / steps, expected = radius * std::sin(reach) / reach;
+    const double reach = 2 * std::numbers::pi / steps, expected = radius * std::sin(reach) / reach;
     for (std::size_t i = 0; i < rim.points.size(); ++i) {
-      const double angle = 2 * kPi * static_cast<double>(i) / steps;
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / steps;
       EXPECT_LT(glm::distance(rim.points[i], expected * glm::dvec3(std::cos(angle), std::sin(angle), 0)),
                 1e-3 * radius);
       // A step back on the surface: outward and down.
@@ -70,7 +69,8 @@ TEST(Rim, MeasuresHowFarItIsFromAPlane) {
   const double radius = 20, wave = 2;
   const Hole hole = roundHole(radius, 0.4, 4000, wave);
   const Rim rim = walkRim(hole.corners, hole.normals);
-  const double reach = 3 * 2 * kPi / 64, expected = 2 / kPi * wave * std::sin(reach) / reach / radius;
+  const double reach = 3 * 2 * std::numbers::pi / 64,
+               expected = 2 / std::numbers::pi * wave * std::sin(reach) / reach / radius;
   EXPECT_NEAR(rim.unevenness, expected, 0.03 * expected);
 }
 
@@ -111,7 +111,8 @@ TEST(Rim, HolesWithoutAnInsideHaveNone) {
   // A figure of eight encloses nothing on the whole.
   Hole eight = roundHole(20, 0.4);
   for (std::size_t i = 0; i < eight.corners.size(); ++i) {
-    const double angle = 2 * kPi * static_cast<double>(i) / static_cast<double>(eight.corners.size());
+    const double angle =
+        2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(eight.corners.size());
     eight.corners[i] = {20 * std::sin(2 * angle), 20 * std::cos(angle), 0};
   }
   EXPECT_TRUE(walkRim(eight.corners, eight.normals).points.empty());

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <random>
 #include <tuple>
 
 namespace kelp::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kCell = 4;  // voxels
 
 glm::ivec3 cellOf(const glm::dvec3& p) { return glm::ivec3(glm::floor(p / kCell)); }

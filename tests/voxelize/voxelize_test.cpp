@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "kelp/fields/fields.h"
 #include "shapes.h"
@@ -17,7 +18,7 @@ namespace {
 
 using test::voxelizeUnit;
 
-constexpr double kPi = 3.14159265358979;
+constexpr double kPi = std::numbers::pi;
 
 glm::dvec3 centreOf(const bake::VoxelGrid& grid, std::uint64_t index) {
   const std::uint64_t x = static_cast<std::uint64_t>(grid.size.x),
@@ -244,7 +245,7 @@ TEST(Voxelize, NormalsIgnoreTrianglesHiddenInTheUnion) {
 TEST(Voxelize, HolesAreCapped) {
   bake::TriangleSoup soup;  // the lowest 25 degrees are missing: far wider than a voxel
   test::addSphere(soup, {0, 0, 0}, 40.0f, 90,
-                  [](float latitude) { return latitude > -65.0f * 3.14159265f / 180.0f; });
+                  [](float latitude) { return latitude > -65.0f * std::numbers::pi_v<float> / 180.0f; });
   const test::Baked baked = voxelizeUnit(test::makeModel(soup));
   EXPECT_FALSE(baked.result.closed);
   EXPECT_NE(baked.result.fill.find("capped"), std::string::npos) << baked.result.fill;
