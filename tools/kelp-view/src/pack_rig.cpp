@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kelp/rig/raw_clips.h"
 #include "pack_info.h"
 
 namespace kelp::view {
@@ -74,16 +75,7 @@ Sizes sizesOf(const Pack& pack) {
 PackRig rigOf(const Pack& pack) {
   PackRig rig;
   for (const Part& part : pack.parts()) rig.knots.emplace_back(part.knots.begin(), part.knots.end());
-  for (const Clip& clip : pack.clips()) {
-    RawClip& raw = rig.clips.emplace_back(
-        RawClip{std::string(clip.name), clip.duration, {clip.waves.begin(), clip.waves.end()}, {}});
-    for (const Track& track : clip.tracks)
-      raw.tracks.push_back({track.part,
-                            track.knot,
-                            track.target,
-                            track.interpolation,
-                            {track.keys.begin(), track.keys.end()}});
-  }
+  rig.clips = rawClips(pack);
   return rig;
 }
 

@@ -10,9 +10,9 @@
 
 #include "commands/commands.h"
 #include "commands/options.h"
+#include "kelp/rig/raw_clips.h"
 #include "pack/pack_file.h"
 #include "pack/part_axis.h"
-#include "pack/raw_clips.h"
 #include "rig/set_rig.h"
 #include "text/text.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pack/raw_clips.h"
+#include "kelp/rig/raw_clips.h"
 
 #include <algorithm>
 
 #include "kelp/rig/rig.h"
 
-namespace kelp::dump {
+namespace kelp {
 namespace {
 
 // The length that a clip's content needs: until its last key; without keys, its longest period.
@@ -45,4 +45,4 @@ std::vector<std::vector<RawClip>> clipsOfParts(const std::vector<RawClip>& clips
   return all;
 }
 
-}  // namespace kelp::dump
+}  // namespace kelp

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
+// Clips of a finished pack, as rigs and edits of rigs handle them.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
+#include "kelp/formats/pack.h"
 #include "kelp/formats/raw_pack.h"
 
-namespace kelp::dump {
+namespace kelp {
 
 // Copies of a pack's clips.
 std::vector<RawClip> rawClips(const Pack& pack);
@@ -16,4 +17,4 @@ std::vector<RawClip> rawClips(const Pack& pack);
 // length is not what its content needs keeps that length.
 std::vector<std::vector<RawClip>> clipsOfParts(const std::vector<RawClip>& clips, std::size_t parts);
 
-}  // namespace kelp::dump
+}  // namespace kelp
