@@ -62,7 +62,9 @@ knots[2].animation_data.action = None
 bpy.context.scene.frame_set(1)
 bpy.ops.export_scene.gltf(filepath=folder + "/empties.glb")
 
-# The other way: Object Properties > Custom Properties > New, "kelp", a string; Export with Include > Custom Properties.
+# The other way: Object Properties > Custom Properties > New, "kelp", a string; Export with Include > Custom
+# Properties.
 reed = new_reed()
-reed["kelp"] = '{"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.2, 0, -0.05], "period": 3}]}}}'
+reed[
+    "kelp"] = '{"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.2, 0, -0.05], "period": 3}]}}}'
 bpy.ops.export_scene.gltf(filepath=folder + "/property.glb", export_extras=True)

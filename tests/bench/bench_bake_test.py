@@ -7,7 +7,8 @@ import subprocess
 import sys
 import tempfile
 
-TYPES = {"case": str, "method": str, "voxels": int, "threads": int, "seconds_median": (int, float), "bytes": int, "ratio_to_kelp": (int, float)}
+TYPES = {"case": str, "method": str, "voxels": int, "threads": int, "seconds_median": (int, float),
+         "bytes": int, "ratio_to_kelp": (int, float)}
 
 with tempfile.TemporaryDirectory() as folder:
     path = os.path.join(folder, "bake.json")

@@ -36,7 +36,8 @@ def lump(n, place=lambda *corner: corner):
 
 
 def textured_box():
-    return "mtllib box.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n" + box(1, 1, 1).replace("f 1 3 4 2\n", "f 1/1 3/2 4/3\nf 1/1 4/3 2/2\n")
+    return "mtllib box.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n" + box(1, 1, 1).replace(
+        "f 1 3 4 2\n", "f 1/1 3/2 4/3\nf 1/1 4/3 2/2\n")
 
 
 # A TGA of one red pixel.
@@ -67,7 +68,8 @@ class Case(unittest.TestCase):
             return file.read()
 
     def bake(self, *arguments, **more):
-        return subprocess.run([KELP_BAKE, *arguments], capture_output=True, timeout=120, cwd=self.folder, **more)
+        return subprocess.run(
+            [KELP_BAKE, *arguments], capture_output=True, timeout=120, cwd=self.folder, **more)
 
     def passes(self, *arguments):
         result = self.bake(*arguments)

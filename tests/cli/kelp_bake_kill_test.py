@@ -22,12 +22,16 @@ def block(n):
         first = len(corners)
         for i in range(8):
             corners.append([high[axis] if i >> axis & 1 else low[axis] for axis in range(3)])
-        faces += [[first + i for i in quad] for quad in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))]
-    return "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)
+        faces += [[first + i for i in quad] for quad
+                  in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))]
+    return "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(
+        "f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)
 
 
 def bake(source, output):
-    return subprocess.Popen([KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
+    return subprocess.Popen(
+        [KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
 def ended(run):
@@ -81,7 +85,8 @@ def main():
                 replaced += 1
                 now = 1 - now
             elif found != packs[now]:
-                sys.exit(f"after kill {killed}: {output} is neither the old pack nor the new one: {len(found)} bytes")
+                sys.exit(f"after kill {killed}: {output} is neither the old pack nor the new one: "
+                         f"{len(found)} bytes")
             elif code == 0:
                 sys.exit("a bake that came to its end has left the old pack")
             for name in os.listdir(folder):
@@ -96,7 +101,8 @@ def main():
                 seconds *= 0.98
             elif found == packs[now] and killed % 16 == 0:
                 seconds *= 1.02
-        print(f"{killed} bakes killed, {finished} finished first: {replaced} new packs, {killed + finished - replaced} old ones, {left} temporaries left, 0 damaged")
+        print(f"{killed} bakes killed, {finished} finished first: {replaced} new packs, "
+              f"{killed + finished - replaced} old ones, {left} temporaries left, 0 damaged")
         if KILLS >= 1000 and left == 0:
             sys.exit("no kill fell where the pack is written: nothing was tried")
         subprocess.run([KELP_DUMP, "verify", output], check=True, stdout=subprocess.DEVNULL)

@@ -18,7 +18,8 @@ def limits(program):
     """What subprocess.run needs to limit a program's address space. Not where a sanitizer reserves terabytes of it: there peak() is to be looked at, and what is freed and
     kept back, so that its use is seen, is less than usually, or it would be most of that."""
     if sanitized(program):
-        return {"env": dict(os.environ, ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=32")}
+        return {"env": dict(
+                    os.environ, ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=32")}
     return {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (GIGABYTE, GIGABYTE))}
 
 
