@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""bench_bake at a tiny resolution: what --json writes is what README.md says. No time is looked at. Usage: bench_bake_test.py BENCH_BAKE"""
+"""bench_bake at a tiny resolution: --json writes what README.md says. Ignores the times.
+
+Usage: bench_bake_test.py BENCH_BAKE"""
 import json
 import os
 import subprocess

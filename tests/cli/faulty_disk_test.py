@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Every call on a file fails once: kelp-bake and kelp-dump answer with exit code 2 and a line that names the file, or the call did not matter
-and the result is whole. What stood at the output stands there still, and no temporary file is left.
+"""Every call on a file fails once. kelp-bake and kelp-dump answer with exit code 2 and a line that names the
+file; or the call did not matter, and the result is whole. An old output stays as it was, and no temporary
+file is left.
+
 Usage: faulty_disk_test.py KELP_BAKE|none KELP_DUMP LIBRARY GOLDEN_PACK"""
 import errno
 import json

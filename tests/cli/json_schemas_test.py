@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What kelp-dump prints as JSON, and its schemas themselves, by a validator that is not kelp's own: json_schemas_test.py KELP_DUMP SOURCE."""
+"""Checks what kelp-dump prints as JSON, and its schemas, with a validator that is not kelp's own.
+
+Usage: json_schemas_test.py KELP_DUMP SOURCE"""
 import json
 import pathlib
 import subprocess

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake --manifest and @LIST as a shell sees them. Usage: kelp_bake_batch_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake --manifest and @LIST as a shell sees them.
+
+Usage: kelp_bake_batch_test.py KELP_BAKE [unittest options]"""
 import collections
 import json
 import os
@@ -38,13 +40,14 @@ class Batches(Case):
         self.write("more/wide.rig.json", {"kelp": 1, "axis": "+x"})
         self.write("more/other.rig.json", {"kelp": 1})
         self.write("more/more.json", {"output": "../packs/more", "assets": ["wide.obj"]})
-        self.write(
-            "m.json",
-            {"include": "more/more.json", "output": "packs",
-             "defaults": {"resolution": 20, "up": "+z", "unit": 0.01, "keep-materials": True}, "assets": [
-                 "1.obj",
-                 {"input": "2.obj", "output": "two.kelp", "resolution": 30, "rig": "more/other.rig.json"},
-                 {"input": "3.obj", "voxel-size": 0.001, "rig": "sway"}]})
+        self.write("m.json", {
+            "include": "more/more.json",
+            "output": "packs",
+            "defaults": {"resolution": 20, "up": "+z", "unit": 0.01, "keep-materials": True},
+            "assets": [
+                "1.obj",
+                {"input": "2.obj", "output": "two.kelp", "resolution": 30, "rig": "more/other.rig.json"},
+                {"input": "3.obj", "voxel-size": 0.001, "rig": "sway"}]})
         text = self.passes("--manifest", "m.json")
         self.assertIn("4 of 4 assets done: 4 baked, 0 up to date", text)
         common = ["--up", "+z", "--unit", "0.01", "--keep-materials"]
@@ -164,14 +167,19 @@ class Batches(Case):
         self.wrong(
             3,
             '{"include": ["sub/b.json", 7], "oops": 1, "output": 2,\n'
-            '"defaults": {"resolution": "many", "levels": 99},\n"assets": [\n'
+            '"defaults": {"resolution": "many", "levels": 99},\n'
+            '"assets": [\n'
             '{"input": "1.obj", "fill": "hollow", "pad": 1e9, "up": "q", "threads": 1},\n'
-            '{"output": "x.kelp"},\n7,\n"no.obj",\n{"input": "2.obj", "output": "same.kelp", "unit": true},\n'
+            '{"output": "x.kelp"},\n'
+            '7,\n'
+            '"no.obj",\n'
+            '{"input": "2.obj", "output": "same.kelp", "unit": true},\n'
             '{"input": "3.obj", "output": "same.kelp", "rig": "no.rig.json"},\n'
-            '"a\\u0000b", {"input": "4.obj", "pad": 1, "pad": 2}]}', "sub/b.json:1:14: ",
-            "goes round in a circle", "sub/b.json:1:27: ", "sub/b.json:1:58: ", "sub/b.json:2:12: ",
-            "sub/b.json:2:13: ", "m.json:1:28: ", "m.json:1:32: ", "m.json:1:53: ", "m.json:2:28: ",
-            "m.json:2:46: ", "m.json:4:28: ", "m.json:4:45: ", "m.json:4:56: ", "m.json:4:61: ",
+            '"a\\u0000b", {"input": "4.obj", "pad": 1, "pad": 2}]}',
+            "sub/b.json:1:14: ", "goes round in a circle",
+            "sub/b.json:1:27: ", "sub/b.json:1:58: ", "sub/b.json:2:12: ", "sub/b.json:2:13: ",
+            "m.json:1:28: ", "m.json:1:32: ", "m.json:1:53: ", "m.json:2:28: ", "m.json:2:46: ",
+            "m.json:4:28: ", "m.json:4:45: ", "m.json:4:56: ", "m.json:4:61: ",
             "m.json:5:1: ", "m.json:6:1: ", "m.json:7:1: no.obj", "m.json:8:51: ",
             "m.json:9:30: -o same.kelp: is the same file as -o same.kelp of m.json:8:30",
             "m.json:9:50: no.rig.json", "m.json:10:1: ", "m.json:10:42: ", " faults, and nothing was baked")
@@ -450,8 +458,8 @@ class Batches(Case):
             self.assertEqual(process.returncode, 130, text)
             self.assertIn("interrupted before", text)
             report = json.loads(self.read("report.json"))
-            # What is told as done is there. What is told as pending may be: from an earlier run, not looked
-            # at in this one, or one that this run finished when the signal came.
+            # An output reported as done exists. One reported as pending may exist too: from an earlier run
+            # and not looked at in this one, or finished by this run when the signal came.
             done = {os.path.basename(asset["output"]) for asset in report["assets"]
                     if asset["status"] in ("baked", "current")}
             baked = sum(asset["status"] == "baked" for asset in report["assets"])

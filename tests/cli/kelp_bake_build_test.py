@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake -MD as make and ninja understand it, and --cache. Usage: kelp_bake_build_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake -MD as make and ninja understand it, and --cache.
+
+Usage: kelp_bake_build_test.py KELP_BAKE [unittest options]"""
 import ctypes
 import ctypes.util
 import json
@@ -102,8 +104,8 @@ class BuildSteps(BuildFolder):
                     os.remove(self.path("out.kelp.d"))
 
     def test_buffers_and_pictures_of_gltf(self):
-        points = bytes.fromhex(
-            "0000000000000000000000000000803f0000000000000000000000000000803f0000000000000000000000000000803f")
+        points = bytes.fromhex("0000000000000000000000000000803f00000000000000000000"
+                               "00000000803f0000000000000000000000000000803f")
         uvs = bytes(32)
         faces = bytes([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2])
         self.write("in/b u.bin", points + uvs + faces)
@@ -164,13 +166,12 @@ class BuildSteps(BuildFolder):
             self.textured(odd, odd)
             output = odd + ".kelp"
             escape = lambda name: name.replace("$", "$$").replace(" ", "$ ").replace(":", "$:")
-            command = " ".join(
-                shlex.quote(word) for word
-                in (KELP_BAKE, "%s/%s.obj" % (odd, odd), "-o", output, "--resolution", "4", "-MD")).replace(
-                "$", "$$")
-            self.write("build.ninja", "rule bake\n  command = %s\n  depfile = %s\nbuild %s: bake %s\n" % (
-                           command, output.replace("$", "$$") + ".d", escape(output),
-                           escape("%s/%s.obj" % (odd, odd))))
+            model = "%s/%s.obj" % (odd, odd)
+            words = (KELP_BAKE, model, "-o", output, "--resolution", "4", "-MD")
+            command = " ".join(shlex.quote(word) for word in words).replace("$", "$$")
+            self.write("build.ninja",
+                       "rule bake\n  command = %s\n  depfile = %s\nbuild %s: bake %s\n"
+                       % (command, output.replace("$", "$$") + ".d", escape(output), escape(model)))
 
             def build():
                 result = subprocess.run(["ninja"], cwd=self.folder, capture_output=True)
@@ -187,9 +188,8 @@ class BuildSteps(BuildFolder):
             self.textured(odd, odd)
             output = odd + ".kelp"
             target = self.escaped_target(odd)
-            command = " ".join(
-                shlex.quote(word) for word in (KELP_BAKE, "%s/%s.obj" % (odd, odd), "-o", output,
-                                               "--resolution", "4", "-MF", "deps.d")).replace("$", "$$")
+            words = (KELP_BAKE, "%s/%s.obj" % (odd, odd), "-o", output, "--resolution", "4", "-MF", "deps.d")
+            command = " ".join(shlex.quote(word) for word in words).replace("$", "$$")
             self.write(
                 "Makefile", ".PHONY: all\nall: %s\n-include deps.d\n%s:\n\t%s\n" % (target, target, command))
             if os.path.exists(self.path("deps.d")):
@@ -257,7 +257,7 @@ class BuildSteps(BuildFolder):
 
 class Caches(BuildFolder):
     def cached(self, *arguments, notice=False):
-        """Whether a bake came from the cache; its pack, report and rule are checked against those of a bake without one."""
+        """Whether a bake came from the cache. Its pack, report and rule must be those of a bake without."""
         result = self.bake(*arguments, "-o", "c.kelp", "--report", "c.json", "-MF", "c.d", "--cache", "cache")
         self.assertEqual(result.returncode, 0, result.stderr.decode())
         self.passes(*arguments, "-o", "n.kelp", "--report", "n.json", "-MF", "n.d")
@@ -334,8 +334,10 @@ class Caches(BuildFolder):
             whole = self.read(entry)
             for step in range(18):
                 at = chance.randrange(len(whole))
-                damaged = whole[:at] + bytes([whole[at] ^ 1 << chance.randrange(8)]) + whole[
-                    at + 1:] if step % 3 else (whole[:at], whole + b"x", b"")[step % 9 // 3]
+                if step % 3:
+                    damaged = whole[:at] + bytes([whole[at] ^ 1 << chance.randrange(8)]) + whole[at + 1:]
+                else:
+                    damaged = (whole[:at], whole + b"x", b"")[step % 9 // 3]
                 self.write(entry, damaged)
                 self.passes(*bake, "-o", "c.kelp", "--cache", "cache")
                 self.assertEqual(self.read("c.kelp"), self.read("n.kelp"))
@@ -439,8 +441,11 @@ class Caches(BuildFolder):
 
     def test_batches_use_it(self):
         self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
-        status = lambda *more: [asset["status"] for asset in self.batch_report(
-                                    "--manifest", "m.json", "--cache", "cache", *more)["assets"]]
+
+        def status(*more):
+            report = self.batch_report("--manifest", "m.json", "--cache", "cache", *more)
+            return [asset["status"] for asset in report["assets"]]
+
         self.assertEqual(status(), ["baked", "baked"])
         self.assertEqual(status(), ["current", "current"])
         os.remove(self.path("1.kelp"))

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake --config and --print-config as a shell sees them. Usage: kelp_bake_config_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake --config and --print-config as a shell sees them.
+
+Usage: kelp_bake_config_test.py KELP_BAKE [unittest options]"""
 import json
 import os
 import re
@@ -9,8 +11,7 @@ import unittest
 
 from kelp_bake_case import Case, box
 
-# Every option of --print-config, with a value that is not the default and can be had together with the
-# others.
+# Every option of --print-config, with a value that is not the default and agrees with the others.
 GIVEN = [
     ("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2),
     ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"), ("frame", 3),
@@ -47,10 +48,8 @@ class Configurations(Case):
         help_text = self.bake("--help").stdout.decode()
         of_the_program = {
             "help", "version", "output", "manifest", "shard", "plan", "force", "config", "print-config"}
-        self.assertEqual(set(re.findall(
-                                 r"--([a-z-]+)",
-                                 help_text[:help_text.index("Examples:")][help_text.index("Options:"):])) & set(shown),
-                         set(shown))
+        options = help_text[help_text.index("Options:"):help_text.index("Examples:")]
+        self.assertEqual(set(re.findall(r"--([a-z-]+)", options)) & set(shown), set(shown))
         self.assertLessEqual(
             set(re.findall(r"(?m)^  (?:-.,)?--([a-z-]+)", help_text)), set(shown) | of_the_program)
         # What stands there as a default is one.
@@ -67,10 +66,9 @@ class Configurations(Case):
             arguments += ["--" + name] + ([] if value is True else [str(value)])
         reference = self.printed(*arguments)
         read = tomllib.loads(reference)
-        self.assertEqual(
-            {name: os.path.relpath(value, os.path.realpath(self.folder)) if name
-                   in ("rig", "palette", "ramp", "cache", "report", "deps-file") else value for name, value
-                   in read.items()}, dict(GIVEN))
+        for name in ("rig", "palette", "ramp", "cache", "report", "deps-file"):
+            read[name] = os.path.relpath(read[name], os.path.realpath(self.folder))
+        self.assertEqual(read, dict(GIVEN))
         self.write("sub/c.toml", reference)
         self.assertEqual(self.printed("--config", "sub/c.toml"), reference)
         self.assertEqual(tomllib.loads(self.printed("--voxel-size", ".5", "--keep-materials")),

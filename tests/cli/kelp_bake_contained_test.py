@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Files whose readers crash, hang and fill the memory: errors of their own assets, and of no others. Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
-LIBRARY is faulty_disk.cpp, which makes a crash or a hang of the opening of a file."""
+"""Files whose readers crash, hang or fill the memory: only their own assets fail.
+
+Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
+LIBRARY is faulty_disk.cpp, which makes the opening of a file crash or hang."""
 import json
 import os
 import resource
@@ -84,8 +86,8 @@ class Contained(Case):
         self.assertEqual([asset["status"] for asset in report], ["baked", "failed", "baked"])
         self.assertIn("the bake crashed", report[1]["error"])
         self.ends(self.start("", "--manifest", "m.json"), 0, "3 of 3 assets done: 1 baked, 2 up to date")
-        for line in self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json").communicate(
-                timeout=60)[1].splitlines():
+        process = self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json")
+        for line in process.communicate(timeout=60)[1].splitlines():
             last = json.loads(line)
         self.assertEqual((last["kind"], last["exit"]), ("error", 4))
         self.assertNotIn("\x1b", text)
@@ -169,7 +171,8 @@ class Contained(Case):
 
     @unittest.skipIf(SANITIZED, "a sanitizer ends a program that gets no memory")
     def test_memory(self):
-        """Six million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
+        """Six million corners fit into a gigabyte. They do not fit into a megabyte more than the program
+        takes anyway."""
         self.write("large.obj", "v 0 0 0\n" * 6000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))
         self.ends(
             self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--threads", "1",
@@ -188,8 +191,8 @@ class Contained(Case):
         self.write("bad.obj", "f 1 2 3\n")
         self.write("m.json", {"assets": ["bad.obj", "1.obj"]})
         for arguments in (["bad.obj", "-o", "out.kelp"], ["--manifest", "m.json"]):
-            text = self.start("", *arguments, "--progress", "bar", "--resolution", "20").communicate(
-                timeout=60)[1].decode()
+            process = self.start("", *arguments, "--progress", "bar", "--resolution", "20")
+            text = process.communicate(timeout=60)[1].decode()
             self.assertIn("\x1b[K", text)
             for line in text.split("\n"):
                 self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", text)

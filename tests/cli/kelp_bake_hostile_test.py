@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake on files that were made to do harm. Usage: kelp_bake_hostile_test.py KELP_BAKE SOURCE_FOLDER [unittest options]
+"""kelp-bake on files that were made to do harm.
 
-The folder `hostile` of the assets is walked whole (skipped where it is absent); what Khronos' validator says of a file stands beside it as
-*.report.json. Every run has a gigabyte of memory and ten seconds."""
+Usage: kelp_bake_hostile_test.py KELP_BAKE SOURCE_FOLDER [unittest options]
+
+Bakes every file in the folder `hostile` of the assets (skipped where it is absent). What Khronos' validator
+says of a file stands beside it as *.report.json. Every run has a gigabyte of memory and ten seconds."""
 import base64
 import json
 import os
@@ -96,9 +98,12 @@ class Hostile(unittest.TestCase):
             "asset": {"version": "2.0"},
             "buffers": [{"byteLength": len(data),
                          "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
-            "bufferViews": [{"buffer": 0, "byteLength": len(data)}], "accessors": [
+            "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+            "accessors": [
                 {"bufferView": 0, "componentType": 5126, "count": len(positions) // 3, "type": "VEC3"}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],}
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "nodes": [{"mesh": 0}],
+        }
         document.update(members)
         return json.dumps(document)
 
@@ -210,11 +215,12 @@ class Hostile(unittest.TestCase):
     def test_a_picture_of_terapixels_is_left_out(self):
         def chunk(kind, data):
             return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        picture = b"\x89PNG\r\n\x1a\n" + chunk(
-            b"IHDR", struct.pack(">IIBBBBB", 1 << 20, 1 << 20, 8, 6, 0, 0, 0)) + chunk(
-            b"IDAT", zlib.compress(bytes(1000)))
-        webp = b"RIFF" + struct.pack("<I", 22) + b"WEBPVP8X" + struct.pack("<I", 10) + bytes(
-            4) + b"\xff\xff\xff\xff\xff\x0f"
+
+        picture = (b"\x89PNG\r\n\x1a\n"
+                   + chunk(b"IHDR", struct.pack(">IIBBBBB", 1 << 20, 1 << 20, 8, 6, 0, 0, 0))
+                   + chunk(b"IDAT", zlib.compress(bytes(1000))))
+        webp = (b"RIFF" + struct.pack("<I", 22) + b"WEBPVP8X" + struct.pack("<I", 10)
+                + bytes(4) + b"\xff\xff\xff\xff\xff\x0f")
         for data in (picture, webp):
             document = self.gltf(
                 {"images": [{"uri": "data:image/png;base64," + base64.b64encode(data).decode()}],

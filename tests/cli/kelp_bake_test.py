@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole.
+
+Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
 import random
@@ -65,7 +67,8 @@ class KelpBake(unittest.TestCase):
             return file.read()
 
     def fails(self, code, *arguments, says=()):
-        """Fails with the code and one line on stderr that names a remedy and holds all of `says`; leaves an existing output and nothing else."""
+        """Fails with the code, and one line on stderr that names a remedy and holds all of `says`. Keeps an
+        existing output and leaves nothing else."""
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
         result = self.bake(*arguments)
@@ -173,9 +176,9 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
         self.assertIn(b"Examples:", result.stdout)
         self.assertEqual(result.stderr, b"")
-        self.assertRegex(
-            self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, "
-                                           rb"Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
+        self.assertRegex(self.bake("--version").stdout,
+                         rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, "
+                         rb"Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])
@@ -352,16 +355,16 @@ class KelpBake(unittest.TestCase):
                    "1000", says=["no resolution would fit with --pad 1000; without it --resolution "])
 
     def test_what_is_narrower_than_a_voxel_is_counted(self):
-        # 20,000 ribbons of a length of 0.15 to 0.2 in a cube of 1, next to no area: at 256 voxels their bake
-        # takes 330 MiB.
+        # 20,000 ribbons, 0.15 to 0.2 long, in a cube of 1. They have next to no area. At 256 voxels their
+        # bake takes 330 MiB.
         places = random.Random(4)
         lines, at = [], 1
         for _ in range(20000):
             x, y, z = (places.random() for _ in range(3))
             dx, dy = places.uniform(-0.1, 0.1), places.uniform(-0.1, 0.1)
-            lines += [
-                "v %f %f %f" % v for v
-                in ((x, y, z), (x + 1e-6, y, z), (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))]
+            corners = ((x, y, z), (x + 1e-6, y, z),
+                       (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))
+            lines += ["v %f %f %f" % corner for corner in corners]
             lines += ["f %d %d %d" % (at, at + 1, at + 3), "f %d %d %d" % (at, at + 3, at + 2)]
             at += 4
         hair = self.write("hair.obj", "\n".join(lines) + "\n")
@@ -428,7 +431,7 @@ class KelpBake(unittest.TestCase):
         model = self.write("lump.obj", wavy_obj(60))
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
-        # whoever runs the tests may have it ignored
+        # The tests' parent may ignore it.
         heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
         process = subprocess.Popen(
             [KELP_BAKE, model, "-o", self.out, "--resolution", "400", "--progress", "json"],

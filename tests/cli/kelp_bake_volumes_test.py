@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Volumes as a user bakes them. Usage: kelp_bake_volumes_test.py KELP_BAKE MAKE_VOLUMES SOURCE_FOLDER [unittest options]
+"""Volumes as a user bakes them.
 
-MAKE_VOLUMES writes the volumes; those of the assets are baked too (skipped where they are absent). Changed files get a gigabyte of address space
-and ten seconds each; KELP_ALL_TESTS=1 tries many more of them."""
+Usage: kelp_bake_volumes_test.py KELP_BAKE MAKE_VOLUMES SOURCE_FOLDER [unittest options]
+
+MAKE_VOLUMES writes the volumes. Those of the assets are baked too (skipped where they are absent). Changed
+files get a gigabyte of address space and ten seconds each; KELP_ALL_TESTS=1 tries many more of them."""
 import json
 import os
 import random
@@ -23,12 +25,13 @@ SOURCES = sys.argv.pop(1)
 ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
 KINDS = (".vdb", ".nvdb")
 
-# What make_volumes' balls have of voxels: centres nearer to the origin than the surface, or where a density
-# is at least a value.
+
 def ball(radius):
+    """The voxels of a ball of make_volumes: their centres are inside the surface, or the density there is at
+    least a value."""
     n = int(radius) + 1
-    return sum(x * x + y * y + z * z <= radius * radius for x in range(-n, n + 1) for y in range(-n, n + 1)
-               for z in range(-n, n + 1))
+    return sum(x * x + y * y + z * z <= radius * radius
+               for x in range(-n, n + 1) for y in range(-n, n + 1) for z in range(-n, n + 1))
 
 
 def contents(pack):
@@ -104,8 +107,7 @@ class Volumes(unittest.TestCase):
 
     def test_what_numbers_mean(self):
         for kind in KINDS:
-            fog, solid = os.path.join(self.made.name, "fog" + kind), os.path.join(
-                self.made.name, "solid" + kind)
+            fog, solid = (os.path.join(self.made.name, stem + kind) for stem in ("fog", "solid"))
             part, _ = self.bakes(fog)
             self.assertEqual((part["fill"], part["solid_voxels"]), ("fog", 0))
             plain = self.pack
@@ -157,8 +159,8 @@ class Volumes(unittest.TestCase):
     def test_heat(self):
         ramp = self.write("ramp.gpl", "GIMP Palette\nName: fire\n#\n0 0 0 cold\n255 64 0 hot\n")
         for kind in KINDS:
-            several, glow, fog = (
-                os.path.join(self.made.name, stem + kind) for stem in ("several", "glow", "fog"))
+            stems = ("several", "glow", "fog")
+            several, glow, fog = (os.path.join(self.made.name, stem + kind) for stem in stems)
             part, _ = self.bakes(glow)
             self.assertEqual(part["fill"], "fog that glows")
             black_body = self.pack
@@ -264,20 +266,22 @@ class Volumes(unittest.TestCase):
 
         def chunk(name, content):
             return name + struct.pack("<2i", len(content), 0) + content
-        model = chunk(b"SIZE", struct.pack("<3i", 9, 9, 9)) + chunk(
-            b"XYZI", struct.pack("<i", 40)
-                     + bytes(b % 9 if i % 4 < 3 else b for i in range(160) for b in [i * 7 % 251]))
+
+        voxels = bytes(b % 9 if i % 4 < 3 else b for i in range(160) for b in [i * 7 % 251])
+        model = (chunk(b"SIZE", struct.pack("<3i", 9, 9, 9))
+                 + chunk(b"XYZI", struct.pack("<i", 40) + voxels))
+        turn = struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t" + struct.pack("<i", 7) + b"30 0 -9"
         scene = b"".join(
             (chunk(b"nTRN", struct.pack("<7i", 0, 0, 1, -1, -1, 1, 0)),
              chunk(b"nGRP", struct.pack("<5i", 1, 0, 2, 2, 4)),
              chunk(b"nTRN", struct.pack("<7i", 2, 0, 3, -1, -1, 1, 0)),
              chunk(b"nSHP", struct.pack("<5i", 3, 0, 1, 0, 0)),
-             chunk(b"nTRN",
-                   struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t" + struct.pack("<i", 7) + b"30 0 -9"),
+             chunk(b"nTRN", turn),
              chunk(b"RGBA", bytes(range(256)) * 4)))
-        yield "made.vox", b"VOX " + struct.pack("<i", 200) + b"MAIN" + struct.pack(
-            "<2i", 0, len(model + scene)) + model + scene, []
-        yield "made.binvox", b"#binvox 1\ndim 8 8 8\ntranslate 0 0 0\nscale 1\ndata\n" + b"\x01\x80\x00\x80" * 2, []
+        head = b"VOX " + struct.pack("<i", 200) + b"MAIN" + struct.pack("<2i", 0, len(model + scene))
+        yield "made.vox", head + model + scene, []
+        head = b"#binvox 1\ndim 8 8 8\ntranslate 0 0 0\nscale 1\ndata\n"
+        yield "made.binvox", head + b"\x01\x80\x00\x80" * 2, []
 
     def test_changed_files_end_in_time_and_within_a_gigabyte(self):
         pick = random.Random(11)
@@ -286,8 +290,8 @@ class Volumes(unittest.TestCase):
         for name, good, options in self.samples():
             for i in range(tries):
                 bad = bytearray(good)
-                # Half of all changes go to the first bytes, where counts and places are; whole words become
-                # what breaks sums.
+                # Half of all changes go to the first bytes, where counts and offsets are. Whole words become
+                # values that overflow sums.
                 reach = min(len(bad), 1500) if i % 2 == 0 else len(bad)
                 if i % 4 == 3:
                     del bad[pick.randrange(reach):]
@@ -296,10 +300,8 @@ class Volumes(unittest.TestCase):
                         break
                     at = pick.randrange(min(reach, len(bad)))
                     if i % 3 == 0:
-                        word = struct.pack(
-                            "<q",
-                            pick.choice((-1, 1 << 31, (1 << 31) - 1, 1 << 62, 0, pick.getrandbits(63))))[
-                            :pick.choice((4, 8))]
+                        value = pick.choice((-1, 1 << 31, (1 << 31) - 1, 1 << 62, 0, pick.getrandbits(63)))
+                        word = struct.pack("<q", value)[:pick.choice((4, 8))]
                         bad[at:at + len(word)] = word[:len(bad) - at]
                     else:
                         bad[at] ^= 1 << pick.randrange(8)
@@ -314,11 +316,10 @@ class Volumes(unittest.TestCase):
                 slowest = max(slowest, seconds)
                 text = result.stderr.decode(errors="replace")
                 codes[result.returncode] = codes.get(result.returncode, 0) + 1
-                # 4: a volume that is sound and too large, refused by its estimate; never by an allocation
-                # that failed.
-                if seconds > SECONDS or result.returncode not in (
-                        0, 1, 3, 4,
-                        5) or "out of memory" in text or "reading it takes" in text or "Sanitizer" in text or "unexpected" in text:
+                # 4: a sound volume that is too large. The estimate refuses it; no allocation fails.
+                wrong = ("out of memory", "reading it takes", "Sanitizer", "unexpected")
+                if (seconds > SECONDS or result.returncode not in (0, 1, 3, 4, 5)
+                        or any(words in text for words in wrong)):
                     kept = os.path.join(tempfile.gettempdir(), "kelp_changed_" + name)
                     with open(kept, "wb") as file:
                         file.write(bad)

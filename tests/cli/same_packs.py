@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The same input bakes to the same bytes: on 1, 2 and 7 threads, with and without AVX2 and AVX-512, by every kelp-bake that is named.
+"""The same input bakes to the same bytes: on 1, 2 and 7 threads, with and without AVX2 and AVX-512, by every
+kelp-bake that is named.
 
   same_packs.py made|real [--models FOLDER] [--assets FOLDER] [--full] KELP_BAKE [KELP_BAKE...]
 
-made: files written here (and the sample models, where --models names a folder that holds them). real: the shared assets; exit code 77 where they are absent.
+made: files written here (and the sample models, where --models names a folder that holds them).
+real: the shared assets; exit code 77 where they are absent.
 --full: finer, and with the heavy files: minutes for each program instead of seconds.
 
-glibc chooses its sin, cos, atan2, pow and log by what the processor can do, and those that fuse a multiplication with an addition round differently in
-the last bit. GLIBC_TUNABLES makes it choose those of an old processor. kelp's own vectors: tests/bake/same_packs_test.cpp.
+glibc picks its sin, cos, atan2, pow and log by processor. Those that fuse a multiplication with an addition
+round differently in the last bit. GLIBC_TUNABLES makes it pick those of an old processor. For kelp's own
+vector code see tests/bake/same_packs_test.cpp.
 """
 import argparse
 import collections
@@ -31,7 +34,8 @@ VARIANTS = [(["--threads", "1"], {}),
 # File, options, resolution of a quick run (0: not in it), of a full one; "own": of the file's own.
 REAL = [
     ("gltf/draco_testdata/Duck.glb", [], 48, 160),  # a picture
-    ("gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", ["--parts", "nodes"], 48, 160),  # parts that move
+    # parts that move
+    ("gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf", ["--parts", "nodes"], 48, 160),
     ("gltf/draco_testdata/Fox/Fox.gltf", ["--at", "Walk:0.3"], 48, 128),  # a skin in motion
     ("gltf/plants/fern_02.glb", [], 48, 160),  # sheets, cut out by a picture's alpha
     ("gltf/assimp/2CylinderEngine.glb", [], 0, 128),  # a hundred thousand triangles, bodies within bodies
@@ -105,9 +109,10 @@ def write_made(folder):
 
     # Two nodes, one turned about a slanted axis and moved by a clip; the other under it.
     corners, faces = lump(12, wavy)
-    points, indices = b"".join(struct.pack("<3f", *c) for c in corners), b"".join(
-        struct.pack("<3H", *f) for f in faces)
-    times, turns = struct.pack("<3f", 0, 0.5, 1), b"".join(
+    points = b"".join(struct.pack("<3f", *c) for c in corners)
+    indices = b"".join(struct.pack("<3H", *f) for f in faces)
+    times = struct.pack("<3f", 0, 0.5, 1)
+    turns = b"".join(
         struct.pack("<4f", 0.36 * math.sin(a), 0.48 * math.sin(a), 0.8 * math.sin(a), math.cos(a))
         for a in (0, 0.3, 0.1))
     views, offset = [], 0
@@ -119,7 +124,8 @@ def write_made(folder):
     limits = {"min": [min(c[i] for c in corners) for i in range(3)],
               "max": [max(c[i] for c in corners) for i in range(3)]}
     gltf = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [
             {"name": "body", "mesh": 0, "rotation": [0.1, 0.2, 0.3, math.sqrt(1 - 0.14)], "children": [1]},
             {"name": "arm", "mesh": 0, "translation": [2.5, 0.3, 0], "scale": [0.4, 0.5, 0.3]}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
@@ -131,7 +137,8 @@ def write_made(folder):
             {"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", **limits},
             {"bufferView": 1, "componentType": 5123, "count": 3 * len(faces), "type": "SCALAR"},
             {"bufferView": 2, "componentType": 5126, "count": 3, "type": "SCALAR", "min": [0], "max": [1]},
-            {"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC4"}], "bufferViews": views,
+            {"bufferView": 3, "componentType": 5126, "count": 3, "type": "VEC4"}],
+        "bufferViews": views,
         "buffers": [{"uri": "nodes.bin", "byteLength": offset}]}
     with open(path("nodes.gltf"), "w") as file:
         json.dump(gltf, file)

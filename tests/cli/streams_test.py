@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Standard streams, terminals, pipes and signals, as a shell hands them to kelp's programs. Usage: streams_test.py SOURCE_FOLDER PROGRAM... -- [unittest options]"""
+"""Standard streams, terminals, pipes and signals, as a shell hands them to kelp's programs.
+
+Usage: streams_test.py SOURCE_FOLDER PROGRAM... -- [unittest options]"""
 import os
 import pty
 import resource
@@ -67,10 +69,10 @@ class EveryProgram(Case):
         commands = ["%s %s" % (program, option) for program in PROGRAMS.values()
                     for option in ("--help", "--version")]
         if "kelp-dump" in PROGRAMS:
-            commands += ["$kelp_dump " + words for words in (
-                             "info --help", "schema", "info tiny.kelp", "verify tiny.kelp",
-                             "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0",
-                             "extract tiny.kelp --ply -", "rig tiny.kelp --part 0 --set none -o -")]
+            commands += ["$kelp_dump " + words for words in
+                         ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp",
+                          "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -",
+                          "rig tiny.kelp --part 0 --set none -o -")]
         if "kelp-bake" in PROGRAMS:
             commands += ["$kelp_bake --print-config"]
         return commands
