@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# 200 assets by the workflow of samples/farm: on this machine, and on a Slurm of this machine alone, where one
-# job is killed midway and another is
-# cancelled; the packs must be those of one kelp-bake, byte for byte. Opt-in, minutes: tests/run.sh needs
-# nothing of this.
-#   tests/farm.sh [KELP_BAKE]   default: build/dev/bin/kelp-bake, which is built if it is not there
+# Bakes 200 assets with the workflow of samples/farm: on this machine, and on a Slurm of this machine alone,
+# where one job is killed midway and another is cancelled. The packs must be those of one kelp-bake, byte for
+# byte. Opt-in: takes minutes; tests/run.sh does not need it.
+#   tests/farm.sh [KELP_BAKE]   default: build/dev/bin/kelp-bake, built if it is missing
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 case "${1:-}" in
-  -h|--help) sed -n '3,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  -h|--help) sed -n '3,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
 esac
 source tests/support/opt_in.sh
 need snakemake munge slurm-wlm

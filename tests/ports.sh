@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# kelp elsewhere than on the machine that builds it. Opt-in: tests/run.sh needs nothing of this.
+# Tests kelp on other systems than the one that builds it. Opt-in: tests/run.sh does not need it.
 #   tests/ports.sh debian    makes both Debian packages, checks them with lintian, installs them into a fresh
 #                            Debian and uses them there (as root; downloads some 500 MB)
-#   tests/ports.sh windows   the runtime and kelp-dump, cross-compiled by mingw-w64, their tests under wine
-#   tests/ports.sh web       the runtime, compiled by emscripten, its tests under node; links a program with
-#                            WebGL 2
-# Says which packages to install where one is missing. Everything goes to build/.
+#   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
+#   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
+#                            with WebGL 2
+# Names the packages to install if one is missing. Everything goes to build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,20 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Builds and tests kelp from nothing on Debian 12: installs what is missing, builds, tests.
-#   tests/run.sh                    the build that samples/demo.sh makes (preset release), and all its tests
-#   tests/run.sh --sanitizers       the same code by clang with the address and undefined-behaviour sanitizers
-#                                   (preset asan); without what draws
-#   tests/run.sh --all              hours: both; everything with assertions and every case (preset dev,
-#                                   KELP_ALL_TESTS); without the baker, by gcc and clang, optimised and not;
-#                                   what
-#                                   has threads under the thread sanitizer; packs of six builds compared byte
-#                                   by
-#                                   byte (tests/cli/same_packs.sh); the fuzzers' coverage (tests/fuzz.sh
-#                                   --coverage); clang-tidy and cppcheck (tests/lint.sh)
-#   --require-assets                with any of these: a skipped test is a failure, except tests of opt-in
-#   packages
-# Ends with a line that counts the tests: N passed, N failed, N skipped. Skipped tests are named, with the
-# reason.
+#   tests/run.sh                the build that samples/demo.sh makes (preset release), and all its tests
+#   tests/run.sh --sanitizers   the code that does not draw, built by clang with the address and the
+#                               undefined-behaviour sanitizer (preset asan)
+#   tests/run.sh --all          takes hours. Both of these; with assertions and every case (preset dev,
+#                               KELP_ALL_TESTS); without the baker, by gcc and clang, optimised and not;
+#                               with the thread sanitizer (preset tsan); the packs of six builds, byte by
+#                               byte (tests/cli/same_packs.sh); the coverage of the fuzzers' seeds
+#                               (tests/fuzz.sh --coverage); clang-tidy and cppcheck (tests/lint.sh)
+#   --require-assets            with any of these: fails if tests are skipped, except tests of opt-in packages
+# Ends with a line that counts the tests: N passed, N failed, N skipped. Names the skipped tests and why.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -24,12 +20,12 @@ for argument in "$@"; do
     --require-assets) require_assets=1 ;;
     --sanitizers) mode=sanitizers ;;
     --all) mode=all ;;
-    -h|--help) sed -n '3,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h|--help) sed -n '3,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "run.sh: unknown option '$argument'; see --help" >&2; exit 1 ;;
   esac
 done
 
-export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1  # what another checkout compiled serves here, too
+export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1  # ccache shares objects between checkouts
 case "$mode" in
   default) sets=(tests) presets=(release) ;;
   sanitizers) sets=(tests sanitizers) presets=(asan) ;;

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Makes a reed with three animated knots in Blender and exports it as an artist would: File > Export > glTF, default settings.
+"""Makes a reed with three animated knots in Blender and exports it as an artist would: File > Export > glTF,
+default settings.
 
     blender --background --factory-startup --python blender_export.py -- OUT.glb
 
-The reed grows along Blender's z from the floor to 2 m. The empties knot.0, knot.1 and knot.2 stand on its axis, parented to it. knot.1 and
-knot.2 move in an NLA track each, both named "sway"; knot.2 also turns by 30 degrees.
+The reed grows along Blender's z from the floor to 2 m. The empties knot.0, knot.1 and knot.2 stand on its
+axis, parented to it. knot.1 and knot.2 move in an NLA track each, both named "sway"; knot.2 also turns by
+30 degrees.
 """
 import math
 import sys

@@ -3,8 +3,9 @@
 
     blender --background --factory-startup --python blender_steps.py -- FOLDER
 
-Writes FOLDER/empties.glb (knots drawn with empties) and FOLDER/property.glb (a rig as text in a custom property). The reed is 2 m high, stands beside the
-origin and is turned about the vertical; its rig leans to Blender's +X and +Y.
+Writes FOLDER/empties.glb (knots drawn with empties) and FOLDER/property.glb (a rig as text in a custom
+property). The reed is 2 m high, stands beside the origin and is turned about the vertical. Its rig leans to
+Blender's +X and +Y.
 """
 import math
 import sys
@@ -62,7 +63,9 @@ knots[2].animation_data.action = None
 bpy.context.scene.frame_set(1)
 bpy.ops.export_scene.gltf(filepath=folder + "/empties.glb")
 
-# The other way: Object Properties > Custom Properties > New, "kelp", a string; Export with Include > Custom Properties.
+# The other way: Object Properties > Custom Properties > New, "kelp", a string; Export with Include > Custom
+# Properties.
 reed = new_reed()
-reed["kelp"] = '{"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.2, 0, -0.05], "period": 3}]}}}'
+reed["kelp"] = ('{"kelp": 1, "clips": {"sway": '
+                '{"waves": [{"knot": 1, "offset": [0.2, 0, -0.05], "period": 3}]}}}')
 bpy.ops.export_scene.gltf(filepath=folder + "/property.glb", export_extras=True)

@@ -1,23 +1,32 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Bakes files that Blender itself exported. Opt-in, since Blender is large: apt-get install
-# --no-install-recommends blender python3-numpy
+# Bakes files that Blender itself exported. Opt-in, since Blender is large:
+#   apt-get install --no-install-recommends blender python3-numpy
 #   tests/bake/blender_test.sh [BUILD_FOLDER]        (default build/dev)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 build="${1:-$here/../../build/dev}"
 for program in blender "$build/bin/kelp-bake" "$build/bin/kelp-dump"; do
-  command -v "$program" >/dev/null || { echo "blender_test.sh: $program is missing: install or build it first" >&2; exit 4; }
+  command -v "$program" >/dev/null ||
+    { echo "blender_test.sh: $program is missing: install or build it first" >&2; exit 4; }
 done
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 
-blender --background --factory-startup --python-exit-code 1 --python "$here/blender_export.py" -- "$folder/reed.glb" >"$folder/blender.log" 2>&1 ||
-  { cat "$folder/blender.log" >&2; exit 4; }
-"$build/bin/kelp-bake" "$folder/reed.glb" -o "$folder/reed.kelp" --resolution 128 --report "$folder/report.json" --progress none
+# Runs a script of this folder in Blender, with the arguments that follow its name.
+run_blender() {
+  local script="$here/$1"
+  shift
+  blender --background --factory-startup --python-exit-code 1 --python "$script" -- "$@" \
+    >"$folder/blender.log" 2>&1 || { cat "$folder/blender.log" >&2; exit 4; }
+}
+
+run_blender blender_export.py "$folder/reed.glb"
+"$build/bin/kelp-bake" "$folder/reed.glb" -o "$folder/reed.kelp" --resolution 128 \
+  --report "$folder/report.json" --progress none
 "$build/bin/kelp-dump" verify --deep "$folder/reed.kelp"
 
-# What the script drew: one part on three knots, one clip, nothing to complain of.
+# What the script drew: one part on three knots and one clip, without a notice.
 python3 - "$folder/report.json" <<'PYTHON'
 import json
 import sys
@@ -32,10 +41,10 @@ PYTHON
 
 # The steps of tools/rig/README.md, and its table of axes: Blender's (x, y, z) is the file's (x, z, -y), in
 # lengths of the reed, which is 2 m.
-blender --background --factory-startup --python-exit-code 1 --python "$here/blender_steps.py" -- "$folder" >"$folder/blender.log" 2>&1 ||
-  { cat "$folder/blender.log" >&2; exit 4; }
+run_blender blender_steps.py "$folder"
 for name in empties property; do
-  "$build/bin/kelp-bake" "$folder/$name.glb" -o "$folder/$name.kelp" --resolution 64 --report "$folder/$name.report.json" --progress none
+  "$build/bin/kelp-bake" "$folder/$name.glb" -o "$folder/$name.kelp" --resolution 64 \
+    --report "$folder/$name.report.json" --progress none
   "$build/bin/kelp-dump" rig "$folder/$name.kelp" >"$folder/$name.rig.json"
 done
 python3 - "$folder" <<'PYTHON'
@@ -50,11 +59,13 @@ def near(vector, wanted):
     assert all(abs(a - b) < 2e-3 for a, b in zip(vector, wanted)), (vector, wanted)
 
 report, rig = load("empties.report.json"), load("empties.rig.json")
-# it leans as it should
-assert len(report["notices"]) == 2 and all("at rest" in notice for notice in report["notices"]), report["notices"]
+# The reed leans: two notices say so.
+notices = report["notices"]
+assert len(notices) == 2 and all("at rest" in notice for notice in notices), notices
 assert report["parts"][0]["rig"].startswith("3 knot empties"), report["parts"]
 near(rig["knots"][1]["offset"], [0.1, 0, -0.05])
-near([rig["knots"][2]["tangent"][i] for i in range(3)], [math.sin(math.radians(30)), math.cos(math.radians(30)), 0])
+tangent = [rig["knots"][2]["tangent"][i] for i in range(3)]
+near(tangent, [math.sin(math.radians(30)), math.cos(math.radians(30)), 0])
 (clip,) = rig["clips"]
 offsets = [key["offset"] for key in rig["clips"][clip]["keys"] if key["knot"] == 2 and "offset" in key]
 assert clip == "sway", clip

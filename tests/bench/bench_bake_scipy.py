@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""distance_transform_edt of a raw volume: bench_bake_scipy.py IN X Y Z OUT. Prints the seconds of the transform, writes float32 squares."""
+"""distance_transform_edt of a raw volume: bench_bake_scipy.py IN X Y Z OUT
+
+Prints the seconds that the transform took, and writes float32 squares."""
 import sys
 import time
 

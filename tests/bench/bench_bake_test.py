@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""bench_bake at a tiny resolution: what --json writes is what README.md says. No time is looked at. Usage: bench_bake_test.py BENCH_BAKE"""
+"""bench_bake at a tiny resolution: --json writes what README.md says. Ignores the times.
+
+Usage: bench_bake_test.py BENCH_BAKE"""
 import json
 import os
 import subprocess
 import sys
 import tempfile
 
-TYPES = {"case": str, "method": str, "voxels": int, "threads": int, "seconds_median": (int, float), "bytes": int, "ratio_to_kelp": (int, float)}
+TYPES = {"case": str, "method": str, "voxels": int, "threads": int, "seconds_median": (int, float),
+         "bytes": int, "ratio_to_kelp": (int, float)}
 
 with tempfile.TemporaryDirectory() as folder:
     path = os.path.join(folder, "bake.json")

@@ -14,7 +14,9 @@ import time
 
 
 def frames(pack):
-    """The zstd frames of a pack, as its index lists them: chunks with the zstd flag, and pages, which lie one behind the other. A .zst file, in effect."""
+    """The zstd frames of a pack, as its index lists them, one behind the other, as in a .zst file.
+
+    They are the chunks with the zstd flag, and the pages."""
     count = struct.unpack_from("<I", pack, 24)[0]
     out = bytearray()
     for i in range(count):
@@ -39,8 +41,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         zst = os.path.join(folder, "frames.zst")
         open(zst, "wb").write(frames(pack))
-        commands = {"kelp-dump verify PACK": [dump, "verify", path], "zstd -t FRAMES.zst": ["zstd", "-q", "-t", "--single-thread", zst], "xxhsum -H3 PACK": ["xxhsum", "-H3", path],
-                    "kelp-dump --version": [dump, "--version"]}
+        commands = {"kelp-dump verify PACK": [dump, "verify", path],
+                    "zstd -t FRAMES.zst": ["zstd", "-q", "-t", "--single-thread", zst],
+                    "xxhsum -H3 PACK": ["xxhsum", "-H3", path], "kelp-dump --version": [dump, "--version"]}
         times = {name: [] for name in commands}
         for _ in range(rounds):
             for name, command in commands.items():
@@ -50,7 +53,8 @@ def main():
     for name, seconds in median.items():
         print(f"  {name:<22} {1000 * seconds:8.1f} ms")
     peers = median["zstd -t FRAMES.zst"] + median["xxhsum -H3 PACK"]
-    print(f"  speed of verify over that of zstd -t and xxhsum together: {peers / median['kelp-dump verify PACK']:.2f}")
+    print("  speed of verify over that of zstd -t and xxhsum together: "
+          f"{peers / median['kelp-dump verify PACK']:.2f}")
     work = median["kelp-dump verify PACK"] - median["kelp-dump --version"]
     print(f"  the same without the start of kelp-dump, which loads its libraries: {peers / work:.2f}")
 

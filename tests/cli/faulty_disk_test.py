@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Every call on a file fails once: kelp-bake and kelp-dump answer with exit code 2 and a line that names the file, or the call did not matter
-and the result is whole. What stood at the output stands there still, and no temporary file is left.
+"""Every call on a file fails once. kelp-bake and kelp-dump answer with exit code 2 and a line that names the
+file; or the call did not matter, and the result is whole. An old output stays as it was, and no temporary
+file is left.
+
 Usage: faulty_disk_test.py KELP_BAKE|none KELP_DUMP LIBRARY GOLDEN_PACK"""
 import errno
 import json
@@ -14,12 +16,14 @@ import unittest
 
 LIBRARY = sys.argv.pop(3)  # or several, as LD_PRELOAD has them
 KELP_BAKE, KELP_DUMP, GOLDEN = (path if path == "none" else os.path.abspath(path) for path in sys.argv[1:4])
-KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync": errno.EIO, "close": errno.ENOSPC, "rename": errno.EIO}
+KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync": errno.EIO,
+         "close": errno.ENOSPC, "rename": errno.EIO}
 OLD = b"the old one"
 AT_MOST = 24  # calls of a kind that are tried, spread over all there are
 
 CUBE = "".join("v %d %d %d\n" % (i & 1, i >> 1 & 1, i >> 2) for i in range(8)) + "".join(
-    "f " + " ".join(str(i + 1) for i in quad) + "\n" for quad in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)))
+    "f " + " ".join(str(i + 1) for i in quad) + "\n"
+    for quad in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)))
 # A TGA of one red pixel.
 PIXEL = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 0, 0, 255])
 
@@ -42,10 +46,12 @@ class FaultyDisk(unittest.TestCase):
                 os.makedirs(os.path.dirname(os.path.join(self.folder, name)), exist_ok=True)
                 with open(os.path.join(self.folder, name), "wb") as file:
                     file.write(OLD)
-        environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder, KELP_FAULTY_COUNTS=self.counts, KELP_FAULT=fault)
+        environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder,
+                           KELP_FAULTY_COUNTS=self.counts, KELP_FAULT=fault)
         result = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, timeout=60)
         found = {}
-        for name in (os.path.relpath(os.path.join(folder, name), self.folder) for folder, _, names in os.walk(self.folder) for name in names):
+        for name in (os.path.relpath(os.path.join(folder, name), self.folder)
+                     for folder, _, names in os.walk(self.folder) for name in names):
             with open(os.path.join(self.folder, name), "rb") as file:
                 found[name] = file.read()
             if found[name].startswith(b" BDV"):
@@ -90,14 +96,20 @@ class FaultyDisk(unittest.TestCase):
 
     @unittest.skipIf(KELP_BAKE == "none", "no kelp-bake in this build")
     def test_bake(self):
-        inputs = {"box.obj": b"mtllib box.mtl\nusemtl skin\n" + CUBE.encode(), "box.mtl": b"newmtl skin\nmap_Kd red.tga\n", "red.tga": PIXEL}
-        self.tries_every_fault(inputs, ["box.kelp"], [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress", "none"], ["open", "read", "write", "fsync", "close", "rename"])
+        inputs = {"box.obj": b"mtllib box.mtl\nusemtl skin\n" + CUBE.encode(),
+                  "box.mtl": b"newmtl skin\nmap_Kd red.tga\n", "red.tga": PIXEL}
+        self.tries_every_fault(
+            inputs, ["box.kelp"],
+            [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress", "none"],
+            ["open", "read", "write", "fsync", "close", "rename"])
 
     @unittest.skipIf(KELP_BAKE == "none", "no kelp-bake in this build")
     def test_bake_with_report_and_rules(self):
-        inputs = {"box.obj": CUBE.encode(), "box.rig.json": b'{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}'}
+        inputs = {"box.obj": CUBE.encode(),
+                  "box.rig.json": b'{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}'}
         self.tries_every_fault(inputs, ["box.kelp", "box.json", "box.d"],
-                               [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress", "none", "--report", "box.json", "-MD", "-MF", "box.d"], ["write", "rename"])
+                               [KELP_BAKE, "box.obj", "-o", "box.kelp", "--resolution", "8", "--progress",
+                                "none", "--report", "box.json", "-MD", "-MF", "box.d"], ["write", "rename"])
 
     def golden(self):
         with open(GOLDEN, "rb") as file:
@@ -105,29 +117,49 @@ class FaultyDisk(unittest.TestCase):
 
     def test_dump_reads(self):
         for words in (["info"], ["verify"], ["rig", "--part", "0"]):
-            self.tries_every_fault({"a.kelp": self.golden()}, [], [KELP_DUMP, *words, "a.kelp"], ["open", "read"])
-        self.tries_every_fault({"a.kelp": self.golden(), "b.kelp": self.golden()}, [], [KELP_DUMP, "diff", "a.kelp", "b.kelp"], ["open", "read"])
+            self.tries_every_fault(
+                {"a.kelp": self.golden()}, [], [KELP_DUMP, *words, "a.kelp"], ["open", "read"])
+        self.tries_every_fault({"a.kelp": self.golden(), "b.kelp": self.golden()}, [],
+                               [KELP_DUMP, "diff", "a.kelp", "b.kelp"], ["open", "read"])
 
     def test_dump_writes(self):
-        self.tries_every_fault({"a.kelp": self.golden()}, ["a.vox"], [KELP_DUMP, "extract", "a.kelp", "--vox", "a.vox"], ["open", "read", "write", "rename"])
-        self.tries_every_fault({"a.kelp": self.golden()}, ["a.ply"], [KELP_DUMP, "extract", "a.kelp", "--ply", "a.ply"], ["open", "read", "write", "rename"])
-        self.tries_every_fault({"a.kelp": self.golden()}, ["a.png"], [KELP_DUMP, "slice", "a.kelp", "-o", "a.png"], ["open", "read", "write", "rename"])
+        self.tries_every_fault({"a.kelp": self.golden()},
+                               ["a.vox"],
+                               [KELP_DUMP, "extract", "a.kelp", "--vox", "a.vox"],
+                               ["open", "read", "write", "rename"])
+        self.tries_every_fault({"a.kelp": self.golden()},
+                               ["a.ply"],
+                               [KELP_DUMP, "extract", "a.kelp", "--ply", "a.ply"],
+                               ["open", "read", "write", "rename"])
+        self.tries_every_fault({"a.kelp": self.golden()},
+                               ["a.png"],
+                               [KELP_DUMP, "slice", "a.kelp", "-o", "a.png"],
+                               ["open", "read", "write", "rename"])
 
     @unittest.skipUnless(os.path.exists(KELP_DUMP + "-vdb"), "no kelp-dump-vdb in this build")
     def test_dump_writes_by_libraries(self):
         for name in ("vdb", "nvdb"):
-            self.tries_every_fault({"a.kelp": self.golden()}, ["a." + name], [KELP_DUMP, "extract", "a.kelp", "--" + name, "a." + name], ["open", "read", "write", "rename"])
+            self.tries_every_fault({"a.kelp": self.golden()},
+                                   ["a." + name],
+                                   [KELP_DUMP, "extract", "a.kelp", "--" + name, "a." + name],
+                                   ["open", "read", "write", "rename"])
 
     def test_dump_writes_slices(self):
         command = [KELP_DUMP, "extract", "a.kelp", "--slices", "slices"]
         _, found = self.run_in_fresh_folder({"a.kelp": self.golden()}, [], command)
         pictures = [name for name in found if name.startswith("slices/")]
         self.assertGreater(len(pictures), 1)
-        self.tries_every_fault({"a.kelp": self.golden()}, pictures, command, ["open", "read", "write", "rename"])
+        self.tries_every_fault(
+            {"a.kelp": self.golden()}, pictures, command, ["open", "read", "write", "rename"])
 
     def test_dump_replaces_a_rig(self):
-        rig = subprocess.run([KELP_DUMP, "rig", GOLDEN, "--part", "0"], capture_output=True, check=True).stdout
-        self.tries_every_fault({"a.kelp": self.golden(), "a.rig.json": rig}, ["b.kelp"], [KELP_DUMP, "rig", "a.kelp", "--part", "0", "--set", "a.rig.json", "-o", "b.kelp"], ["open", "read", "write", "rename"])
+        rig = subprocess.run(
+            [KELP_DUMP, "rig", GOLDEN, "--part", "0"], capture_output=True, check=True).stdout
+        self.tries_every_fault(
+            {"a.kelp": self.golden(), "a.rig.json": rig},
+            ["b.kelp"],
+            [KELP_DUMP, "rig", "a.kelp", "--part", "0", "--set", "a.rig.json", "-o", "b.kelp"],
+            ["open", "read", "write", "rename"])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What kelp-dump prints as JSON, and its schemas themselves, by a validator that is not kelp's own: json_schemas_test.py KELP_DUMP SOURCE."""
+"""Checks what kelp-dump prints as JSON, and its schemas, with a validator that is not kelp's own.
+
+Usage: json_schemas_test.py KELP_DUMP SOURCE"""
 import json
 import pathlib
 import subprocess
@@ -16,7 +18,9 @@ except ImportError:
 def main():
     dump, golden = sys.argv[1], pathlib.Path(sys.argv[2]) / "tests/formats/golden"
     run = lambda *arguments: json.loads(subprocess.run([dump, *arguments], stdout=subprocess.PIPE).stdout)
-    schemas = {name: run("schema", name) for name in ("info", "verify", "diff", "rig", "bake-report", "bake-batch", "bake-plan", "bake-progress")}
+    schemas = {
+        name: run("schema", name) for name
+              in ("info", "verify", "diff", "rig", "bake-report", "bake-batch", "bake-plan", "bake-progress")}
     schemas["all"] = run("schema")
     for name, schema in schemas.items():
         jsonschema.Draft202012Validator.check_schema(schema)
@@ -24,12 +28,17 @@ def main():
     assert len(packs) >= 2, golden
     documents = 0
     for pack in packs:
-        for command in (["info", pack], ["info", pack, "--count"], ["verify", pack], ["verify", pack, "--deep"], ["diff", pack, packs[0]]):
+        for command in (["info", pack],
+                        ["info", pack, "--count"],
+                        ["verify", pack],
+                        ["verify", pack, "--deep"],
+                        ["diff", pack, packs[0]]):
             document = run(*command, "--format", "json")
             for name in (command[0], "all"):
                 jsonschema.Draft202012Validator(schemas[name]).validate(document)
             others = [name for name in ("info", "verify", "diff") if name != command[0]]
-            assert not any(jsonschema.Draft202012Validator(schemas[name]).is_valid(document) for name in others), command
+            assert not any(
+                jsonschema.Draft202012Validator(schemas[name]).is_valid(document) for name in others), command
             documents += 1
         jsonschema.Draft202012Validator(schemas["rig"]).validate(run("rig", pack, "--part", "0"))
     print(f"{documents} documents of {len(packs)} packs follow their schemas")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What the tests of kelp-bake as a build step have in common: a folder of small models, and a kelp-bake that runs in it."""
+"""What the tests of kelp-bake as a build step share: a folder of small models, and a kelp-bake that runs in
+it."""
 import json
 import os
 import subprocess
@@ -20,7 +21,8 @@ def box(x, y, z):
 
 
 def lump(n, place=lambda *corner: corner):
-    """A box whose sides have n x n quads, its corners from 0 to n put where `place` says: something to do for a while."""
+    """A box whose sides have n x n quads: enough to keep a bake busy. `place` moves its corners, which run
+    from 0 to n."""
     corners, faces = {}, []
     for axis in range(3):
         for side in (0, n):
@@ -36,7 +38,8 @@ def lump(n, place=lambda *corner: corner):
 
 
 def textured_box():
-    return "mtllib box.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n" + box(1, 1, 1).replace("f 1 3 4 2\n", "f 1/1 3/2 4/3\nf 1/1 4/3 2/2\n")
+    head = "mtllib box.mtl\nusemtl skin\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    return head + box(1, 1, 1).replace("f 1 3 4 2\n", "f 1/1 3/2 4/3\nf 1/1 4/3 2/2\n")
 
 
 # A TGA of one red pixel.
@@ -67,7 +70,8 @@ class Case(unittest.TestCase):
             return file.read()
 
     def bake(self, *arguments, **more):
-        return subprocess.run([KELP_BAKE, *arguments], capture_output=True, timeout=120, cwd=self.folder, **more)
+        return subprocess.run(
+            [KELP_BAKE, *arguments], capture_output=True, timeout=120, cwd=self.folder, **more)
 
     def passes(self, *arguments):
         result = self.bake(*arguments)

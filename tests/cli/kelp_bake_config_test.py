@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake --config and --print-config as a shell sees them. Usage: kelp_bake_config_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake --config and --print-config as a shell sees them.
+
+Usage: kelp_bake_config_test.py KELP_BAKE [unittest options]"""
 import json
 import os
 import re
@@ -9,10 +11,15 @@ import unittest
 
 from kelp_bake_case import Case, box
 
-# Every option of --print-config, with a value that is not the default and can be had together with the others.
-GIVEN = [("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2), ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"),
-         ("frame", 3), ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25), ("color-grid", "Cd"), ("heat-grid", "none"),
-         ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2), ("threads", 1), ("max-memory", "1.5 GiB"), ("max-import-time", 60), ("progress", "none"), ("cache", "r/cache"), ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True), ("deps-phony", True), ("deps-target", "a b"), ("deps-file", "x.d")]
+# Every option of --print-config, with a value that is not the default and agrees with the others.
+GIVEN = [
+    ("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2),
+    ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"), ("frame", 3),
+    ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25),
+    ("color-grid", "Cd"), ("heat-grid", "none"), ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2),
+    ("threads", 1), ("max-memory", "1.5 GiB"), ("max-import-time", 60), ("progress", "none"),
+    ("cache", "r/cache"), ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True),
+    ("deps-phony", True), ("deps-target", "a b"), ("deps-file", "x.d")]
 
 
 class Configurations(Case):
@@ -39,9 +46,12 @@ class Configurations(Case):
         shown = tomllib.loads(re.sub(r"(?m)^#([a-z-]+ = )", r"\1", self.printed()))
         self.assertEqual(set(shown) - {"voxel-size", "keep-materials"}, {name for name, _ in GIVEN})
         help_text = self.bake("--help").stdout.decode()
-        of_the_program = {"help", "version", "output", "manifest", "shard", "plan", "force", "config", "print-config"}
-        self.assertEqual(set(re.findall(r"--([a-z-]+)", help_text[:help_text.index("Examples:")][help_text.index("Options:"):])) & set(shown), set(shown))
-        self.assertLessEqual(set(re.findall(r"(?m)^  (?:-.,)?--([a-z-]+)", help_text)), set(shown) | of_the_program)
+        of_the_program = {
+            "help", "version", "output", "manifest", "shard", "plan", "force", "config", "print-config"}
+        options = help_text[help_text.index("Options:"):help_text.index("Examples:")]
+        self.assertEqual(set(re.findall(r"--([a-z-]+)", options)) & set(shown), set(shown))
+        self.assertLessEqual(
+            set(re.findall(r"(?m)^  (?:-.,)?--([a-z-]+)", help_text)), set(shown) | of_the_program)
         # What stands there as a default is one.
         self.write("rod.obj", box(64, 1, 1))
         self.passes("rod.obj", "-o", "without.kelp")
@@ -56,22 +66,28 @@ class Configurations(Case):
             arguments += ["--" + name] + ([] if value is True else [str(value)])
         reference = self.printed(*arguments)
         read = tomllib.loads(reference)
-        self.assertEqual({name: os.path.relpath(value, os.path.realpath(self.folder)) if name in ("rig", "palette", "ramp", "cache", "report", "deps-file") else value for name, value in read.items()}, dict(GIVEN))
+        for name in ("rig", "palette", "ramp", "cache", "report", "deps-file"):
+            read[name] = os.path.relpath(read[name], os.path.realpath(self.folder))
+        self.assertEqual(read, dict(GIVEN))
         self.write("sub/c.toml", reference)
         self.assertEqual(self.printed("--config", "sub/c.toml"), reference)
-        self.assertEqual(tomllib.loads(self.printed("--voxel-size", ".5", "--keep-materials")), {"voxel-size": 0.5, "keep-materials": True})
+        self.assertEqual(tomllib.loads(self.printed("--voxel-size", ".5", "--keep-materials")),
+                         {"voxel-size": 0.5, "keep-materials": True})
 
     def test_the_order_of_precedence(self):
-        self.write("sub/c.toml", 'resolution = 8  # coarse\r\nrig = "r.rig.json"\n\n  up=\'+z\'\nreport = "report.json"')
+        self.write("sub/c.toml",
+                   'resolution = 8  # coarse\r\nrig = "r.rig.json"\n\n  up=\'+z\'\nreport = "report.json"')
         self.write("sub/r.rig.json", {"kelp": 1})
-        self.write("m.json", {"defaults": {"up": "+x"}, "assets": ["1.obj", {"input": "2.obj", "voxel-size": 0.5}]})
+        self.write(
+            "m.json", {"defaults": {"up": "+x"}, "assets": ["1.obj", {"input": "2.obj", "voxel-size": 0.5}]})
         self.passes("--config", "sub/c.toml", "--manifest", "m.json", "--rig", "none")
         self.assertEqual(json.loads(self.read("sub/report.json"))["schema"], "kelp-bake-batch/1")
         for name, options in (("1", ["--resolution", "8"]), ("2", ["--voxel-size", "0.5"])):
             self.passes(name + ".obj", "-o", "single.kelp", "--up", "+x", "--rig", "none", *options)
             self.assertEqual(self.read("single.kelp"), self.read(name + ".kelp"))
         self.passes("--config", "sub/c.toml", "1.obj", "-o", "x.kelp", "--voxel-size", "0.1", "-MF", "x.d")
-        self.passes("1.obj", "-o", "single.kelp", "--up", "+z", "--rig", "sub/r.rig.json", "--voxel-size", "0.1")
+        self.passes(
+            "1.obj", "-o", "single.kelp", "--up", "+z", "--rig", "sub/r.rig.json", "--voxel-size", "0.1")
         self.assertEqual(self.read("single.kelp"), self.read("x.kelp"))
         self.assertIn("sub/c.toml", self.read("x.d").decode())
         self.assertIn("sub/r.rig.json", self.read("x.d").decode())
@@ -103,8 +119,10 @@ class Configurations(Case):
         ):
             self.wrong(content, *says)
         # All of them at once.
-        self.wrong('up = 3\nresolution = "8"\n[table]\n\npad =', "c.toml:1:6: ", "c.toml:2:14: ", "c.toml:3:1: ", "c.toml:5:6: ", "4 faults")
-        self.wrong("resolution = 9999\nup = 'q'\npad = -1\nunit = 'ell'", "c.toml:1:14: ", "c.toml:2:6: ", "c.toml:3:7: ", "c.toml:4:8: ", "4 faults")
+        self.wrong('up = 3\nresolution = "8"\n[table]\n\npad =', "c.toml:1:6: ", "c.toml:2:14: ",
+                   "c.toml:3:1: ", "c.toml:5:6: ", "4 faults")
+        self.wrong("resolution = 9999\nup = 'q'\npad = -1\nunit = 'ell'", "c.toml:1:14: ", "c.toml:2:6: ",
+                   "c.toml:3:7: ", "c.toml:4:8: ", "4 faults")
         self.fails(2, "--config", "absent.toml", "1.obj", "-o", "x.kelp", says=["absent.toml"])
         self.fails(2, "--config", ".", "1.obj", "-o", "x.kelp", says=["folder"])
         self.fails(1, "--config", "", "1.obj", "-o", "x.kelp", says=["--config"])

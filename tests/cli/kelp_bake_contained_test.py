@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Files whose readers crash, hang and fill the memory: errors of their own assets, and of no others. Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
-LIBRARY is faulty_disk.cpp, which makes a crash or a hang of the opening of a file."""
+"""Files whose readers crash, hang or fill the memory: only their own assets fail.
+
+Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
+LIBRARY is faulty_disk.cpp, which makes the opening of a file crash or hang."""
 import json
 import os
 import resource
@@ -28,7 +30,8 @@ def alive(process):
 class Contained(Case):
     def start(self, fault, *arguments, first=None):
         environment = dict(os.environ, LD_PRELOAD=LIBRARY, KELP_FAULTY_FOLDER=self.folder, KELP_FAULT=fault)
-        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, env=environment, stderr=subprocess.PIPE, preexec_fn=first)
+        process = subprocess.Popen([KELP_BAKE, *arguments], cwd=self.folder, env=environment,
+                                   stderr=subprocess.PIPE, preexec_fn=first)
         self.addCleanup(process.stderr.close)
         return process
 
@@ -56,7 +59,8 @@ class Contained(Case):
         self.fail("it does not hang: " + process.stderr.read().decode())
 
     def test_a_crash(self):
-        text = self.ends(self.start("crash 1.obj", "1.obj", "-o", "out.kelp"), 4, "kelp-bake: 1.obj: the bake crashed (Aborted) while the file was read; ")
+        text = self.ends(self.start("crash 1.obj", "1.obj", "-o", "out.kelp"), 4,
+                         "kelp-bake: 1.obj: the bake crashed (Aborted) while the file was read; ")
         self.assertEqual(text.count("\n"), 1, text)
         self.assertFalse(os.path.exists(self.path("out.kelp")))
 
@@ -64,30 +68,38 @@ class Contained(Case):
         """Nothing is left of the output, however far it had come; of the one that was there, all."""
         self.write("out.kelp", b"the pack that was there")
         for fault in ("write 1 crash", "write 2 crash", "fsync 1 crash", "rename 1 crash"):
-            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--resolution", "20"), 4, "1.obj: the bake crashed (Aborted) after the file was read; ")
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--resolution", "20"), 4,
+                      "1.obj: the bake crashed (Aborted) after the file was read; ")
             self.assertEqual(self.read("out.kelp"), b"the pack that was there")
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
-        self.ends(self.start("rename 1 crash", "--manifest", "m.json", "--report", "r.json"), 4, "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
-        self.assertEqual([asset["status"] for asset in json.loads(self.read("r.json"))["assets"]], ["failed", "baked"])
+        self.ends(self.start("rename 1 crash", "--manifest", "m.json", "--report", "r.json"), 4,
+                  "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
+        self.assertEqual(
+            [asset["status"] for asset in json.loads(self.read("r.json"))["assets"]], ["failed", "baked"])
 
     def test_a_batch_goes_on(self):
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
-        text = self.ends(self.start("crash 2.obj", "--manifest", "m.json", "--report", "r.json"), 4, "[2/3] 2.kelp: failed: m.json:1:", "2.obj: the bake crashed", "2 of 3 assets done: 2 baked")
+        text = self.ends(
+            self.start("crash 2.obj", "--manifest", "m.json", "--report", "r.json"), 4,
+            "[2/3] 2.kelp: failed: m.json:1:", "2.obj: the bake crashed", "2 of 3 assets done: 2 baked")
         report = json.loads(self.read("r.json"))["assets"]
         self.assertEqual([asset["status"] for asset in report], ["baked", "failed", "baked"])
         self.assertIn("the bake crashed", report[1]["error"])
         self.ends(self.start("", "--manifest", "m.json"), 0, "3 of 3 assets done: 1 baked, 2 up to date")
-        for line in self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json").communicate(timeout=60)[1].splitlines():
+        process = self.start("crash 1.obj", "1.obj", "-o", "x.kelp", "--progress", "json")
+        for line in process.communicate(timeout=60)[1].splitlines():
             last = json.loads(line)
         self.assertEqual((last["kind"], last["exit"]), ("error", 4))
         self.assertNotIn("\x1b", text)
 
     def test_a_hang(self):
         start = time.monotonic()
-        self.ends(self.start("hang 2.obj", "2.obj", "-o", "out.kelp", "--max-import-time", "1"), 4, "2.obj: reading it takes longer than 1 s; ", "--max-import-time")
+        self.ends(self.start("hang 2.obj", "2.obj", "-o", "out.kelp", "--max-import-time", "1"), 4,
+                  "2.obj: reading it takes longer than 1 s; ", "--max-import-time")
         self.assertLess(time.monotonic() - start, 20)
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})
-        self.ends(self.start("hang 2.obj", "--manifest", "m.json", "--max-import-time", "1"), 4, "2.obj: reading it takes longer than 1 s; ", "2 of 3 assets done: 2 baked")
+        self.ends(self.start("hang 2.obj", "--manifest", "m.json", "--max-import-time", "1"), 4,
+                  "2.obj: reading it takes longer than 1 s; ", "2 of 3 assets done: 2 baked")
 
     def test_signals_while_it_hangs(self):
         for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -110,8 +122,10 @@ class Contained(Case):
 
     def test_a_report_to_a_stream(self):
         """Which has no temporary file that could be left."""
-        for fault, code, word in (("crash 1.obj", 4, "the bake crashed (Aborted)"), ("hang 1.obj", 4, "reading it takes longer than 1 s")):
-            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--report", "/dev/stdout", "--max-import-time", "1"), code, word)
+        for fault, code, word in (("crash 1.obj", 4, "the bake crashed (Aborted)"),
+                                  ("hang 1.obj", 4, "reading it takes longer than 1 s")):
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--report", "/dev/stdout",
+                                 "--max-import-time", "1"), code, word)
         process, child = self.hangs("hang 1.obj", "1.obj", "-o", "out.kelp", "--report", "/dev/stdout")
         process.send_signal(signal.SIGTERM)
         self.assertEqual(self.ends(process, 130), "kelp-bake: interrupted\n")
@@ -130,7 +144,9 @@ class Contained(Case):
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
         process, child = self.hangs("hang 1.obj", "--manifest", "m.json")
         os.kill(child, signal.SIGKILL)
-        self.ends(process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out", "1 of 2 assets done: 1 baked")
+        self.ends(
+            process, 4, "1.obj: the bake was killed while the file was read; most likely memory gave out",
+            "1 of 2 assets done: 1 baked")
 
     def test_a_signal_that_is_blocked(self):
         """By who started the program."""
@@ -144,30 +160,39 @@ class Contained(Case):
 
     def test_a_signal_that_is_ignored(self):
         for fault, code, word in (("", 0, ""), ("crash 1.obj", 4, "the bake crashed (Aborted)")):
-            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", first=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN)), code, word)
+            self.ends(self.start(fault, "1.obj", "-o", "out.kelp",
+                                 first=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN)), code, word)
 
     def test_processor_time_gives_out(self):
-        self.ends(self.start("spin 1.obj", "1.obj", "-o", "out.kelp", first=lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 10))), 4,
-                  "1.obj: the bake has had the processor time that the system allows (ulimit -t) while the file was read; ")
+        self.ends(self.start("spin 1.obj", "1.obj", "-o", "out.kelp",
+                             first=lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 10))), 4,
+                  "1.obj: the bake has had the processor time that the system allows (ulimit -t) while the "
+                  "file was read; ")
 
     @unittest.skipIf(SANITIZED, "a sanitizer ends a program that gets no memory")
     def test_memory(self):
-        """Six million corners are read within a gigabyte, and not within a megabyte and what the program takes anyway."""
+        """Six million corners fit into a gigabyte. They do not fit into a megabyte more than the program
+        takes anyway."""
         self.write("large.obj", "v 0 0 0\n" * 6000000 + box(1, 1, 1).replace("f ", "f -8 -7 -6\n#"))
-        self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--threads", "1", "--max-memory", "1M"), 4, "large.obj: does not fit into memory; raise --max-memory, ")
+        self.ends(
+            self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--threads", "1",
+                       "--max-memory", "1M"), 4, "large.obj: does not fit into memory; raise --max-memory, ")
         self.ends(self.start("", "large.obj", "-o", "out.kelp", "--resolution", "8", "--max-memory", "1G"), 0)
 
     def test_many_threads_within_little_memory(self):
         self.write("scan.raw.json", {"size": [64, 64, 64], "type": "u8"})
-        self.write("scan.raw", bytes(200 if (x - 32) ** 2 + (y - 32) ** 2 + (z - 32) ** 2 < 900 else 0 for z in range(64) for y in range(64) for x in range(64)))
+        self.write("scan.raw", bytes(200 if (x - 32) ** 2 + (y - 32) ** 2 + (z - 32) ** 2 < 900 else 0
+                                     for z in range(64) for y in range(64) for x in range(64)))
         for arguments in (["scan.raw", "--volume", "solid"], ["1.obj", "--resolution", "64"]):
-            self.ends(self.start("", *arguments, "-o", "out.kelp", "--threads", "64", "--max-memory", "100M"), 0)
+            self.ends(
+                self.start("", *arguments, "-o", "out.kelp", "--threads", "64", "--max-memory", "100M"), 0)
 
     def test_no_bar_stays_behind_an_error(self):
         self.write("bad.obj", "f 1 2 3\n")
         self.write("m.json", {"assets": ["bad.obj", "1.obj"]})
         for arguments in (["bad.obj", "-o", "out.kelp"], ["--manifest", "m.json"]):
-            text = self.start("", *arguments, "--progress", "bar", "--resolution", "20").communicate(timeout=60)[1].decode()
+            process = self.start("", *arguments, "--progress", "bar", "--resolution", "20")
+            text = process.communicate(timeout=60)[1].decode()
             self.assertIn("\x1b[K", text)
             for line in text.split("\n"):
                 self.assertNotRegex(line.split("\r\x1b[K")[-1], r"\[#*\.*\]", text)

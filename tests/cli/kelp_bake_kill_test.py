@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kill -9 at random moments of a bake, of the program alone or with its child: the output is the old pack or the new one, whole, and nothing else looks like a result.
-60 times; KELP_ALL_TESTS=1 makes it 1000. Usage: kelp_bake_kill_test.py KELP_BAKE KELP_DUMP"""
+"""kill -9 at random moments of a bake, of the program alone or with its child. The output is the old pack or
+the new one, whole, and nothing else looks like a result. 60 times; KELP_ALL_TESTS=1 makes it 1000.
+
+Usage: kelp_bake_kill_test.py KELP_BAKE KELP_DUMP"""
 import os
 import random
 import shutil
@@ -22,12 +24,17 @@ def block(n):
         first = len(corners)
         for i in range(8):
             corners.append([high[axis] if i >> axis & 1 else low[axis] for axis in range(3)])
-        faces += [[first + i for i in quad] for quad in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))]
-    return "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)
+        quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+        faces += [[first + i for i in quad] for quad in quads]
+    lines = [f"v {x} {y} {z}\n" for x, y, z in corners]
+    lines += ["f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces]
+    return "".join(lines)
 
 
 def bake(source, output):
-    return subprocess.Popen([KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
+    return subprocess.Popen(
+        [KELP_BAKE, source, "-o", output, "--resolution", "96", "--threads", "1", "--progress", "none"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
 def ended(run):
@@ -81,7 +88,8 @@ def main():
                 replaced += 1
                 now = 1 - now
             elif found != packs[now]:
-                sys.exit(f"after kill {killed}: {output} is neither the old pack nor the new one: {len(found)} bytes")
+                sys.exit(f"after kill {killed}: {output} is neither the old pack nor the new one: "
+                         f"{len(found)} bytes")
             elif code == 0:
                 sys.exit("a bake that came to its end has left the old pack")
             for name in os.listdir(folder):
@@ -96,7 +104,8 @@ def main():
                 seconds *= 0.98
             elif found == packs[now] and killed % 16 == 0:
                 seconds *= 1.02
-        print(f"{killed} bakes killed, {finished} finished first: {replaced} new packs, {killed + finished - replaced} old ones, {left} temporaries left, 0 damaged")
+        print(f"{killed} bakes killed, {finished} finished first: {replaced} new packs, "
+              f"{killed + finished - replaced} old ones, {left} temporaries left, 0 damaged")
         if KILLS >= 1000 and left == 0:
             sys.exit("no kill fell where the pack is written: nothing was tried")
         subprocess.run([KELP_DUMP, "verify", output], check=True, stdout=subprocess.DEVNULL)

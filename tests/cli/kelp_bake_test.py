@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole. Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
+"""kelp-bake as a shell sees it: exit codes, one-line errors, outputs that stay whole.
+
+Usage: kelp_bake_test.py KELP_BAKE [unittest options]"""
 import json
 import os
 import random
@@ -65,7 +67,8 @@ class KelpBake(unittest.TestCase):
             return file.read()
 
     def fails(self, code, *arguments, says=()):
-        """Fails with the code and one line on stderr that names a remedy and holds all of `says`; leaves an existing output and nothing else."""
+        """Fails with the code, and one line on stderr that names a remedy and holds all of `says`. Keeps an
+        existing output and leaves nothing else."""
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
         result = self.bake(*arguments)
@@ -74,7 +77,8 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.stdout, b"")
         # What it would take may have been said before.
         text = re.sub(r"^kelp-bake: .*: baking needs about [0-9.]+ .iB of memory\n", "", text)
-        self.assertTrue(text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)
+        self.assertTrue(
+            text.startswith("kelp-bake: ") and text.count("\n") == 1 and text.endswith("\n"), text)
         self.assertIn(";", text, "names no remedy: " + text)
         for word in says:
             self.assertIn(word, text)
@@ -89,7 +93,8 @@ class KelpBake(unittest.TestCase):
         self.assertIn("128 (default; --resolution N to change)", text)
         self.assertIn("64 x 128 x 64", text)
         self.assertNotIn("\x1b", text, "colour or a bar although stderr is no terminal")
-        self.assertEqual(sorted(os.listdir(self.folder.name)), ["cube.obj", "out.kelp", "out.kelp.d", "report.json"])
+        self.assertEqual(
+            sorted(os.listdir(self.folder.name)), ["cube.obj", "out.kelp", "out.kelp.d", "report.json"])
         report = json.loads(self.read(self.path("report.json")))
         self.assertEqual(report["parts"][0]["size"], [64, 128, 64])
         self.assertEqual(report["parts"][0]["solid_voxels"], 64 * 128 * 64)
@@ -100,10 +105,14 @@ class KelpBake(unittest.TestCase):
         self.assertIn("cube.obj", rule)
 
     def test_names_that_are_no_text_or_long(self):
-        for name in (b"\xfe.obj", b"a\xc3", b"\xed\xa0\x80", ("\u7532" * 60).encode(), b"\xc2\x9b31m", b"a\tb", b"x" * 240):
+        for name in (b"\xfe.obj", b"a\xc3", b"\xed\xa0\x80", ("\u7532" * 60).encode(), b"\xc2\x9b31m",
+                     b"a\tb", b"x" * 240):
             with open(os.path.join(os.fsencode(self.folder.name), name + b".obj"), "wb") as file:
                 file.write(CUBE.encode())
-            result = subprocess.run([KELP_BAKE, os.path.join(os.fsencode(self.folder.name), name + b".obj"), "-o", os.path.join(os.fsencode(self.folder.name), name[:80] + b".kelp"), "--resolution", "4"], capture_output=True)
+            result = subprocess.run(
+                [KELP_BAKE, os.path.join(os.fsencode(self.folder.name), name + b".obj"), "-o",
+                 os.path.join(os.fsencode(self.folder.name), name[:80] + b".kelp"), "--resolution", "4"],
+                capture_output=True)
             self.assertEqual(result.returncode, 0, result.stderr)
         result = self.bake(self.cube, "-o", self.path("x" * 256))
         self.assertEqual(result.returncode, 2)
@@ -113,11 +122,14 @@ class KelpBake(unittest.TestCase):
     def test_voxel_models_keep_their_voxels(self):
         def chunk(name, content):
             return name + struct.pack("<2i", len(content), 0) + content
-        apart = b"".join((
-            chunk(b"SIZE", struct.pack("<3i", 3, 2, 4)), chunk(b"XYZI", struct.pack("<i", 2) + b"\x00\x00\x00\x07\x02\x01\x03\xff"),
-            chunk(b"nTRN", struct.pack("<7i", 0, 0, 1, -1, -1, 1, 0)), chunk(b"nGRP", struct.pack("<5i", 1, 0, 2, 2, 4)),
-            chunk(b"nTRN", struct.pack("<7i", 2, 0, 3, -1, -1, 1, 0)), chunk(b"nSHP", struct.pack("<5i", 3, 0, 1, 0, 0)),
-            chunk(b"nTRN", struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t" + struct.pack("<i", 14) + b"4000 4000 4000")))
+        apart = b"".join((chunk(b"SIZE", struct.pack("<3i", 3, 2, 4)),
+                          chunk(b"XYZI", struct.pack("<i", 2) + b"\x00\x00\x00\x07\x02\x01\x03\xff"),
+                          chunk(b"nTRN", struct.pack("<7i", 0, 0, 1, -1, -1, 1, 0)),
+                          chunk(b"nGRP", struct.pack("<5i", 1, 0, 2, 2, 4)),
+                          chunk(b"nTRN", struct.pack("<7i", 2, 0, 3, -1, -1, 1, 0)),
+                          chunk(b"nSHP", struct.pack("<5i", 3, 0, 1, 0, 0)),
+                          chunk(b"nTRN", struct.pack("<8i", 4, 0, 3, -1, -1, 1, 1, 2) + b"_t"
+                                         + struct.pack("<i", 14) + b"4000 4000 4000")))
         near = apart.replace(b"4000 4000 4000", b"0004 0000 0000")
         head = b"VOX " + struct.pack("<i", 150) + b"MAIN" + struct.pack("<2i", 0, len(near))
         model = self.write("model.vox", head + near)
@@ -130,7 +142,8 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(report["parts"][0]["size"], [7, 4, 2])
         self.assertEqual(report["parts"][0]["solid_voxels"], 4)
         self.assertEqual(report["palette_entries"], 256)
-        self.assertEqual(self.bake(model, "-o", self.out, "--parts", "nodes", "--voxel-size", "0.5").returncode, 0)
+        self.assertEqual(
+            self.bake(model, "-o", self.out, "--parts", "nodes", "--voxel-size", "0.5").returncode, 0)
         self.assertEqual(self.bake(model, "-o", self.out, "--frame", "0").returncode, 0)
         self.fails(1, model, "-o", self.out, "--resolution", "64", says=["--resolution 64", "voxel by voxel"])
         self.fails(1, model, "-o", self.out, "--frame", "1", says=["--frame 1", "no animation"])
@@ -140,13 +153,15 @@ class KelpBake(unittest.TestCase):
         self.fails(1, model, "-o", self.out, "--at", "walk:1", says=["--at"])
         far = self.write("far.vox", head + apart)
         self.fails(4, far, "-o", self.out, "--max-memory", "1G", says=["GiB of memory"])
-        self.assertEqual(self.bake(far, "-o", self.out, "--max-memory", "1G", "--parts", "nodes").returncode, 0)
+        self.assertEqual(
+            self.bake(far, "-o", self.out, "--max-memory", "1G", "--parts", "nodes").returncode, 0)
 
     def test_same_input_same_bytes(self):
         model = self.write("lump.obj", wavy_obj(20))
         packs = []
         for threads in (1, 2, 4):
-            result = self.bake(model, "-o", self.out, "--threads", str(threads), "--resolution", "60", "--rig", "sway")
+            result = self.bake(
+                model, "-o", self.out, "--threads", str(threads), "--resolution", "60", "--rig", "sway")
             self.assertEqual(result.returncode, 0, result.stderr)
             packs.append(self.read(self.out))
         self.assertEqual(packs[0], packs[1])
@@ -161,7 +176,9 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
         self.assertIn(b"Examples:", result.stdout)
         self.assertEqual(result.stderr, b"")
-        self.assertRegex(self.bake("--version").stdout, rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
+        self.assertRegex(self.bake("--version").stdout,
+                         rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, "
+                         rb"Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])
@@ -172,13 +189,15 @@ class KelpBake(unittest.TestCase):
             self.fails(1, self.cube, "-o", self.out, "--at", moment, says=["--at " + moment, "Walk:0.3"])
         self.fails(1, self.cube, "-o", self.out, "--at", "Walk:0.3", says=["OBJ", "--at"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "0", says=["--resolution 0", "8192"])
-        self.fails(1, self.cube, "-o", self.out, "--resolution", "100000", says=["--resolution 100000", "8192"])
+        self.fails(
+            1, self.cube, "-o", self.out, "--resolution", "100000", says=["--resolution 100000", "8192"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "many", says=["many"])
         self.fails(1, self.cube, "-o", self.out, "--resolution", "-5", says=["-5"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "0", says=["--voxel-size"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "nan", says=["--voxel-size"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e99", says=["--voxel-size"])
-        self.fails(3, self.write("vast.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "-o", self.out, says=["vast.obj", "scale"])
+        self.fails(3, self.write("vast.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), "-o", self.out,
+                   says=["vast.obj", "scale"])
         self.fails(1, self.cube, "-o", self.out, "--voxel-size", "1e-7", says=["8192"])
         self.fails(1, self.cube, "-o", self.out, "--up", "z up", says=["--up z up", "+z"])
         self.fails(1, self.cube, "-o", self.out, "--unit", "furlong", says=["--unit furlong", "mm"])
@@ -191,7 +210,8 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
-        for number in ("nan", "inf", "1e9", "99999999999999999999", "2147483648", "-2147483649", "128.5", "0x80"):
+        for number in (
+                "nan", "inf", "1e9", "99999999999999999999", "2147483648", "-2147483649", "128.5", "0x80"):
             self.fails(1, self.cube, "-o", self.out, "--resolution", number, says=["--resolution " + number])
         for number in ("-1", "inf", "-inf", "1e-300", "1e999", "-0"):
             self.fails(1, self.cube, "-o", self.out, "--voxel-size", number, says=["--voxel-size"])
@@ -204,10 +224,13 @@ class KelpBake(unittest.TestCase):
         os.link(material, self.path("hard.mtl"))
         os.mkdir(self.path("sub"))
         before = {path: self.read(path) for path in (cube, material, rig)}
-        for victim in (cube, material, rig, self.path("link"), self.path("hard.mtl"), self.path("sub/../cube.mtl")):
+        for victim in (
+                cube, material, rig, self.path("link"), self.path("hard.mtl"), self.path("sub/../cube.mtl")):
             self.fails(1, cube, "-o", victim, "--resolution", "8", says=["-o " + victim, "cube."])
-            self.fails(1, cube, "-o", self.out, "--resolution", "8", "--report", victim, says=["--report " + victim, "cube."])
-            self.fails(1, cube, "-o", self.out, "--resolution", "8", "-MF", victim, says=["-MF " + victim, "cube."])
+            self.fails(1, cube, "-o", self.out, "--resolution", "8", "--report", victim,
+                       says=["--report " + victim, "cube."])
+            self.fails(
+                1, cube, "-o", self.out, "--resolution", "8", "-MF", victim, says=["-MF " + victim, "cube."])
             self.assertEqual({path: self.read(path) for path in before}, before)
         other = self.write("other.json", '{"kelp": 1}')
         self.fails(1, cube, "-o", self.out, "--rig", other, "--report", other, says=["--report " + other])
@@ -219,29 +242,37 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--report", self.out, says=["--report", "-o"])
         self.fails(1, self.cube, "-o", self.out, "-MF", self.out, says=["-MF", "-o"])
         self.fails(1, self.cube, "-o", self.out, "-MD", "--report", self.out + ".d", says=["-MF", "--report"])
-        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("./fresh.json"), says=["-MF", "--report"])
-        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("link"), says=["-MF", "--report"])
-        result = self.bake(self.cube, "-o", self.out, "--resolution", "8", "--report", "/dev/null", "-MF", "/dev/null")
+        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("./fresh.json"),
+                   says=["-MF", "--report"])
+        self.fails(1, self.cube, "-o", self.out, "--report", fresh, "-MF", self.path("link"),
+                   says=["-MF", "--report"])
+        result = self.bake(
+            self.cube, "-o", self.out, "--resolution", "8", "--report", "/dev/null", "-MF", "/dev/null")
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_files(self):
         self.fails(2, self.path("absent.obj"), "-o", self.out, says=["absent.obj"])
-        self.fails(2, self.cube, "-o", os.path.join(self.cube, "out.kelp"), says=["out.kelp", "Not a directory"])
-        self.fails(2, self.cube, "-o", self.path("no/such/folder/out.kelp"), says=["No such file or directory"])
+        self.fails(
+            2, self.cube, "-o", os.path.join(self.cube, "out.kelp"), says=["out.kelp", "Not a directory"])
+        self.fails(
+            2, self.cube, "-o", self.path("no/such/folder/out.kelp"), says=["No such file or directory"])
         self.fails(2, self.cube, "-o", self.folder.name, says=["is a folder"])
         self.fails(2, self.cube, "-o", "/dev/full", says=["/dev/full"])
         self.fails(2, self.cube, "-o", "/proc/out.kelp", says=["/proc/out.kelp"])
-        self.fails(2, self.cube, "-o", self.out, "--rig", self.path("absent.rig.json"), says=["absent.rig.json"])
+        self.fails(
+            2, self.cube, "-o", self.out, "--rig", self.path("absent.rig.json"), says=["absent.rig.json"])
 
     def test_reports_and_rules_are_checked_before_the_bake(self):
         for option in ("--report", "-MF"):
-            self.fails(2, self.cube, "-o", self.out, option, self.path("none/x"), says=["none/x", "No such file or directory"])
+            self.fails(2, self.cube, "-o", self.out, option, self.path("none/x"),
+                       says=["none/x", "No such file or directory"])
             self.fails(2, self.cube, "-o", self.out, option, self.folder.name, says=["is a folder"])
 
     def test_a_full_disk_leaves_the_old_pack(self):
         model = self.write("lump.obj", wavy_obj(20))
         self.write("out.kelp", b"the pack that was there")
-        limited = subprocess.run(["bash", "-c", "ulimit -f 1; trap '' XFSZ; exec \"$@\"", "bash", KELP_BAKE, model, "-o", self.out], capture_output=True, timeout=120)
+        limited = subprocess.run(["bash", "-c", "ulimit -f 1; trap '' XFSZ; exec \"$@\"", "bash", KELP_BAKE,
+                                  model, "-o", self.out], capture_output=True, timeout=120)
         self.assertEqual(limited.returncode, 2, limited.stderr)
         self.assertIn(b"File too large", limited.stderr)
         self.assertEqual(self.read(self.out), b"the pack that was there")
@@ -252,28 +283,36 @@ class KelpBake(unittest.TestCase):
         self.fails(3, self.write("empty.glb", ""), "-o", self.out, says=["empty.glb", "is empty"])
         self.fails(3, self.write("empty.vdb", ""), "-o", self.out, says=["empty.vdb", "is empty"])
         self.fails(5, self.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "-o", self.out, says=["points.obj"])
-        self.fails(3, self.write("cut.glb", b"glTF" + struct.pack("<II", 2, 100)), "-o", self.out, says=["cut.glb"])
+        self.fails(
+            3, self.write("cut.glb", b"glTF" + struct.pack("<II", 2, 100)), "-o", self.out, says=["cut.glb"])
         self.fails(3, self.write("not.vdb", b"no volume at all"), "-o", self.out, says=["not.vdb"])
         result = self.bake(self.write("model.blend", "BLENDER"), "-o", self.out)
         self.assertIn(result.returncode, (1, 3, 5), result.stderr)
         self.assertIn(b"model.blend", result.stderr)
         turning = {"kelp": 1, "knots": [{"at": 0, "tangent": [0, -3, 0]}, {"at": 1}]}
-        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("turning.rig.json", json.dumps(turning)), says=["cube"])
-        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("broken.rig.json", "{"), says=["broken.rig.json"])
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("turning.rig.json", json.dumps(turning)),
+                   says=["cube"])
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("broken.rig.json", "{"),
+                   says=["broken.rig.json"])
         wild = {"kelp": 1, "clips": {"wild": {"waves": [{"knot": 1, "offset": [0, 5, 0], "period": 1}]}}}
-        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("wild.rig.json", json.dumps(wild)), says=["wild"])
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("wild.rig.json", json.dumps(wild)),
+                   says=["wild"])
 
     def test_memory_is_refused_before_the_work(self):
         start = time.monotonic()
-        self.fails(4, self.cube, "-o", self.out, "--resolution", "2048", "--max-memory", "64M", says=["GiB", "64.0 MiB", "--max-memory"])
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "2048", "--max-memory", "64M",
+                   says=["GiB", "64.0 MiB", "--max-memory"])
         self.assertLess(time.monotonic() - start, 20)
 
     def test_the_resolution_that_is_said_to_fit_fits(self):
-        refused = self.bake(self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "60M").stderr.decode()
+        refused = self.bake(
+            self.cube, "-o", self.out, "--resolution", "4000", "--max-memory", "60M").stderr.decode()
         advised = int(re.search(r"--resolution (\d+) would fit", refused).group(1))
         for more in (advised + 1, advised + advised // 20, advised + advised // 10):
-            self.fails(4, self.cube, "-o", self.out, "--resolution", str(more), "--max-memory", "60M", says=["--resolution %d would fit" % advised])
-        fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "60M", "--report", self.path("report.json"))
+            self.fails(4, self.cube, "-o", self.out, "--resolution", str(more), "--max-memory", "60M",
+                       says=["--resolution %d would fit" % advised])
+        fits = self.bake(self.cube, "-o", self.out, "--resolution", str(advised), "--max-memory", "60M",
+                         "--report", self.path("report.json"))
         self.assertEqual(fits.returncode, 0, fits.stderr)
         if SANITIZED:
             return  # it keeps memory of its own
@@ -284,13 +323,17 @@ class KelpBake(unittest.TestCase):
         self.assertRegex(lines[0], r"^kelp-bake: cube.obj: baking needs about [0-9.]+ MiB of memory$")
 
     def test_the_voxels_that_are_said_to_fit_fit(self):
-        refused = self.bake(self.cube, "-o", self.out, "--voxel-size", "0.00001", "--unit", "cm", "--max-memory", "50M")
+        refused = self.bake(
+            self.cube, "-o", self.out, "--voxel-size", "0.00001", "--unit", "cm", "--max-memory", "50M")
         self.assertEqual(refused.returncode, 4, refused.stderr)
         advised = re.search(r"--voxel-size (\S+) would fit", refused.stderr.decode()).group(1)
-        self.fails(4, self.cube, "-o", self.out, "--voxel-size", str(0.98 * float(advised)), "--unit", "cm", "--max-memory", "50M", says=["--voxel-size"])
-        fits = self.bake(self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "50M")
+        self.fails(4, self.cube, "-o", self.out, "--voxel-size", str(0.98 * float(advised)), "--unit", "cm",
+                   "--max-memory", "50M", says=["--voxel-size"])
+        fits = self.bake(
+            self.cube, "-o", self.out, "--voxel-size", advised, "--unit", "cm", "--max-memory", "50M")
         self.assertEqual(fits.returncode, 0, fits.stderr)
-        self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M", says=["1.0 MiB", "no resolution would fit"])
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "128", "--max-memory", "1M",
+                   says=["1.0 MiB", "no resolution would fit"])
 
     def needs(self, *arguments):
         """MiB that a bake would need, by what its refusal says."""
@@ -308,17 +351,20 @@ class KelpBake(unittest.TestCase):
         fits = self.bake(*wide, str(pad))
         self.assertEqual(fits.returncode, 0, fits.stderr)
         # Where both are too large, both are named.
-        self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "40M", "--pad", "1000",
-                   says=["no resolution would fit with --pad 1000; without it --resolution "])
+        self.fails(4, self.cube, "-o", self.out, "--resolution", "2000", "--max-memory", "40M", "--pad",
+                   "1000", says=["no resolution would fit with --pad 1000; without it --resolution "])
 
     def test_what_is_narrower_than_a_voxel_is_counted(self):
-        # 20,000 ribbons of a length of 0.15 to 0.2 in a cube of 1, next to no area: at 256 voxels their bake takes 330 MiB.
+        # 20,000 ribbons, 0.15 to 0.2 long, in a cube of 1. They have next to no area. At 256 voxels their
+        # bake takes 330 MiB.
         places = random.Random(4)
         lines, at = [], 1
         for _ in range(20000):
             x, y, z = (places.random() for _ in range(3))
             dx, dy = places.uniform(-0.1, 0.1), places.uniform(-0.1, 0.1)
-            lines += ["v %f %f %f" % v for v in ((x, y, z), (x + 1e-6, y, z), (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))]
+            corners = ((x, y, z), (x + 1e-6, y, z),
+                       (x + dx, y + dy, z + 0.1), (x + dx + 1e-6, y + dy, z + 0.1))
+            lines += ["v %f %f %f" % corner for corner in corners]
             lines += ["f %d %d %d" % (at, at + 1, at + 3), "f %d %d %d" % (at, at + 3, at + 2)]
             at += 4
         hair = self.write("hair.obj", "\n".join(lines) + "\n")
@@ -327,11 +373,13 @@ class KelpBake(unittest.TestCase):
     def test_triangles_that_are_there_twice_are_counted_once(self):
         vertices, faces = CUBE[:CUBE.index("f ")], CUBE[CUBE.index("f "):]
         often = self.write("often.obj", vertices + 40 * faces)
-        self.assertLess(self.needs(often, "--resolution", "256"), 1.05 * self.needs(self.cube, "--resolution", "256"))
+        self.assertLess(
+            self.needs(often, "--resolution", "256"), 1.05 * self.needs(self.cube, "--resolution", "256"))
 
     def test_a_link_stays_a_link(self):
         os.symlink("real.kelp", self.path("link.kelp"))
-        self.assertEqual(self.bake(self.cube, "-o", self.path("link.kelp"), "--resolution", "16").returncode, 0)
+        self.assertEqual(
+            self.bake(self.cube, "-o", self.path("link.kelp"), "--resolution", "16").returncode, 0)
         self.assertTrue(os.path.islink(self.path("link.kelp")))
         self.assertTrue(os.path.isfile(self.path("real.kelp")))
 
@@ -361,7 +409,8 @@ class KelpBake(unittest.TestCase):
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
         limited = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
-        result = subprocess.run([KELP_BAKE, model, "-o", self.out, "--resolution", "60"], capture_output=True, timeout=120, preexec_fn=limited)
+        result = subprocess.run([KELP_BAKE, model, "-o", self.out, "--resolution", "60"], capture_output=True,
+                                timeout=120, preexec_fn=limited)
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn(b"out.kelp: cannot be written: File too large", result.stderr)
         self.assertEqual(self.read(self.out), b"the pack that was there")
@@ -370,7 +419,9 @@ class KelpBake(unittest.TestCase):
     def test_hangups_that_are_ignored_stay_ignored(self):
         model = self.write("lump.obj", wavy_obj(60))
         ignore = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)
-        process = subprocess.Popen([KELP_BAKE, model, "-o", self.out, "--resolution", "60" if SANITIZED else "200", "--progress", "json"], stderr=subprocess.PIPE, preexec_fn=ignore)
+        process = subprocess.Popen(
+            [KELP_BAKE, model, "-o", self.out, "--resolution", "60" if SANITIZED else "200", "--progress",
+             "json"], stderr=subprocess.PIPE, preexec_fn=ignore)
         process.stderr.readline()
         process.send_signal(signal.SIGHUP)
         _, rest = process.communicate(timeout=120)
@@ -380,8 +431,11 @@ class KelpBake(unittest.TestCase):
         model = self.write("lump.obj", wavy_obj(60))
         self.write("out.kelp", b"the pack that was there")
         before = sorted(os.listdir(self.folder.name))
-        heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # whoever runs the tests may have it ignored
-        process = subprocess.Popen([KELP_BAKE, model, "-o", self.out, "--resolution", "400", "--progress", "json"], stderr=subprocess.PIPE, preexec_fn=heard)
+        # The tests' parent may ignore it.
+        heard = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+        process = subprocess.Popen(
+            [KELP_BAKE, model, "-o", self.out, "--resolution", "400", "--progress", "json"],
+            stderr=subprocess.PIPE, preexec_fn=heard)
         for line in process.stderr:
             if b"voxelize" in line:
                 process.send_signal(signal.SIGINT)

@@ -53,7 +53,8 @@ exits 0 rig "größe ä.kelp" --part 0 --set sway
 exits 7 diff tiny.kelp "größe ä.kelp"
 exits 0 verify "größe ä.kelp"
 exits 0 rig "größe ä.kelp" --part 0 --set old.rig.json
-exits 0 extract tiny.kelp --vox "größe.vox"; [ "$(head -c 4 "größe.vox")" = "VOX " ] || fail "no MagicaVoxel model"
+exits 0 extract tiny.kelp --vox "größe.vox"
+[ "$(head -c 4 "größe.vox")" = "VOX " ] || fail "no MagicaVoxel model"
 
 # What is wrong.
 exits 1; exits 1 knit; exits 1 info tiny.kelp --nonsense

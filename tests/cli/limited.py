@@ -15,10 +15,13 @@ def sanitized(program):
 
 
 def limits(program):
-    """What subprocess.run needs to limit a program's address space. Not where a sanitizer reserves terabytes of it: there peak() is to be looked at, and what is freed and
-    kept back, so that its use is seen, is less than usually, or it would be most of that."""
+    """What subprocess.run needs to limit a program's address space.
+
+    A sanitizer reserves terabytes of it, so there is no limit under one: check peak() instead. Its quarantine
+    of freed memory would be most of that peak, so it gets smaller."""
     if sanitized(program):
-        return {"env": dict(os.environ, ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=32")}
+        options = os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=32"
+        return {"env": dict(os.environ, ASAN_OPTIONS=options)}
     return {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (GIGABYTE, GIGABYTE))}
 
 
@@ -28,7 +31,8 @@ def peak():
 
 
 def run_limited(command, **more):
-    """subprocess.run of a program that no other has run before. An AssertionError if it held more, or a sanitizer has something to say."""
+    """subprocess.run under these limits. Call it before any other program: peak() is the most of all so far.
+    Raises AssertionError if the program held more, or a sanitizer found something."""
     result = subprocess.run(command, capture_output=True, timeout=SECONDS, **limits(command[0]), **more)
     assert peak() <= GIGABYTE, f"{command}: {peak()} bytes"
     assert b"Sanitizer" not in result.stderr, result.stderr

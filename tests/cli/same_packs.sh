@@ -1,26 +1,26 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Builds kelp-bake in six ways and compares what they bake, byte by byte: gcc and clang, Debug and Release,
-# with AVX2 and FMA in all
-# of the code, and without kelp's own vectors. Opt-in, since it takes an hour of two cores the first time:
-# apt-get install clang
+# Builds kelp-bake in six ways and compares what they bake, byte by byte: gcc and clang, each Debug and
+# Release; gcc with AVX2 and FMA in all of the code; gcc without kelp's own vector code. Opt-in: the first run
+# takes an hour on two cores. Needs clang: apt-get install clang
 #   tests/cli/same_packs.sh [BUILD_FOLDER]        (default build/same; tests/run.sh --all calls it)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 sources="$(cd "$here/../.." && pwd)"
 build="${1:-$sources/build/same}"
 for program in g++ clang++; do
-  command -v "$program" >/dev/null || { echo "same_packs.sh: $program is missing: install it first" >&2; exit 4; }
+  command -v "$program" >/dev/null ||
+    { echo "same_packs.sh: $program is missing: install it first" >&2; exit 4; }
 done
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 
 programs=()
-# Name, compiler, build type, more for CMake.
+# build_one NAME COMPILER BUILD_TYPE [CMAKE_ARGUMENT...]
 build_one() {
   local folder="$build/$1"
-  cmake -S "$sources" -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER="$2" -DCMAKE_BUILD_TYPE="$3" "${launcher[@]}" \
-    -DKELP_WERROR=ON -DKELP_TESTS=OFF -DKELP_SAMPLES=OFF -DKELP_TOOLS=OFF "${@:4}" >/dev/null
+  cmake -S "$sources" -B "$folder" -G Ninja -DCMAKE_CXX_COMPILER="$2" -DCMAKE_BUILD_TYPE="$3" \
+    "${launcher[@]}" -DKELP_WERROR=ON -DKELP_TESTS=OFF -DKELP_SAMPLES=OFF -DKELP_TOOLS=OFF "${@:4}" >/dev/null
   cmake --build "$folder" --target kelp-bake
   programs+=("$folder/bin/kelp-bake")
 }

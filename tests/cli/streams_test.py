@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Standard streams, terminals, pipes and signals, as a shell hands them to kelp's programs. Usage: streams_test.py SOURCE_FOLDER PROGRAM... -- [unittest options]"""
+"""Standard streams, terminals, pipes and signals, as a shell hands them to kelp's programs.
+
+Usage: streams_test.py SOURCE_FOLDER PROGRAM... -- [unittest options]"""
 import os
 import pty
 import resource
@@ -48,7 +50,8 @@ class Case(unittest.TestCase):
     def sh(self, command, **more):
         """A command line of bash, as it is written; each program is $kelp_dump and so on."""
         names = {name.replace("-", "_"): program for name, program in PROGRAMS.items()}
-        return subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, timeout=60, env=dict(os.environ, **names), **more)
+        return subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, timeout=60,
+                              env=dict(os.environ, **names), **more)
 
     def tells(self, result, code, *words):
         """One line on stderr that helps."""
@@ -63,9 +66,13 @@ class Case(unittest.TestCase):
 class EveryProgram(Case):
     def outputs(self):
         """What each writes to standard output."""
-        commands = ["%s %s" % (program, option) for program in PROGRAMS.values() for option in ("--help", "--version")]
+        commands = ["%s %s" % (program, option) for program in PROGRAMS.values()
+                    for option in ("--help", "--version")]
         if "kelp-dump" in PROGRAMS:
-            commands += ["$kelp_dump " + words for words in ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp", "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -", "rig tiny.kelp --part 0 --set none -o -")]
+            commands += ["$kelp_dump " + words for words in
+                         ("info --help", "schema", "info tiny.kelp", "verify tiny.kelp",
+                          "diff tiny.kelp tiny.kelp", "rig tiny.kelp --part 0", "extract tiny.kelp --ply -",
+                          "rig tiny.kelp --part 0 --set none -o -")]
         if "kelp-bake" in PROGRAMS:
             commands += ["$kelp_bake --print-config"]
         return commands
@@ -86,48 +93,66 @@ class EveryProgram(Case):
 
     @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
     def test_what_is_said_to_a_closed_stream_does_not_go_into_files(self):
-        self.assertEqual(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --progress json --report a.json").returncode, 0)
-        self.assertEqual(self.sh("exec <&- >&- 2>&-; $kelp_bake model.obj -o b.kelp --resolution 8 --progress json --report b.json").returncode, 0)
+        self.assertEqual(
+            self.sh(
+                "$kelp_bake model.obj -o a.kelp --resolution 8 --progress json --report a.json").returncode,
+            0)
+        self.assertEqual(self.sh("exec <&- >&- 2>&-; $kelp_bake model.obj -o b.kelp --resolution 8 "
+                                 "--progress json --report b.json").returncode, 0)
         self.assertEqual(self.read("a.kelp"), self.read("b.kelp"))
 
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_nor_into_those_of_kelp_dump(self):
         for closed in ("", "exec <&- >&- 2>&-; "):
-            self.assertEqual(self.sh(closed + "$kelp_dump rig tiny.kelp --part 0 --set none -o %d.kelp" % bool(closed)).returncode, 0)
+            self.assertEqual(self.sh(closed + "$kelp_dump rig tiny.kelp --part 0 --set none -o %d.kelp"
+                                     % bool(closed)).returncode, 0)
         self.assertEqual(self.read("0.kelp"), self.read("1.kelp"))
 
 
     @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
     def test_reports_and_rules_go_onto_open_streams(self):
         """What others have written there stays, before and after."""
-        self.assertEqual(self.sh("(echo one; $kelp_bake model.obj -o a.kelp --resolution 8 -MF /dev/stdout; echo three) >log").returncode, 0)
+        self.assertEqual(self.sh("(echo one; $kelp_bake model.obj -o a.kelp --resolution 8 -MF /dev/stdout; "
+                                 "echo three) >log").returncode, 0)
         self.assertRegex(self.read("log").decode(), r"^one\na\.kelp: (.|\n)*model\.obj(.|\n)*\nthree\n$")
-        self.assertEqual(self.sh("echo one >log2; $kelp_bake model.obj -o a.kelp --resolution 8 --report /dev/stderr 2>>log2").returncode, 0)
+        self.assertEqual(self.sh("echo one >log2; $kelp_bake model.obj -o a.kelp --resolution 8 --report "
+                                 "/dev/stderr 2>>log2").returncode, 0)
         self.assertRegex(self.read("log2").decode(), r'^one\n(.|\n)*"kelp-bake"')
-        self.assertEqual(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --report /dev/stdout | python3 -c 'import json, sys; json.load(sys.stdin)'").returncode, 0)
-        for command in ("$kelp_bake model.obj -o /dev/stdout --resolution 8 >>log", "$kelp_bake model.obj -o /dev/fd/1 --resolution 8 | cat; exit ${PIPESTATUS[0]}"):
+        self.assertEqual(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --report /dev/stdout | "
+                                 "python3 -c 'import json, sys; json.load(sys.stdin)'").returncode, 0)
+        for command in ("$kelp_bake model.obj -o /dev/stdout --resolution 8 >>log",
+                        "$kelp_bake model.obj -o /dev/fd/1 --resolution 8 | cat; exit ${PIPESTATUS[0]}"):
             self.tells(self.sh(command), 2, "open stream")
         self.tells(self.sh("$kelp_bake model.obj -o a.kelp --resolution 8 --report -"), 1, "--report -")
 
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_no_open_stream_is_replaced(self):
-        self.tells(self.sh("echo one >log; $kelp_dump extract tiny.kelp --ply /dev/stdout >>log"), 2, "open stream")
+        self.tells(
+            self.sh("echo one >log; $kelp_dump extract tiny.kelp --ply /dev/stdout >>log"), 2, "open stream")
         self.assertEqual(self.read("log"), b"one\n")
 
     @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
     def test_notes_that_nobody_can_read_change_nothing(self):
-        for command in ("rig tiny.kelp", "slice tiny.kelp -o a.png", "extract tiny.kelp --vox a.vox", "rig tiny.kelp --part 0 --set none -o a.kelp"):
+        for command in ("rig tiny.kelp", "slice tiny.kelp -o a.png", "extract tiny.kelp --vox a.vox",
+                        "rig tiny.kelp --part 0 --set none -o a.kelp"):
             with self.subTest(command):
-                self.assertEqual(self.sh("$kelp_dump %s 2>/dev/full >/dev/null" % command).returncode, self.sh("$kelp_dump %s >/dev/null" % command).returncode)
+                self.assertEqual(self.sh("$kelp_dump %s 2>/dev/full >/dev/null" % command).returncode,
+                                 self.sh("$kelp_dump %s >/dev/null" % command).returncode)
 
     @unittest.skipUnless("kelp-bake" in PROGRAMS, "no kelp-bake")
     def test_what_comes_through_pipes_is_of_the_working_folder(self):
         manifest = '{"defaults": {"resolution": 8}, "assets": [{"input": "model.obj", "output": "p.kelp"}]}'
-        self.assertEqual(self.sh("$kelp_bake --manifest <(echo '%s') -MD && make -nf p.kelp.d p.kelp" % manifest).returncode, 0)
-        self.assertEqual(self.sh("echo '%s' | $kelp_bake --manifest - -MD --force && make -nf p.kelp.d p.kelp" % manifest).returncode, 0)
-        self.assertEqual(self.sh("$kelp_bake @<(printf '\\xef\\xbb\\xbfmodel.obj --resolution 8\\n') -o . -MD && make -nf model.kelp.d ./model.kelp model.kelp").returncode, 0)
+        self.assertEqual(
+            self.sh(
+                "$kelp_bake --manifest <(echo '%s') -MD && make -nf p.kelp.d p.kelp" % manifest).returncode,
+            0)
+        self.assertEqual(self.sh("echo '%s' | $kelp_bake --manifest - -MD --force && make -nf p.kelp.d p.kelp"
+                                 % manifest).returncode, 0)
+        self.assertEqual(self.sh("$kelp_bake @<(printf '\\xef\\xbb\\xbfmodel.obj --resolution 8\\n') -o . "
+                                 "-MD && make -nf model.kelp.d ./model.kelp model.kelp").returncode, 0)
         self.write("r.rig.json", '{"kelp": 1, "axis": "+y", "knots": [{"at": 0}, {"at": 1}]}')
-        self.assertEqual(self.sh("$kelp_bake model.obj -o c.kelp --config <(echo 'rig = \"r.rig.json\"') --resolution 8").returncode, 0)
+        self.assertEqual(self.sh("$kelp_bake model.obj -o c.kelp --config <(echo 'rig = \"r.rig.json\"') "
+                                 "--resolution 8").returncode, 0)
 
 
 @unittest.skipUnless("kelp-dump" in PROGRAMS, "no kelp-dump")
@@ -135,13 +160,16 @@ class Dump(Case):
     def on_terminal(self, command):
         """The exit code, and what a terminal that is standard output and error gets."""
         primary, secondary = pty.openpty()
-        process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=secondary, stderr=secondary)
+        process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder,
+                                   stdin=subprocess.DEVNULL, stdout=secondary, stderr=secondary)
         os.close(secondary)
         text = read_terminal(primary)
         return process.wait(timeout=60), text
 
     def test_bytes_do_not_go_to_a_terminal(self):
-        commands = [["extract", "tiny.kelp", "--vox", "-"], ["extract", "tiny.kelp", "--ply", "-"], ["rig", "tiny.kelp", "--part", "0", "--set", "none", "-o", "-"]]
+        commands = [["extract", "tiny.kelp", "--vox", "-"],
+                    ["extract", "tiny.kelp", "--ply", "-"],
+                    ["rig", "tiny.kelp", "--part", "0", "--set", "none", "-o", "-"]]
         if b"slices" in self.sh("$kelp_dump --version").stdout:
             commands.append(["slice", "tiny.kelp", "--part", "0", "-o", "-"])
         for command in commands:
@@ -154,9 +182,12 @@ class Dump(Case):
         self.assertEqual(self.on_terminal(["rig", "tiny.kelp", "--part", "0"])[0], 0)
 
     def test_pipes_by_name(self):
-        for command in ("cat tiny.kelp | $kelp_dump info /dev/stdin", "$kelp_dump info /dev/stdin <tiny.kelp", "$kelp_dump info <(cat tiny.kelp)", "$kelp_dump info <(sleep 2.5; cat tiny.kelp)",
-                        "mkfifo p; cat tiny.kelp >p & sleep 0.1; $kelp_dump info p", "mkfifo q; (sleep 0.5; cat tiny.kelp >q) & $kelp_dump info q",
-                        "$kelp_dump diff <(cat tiny.kelp) <(cat tiny.kelp)", "$kelp_dump rig <(cat tiny.kelp) --part 0 --set <(echo '{\"kelp\": 1}') -o o.kelp"):
+        for command in ("cat tiny.kelp | $kelp_dump info /dev/stdin", "$kelp_dump info /dev/stdin <tiny.kelp",
+                        "$kelp_dump info <(cat tiny.kelp)", "$kelp_dump info <(sleep 2.5; cat tiny.kelp)",
+                        "mkfifo p; cat tiny.kelp >p & sleep 0.1; $kelp_dump info p",
+                        "mkfifo q; (sleep 0.5; cat tiny.kelp >q) & $kelp_dump info q",
+                        "$kelp_dump diff <(cat tiny.kelp) <(cat tiny.kelp)",
+                        "$kelp_dump rig <(cat tiny.kelp) --part 0 --set <(echo '{\"kelp\": 1}') -o o.kelp"):
             with self.subTest(command):
                 result = self.sh(command)
                 self.assertEqual(result.returncode, 0, result.stderr.decode())
@@ -164,7 +195,8 @@ class Dump(Case):
     def test_pipes_and_devices_that_bring_nothing(self):
         start = time.monotonic()
         self.tells(self.sh("mkfifo p; $kelp_dump info p"), 2, "p: ", "nobody writes to this pipe")
-        self.tells(self.sh("mkfifo r; $kelp_dump rig tiny.kelp --part 0 --set r -o o.kelp"), 2, "r: ", "nobody writes to this pipe")
+        self.tells(self.sh("mkfifo r; $kelp_dump rig tiny.kelp --part 0 --set r -o o.kelp"), 2, "r: ",
+                   "nobody writes to this pipe")
         self.assertLess(time.monotonic() - start, 10)
         self.tells(self.sh("$kelp_dump info <(true)"), 3, "not a .kelp pack")
         for device in ("/dev/null", "/dev/zero"):
@@ -173,16 +205,31 @@ class Dump(Case):
         self.tells(self.sh("$kelp_dump rig tiny.kelp --part 0 --set - </dev/null"), 1, "--set -")
 
     def test_odd_arguments(self):
-        for code, words, says in ((1, "info ''", "PACK: is empty"), (1, "info tiny.kelp --format ''", "--format: is empty"), (1, "diff tiny.kelp tiny.kelp --tolerance ''", "--tolerance: is empty"),
-                                  (1, "slice tiny.kelp -o o.png --level ''", "--level: is empty"), (1, "rig tiny.kelp --part ''", "--part: is empty"), (1, "rig tiny.kelp --set ''", "--set: is empty"),
-                                  (1, "extract tiny.kelp --vox ''", "--vox: is empty"), (1, "--nonsense", "--nonsense: "), (1, "-", "-: "), (1, "info -x", "-x: is not expected"), (1, "info tiny.kelp --nonsense", "--nonsense"),
-                                  (1, "info tiny.kelp tiny.kelp", "tiny.kelp: is not expected"), (1, "slice tiny.kelp -o o.png --at 99999999999", "--at"), (1, "diff tiny.kelp tiny.kelp --tolerance nan", "--tolerance nan"),
-                                  (2, "info $'no\\n.kelp'", "no .kelp: "), (1, "$'in\\nfo'", "in?fo"), (2, "info " + "x" * 5000, "too long"), (2, "extract tiny.kelp --ply " + "x" * 256, "too long")):
+        for code, words, says in ((1, "info ''", "PACK: is empty"),
+                                  (1, "info tiny.kelp --format ''", "--format: is empty"),
+                                  (1, "diff tiny.kelp tiny.kelp --tolerance ''", "--tolerance: is empty"),
+                                  (1, "slice tiny.kelp -o o.png --level ''", "--level: is empty"),
+                                  (1, "rig tiny.kelp --part ''", "--part: is empty"),
+                                  (1, "rig tiny.kelp --set ''", "--set: is empty"),
+                                  (1, "extract tiny.kelp --vox ''", "--vox: is empty"),
+                                  (1, "--nonsense", "--nonsense: "),
+                                  (1, "-", "-: "),
+                                  (1, "info -x", "-x: is not expected"),
+                                  (1, "info tiny.kelp --nonsense", "--nonsense"),
+                                  (1, "info tiny.kelp tiny.kelp", "tiny.kelp: is not expected"),
+                                  (1, "slice tiny.kelp -o o.png --at 99999999999", "--at"),
+                                  (1, "diff tiny.kelp tiny.kelp --tolerance nan", "--tolerance nan"),
+                                  (2, "info $'no\\n.kelp'", "no .kelp: "),
+                                  (1, "$'in\\nfo'", "in?fo"),
+                                  (2, "info " + "x" * 5000, "too long"),
+                                  (2, "extract tiny.kelp --ply " + "x" * 256, "too long")):
             with self.subTest(words):
                 self.tells(self.sh("$kelp_dump " + words), code, says)
         before = sorted(os.listdir(self.folder))
         self.assertEqual(self.sh("$kelp_dump extract tiny.kelp --ply " + "x" * 255).returncode, 0)
-        self.assertEqual(self.sh("cp tiny.kelp $'\\xff.kelp'; $kelp_dump info $'\\xff.kelp' --format json >/dev/null && $kelp_dump rig $'\\xff.kelp' --part 0 --set none").returncode, 0)
+        self.assertEqual(
+            self.sh("cp tiny.kelp $'\\xff.kelp'; $kelp_dump info $'\\xff.kelp' --format json >/dev/null && "
+                    "$kelp_dump rig $'\\xff.kelp' --part 0 --set none").returncode, 0)
         self.assertEqual(len(os.listdir(self.folder)), len(before) + 2)
 
     @unittest.skipUnless(os.path.isdir("/dev/shm") and os.geteuid() == 0, "needs root, to make a small disk")
@@ -192,12 +239,16 @@ class Dump(Case):
         if self.sh("mount -t tmpfs -o size=16k tmpfs disk").returncode != 0:
             self.skipTest("this machine may not mount")
         try:
-            self.assertEqual(self.sh("head -c 12000 /dev/zero >disk/there; cp tiny.kelp disk/old.kelp; cp disk/old.kelp old").returncode, 0)
-            for command in ("$kelp_dump extract tiny.kelp --ply disk/o.ply", "$kelp_dump rig disk/old.kelp --part 0 --set sway", "$kelp_bake model.obj -o disk/new.kelp --resolution 64"):
+            self.assertEqual(self.sh("head -c 12000 /dev/zero >disk/there; cp tiny.kelp disk/old.kelp; cp "
+                                     "disk/old.kelp old").returncode, 0)
+            for command in ("$kelp_dump extract tiny.kelp --ply disk/o.ply",
+                            "$kelp_dump rig disk/old.kelp --part 0 --set sway",
+                            "$kelp_bake model.obj -o disk/new.kelp --resolution 64"):
                 if "bake" in command and "kelp-bake" not in PROGRAMS:
                     continue
                 for state in ("", "mount -o remount,ro disk; "):
-                    result = self.sh("%s (yes >disk/fill) 2>/dev/null; %s; code=$?; mount -o remount,rw disk; rm -f disk/fill; exit $code" % (state, command))
+                    result = self.sh("%s (yes >disk/fill) 2>/dev/null; %s; code=$?; mount -o remount,rw "
+                                     "disk; rm -f disk/fill; exit $code" % (state, command))
                     self.assertEqual(result.returncode, 2, (command, result.stderr))
                     self.assertIn(b"Read-only" if state else b"No space left", result.stderr)
                     self.assertEqual(sorted(os.listdir(self.path("disk"))), ["old.kelp", "there"])
@@ -218,11 +269,17 @@ class Dump(Case):
 
     def test_interrupted(self):
         """Whatever it is doing, reading or writing: 130, and no file left behind."""
-        heard = lambda: [signal.signal(each, signal.SIG_DFL) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-        for command in (["verify", "--deep", "-"], ["info", "-", "--count"], ["rig", "-", "--part", "0", "--set", "none", "-o", "out.kelp"], ["extract", "-", "--ply", "out.ply"]):
+        heard = lambda: [
+            signal.signal(each, signal.SIG_DFL) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+        for command in (["verify", "--deep", "-"],
+                        ["info", "-", "--count"],
+                        ["rig", "-", "--part", "0", "--set", "none", "-o", "out.kelp"],
+                        ["extract", "-", "--ply", "out.ply"]):
             for each in (signal.SIGINT, signal.SIGTERM):
                 with self.subTest(command):
-                    process = subprocess.Popen([PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heard)
+                    process = subprocess.Popen(
+                        [PROGRAMS["kelp-dump"], *command], cwd=self.folder, stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heard)
                     process.stdin.write(self.read("tiny.kelp"))
                     process.stdin.flush()
                     until_it_hears(process, each)
@@ -234,7 +291,8 @@ class Dump(Case):
         self.assertEqual(sorted(os.listdir(self.folder)), ["model.obj", "tiny.kelp"])
         self.write("keep.ply", "what was there")
         limited = lambda: (heard(), resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100)))
-        result = subprocess.run([PROGRAMS["kelp-dump"], "extract", "tiny.kelp", "--ply", "keep.ply"], cwd=self.folder, capture_output=True, preexec_fn=limited)
+        result = subprocess.run([PROGRAMS["kelp-dump"], "extract", "tiny.kelp", "--ply", "keep.ply"],
+                                cwd=self.folder, capture_output=True, preexec_fn=limited)
         self.tells(result, 2, "keep.ply", "too large")
         self.assertEqual(self.read("keep.ply"), b"what was there")
         self.assertEqual(sorted(os.listdir(self.folder)), ["keep.ply", "model.obj", "tiny.kelp"])

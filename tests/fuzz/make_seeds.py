@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Makes the seeds of the fuzzers: tests/fuzz/make_seeds.py BUILD-FOLDER [FOLDER]
 
-BUILD-FOLDER is a build of preset dev; the seeds go to tests/fuzz/seeds, or to FOLDER. Every file is made here or by make_seeds.cpp: none comes from elsewhere. The same
-seeds come out every time, but for numbers that OpenVDB draws at random for its files.
+BUILD-FOLDER is a build of preset dev. The seeds go to tests/fuzz/seeds, or to FOLDER. Every file is made here
+or by make_seeds.cpp: none comes from elsewhere. The same seeds come out every time, except for numbers that
+OpenVDB draws at random for its files.
 """
 
 import base64
@@ -18,62 +19,79 @@ import zlib
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-# --- pictures -----------------------------------------------------------------------------------------------------------------------
+# --- pictures -----------------------------------------------------------------------------------------------
+
+def png_chunk(kind, content):
+    checksum = zlib.crc32(kind + content)
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
+
 
 def png(width, height, colour=6, interlace=0):
     """A ramp, 8 bits a channel."""
     channels = {0: 1, 2: 3, 4: 2, 6: 4}[colour]
-    rows = b"".join(b"\0" + bytes((40 * x + 20 * y + 60 * c) % 256 for x in range(width) for c in range(channels)) for y in range(height))
-
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, interlace)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    rows = b"".join(
+        b"\0" + bytes((40 * x + 20 * y + 60 * c) % 256 for x in range(width) for c in range(channels))
+        for y in range(height))
+    return (b"\x89PNG\r\n\x1a\n"
+            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, interlace))
+            + png_chunk(b"IDAT", zlib.compress(rows))
+            + png_chunk(b"IEND", b""))
 
 
 def png_palette():
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
     rows = b"\0\x1b\0\xe4"  # 4 x 2 texels of two bits
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 2, 2, 3, 0, 0, 0)) + chunk(b"PLTE", bytes(range(12))) + chunk(b"tRNS", b"\x80")
-            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    return (b"\x89PNG\r\n\x1a\n"
+            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 2, 2, 3, 0, 0, 0))
+            + png_chunk(b"PLTE", bytes(range(12)))
+            + png_chunk(b"tRNS", b"\x80")
+            + png_chunk(b"IDAT", zlib.compress(rows))
+            + png_chunk(b"IEND", b""))
 
 
 def jpeg(progressive=False):
-    """8 x 8 texels of one colour, three components: a Huffman table with the one code 0 for the value 0 serves all."""
+    """8 x 8 texels of one colour, three components. One Huffman table serves them all: its only code, 0,
+    stands for the value 0."""
     def segment(marker, content):
         return bytes([0xff, marker]) + struct.pack(">H", len(content) + 2) + content
 
     tables = b"".join(bytes([kind]) + bytes([1] + [0] * 15) + b"\0" for kind in (0x00, 0x10))
-    frame = segment(0xc2 if progressive else 0xc0, struct.pack(">BHHB", 8, 8, 8, 3) + b"".join(bytes([c, 0x11, 0]) for c in (1, 2, 3)))
+    frame = segment(0xc2 if progressive else 0xc0,
+                    struct.pack(">BHHB", 8, 8, 8, 3) + b"".join(bytes([c, 0x11, 0]) for c in (1, 2, 3)))
     last = 0 if progressive else 63
     scan = segment(0xda, b"\x03" + b"".join(bytes([c, 0]) for c in (1, 2, 3)) + bytes([0, last, 0]))
     bits = b"\x03" if not progressive else b"\x1f"  # six codes 0, or three; then ones
-    return b"\xff\xd8" + segment(0xdb, b"\0" + bytes([8] * 64)) + frame + segment(0xc4, tables) + scan + bits + b"\xff\xd9"
+    quantization = segment(0xdb, b"\0" + bytes([8] * 64))
+    return b"\xff\xd8" + quantization + frame + segment(0xc4, tables) + scan + bits + b"\xff\xd9"
 
 
 def tga():
-    return struct.pack("<BBBHHBHHHHBB", 0, 0, 10, 0, 0, 0, 0, 0, 4, 2, 32, 0x28) + b"\x87\x10\x20\x30\xff"  # one run of eight texels
+    run = b"\x87\x10\x20\x30\xff"  # eight texels
+    return struct.pack("<BBBHHBHHHHBB", 0, 0, 10, 0, 0, 0, 0, 0, 4, 2, 32, 0x28) + run
 
 
 def bmp():
     texels = bytes(range(24))
-    return b"BM" + struct.pack("<IHHI", 54 + len(texels), 0, 0, 54) + struct.pack("<IiiHHIIiiII", 40, 2, 3, 1, 24, 0, len(texels), 0, 0, 0, 0) + texels
+    head = b"BM" + struct.pack("<IHHI", 54 + len(texels), 0, 0, 54)
+    return head + struct.pack("<IiiHHIIiiII", 40, 2, 3, 1, 24, 0, len(texels), 0, 0, 0, 0) + texels
 
 
 def webp():
     """A lossless picture of one texel: five Huffman codes of one symbol each (RFC 9649)."""
+    fields = [(0, 14), (0, 14), (1, 1), (0, 3), (0, 1), (0, 1), (0, 1)]
+    for symbol in (200, 100, 50, 255):
+        fields += [(1, 1), (0, 1), (1, 1), (symbol, 8)]
+    fields += [(1, 1), (0, 1), (0, 1), (0, 1)]
     bits, filled = 0, 0
-    for value, width in [(0, 14), (0, 14), (1, 1), (0, 3), (0, 1), (0, 1), (0, 1)] + [field for symbol in (200, 100, 50, 255) for field in ((1, 1), (0, 1), (1, 1), (symbol, 8))] + [(1, 1), (0, 1), (0, 1), (0, 1)]:
+    for value, width in fields:
         bits |= value << filled
         filled += width
     stream = b"\x2f" + bits.to_bytes((filled + 7) // 8 + 1, "little")
     stream_padded = stream + b"\0" * (len(stream) % 2)
-    return b"RIFF" + struct.pack("<I", 12 + len(stream_padded)) + b"WEBPVP8L" + struct.pack("<I", len(stream)) + stream_padded
+    return (b"RIFF" + struct.pack("<I", 12 + len(stream_padded)) + b"WEBPVP8L"
+            + struct.pack("<I", len(stream)) + stream_padded)
 
 
-# --- glTF ---------------------------------------------------------------------------------------------------------------------------
+# --- glTF ---------------------------------------------------------------------------------------------------
 
 FLOAT, BYTE, USHORT = 5126, 5121, 5123
 
@@ -91,21 +109,27 @@ class Document:
     def accessor(self, values, component, kind, **more):
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[kind]
         data = struct.pack("<%d%s" % (len(values), {FLOAT: "f", BYTE: "B", USHORT: "H"}[component]), *values)
-        self.accessors.append({"bufferView": self.view(data), "componentType": component, "count": len(values) // width, "type": kind, **more})
+        self.accessors.append({"bufferView": self.view(data), "componentType": component,
+                               "count": len(values) // width, "type": kind, **more})
         return len(self.accessors) - 1
 
     def box(self):
-        corners = [x for i in range(8) for x in (0.1 if i & 1 else -0.1, 2.0 if i & 2 else 0.0, 0.1 if i & 4 else -0.1)]
+        corners = [x for i in range(8)
+                   for x in (0.1 if i & 1 else -0.1, 2.0 if i & 2 else 0.0, 0.1 if i & 4 else -0.1)]
         position = self.accessor(corners, FLOAT, "VEC3", min=[-0.1, 0, -0.1], max=[0.1, 2, 0.1])
         uv = self.accessor([x for i in range(8) for x in (i & 1, i >> 1 & 1)], FLOAT, "VEC2")
-        index = self.accessor([0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5], USHORT, "SCALAR")
+        index = self.accessor([0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                               2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5], USHORT, "SCALAR")
         return {"attributes": {"POSITION": position, "TEXCOORD_0": uv}, "indices": index}
 
     def whole(self, rest, uri=None):
-        return {"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(self.binary), **({"uri": uri} if uri else {})}], "bufferViews": self.views, "accessors": self.accessors, **rest}
+        return {"asset": {"version": "2.0"},
+                "buffers": [{"byteLength": len(self.binary), **({"uri": uri} if uri else {})}],
+                "bufferViews": self.views, "accessors": self.accessors, **rest}
 
     def text(self, rest):
-        return json.dumps(self.whole(rest, "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()), separators=(",", ":")).encode()
+        uri = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
+        return json.dumps(self.whole(rest, uri), separators=(",", ":")).encode()
 
     def glb(self, rest):
         return glb(self.whole(rest), bytes(self.binary))
@@ -115,7 +139,9 @@ def glb(document, binary):
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
-    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary)) + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
+            + struct.pack("<I4s", len(text), b"JSON") + text
+            + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
 
 
 def to_glb(text):
@@ -146,24 +172,40 @@ def gltf_seeds():
     pictures = [one.view(picture) for picture in (png(3, 2), jpeg(), webp(), tga(), bmp())]
     kinds = ["image/png", "image/jpeg", "image/webp", "image/x-tga", "image/bmp"]
     scene = {"scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}]}
-    map_of = lambda index: {"index": index, "texCoord": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.5, "scale": [2, 1]}}}
+    map_of = lambda index: {
+        "index": index, "texCoord": 0,
+        "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 0.5, "scale": [2, 1]}}}
     look = {"images": [{"bufferView": view, "mimeType": kind} for view, kind in zip(pictures, kinds)],
             "samplers": [{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}],
-            "textures": [{"source": 0, "sampler": 0}, {"source": 1}, {"source": 3, "extensions": {"EXT_texture_webp": {"source": 2}}}, {"source": 3}, {"source": 4}],
-            "materials": [{"name": "all", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": True, "emissiveFactor": [1, 0.5, 0], "emissiveTexture": map_of(1),
-                           "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "baseColorTexture": map_of(0), "metallicRoughnessTexture": map_of(2), "metallicFactor": 0.5, "roughnessFactor": 0.5},
-                           "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}},
-                          {"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 1, 1, 1], "diffuseTexture": {"index": 3}, "specularGlossinessTexture": {"index": 4}, "glossinessFactor": 0.5}}}]}
+            "textures": [{"source": 0, "sampler": 0},
+                         {"source": 1},
+                         {"source": 3, "extensions": {"EXT_texture_webp": {"source": 2}}},
+                         {"source": 3},
+                         {"source": 4}],
+            "materials": [
+                {"name": "all", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": True,
+                 "emissiveFactor": [1, 0.5, 0], "emissiveTexture": map_of(1),
+                 "pbrMetallicRoughness": {
+                     "baseColorFactor": [1, 0.5, 0.25, 1], "baseColorTexture": map_of(0),
+                     "metallicRoughnessTexture": map_of(2), "metallicFactor": 0.5, "roughnessFactor": 0.5},
+                 "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}},
+                {"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+                    "diffuseFactor": [1, 1, 1, 1], "diffuseTexture": {"index": 3},
+                    "specularGlossinessTexture": {"index": 4}, "glossinessFactor": 0.5}}}]}
     second = {**box, "material": 1}
-    yield "materials.glb", one.glb({**scene, **look, "meshes": [{"primitives": [box, second]}], "extensionsUsed": ["KHR_texture_transform", "EXT_texture_webp"]})
+    yield "materials.glb", one.glb({**scene, **look, "meshes": [{"primitives": [box, second]}],
+                                    "extensionsUsed": ["KHR_texture_transform", "EXT_texture_webp"]})
 
     # Motion: nodes, a skin, a morph target, every interpolation, sparse values, a rig.
     two = Document()
     box = two.box()
     joints = two.accessor([x for i in range(8) for x in (0, 1, 0, 0)], BYTE, "VEC4")
-    weights = two.accessor([x for i in range(8) for x in ((0, 1, 0, 0) if i & 2 else (1, 0, 0, 0))], FLOAT, "VEC4")
+    weights = two.accessor(
+        [x for i in range(8) for x in ((0, 1, 0, 0) if i & 2 else (1, 0, 0, 0))], FLOAT, "VEC4")
     morph = two.accessor([0.05 * (i % 3) for i in range(24)], FLOAT, "VEC3")
-    two.accessors[morph]["sparse"] = {"count": 1, "indices": {"bufferView": two.view(b"\x02"), "componentType": BYTE}, "values": {"bufferView": two.view(struct.pack("<3f", 1, 0, 0))}}
+    two.accessors[morph]["sparse"] = {
+        "count": 1, "indices": {"bufferView": two.view(b"\x02"), "componentType": BYTE},
+        "values": {"bufferView": two.view(struct.pack("<3f", 1, 0, 0))}}
     box["attributes"].update(JOINTS_0=joints, WEIGHTS_0=weights)
     box["targets"] = [{"POSITION": morph}]
     times = two.accessor([0, 0.5, 1], FLOAT, "SCALAR", min=[0], max=[1])
@@ -172,41 +214,61 @@ def gltf_seeds():
     bulge = two.accessor([0, 1, 0], FLOAT, "SCALAR")
     bind = two.accessor([float(i % 5 == 0) for i in range(32)], FLOAT, "MAT4")
     rig = {"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0.04], "period": 2}]}}}
-    yield "motion.glb", two.glb({
-        "scenes": [{"name": "shore", "nodes": [0, 3]}],
-        "nodes": [{"mesh": 0, "skin": 0, "name": "weed", "weights": [0.5], "extras": {"kelp": rig}, "children": [1]}, {"children": [2], "translation": [0, 0.5, 0]}, {"rotation": [0, 0, 0, 1]},
-                  {"mesh": 1, "matrix": [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1]}],
-        "meshes": [{"primitives": [box], "weights": [0]}, {"name": "stone", "primitives": [{key: box[key] for key in ("attributes", "indices")}]}],
-        "skins": [{"joints": [1, 2], "inverseBindMatrices": bind, "skeleton": 1}],
-        "animations": [{"name": "drift", "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}, {"sampler": 1, "target": {"node": 3, "path": "translation"}}, {"sampler": 2, "target": {"node": 0, "path": "weights"}}],
-                        "samplers": [{"input": times, "output": turns, "interpolation": "LINEAR"}, {"input": times, "output": moves, "interpolation": "CUBICSPLINE"}, {"input": times, "output": bulge, "interpolation": "STEP"}]}]})
+    yield "motion.glb", two.glb(
+        {"scenes": [{"name": "shore", "nodes": [0, 3]}],
+         "nodes": [{"mesh": 0, "skin": 0, "name": "weed", "weights": [0.5], "extras": {"kelp": rig},
+                    "children": [1]},
+                   {"children": [2], "translation": [0, 0.5, 0]},
+                   {"rotation": [0, 0, 0, 1]},
+                   {"mesh": 1, "matrix": [1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1]}],
+         "meshes": [{"primitives": [box], "weights": [0]},
+                    {"name": "stone", "primitives": [{key: box[key] for key in ("attributes", "indices")}]}],
+         "skins": [{"joints": [1, 2], "inverseBindMatrices": bind, "skeleton": 1}],
+         "animations": [
+             {"name": "drift", "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}},
+                                            {"sampler": 1, "target": {"node": 3, "path": "translation"}},
+                                            {"sampler": 2, "target": {"node": 0, "path": "weights"}}],
+              "samplers": [{"input": times, "output": turns, "interpolation": "LINEAR"},
+                           {"input": times, "output": moves, "interpolation": "CUBICSPLINE"},
+                           {"input": times, "output": bulge, "interpolation": "STEP"}]}]})
 
     # Knots as Blender writes them, as text.
     three = Document()
     box = three.box()
     times = three.accessor([0, 1], FLOAT, "SCALAR", min=[0], max=[1])
     sway = three.accessor([0, 2, 0, 0.5, 2, 0], FLOAT, "VEC3")
-    yield "knots.gltf", three.text({
-        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "children": [1, 2, 3], "name": "reed"}, {"name": "knot.0"}, {"name": "knot.1", "translation": [0, 1, 0], "scale": [1, 2, 1]}, {"name": "knot.2", "translation": [0, 2, 0]}],
-        "meshes": [{"primitives": [box]}],
-        "animations": [{"name": "sway", "channels": [{"sampler": 0, "target": {"node": 3, "path": "translation"}}], "samplers": [{"input": times, "output": sway}]}]})
+    yield "knots.gltf", three.text(
+        {"scene": 0, "scenes": [{"nodes": [0]}],
+         "nodes": [{"mesh": 0, "children": [1, 2, 3], "name": "reed"},
+                   {"name": "knot.0"},
+                   {"name": "knot.1", "translation": [0, 1, 0], "scale": [1, 2, 1]},
+                   {"name": "knot.2", "translation": [0, 2, 0]}],
+         "meshes": [{"primitives": [box]}],
+         "animations": [
+             {"name": "sway", "channels": [{"sampler": 0, "target": {"node": 3, "path": "translation"}}],
+              "samplers": [{"input": times, "output": sway}]}]})
 
     # Strips and fans, and a picture in the text.
     four = Document()
     box = four.box()
     uri = "data:image/png;base64," + base64.b64encode(png_palette()).decode()
-    yield "strips.gltf", four.text({
-        **scene, "meshes": [{"primitives": [{**box, "mode": mode, "material": 0} for mode in (5, 6)]}], "images": [{"uri": uri}], "textures": [{"source": 0}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]})
+    yield "strips.gltf", four.text(
+        {**scene, "meshes": [{"primitives": [{**box, "mode": mode, "material": 0} for mode in (5, 6)]}],
+         "images": [{"uri": uri}], "textures": [{"source": 0}],
+         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]})
 
     five = Document()
     box = {**five.box(), "material": 0}
     views = [five.view(picture) for picture in (jpeg(True), png(2, 2, 2), png(2, 2, 0), png(2, 2, 4))]
-    yield "pictures.glb", five.glb({**scene, "meshes": [{"primitives": [{**box, "material": i} for i in range(4)]}], "images": [{"bufferView": view, "mimeType": "image/jpeg" if view == views[0] else "image/png"} for view in views],
-                                    "textures": [{"source": i} for i in range(4)], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(4)]})
+    yield "pictures.glb", five.glb(
+        {**scene, "meshes": [{"primitives": [{**box, "material": i} for i in range(4)]}],
+         "images": [{"bufferView": view, "mimeType": "image/jpeg" if view == views[0] else "image/png"}
+                    for view in views],
+         "textures": [{"source": i} for i in range(4)],
+         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(4)]})
 
 
-# --- meshes -------------------------------------------------------------------------------------------------------------------------
+# --- meshes -------------------------------------------------------------------------------------------------
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 QUADS = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (0, 4, 7, 3)]
@@ -215,41 +277,66 @@ QUADS = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (
 def mesh_seeds(made):
     vertices = "".join("v %d %d %d\n" % c for c in CORNERS)
     texts = "".join("vt %g %g\n" % uv for uv in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    faces = "".join("f " + " ".join("%d/%d" % (i + 1, k + 1) for k, i in enumerate(quad)) + "\n" for quad in QUADS[:3])
+    faces = "".join(
+        "f " + " ".join("%d/%d" % (i + 1, k + 1) for k, i in enumerate(quad)) + "\n" for quad in QUADS[:3])
     more = "".join("f " + " ".join("%d//" % (i - 8) for i in quad) + "\n" for quad in QUADS[3:])
-    library = "newmtl red\nKd 0.8 0.1 0.1\nmap_Kd -s 2 2 1 t.png\nd 0.5\nnewmtl glow\nKe 1 0.5 0\nPr 0.3\nPm 0.9\nmap_Ke t.png\nmap_Pr t.png\nmap_d t.png\nTr 0.1\n"
-    picture = png(2, 2)
-    yield "cube.obj", b"0" + ("# cube\nmtllib m.mtl\no box\n" + vertices + texts + "usemtl red\n" + faces + "usemtl glow\ns off\n" + more).encode() + b"\x01" + library.encode() + b"\x01" + picture
-    yield "pentagon.obj", b"0" + b"v 0 0 0 1 0 0\nv 2 0 0 0 1 0\nv 2 2 0 0 0 1\nv 1 0.5 0 1 1 1\nv 0 2 0 0 0 0\nf 1 2 3 4 \\\n 5\nl 1 2\np 3\n"
-    rows = "".join("%d %d %d %d 128 255\n" % (*c, 30 * i) for i, c in enumerate(CORNERS)) + "".join("4 %d %d %d %d\n" % quad for quad in QUADS)
-    head = "ply\nformat %s 1.0\ncomment made by kelp\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n"
+    library = ("newmtl red\nKd 0.8 0.1 0.1\nmap_Kd -s 2 2 1 t.png\nd 0.5\n"
+               "newmtl glow\nKe 1 0.5 0\nPr 0.3\nPm 0.9\nmap_Ke t.png\nmap_Pr t.png\nmap_d t.png\nTr 0.1\n")
+    model = ("# cube\nmtllib m.mtl\no box\n" + vertices + texts
+             + "usemtl red\n" + faces + "usemtl glow\ns off\n" + more)
+    yield "cube.obj", b"0" + model.encode() + b"\x01" + library.encode() + b"\x01" + png(2, 2)
+    yield "pentagon.obj", (
+        b"0v 0 0 0 1 0 0\nv 2 0 0 0 1 0\nv 2 2 0 0 0 1\nv 1 0.5 0 1 1 1\nv 0 2 0 0 0 0\n"
+        b"f 1 2 3 4 \\\n 5\nl 1 2\np 3\n")
+    rows = ("".join("%d %d %d %d 128 255\n" % (*c, 30 * i) for i, c in enumerate(CORNERS))
+            + "".join("4 %d %d %d %d\n" % quad for quad in QUADS))
+    head = ("ply\nformat %s 1.0\ncomment made by kelp\nelement vertex 8\n"
+            "property float x\nproperty float y\nproperty float z\n"
+            "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+            "element face 6\nproperty list uchar int vertex_indices\nend_header\n")
     yield "cube_text.ply", b"1" + (head % "ascii" + rows).encode()
     for name, mark in (("little", "<"), ("big", ">")):
-        body = b"".join(struct.pack(mark + "3f3B", *c, 30 * i, 128, 255) for i, c in enumerate(CORNERS)) + b"".join(struct.pack(mark + "B4i", 4, *quad) for quad in QUADS)
+        body = b"".join(struct.pack(mark + "3f3B", *c, 30 * i, 128, 255) for i, c in enumerate(CORNERS))
+        body += b"".join(struct.pack(mark + "B4i", 4, *quad) for quad in QUADS)
         yield "cube_%s.ply" % name, b"1" + (head % ("binary_%s_endian" % name)).encode() + body
-    strips = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nelement tristrips 1\nproperty list int int vertex_indices\nelement other 1\nproperty short n\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 1\n5 0 1 2 3 -1\n7\n"
-    yield "strips.ply", b"1" + strips.encode()
+    yield "strips.ply", (
+        b"1ply\nformat ascii 1.0\nelement vertex 4\n"
+        b"property double x\nproperty double y\nproperty double z\n"
+        b"element tristrips 1\nproperty list int int vertex_indices\n"
+        b"element other 1\nproperty short n\nend_header\n"
+        b"0 0 0\n1 0 0\n0 1 0\n1 1 1\n5 0 1 2 3 -1\n7\n")
     triangles = [[CORNERS[quad[i]] for i in three] for quad in QUADS for three in ((0, 1, 2), (0, 2, 3))]
-    yield "cube.stl", b"2" + b"made by kelp COLOR=".ljust(80) + struct.pack("<I", len(triangles)) + b"".join(struct.pack("<12fH", 0, 0, 0, *(x for c in t for x in c), 0x9234) for t in triangles)
-    facets = "".join("facet normal 0 0 1\nouter loop\n" + "".join("vertex %d %d %d\n" % c for c in t) + "endloop\nendfacet\n" for t in triangles[:4])
+    packed = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for c in t for x in c), 0x9234) for t in triangles)
+    yield "cube.stl", b"2" + b"made by kelp COLOR=".ljust(80) + struct.pack("<I", len(triangles)) + packed
+    facets = "".join("facet normal 0 0 1\nouter loop\n" + "".join("vertex %d %d %d\n" % c for c in t)
+                     + "endloop\nendfacet\n" for t in triangles[:4])
     yield "part_text.stl", b"2" + ("solid part\n" + facets + "endsolid part\n").encode()
-    yield "cube.off", b"3" + ("OFF\n8 6 12\n" + "".join("%d %d %d\n" % c for c in CORNERS) + "".join("4 %d %d %d %d 255 128 0\n" % quad for quad in QUADS)).encode()
-    yield "coloured.off", b"3" + b"COFF 4 2 0 # colours\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n1 1 0.5 9 9 9 255\n3 0 1 2 0.5 0.5 0.5\n3 1 3 2\n"
+    yield "cube.off", b"3" + ("OFF\n8 6 12\n" + "".join("%d %d %d\n" % c for c in CORNERS)
+                              + "".join("4 %d %d %d %d 255 128 0\n" % quad for quad in QUADS)).encode()
+    yield "coloured.off", (
+        b"3COFF 4 2 0 # colours\n"
+        b"0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n1 1 0.5 9 9 9 255\n"
+        b"3 0 1 2 0.5 0.5 0.5\n3 1 3 2\n")
     for path in sorted((made / "mesh").glob("*.drc")):
         yield path.name, b"4" + path.read_bytes()
 
 
-# --- voxels -------------------------------------------------------------------------------------------------------------------------
+# --- voxels -------------------------------------------------------------------------------------------------
 
 def voxel_seeds():
-    yield "ball.binvox", b"#binvox 1\ndim 4 4 4\ntranslate 0 1 -2.5\nscale 2\ndata\n" + b"".join(bytes(run) for run in ((0, 10), (1, 30), (0, 4), (1, 20)))
+    runs = bytes([0, 10, 1, 30, 0, 4, 1, 20])
+    yield "ball.binvox", b"#binvox 1\ndim 4 4 4\ntranslate 0 1 -2.5\nscale 2\ndata\n" + runs
     yield "u8.raw", b'{"size":[4,4,4],"type":"u8"}\0' + bytes(4 * i for i in range(64))
-    yield "u16_big.raw", b'{"size":[3,4,2],"type":"u16","endian":"big","spacing":[1,1,2],"offset":2}\0' + b"##" + struct.pack(">24H", *(2000 * i for i in range(24)))
-    yield "f32.raw", b'{"size":[3,3,3],"type":"f32","spacing":[0.5,0.5,0.5]}\0' + struct.pack("<27f", *(i / 13 - 1 for i in range(27)))
-    yield "i16.raw", b'{"size":[2,3,4],"type":"i16"}\0' + struct.pack("<24h", *(100 * i - 1200 for i in range(24)))
+    values = struct.pack(">24H", *(2000 * i for i in range(24)))
+    yield "u16_big.raw", (
+        b'{"size":[3,4,2],"type":"u16","endian":"big","spacing":[1,1,2],"offset":2}\0##' + values)
+    values = struct.pack("<27f", *(i / 13 - 1 for i in range(27)))
+    yield "f32.raw", b'{"size":[3,3,3],"type":"f32","spacing":[0.5,0.5,0.5]}\0' + values
+    values = struct.pack("<24h", *(100 * i - 1200 for i in range(24)))
+    yield "i16.raw", b'{"size":[2,3,4],"type":"i16"}\0' + values
 
 
-# --- packs that lie -----------------------------------------------------------------------------------------------------------------
+# --- packs that lie -----------------------------------------------------------------------------------------
 
 def record(chunk, at, number, what=1):
     """fuzz_restamped.cpp: what 0 to 3 changes bytes of a chunk; 4 does as `at` says."""
@@ -257,9 +344,12 @@ def record(chunk, at, number, what=1):
 
 
 def restamped_seeds():
-    tiny, fog = b"\0", b"\1"  # chunks: INFO PART MATL RIGS CLIP, GRID BRCK three times; INFO PART MATL FOGS RIGS, GRID and BRCK or FOGB four times
+    # Chunks of the first: INFO PART MATL RIGS CLIP, then GRID BRCK three times. Of the second: INFO PART MATL
+    # FOGS RIGS, then GRID and BRCK or FOGB four times.
+    tiny, fog = b"\0", b"\1"
     nan, two = 0x7fc00000, 0x40000000
-    for sound, name, kinds in ((tiny, "tiny", ("info", "part", "matl", "rigs", "clip")), (fog, "fog", ("info", "part", "matl", "fogs", "rigs"))):
+    for sound, name, kinds in ((tiny, "tiny", ("info", "part", "matl", "rigs", "clip")),
+                               (fog, "fog", ("info", "part", "matl", "fogs", "rigs"))):
         for chunk, kind in enumerate(kinds):
             yield "%s_%s_nan.bin" % (name, kind), sound + record(chunk, 32, nan)
             yield "%s_%s_byte.bin" % (name, kind), sound + record(chunk, 12, 0xff, 0)
@@ -285,11 +375,13 @@ def main():
         sys.exit(__doc__.strip())
     build = pathlib.Path(sys.argv[1])
     out = pathlib.Path(sys.argv[2]) if len(sys.argv) == 3 else HERE / "seeds"
-    subprocess.run(["cmake", "--build", build, "--target", "make_fuzz_seeds"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        ["cmake", "--build", build, "--target", "make_fuzz_seeds"], check=True, stdout=subprocess.DEVNULL)
     with tempfile.TemporaryDirectory() as folder:
         made = pathlib.Path(folder)
         subprocess.run([build / "tests/fuzz/make_fuzz_seeds", made], check=True)
-        seeds = {"gltf": dict(gltf_seeds()), "mesh": dict(mesh_seeds(made)), "vdb": {}, "vox": dict(voxel_seeds()), "restamped": dict(restamped_seeds())}
+        seeds = {"gltf": dict(gltf_seeds()), "mesh": dict(mesh_seeds(made)), "vdb": {},
+                 "vox": dict(voxel_seeds()), "restamped": dict(restamped_seeds())}
         for path in sorted((made / "gltf").glob("*.gltf")):
             seeds["gltf"][path.stem + ".glb"] = to_glb(path.read_text())
         for kind in ("vdb", "vox"):

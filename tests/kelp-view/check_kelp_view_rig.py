@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""check_kelp_view_rig.py KELP_VIEW KELP_BAKE KELP_DUMP MODEL.glb: edits a rig with the mouse, saves it, and bakes
-what was saved; watches a model that changes and breaks. All through the programs themselves, on the display
-that DISPLAY names."""
+"""Usage: check_kelp_view_rig.py KELP_VIEW KELP_BAKE KELP_DUMP MODEL.glb
+
+Edits a rig with the mouse, saves it, and bakes what was saved. Watches a model that changes and breaks. Runs
+the programs themselves, on the display that DISPLAY names."""
 
 import json
 import os

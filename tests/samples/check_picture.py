@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""check_picture.py game_loop|mirror|kelp-view PROGRAM PACK: runs a sample on a pack of the kelp plant and looks
-at the picture it saves, and at what it says of bad input."""
+"""Usage: check_picture.py game_loop|mirror|kelp-view PROGRAM PACK
+
+Runs a sample on a pack of the kelp plant. Checks the picture it saves, and what it says about bad input."""
 
 import os
 import subprocess
