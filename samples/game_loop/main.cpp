@@ -76,7 +76,7 @@ static int writePicture(const char* path, const glm::ivec2& size) {
   file << "P6\n" << size.x << " " << size.y << "\n255\n";
   for (std::size_t at = pixels.size(); at > 0; at -= row)
     file.write(&pixels[at - row], static_cast<std::streamsize>(row));
-  return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture can not be written"});
+  return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture cannot be written"});
 }
 
 static int run(GLFWwindow* window, const char* path, int frames, const char* picture) {

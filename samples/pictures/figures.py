@@ -181,7 +181,7 @@ def main():
     options = parser.parse_args()
     options.assets = os.path.normpath(options.assets)
     if options.tile < 40:
-        parser.error("--tile: give at least 40, or the labels can not be read")
+        parser.error("--tile: give at least 40, or the labels cannot be read")
     studio = Studio(options)
     figure6(studio, options.tile)
     figure7(studio, options.tile)

@@ -119,7 +119,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
       if (arguments.frames == 0 || complete) seconds += passed;
       if (frame == arguments.frames && !arguments.picture.empty() &&
           !writePicture(arguments.picture, viewport)) {
-        return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture can not be written"});
+        return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture cannot be written"});
       }
     }
     glfwSwapBuffers(window);

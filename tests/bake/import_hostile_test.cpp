@@ -354,7 +354,7 @@ TEST(ImportHostile, StreamsThatLieOverEachOther) {
   };
   EXPECT_FALSE(contains(said(4), "over each other")) << said(4);
   EXPECT_TRUE(contains(said(5),
-                       "primitives[4].KHR_draco_mesh_compression: brings streams that lie over each other to "
+                       "primitives[4].KHR_draco_mesh_compression: has overlapping streams of together "
                        "more than 4 times the buffers' bytes; "))
       << said(5);
 }

@@ -41,7 +41,7 @@ constexpr double kShortest = 1.0 / 16;  // step, voxels
 
 std::string readText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) fail(path + ": can not be read");
+  if (!file) fail(path + ": cannot be read");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -65,7 +65,7 @@ struct Volume {
 
   explicit Volume(std::vector<std::byte> given) : bytes(std::move(given)), memory(bytes) {
     asset = expect(runtime::Asset::open(memory.source()), "the pack");
-    if (!asset->loadAll()) fail("the pack can not be read");
+    if (!asset->loadAll()) fail("the pack cannot be read");
     const Pack& pack = asset->pack();
     const Part& part = pack.parts()[0];
     if (part.kind != PartKind::kFog) fail("the pack's first part is not fog");
@@ -76,7 +76,7 @@ struct Volume {
     raw.cells.assign(grid.cells.begin(), grid.cells.end());
     PageData page;
     for (const PageInfo& info : grid.pages) {
-      if (!pack.readPage(info, page)) fail("a page can not be read");
+      if (!pack.readPage(info, page)) fail("a page cannot be read");
       raw.density.insert(raw.density.end(), page.fog.begin(),
                          page.fog.begin() + static_cast<std::ptrdiff_t>(page.count * kFogSamples));
     }

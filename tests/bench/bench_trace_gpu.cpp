@@ -113,7 +113,7 @@ std::string definesOf(Method method) {
 
 std::string readText(const std::string& path) {
   std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": can not be read; run the benchmark where its source tree is");
+  if (!file) throw std::runtime_error(path + ": cannot be read; run the benchmark where its source tree is");
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -311,7 +311,7 @@ Gpu::Gpu(const glm::ivec2& size) : impl_(std::make_unique<Impl>(size)) {
   glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, size.x, size.y);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, impl_->buffers[1]);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw std::runtime_error("this OpenGL can not draw into RGBA32F");
+    throw std::runtime_error("this OpenGL cannot draw into RGBA32F");
   glViewport(0, 0, size.x, size.y);
   glGenVertexArrays(1, &impl_->array);
   glBindVertexArray(impl_->array);

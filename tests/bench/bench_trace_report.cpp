@@ -108,7 +108,7 @@ void printTable(const std::vector<Record>& records) {
 void writeJson(const std::vector<Record>& records, const std::string& machine,
                const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), std::fclose);
-  if (!file) throw std::runtime_error(path.string() + ": can not be written");
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
   const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
   std::fprintf(file.get(), "[\n");
   for (const Record& r : records) {
@@ -124,7 +124,7 @@ void writeJson(const std::vector<Record>& records, const std::string& machine,
                  r.frame_ms, machine.c_str(), &r == &records.back() ? "" : ",");
   }
   std::fprintf(file.get(), "]\n");
-  if (std::ferror(file.get())) throw std::runtime_error(path.string() + ": can not be written");
+  if (std::ferror(file.get())) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
 }  // namespace kelp::bench

@@ -29,7 +29,7 @@ struct Record {
 // One block for each scene and pose, averaged over the views; then geometric means of the ratios to kelp's
 // frame time.
 void printTable(const std::vector<Record>& records);
-// An array with an object for each record. Throws std::runtime_error if the file can not be written.
+// An array with an object for each record. Throws std::runtime_error if the file cannot be written.
 void writeJson(const std::vector<Record>& records, const std::string& machine,
                const std::filesystem::path& path);
 

@@ -76,7 +76,7 @@ class FaultyDisk(unittest.TestCase):
                     continue
                 what = f"{os.path.basename(command[0])} {command[1]}, {kind} {number} of {counts[kind]} fails"
                 result, found = self.run_in_fresh_folder(inputs, outputs, command, f"{kind} {number} {error}")
-                text = (result.stderr + result.stdout).decode()  # verify reports what it can not read
+                text = (result.stderr + result.stdout).decode()  # verify reports what it cannot read
                 self.assertEqual(sorted(found), sorted(whole), what + ": " + text)
                 if result.returncode == 0:
                     self.assertEqual(found, whole, what)

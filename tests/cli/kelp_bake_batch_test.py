@@ -198,7 +198,7 @@ class Batches(Case):
         self.wrong(
             2,
             {"assets": [{"input": "1.obj", "report": "blocked"}, {"input": "2.obj", "deps-file": "3.obj/x"}]},
-            "blocked: is a folder", "3.obj: the folder can not be made", "2 faults")
+            "blocked: is a folder", "3.obj: the folder cannot be made", "2 faults")
         self.fails(1, "1.obj", "-o", "x.kelp", "--resolution", "0", "--up", "q", "--levels", "0",
                    says=["--resolution 0", "--up q", "--levels 0", "3 faults"])
         # No more than can be read.
@@ -269,11 +269,11 @@ class Batches(Case):
         self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
         self.write("blocked/x", "")
         self.fails(2, "--manifest", "m.json", "--report", "3.obj/report.json",
-                   says=["3.obj: the folder can not be made"])
+                   says=["3.obj: the folder cannot be made"])
         self.fails(2, "--manifest", "m.json", "--report", "blocked", says=["blocked: is a folder"])
         for name in ("report", "deps-file"):
             self.wrong(2, {"assets": ["1.obj", {"input": "2.obj", name: "3.obj/x"}]}, "m.json:1:",
-                       "3.obj: the folder can not be made")
+                       "3.obj: the folder cannot be made")
             self.wrong(2, {"assets": ["1.obj", {"input": "2.obj", name: "blocked"}]}, "blocked: is a folder")
         self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
         self.passes("--manifest", "m.json", "--report", "made/deep/report.json")
@@ -286,7 +286,7 @@ class Batches(Case):
             result = self.bake("--manifest", "m.json", "--report", "/dev/full")
             self.assertEqual(result.returncode, code)
             self.assertIn(says, result.stderr.decode())
-            self.assertIn("--report /dev/full: can not be written", result.stderr.decode())
+            self.assertIn("--report /dev/full: cannot be written", result.stderr.decode())
 
     def test_circles_depth_and_size(self):
         self.write("a.json", {"include": ["sub/b.json"], "assets": ["1.obj"]})

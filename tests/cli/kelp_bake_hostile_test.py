@@ -120,7 +120,7 @@ class Hostile(unittest.TestCase):
                    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]}
         for uri in escapes:
             path = self.write("inner/picture.gltf", self.gltf({"images": [{"uri": uri}], **picture}))
-            if uri.startswith("http:"):  # a picture that can not be had, as the specification allows
+            if uri.startswith("http:"):  # a picture that cannot be had, as the specification allows
                 code, text = self.bake(path)[:2]
                 self.assertEqual(code, 0, text)
                 self.assertIn("only files beside the input are read", text)
@@ -190,14 +190,14 @@ class Hostile(unittest.TestCase):
         self.assertEqual(self.bake(self.write("scene.vox", self.vox(transform(0, 99), shape)))[0], 0)
         self.refused(3, self.write("cycle.vox", self.vox(transform(0, 1), group(1, 2), transform(2, 1))),
                      "is below itself")
-        self.refused(3, self.write("missing.vox", self.vox(transform(0, 5))), "is not there")
+        self.refused(3, self.write("missing.vox", self.vox(transform(0, 5))), "does not exist")
         self.refused(3, self.write("twice.vox", self.vox(transform(0, 99), shape, shape)), "second node")
         self.refused(
             3, self.write(
                 "many.vox", self.vox(*(group(i, *[i + 1 if i < 9 else 99] * 64) for i in range(10)), shape)),
             "objects and groups")
         deep = [transform(i, i + 1 if i != 98 else 100) for i in range(300000) if i != 99]
-        self.refused(3, self.write("deep.vox", self.vox(*deep)), "is not there")
+        self.refused(3, self.write("deep.vox", self.vox(*deep)), "does not exist")
 
         head = b"#binvox 1\ndim 4 4 4\ndata\n"
         self.assertEqual(self.bake(self.write("good.binvox", head + b"\x01\x40"))[0], 0)

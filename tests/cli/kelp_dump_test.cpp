@@ -503,9 +503,9 @@ TEST_F(KelpDump, UsageErrors) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_NE(result.err.find("--help"), std::string::npos);
   }
-  EXPECT_NE(
-      dump({"foo"}).err.find("foo: not a sub-command; use info, verify, diff, rig, extract, slice or schema"),
-      std::string::npos)
+  EXPECT_NE(dump({"foo"}).err.find(
+                "foo: is not a sub-command; use info, verify, diff, rig, extract, slice or schema"),
+            std::string::npos)
       << dump({"foo"}).err;
   EXPECT_NE(dump({}).err.find("use info, verify, diff, rig, extract, slice or schema"), std::string::npos)
       << dump({}).err;

@@ -140,7 +140,7 @@ TEST(Exhaustive, EveryTwoIndexEntriesExchanged) {
   EXPECT_LE(other, count);
 }
 
-// What checksums can not find: each byte of what a chunk holds, with five other values.
+// What checksums cannot find: each byte of what a chunk holds, with five other values.
 TEST(Exhaustive, EveryByteBehindTheChecksums) {
   const PackSurgeon sound(specimenBytes());
   std::size_t refused = 0, other = 0;

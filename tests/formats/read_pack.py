@@ -180,7 +180,7 @@ class Pack:
                 a, b, c = m[0:3], m[3:6], m[6:9]
                 cross = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
                 determinant = sum(x * y for x, y in zip(a, cross))
-                need(math.isfinite(determinant) and determinant != 0, "a matrix can not be inverted")
+                need(math.isfinite(determinant) and determinant != 0, "a matrix cannot be inverted")
             sizes.append(name_bytes)
             self.parts.append({"parent": parent, "kind": kind, "levels": levels, "size": size,
                     "to_object": to_object, "pivot": pivot})

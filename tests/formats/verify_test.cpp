@@ -143,7 +143,7 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
   PackSurgeon surgeon = tiny();
   set(surgeon.content("INFO"), 0, '\xff');
   set(surgeon.content("MATL"), 4, 7.0f);
-  surgeon.editPage([](Bytes& page) { page[512] = std::byte{9}; });  // can not be judged without the palette
+  surgeon.editPage([](Bytes& page) { page[512] = std::byte{9}; });  // cannot be judged without the palette
   set(surgeon.content("RIGS"), 16 + 20, -20.0f);
   Bytes bytes = surgeon.build();
   bytes.back() ^= std::byte{1};  // in the last page

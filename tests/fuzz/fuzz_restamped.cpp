@@ -20,7 +20,7 @@ Bytes readGolden(const char* name) {
   std::ifstream file(std::string(KELP_GOLDEN_PACKS "/") + name, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   if (text.empty()) {
-    std::fprintf(stderr, "%s/%s: can not be read\n", KELP_GOLDEN_PACKS, name);
+    std::fprintf(stderr, "%s/%s: cannot be read\n", KELP_GOLDEN_PACKS, name);
     std::abort();
   }
   const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());

@@ -4,7 +4,7 @@
 
 #include "kelp/formats/raw_pack.h"
 
-// All of it; what can not be read is answered as an error. `allocator`: for pages as they are read.
+// All of it; what cannot be read is answered as an error. `allocator`: for pages as they are read.
 kelp::Result<kelp::RawPack> rawOf(const kelp::Pack& pack, const kelp::Allocator& allocator = {});
 
 // The first thing in which two packs differ, to the bit; nullptr if there is none.

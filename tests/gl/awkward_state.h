@@ -19,7 +19,7 @@ enum class Awkward {
 // bound in kDrawable.
 void setAwkwardState(Awkward how);
 
-// Values that can not be made to differ from the initial ones, and why; null: they can. `entry` is a name of
+// Values that cannot be made to differ from the initial ones, and why; null: they can. `entry` is a name of
 // readGlState().
 const char* whyInitial(const std::string& entry);
 

@@ -100,7 +100,7 @@ TEST_P(BrokenStreamTest, AFlippedByteCostsOnePageAndIsToldOnce) {
   ASSERT_TRUE(renderer_->add(*asset));
   EXPECT_EQ(frames(*asset, 40, canvas, ErrorCode::kChecksum), 1);
   EXPECT_TRUE(seen_);
-  EXPECT_EQ(pending_, 0u) << "what can not come is not waited for";
+  EXPECT_EQ(pending_, 0u) << "what cannot come is not waited for";
   EXPECT_TRUE(asset->hasFailed(0, 0, 2));
   EXPECT_FALSE(asset->hasFailed(0, 0, 1));
   EXPECT_TRUE(asset->pin(0, 0, 1, 1));

@@ -63,7 +63,7 @@ inline constexpr char kVoxelSurface[] =
 class GlTest : public testing::TestWithParam<GlApi> {
  protected:
   void SetUp() override;
-  // A renderer with the asset on the GPU. Fails the test if that can not be had.
+  // A renderer with the asset on the GPU. Fails the test if that cannot be had.
   std::unique_ptr<gl::Renderer> makeRenderer(const runtime::Asset& asset, const char* surface = nullptr,
                                              gl::Config config = {});
   bool desktop() const { return !isEs(GetParam()); }

@@ -129,7 +129,7 @@ class HostDepth {
 
 class CompositionTest : public GlTest {
  protected:
-  // Sets the context up for a convention; false where it can not have it.
+  // Sets the context up for a convention; false where it cannot have it.
   bool begin(const Convention& convention) {
     glClearDepthf(convention.reversed ? 0.0f : 1.0f);
     using ClipControl = void (*)(GLenum, GLenum);

@@ -406,7 +406,7 @@ TEST_P(StateTest, AQueryOfTheHostsCountsWhatKelpDraws) {
 }
 
 TEST_P(StateTest, ATransformFeedbackThatIsPausedGoesOn) {
-  if (!GlLimits::read().has(40, 30)) GTEST_SKIP() << "this context can not pause one";
+  if (!GlLimits::read().has(40, 30)) GTEST_SKIP() << "this context cannot pause one";
   const Canvas canvas({80, 60});
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   GLuint names[3], written = 0;

@@ -10,7 +10,7 @@
 namespace kelp {
 namespace {
 
-const std::string kFolder = std::string(KELP_SOURCE_DIR) + "/tools/rig_json/";
+const std::string kFolder = std::string(KELP_SOURCE_DIR) + "/tools/rig/";
 
 bool parses(const std::string& text) {
   try {

@@ -102,7 +102,7 @@ TEST(Bvh, FindsTheFirstTriangleOnAWay) {
   const TriangleBvh bvh(mesh);
   Queries queries;
   int met = 0;
-  for (int round = 0; round < 2000; ++round) {
+  for (int round = 0; round < 6000; ++round) {
     const glm::dvec3 p = queries.point();
     const int axis = queries.pick(3), sign = queries.pick(2) ? 1 : -1;
     glm::dvec3 way(0);

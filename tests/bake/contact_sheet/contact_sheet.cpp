@@ -216,7 +216,7 @@ int run(const std::filesystem::path& folder) {
     }
     const std::filesystem::path name = folder / fmt::format("page_{}.png", first / kPage + 1);
     if (!writePng(name, page)) {
-      std::fprintf(stderr, "contact_sheet: %s: can not be written\n", name.c_str());
+      std::fprintf(stderr, "contact_sheet: %s: cannot be written\n", name.c_str());
       return 2;
     }
     std::printf("wrote %s\n", name.c_str());

@@ -48,11 +48,11 @@ struct Scene {
   std::string reader;  // who read it, for the caption
 };
 
-// All triangles of the file's scene at rest, skins in their bind pose. nullopt where assimp can not read it
+// All triangles of the file's scene at rest, skins in their bind pose. nullopt where assimp cannot read it
 // (`why` then says so).
 std::optional<Scene> readWithAssimp(const std::filesystem::path& path, std::string& why);
 
-// The same from kelp's own importer, for files that assimp can not read. nullopt where kelp refuses them too.
+// The same from kelp's own importer, for files that assimp cannot read. nullopt where kelp refuses them too.
 std::optional<Scene> readWithKelp(const std::filesystem::path& path, std::string& why);
 
 float linearFromSrgb(float value);

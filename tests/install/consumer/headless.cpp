@@ -40,7 +40,7 @@ bool makeContext() {
   context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
   if (context == EGL_NO_CONTEXT) return fail("no OpenGL 3.3 core context");
   if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
-    return fail("the context can not be made current");
+    return fail("the context cannot be made current");
 
   GLuint framebuffer = 0, buffers[2] = {};
   glGenFramebuffers(1, &framebuffer);

@@ -100,7 +100,7 @@ bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::pa
            verify(
                source, Limits(), [](void*, const Issue&) {}, nullptr) == 0;
   } catch (const std::exception&) {
-    return false;  // a file that can not be read now: the bake itself will say which, and why
+    return false;  // a file that cannot be read now: the bake itself will say which, and why
   }
 }
 

@@ -180,7 +180,7 @@ std::uint32_t BrickSums::grownBox(const glm::ivec3& brick) const {
   std::array<int, 6> reach{};
   std::array<bool, 6> grows;
   grows.fill(true);
-  // A slab only widens while the other sides grow: a side that can not move once never will.
+  // A slab only widens while the other sides grow: a side that cannot move once never will.
   while (std::find(grows.begin(), grows.end(), true) != grows.end()) {
     for (int side = 0; side < 6; ++side) {
       const auto s = static_cast<std::size_t>(side);

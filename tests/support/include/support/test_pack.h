@@ -58,7 +58,7 @@ inline RawPart partOf(const fields::Occupancy& volume, std::vector<Knot> knots,
   return part;
 }
 
-// The pack's bytes; the test fails if it can not be written.
+// The pack's bytes; the test fails if it cannot be written.
 inline std::vector<std::byte> bytesOf(const RawPack& pack) {
   std::vector<std::byte> bytes;
   const Sink sink{[](void* user, std::span<const std::byte> more) {

@@ -24,7 +24,7 @@ struct AssetList {
 inline constexpr std::size_t kMaxAssets = 100000;
 
 // A manifest and all that it includes. `folder`, if it is not empty, takes the place of every manifest's
-// "output". What is wrong goes to `faults`, with file, line and column (kIo for a manifest that can not be
+// "output". What is wrong goes to `faults`, with file, line and column (kIo for a manifest that cannot be
 // read), and the rest is read all the same. Safe for hostile files.
 AssetList readManifest(const std::filesystem::path& file, const std::filesystem::path& folder,
                        Faults& faults);

@@ -32,7 +32,7 @@ void makeFolderOf(const fs::path& file, const Place& place) {
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error)
     throw ToolError(Exit::kIo, place.prefix() + file.parent_path().string() +
-                                   ": the folder can not be made: " + error.message() +
+                                   ": the folder cannot be made: " + error.message() +
                                    "; choose another, or mend its permissions");
 }
 
@@ -66,7 +66,7 @@ void prepareOutputs(const Jobs& jobs) {
   faults.throwIfAny();
 }
 
-// After all the work a report that can not be written is one more failure, and hides none of the others.
+// After all the work a report that cannot be written is one more failure, and hides none of the others.
 void tryToReport(const Command& command, const Jobs& jobs, BatchResult& result) {
   try {
     writeBatchReport(*jobs.report_file, command, jobs, result);

@@ -81,7 +81,7 @@ class ManifestReader {
       for (const char* own : {"report", "deps-file", "deps-target"})
         if (const auto found = base.find(own); found != base.end())
           faults_.add(found->second.place,
-                      quoted(own) + " can not be one for all assets; give it at each of them");
+                      quoted(own) + " cannot be one for all assets; give it at each of them");
     }
     if (!assets || !is(*assets, Kind::kArray, "assets", "a list of assets")) return;
     if (assets->items.size() > kMaxAssets - std::min(kMaxAssets, out.assets.size()))

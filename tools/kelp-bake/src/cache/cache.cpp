@@ -20,7 +20,7 @@ constexpr const char* kNames = ".kelp-names";
 constexpr const char* kPack = ".kelp-pack";
 constexpr std::size_t kMaxNames = std::size_t{16} << 20;
 
-// A new build of one version may bake other bytes; so may none that can not be told from others.
+// A new build of one version may bake other bytes; so may none that cannot be told from others.
 std::string hashOfThisProgram() {
   Hash hash;
   hash.add(std::string(KELP_VERSION));
@@ -42,7 +42,7 @@ Cache::Cache(const fs::path& folder, std::uint64_t max_bytes)
   if (!fs::is_directory(folder_, error))
     throw ToolError(Exit::kIo,
                     "--cache " + folder_.string() +
-                        ": is no folder, and can not be made one; choose a folder that you may write to");
+                        ": is no folder, and cannot be made one; choose a folder that you may write to");
 }
 
 fs::path Cache::fileOf(const std::string& key, const char* extension) const {
@@ -78,7 +78,7 @@ std::optional<bake::Recipe> Cache::find(const Options& options) const try {
   if (recipe && !fs::exists(packFile(options, recipe->info), error)) recipe.reset();
   return recipe;
 } catch (const ToolError&) {
-  return std::nullopt;  // a file that can not be read: the bake will say which, and why
+  return std::nullopt;  // a file that cannot be read: the bake will say which, and why
 }
 
 std::optional<Cache::Hit> Cache::copyTo(const Options& options, bake::Recipe recipe) const {

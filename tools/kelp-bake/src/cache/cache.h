@@ -19,7 +19,7 @@ namespace kelp::bake_cli {
 
 class Cache {
  public:
-  // Makes the folder if need be: ToolError kIo if it can not. `max_bytes`: what is used longest ago is
+  // Makes the folder if need be: ToolError kIo if it cannot. `max_bytes`: what is used longest ago is
   // removed beyond this.
   Cache(const std::filesystem::path& folder, std::uint64_t max_bytes);
 
@@ -30,7 +30,7 @@ class Cache {
   };
   // The pack of these options in its place, if there is one. `check` is called with the files it is made of
   // before anything is written, and may throw. An entry that is damaged is none. ToolError kIo if the pack
-  // can not be written.
+  // cannot be written.
   template <class Check>
   std::optional<Hit> fetch(const Options& options, const Check& check) const {
     std::optional<bake::Recipe> recipe = find(options);

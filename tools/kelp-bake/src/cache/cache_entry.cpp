@@ -32,7 +32,7 @@ bool readBlocks(std::istream& in, std::uint64_t bytes, const Use& use) {
 
 [[noreturn]] void failToRead(const std::filesystem::path& file) {
   throw ToolError(Exit::kIo,
-                  file.string() + ": can not be read again; keep the pack in place while it is baked");
+                  file.string() + ": cannot be read again; keep the pack in place while it is baked");
 }
 
 // "SIZE " from the front of a text.

@@ -82,7 +82,7 @@ std::optional<Baked> takeCurrent(const Options& options, const Place& place) {
   if (::utimensat(AT_FDCWD, options.output.c_str(), nullptr, 0) != 0) {
     const int error = errno;
     baked.notices.push_back(options.output.string() +
-                            ": its time can not be renewed: " + std::generic_category().message(error) +
+                            ": its time cannot be renewed: " + std::generic_category().message(error) +
                             "; builds will ask for it again; see that you may write to it");
   }
   return baked;

@@ -25,7 +25,7 @@ void checkDestinations(const Options& options);
 // The pack that is there, if it is what a bake would write (bake::isCurrent). Where a rule is asked for it is
 // written, as others may have asked for this pack before, and the pack's time is renewed: a build asks again
 // for as long as its target is older than what the rule names. No byte of the pack changes, and no report is
-// written. ToolError if the rule can not be written.
+// written. ToolError if the rule cannot be written.
 std::optional<Baked> takeCurrent(const Options& options, const Place& place);
 
 // `cache` may be null. `place`: where the batch names the asset, or nothing. `announce`: say before the work

@@ -125,11 +125,11 @@ void checkCommand(const Command& command) {
       misuse("--manifest and an input at once; put the input into the manifest, or bake it by itself");
     if (given("deps-target") || command.config.count("deps-target") > 0)
       misuse(
-          "-MT and a batch at once: one target can not be each pack; leave it out, or give \"deps-target\" "
+          "-MT and a batch at once: one target cannot be each pack; leave it out, or give \"deps-target\" "
           "at an asset");
     if (given("deps-file") || command.config.count("deps-file") > 0)
       misuse(
-          "-MF and a batch at once: one file can not name what each pack was made of; use -MD, which writes "
+          "-MF and a batch at once: one file cannot name what each pack was made of; use -MD, which writes "
           "OUT.d for each, or \"deps-file\" at an asset");
     if (command.plan && given("report"))
       misuse("--plan and --report at once: a plan bakes nothing that could be reported; leave one out");

@@ -31,7 +31,7 @@ struct Command {
 };
 
 // words[0] is the program. nullopt when --help or --version was all that was asked; they are on stdout then.
-// ToolError kUsage for what can not be understood.
+// ToolError kUsage for what cannot be understood.
 std::optional<Command> parseCommandLine(const std::vector<std::string>& words);
 
 // A line of a list: an input and the options of its pack. Errors have the place.

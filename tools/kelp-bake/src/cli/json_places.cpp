@@ -210,7 +210,7 @@ std::string readTextFile(const std::filesystem::path& file, const Place& named_a
   std::size_t size = 0;
   while (const std::size_t got = in.read(std::as_writable_bytes(std::span(text).subspan(size)))) size += got;
   if (!in.problem().empty())
-    fail(Exit::kIo, "can not be read: " + in.problem() + "; check the name and its permissions");
+    fail(Exit::kIo, "cannot be read: " + in.problem() + "; check the name and its permissions");
   if (size > kMaxBytes) fail(Exit::kInvalid, "is larger than 16 MiB; is it the right file? Else divide it");
   text.resize(size);
   return text;

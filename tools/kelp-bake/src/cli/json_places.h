@@ -29,13 +29,13 @@ struct JsonValue::Member {
 };
 
 // Safe for hostile text: bounds depth, values and members. ToolError kInvalid with line and column for what
-// can not be read on from; what can goes to `faults`: names that are there twice, control characters.
+// cannot be read on from; what can goes to `faults`: names that are there twice, control characters.
 JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Faults& faults);
 
 // A name as messages show it.
 std::string quoted(const std::string& name);
 
-// Whether a file comes as a stream, "-" or a pipe: it has no folder, and can not be read again.
+// Whether a file comes as a stream, "-" or a pipe: it has no folder, and cannot be read again.
 bool isStream(const std::filesystem::path& file);
 
 // The text of a file that the user named, a pipe perhaps: at most 16 MiB. ToolError kIo or kInvalid;

@@ -100,7 +100,7 @@ int main(int argc, char** argv) {
         progress != values.end() && progress->second.text == "json")
       speakJson();
     if (command->print_config) {
-      readOptions(values);  // what can not be is no reference
+      readOptions(values);  // what cannot be is no reference
       writeStdout(printConfig(values));
       return Exit::kOk;
     }

@@ -18,7 +18,7 @@ std::optional<Number> parseNumber(const std::string& text) {
   return value;
 }
 
-// The values of one bake, read one by one. What can not be is noted with its place.
+// The values of one bake, read one by one. What cannot be is noted with its place.
 class Reader {
  public:
   Reader(const Values& values, Faults& faults) : values_(values), faults_(faults) {}

@@ -29,7 +29,7 @@ struct Options {
   bool phony_deps = false;                               // and an empty rule for every file that it names
 };
 
-// ToolError, SeveralFaults for what can not be understood or contradicts itself, with the place where it was
+// ToolError, SeveralFaults for what cannot be understood or contradicts itself, with the place where it was
 // written (see faultAt).
 Options readOptions(const Values& values);
 // The same, with what is wrong as faults: the rest is as it was understood.

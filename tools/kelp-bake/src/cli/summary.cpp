@@ -116,7 +116,7 @@ std::string printBytes(std::uint64_t bytes) {
 void writeStdout(const std::string& text) {
   if (const std::string problem = console::writeOut(text); !problem.empty())
     throw ToolError(Exit::kIo,
-                    "standard output can not be written: " + problem + "; free space or choose another file");
+                    "standard output cannot be written: " + problem + "; free space or choose another file");
 }
 
 void printEstimate(const Options& options, const bake::Report& report) {

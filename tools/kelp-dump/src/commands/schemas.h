@@ -5,7 +5,7 @@
 namespace kelp::dump {
 
 extern const char* const kDumpSchema;      // tools/kelp-dump/kelp-dump.schema.json
-extern const char* const kRigSchema;       // tools/rig_json/rig.schema.json
+extern const char* const kRigSchema;       // tools/rig/rig.schema.json
 extern const char* const kReportSchema;    // tools/kelp-bake/kelp-bake-report.schema.json
 extern const char* const kBatchSchema;     // tools/kelp-bake/kelp-bake-batch.schema.json
 extern const char* const kPlanSchema;      // tools/kelp-bake/kelp-bake-plan.schema.json

@@ -112,7 +112,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
 std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
 
 // --- all of it -----------------------------------------------------------------------------------
-// What of the settings can not be: each a ToolError kUsage that names the option. bake() throws the first.
+// What of the settings cannot be: each a ToolError kUsage that names the option. bake() throws the first.
 std::vector<ToolError> settingsFaults(const Settings& settings);
 // Bakes a file to a pack in memory.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report,
@@ -127,7 +127,7 @@ struct Recipe {
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
 // What a pack that says `info` would say if it were baked from the files as they are now: the same text, if
 // none of them changed. It decides the pack's bytes. nullopt if it is not what bake() writes. Safe for
-// hostile text. ToolError kIo for a file that can not be read.
+// hostile text. ToolError kIo for a file that cannot be read.
 std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input,
                                 const Settings& settings);
 // Whether `pack` is what bake() would make of the input: whole, and baked by this version with these options
