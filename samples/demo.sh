@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # From a fresh Debian 12 to pictures of models that bend, in samples/out: installs missing packages (as root,
 # or with sudo), builds kelp, makes the sample models, bakes and verifies them, and renders them. It needs no
-# display. On two cores it takes some TIME minutes, most of them the build. It needs 2 GB of disk: 1.3 GB for
-# the packages (270 MB to download), the rest for build/release and samples/out. A second run only does what
-# has changed.
+# display. On two cores it takes less than 20 minutes, most of them the build. It needs 2 GB of disk: 1.3 GB
+# for the packages (270 MB to download), the rest for build/release and samples/out. A second run only does
+# what has changed.
 #   samples/demo.sh           all of it
 #   samples/demo.sh --help    this text
 set -euo pipefail
@@ -69,12 +69,12 @@ reef() {
 }
 
 cat >&2 <<END
-kelp's demo: packages, build, models, packs, pictures. Some TIME minutes the first time, on two cores.
+kelp's demo: packages, build, models, packs, pictures. Less than 20 minutes the first time, on two cores.
 The build goes to build/release, the rest to $PWD/$out, all output to $log.
 END
 step "install packages (a minute or two the first time)" tools/setup.sh
 step "configure" cmake --preset release
-step "build (some TIME minutes the first time)" cmake --build --preset release --target \
+step "build (the longest step, the first time)" cmake --build --preset release --target \
   kelp-bake kelp-dump kelp-render kelp-view game_loop mirror underwater
 if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
