@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // kelp's readers of OBJ, PLY, STL and OFF against OpenMesh, which reads the same files by itself: triangle by
-// triangle, to the last bit. OpenMesh is right on files of good behaviour; tools/bake/README.md has those
-// where it is not.
+// triangle, to the last bit. OpenMesh is right on files of good behaviour;
+// tools/import/mesh/README.md has those where it is not.
 #include <algorithm>
 #include <bit>
 #include <cmath>
