@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The baker as a library: a file in, a pack out. Stages are functions from plain data to plain data, in the
-// order of this header. Everything here throws ToolError, and nothing else; one boundary in tools/kelp-bake
-// turns it into an exit code and a line.
+// order of this header. Everything here throws ToolError and nothing else; tools/kelp-bake turns it into an
+// exit code and a line. Functions may run on several threads at once, each with its own arguments.
 #pragma once
 
 #include <cstdint>
@@ -25,37 +25,38 @@ namespace kelp::bake {
 // What the user asks of a bake.
 struct Settings : ImportSettings {
   Fill fill = Fill::kAuto;
-  std::optional<std::filesystem::path> palette_file;  // its colours are the palette; see readPalette
-  // no palette entry serves two of the file's materials; not with palette_file
+  std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
+  // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  int levels = 0;  // 0: down to a single brick
+  int levels = 0;  // how many; 0: until a level is a single brick
 };
 
-// Seconds and numbers of a bake, for --report and the closing lines.
+// Numbers of a bake, for --report and the closing lines.
 struct Report {
   struct Stage {
     std::string name;
     double seconds = 0;
-    std::uint64_t peak_bytes = 0;  // the most memory that the program has held until this stage ended
+    std::uint64_t peak_bytes = 0;  // the program's peak memory up to the end of this stage
   };
   struct Part {
     std::string name, rig_origin, fill;
     glm::ivec3 size{0};
-    double voxel_size = 0;
+    double voxel_size = 0;  // metres
     std::uint64_t triangles = 0, solid_voxels = 0, surface_voxels = 0, bricks = 0;
     bool fog = false;
-    std::uint64_t fog_voxels = 0;  // that are not clear; a fog part has no solid_voxels
+    std::uint64_t fog_voxels = 0;  // with density above 0; a fog part has no solid_voxels
     bool closed = false;
-    bool carrier = false;  // there for its motion alone
+    bool carrier = false;  // has no voxels, only motion
     MeshCounts mesh;       // zeros for volumes
     FillCounts repairs;
-    std::string parent;                       // the part that it follows; empty: none
+    std::string parent;                       // the part it follows; empty: none
     std::vector<ComponentReport> components;  // empty for volumes
   };
   struct Clip {
     std::string name, part;
-    float duration = 0, leaves_box = 0;
-    bool bends = false, moves = false;  // moves its knots; moves it as a whole
+    float duration = 0;                 // seconds
+    float leaves_box = 0;               // how far bending leaves the box at rest, in lengths of the part
+    bool bends = false, moves = false;  // bends the part; moves it as a whole
   };
   std::string format;
   std::vector<Stage> stages;
@@ -63,9 +64,9 @@ struct Report {
   std::vector<Clip> clips;
   std::vector<std::string> notices;
   FilesUsed files;
-  std::uint64_t materials = 0, images = 0;  // that triangles use; pictures that could be had
+  std::uint64_t materials = 0, images = 0;  // materials that triangles use; images that were read
   std::uint64_t palette_entries = 0;
-  // with Settings::keep_materials, the material of each palette entry
+  // with Settings::keep_materials: the material of each palette entry
   std::vector<std::string> palette_materials;
   // mean distance in OKLab between a surface voxel's colour and its palette entry
   double palette_error = 0;
@@ -75,68 +76,69 @@ struct Report {
 };
 
 // --- 1. palette ----------------------------------------------------------------------------------
-// Base colours, linear, 1 to 256, of a palette that somebody painted: a GIMP palette (.gpl, in its order), or
-// a picture (row by row from the top left, each colour once; what is transparent is no colour). ToolError kIo
-// and kInvalid. Safe for hostile input.
+// The 1 to 256 base colours, linear, of a palette file: a GIMP palette (.gpl, in its order), or a picture
+// (row by row from the top left; each colour once; transparent pixels are skipped). Throws ToolError kIo or
+// kInvalid. Safe for hostile input.
 std::vector<glm::vec3> readPalette(const std::filesystem::path& path, FilesUsed* used = nullptr);
 
 struct PaletteRules {
-  // of a file that is painted by index, if it is: kept as they are, each voxel has the one that
-  // SurfaceSample::source names. Without `colors`
+  // The palette of a file that has one (MagicaVoxel); otherwise empty. Kept as it is: SurfaceSample::source
+  // is the index. Not together with `colors`.
   std::vector<Material> entries;
-  // the entries, in this order, if there are any: each voxel gets the nearest in OKLab. Gloss and glow are
-  // means
+  // If not empty, the palette's colours in this order; each voxel gets the nearest in OKLab. Metallic,
+  // roughness and emission of an entry are means over its voxels.
   std::vector<glm::vec3> colors;
-  bool keep_materials = false;  // samples of two sources never share an entry
+  bool keep_materials = false;  // samples with different sources never share an entry
   bool blends = false;          // of `entries`: SourceModel::palette_blends
 };
 struct Palette {
   std::vector<Material> entries;  // 1 to 256
-  // with keep_materials or given entries that do not blend, SurfaceSample::source of each entry; else empty
+  // SurfaceSample::source of each entry, with keep_materials or with given entries that do not blend;
+  // otherwise empty
   std::vector<std::uint32_t> sources;
-  std::vector<std::vector<std::uint8_t>> indices;  // one list a grid, one index a surface sample
+  std::vector<std::vector<std::uint8_t>> indices;  // one list per grid, one index per surface sample
   double mean_error = 0;                           // OKLab
 };
-// ToolError kUnsupported where more materials than entries are to be kept apart.
+// One palette for all grids. Throws ToolError kUnsupported if keep_materials asks for more than 256 entries.
 Palette choosePalette(const std::vector<const VoxelGrid*>& grids, int threads,
                       const PaletteRules& rules = {});
 
 // --- 2. pack -------------------------------------------------------------------------------------
-// Occupancy, attributes and levels of one grid, which is used up: its arrays are the largest there are.
-// `sources`: Palette::sources; coarse voxels then keep the material of most of their children.
+// Occupancy, attributes and levels of one grid. Frees the grid's arrays as it goes: they are the largest of a
+// bake. With `sources` (Palette::sources), a coarse voxel gets the material of most of its children.
 std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t>& palette_indices,
                                   const std::vector<Material>& palette, int levels, int threads,
                                   const Progress& progress, const std::vector<std::uint32_t>& sources = {});
 
-// The same of fog. Heat is dropped where no sample of it is left.
+// The same for fog. Without any heat above 0, the levels have no heat.
 std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
 
 // --- all of it -----------------------------------------------------------------------------------
-// What of the settings cannot be: each a ToolError kUsage that names the option. bake() throws the first.
+// Every invalid setting, as a ToolError kUsage that names the option. bake() throws the first.
 std::vector<ToolError> settingsFaults(const Settings& settings);
-// Bakes a file to a pack in memory.
+// Bakes a file to a pack in memory. Safe for hostile input.
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report,
              const Progress& progress = {});
-// What a pack says of its making (INFO), and the files that were asked for it.
+// A pack's INFO text (version, options, files with hashes), and the files it names.
 struct Recipe {
   std::string info;
   FilesUsed files;
 };
-// What is known before anything but the named files is read: two bakes of one input with the same answer read
-// the same files, as far as those are the same.
+// The recipe as far as it is known before the input is read. Two bakes of one input with equal recipes read
+// the same files, as long as those files do not change.
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
-// What a pack that says `info` would say if it were baked from the files as they are now: the same text, if
-// none of them changed. It decides the pack's bytes. nullopt if it is not what bake() writes. Safe for
-// hostile text. ToolError kIo for a file that cannot be read.
+// The recipe of a pack with this INFO, with the files' content as it is now. The text equals `info` if
+// nothing changed; equal texts mean equal packs. nullopt if bake() did not write `info`. Throws ToolError kIo
+// for a file that cannot be read. Safe for hostile text.
 std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input,
                                 const Settings& settings);
-// Whether `pack` is what bake() would make of the input: whole, and baked by this version with these options
-// from files whose content, by their hashes, is still the same; names that were looked for in vain must still
-// be absent. Reads all of it. Never throws; a pack that is absent, damaged or hostile is not current.
+// Whether bake() would write this pack again: it is whole, and this version baked it with these settings from
+// files with the same hashes; files that were looked for and not found must still be missing. Reads the whole
+// pack. Never throws: a missing, damaged or hostile pack is not current.
 bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& input,
                const Settings& settings);
-// Writes the pack beside `path`, flushes it to disk and renames it over `path`: an existing file is whole at
-// every moment, and whatever goes wrong leaves nothing behind.
+// Writes the pack to a temporary file beside `path`, flushes it to disk and renames it to `path`. So an
+// existing file is whole at every moment, and an error leaves no temporary file. Throws ToolError kIo.
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
                    const Progress& progress = {});
 
