@@ -16,9 +16,6 @@ function(kelp_target_defaults target)
   set(unity $<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>)
   target_compile_options(${target} PRIVATE
     $<IF:${unity},$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>,-Wshadow>)
-  # GCC 12's basic-block vectorizer drops the rounding of glm::dvec3(glm::vec3(d)), a double that becomes a
-  # float and a double again. Places then differ between builds (ImportPlace.ShapesFarFromTheOrigin).
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
   # GCC 12 warns wrongly at -O3 inside the standard library: of overlapping copies in "text" + std::string()
   # (GCC bug 105651), and of freeing the middle of a std::vector. GCC 13 does not, and keeps these warnings.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
