@@ -62,7 +62,7 @@ static GLuint prepareTriangles() {
   return program;
 }
 
-// Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
+// Prints what failed and why. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
 static int fail(const char* what, const kelp::Error& error) {
   std::fprintf(stderr, "game_loop: %s: %s: %s\n", what, kelp::toString(error.code), error.detail);
   return error.code == kelp::ErrorCode::kIo ? 2 : error.code == kelp::ErrorCode::kGraphics ? 4 : 3;

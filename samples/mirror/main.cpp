@@ -115,7 +115,7 @@ static GLuint makeMirrors(const kelp::gl::Renderer& renderer) {
   return good ? program : 0;
 }
 
-// Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
+// Prints what failed and why. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
 static int fail(const char* what, const kelp::Error& error) {
   std::fprintf(stderr, "mirror: %s: %s: %s\n", what, kelp::toString(error.code), error.detail);
   return error.code == kelp::ErrorCode::kIo ? 2 : error.code == kelp::ErrorCode::kGraphics ? 4 : 3;
@@ -162,7 +162,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   glEnable(GL_FRAMEBUFFER_SRGB);  // kelp's colours are linear, as ours are
   glClearColor(0.36f, 0.45f, 0.54f, 1);
 
-  // The model stands in the middle of a room of its own measures.
+  // The model stands in the middle of a room scaled to it.
   kelp::runtime::Instance instance{&**asset, &*pose};
   const kelp::Box box = bounds(instance);
   const glm::vec3 extent = box.max - box.min, middle = 0.5f * (box.min + box.max);

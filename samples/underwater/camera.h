@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the scene is seen from: it circles in the glade by itself, until someone takes over.
+// The camera. It circles in the glade until the user takes over.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The packs of the scene, opened in an instant and filled by a thread of their own.
+// The packs of the scene. Opening is instant; a thread loads them.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class Library {
   // Once a frame, after it was drawn: what it lacked is read by the thread, which sleeps when there is
   // nothing to read.
   void ask();
-  // Whether all that was asked for has been read.
+  // Whether every request has been read.
   bool idle() const;
   // Whether a pack turned out to be bad while it was read: the thread has said so on stderr, and what is
   // sound is drawn.

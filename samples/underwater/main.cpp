@@ -18,7 +18,7 @@ constexpr float kSwimSpeed = 1.6f;     // metres a second
 constexpr float kPixelTurn = 0.004f;   // radians
 constexpr float kPlayerRadius = 0.6f;  // metres
 
-// Says what is wrong with what. Answers the exit code: 2 input or output, 4 graphics, 3 the pack.
+// Prints what failed and why. Returns the exit code: 2 for input or output, 4 for graphics, 3 for the pack.
 int fail(const std::string& what, const kelp::Error& error) {
   std::fprintf(stderr, "underwater: %s: %s: %s\n", what.c_str(), kelp::toString(error.code), error.detail);
   if (error.code == kelp::ErrorCode::kIo) return 2;

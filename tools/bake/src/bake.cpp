@@ -127,7 +127,7 @@ void importModel(Job& job) {
   job.volume = isVolume(job.model);
 }
 
-// Asks for the memory of all that follows. The importer has asked for volumes, before it made their voxels.
+// Checks the memory of all later stages. For volumes the importer did so before it made their voxels.
 void checkMemory(Job& job) {
   const SourceModel& model = job.model;
   const auto sizes = [&](const std::vector<Frame>& frames, int pad) {
@@ -318,7 +318,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   clock.begin("import");
   importModel(job);
   frameParts(job);
-  rigParts(job.model, input, job.pack, report);  // an artist's mistakes are told before the long work
+  rigParts(job.model, input, job.pack, report);  // reports faults of a rig before the long work
   clock.begin("voxelize");
   voxelizeParts(job);
   clock.begin("palette");

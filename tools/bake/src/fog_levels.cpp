@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Levels of fog: the finest from the grid, each other from what is stored of the one below it.
+// Levels of fog: the finest from the grid, each coarser one from the stored values of the level below.
 #include <utility>
 
 #include "kelp/bake/bake.h"

@@ -22,7 +22,7 @@ glm::dmat4 composeExactly(const glm::mat4x3& outer, const glm::mat4x3& inner) {
   return affine(outer) * affine(inner);
 }
 
-// With what is to be added to them.
+// Frames with their padding.
 void checkSides(const SourceModel& model, const std::vector<Frame>& frames, const ImportSettings& settings,
                 const std::filesystem::path& input) {
   for (std::size_t i = 0; i < model.parts.size(); ++i) {

@@ -186,7 +186,7 @@ class Sampler {
     return nearest;
   }
 
-  // Whether what is nearest is among what is seen.
+  // Whether the nearest triangle is visible.
   bool isSeen(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
     const SolidTriangle& triangle = mesh_.triangles[nearest.triangle];
     return std::any_of(sides.side, sides.side + sides.count, [&](const Side& side) {

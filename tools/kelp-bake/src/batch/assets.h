@@ -15,25 +15,25 @@ struct Asset {
 };
 
 struct AssetList {
-  // in the order of the files; what a manifest includes comes before its own
+  // in the files' order; assets of included manifests come first
   std::vector<Asset> assets;
-  std::vector<std::filesystem::path> files;  // that were read for it
+  std::vector<std::filesystem::path> files;  // the manifests that were read
 };
 
-// Many more are no list that somebody means.
+// A file with more is taken for an error.
 inline constexpr std::size_t kMaxAssets = 100000;
 
-// A manifest and all that it includes. `folder`, if it is not empty, takes the place of every manifest's
-// "output". What is wrong goes to `faults`, with file, line and column (kIo for a manifest that cannot be
-// read), and the rest is read all the same. Safe for hostile files.
+// Reads a manifest and the manifests it includes. `folder`, if not empty, replaces every manifest's "output".
+// Adds faults with file, line and column to `faults` (kIo for a manifest that cannot be read), and reads the
+// rest. Safe for hostile files.
 AssetList readManifest(const std::filesystem::path& file, const std::filesystem::path& folder,
                        Faults& faults);
 
-// A text with an input on each line, and options of its pack behind it, words and quotes as in a shell; what
-// follows a # is a remark. Names are taken as on the command line, from the working folder. The same errors.
+// Reads a list: on each line an input and its options, with words and quotes as in a shell; # starts a
+// comment. File names are relative to the working folder. The same errors.
 AssetList readList(const std::filesystem::path& file, const std::filesystem::path& folder, Faults& faults);
 
-// The pack's name where none is given.
+// The pack's default name.
 std::string packName(const std::string& input);
 
 }  // namespace kelp::bake_cli

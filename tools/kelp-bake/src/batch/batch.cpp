@@ -81,9 +81,9 @@ bool isThere(const std::optional<fs::path>& file) {
   return !file || fs::exists(*file, error);
 }
 
-// By what was baked so far. Assets with a resolution of their own count by it; of others only the input knows
-// how large they are, by a voxel's size or by the voxels it has already, and each counts as one: a kind by
-// itself, as nothing is known of how the two compare.
+// Estimates the time left from the assets baked so far. Assets with a resolution count by its voxels. The
+// size of others is known only after import, so each of them counts as one. The two kinds are estimated
+// apart.
 class TimeLeft {
  public:
   explicit TimeLeft(const Jobs& jobs) {
@@ -178,7 +178,7 @@ AssetResult unpacked(const std::string& bytes) {
   return result;
 }
 
-// In a process of its own.
+// In a child process.
 AssetResult runContained(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
   const auto start = Clock::now();
   AssetResult result;

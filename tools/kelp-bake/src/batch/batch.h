@@ -6,9 +6,8 @@
 
 namespace kelp::bake_cli {
 
-// Bakes what the command names, or prints the plan. Everything is checked before the first asset is baked:
-// ToolErrors are thrown then only. Afterwards a bad asset stops no other; answers the highest exit code of
-// them all, 130 if it was interrupted.
+// Bakes a batch, or prints its plan. Checks all assets before the first bake and throws ToolError only then.
+// After that a bad asset stops no other. Returns the highest exit code of all assets, 130 if interrupted.
 Exit runBatch(const Command& command);
 
 }  // namespace kelp::bake_cli

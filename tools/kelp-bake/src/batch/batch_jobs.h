@@ -9,21 +9,21 @@
 
 namespace kelp::bake_cli {
 
-// One asset of a batch, understood and checked.
+// One asset of a batch, parsed and checked.
 struct Job {
-  Asset asset;  // with what the command line says
+  Asset asset;  // with the command line's options
   Options options;
 };
 
 struct Jobs {
   std::vector<Job> jobs;                             // those of the shard
-  std::vector<std::size_t> indices;                  // of each in the whole batch, from 0
+  std::vector<std::size_t> indices;                  // each one's index in the whole batch
   std::size_t all = 0;                               // in the whole batch
   std::optional<std::filesystem::path> report_file;  // of the batch
 };
 
-// Reads the manifest or list, and checks every asset of it, of other shards too: options, files that are not
-// there, files that would be overwritten. ToolError or SeveralFaults: all that is wrong.
+// Reads the manifest or list and checks all its assets, also those of other shards: options, missing files,
+// files that would be overwritten. Throws ToolError or SeveralFaults with all faults.
 Jobs prepareJobs(const Command& command);
 
 }  // namespace kelp::bake_cli

@@ -34,7 +34,7 @@ std::string asArgument(const std::string& file) {
   return !file.empty() && (file[0] == '-' || file[0] == '@') ? "./" + file : file;
 }
 
-// The command line that bakes this asset alone. What is of the whole run is left to whoever runs it.
+// The command line that bakes this asset alone, without options of the run.
 OrderedJson argumentsOf(const Job& job) {
   const Values& values = job.asset.values;
   OrderedJson arguments = {asArgument(job.options.input.string()), "-o",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a batch would do, and what became of it, for programs.
+// A batch's plan and report, as JSON.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ const char* toString(Status status);
 struct AssetResult {
   Status status = Status::kPending;
   Exit exit = Exit::kOk;
-  std::string error;  // of a failed one: the line
+  std::string error;  // the error line, if it failed
   double seconds = 0;
   std::uint64_t pack_bytes = 0;
   std::vector<std::string> notices;
@@ -29,9 +29,9 @@ struct BatchResult {
   std::size_t count(Status status) const;
 };
 
-// JSON for stdout, as kelp-bake-plan.schema.json describes it.
+// The JSON of --plan (kelp-bake-plan.schema.json).
 std::string planJson(const Command& command, const Jobs& jobs);
-// Writes --report of a batch, as kelp-bake-batch.schema.json describes it. ToolError kIo.
+// Writes a batch's --report (kelp-bake-batch.schema.json). Throws ToolError kIo.
 void writeBatchReport(const std::filesystem::path& path, const Command& command, const Jobs& jobs,
                       const BatchResult& result);
 

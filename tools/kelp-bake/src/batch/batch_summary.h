@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What became of a batch, for people: lines on stderr.
+// The results of a batch, as lines on stderr.
 #pragma once
 
 #include "batch/batch_report.h"
 
 namespace kelp::bake_cli {
 
-// What became of one asset, as soon as it is known. Nothing of one that was interrupted.
+// Prints the result of one asset, when it is known; nothing if it was interrupted.
 void printAsset(const Jobs& jobs, std::size_t index, const AssetResult& result);
-// All of it, and what failed once more.
+// Prints the totals, and the failed assets again.
 void printBatch(const Jobs& jobs, const BatchResult& result);
 
 }  // namespace kelp::bake_cli

@@ -38,7 +38,7 @@ class ManifestReader {
       if (open_.size() >= kMaxIncludes)
         fail(named_at, "more than " + std::to_string(kMaxIncludes) +
                            " manifests include each other; put them side by side");
-      if (!done_.insert(real).second) return;  // whoever includes it twice wants it once
+      if (!done_.insert(real).second) return;  // included twice counts once
       if (!is_pipe) out.files.push_back(file);
       open_.push_back(real);
       faults_.keep([&] { readObject(file, parseJson(file, text, faults_)); });
@@ -54,7 +54,7 @@ class ManifestReader {
       fail(root.place, std::string("a manifest is an object, this is ") + root.kindName() +
                            "; write {\"assets\": [...]}");
     const JsonValue *includes = nullptr, *assets = nullptr, *defaults = nullptr;
-    // Names in what comes through a pipe are those of the working folder.
+    // File names in a pipe are relative to the working folder.
     const fs::path folder = isStream(file) ? fs::path() : file.parent_path();
     fs::path output = output_folder_.empty() ? folder : output_folder_;
     for (const JsonValue::Member& member : root.members) {

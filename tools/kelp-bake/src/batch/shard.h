@@ -8,13 +8,12 @@
 
 namespace kelp::bake_cli {
 
-// What an asset is taken to cost, by its options alone: where they give no resolution, that of the default
-// one.
+// The estimated cost of an asset, from its resolution (default: 128) alone.
 double voxelsOf(const Options& options);
 
-// The indices of the assets in a share, ascending. Each asset is in exactly one of N shares. It depends on
-// the options alone and on no file: runs that start at different times on different machines never disagree.
-// Balanced by voxels: the largest first, each to the share that has the least.
+// The indices of the assets in a share, ascending. Each asset is in exactly one share. The result depends
+// only on the options, not on files, so runs on different machines agree. The largest asset is assigned
+// first, each to the share with the fewest voxels.
 std::vector<std::size_t> chooseShard(const std::vector<Options>& assets, const Shard& shard);
 
 }  // namespace kelp::bake_cli

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Packs that were baked before, by the content of what they were made of.
-//
-// A lookup has two steps, since only an input itself says what else is read. What is known beforehand
-// (version, this very program, options, the input's bytes and name) leads to the names of the files that the
-// last such bake read or looked for in vain; the content of all of those, as it is now, leads to the pack.
-// Both are files whose names are hashes: written beside their place and renamed, so that any number of
-// processes on any number of machines may share a folder.
+// Keeps baked packs, found by the content of the files they were made of.
+// A lookup has two steps, because only the input says which other files are read. The version, this program's
+// bytes, the options and the input's bytes and name lead to the names of the files that the last such bake
+// read, or looked for and did not find. Their current content leads to the pack. Both steps use files named
+// by hashes. They are written beside their place and renamed, so processes on several machines may share a
+// folder.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +18,18 @@ namespace kelp::bake_cli {
 
 class Cache {
  public:
-  // Makes the folder if need be: ToolError kIo if it cannot. `max_bytes`: what is used longest ago is
-  // removed beyond this.
+  // Creates the folder if it is missing; throws ToolError kIo if that fails. Beyond `max_bytes` the least
+  // recently used entries are deleted.
   Cache(const std::filesystem::path& folder, std::uint64_t max_bytes);
 
   struct Hit {
-    bake::FilesUsed files;  // as they are now
-    std::string report;     // JSON, of the bake that made the pack
+    bake::FilesUsed files;  // with their current hashes
+    std::string report;     // JSON of the bake that made the pack
     std::uint64_t pack_bytes = 0;
   };
-  // The pack of these options in its place, if there is one. `check` is called with the files it is made of
-  // before anything is written, and may throw. An entry that is damaged is none. ToolError kIo if the pack
-  // cannot be written.
+  // Writes the cached pack of these options to its place, if there is one. Calls `check`, which may throw,
+  // with the pack's source files before it writes. Damaged entries are ignored. Throws ToolError kIo if the
+  // pack cannot be written.
   template <class Check>
   std::optional<Hit> fetch(const Options& options, const Check& check) const {
     std::optional<bake::Recipe> recipe = find(options);
@@ -38,7 +37,7 @@ class Cache {
     check(recipe->files);
     return copyTo(options, std::move(*recipe));
   }
-  // Keeps a pack that was just written to its place. False if it could not; that does no harm.
+  // Stores a pack that was just written. Returns false if that fails, which is harmless.
   bool store(const Options& options, const std::string& info, const std::string& report,
              const std::string& pack_hash) const noexcept;
 
@@ -55,7 +54,7 @@ class Cache {
   std::string program_;  // hash of this program
 };
 
-// The cache that the options name, if they do.
+// The cache of --cache; null without the option.
 std::optional<Cache> openCache(const Options& options);
 
 }  // namespace kelp::bake_cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One pack in a cache: a line "kelp-cache 1 REPORT PACK CHECKSUM" with the sizes of what follows it, the
-// report and the pack, and their XXH3-128.
+// One cached pack: a line "kelp-cache 1 REPORT PACK CHECKSUM" (two sizes in bytes and the XXH3-128 of both),
+// then the report and the pack.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace kelp::bake_cli {
 
-// Writes an entry of a pack that is in its place. ToolError kIo, also if its hash is another by now.
+// Writes an entry for a pack file. Throws ToolError kIo, also if the file's hash has changed.
 void writeEntry(const std::filesystem::path& entry, const std::string& report,
                 const std::filesystem::path& pack, const std::string& pack_hash);
 
@@ -19,8 +19,8 @@ struct Entry {
   std::string report;
   std::uint64_t pack_bytes = 0;
 };
-// Copies an entry's pack; commit `pack` only if there is an answer: nullopt for an entry that is not there,
-// or damaged in any byte. ToolError if `pack` cannot be written.
+// Copies the entry's pack into `pack` and returns its report. nullopt for a missing or damaged entry: do not
+// commit `pack` then. Throws ToolError if `pack` cannot be written.
 std::optional<Entry> readEntry(const std::filesystem::path& entry, OutputFile& pack);
 
 }  // namespace kelp::bake_cli

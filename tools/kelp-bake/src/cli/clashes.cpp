@@ -22,7 +22,7 @@ fs::path placeOf(const fs::path& path) {
   return error ? real : place;
 }
 
-// What two names of one file have in common; nothing for what is no regular file.
+// Keys that are equal for all names of a file. Empty if the file is not regular.
 std::vector<std::string> keysOf(const fs::path& path) {
   struct stat status {};
   const bool there = ::stat(path.c_str(), &status) == 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keeps a bake, or a batch of them, from writing over what it reads, or over its own output.
+// Prevents a bake or a batch from overwriting a file that it reads or another of its outputs.
 #pragma once
 
 #include <string>
@@ -10,18 +10,17 @@
 
 namespace kelp::bake_cli {
 
-// Every file that is read or written, and by whom. Two names are one file by the way they lead to it, through
-// links of either kind or by different ways to one folder, whether it is there yet or not. What is no regular
-// file (/dev/null) holds nothing that could be lost, and may be named twice.
+// All files that are read or written, and by which option. Two names are the same file if they lead to it by
+// symbolic links, hard links or different paths to a folder, even before the file exists. Files that are not
+// regular (/dev/null) may be named several times.
 class FileRoles {
  public:
-  // ToolError, with both names, if the file is written too.
+  // Throws ToolError with both names if the file is also written.
   void addRead(const std::filesystem::path& path);
-  // ToolError if the file is read, or written by somebody else. `option`: "-o", "--report"; the error is one
-  // of its place.
+  // Throws ToolError, with the place of `option` ("-o", "--report"), if the file is also read, or written by
+  // another option.
   void addWritten(const std::filesystem::path& path, const std::string& option, const Place& place);
-  // A folder that is made if need be, and those above it: ToolError if one of them is to be a file that is
-  // written.
+  // A folder that may be created. Throws ToolError if it, or a folder above it, is a file that is written.
   void addFolder(const std::filesystem::path& path, const std::string& option);
 
  private:
@@ -29,12 +28,12 @@ class FileRoles {
     std::string name;  // "-o reed.kelp"
     Place place;
   };
-  std::unordered_map<std::string, Writer> written_;  // by each of a file's keys
+  std::unordered_map<std::string, Writer> written_;  // by each key of a file
   std::unordered_map<std::string, std::filesystem::path> read_;
-  std::unordered_map<std::string, std::string> folders_;  // by their places: "--cache packs"
+  std::unordered_map<std::string, std::string> folders_;  // path to option: "--cache packs"
 };
 
-// Adds all that `options` write and, beside `read`, all that they name to be read; `place` is where they were
+// Adds the files that `options` write, the files they read, and `read`. `place`: where the options were
 // written.
 void addRoles(FileRoles& roles, const Options& options, const std::vector<std::filesystem::path>& read,
               const Place& place);

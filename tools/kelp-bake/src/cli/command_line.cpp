@@ -22,20 +22,23 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake part.stl -o part.kelp --up +z --unit mm   as CAD programs write it
   kelp-bake plant.ply -o plant.kelp --voxel-size 0.01 --rig plant.rig.json
   kelp-bake cloud.vdb -o cloud.kelp --report cloud.json
-  kelp-bake knight.vox -o knight.kelp --unit 0.05     voxels of 5 cm, colours and their order as painted
+  kelp-bake knight.vox -o knight.kelp --unit 0.05     voxels of 5 cm
   kelp-bake scan.vdb -o skull.kelp --grid density --isovalue 0.4
   kelp-bake truck.gltf -o truck.kelp --parts nodes    wheels turn by the file's animations
-  kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        the skinned fox in the midst of a step
-  kelp-bake --manifest assets.json --report done.json many assets; what is up to date is not baked again
-  kelp-bake reed.glb -o reed.kelp -MD --cache ~/.cache/kelp  as a step of a build: a rule for make and ninja, and no bake twice
-  kelp-bake --manifest assets.json --shard 2/4        the second of four shares, for four machines
-  kelp-bake --print-config > all.toml                 every option, for kelp-bake --config all.toml
-  kelp-bake @models.txt -o packs --resolution 64      the files that a text names, one on each line
+  kelp-bake fox.gltf -o fox.kelp --at Walk:0.3        a skinned fox in the middle of a step
+  kelp-bake reed.glb -o reed.kelp -MD --cache ~/.cache/kelp
+                                                      in a build: writes a rule, bakes nothing twice
+  kelp-bake --manifest assets.json --report done.json many assets; skips packs that are up to date
+  kelp-bake --manifest assets.json --shard 2/4        the second of four machines
+  kelp-bake @models.txt -o packs --resolution 64      the files that a text file lists, one per line
+  kelp-bake --print-config > all.toml                 all options, for kelp-bake --config all.toml
 
-A rig comes from --rig, from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from empties named
-knot.0, knot.1, ... under a mesh; without any the part is straight. Exit codes: 0 done, 1 usage, 2 files, 3 invalid input,
-4 out of memory, 5 unsupported feature, 130 interrupted (Ctrl-C lets a file that is being read come to its end; a second
-one stops at once; an existing output stays as it was in either case). A batch goes on after a bad asset and answers the highest code of all.)";
+The rig comes from --rig, or else from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from
+empties named knot.0, knot.1, ... under a mesh. Without a rig the part is straight.
+
+Exit codes: 0 done, 1 usage, 2 files, 3 invalid input, 4 out of memory, 5 unsupported feature,
+130 interrupted. A batch continues after a bad asset and exits with the highest code of
+all. Ctrl-C stops after the current step, a second Ctrl-C at once. An existing output stays as it was.)";
 
 // The compilers' spelling: a single dash and two letters, which CLI11 would take apart. CLI11 takes the last
 // first.
@@ -55,11 +58,11 @@ class SharedOptions {
   SharedOptions(CLI::App& app, bool of_run_too) {
     add("input", app.add_option("input", texts_.emplace_back(),
                                 "glTF/GLB, OBJ, PLY, STL, OFF, Draco (.drc), VDB, NVDB, MagicaVoxel (.vox), "
-                                ".binvox or .raw file; or @LIST, a text file with one on each line")
+                                ".binvox or .raw file; or @LIST, a text file with one input per line")
                      ->type_name("FILE"));
     add("output", app.add_option("-o,--output", texts_.emplace_back(),
                                  "the pack to write; an existing one is replaced when the new one is "
-                                 "complete. Of a batch: the folder of its packs")
+                                 "complete. Of a batch: the folder for its packs")
                       ->type_name("FILE"));
     for (const OptionInfo& option : optionTable()) {
       if (option.scope == OptionScope::kRun && !of_run_too) continue;
@@ -109,52 +112,54 @@ Shard parseShard(const std::string& text) {
   constexpr unsigned kMost = 100000;
   if (second != std::errc() || rest != end || shard.index < 1 || shard.index > shard.count ||
       shard.count > kMost)
-    misuse("--shard " + text + ": no share; give I/N with I from 1 to N, such as 1/4 for the first of four");
+    misuse("--shard " + text +
+           ": is not a share; give I/N with I from 1 to N, such as 1/4 for the first of four");
   return shard;
 }
 
-// What of a command line makes no sense together.
+// Options that cannot be used together, and missing ones.
 void checkCommand(const Command& command) {
   const auto given = [&](const char* name) { return command.options.count(name) > 0; };
   if (command.print_config) {
-    if (command.plan) misuse("--print-config and --plan at once: both write to stdout; choose one");
+    if (command.plan)
+      misuse("--print-config and --plan cannot be used together: both write to stdout; choose one");
     return;
   }
   if (command.isBatch()) {
     if (command.manifest && (given("input") || command.list))
-      misuse("--manifest and an input at once; put the input into the manifest, or bake it by itself");
+      misuse(
+          "--manifest and an input cannot be used together; add the input to the manifest, or bake it alone");
     if (given("deps-target") || command.config.count("deps-target") > 0)
       misuse(
-          "-MT and a batch at once: one target cannot be each pack; leave it out, or give \"deps-target\" "
-          "at an asset");
+          "-MT cannot be used with a batch, because each pack has its own rule; leave it out, or set "
+          "\"deps-target\" for an asset");
     if (given("deps-file") || command.config.count("deps-file") > 0)
       misuse(
-          "-MF and a batch at once: one file cannot name what each pack was made of; use -MD, which writes "
-          "OUT.d for each, or \"deps-file\" at an asset");
+          "-MF cannot be used with a batch, because each pack has its own rule; use -MD, which writes "
+          "OUT.d for each, or set \"deps-file\" for an asset");
     if (command.plan && given("report"))
-      misuse("--plan and --report at once: a plan bakes nothing that could be reported; leave one out");
+      misuse("--plan and --report cannot be used together: a plan bakes nothing; leave one out");
     if (command.plan && command.force)
-      misuse("--plan and --force at once: a plan names all assets anyway; leave --force out");
+      misuse("--plan and --force cannot be used together: a plan lists all assets anyway; leave --force out");
     return;
   }
   for (const auto& [name, is_given] :
        {std::pair("--shard", command.shard.has_value()), std::pair("--plan", command.plan),
         std::pair("--force", command.force)})
     if (is_given)
-      misuse(std::string(name) +
-             " without a batch: it is of many assets; give --manifest FILE or @LIST, or leave it out");
+      misuse(std::string(name) + " is only for batches; give --manifest FILE or @LIST, or leave it out");
   const auto isDash = [&](const char* name) {
     return given(name) && command.options.find(name)->second.text == "-";
   };
   if (isDash("input"))
-    misuse("-: standard input has no name, and an input's says what it is; write it to a file first");
+    misuse(
+        "-: the input cannot be standard input, because its name tells the format; write it to a file first");
   if (isDash("output"))
     misuse(
-        "-o -: a pack is not written to standard output, but in place of a file when it is complete; name "
-        "the file");
+        "-o -: a pack cannot be written to standard output, because it replaces a file when it is complete; "
+        "name a file");
   for (const char* name : {"report", "deps-file"})
-    if (isDash(name))
-      misuse(std::string("--") + name + " -: a file is written there; name one, or /dev/stdout");
+    if (isDash(name)) misuse(std::string("--") + name + " -: is not a file; name one, or /dev/stdout");
   if (!given("input"))
     misuse("input is required: give a file to bake, @LIST, or --manifest FILE; see kelp-bake --help");
   if (!given("output"))
@@ -173,16 +178,18 @@ std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   CLI::Option* const manifest_option =
       app.add_option("--manifest", manifest, "bake the assets that a JSON file lists")->type_name("FILE");
   CLI::Option* const shard_option =
-      app.add_option("--shard", shard, "of a batch, bake the I-th of N shares; each asset is in one of them")
+      app.add_option("--shard", shard,
+                     "of a batch, bake only the I-th of N shares; each asset is in one share")
           ->type_name("I/N");
   CLI::Option* const config_option =
-      app.add_option("--config", config, "options from a file; the command line and manifests rule over it")
+      app.add_option("--config", config,
+                     "read options from a file; the command line and manifests override it")
           ->type_name("FILE");
   app.add_flag("--print-config", command.print_config,
-               "write every option with its meaning to stdout, as --config reads it, and bake nothing");
+               "bake nothing; write every option with its meaning to stdout, in the form --config reads");
   app.add_flag("--plan", command.plan,
-               "of a batch, write what would be baked to stdout, as JSON, and bake nothing");
-  app.add_flag("--force", command.force, "of a batch, bake what is up to date too");
+               "of a batch, bake nothing; write what would be baked to stdout, as JSON");
+  app.add_flag("--force", command.force, "of a batch, also bake packs that are up to date");
   try {
     app.parse(reversed({words.begin() + 1, words.end()}));
   } catch (const CLI::CallForHelp&) {
@@ -209,7 +216,7 @@ std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   if (const auto input = command.options.find("input");
       input != command.options.end() && input->second.text.front() == '@') {
     command.list = input->second.text.substr(1);
-    if (command.list->empty()) misuse("@: names no list; give @FILE");
+    if (command.list->empty()) misuse("@: has no file name; give @FILE");
     command.options.erase(input);
   }
   checkCommand(command);
@@ -223,9 +230,8 @@ Values parseAssetLine(const std::vector<std::string>& words, const Place& place)
   try {
     app.parse(reversed(words));
   } catch (const CLI::ParseError& error) {
-    throw faultAt(place,
-                  std::string(error.what()) +
-                      "; a line is an input and options of its pack; put names with spaces between quotes");
+    throw faultAt(place, std::string(error.what()) +
+                             "; each line is an input and its options; put names with spaces in quotes");
   }
   return shared.given(place);
 }

@@ -6,12 +6,12 @@
 
 namespace kelp::bake_cli {
 
-// Names of files in it are relative to its folder. ToolError, SeveralFaults with line and column for what is
-// not understood, kIo if it cannot be read. Safe for hostile files.
+// Reads a configuration. File names in it are relative to its folder. Throws ToolError or SeveralFaults with
+// line and column, kIo if the file cannot be read. Safe for hostile files.
 Values readConfig(const std::filesystem::path& file);
 
-// Every option with what it means, commented out but for those of `values`; read back, it says what `values`
-// says. Names of files become absolute.
+// Every option with its meaning, commented out except those of `values`. Reading the text back gives
+// `values`. File names become absolute.
 std::string printConfig(const Values& values);
 
 }  // namespace kelp::bake_cli

@@ -31,7 +31,7 @@ using Clock = std::chrono::steady_clock;
 
 // What the child tells: a byte each; after kOutcome the exit code in a byte, and the text to the end.
 constexpr char kImportBegins = 'i', kImportEnds = 'e', kOutcome = 'o';
-// What a program of its own size may take beyond what the model takes.
+// Memory that the program itself may use, beyond the model's.
 constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
 // Stacks count as data: of the bake's own threads and of TBB's.
 constexpr std::uint64_t kThreadsOfEach = 2;
@@ -202,7 +202,7 @@ Outcome contained(const Options& options, ProgressDisplay& display, const std::f
   int ends[2];
   const pid_t self = getpid();
   std::fflush(nullptr);           // or the child would write it, too
-  std::signal(SIGCHLD, SIG_DFL);  // where it is ignored nobody learns how a child ends
+  std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid() would not return the child's status
   pid_t child = -1;
   if (::pipe2(ends, O_CLOEXEC) == 0) {
     waitForOthers();

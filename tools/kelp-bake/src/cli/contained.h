@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A bake in a process of its own. Files come from anywhere, and not every library that reads them was made
-// for that: what one of them crashes on, hangs on or fills the memory for ends that process alone, and is an
-// error of this one.
+// Runs a bake in a child process. Some libraries that read files are not safe for hostile input. If one
+// crashes, hangs or uses up the memory, only the child ends, and this process reports an error.
 #pragma once
 
 #include <functional>
@@ -18,16 +17,15 @@ struct Outcome {
   std::string text;
 };
 
-// Runs `work` in a child of this process and answers what it does. The child shares the standard streams, and
-// ends with this process however that ends. interrupted() here is heard there; while a file is imported,
-// which no one can stop in order, or where it is not heard for seconds, the child is ended instead. ToolError
-// kRuntime, naming the input, if the child ends in any other way than by its outcome or exceeds a limit;
-// kInterrupted. Before the program has started a thread of its own.
+// Runs `work` in a child process and returns its exit code. The child shares the standard streams and ends
+// with this process. interrupted() is passed on to the child. During import, which cannot be stopped in
+// order, or if the child does not react for seconds, the child is killed. Throws ToolError kRuntime with the
+// input's name if the child crashes or exceeds a limit, and kInterrupted. Call it before this program starts
+// threads.
 Outcome contained(const Options& options, ProgressDisplay& display, const std::function<Outcome()>& work);
 
-// For `work`, at every step: memory (Settings::max_memory, else the machine's) and time
-// (Options::max_import_seconds) are bounded from the stage "import" to the one after. Does nothing where
-// nothing contains it.
+// Called by `work` at every step. Limits memory (Settings::max_memory, else the machine's) and time
+// (Options::max_import_seconds) during the stage "import". Does nothing outside a child process.
 void enterStage(std::string_view stage);
 
 }  // namespace kelp::bake_cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All that is wrong at once, so that whoever wrote a manifest mends it in one go.
+// Collects all faults of a manifest, so that its author can mend them in one go.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,20 @@
 
 namespace kelp::bake_cli {
 
-// Several faults as one. what() is the first; `exit` the highest of all.
+// Several faults in one exception. what() is the first fault, `exit` the highest code.
 struct SeveralFaults : ToolError {
   SeveralFaults(std::vector<ToolError> told, std::size_t all, Exit highest)
       : ToolError(highest, told.front().what()), faults(std::move(told)), count(all) {}
   std::vector<ToolError> faults;
-  std::size_t count;  // of all, those that are too many to be told included
+  std::size_t count;  // all faults, also those beyond the limit
 };
 
-// Collects faults instead of stopping at the first. The first thousand are kept; a fault that is told already
-// is not told again.
+// Collects faults instead of stopping at the first. Keeps the first 1,000, each once.
 class Faults {
  public:
   void add(const ToolError& fault);
   void add(const Place& place, const std::string& what) { add(faultAt(place, what)); }
-  // Runs what may throw one or several, and keeps them. Whether there was none.
+  // Runs a function and keeps the faults it throws. Returns true if there were none.
   template <class Work>
   bool keep(const Work& work) {
     try {
@@ -40,7 +39,7 @@ class Faults {
     return false;
   }
   bool any() const { return count_ > 0; }
-  // SeveralFaults, or the only one as it is, if there is any.
+  // Throws the only fault, or SeveralFaults. Does nothing if there are none.
   void throwIfAny() const;
 
  private:

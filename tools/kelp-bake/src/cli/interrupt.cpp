@@ -32,7 +32,7 @@ void hearParentOnly() {
   sigset_t heard;
   sigemptyset(&heard);
   sigaddset(&heard, SIGUSR1);
-  sigprocmask(SIG_UNBLOCK, &heard, nullptr);  // whoever started the program may have blocked it
+  sigprocmask(SIG_UNBLOCK, &heard, nullptr);  // the parent may have blocked it
 }
 
 bool interrupted() { return g_interrupted != 0; }

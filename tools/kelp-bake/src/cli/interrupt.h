@@ -3,12 +3,12 @@
 
 namespace kelp::bake_cli {
 
-// From now on Ctrl-C, SIGTERM and SIGHUP ask for an orderly end, unless whoever started the program had them
-// ignored; a second one ends the program at once. Writing to what no longer takes it is an error, not a
+// From now on Ctrl-C, SIGTERM and SIGHUP set interrupted(), unless the program was started with them ignored
+// (nohup). A second one ends the program at once. Writing to a closed pipe becomes an error instead of a
 // signal.
 void catchInterrupts();
 bool interrupted();
-// For a child process: the parent alone hears those signals, and tells by SIGUSR1.
+// For a child process: ignores those signals and takes SIGUSR1 from the parent instead.
 void hearParentOnly();
 
 }  // namespace kelp::bake_cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JSON whose every value knows where it was written, so that whoever wrote it can be told.
+// JSON values with their line and column, for error messages.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct JsonValue {
   struct Member;
 
   Kind kind = Kind::kNull;
-  std::string text;              // of a string; of a number or truth value as it was written
+  std::string text;              // a string's text; a number or truth value as written
   std::vector<JsonValue> items;  // of an array
   std::vector<Member> members;   // of an object, in the file's order
   Place place;
@@ -28,18 +28,18 @@ struct JsonValue::Member {
   JsonValue value;
 };
 
-// Safe for hostile text: bounds depth, values and members. ToolError kInvalid with line and column for what
-// cannot be read on from; what can goes to `faults`: names that are there twice, control characters.
+// Parses JSON. Throws ToolError kInvalid with line and column for a syntax error. Other faults (duplicate
+// names, control characters) go to `faults`. Safe for hostile text: limits depth, values and members.
 JsonValue parseJson(const std::filesystem::path& file, std::string_view text, Faults& faults);
 
-// A name as messages show it.
+// A name as shown in messages.
 std::string quoted(const std::string& name);
 
-// Whether a file comes as a stream, "-" or a pipe: it has no folder, and cannot be read again.
+// Whether a file is a stream ("-" or a pipe): it has no folder and can be read only once.
 bool isStream(const std::filesystem::path& file);
 
-// The text of a file that the user named, a pipe perhaps: at most 16 MiB. ToolError kIo or kInvalid;
-// `named_at` is who named it.
+// The text of a file or pipe, at most 16 MiB. Throws ToolError kIo or kInvalid. `named_at`: where the user
+// named the file.
 std::string readTextFile(const std::filesystem::path& file, const Place& named_at);
 
 }  // namespace kelp::bake_cli

@@ -59,7 +59,7 @@ Exit runSingle(const Command& command) {
   std::error_code error;
   if (!std::filesystem::exists(options.input, error))
     throw ToolError(Exit::kIo, options.input.string() + ": no such file; check the name");
-  // Before the work: what is known of the files without reading them.
+  // Before the work: check all files that are known without reading the input.
   FileRoles roles;
   addRoles(roles, options, {}, {});
   if (options.cache_folder) roles.addFolder(*options.cache_folder, "--cache");
@@ -79,7 +79,7 @@ Exit runSingle(const Command& command) {
   return contained(options, display, [&] { return Outcome{guarded(bakeAndTell), ""}; }).exit;
 }
 
-// Before anything is understood: what can go wrong from the first word on is told as it was asked for.
+// Before parsing, so that even usage errors are printed as JSON if --progress json is given.
 bool asksForJson(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i)
     if (words[i] == "--progress=json" || (words[i] == "json" && words[i - 1] == "--progress")) return true;

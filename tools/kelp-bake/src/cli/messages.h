@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said on stderr: lines for people, or each of them as JSON (kelp-bake-progress.schema.json), so that
-// a program that reads the progress reads nothing else.
+// Lines on stderr, as text or as JSON (kelp-bake-progress.schema.json).
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace kelp::bake_cli {
 
-// From here on every line is JSON. Off at first.
+// Every line from now on is JSON. Default: text.
 void speakJson();
 
 // Which asset of a batch a line is about, from 1 on; 0: none.
@@ -18,13 +17,13 @@ struct OfBatch {
   std::size_t asset = 0, assets = 0;
 };
 
-// One line each, whatever the text holds.
+// Each prints one line; line breaks in the text are escaped.
 void sayNote(std::string_view text);  // "kelp-bake: wrote reed.kelp: ..."
-// what belongs to the note before it: "  part 'reed': ..."
+// more about the note before it: "  part 'reed': ..."
 void sayDetail(std::string_view text);
 void sayWarning(std::string_view text, const OfBatch& of = {});  // "kelp-bake: [1/3] warning: ..."
 void sayError(Exit exit, std::string_view text);                 // "kelp-bake: ..."
-// What became of an asset of a batch. `status` as in the batch's report; `text`: "baked, 3.2 KiB, in 0.10 s".
+// The result of an asset of a batch. `status` as in the batch's report; `text`: "baked, 3.2 KiB, in 0.10 s".
 void sayAsset(const OfBatch& of, std::string_view output, std::string_view status, Exit exit,
               std::string_view text);
 

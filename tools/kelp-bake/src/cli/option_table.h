@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every option that the command line, manifests, lists and configurations share: what it is called, what it
-// takes, what it means.
+// The options that command line, manifests, lists and configurations share: name, type and meaning.
 #pragma once
 
 #include <span>
@@ -9,10 +8,10 @@
 namespace kelp::bake_cli {
 
 enum class OptionType { kText, kNumber, kTextOrNumber, kFlag };
-// kPack: changes what is baked, or what is written beside it: may stand at an asset. kRun: how the program
-// goes about it.
+// kPack: changes a pack or the files written beside it; an asset of a manifest may set it. kRun: belongs to
+// the whole run.
 enum class OptionScope { kPack, kRun };
-enum class OptionPath { kNone, kFile, kFileOrPreset };  // whether the value names a file
+enum class OptionPath { kNone, kFile, kFileOrPreset };  // whether the value is a file name
 
 struct OptionInfo {
   const char* name;  // without dashes
@@ -20,7 +19,7 @@ struct OptionInfo {
   OptionType type;
   OptionScope scope;
   OptionPath path;
-  // `shown` is what it is where nothing is said; else there is no such word, and it is an example
+  // true: `shown` is the default; false: an example
   bool has_fallback;
   const char* shown;  // as written in a configuration
   const char* help;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far the work is, on stderr.
+// Shows progress on stderr.
 #pragma once
 
 #include <chrono>
@@ -11,9 +11,8 @@
 
 namespace kelp::bake_cli {
 
-// Steps of a bake have no common measure: rate and time left are of the step that is shown, and in a batch
-// the time left for all of it stands behind them, by the voxels that are done. Nothing on what is no
-// terminal, unless it was asked for.
+// Shows the current step with its rate and time left. In a batch also the time left for all assets, estimated
+// from the voxels done. By default shows nothing if stderr is not a terminal.
 class ProgressDisplay {
  public:
   explicit ProgressDisplay(ProgressStyle style);
@@ -21,13 +20,13 @@ class ProgressDisplay {
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  // Of a batch: the asset that what follows is about, from 1 on. `seconds_left` for all of the batch; less
-  // than 0: not known yet.
+  // In a batch: sets the current asset, counted from 1. `seconds_left`: for the whole batch; negative:
+  // unknown.
   void beginAsset(std::size_t number, std::size_t count, const std::string& output, double seconds_left);
   void show(std::string_view stage, double done);
-  // Takes the bar away, so that other lines may follow.
+  // Erases the bar, so that other lines can be printed.
   void clear();
-  // The same for a bar that a process which has ended left there.
+  // The same for a bar left by a process that has ended.
   void takeOver();
 
  private:

@@ -17,9 +17,8 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Make reads spaces as separators, $ as variables, # as comments and : as the end of targets; ninja reads
-// what compilers write for make. A backslash is one by itself, and to be doubled before what has one for its
-// own sake.
+// Make reads spaces as separators, $ as variables, # as comments and : as the end of targets; ninja reads the
+// same syntax. A backslash needs no escape, except before an escaped character, where it is doubled.
 std::string escapeForMake(const std::filesystem::path& path) {
   std::string escaped;
   std::size_t backslashes = 0;

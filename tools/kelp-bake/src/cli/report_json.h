@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was baked, for programs.
+// Reports as JSON, and make rules.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace kelp::bake_cli {
 
-// What --report writes, as kelp-bake-report.schema.json beside this file describes it.
+// The JSON of --report (kelp-bake-report.schema.json).
 std::string reportJson(const Options& options, const bake::Report& report, double seconds);
-// The same of a pack that comes from the cache, where `report` is that of its bake.
+// The same for a pack from the cache. `report`: of the bake that made it.
 std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files,
                          double seconds);
-// Whether a text, which may come from anywhere, is a report that the functions here can read.
+// Whether a text is a report that these functions can read. Safe for hostile text.
 bool isReport(const std::string& text);
 std::vector<std::string> noticesOf(const std::string& report);
 std::string inputOf(const std::string& report);
-// ToolError kIo if no make rule can name one of the files.
+// Throws ToolError kIo if a make rule cannot name one of the files.
 void checkDependencies(const Options& options, const bake::FilesUsed& files);
-// Writes a make rule: the pack depends on all files that were read. ToolError kIo.
+// Writes a make rule: the pack depends on all files that were read. Throws ToolError kIo.
 void writeDependencies(const std::filesystem::path& path, const Options& options,
                        const bake::FilesUsed& files);
 

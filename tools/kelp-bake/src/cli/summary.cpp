@@ -16,7 +16,7 @@
 namespace kelp::bake_cli {
 namespace {
 
-// What a length of 1 means only glTF says, or whoever gives the unit.
+// Lengths are metres only in glTF or with --unit.
 std::string printLength(double length, const Options& options, const std::string& format) {
   return fmt::format("{:.4g} {}", length,
                      options.unit_given || format.rfind("glTF", 0) == 0 ? "m"
@@ -24,7 +24,7 @@ std::string printLength(double length, const Options& options, const std::string
                                                                         : "units");
 }
 
-// Of a volume that nobody asked another resolution of.
+// For a volume that was not resampled.
 const char* keptVoxels(const std::string& format) {
   return format == "MagicaVoxel" || format == "binvox"
              ? "the file's own voxels"
@@ -43,7 +43,7 @@ std::string counted(std::uint64_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-// What is odd about a mesh and what was done about it; empty for a sound one.
+// A mesh's faults and their repairs; empty without faults.
 std::string printRepairs(const bake::Report::Part& part) {
   std::vector<std::string> words;
   const bake::MeshCounts& mesh = part.mesh;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What was baked, for people.
+// What was baked, as lines for people.
 #pragma once
 
 #include <chrono>
@@ -11,20 +11,20 @@
 
 namespace kelp::bake_cli {
 
-// By the steady clock.
+// By std::chrono::steady_clock.
 double secondsSince(std::chrono::steady_clock::time_point start);
 // "1.5 MiB".
 std::string printBytes(std::uint64_t bytes);
 
-// ToolError kIo if not all of it could be written.
+// Throws ToolError kIo if stdout does not take all of it.
 void writeStdout(const std::string& text);
 
-// A line on stderr, before the work: what it will take.
+// Before the work: prints the memory estimate on stderr.
 void printEstimate(const Options& options, const bake::Report& report);
-// Lines on stderr: what was understood, warnings, clips, what was written.
+// Prints on stderr: the input, parts, warnings, clips, the pack.
 void printSummary(const Options& options, const bake::Report& report, double seconds);
 
-// The same of a pack that came from the cache.
+// The same for a pack from the cache.
 void printCached(const Options& options, const std::vector<std::string>& notices, std::uint64_t pack_bytes,
                  double seconds);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Options as they were written, before anything is made of them: on the command line, in a manifest, in a
-// list, in a configuration.
+// Options as text with their places, from the command line, a manifest, a list or a configuration.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +11,18 @@
 
 namespace kelp::bake_cli {
 
-// Where something was written. Line and column count from 1, columns in characters; an empty file is the
+// Where a value was written. Line and column count from 1, columns in characters. An empty `file` means the
 // command line.
 struct Place {
   std::filesystem::path file;
   std::size_t line = 0, column = 0;
 
   bool isCommandLine() const { return file.empty(); }
-  // "plants.json:3:14: ", or nothing for the command line.
+  // "plants.json:3:14: "; empty for the command line.
   std::string prefix() const;
 };
 
-// The place of a byte of a text.
+// The place of a byte in a text.
 Place placeAt(const std::filesystem::path& file, std::string_view text, std::size_t offset);
 
 struct Value {
@@ -31,14 +30,14 @@ struct Value {
   Place place;
 };
 
-// By the option's long name without dashes; beside them "input" and "output".
+// By the option's long name without dashes, and "input" and "output".
 using Values = std::map<std::string, Value, std::less<>>;
 
-// `over` where it says something, else `base`. Of two options that exclude each other, what `over` says
-// displaces what `base` does.
+// `base` overridden by `over`. If two options exclude each other, one in `over` removes the other from
+// `base`.
 Values overlay(Values base, const Values& over);
 
-// An error about what was written in a place: usage on the command line, invalid input in a file.
+// An error about a value: kUsage on the command line, kInvalid in a file.
 ToolError faultAt(const Place& place, const std::string& what);
 
 }  // namespace kelp::bake_cli

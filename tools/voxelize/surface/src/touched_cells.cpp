@@ -21,7 +21,7 @@ struct Polygon {
   const glm::dvec3& at(int i) const { return corner[static_cast<std::size_t>(i)]; }
 };
 
-// What of a convex polygon lies where side * (p[axis] - plane) is at least 0.
+// Clips a convex polygon to side * (p[axis] - plane) >= 0.
 Polygon clip(const Polygon& in, int axis, double plane, double side) {
   Polygon out;
   for (int i = 0; i < in.corners; ++i) {

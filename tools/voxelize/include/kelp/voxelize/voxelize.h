@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A mesh in, voxels out: which voxels are solid, and what the surface looks like where it is.
+// From a mesh to voxels: which are solid, and the material and normal of each surface voxel.
 #pragma once
 
 #include <string>
@@ -14,12 +14,15 @@ namespace kelp::bake {
 
 struct VoxelizeResult {
   VoxelGrid grid;
-  bool closed = false;                      // the mesh has no boundary edge after welding equal positions
+  bool closed = false;                      // no boundary edges after welding equal positions
   std::string fill;                         // "solid" or "surface", and why
   std::vector<ComponentReport> components;  // the largest kMaxComponentReports, by area
   std::vector<std::string> notices;
   FillCounts counts;
 };
+// Voxelizes one part into the box of `frame`. The same result with any number of threads. Throws ToolError:
+// kInvalid for materials or images that are out of range, kInterrupted if `progress` asks to stop, kRuntime
+// if OpenVDB fails.
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill,
                         int threads, const Progress& progress);
 

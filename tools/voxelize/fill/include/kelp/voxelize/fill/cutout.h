@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cards with pictures of leaves become leaves.
+// Alpha cut-outs: a flat card with a picture of leaves becomes leaves.
 #pragma once
 
 #include "kelp/voxelize/fill/scan.h"
@@ -7,8 +7,8 @@
 
 namespace kelp::bake {
 
-// Empties the voxels that are solid for the sake of sheets alone (kKept) where every sheet that passes
-// through them is cut out.
+// Empties a voxel that is solid only because of sheets (kKept) if every sheet that passes through it is cut
+// out there (SurfaceLook::isCutOut).
 void cutOutVoxels(const SurfaceLook& look, const TriangleBvh& bvh, const glm::ivec3& size, int threads,
                   std::vector<std::uint8_t>& voxels);
 

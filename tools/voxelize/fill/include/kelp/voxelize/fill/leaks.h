@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// No ray slips through a sheet.
+// Closes gaps through which a ray could pass a sheet.
 #pragma once
 
 #include "kelp/voxelize/fill/scan.h"
@@ -7,9 +7,9 @@
 
 namespace kelp::bake {
 
-// Where two voxels of a thin part touch along an edge alone, a ray that aims at the edge passes: it may miss
-// a voxel by 1/256 (DESIGN 3.5). Where the mesh runs by such an edge, the one of the two empty voxels beside
-// it that the mesh is nearer to becomes kKept.
+// If two voxels of a thin part touch only along an edge, a ray through that edge passes between them, because
+// tracing is exact only to 1/256 voxel. Where the mesh passes such an edge, the nearer of the two empty
+// voxels beside the edge becomes kKept.
 void closeDiagonalGaps(const Topology& mesh, const TriangleBvh& bvh,
                        const std::vector<std::uint64_t>& touched, const glm::ivec3& size, int threads,
                        std::vector<std::uint8_t>& voxels);

@@ -10,33 +10,33 @@
 
 namespace kelp::bake {
 
-// Of a voxel.
+// Half the diagonal of a voxel, in voxels.
 constexpr double kHalfDiagonal = 0.8660254037844387;
 
-// What a voxel is during the fill; anything but kEmpty is solid in the end.
+// A voxel's state during the fill. Everything except kEmpty ends as solid.
 enum : std::uint8_t { kEmpty = 0, kInside = 1, kKept = 2 };
 
-// What the scanlines met of a component. Whole numbers have one sum, in any order.
+// What the scanlines counted of a component. Integers, so that their sum does not depend on the order.
 struct Scanned {
   std::int64_t faces = 0;  // where scanlines along x, y and z enter or leave it
-  // of these, how many lie within another solid component, or where one begins or ends
+  // of `faces`: inside another solid component, or where one begins or ends
   std::int64_t shared = 0;
-  // Along x alone; lengths in units of 2^-kLatticeBits voxel.
-  std::int64_t centres = 0;  // of voxels within it
-  std::int64_t length = 0;   // of the scanlines, within it
-  std::int64_t wound = 0;    // the same times the winding number: more where the component overlaps itself
+  // Only along x. Lengths in units of 2^-kLatticeBits voxel.
+  std::int64_t centres = 0;  // voxel centres inside it
+  std::int64_t length = 0;   // of scanlines inside it
+  std::int64_t wound = 0;    // length times winding number: larger where the component overlaps itself
 };
 
-// Where triangles cross scanlines: so many are held at a time, by all threads together, and for each thread
-// those of one column. Bytes of one, with a vector's reserve.
+// Crossings of triangles with scanlines that all threads together hold at a time; each thread also holds
+// those of one column. kCrossingBytes is the memory of one crossing, a vector's spare capacity included.
 inline constexpr std::size_t kMostCrossings = std::size_t{1} << 22;
 inline constexpr std::size_t kCrossingBytes = 48;
 
-// Sets to kInside the voxels whose centre lies in a solid component (winding number not 0, or where in doubt
-// one half at least; the union of components), and to kKept those that keep what centres miss: a sheet that a
-// scanline through voxel centres crosses along x, y or z, and a stretch of the inside between two centres. So
-// along the three axes a scanline meets a voxel exactly where it meets the mesh. `voxels` holds size.x size.y
-// size.z values. Returns what was met of each component; where caps are in doubt, by the caps.
+// Sets a voxel to kInside if its centre is inside a solid component: winding number not 0, or in a voxel of
+// `doubts` at least one half. Sets it to kKept where the centres miss something: a sheet that a scanline
+// through voxel centres crosses along x, y or z, or a stretch of the inside between two centres. So along the
+// three axes a scanline meets a solid voxel exactly where it meets the mesh. `voxels` holds size.x * size.y *
+// size.z values. Returns the counts of each component, as if its caps were part of the mesh.
 std::vector<Scanned> fillScanlines(const Topology& mesh, std::span<const Doubt> doubts,
                                    const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels);
 

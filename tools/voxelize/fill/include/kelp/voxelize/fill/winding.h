@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a cap is no good guess at what is missing.
+// Where the caps of holes may be wrong about inside and outside.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ namespace kelp::bake {
 struct Doubt {
   std::uint64_t voxel = 0;  // dense index
   std::uint32_t component = 0;
-  // solid angle of its caps at the voxel's centre / 4 pi, signed; beyond one half
+  // signed solid angle of its caps at the voxel's centre, over 4 pi; its magnitude is above one half
   double caps = 0;
 };
 
-// All of them, by voxel and component. Elsewhere the integer winding number is on the same side of one half
-// as the generalised one. Source: Jacobson, Kavan, Sorkine-Hornung, "Robust Inside-Outside Segmentation using
-// Generalized Winding Numbers", 2013.
+// All such voxels, sorted by voxel and component. Elsewhere the integer winding number is on the same side of
+// one half as the generalised one. Source: Jacobson, Kavan, Sorkine-Hornung, "Robust Inside-Outside
+// Segmentation using Generalized Winding Numbers", 2013.
 std::vector<Doubt> findDoubts(const Topology& mesh, const glm::ivec3& size, int threads);
 
 }  // namespace kelp::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a mesh looks like at a point: material, texture, vertex colour, and whether it is there at all.
+// The material of a mesh at a point: material, texture, vertex colour, cut-outs.
 #pragma once
 
 #include <array>
@@ -13,29 +13,31 @@
 
 namespace kelp::bake {
 
-// Refers to what it is made from. Immutable once made; queries may run on any thread.
+// Keeps references to the arguments of its constructor, which must outlive it. Immutable; any thread may
+// query.
 class SurfaceLook {
  public:
   SurfaceLook(const SourceModel& model, const TriangleSoup& soup, const Topology& mesh);
 
-  // At the nearest point of a triangle that is no cap, averaged over the middle of a voxel. What is cut out
-  // elsewhere is opaque here.
+  // The material at a point of a triangle that is not a cap, averaged over the middle of a voxel. Alpha of
+  // materials with cut-outs counts as opaque.
   Material materialAt(const Nearest& nearest) const;
 
-  // Its material's index.
+  // The index of the material there.
   std::uint32_t sourceAt(const Nearest& nearest) const {
     return soup_.triangles[mesh_.triangles[nearest.triangle].source].material;
   }
 
-  // Whether some sheet has cut-outs.
+  // Whether any sheet has cut-outs.
   bool cutsOut() const { return cuts_out_; }
-  // Whether the alpha of a sheet, averaged over a voxel, is below its material's cutoff there. Never on solid
+  // Whether a sheet's alpha, averaged over a voxel, is below its material's cutoff there. False on solid
   // components and caps.
   bool isCutOut(const Nearest& nearest) const;
-  // The nearest point, within the voxel around `centre`, of a triangle that is not cut out there; kCap: none.
+  // The nearest point in the voxel around `centre` of a triangle that is not cut out there. Nearest::triangle
+  // is kCap if there is none.
   Nearest nearestShown(const TriangleBvh& bvh, const glm::dvec3& centre) const;
 
-  // One line each, for the user.
+  // Notices for the user, one line each.
   std::vector<std::string> notices() const;
 
  private:

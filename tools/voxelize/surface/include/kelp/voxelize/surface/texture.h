@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Textures as the surface samples them: linear light, filtered over the footprint of a voxel.
+// Textures in linear light, filtered over the footprint of a voxel.
 #pragma once
 
 #include "kelp/import/core/source_model.h"
 
 namespace kelp::bake {
 
-// An image with its box-filtered reductions. Refers to the image, which must outlive it.
+// An image with its box-filtered mipmap. Keeps a reference to the image, which must outlive it.
 class TexturePyramid {
  public:
   explicit TexturePyramid(const Image& image);
 
-  // Colours are weighted by alpha, since what is transparent has none to give.
-  // Linear RGBA at (u, v), in texture widths and heights, mixed of the two reductions around `lod` (0 and
-  // less: the image itself, 1: half its size ...).
+  // Linear RGBA at (u, v), in texture widths and heights. Interpolates between the two levels around `lod` (0
+  // or less: the image itself, 1: half its size, ...). Colours are weighted by alpha, so transparent texels
+  // do not bleed.
   glm::vec4 sample(glm::vec2 uv, float lod, Wrap wrap_u, Wrap wrap_v, bool nearest) const;
 
  private:
@@ -27,7 +27,7 @@ class TexturePyramid {
   glm::vec4 texel(std::size_t level, int x, int y) const;
 
   const Image& image_;
-  std::vector<Level> reduced_;  // from half the size on: the image itself stays in bytes
+  std::vector<Level> reduced_;  // from half the size down; level 0 stays in bytes
 };
 
 }  // namespace kelp::bake

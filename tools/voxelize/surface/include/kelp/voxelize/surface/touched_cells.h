@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many voxels a mesh touches, known before there are voxels.
+// Estimates how many voxels a mesh touches, before voxelizing.
 #pragma once
 
 #include "kelp/import/core/frame.h"
@@ -7,14 +7,14 @@
 
 namespace kelp::bake {
 
-// Cubes of `edge` voxels (1: voxels, 8: bricks) that triangles touch, each counted once however many do:
-// blades narrower than a voxel, both sides of a thin plate, triangles that the file holds twice. Beyond
-// kCountedCells or kCountedTouches it counts in larger cubes, and draws out what these say of area and
-// length. The triangles' vertices must be finite and there, as makeFrame has found them.
+// The number of cubes of `edge` voxels (1: voxels, 8: bricks) that triangles touch. Each counts once, even if
+// several triangles touch it. Above kCountedCells or kCountedTouches, it counts larger cubes of two sizes and
+// extrapolates from the area and length they show. Vertices must be finite and indices in range (makeFrame
+// checks both).
 double touchedCells(const TriangleSoup& soup, const Frame& frame, double edge);
 
-inline constexpr double kCountedCells = 1 << 24;  // a bit each
-// of all triangles with all cubes: a tenth of a microsecond each
+inline constexpr double kCountedCells = 1 << 24;  // one bit each
+// pairs of triangle and cube; 0.1 microseconds each
 inline constexpr double kCountedTouches = 1 << 22;
 
 }  // namespace kelp::bake

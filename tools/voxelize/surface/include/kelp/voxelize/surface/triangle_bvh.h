@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The nearest point of a mesh, and the first on a way along an axis: the same answer for the same question,
-// however it is asked.
+// The nearest point of a mesh, and the first hit along an axis. Answers depend only on the mesh and the
+// query.
 #pragma once
 
 #include <algorithm>

@@ -8,9 +8,9 @@
 
 namespace kelp::bake {
 
-// The mesh as the file has it. Takes 24 bytes a triangle while it counts.
+// Counts the mesh as in the file. Takes 24 bytes per triangle while it runs.
 MeshCounts countMesh(const TriangleSoup& soup);
-// What became of a mesh of `triangles` triangles; all but the voxels.
+// All of FillCounts except kept_voxels. `triangles`: of the mesh in the file.
 FillCounts countFill(const Topology& mesh, std::uint64_t triangles);
 
 }  // namespace kelp::bake

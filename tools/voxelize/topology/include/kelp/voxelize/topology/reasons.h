@@ -10,7 +10,7 @@ namespace kelp::bake {
 // One line for the part.
 std::string summariseFill(const Topology& mesh, Fill fill);
 
-// One entry a component, the largest kMaxComponentReports by area, in that order.
+// One entry per component, the largest kMaxComponentReports by area, in that order.
 std::vector<ComponentReport> describeComponents(const Topology& mesh, Fill fill);
 
 }  // namespace kelp::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A triangle soup made fit for counting: snapped, welded, consistently wound, its holes capped.
+// A triangle soup made ready to fill: snapped, welded, consistently wound, holes capped.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace kelp::bake {
 
-// Vertices lie on a lattice of 2^-kLatticeBits voxel: everything decided from them is exact integer
-// arithmetic. 8192 voxels need 27 bits, products of differences 57.
+// Vertices lie on a lattice of 2^-kLatticeBits voxel, so all decisions are exact integer arithmetic. 8192
+// voxels need 27 bits, products of differences 57.
 inline constexpr int kLatticeBits = 14;
 inline constexpr double kLatticeStep = 1.0 / (1 << kLatticeBits);
 
@@ -23,10 +23,11 @@ struct SolidTriangle {
   std::array<std::uint32_t, 3> vertex{};
   std::uint32_t source = 0;  // index into the soup; of caps: kCap
   std::uint32_t component = 0;
-  // corners 1 and 2 against the soup's; in a sheet: it was wound against the larger part around it
+  // corners 1 and 2 are swapped against the soup: the triangle's winding was wrong. In a sheet: it differed
+  // from most of the triangles around it.
   bool swapped = false;
-  bool seam = false;  // joins a cap to the edges of its hole: which way it faces says nothing
-  // modelled from both sides, and what it is attached to is nearer to closed without it
+  bool seam = false;  // joins a cap to the edges of its hole; its orientation has no meaning
+  // modelled from both sides, and the component it is attached to is nearer to closed without it
   bool wall = false;
 
   void turn() {
@@ -37,10 +38,10 @@ struct SolidTriangle {
 inline constexpr std::uint32_t kCap = 0xffffffffu;
 
 struct Component {
-  bool solid = false;   // has an inside
-  bool thin = false;    // thinner than a voxel in the mean (solid or not)
-  bool closed = false;  // no boundary before its holes were capped
-  bool wall = false;    // the walls where bodies touch, or leaves on a body: never solid, unless as asked
+  bool solid = false;           // has an inside
+  bool thin = false;            // thinner than a voxel in the mean (solid or not)
+  bool closed = false;          // had no boundary before its holes were capped
+  bool wall = false;            // walls between bodies, or leaves on a body: only solid with Fill::kSolid
   std::uint32_t triangles = 0;  // without caps
   double area = 0;              // voxels^2, without caps
   double cap_area = 0;
@@ -49,11 +50,11 @@ struct Component {
 
 struct Topology {
   std::vector<glm::i64vec3> lattice;  // vertices in lattice units
-  // wound outward in solid components; last their caps, and of these last the cones
+  // Wound outward in solid components. Order: the file's triangles, caps, cones.
   std::vector<SolidTriangle> triangles;
-  std::size_t caps = 0, cones = 0;  // how many; cones are caps too
+  std::size_t caps = 0, cones = 0;  // how many; `caps` includes the cones
   std::vector<Component> components;
-  bool closed = false;  // all components were
+  bool closed = false;  // all components were closed
   // "solid: 3 of 4 components closed, 1 has holes (1.2 % of its surface), capped"
   std::string summary;
 
@@ -67,11 +68,11 @@ struct Topology {
 // Holes of a component may have this share of its surface before it counts as an open sheet.
 inline constexpr double kMaxHoleShare = 0.17;
 
-// What is solid and what is a sheet. A component is the triangles that hang together by shared edges; walls
-// hang together among themselves. Its boundary, as a chain of oriented edges, is a cycle; the cone from a
-// point over it closes the component exactly, whatever the holes look like, so that signed crossings along
-// any line sum to zero. kAuto: solid if the cones are small beside the surface; kSolid and kSurface: as
-// asked.
+// Decides which components are solid and which are sheets. A component is a set of triangles connected by
+// shared edges; walls are connected only to walls. The boundary of a component is a cycle of oriented edges.
+// A cone from a point to that cycle closes the component exactly, whatever the shape of the holes, so the
+// signed crossings along any line sum to zero. kAuto: solid if the cones are small beside the surface.
+// kSolid, kSurface: all are.
 Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill);
 
 }  // namespace kelp::bake
