@@ -29,8 +29,10 @@ void main() {
   vec3 p = vec3(scene.x * across.x, scene.y, scene.x * across.y);
   color = vec3(0.55, 0.46, 0.30);
   if (gl_VertexID >= 4) {
-    float angle = float((gl_VertexID - 4) / 2) * 2.0 * 3.14159265 / 96.0, radius = scene.x * ((gl_VertexID & 1) == 0 ? 0.42 : 0.52);
-    p = radius * (cos(angle) * vec3(cos(scene.z), 0.2, sin(scene.z)) + sin(angle) * vec3(-sin(scene.z), 0.0, cos(scene.z)));
+    float angle = float((gl_VertexID - 4) / 2) * 2.0 * 3.14159265 / 96.0;
+    float radius = scene.x * ((gl_VertexID & 1) == 0 ? 0.42 : 0.52);
+    vec3 u = vec3(cos(scene.z), 0.2, sin(scene.z)), v = vec3(-sin(scene.z), 0.0, cos(scene.z));
+    p = radius * (cos(angle) * u + sin(angle) * v);
     across = vec2(0.0);
     color = (gl_VertexID - 4) / 16 % 2 == 0 ? vec3(0.80, 0.05, 0.03) : vec3(0.90, 0.88, 0.82);
   }
@@ -38,7 +40,9 @@ void main() {
 })";
 static const char* const kFragmentShader = R"(#version 330 core
 flat in vec3 color; in vec2 across; out vec4 result;
-void main() { result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0); })";
+void main() {
+  result = vec4(mix(color, vec3(0.30, 0.50, 0.58), smoothstep(0.5, 2.4, length(across))), 1.0);
+})";
 
 // Compiles the triangles' program and sets all OpenGL state of this host, once: kelp leaves the state as it
 // finds it.

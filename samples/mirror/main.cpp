@@ -26,7 +26,9 @@ void main() {
   vec2 p = vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1);
   vec2 along = room.x * (2.0 * p - 1.0);
   float up = room.z + room.y * p.y;
-  at = wall == 0 ? vec3(along.x, room.z, along.y) : wall == 1 ? vec3(along.x, up, -room.x) : vec3(room.x, up, along.x);
+  at = wall == 0   ? vec3(along.x, room.z, along.y)
+       : wall == 1 ? vec3(along.x, up, -room.x)
+                   : vec3(room.x, up, along.x);
   gl_Position = to_clip * vec4(at, 1.0);
 })";
 
@@ -37,14 +39,21 @@ uniform vec3 eye, room;
 in vec3 at; flat in int wall;
 out vec4 result;
 
-vec3 normalOf(int w) { return w == 0 ? vec3(0.0, 1.0, 0.0) : w == 1 ? vec3(0.0, 0.0, 1.0) : vec3(-1.0, 0.0, 0.0); }
+vec3 normalOf(int w) {
+  return w == 0 ? vec3(0.0, 1.0, 0.0) : w == 1 ? vec3(0.0, 0.0, 1.0) : vec3(-1.0, 0.0, 0.0);
+}
 
-vec3 sky(vec3 direction) { return mix(vec3(0.62, 0.63, 0.62), vec3(0.17, 0.30, 0.46), smoothstep(-0.1, 0.8, direction.y)); }
+vec3 sky(vec3 direction) {
+  return mix(vec3(0.62, 0.63, 0.62), vec3(0.17, 0.30, 0.46), smoothstep(-0.1, 0.8, direction.y));
+}
 
-// What a wall shows besides what it reflects: frames, and chequered stone that kelpBlocked keeps the sun off.
+// A wall's own colour, beside its reflection: frames, and chequered stone with shadows by kelpBlocked.
 vec3 surface(int w, vec3 p) {
   vec3 q = abs(p - vec3(0.0, room.z + 0.5 * room.y, 0.0));
-  if (w > 0) return max((w == 1 ? q.x : q.z) / room.x, 2.0 * q.y / room.y) > 0.97 ? vec3(0.22, 0.12, 0.05) : vec3(0.02, 0.03, 0.03);
+  if (w > 0) {
+    bool frame = max((w == 1 ? q.x : q.z) / room.x, 2.0 * q.y / room.y) > 0.97;
+    return frame ? vec3(0.22, 0.12, 0.05) : vec3(0.02, 0.03, 0.03);
+  }
   vec2 tile = floor(4.0 * p.xz / room.x);
   vec3 stone = mod(tile.x + tile.y, 2.0) < 1.0 ? vec3(0.46, 0.44, 0.40) : vec3(0.16, 0.17, 0.18);
   bool shadow = kelpBlocked(p + vec3(0.0, 1e-3 * room.x, 0.0), kelp_sun_direction, 8.0 * room.x);
@@ -61,7 +70,8 @@ int wallAhead(vec3 origin, vec3 direction, out float t) {
     if (speed > -1e-5) continue;
     float d = (w == 0 ? room.z : -room.x) - dot(origin, n);
     vec3 p = origin + d / speed * direction;
-    bool within = max(abs(p.x), abs(p.z)) < 1.0001 * room.x && p.y < 1.0001 * (room.y + room.z) && p.y > room.z - 1e-4 * room.x;
+    bool within = max(abs(p.x), abs(p.z)) < 1.0001 * room.x && p.y < 1.0001 * (room.y + room.z) &&
+                  p.y > room.z - 1e-4 * room.x;
     if (d / speed > 1e-4 && d / speed < t && within) {
       nearest = w;
       t = d / speed;

@@ -24,7 +24,8 @@ const char* glslOf(Surface surface) {
     case Surface::kSteps:
       return R"(vec4 kelpSurface(KelpSurface s) {
   float n = clamp(float(s.steps) / 48.0, 0.0, 1.0);
-  return vec4(mix(mix(vec3(0.01, 0.03, 0.20), vec3(0.75, 0.12, 0.25), min(2.0 * n, 1.0)), vec3(1.0, 0.9, 0.4), max(2.0 * n - 1.0, 0.0)), 1.0);
+  vec3 few = mix(vec3(0.01, 0.03, 0.20), vec3(0.75, 0.12, 0.25), min(2.0 * n, 1.0));
+  return vec4(mix(few, vec3(1.0, 0.9, 0.4), max(2.0 * n - 1.0, 0.0)), 1.0);
 })";
     default:
       return nullptr;
