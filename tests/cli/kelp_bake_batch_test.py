@@ -226,7 +226,7 @@ class Batches(Case):
                 (2, ["1.obj", "-o", "x.kelp", "--config", "pipe.obj"], "nobody writes"),
                 (2, ["pipe.obj", "-o", "x.kelp"], "write it to a file first"),
                 (2, ["1.obj", "-o", "x.kelp", "--rig", "pipe.obj"], "write it to a file first"),
-                (1, ["-", "-o", "x.kelp"], "-: standard input"),
+                (1, ["-", "-o", "x.kelp"], "cannot be standard input"),
                 (1, ["1.obj", "-o", "-"], "-o -: ")):
             self.fails(code, *arguments, says=[says])
         self.assertLess(time.monotonic() - start, 60 if SANITIZED else 10)
