@@ -105,7 +105,7 @@ inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pa
 inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
 inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
 inline constexpr std::size_t kFogsHeader = 4, kFogRecord = 28, kRampRecord = 12;
-inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 4, kKnotRecord = 28;
+inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 12, kKnotRecord = 28;
 inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16,
                              kKeyRecord = 52;
 

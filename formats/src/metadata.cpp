@@ -215,6 +215,9 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     const std::uint32_t count = in.u32();
     if (count < 2 || count > static_cast<std::uint32_t>(kMaxKnots) || count > total - used)
       return corrupt("a rig does not have 2 to 64 knots", at);
+    part.automatic_tangents = in.u64();
+    if (count < 64 && part.automatic_tangents >> count != 0)
+      return corrupt("a rig marks the tangents of knots that it does not have", at + 4);
     part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
     used += count;
   }

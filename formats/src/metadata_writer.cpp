@@ -110,7 +110,10 @@ bool buildRigs(const RawPack& pack, Buffer<std::byte>& out) {
   RecordWriter to(out);
   to.count(pack.parts.size());
   to.count(knots);
-  for (const RawPart& part : pack.parts) to.count(part.knots.size());
+  for (const RawPart& part : pack.parts) {
+    to.count(part.knots.size());
+    to.put(part.automatic_tangents);
+  }
   for (const RawPart& part : pack.parts) {
     for (const Knot& knot : part.knots) {
       to.put(knot.at);

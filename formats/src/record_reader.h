@@ -29,6 +29,7 @@ class RecordReader {
     return value;
   }
   std::uint32_t u32() { return take<std::uint32_t>(); }
+  std::uint64_t u64() { return take<std::uint64_t>(); }
   float f32() { return take<float>(); }
   glm::vec3 vec3() { return take<glm::vec3>(); }
   glm::vec4 vec4() { return take<glm::vec4>(); }

@@ -74,10 +74,10 @@ class RigWriter {
 
   // Builds the new tables and checks them with the functions of the reader.
   Result<void> packTables() {
-    if (rigs_.knots.size() != parsed_.parts.size())
-      return Error{ErrorCode::kMisuse, "there are not knots for each part"};
-    for (const std::vector<Knot>& knots : rigs_.knots)
-      if (knots.size() > static_cast<std::size_t>(kMaxKnots))
+    if (rigs_.parts.size() != parsed_.parts.size())
+      return Error{ErrorCode::kMisuse, "there is not a rig for each part"};
+    for (const RawRig& rig : rigs_.parts)
+      if (rig.knots.size() > static_cast<std::size_t>(kMaxKnots))
         return Error{ErrorCode::kMisuse, "a part has more than 64 knots"};
     std::size_t entries = rigs_.clips.size();
     for (const RawClip& clip : rigs_.clips) {
@@ -91,8 +91,11 @@ class RigWriter {
       return Error{ErrorCode::kMisuse, "too many clips, waves, tracks or keys"};
 
     RawPack pack;  // buildRigs and buildClips read only knots and clips
-    pack.parts.resize(rigs_.knots.size());
-    for (std::size_t i = 0; i < pack.parts.size(); ++i) pack.parts[i].knots = rigs_.knots[i];
+    pack.parts.resize(rigs_.parts.size());
+    for (std::size_t i = 0; i < pack.parts.size(); ++i) {
+      pack.parts[i].knots = rigs_.parts[i].knots;
+      pack.parts[i].automatic_tangents = rigs_.parts[i].automatic_tangents;
+    }
     pack.clips = rigs_.clips;
     Buffer<std::byte> table;
     if (!rigs_.info_json.empty()) {

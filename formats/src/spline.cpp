@@ -112,9 +112,24 @@ bool staysFinite(const Segment& s) {
 
 }  // namespace
 
-Segment makeSegment(const Knot& k0, const Knot& k1) {
-  const float share = k1.at - k0.at;
-  return {k0.position, k0.tangent * share, k1.position, k1.tangent * share};
+Segment makeSegment(const Knot& k0, const Knot& k1, float height) {
+  const float share = height * (k1.at - k0.at);
+  return {height * k0.position, share * k0.tangent, height * k1.position, share * k1.tangent};
+}
+
+Follow followOf(std::span<const Knot> knots, std::size_t knot, std::uint64_t automatic) {
+  const std::size_t last = knots.size() - 1;
+  const auto isAutomatic = [automatic](std::size_t i) { return (automatic >> i & 1) != 0; };
+  // The slope at knot i is taken over this range of `at`.
+  const auto range = [&](std::size_t i) {
+    return knots[std::min(i + 1, last)].at - knots[i > 0 ? i - 1 : 0].at;
+  };
+  Follow follow;
+  if (knot > 0 && isAutomatic(knot - 1)) follow.before = 1.0f / range(knot - 1);
+  if (knot < last && isAutomatic(knot + 1)) follow.after = -1.0f / range(knot + 1);
+  if (isAutomatic(knot) && knot == 0) follow.self = -1.0f / range(knot);
+  if (isAutomatic(knot) && knot == last) follow.self = 1.0f / range(knot);
+  return follow;
 }
 
 glm::vec3 evaluate(const Segment& s, float t) {
@@ -163,7 +178,7 @@ Result<void> checkKnots(std::span<const Knot> knots) {
   if (knots.back().at != 1.0f)
     return Error{ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1};
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Segment segment = makeSegment(knots[i], knots[i + 1]);
+    const Segment segment = makeSegment(knots[i], knots[i + 1], 1.0f);
     if (!staysFinite(segment))
       return Error{ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i};
     if (!isMonotone(segment)) return Error{ErrorCode::kNotMonotone, "the spline turns back after a knot", i};
@@ -171,11 +186,16 @@ Result<void> checkKnots(std::span<const Knot> knots) {
   return {};
 }
 
-Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
+Box splineBounds(std::span<const Knot> knots, float height) {
   Box box;
-  if (knots.size() < 2) return box;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i)
-    addExactRange(makeSegment(knots[i], knots[i + 1]), box.min, box.max);
+    addExactRange(makeSegment(knots[i], knots[i + 1], height), box.min, box.max);
+  return box;
+}
+
+Box deformedBounds(std::span<const Knot> knots, const glm::ivec3& size) {
+  Box box = splineBounds(knots, static_cast<float>(size.y));
+  if (box.empty()) return box;
   // Every copy of the base spans [0, X] x [0, Z] from the spline.
   box.max += glm::vec3(static_cast<float>(size.x), 0.0f, static_cast<float>(size.z));
   return box;

@@ -195,7 +195,7 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   if (!pack) return pack.error();
   std::unique_ptr<Impl> impl(new (std::nothrow) Impl(*std::move(pack), options));
   if (!impl) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
-  if (Result<void> prepared = impl->waves.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
+  if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
   auto* const life = new (std::nothrow) AssetWatch::Life;

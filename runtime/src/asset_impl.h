@@ -7,7 +7,7 @@
 #include <mutex>
 #include <shared_mutex>
 
-#include "kelp/simd/wave_sums.h"
+#include "kelp/simd/clip_tables.h"
 #include "level_store.h"
 
 namespace kelp::runtime {
@@ -25,7 +25,7 @@ struct Asset::Impl {
   Impl(Pack&& opened, const Options& given)
       : pack(std::move(opened)),
         options(given),
-        waves(given.allocator),
+        clips(given.allocator),
         first_level(given.allocator),
         place(given.allocator) {}
   ~Impl();
@@ -87,7 +87,7 @@ struct Asset::Impl {
 
   Pack pack;
   Options options;
-  simd::ClipWaves waves;
+  simd::ClipTables clips;
   std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
   std::size_t state_count = 0;
   // No level before first_open is open; no coarsest level before first_open_coarsest.
@@ -125,9 +125,7 @@ struct Asset::Impl {
 
 // Access for addClip().
 struct ClipReader {
-  static std::span<const simd::WaveBlock> waves(const Asset& asset, int clip) {
-    return asset.impl_->waves.of(static_cast<std::size_t>(clip));
-  }
+  static const simd::ClipTables& tables(const Asset& asset) { return asset.impl_->clips; }
 };
 
 // Gives access to pages, which stay in memory while it lives. Any number at a time, on any threads.

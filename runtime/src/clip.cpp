@@ -4,6 +4,7 @@
 
 #include "asset_impl.h"
 #include "kelp/runtime/pose.h"
+#include "pose_writer.h"
 
 namespace kelp::runtime {
 namespace {
@@ -39,14 +40,17 @@ glm::vec4 sample(const Track& track, float time) {
          (3.0f * u2 - 2.0f * u3) * k1.value + (u3 - u2) * dt * k1.in;
 }
 
-void apply(Target target, const glm::vec4& value, float weight, Knot& knot, Motion& motion) {
+void apply(const Track& track, const glm::vec4& value, const Follow& follow, float weight, Pose& pose) {
+  const int part = static_cast<int>(track.part);
+  const std::span<Knot> knots = PoseWriter::knots(pose, part);
+  Motion& motion = *pose.motion(part);
   const glm::vec3 v(value);
-  switch (target) {
+  switch (track.target) {
     case Target::kKnotOffset:
-      knot.position += weight * v;
+      moveKnot(knots, track.knot, weight * v, follow);
       break;
     case Target::kKnotTangent:
-      knot.tangent += weight * v;
+      knots[track.knot].tangent += weight * v;
       break;
     case Target::kPartTranslation:
       motion.translation += weight * v;
@@ -76,17 +80,18 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
     return Error{ErrorCode::kMisuse, "time or weight is not finite"};
 
   const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
-  for (const simd::WaveBlock& block : ClipReader::waves(asset, clip_index))
-    simd::addWaves(block, seconds, weight, pose.allKnots());
+  const simd::ClipTables& tables = ClipReader::tables(asset);
+  const auto index = static_cast<std::size_t>(clip_index);
+  for (const simd::WaveBlock& block : tables.waves(index))
+    simd::addWaves(block, seconds, weight, PoseWriter::allKnots(pose));
   if (clip.tracks.empty()) return {};
   // fmod, because the quotient of a long time and a short clip does not fit a double.
   const double duration = clip.duration;
   const double remainder = std::fmod(seconds, duration);
   const float time = static_cast<float>(remainder < 0 ? remainder + duration : remainder);
-  for (const Track& track : clip.tracks) {
-    const int part = static_cast<int>(track.part);
-    apply(track.target, sample(track, time), weight, pose.knots(part)[track.knot], *pose.motion(part));
-  }
+  const std::span<const Follow> follows = tables.follows(index);
+  for (std::size_t i = 0; i < clip.tracks.size(); ++i)
+    apply(clip.tracks[i], sample(clip.tracks[i], time), follows[i], weight, pose);
   return {};
 }
 

@@ -3,11 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
+
+#include "pose_writer.h"
 
 namespace kelp::runtime {
 
 static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4, "a pose lays its arrays side by side");
+
+namespace {
+constexpr Error kNoKnot{ErrorCode::kMisuse, "there is no such part, or no such knot in it"};
+}
 
 Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   const std::span<const Part> parts = asset.pack().parts();
@@ -16,7 +23,8 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   Pose pose;
   pose.memory_ = Buffer<std::byte>(allocator);
   if (!pose.memory_.reset(2 * (parts.size() * sizeof(Motion) + total * sizeof(Knot)) +
-                          (parts.size() + 1) * sizeof(std::uint32_t))) {
+                          (parts.size() + 1) * sizeof(std::uint32_t) +
+                          parts.size() * sizeof(std::uint64_t))) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a pose"};
   }
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
@@ -27,6 +35,8 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     pose.firstKnots()[i] = n;
     for (const Knot& knot : parts[i].knots) pose.restKnots()[n++] = knot;
+    std::memcpy(pose.automaticTangents(static_cast<int>(i)), &parts[i].automatic_tangents,
+                sizeof parts[i].automatic_tangents);
   }
   pose.firstKnots()[parts.size()] = n;
   pose.reset();
@@ -48,6 +58,36 @@ bool Pose::fits(const Asset& asset) const {
     if (firstKnots()[i + 1] - firstKnots()[i] != parts[i].knots.size()) return false;
   }
   return true;
+}
+
+bool Pose::hasKnot(int part, int knot) const {
+  return knot >= 0 && static_cast<std::size_t>(knot) < knots(part).size();
+}
+
+Result<void> Pose::move(int part, int knot, const glm::vec3& offset) {
+  if (!hasKnot(part, knot)) return kNoKnot;
+  std::uint64_t automatic;
+  std::memcpy(&automatic, automaticTangents(part), sizeof automatic);
+  const std::span<Knot> moved = writableKnots(part);
+  const auto index = static_cast<std::size_t>(knot);
+  moveKnot(moved, index, offset, followOf(moved, index, automatic));
+  return {};
+}
+
+Result<void> Pose::setTangent(int part, int knot, const glm::vec3& tangent) {
+  if (!hasKnot(part, knot)) return kNoKnot;
+  writableKnots(part)[static_cast<std::size_t>(knot)].tangent = tangent;
+  return {};
+}
+
+Result<void> Pose::setKnots(int part, std::span<const Knot> given) {
+  const std::span<Knot> mine = writableKnots(part);
+  const bool same = std::equal(mine.begin(), mine.end(), given.begin(), given.end(),
+                               [](const Knot& a, const Knot& b) { return a.at == b.at; });
+  if (mine.empty() || !same)
+    return Error{ErrorCode::kMisuse, "these are not the knots of that part: their number or an `at` differs"};
+  std::copy(given.begin(), given.end(), mine.begin());
+  return {};
 }
 
 bool Pose::sameShape(const Pose& other) const {
@@ -85,7 +125,7 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
   }
   for (int part = 0; part < parts(); ++part) {
     const float w = part_weights.empty() ? weight : weight * part_weights[static_cast<std::size_t>(part)];
-    const std::span<Knot> mine = knots(part);
+    const std::span<Knot> mine = writableKnots(part);
     const std::span<const Knot> theirs = to.knots(part);
     for (std::size_t i = 0; i < mine.size(); ++i) {
       mine[i].position = glm::mix(mine[i].position, theirs[i].position, w);
@@ -110,7 +150,7 @@ Result<void> Pose::check() const {
 
 void Pose::clampMonotone() {
   for (int part = 0; part < parts(); ++part) {
-    const std::span<Knot> k = knots(part);
+    const std::span<Knot> k = writableKnots(part);
     if (k.empty() || checkKnots(k)) continue;
     // Each knot rises by at least a thousandth of its share of the height at rest.
     const Knot* const rest = restKnots() + (k.data() - knotData());
@@ -133,7 +173,7 @@ void Pose::clampMonotone() {
         const float rise = (k[i + 1].position.y - k[i].position.y) / share;
         const float length =
             std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
-        if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1]))) continue;
+        if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1], 1.0f))) continue;
         k[i].tangent.y *= 2.999f * rise / length;
         k[i + 1].tangent.y *= 2.999f * rise / length;
         mended = true;

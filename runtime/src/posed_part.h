@@ -18,7 +18,12 @@ inline trace::KelpSegment asTrace(const Segment& segment) {
   return {segment.p0, segment.m0, segment.p1, segment.m1};
 }
 
-// The knots of a part as the instance poses it. The part must exist.
+// For these the part must exist, and the pose must have knots for it.
+// The knots of a part as the instance poses it.
 std::span<const Knot> knotsOf(const Instance& instance, int part);
+// Part space at rest -> object space at rest.
+glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels);
+// Part space at rest -> part space, deformed.
+glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest);
 
 }  // namespace kelp::runtime

@@ -139,9 +139,10 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
       rayInPart(instance, index, simd::boundKnots(knots, part.size), ray, t_max);
   if (!in) return std::nullopt;
 
+  const auto height = static_cast<float>(part.size.y);
   trace::KelpSegment segments[kMaxKnots];
   for (std::size_t k = 0; k + 1 < knots.size(); ++k)
-    segments[k] = asTrace(makeSegment(knots[k], knots[k + 1]));
+    segments[k] = asTrace(makeSegment(knots[k], knots[k + 1], height));
   trace::Context context;
   context.segments = segments;
   context.segment_count = static_cast<int>(knots.size()) - 1;
@@ -167,11 +168,10 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
   hit.part = index;
   hit.level = level.level + found.coarser;
   hit.voxel = found.voxel;
-  hit.rest = found.rest;
+  hit.rest = toObject(instance, index, found.rest);
   glm::dvec3 normal = -glm::normalize(glm::dvec3(ray.direction));
   if (const auto attribute = bricks[found.coarser].attributeAt(found.voxel)) {
-    const float stretch =
-        static_cast<float>(part.size.y) / (knots.back().position.y - knots.front().position.y);
+    const float stretch = 1.0f / (knots.back().position.y - knots.front().position.y);
     const glm::vec3 bent = trace::kelpDeformNormal(segments[found.segment], found.t, stretch,
                                                    decodeNormal(attributeNormal(*attribute)));
     if (glm::dot(bent, bent) > 0)

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "kelp/simd/bound_knots.h"
+#include "pose_writer.h"
 
 namespace kelp::runtime {
 namespace {
@@ -68,12 +69,12 @@ struct Nearest {
   float at = 0;       // along the axis
 };
 
-Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm::vec3& middle,
+Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, float height, const glm::vec3& middle,
                   const glm::mat4& to_world) {
   constexpr int kPieces = 8;
   Nearest nearest;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Segment segment = makeSegment(knots[i], knots[i + 1]);
+    const Segment segment = makeSegment(knots[i], knots[i + 1], height);
     glm::vec3 begin(0);
     for (int piece = 0; piece <= kPieces; ++piece) {
       const float t = static_cast<float>(piece) / kPieces;
@@ -94,6 +95,7 @@ Nearest nearestTo(const glm::vec3& point, std::span<const Knot> knots, const glm
   return nearest;
 }
 
+constexpr Error kNoPart{ErrorCode::kMisuse, "there is no part of that index"};
 Error foreign() { return {ErrorCode::kMisuse, "the spring does not fit this asset or pose"}; }
 
 }  // namespace
@@ -171,7 +173,7 @@ float Spring::energyOf(const Body& body, std::uint32_t knot) const {
 void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
   Swing& swing = swings_[body.first + knot];
   const glm::vec3 held = share(body, knot) * body.lean;
-  const float reach = settings_.reach * body.height * share(body, knot);
+  const float reach = settings_.reach * share(body, knot);
   const float most = std::max(reach * reach, energy_before);
   glm::vec3 away = swing.offset - held;
   if (const float far = glm::length(away); far * far > most) {
@@ -183,11 +185,11 @@ void Spring::limit(const Body& body, std::uint32_t knot, float energy_before) {
 }
 
 Result<void> Spring::push(int part, const glm::vec3& velocity) {
-  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "there is no part of that index"};
+  if (part < 0 || part >= parts()) return kNoPart;
   if (!isFinite(velocity)) return Error{ErrorCode::kMisuse, "a push is not finite"};
   const Body& body = bodies_[static_cast<std::size_t>(part)];
   // So that squares do not overflow. limit() cuts more than this anyway.
-  const float most = 4 * omega_ * settings_.reach * body.height;
+  const float most = 4 * omega_ * settings_.reach;
   const glm::vec3 change = glm::clamp(velocity, glm::vec3(-most), glm::vec3(most));
   for (std::uint32_t i = 0; i < body.knots; ++i) {
     const float before = energyOf(body, i);
@@ -198,14 +200,35 @@ Result<void> Spring::push(int part, const glm::vec3& velocity) {
 }
 
 Result<void> Spring::setWind(int part, const glm::vec3& acceleration) {
-  if (part < 0 || part >= parts()) return Error{ErrorCode::kMisuse, "there is no part of that index"};
+  if (part < 0 || part >= parts()) return kNoPart;
   if (!isFinite(acceleration)) return Error{ErrorCode::kMisuse, "wind is not finite"};
   Body& body = bodies_[static_cast<std::size_t>(part)];
-  const double reach = double{settings_.reach} * double{body.height};
+  const double reach = settings_.reach;
   const glm::dvec3 lean = glm::dvec3(acceleration) / (double{omega_} * double{omega_});
   const double length = glm::length(lean);
   body.lean = glm::vec3(length > reach ? lean * (reach / length) : lean);
   return {};
+}
+
+// A vector in the world, in heights of the part and in its axes.
+Result<glm::vec3> Spring::fromWorld(const Instance& instance, int part, const glm::vec3& vector) const {
+  if (!instance.asset || !fits(*instance.asset) || (instance.pose && !fits(*instance.pose))) return foreign();
+  if (part < 0 || part >= parts()) return kNoPart;
+  const glm::mat3 to_part = glm::inverse(glm::mat3(partToWorld(instance, part)));
+  const glm::vec3 mapped = to_part * vector / bodies_[static_cast<std::size_t>(part)].height;
+  if (!isFinite(mapped))
+    return Error{ErrorCode::kMisuse, "a world vector is not finite, or the part has no extent in the world"};
+  return mapped;
+}
+
+Result<void> Spring::pushInWorld(const Instance& instance, int part, const glm::vec3& velocity) {
+  const Result<glm::vec3> mapped = fromWorld(instance, part, velocity);
+  return mapped ? push(part, *mapped) : Result<void>(mapped.error());
+}
+
+Result<void> Spring::setWindInWorld(const Instance& instance, int part, const glm::vec3& acceleration) {
+  const Result<glm::vec3> mapped = fromWorld(instance, part, acceleration);
+  return mapped ? setWind(part, *mapped) : Result<void>(mapped.error());
 }
 
 Result<void> Spring::step(float seconds) {
@@ -251,7 +274,8 @@ void Spring::addTo(const Body& body, std::span<Knot> knots) const {
 
 Result<void> Spring::addTo(Pose& pose) const {
   if (!fits(pose)) return foreign();
-  for (int part = 0; part < parts(); ++part) addTo(bodies_[static_cast<std::size_t>(part)], pose.knots(part));
+  for (int part = 0; part < parts(); ++part)
+    addTo(bodies_[static_cast<std::size_t>(part)], PoseWriter::knots(pose, part));
   pose.clampMonotone();
   return {};
 }
@@ -291,13 +315,13 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
       const glm::vec3 middle(to_world * glm::vec4(0.5f * (box.min + box.max), 1));
       if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max))) return;
     }
-    const Nearest nearest = nearestTo(center, knots, body.middle, to_world);
+    const Nearest nearest = nearestTo(center, knots, body.height, body.middle, to_world);
     if (!(nearest.distance < 0.999f * radius)) return;
     const glm::vec3 direction =
         nearest.distance > 1e-6f * radius ? nearest.from / nearest.distance : glm::normalize(turn[0]);
     // limit() would cut more than this anyway.
     const float most = 4 * scale * settings_.reach * body.height;
-    const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction);
+    const glm::vec3 out = to_part * (std::min(radius - nearest.distance, most) * direction) / body.height;
     if (!isFinite(out)) return;
     const glm::vec3 normal = glm::normalize(glm::transpose(turn) * direction);
     for (std::uint32_t i = 0; i < body.knots; ++i) {

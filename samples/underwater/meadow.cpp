@@ -36,7 +36,6 @@ kelp::Result<std::unique_ptr<Meadow>> Meadow::plant(const Library& library, int 
                      glm::rotate(glm::mat4(1), site.yaw, {0, 1, 0}) *
                      glm::scale(glm::mat4(1), glm::vec3(site.scale));
     const glm::mat3 axes(plant.to_world * glm::mat4(part.to_object));
-    plant.to_part = glm::inverse(axes);
     plant.height = glm::length(axes[1]) * static_cast<float>(part.size.y);
     plant.stiffness = glm::pow(6.2831853f * frequency, 2.0f);
     plant.clip = findClip(asset, "sway");
@@ -55,7 +54,7 @@ void Meadow::update(double seconds, float passed, std::span<const Visitor> visit
                     plant.pose);
     // The spring on top: leant by the current as far as it says, out of everyone's way.
     const glm::vec3 lean = plant.height * glm::vec3(current.x, 0, current.y);
-    (void)plant.spring.setWind(0, plant.stiffness * (plant.to_part * lean));
+    (void)plant.spring.setWindInWorld({plant.asset, nullptr, plant.to_world}, 0, plant.stiffness * lean);
     (void)plant.spring.step(passed);
     for (const Visitor& visitor : visitors) {
       const glm::vec3 off = visitor.at - plant.foot;

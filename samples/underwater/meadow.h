@@ -36,9 +36,8 @@ class Meadow {
     Site site;
     glm::vec3 foot{0};  // world
     glm::mat4 to_world{1};
-    glm::mat3 to_part{1};  // directions and lengths, world -> voxels
-    float height = 0;      // metres, from the foot to the spline's end
-    float stiffness = 0;   // of the spring: 1 / seconds^2
+    float height = 0;     // metres, from the foot to the spline's end
+    float stiffness = 0;  // of the spring: 1 / seconds^2
     int clip = -1;
   };
 

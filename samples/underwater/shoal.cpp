@@ -117,7 +117,12 @@ void Shoal::update(double seconds) {
 
     fish.to_world = swimFrame(*fish.anatomy, lane, head, fish.scale, bank);
     fish.pose.reset();
-    layOnLane(*fish.anatomy, fish.to_world, lane, head, fish.scale, fish.pose.knots(0));
+    const std::span<const kelp::Knot> rest = fish.pose.knots(0);
+    kelp::Knot on_lane[kelp::kMaxKnots];
+    const std::span<kelp::Knot> knots(on_lane, rest.size());
+    std::copy(rest.begin(), rest.end(), knots.begin());
+    layOnLane(*fish.anatomy, fish.to_world, lane, head, fish.scale, knots);
+    (void)fish.pose.setKnots(0, knots);
     const double strokes = kStroke / fish.scale * seconds + fish.phase;
     if (fish.clip >= 0) (void)addClip(*fish.asset, fish.clip, strokes, 0.8f, fish.pose);
     fish.pose.clampMonotone();

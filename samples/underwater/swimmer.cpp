@@ -36,8 +36,8 @@ void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& la
                          0.5f * anatomy.size.z);
   for (kelp::Knot& knot : knots) {
     const float s = head - knot.at * length;
-    knot.position = glm::vec3(to_part * glm::vec4(lane.at(s), 1)) - corner;
-    knot.tangent = glm::mat3(to_part) * (-length * lane.direction(s));
+    knot.position = (glm::vec3(to_part * glm::vec4(lane.at(s), 1)) - corner) / anatomy.size.y;
+    knot.tangent = glm::mat3(to_part) * (-length * lane.direction(s)) / anatomy.size.y;
   }
 }
 

@@ -12,6 +12,7 @@
 #include "support/assets.h"
 #include "support/rasterizer.h"
 #include "support/test_pack.h"
+#include "support/voxel_points.h"
 
 namespace kelp::bake::test {
 namespace {
@@ -83,7 +84,7 @@ void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<st
         const glm::dvec3 voxel(to_voxel * glm::dvec4(corner, 1));
         for (int c = 0; c < 3; ++c) beyond = std::max({beyond, -voxel[c], voxel[c] - raw.size[c]});
         const glm::dvec3 wanted(world * glm::dvec4(corner, 1)),
-            got(runtime::toWorld(instance, part, glm::vec3(voxel)));
+            got(kelp::test::voxelToWorld(instance, part, glm::vec3(voxel)));
         worst = std::max(worst, glm::length(wanted - got));
         for (int c = 0; c < 3; ++c)
           EXPECT_TRUE(wanted[c] > static_cast<double>(box.min[c]) - tolerance &&
@@ -271,8 +272,9 @@ TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
     const std::vector<glm::dvec3> wanted = truth.worldCorners(0, 0, time);
     for (std::size_t i = 0; i < rest.size(); ++i) {
       const glm::vec3 voxel(glm::inverse(asMatrix(baked.pack().parts[0].to_object)) * glm::dvec4(rest[i], 1));
-      EXPECT_LT(glm::length(wanted[i] - glm::dvec3(runtime::toWorld({&baked.asset(), &pose}, 0, voxel))),
-                1e-5);
+      EXPECT_LT(
+          glm::length(wanted[i] - glm::dvec3(kelp::test::voxelToWorld({&baked.asset(), &pose}, 0, voxel))),
+          1e-5);
     }
   }
 }

@@ -15,6 +15,7 @@
 #include "level_set_mesh.h"
 #include "support/all_tests.h"
 #include "support/assets.h"
+#include "support/edit_knots.h"
 #include "support/rasterizer.h"
 #include "support/test_pack.h"
 
@@ -142,9 +143,7 @@ class Baked {
   Comparison compare(double yaw, double pitch, const test::FigurePose* figure, int side = 240) const {
     runtime::Pose pose = *runtime::Pose::create(*asset_);
     for (int i = 0; figure && i < pose.parts(); ++i) {
-      const std::vector<Knot> knots =
-          test::figureKnots(*figure, asset_->pack().parts()[static_cast<std::size_t>(i)].size);
-      std::copy(knots.begin(), knots.end(), pose.knots(i).begin());
+      (void)pose.setKnots(i, test::figureKnots(*figure));
     }
     const runtime::Instance instance{asset_.get(), &pose};
     const Box box = runtime::bounds(instance);
@@ -157,7 +156,8 @@ class Baked {
       const bake::SourcePart& part = model_.parts[p];
       const dmat4 to_object = asMatrix(pack_.parts[p].to_object);
       const dmat4 to_voxel = glm::inverse(to_object) * asMatrix(part.to_object);
-      const std::span<const Knot> knots = pose.knots(static_cast<int>(p));
+      const std::vector<Knot> knots =
+          test::inVoxels(pose.knots(static_cast<int>(p)), static_cast<float>(pack_.parts[p].size.y));
       const ForwardMap map(knots.front(), knots.back(), pack_.parts[p].size.y);
       for (std::size_t t = 0; t < part.soup.triangles.size(); ++t) {
         std::array<dvec3, 3> rest;

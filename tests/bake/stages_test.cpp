@@ -200,7 +200,7 @@ TEST(WritePackFile, InterruptLeavesTheOldFileAlone) {
   RawPart& part = pack.parts.emplace_back();
   part.name = "box";
   part.size = baked.grid().size;
-  part.knots = test::straightKnots(part.size);
+  part.knots = test::straightKnots();
   part.levels = bake::buildLevels(baked.grid(), palette.indices[0], palette.entries, 0, 1, {});
 
   const test::Scratch scratch;

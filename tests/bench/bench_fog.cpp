@@ -321,7 +321,7 @@ void run(const std::string& path, int frames) {
   int unkept[kLimits][2] = {};
   int poses = 0;
   for (const FigurePose& figure : kFigure6) {
-    const std::vector<Knot> knots = figureKnots(figure, volume.size);
+    const std::vector<Knot> knots = figureKnots(figure);
     std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
     const runtime::Instance instance{volume.asset.get(), &pose};
     // From where the volume fills the picture at rest; sheared poses are drawn to their bounds.

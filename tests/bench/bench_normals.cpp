@@ -78,7 +78,7 @@ void printTable(const std::string& name, const std::vector<Sample>& samples, con
   for (std::size_t i = 0; i < std::size(kBits) + 3; ++i) std::printf("---|");
   std::printf("\n");
   for (const test::FigurePose& figure : test::kFigure6) {
-    const std::vector<Knot> knots = test::figureKnots(figure, size);
+    const std::vector<Knot> knots = test::figureKnots(figure);
     const reference::SplineMap map(knots, size);
     const Segment s = makeSegment(knots[0], knots[1]);
     const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};

@@ -164,8 +164,7 @@ std::vector<Pose> makePoses(const Scene& scene) {
   if (scene.figure6) {
     for (std::size_t i = 0; i < test::kFigure6.size(); ++i) {
       Pose pose{test::kFigure6[i].name, i < 4, {}};
-      for (const Item& item : scene.items)
-        pose.knots.push_back(test::figureKnots(test::kFigure6[i], item.volume.size));
+      for (const Item& item : scene.items) pose.knots.push_back(test::figureKnots(test::kFigure6[i]));
       poses.push_back(std::move(pose));
     }
   }
@@ -177,7 +176,7 @@ std::vector<Pose> makePoses(const Scene& scene) {
       const double a = 2 * std::numbers::pi * moment + 2.1 * static_cast<double>(i);
       const test::FigurePose sine{name, glm::vec3(dvec3(3 * std::sin(a), 0, std::sin(a + 1))),
                                   glm::vec3(dvec3(3 * std::sin(a + 2), 0, 2 * std::sin(a + 3)))};
-      pose.knots.push_back(test::figureKnots(sine, scene.items[i].volume.size));
+      pose.knots.push_back(test::figureKnots(sine));
     }
     poses.push_back(std::move(pose));
   }

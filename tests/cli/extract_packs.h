@@ -74,7 +74,7 @@ inline RawPart rawPart(const KnownPart& known, const std::string& name) {
   part.name = name;
   part.size = known.occupancy.size;
   part.to_object = known.to_object;
-  part.knots = figureKnots(kFigure6[0], part.size);
+  part.knots = figureKnots(kFigure6[0]);
   part.levels.push_back(fields::buildLevel(known.occupancy, surface, 1));
   fields::Occupancy coarse = fields::coarser(known.occupancy);
   std::vector<fields::SurfaceVoxel> all;

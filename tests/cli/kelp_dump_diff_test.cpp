@@ -246,10 +246,9 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
   b.parts[1].parent = -1;
   EXPECT_EQ(only(b, "parent")["a"], "'ball'");
   b = ballPack();
-  b.parts[0].knots[0].tangent.x += 0.5f;
+  b.parts[0].knots[0].tangent.x += 0.5f / 62;
   EXPECT_NEAR(only(b, "rig")["largest"].get<double>(), 0.5 / 62, 1e-6);
-  b.parts[0].knots = {
-      {0, {0, 0, 0}, {0, 62, 0}}, {0.5f, {0, 31, 0}, {0, 62, 0}}, {1, {0, 62, 0}, {0, 62, 0}}};
+  b.parts[0].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {0.5f, {0, 0.5f, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
   only(b, "rig");
   b = ballPack();
   b.parts[0].to_object[3].x += 0.062f;
@@ -290,13 +289,13 @@ TEST_F(Diff, ToleranceIsAShareOfTheRange) {
     EXPECT_TRUE(same(b, {"--tolerance", enough})) << kind;
   };
   RawPack b = ballPack();
-  b.parts[0].knots[0].tangent.x += 0.62f;  // of a length of 62
+  b.parts[0].knots[0].tangent.x += 0.01f;
   within(b, "rig", "0.009", "0.011");
   b = ballPack();
   b.parts[0].to_object[3].x += 0.0062f;  // of 0.62 m
   within(b, "place", "0.009", "0.011");
   b = ballPack();
-  b.clips[0].waves[0].amplitude.x += 0.62f;
+  b.clips[0].waves[0].amplitude.x += 0.01f;
   within(b, "motion", "0.009", "0.011");
   b = ballPack();
   for (std::uint32_t& attribute : b.parts[0].levels[0].attributes) {  // some 3 degrees of 180

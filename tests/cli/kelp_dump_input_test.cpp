@@ -258,7 +258,7 @@ TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
   RawPart& part = pack.parts.emplace_back();
   part.name = "large";
   part.size = glm::ivec3(512);
-  part.knots = test::figureKnots(test::kFigure6[0], part.size);
+  part.knots = test::figureKnots(test::kFigure6[0]);
   test::RandomPack random(1);
   for (int level = 0; level < 8; ++level)
     part.levels.push_back(random.makeLevel(levelSize(part.size, level), 256, 0.02f));
@@ -297,7 +297,7 @@ TEST_F(Input, WhatDoesNotFitIntoMemoryIsAFailureAtRunTime) {
                       static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
   part.size = {1024, std::min(32768, static_cast<int>(memory / 12 / 1024 / 1024) + 64), 1024};
   if (part.size.y > 8192) GTEST_SKIP() << "this machine has more memory than a pack can ask for";
-  part.knots = test::figureKnots(test::kFigure6[0], part.size);
+  part.knots = test::figureKnots(test::kFigure6[0]);
   const glm::ivec3 grid = brickGrid(part.size);
   RawLevel& level = part.levels.emplace_back();
   level.cells.resize(static_cast<std::size_t>(grid.x) * static_cast<std::size_t>(grid.y) *

@@ -37,8 +37,9 @@ class SetRig : public testing::Test {
     for (std::uint32_t i = 0; i < rigs.size(); ++i) {
       raw.parts.push_back(test::rawPart(test::ball(test::scaled(0.01f), 3), "part " + std::to_string(i)));
       const RigDescription rig = parseRig(rigs[i]);
-      raw.parts[i].knots = realizeKnots(rig, raw.parts[i].size);
-      mergeClips(raw.clips, realizeClips(rig, raw.parts[i].size, i));
+      raw.parts[i].knots = realizeKnots(rig);
+      raw.parts[i].automatic_tangents = automaticTangents(rig);
+      mergeClips(raw.clips, realizeClips(rig, i));
     }
     return raw;
   }
@@ -241,7 +242,7 @@ TEST_F(SetRig, AnInterruptLeavesNoTemporaryFile) {
   RawPart& part = raw.parts.emplace_back();
   part.name = "noise";
   part.size = glm::ivec3(256);
-  part.knots = test::figureKnots(test::kFigure6[0], part.size);
+  part.knots = test::figureKnots(test::kFigure6[0]);
   part.levels.push_back(test::RandomPack(1).makeLevel(part.size, 3, 0.3f));
   const std::string path = write(raw), out = folder_ / "out.ply";
   const auto leftovers = [&] {

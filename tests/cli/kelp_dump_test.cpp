@@ -88,7 +88,8 @@ RawPart partOf(const std::vector<Level>& levels, const RigDescription& rig, cons
   part.size = levels[0].occupancy.size;
   part.to_object =
       glm::mat4x3(glm::vec3(0.01f, 0, 0), glm::vec3(0, 0.01f, 0), glm::vec3(0, 0, 0.01f), glm::vec3(0, 0, 0));
-  part.knots = realizeKnots(rig, part.size);
+  part.knots = realizeKnots(rig);
+  part.automatic_tangents = automaticTangents(rig);
   for (const Level& level : levels)
     part.levels.push_back(fields::buildLevel(level.occupancy, withAttributes(level.surface), 1));
   return part;
@@ -103,7 +104,7 @@ RawPack packOf(const std::vector<Level>& levels) {
   pack.palette[0].base_color = {1, 0, 0, 1};
   pack.palette[1].base_color = {0, 0.2158605f, 0, 1};
   pack.parts = {partOf(levels, rig, "blob"), partOf(levelsOf(blob(), 2), rig, "twin")};
-  pack.clips = realizeClips(rig, pack.parts[0].size, 0);
+  pack.clips = realizeClips(rig, 0);
   return pack;
 }
 

@@ -25,7 +25,7 @@ RawPart noise(const glm::ivec3& size, bool heat, std::uint32_t seed) {
   RawPart part;
   part.name = "fog";
   part.size = size;
-  part.knots = test::straightKnots(size);
+  part.knots = test::straightKnots();
   part.fog = RawFog{{0.5f, 1, 0}, 0.25f, heat ? 3.0f : 0.0f, {}};
   for (int i = 0; heat && i < 2 + static_cast<int>(seed % 255); ++i)
     part.fog->ramp.push_back({static_cast<float>(i), 0.5f, 0});

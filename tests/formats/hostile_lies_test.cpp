@@ -131,20 +131,22 @@ const Lie kPaletteAndRigLies[] = {
     {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
     {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},
     {"roughness -1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 36, -1.0f); }},
-    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(15); }},
+    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(31); }},
     {"rigs of 3 parts", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 0, 3u); }},
     {"2^32 - 1 knots", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 4, 0xffffffffu); }},
     {"rig of 1 knot", kCorrupt,
      [](PackSurgeon& s) {
        set(s.content("RIGS"), 8, 4u);
-       set(s.content("RIGS"), 12, 1u);
+       set(s.content("RIGS"), 20, 1u);
      }},
-    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 12, 3u); }},
+    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 20, 3u); }},
     {"knots left over", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8, 2u); }},
-    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16, 0.1f); }},
-    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 28, 0.0f); }},
-    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 4, test::kInfinity); }},
-    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 16 + 20, -20.0f); }},
+    {"automatic tangent of a knot that is not there", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("RIGS"), 12, 1u << 3); }},
+    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32, 0.1f); }},
+    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 28, 0.0f); }},
+    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 4, test::kInfinity); }},
+    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 20, -20.0f); }},
 };
 
 const Lie kClipLies[] = {

@@ -246,7 +246,7 @@ TEST(Hostile, ReadingPageAfterPageAllocatesNothing) {
   test::RandomPack random(21, {1, 8, 1, 0});
   RawPack raw = random.make();
   raw.parts[0].size = {100, 100, 100};
-  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 100, 0}}, {1, {0, 100, 0}, {0, 100, 0}}};
+  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
   raw.parts[0].levels = {random.makeLevel(raw.parts[0].size, raw.palette.size(), 0.5f)};
   const Bytes bytes = test::writeToMemory(raw);
   MemorySource memory(bytes);

@@ -221,9 +221,11 @@ class Pack:
     def read_rigs(self, table):
         count, total = table.take("II")
         need(count == len(self.parts), "rigs of another number of parts")
-        counts = table.take("%dI" % count)
-        need(all(2 <= n <= 64 for n in counts) and sum(counts) == total, "number of knots")
-        for part, n in zip(self.parts, counts):
+        heads = [table.take("IQ") for _ in range(count)]
+        need(all(2 <= n <= 64 for n, _ in heads) and sum(n for n, _ in heads) == total, "number of knots")
+        for part, (n, automatic) in zip(self.parts, heads):
+            need(automatic >> n == 0, "automatic tangents of knots that are not there")
+            part["automatic"] = automatic
             knots = part["knots"] = [table.take("7f") for _ in range(n)]
             need(knots[0][0] == 0 and knots[-1][0] == 1, "ends of a rig")
             for a, b in zip(knots, knots[1:]):
@@ -401,7 +403,7 @@ def dump(pack):
                 ((part["name"].encode().hex(), part["parent"], part["kind"]) + part["size"]
                 + (part["levels"],)))
         out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
-        out += ["knot " + bits(knot) for knot in part["knots"]]
+        out += ["knot " + bits(knot) for knot in part["knots"]] + ["automatic %x" % part["automatic"]]
         if part["kind"]:
             out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):

@@ -19,7 +19,7 @@ RawRigs rigsOf(const RawPack& pack) {
   RawRigs rigs;
   rigs.info_json = pack.info_json;
   rigs.clips = pack.clips;
-  for (const RawPart& part : pack.parts) rigs.knots.push_back(part.knots);
+  for (const RawPart& part : pack.parts) rigs.parts.push_back({part.knots, part.automatic_tangents});
   return rigs;
 }
 
@@ -39,10 +39,10 @@ RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
   RawPack other = pack;
   other.info_json = seed % 3 == 0 ? "" : R"({"other": true})";
   for (RawPart& part : other.parts) {
-    const auto height = static_cast<float>(part.size.y);
-    part.knots = {{0, {1, 0, 2}, {3, height, 0}},
-                  {0.5f, {0, 0.4f * height, 0}, {0, height, 1}},
-                  {1, {2, height, 0}, {0, height, 1}}};
+    part.knots = {{0, {0.1f, 0, 0.2f}, {0.3f, 1, 0}},
+                  {0.5f, {0, 0.4f, 0}, {0, 1, 0.1f}},
+                  {1, {0.2f, 1, 0}, {0, 1, 0.1f}}};
+    part.automatic_tangents = 4;
   }
   other.clips.clear();
   if (seed % 2 == 0) other.clips = {{"nod", 2, {{0, 2, Target::kKnotOffset, {1, 0, 0}, 2, 0}}, {}}};
@@ -105,10 +105,10 @@ TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
     EXPECT_TRUE(out.empty()) << "written before the rigs were judged";
     return written ? ErrorCode::kIo : written.error().code;
   };
-  EXPECT_EQ(code([](RawRigs& r) { r.knots.pop_back(); }), ErrorCode::kMisuse);
-  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].resize(1); }), ErrorCode::kMisuse);
-  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].back().position.y = -5; }), ErrorCode::kMisuse);
-  EXPECT_EQ(code([](RawRigs& r) { r.knots[0].resize(65); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts.pop_back(); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[0].knots.resize(1); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[0].knots.back().position.y = -5; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[0].knots.resize(65); }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.clips[0].waves[0].knot = 9; }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.clips[0].name = std::string(256, 'a'); }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.info_json = "\xff"; }), ErrorCode::kMisuse);

@@ -101,6 +101,7 @@ std::string dump(const RawPack& pack) {
                   part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
+    out += format("automatic %llx\n", static_cast<unsigned long long>(part.automatic_tangents));
     if (part.fog) {
       out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
              "\n";

@@ -13,6 +13,7 @@
 
 #include "support/spline_truth.h"
 #include "support/straight_knots.h"
+#include "support/voxel_knots.h"
 
 namespace kelp {
 namespace {
@@ -25,7 +26,7 @@ TEST(Spline, EvaluatesLikeTheHermiteBasisInDoublePrecision) {
   for (int n = 0; n < 2000; ++n) {
     const Knot k0 = randomKnot(random, 0.25f, 500.0f);
     const Knot k1 = randomKnot(random, 0.75f, 500.0f);
-    const Segment segment = makeSegment(k0, k1);
+    const Segment segment = makeSegment(k0, k1, 1);
     const SplineTruth reference(k0, k1);
     for (int step = 0; step <= 16; ++step) {
       const float t = static_cast<float>(step) / 16.0f;
@@ -42,7 +43,7 @@ TEST(Spline, PaperPoseRisesAsThePaperSays) {
   const float height = 256.0f;
   const Knot k0{0.0f, {0, 0, 0}, {3, 0, 1}};
   const Knot k1{1.0f, {0, height, 0}, {3, 0, 2}};
-  const Segment segment = makeSegment(k0, k1);
+  const Segment segment = makeSegment(k0, k1, 1);
   for (int step = 0; step <= 64; ++step) {
     const float t = static_cast<float>(step) / 64.0f;
     const glm::vec3 s = evaluate(segment, t);
@@ -60,8 +61,8 @@ TEST(Spline, TangentsBelongToTheWholeAxis) {
   // A straight line keeps its constant slope however many knots lie on it, and wherever.
   const glm::vec3 tangent(0, 96, 0);
   for (const float split : {0.1f, 0.5f, 0.9f}) {
-    const Segment lower = makeSegment({0, {0, 0, 0}, tangent}, {split, split * tangent, tangent});
-    const Segment upper = makeSegment({split, split * tangent, tangent}, {1, tangent, tangent});
+    const Segment lower = makeSegment({0, {0, 0, 0}, tangent}, {split, split * tangent, tangent}, 1);
+    const Segment upper = makeSegment({split, split * tangent, tangent}, {1, tangent, tangent}, 1);
     for (const float t : {0.0f, 0.3f, 1.0f}) {
       EXPECT_NEAR(evaluate(lower, t).y, 96 * split * t, 1e-4f);
       EXPECT_NEAR(evaluate(upper, t).y, 96 * (split + (1 - split) * t), 1e-4f);
@@ -70,9 +71,9 @@ TEST(Spline, TangentsBelongToTheWholeAxis) {
 }
 
 TEST(Spline, StraightKnotsAreTheIdentity) {
-  const std::vector<Knot> knots = test::straightKnots({30, 70, 20});
+  const std::vector<Knot> knots = test::straightKnots();
   ASSERT_TRUE(checkKnots(knots));
-  const Segment segment = makeSegment(knots[0], knots[1]);
+  const Segment segment = makeSegment(knots[0], knots[1], 70);
   for (const float t : {0.0f, 0.25f, 0.5f, 1.0f}) EXPECT_EQ(evaluate(segment, t), glm::vec3(0, 70 * t, 0));
 }
 
@@ -98,7 +99,7 @@ TEST(Spline, IsMonotoneAgreesWithDenseSampling) {
     const double fall = sampledFall(SplineTruth(k0, k1)) / rise;
     if (fall > 2e-6 && fall < 2e-5) continue;  // too near to the tolerance for samples to tell
     const bool expected = fall <= 1e-5;
-    ASSERT_EQ(isMonotone(makeSegment(k0, k1)), expected)
+    ASSERT_EQ(isMonotone(makeSegment(k0, k1, 1)), expected)
         << k0.tangent.y << " " << k1.tangent.y << " fall " << fall;
     ++(expected ? yes : no);
   }
@@ -108,7 +109,7 @@ TEST(Spline, IsMonotoneAgreesWithDenseSampling) {
 
 TEST(Spline, IsMonotoneHoldsAtItsLimits) {
   const auto segment = [](float rise, float m0, float m1) {
-    return makeSegment({0, {0, 0, 0}, {0, m0, 0}}, {1, {0, rise, 0}, {0, m1, 0}});
+    return makeSegment({0, {0, 0, 0}, {0, m0, 0}}, {1, {0, rise, 0}, {0, m1, 0}}, 1);
   };
   // Fritsch and Carlson 1980: both tangents within 3 times the rise are always monotone; equal ones not
   // beyond.
@@ -194,11 +195,11 @@ TEST(Spline, BoundsContainEveryDeformedVoxelAndFitTightly) {
           {at, {side(random), at * 120, side(random)}, {side(random), 240 * unit(random), side(random)}});
     }
     if (!checkKnots(knots)) continue;
-    const Box box = deformedBounds(knots, size);
+    const Box box = deformedBounds(test::inHeights(knots, 120), size);
     Box sampled;
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
       const SplineTruth reference(knots[k], knots[k + 1]);
-      const Segment segment = makeSegment(knots[k], knots[k + 1]);
+      const Segment segment = makeSegment(knots[k], knots[k + 1], 1);  // in voxels
       for (int step = 0; step <= 500; ++step) {
         const double t = step / 500.0;
         const glm::vec3 exact(reference.value(0, t), reference.value(1, t), reference.value(2, t));
@@ -237,7 +238,7 @@ TEST(Spline, CheckKnotsAgreesWithIsMonotone) {
     }
     bool expected = true;
     for (std::size_t i = 0; i + 1 < knots.size(); ++i)
-      expected = expected && isMonotone(makeSegment(knots[i], knots[i + 1]));
+      expected = expected && isMonotone(makeSegment(knots[i], knots[i + 1], 1));
     ASSERT_EQ(static_cast<bool>(checkKnots(knots)), expected) << n;
     ++(expected ? yes : no);
   }
@@ -246,7 +247,7 @@ TEST(Spline, CheckKnotsAgreesWithIsMonotone) {
 }
 
 TEST(Spline, BoundsOfTheStraightRigAreTheVolume) {
-  const std::vector<Knot> knots = test::straightKnots({30, 70, 20});
+  const std::vector<Knot> knots = test::straightKnots();
   const Box box = deformedBounds(knots, {30, 70, 20});
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(box.min[i], 0, 1e-3f);

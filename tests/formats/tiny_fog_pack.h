@@ -28,7 +28,7 @@ inline RawPack makeTinyFogPack() {
   smoke.parent = 0;
   smoke.size = {26, 12, 9};
   smoke.to_object[3] = {-13, 0, -4.5f};
-  smoke.knots = {{0, {0, 0, 0}, {3, 8, 1}}, {1, {1, 12, 0}, {0, 12, 0}}};
+  smoke.knots = {{0, {0, 0, 0}, {0.25f, 0.75f, 0.125f}}, {1, {0.125f, 1, 0}, {0, 1, 0}}};
   smoke.fog = RawFog{{0.75f, 0.5f, 0.25f}, -0.5f, 0, {}};
   // The third of four bricks along x is clear, and its neighbours are where they share samples with it.
   smoke.levels = {fogLevel(smoke.size, 0.125f,
@@ -45,7 +45,7 @@ inline RawPack makeTinyFogPack() {
   RawPart flame;
   flame.name = "flame";
   flame.size = {1, 9, 2};
-  flame.knots = {{0, {0, 0, 0}, {0, 9, 0}}, {1, {0, 9, 0}, {0, 9, 0}}};
+  flame.knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
   flame.fog = RawFog{{0, 1, 0}, 0.875f, 2.5f, {{1, 0.25f, 0}, {4, 3, 2}}};
   // There is heat without density, and density without heat.
   flame.levels = {fogLevel(

@@ -29,7 +29,10 @@ inline RawPack makeTinyPack() {
   stem.name = "stem";
   stem.size = {8, 24, 8};
   stem.to_object[3] = {-4, 0, -4};
-  stem.knots = {{0, {0, 0, 0}, {3, 0, 1}}, {0.5f, {0.5f, 12, 0}, {0, 24, 0}}, {1, {0, 24, 0}, {3, 0, 2}}};
+  stem.knots = {{0, {0, 0, 0}, {0.125f, 0, 0.5f}},
+                {0.5f, {0.25f, 0.5f, 0}, {0, 1, 0}},
+                {1, {0, 1, 0}, {0.125f, 0, 0.25f}}};
+  stem.automatic_tangents = 2;
   stem.levels.resize(2);
   stem.levels[0].cells = {kCellSolid | 0, 7u << kCellClearanceShift | 0xff00ff, kCellSolid | 1};
   addTinyBrick(stem.levels[0], 0, 0, {0, -1, 0});

@@ -96,7 +96,7 @@ TEST(Verify, TablesThatContradictThemselvesAreNamed) {
   set(surgeon.content("MATL"), 4, 7.0f);
   EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
   surgeon = tiny();
-  set(surgeon.content("RIGS"), 16 + 20, -20.0f);
+  set(surgeon.content("RIGS"), 32 + 20, -20.0f);
   EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kNotMonotone});
   surgeon = tiny();
   set(surgeon.content("PART"), 132, std::int32_t{1});
@@ -144,7 +144,7 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
   set(surgeon.content("INFO"), 0, '\xff');
   set(surgeon.content("MATL"), 4, 7.0f);
   surgeon.editPage([](Bytes& page) { page[512] = std::byte{9}; });  // cannot be judged without the palette
-  set(surgeon.content("RIGS"), 16 + 20, -20.0f);
+  set(surgeon.content("RIGS"), 32 + 20, -20.0f);
   Bytes bytes = surgeon.build();
   bytes.back() ^= std::byte{1};  // in the last page
   const std::vector<Issue> issues = issuesOf(bytes);
@@ -158,7 +158,7 @@ TEST(Verify, SolidVoxelsOutsideAreFoundInEveryPage) {
   test::RandomPack random(31, {1, 8, 1, 0});
   RawPack raw = random.make();
   raw.parts[0].size = {101, 60, 97};
-  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 60, 0}}, {1, {0, 60, 0}, {0, 60, 0}}};
+  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
   raw.parts[0].levels = {random.makeLevel(raw.parts[0].size, raw.palette.size(), 0.6f)};
   const Bytes bytes = test::writeToMemory(raw);
   EXPECT_EQ(idsOf(issuesOf(bytes)), Ids{});

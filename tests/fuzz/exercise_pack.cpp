@@ -51,7 +51,8 @@ void ask(const runtime::Instance& instance) {
   }
   const std::span<const Part> parts = instance.asset->pack().parts();
   for (int part = 0; part < static_cast<int>(parts.size()); ++part) {
-    const glm::vec3 rest = 0.3f * glm::vec3(parts[static_cast<std::size_t>(part)].size);
+    const Part& of = parts[static_cast<std::size_t>(part)];
+    const glm::vec3 rest = of.to_object * glm::vec4(0.3f * glm::vec3(of.size), 1);
     runtime::frameAt(instance, part, rest);
     runtime::toRest(instance, part, runtime::toWorld(instance, part, rest));
   }

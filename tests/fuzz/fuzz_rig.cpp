@@ -14,8 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!(parseRig(printRig(rig)) == rig)) std::abort();
     constexpr glm::ivec3 kSizes[] = {{32, 64, 32}, {1, 1, 1}, {8192, 8192, 8192}, {3, 8192, 1}};
     const glm::ivec3 voxels = kSizes[size % 4];
-    const std::vector<Knot> knots = realizeKnots(rig, voxels);
-    for (const RawClip& clip : realizeClips(rig, voxels, 0)) proveClip(clip, 0, knots, voxels);
+    const RawRig rest{realizeKnots(rig), automaticTangents(rig)};
+    for (const RawClip& clip : realizeClips(rig, 0)) proveClip(clip, 0, rest, voxels);
   } catch (const RigError&) {
   }
   return 0;

@@ -301,7 +301,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const char* difference = differenceOf(pack, *read)) fail("reads back with another", difference);
 
   RawRigs rigs{pack.info_json, {}, pack.clips};
-  for (const RawPart& part : pack.parts) rigs.knots.push_back(part.knots);
+  for (const RawPart& part : pack.parts) rigs.parts.push_back({part.knots, part.automatic_tangents});
   std::vector<std::byte> again;
   if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten)
     fail("its own rigs are refused", rewritten.error().detail);

@@ -102,6 +102,7 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
     raw.to_object = part.to_object;
     raw.pivot = part.pivot;
     raw.knots = listOf<Knot>(part.knots);
+    raw.automatic_tangents = part.automatic_tangents;
     if (part.fog)
       raw.fog =
           RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};

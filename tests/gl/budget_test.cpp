@@ -191,7 +191,7 @@ TEST_F(Residents, OfThousandsOfParts) {
   pack.palette = {Material{}};
   const fields::Occupancy volume = ballClump({12, 16, 12}, 4, 1);
   for (int i = 0; i < 3000; ++i)
-    pack.parts.push_back(partOf(volume, figureKnots(kFigure6[0], volume.size), "part " + std::to_string(i)));
+    pack.parts.push_back(partOf(volume, figureKnots(kFigure6[0]), "part " + std::to_string(i)));
   HostSource source(bytesOf(pack));
   const auto asset = openAsset(source);
   ASSERT_TRUE(asset->loadAll());

@@ -9,6 +9,7 @@
 #include "depth_canvas.h"
 #include "reference/judge.h"
 #include "reference/trials.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -68,7 +69,7 @@ class DepthTest : public GlTest {
     };
     const float aspect = static_cast<float>(kPixels.x) / static_cast<float>(kPixels.y);
     const glm::vec3 y(0, 1, 0), size(volume_.size);
-    const glm::vec3 middle = toWorld(instance, 0, 0.5f * size);
+    const glm::vec3 middle = voxelToWorld(instance, 0, 0.5f * size);
     const glm::vec3 towards = glm::normalize(glm::vec3(0.5f, 0.3f, 0.8f));
     const glm::mat4 inside = glm::perspective(1.2f, aspect, voxels(2), reach);
     const float distance = voxels(1e4);
@@ -77,7 +78,7 @@ class DepthTest : public GlTest {
         {"perspective", view(centre + reach * towards, centre, y,
                              glm::perspective(0.8f, aspect, 0.4f * reach, 1.6f * reach))},
         {"inside the box",
-         view(middle, toWorld(instance, 0, size * glm::vec3(0.8f, 0.45f, 0.4f)), y, inside)},
+         view(middle, voxelToWorld(instance, 0, size * glm::vec3(0.8f, 0.45f, 0.4f)), y, inside)},
         {"along the spline", view(centre + glm::vec3(0, 1.2f * reach, 0), centre, {0, 0, 1},
                                   glm::perspective(0.7f, aspect, 0.6f * reach, 1.8f * reach))},
         // Half a height that puts no row of pixels exactly between two layers of voxels, where either would
@@ -88,7 +89,7 @@ class DepthTest : public GlTest {
         {"1e4 voxels away",
          view(centre + distance * towards, centre, y,
               glm::perspective(narrow, aspect, distance - 0.6f * reach, distance + 0.6f * reach))},
-        {"close up", view(toWorld(instance, 0, size * glm::vec3(0.5f, 0.6f, 1.2f)), middle, y,
+        {"close up", view(voxelToWorld(instance, 0, size * glm::vec3(0.5f, 0.6f, 1.2f)), middle, y,
                           glm::perspective(0.9f, aspect, voxels(4), reach))},
     };
   }
@@ -176,7 +177,7 @@ TEST_P(DepthTest, IsWithinHalfAVoxelOfTheTruth) {
     std::optional<runtime::Pose> pose;
     if (rig.knots.size() == 2) {
       pose.emplace(*runtime::Pose::create(*loaded_.asset));
-      std::copy(rig.knots.begin(), rig.knots.end(), pose->knots(0).begin());
+      (void)pose->setKnots(0, rig.knots);
     } else {
       own.emplace(packOf(volume_, rig.knots));
       own_renderer = makeRenderer(*own->asset, kVoxelSurface);
@@ -207,8 +208,8 @@ TEST_P(DepthTest, IsWithinHalfAVoxelOfTheTruth) {
 // a reversed range is no more exact.
 TEST_P(DepthTest, IsThatInEveryBufferAndRange) {
   runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
-  const std::vector<Knot> knots = figureKnots(kFigure6[1], volume_.size);
-  std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+  const std::vector<Knot> knots = figureKnots(kFigure6[1]);
+  (void)pose.setKnots(0, knots);
   const Instance instance{loaded_.asset.get(), &pose};
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   for (const GLenum format : {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F}) {

@@ -124,8 +124,8 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
         SCOPED_TRACE(std::string(figure.name) + " level " + std::to_string(level));
         auto pose = runtime::Pose::create(*loaded.asset);
         ASSERT_TRUE(pose);
-        const std::vector<Knot> knots = figureKnots(figure, kSize);
-        std::copy(knots.begin(), knots.end(), pose->knots(0).begin());
+        const std::vector<Knot> knots = figureKnots(figure);
+        (void)pose->setKnots(0, knots);
         const Instance instance{loaded.asset.get(), &*pose};
         gl::View view = dark(framing(canvas.size(), instance));
         const Box bounds = deformedBounds(knots, kSize);

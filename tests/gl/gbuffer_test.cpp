@@ -7,6 +7,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "support/edit_knots.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -86,7 +88,8 @@ class Gbuffer {
 // precision.
 glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  const std::span<const Knot> knots = instance.pose ? instance.pose->knots(part) : of.knots;
+  const std::vector<Knot> knots =
+      inVoxels(instance.pose ? instance.pose->knots(part) : of.knots, static_cast<float>(of.size.y));
   const double low = double{knots.front().position.y}, high = double{knots.back().position.y};
   const double y = low + rest.y / of.size.y * (high - low);
   std::size_t i = 0;
@@ -108,9 +111,9 @@ class GbufferTest : public GlTest {
  protected:
   static RawPack twoParts() {
     const fields::Occupancy body = ballClump({60, 80, 50}, 20, 2), arm = ballClump({20, 48, 24}, 14, 5);
-    RawPack pack = packOf(
-        body, {{0, {0, 0, 0}, {0, 80, 0}}, {0.4f, {0, 32, 0}, {0, 80, 0}}, {1, {0, 80, 0}, {0, 80, 0}}});
-    pack.parts.push_back(partOf(arm, figureKnots(kFigure6[0], arm.size), "arm"));
+    RawPack pack =
+        packOf(body, {{0, {0, 0, 0}, {0, 1, 0}}, {0.4f, {0, 0.4f, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}});
+    pack.parts.push_back(partOf(arm, figureKnots(kFigure6[0]), "arm"));
     pack.parts[1].parent = 0;
     pack.parts[1].to_object[3] += glm::vec3(0.6f, 0.2f, 0);
     pack.parts[1].pivot[3] = glm::vec3(0.5f, 0.3f, 0);
@@ -119,11 +122,11 @@ class GbufferTest : public GlTest {
   // Some bent pose, the further on the greater `along`.
   static void bend(runtime::Pose& pose, float along) {
     pose.reset();
-    pose.knots(0)[1].position += along * glm::vec3(6, 3, -4);
-    pose.knots(0)[1].tangent += along * glm::vec3(30, 10, 8);
-    pose.knots(0)[2].position += along * glm::vec3(-9, -6, 5);
-    pose.knots(0)[2].tangent += along * glm::vec3(-60, -15, 40);
-    pose.knots(1)[1].tangent += along * glm::vec3(40, 0, -25);
+    edit(pose, 0, 80)[1].position += along * glm::vec3(6, 3, -4);
+    edit(pose, 0, 80)[1].tangent += along * glm::vec3(30, 10, 8);
+    edit(pose, 0, 80)[2].position += along * glm::vec3(-9, -6, 5);
+    edit(pose, 0, 80)[2].tangent += along * glm::vec3(-60, -15, 40);
+    edit(pose, 1, 80)[1].tangent += along * glm::vec3(40, 0, -25);
     pose.motion(1)->rotation = glm::angleAxis(0.6f * along, glm::normalize(glm::vec3(0.3f, 0.2f, 1)));
     pose.motion(1)->translation = along * glm::vec3(0.05f, 0.1f, 0);
     ASSERT_TRUE(pose.check());
@@ -184,10 +187,13 @@ class GbufferTest : public GlTest {
       Instance before = instance;
       if (instance.previous_pose) before.pose = instance.previous_pose;
       if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
-      const glm::dvec2 now = place(to_clip, worldOf(instance, hit->part, hit->rest));
-      const glm::dvec2 then = view.previous_world_to_clip
-                                  ? place(*view.previous_world_to_clip, worldOf(before, hit->part, hit->rest))
-                                  : now;
+      const glm::dvec2 now =
+          place(to_clip, worldOf(instance, hit->part, restToVoxel(instance, hit->part, hit->rest)));
+      const glm::dvec2 then =
+          view.previous_world_to_clip
+              ? place(*view.previous_world_to_clip,
+                      worldOf(before, hit->part, restToVoxel(instance, hit->part, hit->rest)))
+              : now;
       worst = std::max({worst, glm::distance(now, glm::dvec2(motion.x, motion.y)),
                         glm::distance(then, glm::dvec2(motion.z, motion.w))});
       greatest = std::max(greatest,

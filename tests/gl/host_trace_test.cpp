@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "depth_canvas.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -47,8 +48,8 @@ class HostTraceTest : public GlTest {
     instances_[1].tint = {0.5f, 1, 0.7f, 1};
     instances_[2] = {loaded_.asset.get(), &pose_};
     instances_[2].to_world = glm::translate(glm::mat4(1), glm::vec3(-1.1f, 0, 0.3f));
-    const std::vector<Knot> knots = figureKnots(kFigure6[1], {60, 80, 50});
-    std::copy(knots.begin(), knots.end(), pose_.knots(0).begin());
+    const std::vector<Knot> knots = figureKnots(kFigure6[1]);
+    (void)pose_.setKnots(0, knots);
   }
 
   std::optional<runtime::Hit> nearest(const runtime::Ray& ray, int* which = nullptr) const {
@@ -231,7 +232,7 @@ TEST_P(HostTraceTest, VertexShadersTraceToo) {
   ASSERT_NE(program, 0u);
   ASSERT_TRUE(renderer->bindTrace(program, lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0}), instances_));
   glUseProgram(program);
-  const glm::vec3 target = toWorld(instances_[0], 0, {30, 40, 25});
+  const glm::vec3 target = voxelToWorld(instances_[0], 0, {30, 40, 25});
   for (const glm::vec3 from : {glm::vec3(0.4f, 0.6f, 3), glm::vec3(0, 9, 0.5f)}) {
     const glm::vec3 direction = glm::normalize(target - from);
     const auto hit = nearest({from, direction, 10.0f});

@@ -10,6 +10,7 @@
 #include "canvas.h"
 #include "count_new.h"
 #include "depth_copy.h"
+#include "support/edit_knots.h"
 #include "support/fake_gl.h"
 
 namespace kelp::test {
@@ -25,8 +26,7 @@ constexpr char kWhoSurface[] =
 
 RawPack packOfTwoParts() {
   RawPack pack = packOf(ballClump({24, 32, 20}, 12, 5));
-  pack.parts.push_back(
-      partOf(ballClump({16, 20, 24}, 10, 6), figureKnots(kFigure6[1], {16, 20, 24}), "second"));
+  pack.parts.push_back(partOf(ballClump({16, 20, 24}, 10, 6), figureKnots(kFigure6[1]), "second"));
   pack.parts[1].to_object[3] += glm::vec3(0.3f, 0.2f, -0.4f);
   return pack;
 }
@@ -43,7 +43,7 @@ class InstancingTest : public GlTest {
       const runtime::Asset& asset = i % 3 ? *one_.asset : *two_.asset;
       poses_.push_back(*Pose::create(asset));
       for (int part = 0; part < poses_.back().parts(); ++part)
-        poses_.back().knots(part)[1].position += glm::vec3(8 * unit(random), 0, 8 * unit(random));
+        edit(poses_.back(), part, 32)[1].position += glm::vec3(8 * unit(random), 0, 8 * unit(random));
     }
     for (int i = 0; i < count; ++i) {
       Instance instance{i % 3 ? one_.asset.get() : two_.asset.get(),
@@ -356,13 +356,14 @@ TEST_P(InstancingTest, NothingIsRetained) {
     for (std::size_t i = 0; i < same.size(); ++i) same[i].pose = &copies[i % 3 ? 1 : 0];
     ASSERT_TRUE(renderer->draw(view, same));
     for (Pose& pose : copies) {
-      for (Knot& knot : pose.allKnots()) knot.position = glm::vec3(NAN);
+      for (int part = 0; part < pose.parts(); ++part)
+        for (Knot& knot : edit(pose, part)) knot.position = glm::vec3(NAN);
     }
     for (Instance& instance : same) instance = {};
   }
   EXPECT_EQ(canvas.pixels(), expected);
   // And the pose that moved since is seen to have moved.
-  poses_[1].knots(0)[1].position.x += 20;
+  edit(poses_[1], 0, 32)[1].position.x += 20;
   EXPECT_NE(drawn(*renderer, canvas, view, instances_), expected);
 }
 
@@ -398,7 +399,7 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     view.depth_batches = 12;
     const auto frame = [&](int n) {
       const std::size_t count = 1 + static_cast<std::size_t>(0.5 * (1 + std::sin(0.05 * n)) * (kCount - 1));
-      for (std::size_t i = 0; i < count; ++i) poses[i].knots(0)[1].position.x = static_cast<float>(n % 7);
+      for (std::size_t i = 0; i < count; ++i) edit(poses[i], 0, 32)[1].position.x = static_cast<float>(n % 7);
       const auto some = std::span(instances).first(count);
       view.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
                                       glm::vec3(0), glm::vec3(0, 1, 0));

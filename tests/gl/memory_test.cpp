@@ -4,6 +4,7 @@
 
 #include "canvas.h"
 #include "count_new.h"
+#include "support/edit_knots.h"
 #include "support/fake_gl.h"
 
 namespace kelp::test {
@@ -80,7 +81,7 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   const long all = newCalls();
   std::uint32_t draws = 0;
   for (int frame = 0; frame < 10; ++frame) {
-    pose.knots(0)[1].tangent.x = static_cast<float>(frame);
+    edit(pose, 0, 80)[1].tangent.x = static_cast<float>(frame);
     gl::View moved = view();
     moved.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
     const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));

@@ -5,6 +5,7 @@
 
 #include "reference/judge.h"
 #include "streamed.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -146,15 +147,15 @@ TEST(MissingBricks, ARayMeetsWhatTheFinestResidentBricksSay) {
       const Asset& asset = *patchy.asset;
       const std::vector<fields::Occupancy> pyramid = pyramidOf(c.volume, asset.pack().parts()[0].levels);
       runtime::Pose pose = *runtime::Pose::create(asset);
-      const std::vector<Knot> knots = figureKnots(kFigure6[trial], c.volume.size);
-      std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+      const std::vector<Knot> knots = figureKnots(kFigure6[trial]);
+      (void)pose.setKnots(0, knots);
       const Instance instance{&asset, &pose};
       const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0)));
       for (const int wanted : {0, 1}) {
         const fields::Occupancy seen = composite(asset, pyramid, wanted);
         const reference::Volume truth{seen.size, seen.solid, 1.0, seen.size};
         for (int i = 0; i < 250; ++i) {
-          const glm::vec3 target = toWorld(
+          const glm::vec3 target = voxelToWorld(
               instance, 0, glm::vec3(seen.size) * glm::vec3(unit(random), unit(random), unit(random)));
           runtime::Ray ray;
           ray.direction = glm::vec3(unit(random), i % 5 == 0 ? 0.5f : unit(random), unit(random)) - 0.5f;
@@ -204,8 +205,8 @@ TEST_P(MissingBricksTest, ThePictureFallsBackAsTheCpuDoes) {
       ASSERT_TRUE(renderer->add(asset));
       uploadAll(*renderer);
       runtime::Pose pose = *runtime::Pose::create(asset);
-      const std::vector<Knot> knots = figureKnots(kFigure6[trial], c.volume.size);
-      std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+      const std::vector<Knot> knots = figureKnots(kFigure6[trial]);
+      (void)pose.setKnots(0, knots);
       const Instance instance{&asset, &pose};
       gl::View view = lookAt(canvas, glm::vec3(0.9f, 1.0f, 1.3f), {0, 0.5f, 0});
       view.pixels_per_voxel = trial % 2 == 0 ? 0.0f : 1.0f;

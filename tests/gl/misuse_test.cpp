@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "canvas.h"
+#include "support/edit_knots.h"
 
 namespace kelp::test {
 namespace {
@@ -15,7 +16,7 @@ class MisuseTest : public GlTest {
   const LoadedAsset loaded_{packOf(ballClump({24, 32, 20}, 12, 3))};
   const LoadedAsset other_{
       packOf(ballClump({24, 32, 20}, 12, 4),
-             {{0, {0, 0, 0}, {0, 32, 0}}, {0.5f, {0, 16, 0}, {0, 32, 0}}, {1, {0, 32, 0}, {0, 32, 0}}})};
+             {{0, {0, 0, 0}, {0, 1, 0}}, {0.5f, {0, 0.5f, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}})};
   const Instance instance_{loaded_.asset.get(), nullptr};
 
   void expectMisuse(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view, const Instance& bad) {
@@ -39,7 +40,7 @@ TEST_P(MisuseTest, OfInstances) {
   const runtime::Pose foreign = *runtime::Pose::create(*other_.asset);
   expectMisuse(*renderer, canvas, view, {loaded_.asset.get(), &foreign});
   runtime::Pose turning = *runtime::Pose::create(*loaded_.asset);
-  turning.knots(0)[0].tangent.y = -400;
+  edit(turning, 0, 32)[0].tangent.y = -400;
   expectMisuse(*renderer, canvas, view, {loaded_.asset.get(), &turning});
 
   Instance bad = instance_;
@@ -60,8 +61,8 @@ TEST_P(MisuseTest, ANonMonotonePoseIsDrawnOnlyOnceItIsClamped) {
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   const gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
   runtime::Pose pose = *runtime::Pose::create(*loaded_.asset);
-  pose.knots(0)[0].tangent = {40, -300, 10};
-  pose.knots(0)[1].tangent = {20, 500, 0};
+  edit(pose, 0, 32)[0].tangent = {40, -300, 10};
+  edit(pose, 0, 32)[1].tangent = {20, 500, 0};
   const Instance turning{loaded_.asset.get(), &pose};
   ASSERT_FALSE(pose.check());
   EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
@@ -99,10 +100,10 @@ TEST_P(MisuseTest, OfNumbersThatAreNone) {
       for (int axis = 0; axis < 3; ++axis) {
         SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis);
         pose.reset();
-        pose.knots(0)[knot].tangent[axis] = bad;
+        edit(pose, 0, 32)[knot].tangent[axis] = bad;
         expectMisuse(*renderer, canvas, view, posed);
         pose.reset();
-        pose.knots(0)[knot].position[axis] = bad;
+        edit(pose, 0, 32)[knot].position[axis] = bad;
         expectMisuse(*renderer, canvas, view, posed);
       }
     }
@@ -128,8 +129,8 @@ TEST_P(MisuseTest, OfNumbersThatAreNone) {
   // and the next frame is drawn.
   for (const float huge : {1e15f, 1e30f, 3e38f}) {
     pose.reset();
-    pose.knots(0)[0].tangent.x = huge;
-    pose.knots(0)[1].tangent.z = -huge;
+    edit(pose, 0, 32)[0].tangent.x = huge;
+    edit(pose, 0, 32)[1].tangent.z = -huge;
     (void)renderer->draw(view, {&posed, 1});
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR}) << huge;
   }

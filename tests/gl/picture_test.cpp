@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -79,8 +80,8 @@ class PictureTest : public GlTest {
   runtime::Pose pose_ = *runtime::Pose::create(*loaded_.asset);
 
   void take(const FigurePose& figure) {
-    const std::vector<Knot> knots = figureKnots(figure, volume_.size);
-    std::copy(knots.begin(), knots.end(), pose_.knots(0).begin());
+    const std::vector<Knot> knots = figureKnots(figure);
+    (void)pose_.setKnots(0, knots);
   }
 };
 
@@ -103,7 +104,7 @@ TEST_P(PictureTest, AgreesWithTheEyeInsideTheVolume) {
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   take(kFigure6[1]);
   const Instance instance{loaded_.asset.get(), &pose_};
-  const glm::vec3 eye = toWorld(instance, 0, {30, 62, 25});
+  const glm::vec3 eye = voxelToWorld(instance, 0, {30, 62, 25});
   expectAgreement(
       compare(*renderer, canvas, lookAt(canvas, eye, eye + glm::vec3(1, -0.4f, 0.2f), 0.02f), {&instance, 1}),
       "inside");
@@ -164,7 +165,7 @@ TEST_P(PictureTest, PartsFollowTheirParents) {
   const Canvas canvas({160, 120});
   const fields::Occupancy arm = ballClump({20, 48, 24}, 14, 5);
   RawPack pack = packOf(volume_);
-  pack.parts.push_back(partOf(arm, figureKnots(kFigure6[1], arm.size), "arm"));
+  pack.parts.push_back(partOf(arm, figureKnots(kFigure6[1]), "arm"));
   pack.parts[1].parent = 0;
   pack.parts[1].to_object[3] += glm::vec3(0.6f, 0.2f, 0);
   pack.parts[1].pivot[3] = glm::vec3(0.5f, 0.3f, 0);
@@ -222,7 +223,7 @@ TEST_P(PictureTest, SurfacesAreTheCpus) {
       if (!hit || normal_pixels[i][3] == 0) continue;
       ++compared;
       expectNear(normal_pixels[i], 0.5f + 0.5f * hit->normal, "normal");
-      expectNear(rest_pixels[i], hit->rest / glm::vec3(volume_.size), "rest");
+      expectNear(rest_pixels[i], restToVoxel(instance, 0, hit->rest) / glm::vec3(volume_.size), "rest");
       expectNear(color_pixels[i], glm::vec3(0.8f, 0.4f, 0.1f) * glm::vec3(instance.tint), "colour");
     }
   }

@@ -95,8 +95,8 @@ TEST_F(RealFog, ThePictureIsTheIntegralAtRestAndBent) {
     SCOPED_TRACE(figure.name);
     auto pose = runtime::Pose::create(*loaded.asset);
     ASSERT_TRUE(pose);
-    const std::vector<Knot> knots = figureKnots(figure, pack.parts[0].size);
-    std::copy(knots.begin(), knots.end(), pose->knots(0).begin());
+    const std::vector<Knot> knots = figureKnots(figure);
+    (void)pose->setKnots(0, knots);
     const Instance instance{loaded.asset.get(), &*pose};
     const Box box = runtime::bounds(instance);
     const glm::vec3 middle = 0.5f * (box.min + box.max);

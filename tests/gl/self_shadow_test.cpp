@@ -96,8 +96,8 @@ TEST_P(SelfShadowTest, AWallHidesItsFormFactorOfTheSky) {
 TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 40, 2)));
   runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-  const std::vector<Knot> knots = figureKnots(kFigure6[1], {60, 80, 50});
-  std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+  const std::vector<Knot> knots = figureKnots(kFigure6[1]);
+  (void)pose.setKnots(0, knots);
   Instance instance{loaded.asset.get(), &pose};
   instance.to_world = glm::rotate(glm::scale(glm::mat4(1), glm::vec3(1.5f)), 0.7f, glm::vec3(0, 1, 0));
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
@@ -149,8 +149,8 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
 TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
   const LoadedAsset loaded(packOf(ballClump({60, 80, 50}, 40, 2)));
   runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-  const std::vector<Knot> knots = figureKnots(kFigure6[1], {60, 80, 50});
-  std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+  const std::vector<Knot> knots = figureKnots(kFigure6[1]);
+  (void)pose.setKnots(0, knots);
   Instance instance{loaded.asset.get(), &pose};
   instance.to_world =
       glm::scale(glm::translate(glm::mat4(1), glm::vec3(3, 0, 0)), glm::vec3(-0.5f, 0.5f, 0.5f));

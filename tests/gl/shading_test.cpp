@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -122,14 +123,17 @@ TEST_P(ShadingTest, SmoothFollowsTheSphereBetweenItsVoxels) {
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i] || smooth[i][3] == 0) continue;
     ++count;
-    const glm::dvec3 truth = hits[i]->rest - kCentre;
+    const glm::dvec3 truth = restToVoxel(instance, 0, hits[i]->rest) - kCentre;
     const double error = degreesBetween(normalOf(smooth[i]), truth);
     smooth_sum += error;
     smooth_worst = std::max(smooth_worst, error);
     gradient_sum += degreesBetween(normalOf(gradient[i]), truth);
     // Neighbours on one piece of surface: no edge between them behind which it goes on elsewhere.
-    if (i % 320 == 0 || !hits[i - 1] || glm::distance(hits[i]->rest, hits[i - 1]->rest) > 0.25f) continue;
-    const double turn = degreesBetween(truth, hits[i - 1]->rest - kCentre);
+    if (i % 320 == 0 || !hits[i - 1] ||
+        glm::distance(restToVoxel(instance, 0, hits[i]->rest), restToVoxel(instance, 0, hits[i - 1]->rest)) >
+            0.25f)
+      continue;
+    const double turn = degreesBetween(truth, restToVoxel(instance, 0, hits[i - 1]->rest) - kCentre);
     smooth_jump = std::max(smooth_jump, degreesBetween(normalOf(smooth[i]), normalOf(smooth[i - 1])) - turn);
     gradient_jump =
         std::max(gradient_jump, degreesBetween(normalOf(gradient[i]), normalOf(gradient[i - 1])) - turn);
@@ -159,7 +163,8 @@ TEST_P(ShadingTest, SmoothKnowsTheLevel) {
   for (int i = 0; i < 160 * 160; ++i) {
     const auto hit = raycast(instance, pixelRay(view, i % 160, i / 160), 1);
     if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
-    sum += degreesBetween(normalOf(pixels[static_cast<std::size_t>(i)]), hit->rest - 2.0f * kCentre);
+    sum += degreesBetween(normalOf(pixels[static_cast<std::size_t>(i)]),
+                          restToVoxel(instance, 0, hit->rest) - 2.0f * kCentre);
     ++count;
   }
   ASSERT_GT(count, 15000);
@@ -265,7 +270,9 @@ TEST_P(ShadingTest, FacesThatAreCoveredAreNotSeen) {
   int top = 0;
   for (int i = 0; i < 160 * 60; ++i) {
     const auto hit = raycast({loaded.asset.get(), nullptr}, pixelRay(view, i % 160, i / 160));
-    if (!hit || hit->rest.y < 7.98f || hit->rest.z > 39.98f) continue;
+    const Instance flat{loaded.asset.get(), nullptr};
+    if (!hit || restToVoxel(flat, 0, hit->rest).y < 7.98f || restToVoxel(flat, 0, hit->rest).z > 39.98f)
+      continue;
     ++top;
     ASSERT_EQ(pixels[static_cast<std::size_t>(i)][1], 255) << i % 160 << ' ' << i / 160;
   }
@@ -281,8 +288,8 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
   for (const std::size_t figure : {std::size_t{1}, std::size_t{3}, std::size_t{4}}) {
     SCOPED_TRACE(kFigure6[figure].name);
     runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-    const std::vector<Knot> knots = figureKnots(kFigure6[figure], clump.size);
-    std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+    const std::vector<Knot> knots = figureKnots(kFigure6[figure]);
+    (void)pose.setKnots(0, knots);
     const Instance instance{loaded.asset.get(), &pose};
     const Box box = bounds(instance);
     const glm::vec3 centre = 0.5f * (box.min + box.max);
@@ -295,18 +302,18 @@ TEST_P(ShadingTest, FacesBendWithTheirCubes) {
       if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
       // The face of the cube that the hit lies in; edges, and the ends of the spline with their infinite
       // slopes, are left out.
-      const glm::vec3 from_centre = hit->rest - glm::vec3(hit->voxel) - 0.5f;
+      const glm::vec3 from_centre = restToVoxel(instance, 0, hit->rest) - glm::vec3(hit->voxel) - 0.5f;
       int axis = 0;
       for (int a = 1; a < 3; ++a) axis = std::abs(from_centre[a]) > std::abs(from_centre[axis]) ? a : axis;
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      if (std::max(std::abs(from_centre[u]), std::abs(from_centre[v])) > 0.45f || hit->rest.y < 0.5f ||
-          hit->rest.y > 31.5f)
+      if (std::max(std::abs(from_centre[u]), std::abs(from_centre[v])) > 0.45f ||
+          restToVoxel(instance, 0, hit->rest).y < 0.5f || restToVoxel(instance, 0, hit->rest).y > 31.5f)
         continue;
       const auto along = [&](int a) {
         glm::vec3 step(0);
         step[a] = 0.05f;
-        return glm::dvec3(toWorld(instance, 0, hit->rest + step)) -
-               glm::dvec3(toWorld(instance, 0, hit->rest - step));
+        return glm::dvec3(voxelToWorld(instance, 0, restToVoxel(instance, 0, hit->rest) + step)) -
+               glm::dvec3(voxelToWorld(instance, 0, restToVoxel(instance, 0, hit->rest) - step));
       };
       const glm::dvec3 plane = (from_centre[axis] > 0 ? 1.0 : -1.0) * glm::cross(along(u), along(v));
       ++count;
@@ -333,7 +340,8 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
       const auto hit = raycast(instance, pixelRay(view, i % 120, i / 120), level);
       if (!hit || pixels[static_cast<std::size_t>(i)][3] == 0) continue;
       // Which of the block's three planes on this side is the point in?
-      const glm::vec3 beside = glm::abs(hit->rest - (from.x > 0 ? glm::vec3(block.size) : glm::vec3(0)));
+      const glm::vec3 beside =
+          glm::abs(restToVoxel(instance, 0, hit->rest) - (from.x > 0 ? glm::vec3(block.size) : glm::vec3(0)));
       const int axis = beside.x < std::min(beside.y, beside.z) ? 0 : beside.y < beside.z ? 1 : 2;
       ++count;
       other += normalOf(pixels[static_cast<std::size_t>(i)])[axis] * from.x < 0.99f;
@@ -352,12 +360,12 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
       solidWhere(block.size, [](const glm::vec3& p) { return static_cast<int>(p.x + p.z) % 2 == 0; })));
   const auto posts_renderer = makeRenderer(*posts.asset, kNormals);
   runtime::Pose pose = *runtime::Pose::create(*posts.asset);
-  std::vector<Knot> knots = figureKnots(kFigure6[5], block.size);
+  std::vector<Knot> knots = figureKnots(kFigure6[5]);
   for (int trial = 0; trial < 32; ++trial) {
     const float side = trial < 16 ? 1.0f : -1.0f;
     knots[0].position.y = 0.3f;
     knots[1].position.y = 24.1f + 0.013f * static_cast<float>(trial % 16);
-    std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+    (void)pose.setKnots(0, knots);
     gl::View view = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.3f);
     view.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *
                         glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
@@ -400,8 +408,8 @@ KELP_GL_TESTS(ShadingTest);
 TEST(Shading, IsOneOnDesktopAndEmbedded) {
   const LoadedAsset loaded(ballPack());
   runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-  const std::vector<Knot> knots = figureKnots(kFigure6[1], {24, 24, 24});
-  std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+  const std::vector<Knot> knots = figureKnots(kFigure6[1]);
+  (void)pose.setKnots(0, knots);
   const Instance instance{loaded.asset.get(), &pose};
   std::vector<std::vector<Pixel>> pictures[2];
   for (const GlApi api : {GlApi::kDesktop33, GlApi::kEs30}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "streamed.h"
+#include "support/edit_knots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,11 +93,10 @@ fields::Occupancy reed(int height, unsigned seed) {
 
 void sway(runtime::Pose& pose, int part, float seconds, float reach) {
   pose.reset();
-  const std::span<Knot> knots = pose.knots(part);
-  const float height = knots.back().position.y - knots.front().position.y;
-  knots.back().position += reach * height * glm::vec3(std::sin(2.1f * seconds), 0, std::cos(1.3f * seconds));
+  EditedKnots knots = edit(pose, part);
+  knots.back().position += reach * glm::vec3(std::sin(2.1f * seconds), 0, std::cos(1.3f * seconds));
   knots.back().tangent +=
-      2.0f * reach * height * glm::vec3(std::sin(2.1f * seconds - 0.4f), 0, std::cos(1.3f * seconds - 0.4f));
+      2.0f * reach * glm::vec3(std::sin(2.1f * seconds - 0.4f), 0, std::cos(1.3f * seconds - 0.4f));
 }
 
 std::unique_ptr<gl::Renderer> createRenderer(gl::Config config) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "streamed.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -58,7 +59,7 @@ class StreamingThreadsTest : public GlTest {
           const auto place = static_cast<unsigned>(frames_drawn / 16);
           const float height = static_cast<float>(place * 37 % 128);
           const glm::vec3 target =
-              toWorld(instance, 0, {96 * unit(random), height + 8 * unit(random), 96 * unit(random)});
+              voxelToWorld(instance, 0, {96 * unit(random), height + 8 * unit(random), 96 * unit(random)});
           const glm::vec3 eye = target + glm::vec3(unit(random), 0.02f * unit(random), 2);
           hits += raycast(instance, {eye, target - eye}, static_cast<int>(n % 3)).has_value();
           if (const auto* data = asset->level(0, 0)) {

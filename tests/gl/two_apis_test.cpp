@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "depth_canvas.h"
+#include "support/voxel_points.h"
 
 namespace kelp::test {
 namespace {
@@ -36,13 +37,13 @@ class Scenes {
  public:
   Scenes() {
     for (std::size_t i = 0; i < kFigure6.size(); ++i) {
-      const std::vector<Knot> knots = figureKnots(kFigure6[i], volume_.size);
-      std::copy(knots.begin(), knots.end(), poses_[i].knots(0).begin());
+      const std::vector<Knot> knots = figureKnots(kFigure6[i]);
+      (void)poses_[i].setKnots(0, knots);
     }
     const Instance rest{asset(), nullptr};
     for (std::size_t i = 1; i < kFigure6.size(); ++i) {
       const Instance bent{asset(), &poses_[i]};
-      const glm::vec3 middle = toWorld(bent, 0, 0.5f * glm::vec3(volume_.size));
+      const glm::vec3 middle = voxelToWorld(bent, 0, 0.5f * glm::vec3(volume_.size));
       scenes_.push_back({kFigure6[i].name,
                          {bent},
                          lookAt(kPixels, middle + glm::vec3(0.4f, 0.25f, 0.65f), middle),
@@ -69,10 +70,11 @@ class Scenes {
     close.shading = gl::Shading::kSmooth;
     scenes_.push_back({"close up, smooth", {rest}, close, voxel()});
     const Instance bent{asset(), &poses_[1]};
-    scenes_.push_back({"eye inside",
-                       {bent},
-                       lookAt(kPixels, toWorld(bent, 0, {30, 62, 25}), toWorld(bent, 0, {60, 40, 30}), 0.02f),
-                       voxel()});
+    scenes_.push_back(
+        {"eye inside",
+         {bent},
+         lookAt(kPixels, voxelToWorld(bent, 0, {30, 62, 25}), voxelToWorld(bent, 0, {60, 40, 30}), 0.02f),
+         voxel()});
     scenes_.push_back({"orthographic",
                        {Instance{asset(), &poses_[2]}},
                        orthographic(kPixels, {3, 2, 4}, {0, 0.5f, 0}, 0.7f),

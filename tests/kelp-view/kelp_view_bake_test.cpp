@@ -81,7 +81,7 @@ class Round : public ::testing::Test {
   // knot to the last.
   static std::vector<glm::vec3> lineOf(const runtime::Asset& asset, const PackRig& rig, double seconds) {
     const Part& part = asset.pack().parts()[0];
-    std::vector<Knot> knots = rig.knots[0];
+    std::vector<Knot> knots = rig.parts[0].knots;
     for (const Wave& wave : rig.clips.at(0).waves) {
       const float value = static_cast<float>(
           std::sin(2 * std::numbers::pi *
@@ -93,7 +93,8 @@ class Round : public ::testing::Test {
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
       for (float t = 0; t <= 1; t += 0.125f) {
         const glm::vec3 at =
-            evaluate(makeSegment(knots[k], knots[k + 1]), t) + 0.5f * glm::vec3(part.size.x, 0, part.size.z);
+            evaluate(makeSegment(knots[k], knots[k + 1], static_cast<float>(part.size.y)), t) +
+            0.5f * glm::vec3(part.size.x, 0, part.size.z);
         line.emplace_back(part.to_object * glm::vec4(at, 1));
       }
     }

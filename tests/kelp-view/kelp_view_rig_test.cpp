@@ -44,8 +44,9 @@ RawPack packWith(const RigDescription& rig, const glm::mat3& in_file = glm::mat3
   RawPart& part = pack.parts[0];
   part.to_object =
       glm::mat4x3(glm::mat4(in_file * glm::transpose(axisRotation(rig.axis.value_or(Axis::kPlusY))) * 0.02f));
-  part.knots = realizeKnots(rig, part.size);
-  pack.clips = realizeClips(rig, part.size, 0);
+  part.knots = realizeKnots(rig);
+  part.automatic_tangents = automaticTangents(rig);
+  pack.clips = realizeClips(rig, 0);
   pack.info_json = info;
   return pack;
 }
@@ -171,22 +172,23 @@ TEST(ViewerRig, WhatWouldFoldIsRefusedAndSaysWhere) {
   EXPECT_FALSE(editor.canUndo());
 
   // A handle goes on sideways where it may not go down.
-  const float height = editor.realized().knots[0][2].position.y;
-  EXPECT_EQ(editor.pull({0, 2, Handle::Kind::kKnot}, {4, -80, 1}), "");
-  EXPECT_FLOAT_EQ(editor.realized().knots[0][2].position.y, height);
-  EXPECT_NEAR(editor.realized().knots[0][2].position.x, 4, 1e-3);
+  const float height = editor.realized().parts[0].knots[2].position.y;
+  EXPECT_EQ(editor.pull({0, 2, Handle::Kind::kKnot}, {0.08f, -1.6f, 0.02f}), "");
+  EXPECT_FLOAT_EQ(editor.realized().parts[0].knots[2].position.y, height);
+  EXPECT_NEAR(editor.realized().parts[0].knots[2].position.x, 0.08f, 1e-5);
 }
 
 TEST(ViewerRig, AHandleGoesWhereItIsPulled) {
   for (const Axis axis : {Axis::kMinusX, Axis::kPlusY, Axis::kPlusZ}) {
     const OpenPack open(packWith(reed(axis)));
     RigEditor editor(*open.pack);
-    const Knot before = editor.realized().knots[0][1];
-    EXPECT_EQ(editor.pull({0, 1, Handle::Kind::kKnot}, {3, 1, -2}), "");
-    expectNear(editor.realized().knots[0][1].position, before.position + glm::vec3(3, 1, -2), 1e-3f);
-    const glm::vec3 tangent = editor.realized().knots[0][1].tangent;
-    EXPECT_EQ(editor.pull({0, 1, Handle::Kind::kTangent}, {5, -1, 2}), "");
-    expectNear(editor.realized().knots[0][1].tangent, tangent + glm::vec3(5, -1, 2), 1e-3f);
+    const Knot before = editor.realized().parts[0].knots[1];
+    EXPECT_EQ(editor.pull({0, 1, Handle::Kind::kKnot}, {0.06f, 0.02f, -0.04f}), "");
+    expectNear(editor.realized().parts[0].knots[1].position,
+               before.position + glm::vec3(0.06f, 0.02f, -0.04f), 2e-5f);
+    const glm::vec3 tangent = editor.realized().parts[0].knots[1].tangent;
+    EXPECT_EQ(editor.pull({0, 1, Handle::Kind::kTangent}, {0.1f, -0.02f, 0.04f}), "");
+    expectNear(editor.realized().parts[0].knots[1].tangent, tangent + glm::vec3(0.1f, -0.02f, 0.04f), 2e-5f);
   }
 }
 
@@ -195,34 +197,45 @@ TEST(ViewerRig, AKnotThatComesBendsNothing) {
     RigDescription rig = reed(axis);
     rig.clips[0].waves.push_back({1, Target::kKnotTangent, {0.1f, 0.02f, -0.1f}, 3, -0.4f});
     rig.clips[0].waves.push_back({1, Target::kKnotOffset, {0.03f, 0.02f, 0.05f}, 1.7f, 0.7f});
-    const std::vector<RawClip> clips = realizeClips(rig, glm::ivec3(100), 0);
-    const std::vector<Knot> before = realizeKnots(rig, glm::ivec3(100));
+    const std::vector<RawClip> clips = realizeClips(rig, 0);
+    const std::vector<Knot> before = realizeKnots(rig);
+    const std::uint64_t automatic = automaticTangents(rig);
     insertKnot(rig, 1);
-    const std::vector<RawClip> clips_after = realizeClips(rig, glm::ivec3(100), 0);
+    const std::uint64_t automatic_after = automaticTangents(rig);
+    const std::vector<RawClip> clips_after = realizeClips(rig, 0);
     ASSERT_EQ(rig.knots.size(), 4u);
     EXPECT_EQ(rig.clips[0].waves[0].knot, 3) << "the same knot as before";
     EXPECT_EQ(rig.clips[1].tracks[0].knot, 1);
-    const std::vector<Knot> after = realizeKnots(rig, glm::ivec3(100));
+    const std::vector<Knot> after = realizeKnots(rig);
     const auto at = [](const std::vector<Knot>& knots, float where) {
       std::size_t i = 0;
       while (i + 2 < knots.size() && knots[i + 1].at <= where) ++i;
-      return evaluate(makeSegment(knots[i], knots[i + 1]),
+      return evaluate(makeSegment(knots[i], knots[i + 1], 1),
                       (where - knots[i].at) / (knots[i + 1].at - knots[i].at));
     };
-    for (float where = 0; where <= 1; where += 0.05f) expectNear(at(after, where), at(before, where), 2e-3f);
+    for (float where = 0; where <= 1; where += 0.05f) expectNear(at(after, where), at(before, where), 2e-5f);
     // waves as the language has them
-    const auto posed = [](std::vector<Knot> knots, const RawClip& clip, double t) {
+    const auto posed = [](std::vector<Knot> knots, const RawClip& clip, double t, std::uint64_t automatic) {
+      std::vector<glm::vec3> offsets(knots.size());
       for (const Wave& wave : clip.waves) {
         const float value = static_cast<float>(std::sin(
             2 * std::numbers::pi * (t / static_cast<double>(wave.period) + static_cast<double>(wave.phase))));
-        (wave.target == Target::kKnotOffset ? knots[wave.knot].position : knots[wave.knot].tangent) +=
+        (wave.target == Target::kKnotOffset ? offsets[wave.knot] : knots[wave.knot].tangent) +=
             value * wave.amplitude;
+        if (wave.target == Target::kKnotTangent) automatic &= ~(std::uint64_t{1} << wave.knot);
+      }
+      for (std::size_t i = 0; i < knots.size(); ++i) {
+        const std::size_t low = i > 0 ? i - 1 : 0, high = std::min(i + 1, knots.size() - 1);
+        knots[i].position += offsets[i];
+        if (automatic >> i & 1)
+          knots[i].tangent += (offsets[high] - offsets[low]) / (knots[high].at - knots[low].at);
       }
       return knots;
     };
     for (const double t : {0.0, 0.4, 1.9, 2.6}) {
       for (float where = 0; where <= 1; where += 0.05f)
-        expectNear(at(posed(after, clips_after[0], t), where), at(posed(before, clips[0], t), where), 5e-3f);
+        expectNear(at(posed(after, clips_after[0], t, automatic_after), where),
+                   at(posed(before, clips[0], t, automatic), where), 5e-5f);
     }
   }
   RigDescription straight = *presetRig("sway");
@@ -292,7 +305,8 @@ TEST(ViewerRig, APackWithAnotherRigIsThePackOfThatRig) {
     const OpenPack original(packWith(from));
     const RawPack wanted = packWith(to);
     const std::vector<std::byte> truth = test::bytesOf(wanted);
-    const auto sketch = RigSketch::make({{wanted.parts[0].knots}, wanted.clips});
+    const auto sketch =
+        RigSketch::make({{{wanted.parts[0].knots, wanted.parts[0].automatic_tangents}}, wanted.clips});
     ASSERT_TRUE(sketch) << sketch.error().detail;
     MemorySource memory(original.bytes);
     Rerigged rerigged(memory.source(), *original.pack, **sketch);
@@ -326,7 +340,7 @@ TEST(ViewerRig, WhatIsShownIsThePackThatWillBeBaked) {
     auto baked = Model::open(scratch.write("new.kelp", test::bytesOf(wanted)).string());
     ASSERT_TRUE(baked);
     (*baked)->clipWeights() = {1, 0.5f};
-    const PackRig as_edited{{wanted.parts[0].knots}, wanted.clips};
+    const PackRig as_edited{{{wanted.parts[0].knots, wanted.parts[0].automatic_tangents}}, wanted.clips};
     const auto set = (*shown)->setRig(as_edited);
     EXPECT_EQ(static_cast<bool>(set), rig.knots.size() == 3);
     if (!set) {
@@ -356,20 +370,21 @@ TEST(ViewerRig, UnsavedChangesStayOnTopOfANewBake) {
 
   // The mesh changed, and its extent with it.
   RawPack finer = test::packOf(test::ballClump({40, 80, 40}, 12, 2));
-  finer.parts[0].knots = realizeKnots(reed(Axis::kPlusY), finer.parts[0].size);
-  finer.clips = realizeClips(reed(Axis::kPlusY), finer.parts[0].size, 0);
+  finer.parts[0].knots = realizeKnots(reed(Axis::kPlusY));
+  finer.parts[0].automatic_tangents = automaticTangents(reed(Axis::kPlusY));
+  finer.clips = realizeClips(reed(Axis::kPlusY), 0);
   const OpenPack second(finer);
   EXPECT_TRUE(editor.follow(*second.pack));
   EXPECT_EQ(editor.rig(0), edited);
   EXPECT_TRUE(editor.unsaved());
-  EXPECT_NEAR(editor.realized().knots[0][1].position.z, 0.2f * 80, 1e-3);
+  EXPECT_NEAR(editor.realized().parts[0].knots[1].position.z, 0.2f, 1e-5);
   editor.undo();
   EXPECT_EQ(editor.rig(0).knots[1].offset.z, reed(Axis::kPlusY).knots[1].offset.z);
   editor.redo();
 
   // Saved and baked: the pack is as the editor has it, and the steps before are still there.
   RawPack baked = finer;
-  baked.parts[0].knots = realizeKnots(edited, baked.parts[0].size);
+  baked.parts[0].knots = realizeKnots(edited);
   const OpenPack third(baked);
   EXPECT_TRUE(editor.follow(*third.pack));
   EXPECT_EQ(editor.rig(0), edited);

@@ -7,6 +7,7 @@
 #include "handles.h"
 #include "support/scratch.h"
 #include "support/test_pack.h"
+#include "support/voxel_knots.h"
 
 namespace kelp::view {
 namespace {
@@ -18,8 +19,9 @@ class Viewer : public ::testing::Test {
   void SetUp() override {
     RawPack pack = test::packOf(
         test::ballClump({40, 64, 32}, 12, 1),
-        {{0, {0, 0, 0}, {0, 64, 0}}, {0.5f, {3, 32, 0}, {10, 64, 0}}, {1, {0, 64, 2}, {0, 64, 5}}});
-    pack.clips.push_back({"sway", 2, {{0, 2, Target::kKnotOffset, {6, 0, 1}, 2, 0}}, {}});
+        test::inHeights(
+            {{0, {0, 0, 0}, {0, 64, 0}}, {0.5f, {3, 32, 0}, {10, 64, 0}}, {1, {0, 64, 2}, {0, 64, 5}}}, 64));
+    pack.clips.push_back({"sway", 2, {{0, 2, Target::kKnotOffset, {0.09375f, 0, 0.015625f}, 2, 0}}, {}});
     auto opened = Model::open(scratch_.write("model.kelp", test::bytesOf(pack)).string());
     ASSERT_TRUE(opened) << describe(opened.error());
     model_ = *std::move(opened);

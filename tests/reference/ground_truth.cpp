@@ -17,10 +17,8 @@ struct Cubic {
 };
 
 // S(t) of the segment between two knots, straight from the definition of Hermite splines.
-Cubic hermite(const Knot& k0, const Knot& k1) {
-  const double share = double{k1.at} - double{k0.at};
-  const dvec3 p0(k0.position), p1(k1.position);
-  const dvec3 m0 = share * dvec3(k0.tangent), m1 = share * dvec3(k1.tangent);
+Cubic hermite(const Segment& segment) {
+  const dvec3 p0(segment.p0), p1(segment.p1), m0(segment.m0), m1(segment.m1);
   return {{p0, m0, -3.0 * p0 - 2.0 * m0 + 3.0 * p1 - m1, 2.0 * p0 + m0 - 2.0 * p1 + m1}};
 }
 
@@ -157,13 +155,13 @@ class Walk {
 
 std::optional<Touch> firstTouch(const Volume& volume, std::span<const Knot> knots, const dvec3& o,
                                 const dvec3& r, double s_min, double s_max, double erode) {
-  const double base = double{knots.front().position.y};
-  const double stretch =
-      double{static_cast<double>(volume.size0.y)} / (double{knots.back().position.y} - base);
+  const std::vector<Segment> segments = segmentsOf(knots, volume.size0);
+  const double base = double{segments.front().p0.y};
+  const double stretch = double{static_cast<double>(volume.size0.y)} / (double{segments.back().p1.y} - base);
   const dvec3 unit(volume.scale, volume.scale * stretch, volume.scale);
   std::optional<Touch> best;
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Cubic spline = hermite(knots[i], knots[i + 1]);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Cubic spline = hermite(segments[i]);
     const double y0 = spline.at(0).y, y1 = spline.at(1).y;
     Cubic q;
     double x0, x1;

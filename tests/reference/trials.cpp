@@ -9,6 +9,7 @@
 #include "reference/judge.h"
 #include "reference/tiled_cpp.h"
 #include "support/poses.h"
+#include "support/voxel_knots.h"
 
 namespace kelp::reference {
 namespace {
@@ -164,18 +165,19 @@ TrialVolume tiledVolume(std::string name, const fields::Occupancy& tile, const g
 
 std::vector<TrialRig> namedRigs(const glm::ivec3& size) {
   std::vector<TrialRig> rigs;
-  for (const auto& pose : test::kFigure6) rigs.push_back({pose.name, test::figureKnots(pose, size)});
-  const glm::vec3 s(size);
+  for (const auto& pose : test::kFigure6) rigs.push_back({pose.name, test::figureKnots(pose)});
+  const glm::vec3 s = glm::vec3(size) / static_cast<float>(size.y);
   rigs.push_back({"three segments",
                   {{0, {0, 0, 0}, s * glm::vec3(0.5f, 1, 0)},
                    {0.2f, s * glm::vec3(0.25f, 0.2f, -0.1f), s * glm::vec3(-1.3f, 0.6f, 0.8f)},
                    {0.65f, s * glm::vec3(-0.3f, 0.7f, 0.2f), s * glm::vec3(0.5f, 0, -1.2f)},
                    {1, s * glm::vec3(0.1f, 1, 0), s * glm::vec3(0, 1, 0)}}});
   // Nothing round: no coefficient is exact in float32.
-  const float height = 1.567578f * s.y;
-  rigs.push_back({"lifted",
-                  {{0, {3.7f, 17.3f, -2.9f}, height * glm::vec3(0, 0, -3.1f)},
-                   {1, {-1.3f, 17.3f + height, 8.1f}, height * glm::vec3(-33.3f, 0, -10.7f)}}});
+  const float height = 1.567578f * static_cast<float>(size.y);
+  rigs.push_back(
+      {"lifted", test::inHeights({{0, {3.7f, 17.3f, -2.9f}, height * glm::vec3(0, 0, -3.1f)},
+                                  {1, {-1.3f, 17.3f + height, 8.1f}, height * glm::vec3(-33.3f, 0, -10.7f)}},
+                                 static_cast<float>(size.y))});
   return rigs;
 }
 
@@ -187,7 +189,7 @@ TrialRig randomRig(const glm::ivec3& size, unsigned seed) {
   while (true) {
     TrialRig rig{"random " + std::to_string(seed), {}};
     const int count = 2 + static_cast<int>(random() % 4);
-    const float height = s.y * (0.4f + 2 * unit()), strength = std::pow(10.0f, 1.5f * unit() - 0.5f);
+    const float height = 0.4f + 2 * unit(), strength = std::pow(10.0f, 1.5f * unit() - 0.5f);
     for (int i = 0; i < count; ++i) {
       const float at = i == 0 ? 0.0f
                               : (i == count - 1 ? 1.0f
@@ -195,8 +197,10 @@ TrialRig randomRig(const glm::ivec3& size, unsigned seed) {
                                                       static_cast<float>(count - 1));
       const float rise = unit() < 0.4f ? 0.0f : height * 2 * unit();
       rig.knots.push_back({at,
-                           {0.5f * s.x * signedUnit(), 3 + height * at, 0.5f * s.z * signedUnit()},
+                           {0.5f * s.x * signedUnit(), 3 / s.y + height * at, 0.5f * s.z * signedUnit()},
                            {strength * s.x * signedUnit(), rise, strength * s.z * signedUnit()}});
+      rig.knots.back().position.x /= s.y, rig.knots.back().position.z /= s.y;
+      rig.knots.back().tangent.x /= s.y, rig.knots.back().tangent.z /= s.y;
     }
     if (checkKnots(rig.knots)) return rig;
   }
@@ -219,7 +223,7 @@ void TrialTally::add(const TrialTally& more) {
 TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, unsigned seed) {
   std::vector<tiled::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < rig.knots.size(); ++i) {
-    const Segment g = makeSegment(rig.knots[i], rig.knots[i + 1]);
+    const Segment g = makeSegment(rig.knots[i], rig.knots[i + 1], static_cast<float>(volume.size.y));
     segments.push_back({g.p0, g.m0, g.p1, g.m1});
   }
   const Box bounds = deformedBounds(rig.knots, volume.size);
@@ -230,7 +234,8 @@ TrialTally runTrial(const TrialVolume& volume, const TrialRig& rig, int rays, un
   const float s_max = 2 * glm::length(bounds.max - bounds.min);
 
   TrialTally tally;
-  RayMaker make(volume, rig.knots, bounds, seed);
+  const std::vector<Knot> in_voxels = test::inVoxels(rig.knots, static_cast<float>(volume.size.y));
+  RayMaker make(volume, in_voxels, bounds, seed);
   for (int i = 0; i < rays; ++i) {
     const int kind = i % kRayKinds;
     const Ray ray = make.make(kind);

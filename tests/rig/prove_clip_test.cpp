@@ -11,9 +11,17 @@
 
 #include "kelp/rig/rig.h"
 #include "support/all_tests.h"
+#include "support/voxel_knots.h"
 
 namespace kelp {
 namespace {
+
+// Knots and clip in voxels.
+ClipReport prove(const RawClip& clip, std::uint32_t part, const std::vector<Knot>& knots,
+                 const glm::ivec3& size, std::uint64_t automatic = 0) {
+  const auto height = static_cast<float>(size.y);
+  return proveClip(test::inHeights(clip, height), part, {test::inHeights(knots, height), automatic}, size);
+}
 
 using DVec = std::array<double, 3>;
 
@@ -38,7 +46,27 @@ struct Pose {
   std::vector<DVec> position, tangent;
 };
 
-Pose poseAt(const RawClip& clip, std::span<const Knot> knots, double time) {
+// Automatic tangents follow the offsets, unless the clip moves them itself.
+void follow(const RawClip& clip, std::span<const Knot> knots, std::uint64_t automatic, Pose& pose) {
+  for (const Wave& wave : clip.waves)
+    if (wave.target == Target::kKnotTangent) automatic &= ~(std::uint64_t{1} << wave.knot);
+  for (const RawTrack& track : clip.tracks)
+    if (track.target == Target::kKnotTangent) automatic &= ~(std::uint64_t{1} << track.knot);
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    if (!(automatic >> i & 1)) continue;
+    const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, knots.size() - 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const auto offset = [&](std::size_t k) {
+        return pose.position[k][a] - static_cast<double>(knots[k].position[axis]);
+      };
+      pose.tangent[i][a] +=
+          (offset(after) - offset(before)) / static_cast<double>(knots[after].at - knots[before].at);
+    }
+  }
+}
+
+Pose poseAt(const RawClip& clip, std::span<const Knot> knots, double time, std::uint64_t automatic = 0) {
   Pose pose;
   for (const Knot& knot : knots) {
     pose.position.push_back({knot.position.x, knot.position.y, knot.position.z});
@@ -59,6 +87,7 @@ Pose poseAt(const RawClip& clip, std::span<const Knot> knots, double time) {
                                            : pose.tangent)[track.knot][static_cast<std::size_t>(axis)] +=
           trackAt(track, axis, std::fmod(time, static_cast<double>(clip.duration)));
   }
+  follow(clip, knots, automatic, pose);
   return pose;
 }
 
@@ -76,10 +105,10 @@ struct Sampled {
 };
 
 Sampled sample(const RawClip& clip, std::span<const Knot> knots, const glm::ivec3& size, double seconds,
-               int times) {
+               int times, std::uint64_t automatic = 0) {
   Sampled sampled;
   for (int i = 0; i < times; ++i) {
-    const Pose pose = poseAt(clip, knots, seconds * i / times);
+    const Pose pose = poseAt(clip, knots, seconds * i / times, automatic);
     for (std::size_t s = 0; s + 1 < knots.size(); ++s) {
       const double share = static_cast<double>(knots[s + 1].at) - static_cast<double>(knots[s].at);
       const double rise = pose.position[s + 1][1] - pose.position[s][1];
@@ -108,6 +137,7 @@ Sampled sample(const RawClip& clip, std::span<const Knot> knots, const glm::ivec
 struct Scene {
   std::vector<Knot> knots;
   RawClip clip;
+  std::uint64_t automatic = 0;
 };
 
 // `strength` scales everything that moves y.
@@ -129,6 +159,7 @@ Scene randomScene(std::mt19937& random, const glm::ivec3& size, float strength) 
                            {uniform(-9, 9), at * length, uniform(-9, 9)},
                            {uniform(-50, 50), length * (below(3) ? uniform(0, 2) : 0.0f), uniform(-50, 50)}});
   }
+  scene.automatic = random() & ((1u << knots) - 1);
   scene.clip = {"random", uniform(1, 3), {}, {}};
   for (int w = below(4); w > 0; --w)
     scene.clip.waves.push_back({0, static_cast<std::uint32_t>(below(knots)),
@@ -154,7 +185,7 @@ Scene randomScene(std::mt19937& random, const glm::ivec3& size, float strength) 
 bool accepted(const Scene& scene, const glm::ivec3& size, ClipReport* report = nullptr,
               std::string* error = nullptr) {
   try {
-    const ClipReport r = proveClip(scene.clip, 0, scene.knots, size);
+    const ClipReport r = prove(scene.clip, 0, scene.knots, size, scene.automatic);
     if (report) *report = r;
     return true;
   } catch (const RigError& e) {
@@ -173,7 +204,7 @@ TEST(ProveClip, AgreesWithDenseSampling) {
     ClipReport report;
     std::string error;
     const bool ok = accepted(scene, size, &report, &error);
-    const Sampled sampled = sample(scene.clip, scene.knots, size, 40, 1500);
+    const Sampled sampled = sample(scene.clip, scene.knots, size, 40, 1500, scene.automatic);
     if (ok) {
       ++proven;
       EXPECT_TRUE(sampled.rises) << i;
@@ -221,7 +252,7 @@ TEST(ProveClip, NamesATimeThatCanBeChecked) {
     double worst = 1e30;
     for (const double nudge : {-1e-5, 0.0, 1e-5}) {  // the message rounds to six digits
       const double t = time * (1 + nudge);
-      const Pose pose = poseAt(scene.clip, scene.knots, t);
+      const Pose pose = poseAt(scene.clip, scene.knots, t, scene.automatic);
       for (std::size_t s = 0; s + 1 < scene.knots.size(); ++s) {
         const double share =
             static_cast<double>(scene.knots[s + 1].at) - static_cast<double>(scene.knots[s].at);
@@ -252,7 +283,7 @@ TEST(ProveClip, ExtremePosesOfThePaperAreFine) {
                      {{0, 0, Target::kKnotTangent, {-4000, 0, 0}, 1, 0},
                       {0, 1, Target::kKnotTangent, {2000, 0, -1300}, 2.7182818f, 0.3f}},
                      {}};
-  EXPECT_NO_THROW(proveClip(clip, 0, knots, {64, 100, 64}));
+  EXPECT_NO_THROW(prove(clip, 0, knots, {64, 100, 64}));
 }
 
 TEST(ProveClip, KnotsThatRiseTogetherAreFine) {
@@ -263,7 +294,7 @@ TEST(ProveClip, KnotsThatRiseTogetherAreFine) {
       2,
       {{0, 0, Target::kKnotOffset, {0, 500, 0}, 2, 0.1f}, {0, 1, Target::kKnotOffset, {0, 500, 0}, 2, 0.1f}},
       {}};
-  EXPECT_NO_THROW(proveClip(clip, 0, straight(100), {64, 100, 64}));
+  EXPECT_NO_THROW(prove(clip, 0, straight(100), {64, 100, 64}));
   // Step tracks that jump together, likewise.
   RawClip jump{"jump", 2, {}, {}};
   for (const std::uint32_t knot : {0u, 1u})
@@ -272,7 +303,7 @@ TEST(ProveClip, KnotsThatRiseTogetherAreFine) {
                            Target::kKnotOffset,
                            Interpolation::kStep,
                            {{0, {0, 0, 0, 0}, {}, {}}, {0.7f, {0, 900, 0, 0}, {}, {}}}});
-  EXPECT_NO_THROW(proveClip(jump, 0, straight(100), {64, 100, 64}));
+  EXPECT_NO_THROW(prove(jump, 0, straight(100), {64, 100, 64}));
 }
 
 TEST(ProveClip, ExactlyAtTheLimit) {
@@ -282,9 +313,9 @@ TEST(ProveClip, ExactlyAtTheLimit) {
     return RawClip{"dip", 4, {{0, 1, Target::kKnotOffset, {0, amplitude, 0}, 4, 0}}, {}};
   };
   // With tangents of one length, 3 (p1 - p0) - m0 - m1 + sqrt(m0 m1) >= 0 needs p1 - p0 >= length / 3.
-  EXPECT_NO_THROW(proveClip(dip(66.6f), 0, straight(100), {8, 100, 8}));
+  EXPECT_NO_THROW(prove(dip(66.6f), 0, straight(100), {8, 100, 8}));
   try {
-    proveClip(dip(66.9f), 0, straight(100), {8, 100, 8});
+    prove(dip(66.9f), 0, straight(100), {8, 100, 8});
     FAIL() << "accepted";
   } catch (const RigError& error) {
     const std::string what = error.what();
@@ -312,16 +343,16 @@ TEST(ProveClip, CubicKeysAtTheLimit) {
   float slope = 0;
   while (depth(slope) < 66.3) slope += 0.25f;
   ASSERT_LT(depth(slope), 66.6);
-  EXPECT_NO_THROW(proveClip(swing(slope), 0, straight(100), {8, 100, 8}));
+  EXPECT_NO_THROW(prove(swing(slope), 0, straight(100), {8, 100, 8}));
   while (depth(slope) < 66.8) slope += 0.25f;
-  EXPECT_THROW(proveClip(swing(slope), 0, straight(100), {8, 100, 8}), RigError);
+  EXPECT_THROW(prove(swing(slope), 0, straight(100), {8, 100, 8}), RigError);
   // Bounds hold the overshoot, and not much more.
   while (depth(slope) > 60) slope -= 0.25f;
   RawClip sideways = swing(slope);
   for (Key& key : sideways.tracks[0].keys) {
     for (glm::vec4* v : {&key.value, &key.in, &key.out}) *v = {v->y, 0, 0, 0};
   }
-  const ClipReport report = proveClip(sideways, 0, straight(100), {8, 100, 8});
+  const ClipReport report = prove(sideways, 0, straight(100), {8, 100, 8});
   EXPECT_LE(report.bounds.min.x, static_cast<float>(-depth(slope)));
   EXPECT_GE(report.bounds.min.x, static_cast<float>(-1.6 * depth(slope)));
 }
@@ -333,9 +364,9 @@ TEST(ProveClip, UnrelatedPeriodsAreTakenAtTheirWorst) {
                {{0, 1, Target::kKnotOffset, {0, 40, 0}, 1, 0.5f},
                 {0, 1, Target::kKnotOffset, {0, 40, 0}, 1.4142135f, 0.5f}},
                {}};
-  EXPECT_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}), RigError);
+  EXPECT_THROW(prove(clip, 0, straight(100), {8, 100, 8}), RigError);
   clip.waves.pop_back();
-  EXPECT_NO_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}));
+  EXPECT_NO_THROW(prove(clip, 0, straight(100), {8, 100, 8}));
   // Commensurate and never low together: one of 1 s and one of 2 s whose lows do not meet.
   const RawClip apart{
       "apart",
@@ -345,7 +376,7 @@ TEST(ProveClip, UnrelatedPeriodsAreTakenAtTheirWorst) {
   const Sampled sampled = sample(apart, straight(100), {8, 100, 8}, 2, 2000);
   EXPECT_EQ(sampled.fall > 1e-5, [&] {
     try {
-      proveClip(apart, 0, straight(100), {8, 100, 8});
+      prove(apart, 0, straight(100), {8, 100, 8});
       return false;
     } catch (const RigError&) {
       return true;
@@ -363,7 +394,7 @@ TEST(ProveClip, ManyUnrelatedPeriodsAreRefused) {
       clip.waves.push_back(
           {0, 1, Target::kKnotOffset, amplitude, 1 + std::sqrt(static_cast<float>(2 * i + 3)) / 50, 0});
     try {
-      proveClip(clip, 0, knots, size);
+      prove(clip, 0, knots, size);
     } catch (const RigError& error) {
       return error.what();
     }
@@ -391,7 +422,7 @@ TEST(ProveClip, ProofsEndAfterSoMuchWork) {
            0});
   }
   try {
-    proveClip(clip, 0, straight(100), {8, 100, 8});
+    prove(clip, 0, straight(100), {8, 100, 8});
     FAIL() << "proven";
   } catch (const RigError& error) {
     EXPECT_NE(std::string(error.what()).find("takes too long"), std::string::npos) << error.what();
@@ -406,9 +437,9 @@ TEST(ProveClip, ManyTracksOfOneThingAreRefused) {
                        Interpolation::kLinear,
                        {{0, glm::vec4(0), {}, {}}, {1, glm::vec4(0.01f), {}, {}}}};
   clip.tracks.assign(64, track);
-  EXPECT_NO_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}));
+  EXPECT_NO_THROW(prove(clip, 0, straight(100), {8, 100, 8}));
   clip.tracks.push_back(track);
-  EXPECT_THROW(proveClip(clip, 0, straight(100), {8, 100, 8}), RigError);
+  EXPECT_THROW(prove(clip, 0, straight(100), {8, 100, 8}), RigError);
 }
 
 // A part's share says the same as the whole clip does of it.
@@ -431,8 +462,8 @@ TEST(ProveClip, ClipsAreSplitByPart) {
   for (const auto& [part, share] : shares) {
     EXPECT_EQ(share.name, "c");
     EXPECT_EQ(share.duration, 2);
-    const ClipReport whole = proveClip(clip, part, straight(100), {8, 100, 8}),
-                     alone = proveClip(share, part, straight(100), {8, 100, 8});
+    const ClipReport whole = prove(clip, part, straight(100), {8, 100, 8}),
+                     alone = prove(share, part, straight(100), {8, 100, 8});
     EXPECT_EQ(whole.bounds.min, alone.bounds.min);
     EXPECT_EQ(whole.bounds.max, alone.bounds.max);
   }
@@ -442,7 +473,7 @@ TEST(ProveClip, RestRigThatTurnsBackIsRefused) {
   std::vector<Knot> knots = straight(100);
   knots[1].tangent.y = -10;
   try {
-    proveClip({"still", 1, {}, {}}, 4, knots, {8, 100, 8});
+    prove({"still", 1, {}, {}}, 4, knots, {8, 100, 8});
     FAIL() << "accepted";
   } catch (const RigError& error) {
     EXPECT_NE(std::string(error.what()).find("at rest"), std::string::npos) << error.what();
@@ -452,15 +483,15 @@ TEST(ProveClip, RestRigThatTurnsBackIsRefused) {
 
 TEST(ProveClip, OtherPartsDoNotMatter) {
   const RawClip clip{"other", 1, {{1, 1, Target::kKnotOffset, {0, 1e5f, 0}, 1, 0}}, {}};
-  const ClipReport report = proveClip(clip, 0, straight(100), {8, 100, 8});
+  const ClipReport report = prove(clip, 0, straight(100), {8, 100, 8});
   EXPECT_EQ(report.leaves_box, 0.0f);
-  EXPECT_THROW(proveClip(clip, 1, straight(100), {8, 100, 8}), RigError);
+  EXPECT_THROW(prove(clip, 1, straight(100), {8, 100, 8}), RigError);
 }
 
 TEST(ProveClip, BoundsByHand) {
   // Tip 20 to and fro along x: the box [0,8] x [0,100] x [0,6] leaves by 20 on both sides of x.
   const RawClip clip{"side", 1, {{0, 1, Target::kKnotOffset, {20, 0, 0}, 1, 0}}, {}};
-  const ClipReport report = proveClip(clip, 0, straight(100), {8, 100, 6});
+  const ClipReport report = prove(clip, 0, straight(100), {8, 100, 6});
   EXPECT_NEAR(report.bounds.min.x, -20, 0.01);
   EXPECT_NEAR(report.bounds.max.x, 28, 0.01);
   EXPECT_NEAR(report.bounds.min.y, 0, 0.01);

@@ -49,24 +49,24 @@ TEST(RealizeKnots, TheStraightRigIsStraightToTheLastBit) {
     rig.axis = axis;
     for (const float at : {0.0f, 0.1f, 1.0f / 3, 0.7f, 1.0f})
       rig.knots.push_back({at, glm::vec3(0), std::nullopt});
-    for (const Knot& knot : realizeKnots(rig, {10, 97, 20})) {
-      EXPECT_EQ(knot.position, glm::vec3(0, knot.at * 97, 0));
-      EXPECT_EQ(knot.tangent, glm::vec3(0, 97, 0));
+    for (const Knot& knot : realizeKnots(rig)) {
+      EXPECT_EQ(knot.position, glm::vec3(0, knot.at, 0));
+      EXPECT_EQ(knot.tangent, glm::vec3(0, 1, 0));
     }
   }
-  const auto two = realizeKnots({}, {10, 64, 20});
+  const auto two = realizeKnots({});
   ASSERT_EQ(two.size(), 2u);
   EXPECT_EQ(two[1].at, 1.0f);
-  EXPECT_EQ(two[1].position, glm::vec3(0, 64, 0));
+  EXPECT_EQ(two[1].position, glm::vec3(0, 1, 0));
 }
 
 TEST(RealizeKnots, PoseOfThePaper) {
   // Tangents (3,0,1) and (3,0,2), as the paper writes them: no y part.
   const auto rig =
       parseRig(R"({"kelp": 1, "knots": [{"at": 0, "tangent": [3, 0, 1]}, {"at": 1, "tangent": [3, 0, 2]}]})");
-  const auto knots = realizeKnots(rig, {50, 100, 60});
-  EXPECT_EQ(knots[0].tangent, glm::vec3(300, 0, 100));
-  EXPECT_EQ(knots[1].tangent, glm::vec3(300, 0, 200));
+  const auto knots = realizeKnots(rig);
+  EXPECT_EQ(knots[0].tangent, glm::vec3(3, 0, 1));
+  EXPECT_EQ(knots[1].tangent, glm::vec3(3, 0, 2));
   EXPECT_TRUE(checkKnots(knots));
 }
 
@@ -75,15 +75,16 @@ TEST(RealizeKnots, OffsetsAndAutomaticTangentsByHand) {
   // its neighbours.
   const auto rig = parseRig(
       R"({"kelp": 1, "axis": "-x", "knots": [{"at": 0}, {"at": 0.25, "offset": [-0.05, 0.1, 0.2]}, {"at": 1, "offset": [0, 0, 0.4]}]})");
-  const auto knots = realizeKnots(rig, {8, 200, 8});
+  const auto knots = realizeKnots(rig);
   const auto expectNear = [](const glm::vec3& a, const glm::vec3& b) {
-    EXPECT_LT(glm::length(a - b), 1e-3f) << a.x << " " << a.y << " " << a.z;
+    EXPECT_LT(glm::length(a - b), 1e-6f) << a.x << " " << a.y << " " << a.z;
   };
-  expectNear(knots[1].position, {20, 50 + 10, 40});
-  expectNear(knots[2].position, {0, 200, 80});
-  expectNear(knots[0].tangent, {20 / 0.25f, 60 / 0.25f, 40 / 0.25f});
-  expectNear(knots[1].tangent, {0, 200, 80});
-  expectNear(knots[2].tangent, {-20 / 0.75f, 140 / 0.75f, 40 / 0.75f});
+  expectNear(knots[1].position, {0.1f, 0.25f + 0.05f, 0.2f});
+  expectNear(knots[2].position, {0, 1, 0.4f});
+  expectNear(knots[0].tangent, {0.1f / 0.25f, 0.3f / 0.25f, 0.2f / 0.25f});
+  expectNear(knots[1].tangent, {0, 1, 0.4f});
+  expectNear(knots[2].tangent, {-0.1f / 0.75f, 0.7f / 0.75f, 0.2f / 0.75f});
+  EXPECT_EQ(automaticTangents(rig), 7u);
 }
 
 TEST(RealizeClips, WavesAndKeysByHand) {
@@ -92,24 +93,24 @@ TEST(RealizeClips, WavesAndKeysByHand) {
     "b": {"interpolation": "cubic", "keys": [
       {"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0]}, {"time": 3, "knot": 1, "offset": [0.3, 0, 0], "in": [0, 0, 1]},
       {"time": 0, "translation": [1, 2, 3], "interpolation": "linear"}, {"time": 2, "translation": [4, 5, 6]}]}}})");
-  const auto clips = realizeClips(rig, {8, 100, 8}, 7);
+  const auto clips = realizeClips(rig, 7);
   ASSERT_EQ(clips.size(), 2u);
   EXPECT_EQ(clips[0].duration, 5.0f);  // the longest period
   EXPECT_EQ(clips[0].waves[0].part, 7u);
   EXPECT_EQ(clips[0].waves[0].knot, 1u);
   // +z: artist (x, y, z) is part (x, z, -y)
-  EXPECT_EQ(clips[0].waves[0].amplitude, glm::vec3(50, 12.5f, -25));
+  EXPECT_EQ(clips[0].waves[0].amplitude, glm::vec3(0.5f, 0.125f, -0.25f));
   EXPECT_EQ(clips[0].waves[0].period, 3.0f);
   EXPECT_EQ(clips[0].waves[0].phase, 0.1f);
 
   EXPECT_EQ(clips[1].duration, 3.0f);  // the last key
   const auto& keys = clips[1].tracks.at(0).keys;
-  EXPECT_EQ(keys[1].value, glm::vec4(50, 0, 0, 0));
-  EXPECT_FLOAT_EQ(keys[0].out.x, 50);  // one-sided: 50 voxels in 1 s
-  EXPECT_FLOAT_EQ(keys[1].in.x, 10);   // between its neighbours: 30 voxels in 3 s
-  EXPECT_FLOAT_EQ(keys[1].out.x, 10);
-  EXPECT_EQ(keys[2].in, glm::vec4(0, 100, 0, 0));
-  EXPECT_FLOAT_EQ(keys[2].out.x, -10);
+  EXPECT_EQ(keys[1].value, glm::vec4(0.5f, 0, 0, 0));
+  EXPECT_FLOAT_EQ(keys[0].out.x, 0.5f);  // one-sided: a half in 1 s
+  EXPECT_FLOAT_EQ(keys[1].in.x, 0.1f);   // between its neighbours: 0.3 in 3 s
+  EXPECT_FLOAT_EQ(keys[1].out.x, 0.1f);
+  EXPECT_EQ(keys[2].in, glm::vec4(0, 1, 0, 0));
+  EXPECT_FLOAT_EQ(keys[2].out.x, -0.1f);
   // Part motion is in the pivot's units: neither scaled nor turned.
   EXPECT_EQ(clips[1].tracks.at(1).keys[1].value, glm::vec4(4, 5, 6, 0));
 }
@@ -117,7 +118,7 @@ TEST(RealizeClips, WavesAndKeysByHand) {
 TEST(RealizeClips, NeighbouringRotationsTakeTheShortWay) {
   const auto rig = parseRig(R"({"kelp": 1, "clips": {"c": {"interpolation": "cubic", "keys": [
     {"time": 0, "rotation": [0, 0, 0, 1]}, {"time": 1, "rotation": [0, -0.6, 0, -0.8]}, {"time": 2, "rotation": [0, -0.8, 0, -0.6]}]}}})");
-  const auto keys = realizeClips(rig, {8, 8, 8}, 0)[0].tracks[0].keys;
+  const auto keys = realizeClips(rig, 0)[0].tracks[0].keys;
   for (const Key& key : keys) {
     EXPECT_GE(key.value.w, 0.0f);
     EXPECT_NEAR(glm::length(key.value), 1, 1e-6);
@@ -145,20 +146,21 @@ TEST(DescribeRig, IsTheInverseOfRealize) {
     "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3, "phase": 0.1}]},
     "b": {"interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0]},
           {"time": 2, "scale": [1, 1, 2], "interpolation": "step"}]}}})");
-  const glm::ivec3 size(33, 128, 65);
-  const auto knots = realizeKnots(rig, size);
-  auto clips = realizeClips(rig, size, 3);
+  const auto knots = realizeKnots(rig);
+  auto clips = realizeClips(rig, 3);
   clips.push_back({"of another part", 1, {Wave{}}, {}});
-  const RigDescription described = parseRig(printRig(describeRig(knots, clips, 3, size)));
+  const RigDescription described = parseRig(printRig(describeRig({knots, automaticTangents(rig)}, clips, 3)));
   EXPECT_EQ(described.axis, Axis::kPlusY);
+  EXPECT_FALSE(described.knots[0].tangent || described.knots[1].tangent) << "automatic";
+  EXPECT_TRUE(described.knots[2].tangent);
   ASSERT_EQ(described.clips.size(), 2u);
 
-  const auto again = realizeKnots(described, size);
+  const auto again = realizeKnots(described);
   for (std::size_t i = 0; i < knots.size(); ++i) {
     EXPECT_LT(glm::length(again[i].position - knots[i].position), 1e-4f);
     EXPECT_LT(glm::length(again[i].tangent - knots[i].tangent), 1e-4f);
   }
-  const auto clips_again = realizeClips(described, size, 3);
+  const auto clips_again = realizeClips(described, 3);
   EXPECT_EQ(clips_again[0].duration, clips[0].duration);
   EXPECT_LT(glm::length(clips_again[0].waves[0].amplitude - clips[0].waves[0].amplitude), 1e-4f);
   ASSERT_EQ(clips_again[1].tracks.size(), 2u);
@@ -175,18 +177,18 @@ TEST(DescribeRig, SpeaksOfEveryAxis) {
       R"({"kelp": 1, "axis": "-z", "knots": [{"at": 0}, {"at": 0.25, "offset": [0.125, 0.5, 0.375]}, {"at": 1, "tangent": [0.5, 0.25, -1]}], "clips": {
     "a": {"waves": [{"knot": 1, "tangent": [0.5, 0.25, 0.125], "period": 3}]},
     "b": {"interpolation": "cubic", "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]}, {"time": 1, "knot": 1, "offset": [0.5, 0, 0.25]}, {"time": 2, "rotation": [0, 0, 0, 1]}]}}})");
-  const glm::ivec3 size(32, 128, 64);
-  const auto knots = realizeKnots(rig, size);
-  const auto clips = realizeClips(rig, size, 0);
+  const auto knots = realizeKnots(rig);
+  const auto clips = realizeClips(rig, 0);
   for (const Axis axis :
        {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
-    const RigDescription described = parseRig(printRig(describeRig(knots, clips, 0, size, axis)));
+    const RigDescription described =
+        parseRig(printRig(describeRig({knots, automaticTangents(rig)}, clips, 0, axis)));
     EXPECT_EQ(described.axis, axis);
-    const auto again = realizeKnots(described, size);
+    const auto again = realizeKnots(described);
     for (std::size_t i = 0; i < knots.size(); ++i)
       EXPECT_TRUE(again[i].position == knots[i].position && again[i].tangent == knots[i].tangent)
           << toString(axis);
-    const auto clips_again = realizeClips(described, size, 0);
+    const auto clips_again = realizeClips(described, 0);
     EXPECT_EQ(clips_again[0].waves[0].amplitude, clips[0].waves[0].amplitude);
     for (std::size_t t = 0; t < clips[1].tracks.size(); ++t)
       for (std::size_t k = 0; k < clips[1].tracks[t].keys.size(); ++k) {
@@ -201,7 +203,7 @@ TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
   std::vector<RawClip> clips;
   for (const char* name : {"", "swim", "swim", ""})
     clips.push_back({name, 1, {Wave{0, 1, Target::kKnotOffset, {1, 0, 0}, 1, 0}}, {}});
-  const auto rig = parseRig(printRig(describeRig(realizeKnots({}, {8, 8, 8}), clips, 0, {8, 8, 8})));
+  const auto rig = parseRig(printRig(describeRig({realizeKnots({}), 0}, clips, 0)));
   std::vector<std::string> names;
   for (const auto& clip : rig.clips) names.push_back(clip.name);
   EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));

@@ -20,7 +20,7 @@ TEST(BoundKnots, EightRigsAtATime) {
     std::span<const Knot> lanes[8];
     std::copy(rigs.begin(), rigs.end(), lanes);
     EightBoxes boxes;
-    sound = boundKnots(lanes, margin, boxes);
+    sound = boundKnots(lanes, EightFloats{{1, 1, 1, 1, 1, 1, 1, 1}}, margin, boxes);
     std::array<Box, 8> out;
     for (std::size_t rig = 0; rig < 8; ++rig) {
       for (int axis = 0; axis < 3; ++axis) {

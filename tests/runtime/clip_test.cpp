@@ -123,7 +123,7 @@ TEST(Clip, TimesBeyondAllPhasesAreHarmless) {
   for (const double seconds : {1e15, -1e16, 3e17, 1e300, -1.7e308}) {
     pose.reset();
     ASSERT_TRUE(addClip(*loaded.asset, 0, seconds, 1, pose));
-    for (const Knot& knot : pose.allKnots()) EXPECT_LT(glm::length(knot.position), 60.0f) << seconds;
+    for (const Knot& knot : pose.knots(0)) EXPECT_LT(glm::length(knot.position), 20.0f) << seconds;
   }
 }
 

@@ -22,16 +22,16 @@ struct Loaded {
   std::unique_ptr<Asset> asset;
 };
 
-// Straight knots at these places of a volume of that height.
-inline std::vector<Knot> straight(std::initializer_list<float> places, float height) {
+// Straight knots at these places.
+inline std::vector<Knot> straight(std::initializer_list<float> places) {
   std::vector<Knot> knots;
-  for (const float at : places) knots.push_back({at, {0, height * at, 0}, {0, height, 0}});
+  for (const float at : places) knots.push_back({at, {0, at, 0}, {0, 1, 0}});
   return knots;
 }
 
 // A part of 24 x 40 x 24 voxels on these knots.
 inline RawPack reed(std::initializer_list<float> places) {
-  return test::packOf(test::ballClump({24, 40, 24}, 8, 1), straight(places, 40));
+  return test::packOf(test::ballClump({24, 40, 24}, 8, 1), straight(places));
 }
 
 }  // namespace kelp::runtime

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/pose.h"
+#include "support/edit_knots.h"
+#include "support/voxel_points.h"
 
 #include <gtest/gtest.h>
 
@@ -44,11 +46,11 @@ TEST(Pose, StartsAtRestAndReturns) {
   Result<Pose> pose = Pose::create(*loaded.asset);
   ASSERT_TRUE(pose);
   ASSERT_EQ(pose->knots(0).size(), 2u);
-  EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 40, 0));
-  pose->knots(0)[1].position.x = 9;
+  EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 1, 0));
+  test::edit(*pose, 0)[1].position.x = 9;
   pose->motion(0)->translation.y = 2;
   pose->reset();
-  EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 40, 0));
+  EXPECT_EQ(pose->knots(0)[1].position, glm::vec3(0, 1, 0));
   EXPECT_EQ(pose->motion(0)->translation, glm::vec3(0));
   EXPECT_TRUE(pose->knots(1).empty());
   EXPECT_TRUE(pose->knots(-1).empty());
@@ -81,9 +83,7 @@ TEST(Pose, AddsClips) {
 
 TEST(Pose, MisuseIsAnswered) {
   Loaded loaded(animated());
-  Loaded other(test::packOf(
-      test::ballClump({24, 40, 24}, 8, 1),
-      {{0, {0, 0, 0}, {0, 40, 0}}, {0.5f, {0, 20, 0}, {0, 40, 0}}, {1, {0, 40, 0}, {0, 40, 0}}}));
+  Loaded other(test::packOf(test::ballClump({24, 40, 24}, 8, 1), straight({0, 0.5f, 1})));
   Pose pose = *Pose::create(*loaded.asset);
   Pose wrong = *Pose::create(*other.asset);
   EXPECT_EQ(addClip(*loaded.asset, 5, 0, 1, pose).error().code, ErrorCode::kMisuse);
@@ -91,9 +91,9 @@ TEST(Pose, MisuseIsAnswered) {
   EXPECT_EQ(addClip(*loaded.asset, 0, std::nan(""), 1, pose).error().code, ErrorCode::kMisuse);
   EXPECT_FALSE(pose.assign(wrong));
   Pose copy = *Pose::create(*loaded.asset);
-  copy.knots(0)[1].position.x = 3;
+  test::edit(copy, 0, 40)[1].position.x = 3;
   EXPECT_TRUE(pose.assign(copy));
-  EXPECT_EQ(pose.knots(0)[1].position.x, 3.0f);
+  EXPECT_EQ(pose.knots(0)[1].position.x, 3.0f / 40);
 }
 
 TEST(Pose, CheckRefusesAndClampMends) {
@@ -104,7 +104,7 @@ TEST(Pose, CheckRefusesAndClampMends) {
   int refused = 0;
   for (int i = 0; i < 2000; ++i) {
     pose.reset();
-    for (Knot& knot : pose.knots(0)) {
+    for (Knot& knot : test::edit(pose, 0, 40)) {
       knot.position += glm::vec3(d(random), 0.3f * d(random), d(random));
       knot.tangent += glm::vec3(d(random), d(random), d(random));
     }
@@ -123,14 +123,14 @@ TEST(Pose, CheckRefusesAndClampMends) {
 
 TEST(Pose, ClampMendsManyKnots) {
   std::vector<Knot> knots;
-  for (const float at : {0.0f, 0.2f, 0.35f, 0.8f, 1.0f}) knots.push_back({at, {0, 40 * at, 0}, {0, 40, 0}});
+  for (const float at : {0.0f, 0.2f, 0.35f, 0.8f, 1.0f}) knots.push_back({at, {0, at, 0}, {0, 1, 0}});
   Loaded loaded(test::packOf(test::ballClump({24, 40, 24}, 8, 1), knots));
   Pose pose = *Pose::create(*loaded.asset);
   std::mt19937 random(8);
   std::uniform_real_distribution<float> d(-100, 200);
   for (int i = 0; i < 100000; ++i) {
     pose.reset();
-    for (Knot& knot : pose.knots(0)) {
+    for (Knot& knot : test::edit(pose, 0, 40)) {
       knot.position.y += 0.1f * d(random);
       knot.tangent.y = d(random);
     }
@@ -154,7 +154,9 @@ TEST(Pose, NumbersThatAreNoneAreRefused) {
           SCOPED_TRACE(testing::Message() << bad << " in knot " << knot << ", axis " << axis
                                           << (tangent ? ", tangent" : ", position"));
           pose.reset();
-          (tangent ? pose.knots(0)[knot].tangent : pose.knots(0)[knot].position)[axis] = bad;
+          Knot changed = pose.knots(0)[knot];
+          (tangent ? changed.tangent : changed.position)[axis] = bad;
+          test::edit(pose, 0)[knot] = changed;
           ASSERT_FALSE(pose.check());
           EXPECT_EQ(pose.check().error().code, ErrorCode::kMisuse);
           EXPECT_FALSE(raycast(instance, down));
@@ -175,7 +177,7 @@ TEST(Pose, ATurningPoseNamesItsPart) {
   pack.parts[1].name = "second";
   Loaded loaded(pack);
   Pose pose = *Pose::create(*loaded.asset);
-  pose.knots(1)[0].tangent.y = -60;
+  test::edit(pose, 1, 40)[0].tangent.y = -60;
   ASSERT_FALSE(pose.check());
   EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
   EXPECT_EQ(pose.check().error().offset, 1u);
@@ -186,9 +188,9 @@ TEST(Pose, ATurningPoseNamesItsPart) {
 TEST(Instance, RestPointsGoToTheWorldAndBack) {
   Loaded loaded(animated());
   Pose pose = *Pose::create(*loaded.asset);
-  pose.knots(0)[0].tangent = {120, 0, 40};
-  pose.knots(0)[1].tangent = {120, 0, 80};
-  pose.knots(0)[1].position = {10, 55, -5};
+  test::edit(pose, 0, 40)[0].tangent = {120, 0, 40};
+  test::edit(pose, 0, 40)[1].tangent = {120, 0, 80};
+  test::edit(pose, 0, 40)[1].position = {10, 55, -5};
   pose.motion(0)->translation = {0.2f, 0, 0};
   pose.motion(0)->rotation = glm::angleAxis(0.5f, glm::vec3(0, 0, 1));
   ASSERT_TRUE(pose.check());
@@ -199,7 +201,8 @@ TEST(Instance, RestPointsGoToTheWorldAndBack) {
   std::mt19937 random(9);
   std::uniform_real_distribution<float> unit(0, 1);
   for (int i = 0; i < 500; ++i) {
-    const glm::vec3 rest(24 * unit(random), 40 * unit(random), 24 * unit(random));
+    const glm::vec3 voxel(24 * unit(random), 40 * unit(random), 24 * unit(random));
+    const glm::vec3 rest = test::voxelToRest(instance, 0, voxel);
     const glm::vec3 world = toWorld(instance, 0, rest);
     for (int a = 0; a < 3; ++a) {
       EXPECT_GE(world[a], box.min[a] - 1e-4f);
@@ -207,13 +210,13 @@ TEST(Instance, RestPointsGoToTheWorldAndBack) {
     }
     const auto back = toRest(instance, 0, world);
     ASSERT_TRUE(back);
-    EXPECT_LT(glm::distance(*back, rest), 2e-2f);
+    EXPECT_LT(glm::distance(test::restToVoxel(instance, 0, *back), voxel), 2e-2f);
     const glm::mat4 frame = frameAt(instance, 0, rest);
     EXPECT_LT(glm::distance(glm::vec3(frame[3]), world), 1e-5f);
     EXPECT_NEAR(glm::determinant(glm::mat3(frame)), 1.0f, 1e-4f);
     // y runs along the spline: where a point a little higher goes.
-    const glm::vec3 above = toWorld(instance, 0, rest + glm::vec3(0, 1e-2f, 0)) - world;
-    if (rest.y > 2 && rest.y < 38) {
+    const glm::vec3 above = test::voxelToWorld(instance, 0, voxel + glm::vec3(0, 1e-2f, 0)) - world;
+    if (voxel.y > 2 && voxel.y < 38) {
       EXPECT_GT(glm::dot(glm::normalize(above), glm::vec3(frame[1])), 0.99f);
     }
   }

@@ -6,6 +6,8 @@
 
 #include "kelp/runtime/instance.h"
 #include "loaded.h"
+#include "support/edit_knots.h"
+#include "support/voxel_points.h"
 
 namespace kelp::runtime {
 namespace {
@@ -35,9 +37,9 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
   (void)asset.loadAll();
   ASSERT_LE(asset.memory(), options.memory_budget);
   Pose pose = *Pose::create(asset);
-  pose.knots(0)[1].position.x += 30;
+  test::edit(pose, 0, 40)[1].position.x += 30;
   Pose same = *Pose::create(*whole.asset);
-  same.knots(0)[1].position.x += 30;
+  test::edit(same, 0, 40)[1].position.x += 30;
   const Instance instance{&asset, &pose};
   const Instance truth{whole.asset.get(), &same};
   std::mt19937 random(5);
@@ -47,7 +49,8 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
     Ray ray;
     ray.origin = {2.0f * unit(random) - 1, unit(random), 2};
     ray.direction =
-        toWorld(instance, 0, {96 * unit(random), 128 * unit(random), 96 * unit(random)}) - ray.origin;
+        test::voxelToWorld(instance, 0, {96 * unit(random), 128 * unit(random), 96 * unit(random)}) -
+        ray.origin;
     const auto wanted = raycast(truth, ray);
     bool fine = false;
     for (int tick = 0; tick < 40 && !fine; ++tick, ++ticks) {
@@ -137,8 +140,8 @@ void pumpAll(Asset& asset) {
 // coming.
 TEST(Query, WhatDoesNotFitHoldsUpNobody) {
   RawPack pack = test::packOf(test::dust({800, 8, 800}, 20000, 3));  // a large grid
-  pack.parts.push_back(test::partOf(test::ballClump({12, 12, 12}, 4, 3),
-                                    test::figureKnots(test::kFigure6[0], {12, 12, 12}), "small"));
+  pack.parts.push_back(
+      test::partOf(test::ballClump({12, 12, 12}, 4, 3), test::figureKnots(test::kFigure6[0]), "small"));
   const std::vector<std::byte> bytes = test::bytesOf(pack);
   std::uint64_t small = 0;
   {

@@ -6,7 +6,9 @@
 
 #include "kelp/runtime/instance.h"
 #include "reference/ground_truth.h"
+#include "support/edit_knots.h"
 #include "support/test_pack.h"
+#include "support/voxel_points.h"
 
 namespace kelp::runtime {
 namespace {
@@ -25,15 +27,15 @@ TEST(Raycast, AgreesWithTheGroundTruthFromAfar) {
   std::uniform_real_distribution<float> unit(0, 1);
   int hits = 0;
   for (const auto& figure : test::kFigure6) {
-    const std::vector<Knot> knots = test::figureKnots(figure, volume.size);
-    std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+    const std::vector<Knot> knots = test::figureKnots(figure);
+    ASSERT_TRUE(pose.setKnots(0, knots));
     Instance instance{&asset, &pose};
     instance.to_world = glm::mat4(glm::vec4(0, 0, 2, 0), glm::vec4(0, 3, 0, 0), glm::vec4(-2, 0.5f, 0, 0),
                                   glm::vec4(30, -20, 10, 1));
     const glm::dmat4 to_part = glm::inverse(glm::dmat4(partToWorld(instance, 0)));
     for (int i = 0; i < 3000; ++i) {
       const glm::vec3 target =
-          toWorld(instance, 0, {60 * unit(random), 80 * unit(random), 50 * unit(random)});
+          test::voxelToWorld(instance, 0, {60 * unit(random), 80 * unit(random), 50 * unit(random)});
       Ray ray;
       ray.direction = 0.1f + 5.0f * (glm::vec3(unit(random), unit(random), unit(random)) - 0.5f);
       ray.origin = target - 30.0f * ray.direction;
@@ -78,7 +80,7 @@ TEST(Raycast, RefusesNonsense) {
   EXPECT_FALSE(raycast(instance, {{0, NAN, 0}, {0, -1, 0}}));
   EXPECT_FALSE(raycast(instance, {{0, 10, 0}, {0, -INFINITY, 0}}));
   Pose pose = *Pose::create(**asset);
-  pose.knots(0)[1].tangent.y = -500;
+  test::edit(pose, 0, 20)[1].tangent.y = -500;
   instance.pose = &pose;
   EXPECT_FALSE(raycast(instance, down)) << "not monotone";
   instance.pose = nullptr;

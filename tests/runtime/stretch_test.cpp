@@ -10,6 +10,8 @@
 
 #include "kelp/runtime/instance.h"
 #include "loaded.h"
+#include "support/edit_knots.h"
+#include "support/voxel_points.h"
 
 namespace kelp::runtime {
 namespace {
@@ -47,7 +49,7 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
   for (int n = 0; n < 300; ++n) {
     pose.reset();
     const float low = 12 * d(random), high = 40 + 30 * d(random);
-    for (Knot& knot : pose.knots(0)) {
+    for (Knot& knot : test::edit(pose, 0, 40)) {
       knot.position = {10 * d(random), low + knot.at * (high - low), 10 * d(random)};
       knot.tangent = {30 * d(random), (high - low) * (1 + 0.5f * d(random)), 30 * d(random)};
     }
@@ -57,8 +59,9 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
     const Box box = bounds(instance);
     for (int i = 0; i < 20; ++i) {
       const glm::vec3 rest(24 * unit(random), 40 * unit(random), 24 * unit(random));
-      const glm::dvec3 expected(to_world * glm::dvec4(mapped(pose.knots(0), 40, glm::dvec3(rest)), 1));
-      const glm::vec3 world = toWorld(instance, 0, rest);
+      const glm::dvec3 expected(
+          to_world * glm::dvec4(mapped(test::inVoxels(pose.knots(0), 40), 40, glm::dvec3(rest)), 1));
+      const glm::vec3 world = test::voxelToWorld(instance, 0, rest);
       EXPECT_LT(glm::distance(glm::dvec3(world), expected), 2e-5);  // of a metre of 40 voxels
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_GE(expected[axis], static_cast<double>(box.min[axis]) - 1e-6);
@@ -67,7 +70,7 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
       const auto back = toRest(instance, 0, world);
       if (rest.y > 0.1f && rest.y < 39.9f) {
         ASSERT_TRUE(back);
-        EXPECT_LT(glm::distance(*back, rest), 2e-2f);
+        EXPECT_LT(glm::distance(test::restToVoxel(instance, 0, *back), rest), 2e-2f);
       }
     }
   }
@@ -79,13 +82,13 @@ TEST(Stretch, TheVolumeFollowsThePapersMap) {
 TEST(Stretch, StraightRigsScale) {
   Loaded loaded(reed({0, 0.5f, 1}));
   Pose pose = *Pose::create(*loaded.asset);
-  for (Knot& knot : pose.knots(0)) {
+  for (Knot& knot : test::edit(pose, 0, 40)) {
     knot.position.y *= 2;
     knot.tangent.y *= 2;
   }
   const Instance instance{loaded.asset.get(), &pose};
   for (const float y : {0.0f, 7.0f, 20.0f, 33.0f, 40.0f}) {
-    EXPECT_NEAR(toWorld(instance, 0, {12, y, 12}).y, 2 * y / 40, 1e-6f);
+    EXPECT_NEAR(test::voxelToWorld(instance, 0, {12, y, 12}).y, 2 * y / 40, 1e-6f);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "reef.h"
 #include "support/scratch.h"
 #include "support/test_pack.h"
+#include "support/voxel_points.h"
 #include "terrain.h"
 
 namespace underwater {
@@ -22,8 +23,8 @@ class ReefTest : public ::testing::Test {
     // A clip that would turn the spline back.
     plant.clips.push_back({"sway",
                            2,
-                           {{0, 3, kelp::Target::kKnotOffset, {5, 0, 2}, 2, 0},
-                            {0, 2, kelp::Target::kKnotTangent, {9, -90, 0}, 2, 0.2f}},
+                           {{0, 3, kelp::Target::kKnotOffset, {0.16f, 0, 0.06f}, 2, 0},
+                            {0, 2, kelp::Target::kKnotTangent, {0.3f, -2.8f, 0}, 2, 0.2f}},
                            {}});
     for (const char* name : {"kelp_plant", "sea_grass", "dulse"})
       scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(plant));
@@ -31,7 +32,7 @@ class ReefTest : public ::testing::Test {
     fish.parts[0].to_object =
         glm::mat4x3(glm::vec3(0, kVoxel, 0), glm::vec3(-kVoxel, 0, 0), glm::vec3(0, 0, kVoxel),
                     kVoxel * glm::vec3(16, -6, -4));  // swims along +x
-    fish.clips.push_back({"swim", 1, {{0, 3, kelp::Target::kKnotOffset, {0, 0, 4}, 1, 0}}, {}});
+    fish.clips.push_back({"swim", 1, {{0, 3, kelp::Target::kKnotOffset, {0, 0, 0.125f}, 1, 0}}, {}});
     for (const char* name : {"fish", "fusilier"})
       scratch_.write(std::string(name) + ".kelp", kelp::test::bytesOf(fish));
     auto library = Library::open(scratch_.folder().string(), wrong_);
@@ -43,7 +44,7 @@ class ReefTest : public ::testing::Test {
   static constexpr float kVoxel = 0.3f / 32;  // metres
   static std::vector<kelp::Knot> knots() {
     std::vector<kelp::Knot> all;
-    for (const float at : {0.0f, 0.3f, 0.65f, 1.0f}) all.push_back({at, {0, 32 * at, 0}, {0, 32, 0}});
+    for (const float at : {0.0f, 0.3f, 0.65f, 1.0f}) all.push_back({at, {0, at, 0}, {0, 1, 0}});
     return all;
   }
   std::unique_ptr<Reef> grow(int plants) {
@@ -89,8 +90,9 @@ TEST_F(ReefTest, FishSwimHeadFirstAndBendAsTheirWayDoes) {
     std::vector<glm::vec3> now;
     for (const kelp::runtime::Instance& instance : reef->instances()) {
       ASSERT_TRUE(isFish(instance));
-      now.push_back(toWorld(instance, 0, {6, 16, 4}));
-      const glm::vec3 nose = toWorld(instance, 0, {6, 0, 4}), tail = toWorld(instance, 0, {6, 32, 4});
+      now.push_back(kelp::test::voxelToWorld(instance, 0, {6, 16, 4}));
+      const glm::vec3 nose = kelp::test::voxelToWorld(instance, 0, {6, 0, 4}),
+                      tail = kelp::test::voxelToWorld(instance, 0, {6, 32, 4});
       if (!before.empty()) {
         const glm::vec3 moved = now.back() - before[now.size() - 1];
         EXPECT_GT(glm::dot(moved, nose - tail), 0.8f * glm::length(moved) * glm::length(nose - tail));
@@ -107,17 +109,19 @@ TEST_F(ReefTest, FishSwimHeadFirstAndBendAsTheirWayDoes) {
 
 TEST_F(ReefTest, PlantsMakeWayForWhoeverComesAndSwingBack) {
   const auto alone = grow(60), visited = grow(60);
-  const auto tip = [](const kelp::runtime::Instance& instance) { return toWorld(instance, 0, {8, 32, 8}); };
+  const auto tip = [](const kelp::runtime::Instance& instance) {
+    return kelp::test::voxelToWorld(instance, 0, {8, 32, 8});
+  };
   const auto go = [&](int from, int to, const Visitor& visitor) {
     for (int i = from; i < to; ++i) {
       alone->update(0.02 * i, 0.02f, kNobody);
       visited->update(0.02 * i, 0.02f, visitor);
     }
   };
-  const glm::vec3 foot = toWorld(alone->instances()[0], 0, {8, 0, 8});
+  const glm::vec3 foot = kelp::test::voxelToWorld(alone->instances()[0], 0, {8, 0, 8});
   go(0, 100, {foot + glm::vec3(0.3f, 0.8f, 0), 0.5f});
   EXPECT_LT(tip(visited->instances()[0]).x, tip(alone->instances()[0]).x - 0.05f);  // away from the visitor
-  EXPECT_LT(glm::distance(toWorld(visited->instances()[0], 0, {8, 0, 8}), foot), 1e-4f);
+  EXPECT_LT(glm::distance(kelp::test::voxelToWorld(visited->instances()[0], 0, {8, 0, 8}), foot), 1e-4f);
   go(100, 700, kNobody);
   EXPECT_LT(glm::distance(tip(visited->instances()[0]), tip(alone->instances()[0])), 1e-3f);
 }
@@ -132,7 +136,8 @@ TEST_F(ReefTest, PlantsLeanAsTheCurrentDoes) {
     reef->update(0.11 * i, 0.11f, kNobody);
     for (std::size_t k = 0; k < 150; ++k) {
       const kelp::runtime::Instance& plant = reef->instances()[k];
-      const glm::vec3 foot = toWorld(plant, 0, {8, 0, 8}), top = toWorld(plant, 0, {8, 32, 8});
+      const glm::vec3 foot = kelp::test::voxelToWorld(plant, 0, {8, 0, 8}),
+                      top = kelp::test::voxelToWorld(plant, 0, {8, 32, 8});
       lean += (top.x - foot.x) / (plant.to_world[1].y);  // these packs are a metre high
       ++count;
     }

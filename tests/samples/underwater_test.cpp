@@ -103,7 +103,7 @@ kelp::Part fishPart(std::span<const kelp::Knot> knots) {
 
 std::vector<kelp::Knot> straight() {
   std::vector<kelp::Knot> knots;
-  for (const float at : {0.0f, 0.35f, 0.7f, 1.0f}) knots.push_back({at, {0, 100 * at, 0}, {0, 100, 0}});
+  for (const float at : {0.0f, 0.35f, 0.7f, 1.0f}) knots.push_back({at, {0, at, 0}, {0, 1, 0}});
   return knots;
 }
 
@@ -116,9 +116,9 @@ TEST(Swimmer, IsStraightOnAStraightLane) {
   std::vector<kelp::Knot> knots = rest;
   layOnLane(anatomy, swimFrame(anatomy, lane, 100, 1, 0), lane, 100, 1, knots);
   for (std::size_t i = 0; i < knots.size(); ++i) {
-    // voxels: half a metre of a circle of 500
-    EXPECT_LT(glm::distance(knots[i].position, rest[i].position), 0.3f) << i;
-    EXPECT_LT(glm::distance(knots[i].tangent, rest[i].tangent), 0.3f) << i;
+    // half a metre of a circle of 500
+    EXPECT_LT(glm::distance(knots[i].position, rest[i].position), 0.003f) << i;
+    EXPECT_LT(glm::distance(knots[i].tangent, rest[i].tangent), 0.003f) << i;
   }
 }
 
@@ -141,16 +141,16 @@ TEST(Swimmer, LiesOnItsLaneHeadFirstAndUpright) {
       for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
         for (const float t : {0.0f, 0.3f, 0.6f, 1.0f}) {
           const glm::vec3 middle =
-              evaluate(kelp::makeSegment(knots[i], knots[i + 1]), t) + glm::vec3(20, 0, 10);
+              evaluate(kelp::makeSegment(knots[i], knots[i + 1], 100), t) + glm::vec3(20, 0, 10);
           const glm::vec3 at = to_world * glm::vec4(middle, 1);
           EXPECT_NEAR(glm::length(glm::vec2(at.x, at.z)), radius - 0.1f, 0.004f)
               << radius << " " << head << " " << i;
           EXPECT_NEAR(at.y, 1.2f, 0.004f);
         }
       }
-      const glm::vec3 nose = to_world * glm::vec4(knots.front().position + glm::vec3(20, 0, 10), 1);
+      const glm::vec3 nose = to_world * glm::vec4(100.0f * knots.front().position + glm::vec3(20, 0, 10), 1);
       EXPECT_LT(glm::distance(nose, lane.at(head)), 1e-3f);
-      const glm::vec3 tail = to_world * glm::vec4(knots.back().position + glm::vec3(20, 0, 10), 1);
+      const glm::vec3 tail = to_world * glm::vec4(100.0f * knots.back().position + glm::vec3(20, 0, 10), 1);
       EXPECT_LT(glm::distance(tail, lane.at(head - scale * 0.5f)), 1e-3f);
     }
   }

@@ -28,7 +28,7 @@ Errors errorsOf(const std::vector<Knot>& knots, const glm::ivec3& size, int poin
   const reference::SplineMap map(knots, size);
   std::vector<trace::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Segment s = makeSegment(knots[i], knots[i + 1]);
+    const Segment s = makeSegment(knots[i], knots[i + 1], static_cast<float>(size.y));
     segments.push_back({s.p0, s.m0, s.p1, s.m1});
   }
   Errors errors;
@@ -66,7 +66,7 @@ Spread errorsAtHits(const reference::TrialVolume& volume, const std::vector<Knot
   const reference::SplineMap map(knots, volume.size);
   std::vector<trace::KelpSegment> segments;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Segment s = makeSegment(knots[i], knots[i + 1]);
+    const Segment s = makeSegment(knots[i], knots[i + 1], static_cast<float>(volume.size.y));
     segments.push_back({s.p0, s.m0, s.p1, s.m1});
   }
   const Box bounds = deformedBounds(knots, volume.size);
@@ -106,7 +106,7 @@ Spread errorsAtHits(const reference::TrialVolume& volume, const std::vector<Knot
 
 // The truth itself: where nothing is bent, differences of the field are the shape's analytic normal.
 TEST(Normals, DifferencesAreTheShapesNormalsAtRest) {
-  const std::vector<Knot> knots = test::figureKnots(test::kFigure6[0], kSize);
+  const std::vector<Knot> knots = test::figureKnots(test::kFigure6[0]);
   const reference::SplineMap map(knots, kSize);
   std::mt19937 random(1);
   for (const reference::Shape& shape : reference::shapesIn(kSize)) {
@@ -123,7 +123,7 @@ TEST(Normals, DifferencesAreTheShapesNormalsAtRest) {
 
 TEST(Normals, TransformIsExactInEveryPoseOfFigure6) {
   for (const test::FigurePose& figure : test::kFigure6) {
-    const Errors errors = errorsOf(test::figureKnots(figure, kSize), kSize, 4000, 7);
+    const Errors errors = errorsOf(test::figureKnots(figure), kSize, 4000, 7);
     const Spread ours = reference::spreadOf(errors.ours), paper = reference::spreadOf(errors.paper);
     std::printf(
         "%-20s ours %.6f %.6f %.6f   equation 5 %.3f %.3f %.3f degrees: mean, 99th percentile, maximum\n",
@@ -160,7 +160,7 @@ TEST(Normals, TransformIsExactWhereRaysHit) {
 TEST(Normals, TheTransformBeatsEquation5WhereTwoAxesBend) {
   for (const test::FigurePose& figure : test::kFigure6) {
     const bool at_rest = figure.first == glm::vec3(0, 1, 0);
-    const Errors errors = errorsOf(test::figureKnots(figure, kSize), kSize, 1000, 9);
+    const Errors errors = errorsOf(test::figureKnots(figure), kSize, 1000, 9);
     const Spread ours = reference::spreadOf(errors.ours), paper = reference::spreadOf(errors.paper);
     if (at_rest) {
       EXPECT_LT(paper.worst, 0.01);

@@ -12,6 +12,7 @@
 #include "reference/ground_truth.h"
 #include "reference/paper_cpp.h"
 #include "support/poses.h"
+#include "support/voxel_knots.h"
 
 namespace kelp {
 namespace {
@@ -36,12 +37,12 @@ struct Spline {
 
 struct Scene {
   Scene(fields::Occupancy volume_, const test::FigurePose& pose)
-      : volume(std::move(volume_)), knots(test::figureKnots(pose, volume.size)) {
+      : volume(std::move(volume_)), knots(test::figureKnots(pose)) {
     std::vector<std::uint32_t> squared(volume.solid.size());
     fields::squaredDistance(volume.solid, volume.size, squared, 1);
     distance.assign(squared.begin(), squared.end());
     for (float& d : distance) d = std::sqrt(d);
-    const Segment s = makeSegment(knots[0], knots[1]);
+    const Segment s = makeSegment(knots[0], knots[1], static_cast<float>(volume.size.y));
     context.segment = {s.p0, s.m0, s.p1, s.m1};
     context.size = volume.size;
     context.distance = distance.data();
@@ -70,7 +71,8 @@ struct Ray {
 };
 class RayMaker {
  public:
-  explicit RayMaker(const Scene& scene) : scene_(scene), spline_(scene.knots) {}
+  explicit RayMaker(const Scene& scene)
+      : scene_(scene), spline_(test::inVoxels(scene.knots, static_cast<float>(scene.volume.size.y))) {}
   Ray operator()() {
     const dvec3 size(scene_.volume.size);
     const double y = size.y * unit();
@@ -138,7 +140,7 @@ TEST(Paper, CubicThatIsNoneIsSolvedAsWhatItIs) {
 TEST(Paper, MapIsTheInverseOfTheDeformation) {
   for (const auto& pose : test::kFigure6) {
     const Scene scene(solidBox({40, 64, 48}), pose);
-    const Spline spline(scene.knots);
+    const Spline spline(test::inVoxels(scene.knots, static_cast<float>(scene.volume.size.y)));
     const dvec3 size(scene.volume.size);
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(0, 1);
@@ -267,7 +269,7 @@ TEST(Paper, DistanceFieldStepsLessAndSkipsSome) {
 
 // Degrees between equation 5 and the exact transform, over random normals and heights.
 double normalError(const glm::vec3& first, const glm::vec3& second, bool in_plane) {
-  const Segment s = makeSegment({0, {0, 0, 0}, first}, {1, {0, 80, 0}, second});
+  const Segment s = makeSegment({0, {0, 0, 0}, first}, {1, {0, 80, 0}, second}, 1);
   const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
   std::mt19937 random(9);
   std::normal_distribution<float> normal;

@@ -9,6 +9,7 @@
 #include "support/all_tests.h"
 #include "support/poses.h"
 #include "support/traced_level.h"
+#include "support/voxel_knots.h"
 #include "trace_cpp.h"
 
 namespace kelp {
@@ -34,7 +35,7 @@ Scene makeScene(fields::Occupancy volume, int level_index = 0) {
 struct Posed {
   Posed(const Scene& scene, std::vector<Knot> knots_) : knots(std::move(knots_)) {
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-      const Segment s = makeSegment(knots[i], knots[i + 1]);
+      const Segment s = makeSegment(knots[i], knots[i + 1], static_cast<float>(scene.size0.y));
       segments.push_back({s.p0, s.m0, s.p1, s.m1});
     }
     const Box box = deformedBounds(knots, scene.size0);
@@ -160,33 +161,33 @@ void expectExact(const Tally& tally, const char* what) {
 TEST(Trace, FindsEveryHitInFigure6PosesOfAClump) {
   const Scene scene = makeScene(test::ballClump({96, 120, 72}, 24, 1));
   for (const auto& pose : test::kFigure6)
-    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+    expectExact(compare(scene, test::figureKnots(pose), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfDust) {
   const Scene scene = makeScene(test::dust({61, 64, 67}, 400, 2));
   for (const auto& pose : test::kFigure6)
-    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+    expectExact(compare(scene, test::figureKnots(pose), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitInFigure6PosesOfPlatesAndRods) {
   const Scene scene = makeScene(test::platesAndRods({70, 90, 50}));
   for (const auto& pose : test::kFigure6)
-    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(6000)), pose.name);
+    expectExact(compare(scene, test::figureKnots(pose), test::shareOf(6000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitAtACoarserLevelOfOddSize) {
   const Scene scene = makeScene(test::ballClump({97, 121, 73}, 24, 3), 1);
   for (const auto& pose : test::kFigure6)
-    expectExact(compare(scene, test::figureKnots(pose, scene.size0), test::shareOf(4000)), pose.name);
+    expectExact(compare(scene, test::figureKnots(pose), test::shareOf(4000)), pose.name);
 }
 
 TEST(Trace, FindsEveryHitThroughSeveralSegments) {
   const Scene scene = makeScene(test::dust({60, 100, 50}, 300, 4));
-  const std::vector<Knot> knots{{0, {0, 0, 0}, {50, 100, 0}},
-                                {0.2f, {15, 20, -5}, {-80, 60, 40}},
-                                {0.65f, {-20, 70, 10}, {30, 0, -60}},
-                                {1, {10, 100, 0}, {0, 100, 0}}};
+  const std::vector<Knot> knots{{0, {0, 0, 0}, {0.5f, 1, 0}},
+                                {0.2f, {0.15f, 0.2f, -0.05f}, {-0.8f, 0.6f, 0.4f}},
+                                {0.65f, {-0.2f, 0.7f, 0.1f}, {0.3f, 0, -0.6f}},
+                                {1, {0.1f, 1, 0}, {0, 1, 0}}};
   ASSERT_TRUE(checkKnots(knots));
   expectExact(compare(scene, knots, 10000), "four knots");
 }
@@ -194,8 +195,8 @@ TEST(Trace, FindsEveryHitThroughSeveralSegments) {
 TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {
   const Scene scene = makeScene(test::ballClump({64, 80, 64}, 20, 5));
   for (const float height : {20.0f, 60.0f, 250.0f}) {
-    const std::vector<Knot> knots{{0, {0, 5, 0}, {30, height, 10}},
-                                  {1, {10, 5 + height, -20}, {-60, height, 0}}};
+    const std::vector<Knot> knots =
+        test::inHeights({{0, {0, 5, 0}, {30, height, 10}}, {1, {10, 5 + height, -20}, {-60, height, 0}}}, 80);
     ASSERT_TRUE(checkKnots(knots));
     expectExact(compare(scene, knots, 5000), "stretched");
   }
@@ -203,7 +204,7 @@ TEST(Trace, FindsEveryHitWhenStretchedAndSquashed) {
 
 TEST(Trace, StepsAreFew) {
   const Scene scene = makeScene(test::ballClump({128, 128, 128}, 12, 6));
-  const Tally tally = compare(scene, test::figureKnots(test::kFigure6[1], scene.size0), 500);
+  const Tally tally = compare(scene, test::figureKnots(test::kFigure6[1]), 500);
   EXPECT_LT(tally.steps / tally.rays, 9.0);  // constant steps of 0.001 take hundreds
 }
 
@@ -212,7 +213,7 @@ TEST(Trace, ReachesTheEndOfALongNarrowChannel) {
   fields::Occupancy volume{{5, 5, 6000}, std::vector<std::uint8_t>(5 * 5 * 6000, 1)};
   for (int z = 0; z < 5999; ++z) volume.solid[volume.index({2, 2, z})] = 0;
   const Scene scene = makeScene(std::move(volume));
-  const Posed posed(scene, test::figureKnots(test::kFigure6[0], scene.size0));
+  const Posed posed(scene, test::figureKnots(test::kFigure6[0]));
   const trace::KelpHit hit = trace::kelpTrace(posed.context, {2.5f, 2.5f, 0}, {0, 0, 1}, 0, 1e6f);
   ASSERT_TRUE(hit.found);
   EXPECT_EQ(hit.voxel, glm::ivec3(2, 2, 5999));
@@ -229,7 +230,7 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
     const float size = i % 3 == 0 ? 3.0f : 3.0f * unit(random);
     const float m0 = i % 5 == 0 ? 0.0f : rise * size * std::cos(angle);
     const float m1 = i % 5 == 0 ? 0.0f : rise * size * std::sin(angle);
-    const Segment s = makeSegment({0, {0, 3, 0}, {0, m0, 0}}, {1, {0, 3 + rise, 0}, {0, m1, 0}});
+    const Segment s = makeSegment({0, {0, 3, 0}, {0, m0, 0}}, {1, {0, 3 + rise, 0}, {0, m1, 0}}, 1);
     const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
     const float y = 3.0f + rise * unit(random);
     const double t = static_cast<double>(trace::kelpSplineParameter(g, y - g.p0.y, g.p1.y - y));
@@ -241,7 +242,7 @@ TEST(Trace, SplineParameterInvertsHeightToFloatPrecision) {
 }
 
 TEST(Trace, DeformedNormalIsTheInverseTransposeOfTheMap) {
-  const Segment s = makeSegment({0, {0, 0, 0}, {30, 60, -20}}, {1, {5, 80, 9}, {-40, 90, 70}});
+  const Segment s = makeSegment({0, {0, 0, 0}, {30, 60, -20}}, {1, {5, 80, 9}, {-40, 90, 70}}, 1);
   const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
   std::mt19937 random(5);
   std::normal_distribution<float> normal;

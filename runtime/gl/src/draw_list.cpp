@@ -98,21 +98,21 @@ float alongView(const glm::dvec4& direction, const RecordHead& head) {
 }
 
 // As makeSegment. Writes one number too many, which the next write covers.
-glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
+glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float height) {
   static_assert(sizeof(Segment) == 3 * sizeof *out && offsetof(Segment, m0) == 12 &&
                 offsetof(Segment, p1) == 24 && offsetof(Segment, m1) == 36);
   static_assert(offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Knot& k0 = knots[i];
     const Knot& k1 = knots[i + 1];
-    const float share = k1.at - k0.at;
+    const float share = height * (k1.at - k0.at);
     const auto tangentOf = [share](const Knot& knot) {
       return share * Lanes::load(&knot.position.z).rotated();
     };
     float* const numbers = reinterpret_cast<float*>(out);
-    Lanes::load(&k0.position.x).store(numbers);
+    (height * Lanes::load(&k0.position.x)).store(numbers);
     tangentOf(k0).store(numbers + 3);
-    Lanes::load(&k1.position.x).store(numbers + 6);
+    (height * Lanes::load(&k1.position.x)).store(numbers + 6);
     tangentOf(k1).store(numbers + 9);
     out += 3;
   }
@@ -123,14 +123,15 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots) {
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
                         std::uint32_t part, glm::uvec4* out) {
   const int index = static_cast<int>(part);
+  const Part& packed = instance.asset->pack().parts()[part];
   runtime::Instance before = instance;
   if (instance.previous_pose) before.pose = instance.previous_pose;
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
       glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
   std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
-  return writeSegments(out + kMotionTexels,
-                       before.pose ? before.pose->knots(index) : before.asset->pack().parts()[part].knots);
+  return writeSegments(out + kMotionTexels, before.pose ? before.pose->knots(index) : packed.knots,
+                       static_cast<float>(packed.size.y));
 }
 
 }  // namespace
@@ -271,7 +272,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     heads[k] = &unused;
     if (k >= count || !candidate.drawn) continue;
     heads[k] = reinterpret_cast<RecordHead*>(out);
-    out = writeSegments(out + kHeadTexels, posed.knots[k]);
+    out = writeSegments(out + kHeadTexels, posed.knots[k], posed.extents[k]->y);
     if (motion)
       out = writeMotion(*frame.view.previous_world_to_clip, *candidate.instance, candidate.part, out);
   }

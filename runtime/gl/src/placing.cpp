@@ -38,11 +38,13 @@ using Floats = Lanes;
 }  // namespace four
 
 unsigned boundParts(const PosedParts& parts, PlacedParts& placed) {
-  unsigned good = simd::boundKnots(parts.knots, kMargin, placed.bounds);
+  EightFloats heights;
+  for (int part = 0; part < 8; ++part) heights.of[part] = parts.extents[part]->y;
+  unsigned good = simd::boundKnots(parts.knots, heights, kMargin, placed.bounds);
   for (unsigned part = 0; good != 255 && part < 8; ++part) {
     if ((good >> part & 1) || !checkKnots(parts.knots[part])) continue;
     good |= 1u << part;
-    const Box box = deformedBounds(parts.knots[part], glm::ivec3(0));
+    const Box box = splineBounds(parts.knots[part], heights.of[part]);
     for (int axis = 0; axis < 3; ++axis) {
       placed.bounds.min[axis].of[part] = box.min[axis] - kMargin;
       placed.bounds.max[axis].of[part] = box.max[axis] + kMargin;

@@ -70,16 +70,18 @@ void addTurns(const CubicLanes& s, RangeLanes& range) {
 // differ by at most 8 roundings from the derivative's. Its cubic differs from the given one by at most
 // 2^-21 (3|a| + 2|b| + |c|), which counts twice. Evaluation adds 8 roundings of the largest partial sum here,
 // and another 8 in code that evaluates the segment in float. The sum is below 2^-18 (|a| + |b| + |c| + |d|).
-void storeRange(const RangeLanes& range, Lanes size, float margin, float* min, float* max) {
+// The range is in units of `height`; what is stored is in voxels.
+void storeRange(const RangeLanes& range, Lanes size, Lanes height, float margin, float* min, float* max) {
   // 2^-18 of the margin covers its own rounding; 1e-15 covers squares that underflow.
-  const Lanes slack = 0x1p-18f * size + ((1.0f + 0x1p-18f) * margin + 1e-15f);
-  (range.low - slack).store(min);
-  (range.high + slack).store(max);
+  const Lanes slack = height * (0x1p-18f * size + 1e-15f) + (1.0f + 0x1p-18f) * margin;
+  (height * range.low - slack).store(min);
+  (height * range.high + slack).store(max);
 }
 
 // boundKnots for the four rigs from `first` on. Bit i of the result belongs to rig first + i.
 // One loop over the segments, so that a knot is loaded once: 60 lines.
-unsigned boundFour(const std::span<const Knot> (&rigs)[8], int first, float margin, EightBoxes& boxes) {
+unsigned boundFour(const std::span<const Knot> (&rigs)[8], const EightFloats& heights, int first,
+                   float margin, EightBoxes& boxes) {
   constexpr int kCount = 4;
   unsigned sound = (1u << kCount) - 1;
   const float* knots[kCount];
@@ -131,22 +133,26 @@ unsigned boundFour(const std::span<const Knot> (&rigs)[8], int first, float marg
   }
   // min() and max() ignore NaN; the sum does not.
   sound &= lessBits(sum, kMostSquared) & lessBits(0.0f, least_rise) & ~lessBits(least_room, 0.0f);
-  storeRange(x, size_x, margin, boxes.min[0].of + first, boxes.max[0].of + first);
-  storeRange(y, size_y, margin, boxes.min[1].of + first, boxes.max[1].of + first);
-  storeRange(z, size_z, margin, boxes.min[2].of + first, boxes.max[2].of + first);
+  const Lanes height = Lanes::load(heights.of + first);
+  storeRange(x, size_x, height, margin, boxes.min[0].of + first, boxes.max[0].of + first);
+  storeRange(y, size_y, height, margin, boxes.min[1].of + first, boxes.max[1].of + first);
+  storeRange(z, size_z, height, margin, boxes.min[2].of + first, boxes.max[2].of + first);
   return sound;
 }
 
 }  // namespace
 
-unsigned boundKnots(const std::span<const Knot> (&rigs)[8], float margin, EightBoxes& boxes) {
-  return boundFour(rigs, 0, margin, boxes) | boundFour(rigs, 4, margin, boxes) << 4;
+unsigned boundKnots(const std::span<const Knot> (&rigs)[8], const EightFloats& heights, float margin,
+                    EightBoxes& boxes) {
+  return boundFour(rigs, heights, 0, margin, boxes) | boundFour(rigs, heights, 4, margin, boxes) << 4;
 }
 
 Box boundKnots(std::span<const Knot> knots, const glm::ivec3& size) {
   const std::span<const Knot> rigs[8] = {knots, knots, knots, knots};
+  const auto height = static_cast<float>(size.y);
+  const EightFloats heights{{height, height, height, height}};
   EightBoxes boxes;
-  if (!(boundFour(rigs, 0, 0.0f, boxes) & 1)) return deformedBounds(knots, size);
+  if (!(boundFour(rigs, heights, 0, 0.0f, boxes) & 1)) return deformedBounds(knots, size);
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
     box.min[axis] = boxes.min[axis].of[0];

@@ -48,8 +48,7 @@ int main(int count, char** words) {
   part.name = "cube";
   part.size = glm::ivec3(kSide);
   part.to_object = glm::mat4x3(0.125f, 0, 0, 0, 0.125f, 0, 0, 0, 0.125f, -0.5f, 0, -0.5f);
-  part.knots = {{0, glm::vec3(0), glm::vec3(0, kSide, 0)},
-                {1, glm::vec3(0, kSide, 0), glm::vec3(0, kSide, 0)}};
+  part.knots = {{0, glm::vec3(0), glm::vec3(0, 1, 0)}, {1, glm::vec3(0, 1, 0), glm::vec3(0, 1, 0)}};
   part.levels.push_back(cube());
 
   kelp::RawPack pack;

@@ -63,8 +63,9 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   std::vector<RawClip> clips;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     try {
-      pack.parts[i].knots = realizeKnots(model.parts[i].rig, pack.parts[i].size);
-      std::ranges::move(realizeClips(model.parts[i].rig, pack.parts[i].size, static_cast<std::uint32_t>(i)),
+      pack.parts[i].knots = realizeKnots(model.parts[i].rig);
+      pack.parts[i].automatic_tangents = automaticTangents(model.parts[i].rig);
+      std::ranges::move(realizeClips(model.parts[i].rig, static_cast<std::uint32_t>(i)),
                         std::back_inserter(clips));
     } catch (const RigError& error) {
       throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]),
@@ -85,7 +86,9 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
     for (const auto& [part, share] : splitByPart(clip)) {
       const SourcePart& source = model.parts[part];
       try {
-        const ClipReport proof = proveClip(share, part, pack.parts[part].knots, pack.parts[part].size);
+        const ClipReport proof =
+            proveClip(share, part, {pack.parts[part].knots, pack.parts[part].automatic_tangents},
+                      pack.parts[part].size);
         report.clips.push_back(
             {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
       } catch (const RigError& error) {

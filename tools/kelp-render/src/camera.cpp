@@ -93,7 +93,7 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
     for (int y = 0; y < level.grid.y; ++y) {
       for (int upper = 0; upper < 2; ++upper) {
         const float height = std::min(brick * static_cast<float>(y + upper), static_cast<float>(part.size.y));
-        const glm::dvec3 axis(to_world * glm::vec4(bend(instance, p, {0, height, 0}), 1.0f));
+        const glm::dvec3 axis(toWorld(instance, p, part.to_object * glm::vec4(0, height, 0, 1)));
         for (int z = 0; z < level.grid.z; ++z) {
           for (int x = 0; x < level.grid.x; ++x) {
             const auto cell = static_cast<std::size_t>(x) +

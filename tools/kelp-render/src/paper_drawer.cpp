@@ -83,12 +83,12 @@ struct PosedPart {
 
 // The spline's segments, four texels each, as paper_part.glsl reads them.
 std::vector<glm::vec4> segmentTexels(const PosedPart& posed) {
-  const float base = posed.knots.front().position.y;
   const float size = static_cast<float>(posed.part->size.y);
-  const float stretch = size / (posed.knots.back().position.y - base);
+  const float base = size * posed.knots.front().position.y;
+  const float stretch = 1 / (posed.knots.back().position.y - posed.knots.front().position.y);
   std::vector<glm::vec4> texels;
   for (std::size_t k = 0; k + 1 < posed.knots.size(); ++k) {
-    const Segment segment = makeSegment(posed.knots[k], posed.knots[k + 1]);
+    const Segment segment = makeSegment(posed.knots[k], posed.knots[k + 1], size);
     const float foot = (segment.p0.y - base) * stretch;
     const float top = k + 2 == posed.knots.size() ? size : (segment.p1.y - base) * stretch;
     texels.insert(texels.end(), {glm::vec4(segment.p0, foot), glm::vec4(segment.m0, top - foot),

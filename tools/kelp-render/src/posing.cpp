@@ -48,7 +48,7 @@ std::string describe(const Pack& pack, const runtime::Pose& pose) {
   for (int p = 0; p < pose.parts(); ++p) {
     const std::span<const Knot> knots = pose.knots(p);
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      if (isMonotone(makeSegment(knots[k], knots[k + 1]))) continue;
+      if (isMonotone(makeSegment(knots[k], knots[k + 1], 1))) continue;
       return fmt::format("part {}: the spline turns back along its axis between knots {} and {}",
                          pack.parts()[static_cast<std::size_t>(p)].name, k, k + 1);
     }
@@ -82,14 +82,12 @@ double Posing::duration() const {
 
 void Posing::apply(double seconds, runtime::Pose& pose) const {
   pose.reset();
-  for (const Resolved& resolved : changes_) {
-    const auto part = static_cast<std::size_t>(resolved.part);
-    const glm::vec3 voxels = static_cast<float>(asset_.pack().parts()[part].size.y) * resolved.change->value;
-    Knot& knot = pose.knots(resolved.part)[static_cast<std::size_t>(resolved.change->knot)];
-    if (resolved.change->tangent) {
-      knot.tangent = voxels;
-    } else {
-      knot.position += voxels;
+  // Tangents last, so that none of them follows a knot.
+  for (const bool tangents : {false, true}) {
+    for (const auto& [part, change] : changes_) {
+      if (change->tangent != tangents) continue;
+      (void)(tangents ? pose.setTangent(part, change->knot, change->value)
+                      : pose.move(part, change->knot, change->value));
     }
   }
   if (clip_ >= 0) {

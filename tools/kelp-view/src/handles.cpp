@@ -17,6 +17,7 @@ const Part& part(const Model& model, int index) { return parts(model)[static_cas
 float tangentShare(const Part& part) { return 1.0f / (3.0f * static_cast<float>(part.knots.size() - 1)); }
 
 // Rigs count from the corner of the base; the handles stand over its middle.
+float height(const Part& part) { return static_cast<float>(part.size.y); }
 glm::vec3 middle(const Part& part) {
   return {0.5f * static_cast<float>(part.size.x), 0, 0.5f * static_cast<float>(part.size.z)};
 }
@@ -40,7 +41,7 @@ glm::vec3 position(const Model& model, const Handle& handle) {
   const glm::vec3 reach =
       handle.kind == Handle::Kind::kTangent ? tangentShare(of) * knot.tangent : glm::vec3(0);
   return glm::vec3(partToWorld(model.instance(), handle.part) *
-                   glm::vec4(middle(of) + knot.position + reach, 1));
+                   glm::vec4(middle(of) + height(of) * (knot.position + reach), 1));
 }
 
 std::optional<Handle> pick(const Model& model, const OrbitCamera& camera, const glm::vec2& mouse,
@@ -60,7 +61,8 @@ glm::vec3 pullTo(const Model& model, const Handle& handle, const OrbitCamera& ca
   const Part& of = part(model, handle.part);
   const glm::mat4 to_part = glm::inverse(partToWorld(model.instance(), handle.part));
   const glm::vec3 target =
-      glm::vec3(to_part * glm::vec4(camera.dragTo(position(model, handle), mouse), 1)) - middle(of);
+      (glm::vec3(to_part * glm::vec4(camera.dragTo(position(model, handle), mouse), 1)) - middle(of)) /
+      height(of);
   const Knot& knot = model.knot(handle.part, handle.knot);
   if (handle.kind == Handle::Kind::kKnot) return target - knot.position;
   return (target - knot.position) / tangentShare(of) - knot.tangent;
@@ -82,7 +84,7 @@ std::vector<glm::vec3> splineOf(const Model& model, int index) {
   const glm::mat4 to_world = partToWorld(model.instance(), index);
   std::vector<glm::vec3> points;
   for (int k = 0; k + 1 < static_cast<int>(of.knots.size()); ++k) {
-    const Segment segment = makeSegment(model.knot(index, k), model.knot(index, k + 1));
+    const Segment segment = makeSegment(model.knot(index, k), model.knot(index, k + 1), height(of));
     for (int i = k == 0 ? 0 : 1; i <= kSteps; ++i) {
       const glm::vec3 at = middle(of) + evaluate(segment, static_cast<float>(i) / kSteps);
       points.emplace_back(to_world * glm::vec4(at, 1));

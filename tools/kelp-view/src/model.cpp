@@ -118,18 +118,17 @@ void Model::pose(double seconds) {
     if (weights_[clip] != 0)
       (void)addClip(rigAsset(), static_cast<int>(clip), seconds, weights_[clip], rigged);
   }
-  if (sketch_) {
-    std::copy(rigged.allKnots().begin(), rigged.allKnots().end(), pose_->allKnots().begin());
-    for (int part = 0; part < rigged.parts(); ++part)
-      *pose_->motion(part) = *std::as_const(rigged).motion(part);
-  }
-  for (std::size_t part = 0; part < edits_.size(); ++part) {
-    const std::span<Knot> knots = pose_->knots(static_cast<int>(part));
-    for (std::size_t k = 0; k < knots.size(); ++k) {
-      Edit& edit = edits_[part][k];
-      edit.before = knots[k];
-      knots[k].position += edit.offset;
-      knots[k].tangent += edit.tangent;
+  if (sketch_) (void)pose_->assign(rigged);
+  for (int part = 0; part < pose_->parts(); ++part) {
+    std::vector<Edit>& edits = edits_[static_cast<std::size_t>(part)];
+    const auto knot = [&](std::size_t k) { return std::as_const(*pose_).knots(part)[k]; };
+    for (std::size_t k = 0; k < edits.size(); ++k) {
+      edits[k].before.position = knot(k).position;
+      (void)pose_->move(part, static_cast<int>(k), edits[k].offset);
+    }
+    for (std::size_t k = 0; k < edits.size(); ++k) {
+      edits[k].before.tangent = knot(k).tangent;
+      (void)pose_->setTangent(part, static_cast<int>(k), knot(k).tangent + edits[k].tangent);
     }
   }
   pose_->clampMonotone();

@@ -53,17 +53,6 @@ void turnKnots(std::vector<Knot>& knots, const glm::mat3& turn) {
   }
 }
 
-// Takes away what a rig need not say: tangents that would come out the same.
-void leaveAutomatic(RigDescription& rig, const glm::ivec3& size) {
-  RigDescription automatic = rig;
-  for (RigDescription::Knot& knot : automatic.knots) knot.tangent.reset();
-  const std::vector<Knot> with = realizeKnots(rig, size), without = realizeKnots(automatic, size);
-  for (std::size_t i = 0; i < rig.knots.size(); ++i) {
-    if (near(with[i].tangent, without[i].tangent, 1e-5f * static_cast<float>(size.y)))
-      rig.knots[i].tangent.reset();
-  }
-}
-
 }  // namespace
 
 Sizes sizesOf(const Pack& pack) {
@@ -74,20 +63,20 @@ Sizes sizesOf(const Pack& pack) {
 
 PackRig rigOf(const Pack& pack) {
   PackRig rig;
-  for (const Part& part : pack.parts()) rig.knots.emplace_back(part.knots.begin(), part.knots.end());
+  for (const Part& part : pack.parts()) rig.parts.push_back(rawRig(part));
   rig.clips = rawClips(pack);
   return rig;
 }
 
-bool alike(const PackRig& a, const PackRig& b, const Sizes& sizes) {
-  if (a.knots.size() != b.knots.size() || a.clips.size() != b.clips.size()) return false;
-  const auto slack = [&](std::uint32_t part) { return kAlike * static_cast<float>(sizes[part].y); };
-  for (std::size_t part = 0; part < a.knots.size(); ++part) {
-    const float most = slack(static_cast<std::uint32_t>(part));
-    if (!std::equal(a.knots[part].begin(), a.knots[part].end(), b.knots[part].begin(), b.knots[part].end(),
+bool alike(const PackRig& a, const PackRig& b) {
+  if (a.parts.size() != b.parts.size() || a.clips.size() != b.clips.size()) return false;
+  for (std::size_t part = 0; part < a.parts.size(); ++part) {
+    const RawRig &r = a.parts[part], &s = b.parts[part];
+    if (r.automatic_tangents != s.automatic_tangents ||
+        !std::equal(r.knots.begin(), r.knots.end(), s.knots.begin(), s.knots.end(),
                     [&](const Knot& k, const Knot& l) {
-                      return near(k.at, l.at) && near(k.position, l.position, most) &&
-                             near(k.tangent, l.tangent, 4 * most);
+                      return near(k.at, l.at) && near(k.position, l.position, kAlike) &&
+                             near(k.tangent, l.tangent, 4 * kAlike);
                     }))
       return false;
   }
@@ -96,7 +85,7 @@ bool alike(const PackRig& a, const PackRig& b, const Sizes& sizes) {
            std::equal(c.waves.begin(), c.waves.end(), d.waves.begin(), d.waves.end(),
                       [&](const Wave& v, const Wave& w) {
                         return v.part == w.part && v.knot == w.knot && v.target == w.target &&
-                               near(v.amplitude, w.amplitude, slack(v.part)) && near(v.period, w.period) &&
+                               near(v.amplitude, w.amplitude, kAlike) && near(v.period, w.period) &&
                                near(v.phase, w.phase);
                       }) &&
            std::equal(c.tracks.begin(), c.tracks.end(), d.tracks.begin(), d.tracks.end(),
@@ -105,8 +94,7 @@ bool alike(const PackRig& a, const PackRig& b, const Sizes& sizes) {
                                t.interpolation == u.interpolation &&
                                std::equal(t.keys.begin(), t.keys.end(), u.keys.begin(), u.keys.end(),
                                           [&](const Key& k, const Key& l) {
-                                            return near(k.time, l.time) &&
-                                                   near(k.value, l.value, slack(t.part));
+                                            return near(k.time, l.time) && near(k.value, l.value, kAlike);
                                           });
                       });
   });
@@ -145,10 +133,9 @@ RigAxes axesOf(const Pack& pack, int index) {
   return axes;
 }
 
-RigDescription describe(const PackRig& rig, const Sizes& sizes, int index, const RigAxes& axes) {
+RigDescription describe(const PackRig& rig, int index, const RigAxes& axes) {
   const auto part = static_cast<std::uint32_t>(index);
-  const glm::ivec3 size = sizes[part];
-  std::vector<Knot> knots = rig.knots[part];
+  RawRig rest = rig.parts[part];
   std::vector<RawClip> clips;
   for (const RawClip& clip : rig.clips) {
     if (!moves(clip, part)) continue;
@@ -159,39 +146,35 @@ RigDescription describe(const PackRig& rig, const Sizes& sizes, int index, const
                  [&](const auto& track) { return track.part == part; });
   }
   if (axes.turn != glm::mat3(1)) {
-    turnKnots(knots, glm::inverse(axes.turn));
+    turnKnots(rest.knots, glm::inverse(axes.turn));
     turnClips(clips, glm::inverse(axes.turn));
   }
-  RigDescription described = describeRig(knots, clips, part, size, axes.axis);
-  leaveAutomatic(described, size);
-  return described;
+  return describeRig(rest, clips, part, axes.axis);
 }
 
-PackRig realize(const std::vector<RigDescription>& rigs, const Sizes& sizes,
-                const std::vector<RigAxes>& axes) {
+PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes) {
   PackRig rig;
   for (std::size_t part = 0; part < rigs.size(); ++part) {
-    const glm::ivec3 size = sizes[part];
-    std::vector<Knot> knots = realizeKnots(rigs[part], size);
-    std::vector<RawClip> clips = realizeClips(rigs[part], size, static_cast<std::uint32_t>(part));
+    RawRig rest{realizeKnots(rigs[part]), automaticTangents(rigs[part])};
+    std::vector<RawClip> clips = realizeClips(rigs[part], static_cast<std::uint32_t>(part));
     if (axes[part].turn != glm::mat3(1)) {
-      turnKnots(knots, axes[part].turn);
+      turnKnots(rest.knots, axes[part].turn);
       turnClips(clips, axes[part].turn);
     }
-    rig.knots.push_back(std::move(knots));
+    rig.parts.push_back(std::move(rest));
     mergeClips(rig.clips, std::move(clips));
   }
   return rig;
 }
 
 void prove(const PackRig& rig, const Sizes& sizes) {
-  for (std::size_t part = 0; part < rig.knots.size(); ++part) {
-    if (const auto sound = checkKnots(rig.knots[part]); !sound)
+  for (std::size_t part = 0; part < rig.parts.size(); ++part) {
+    if (const auto sound = checkKnots(rig.parts[part].knots); !sound)
       throw RigError("knot " + std::to_string(sound.error().offset) + ": " + sound.error().detail +
                      "; the spline may not turn back along its axis");
     for (const RawClip& clip : rig.clips) {
       if (moves(clip, static_cast<std::uint32_t>(part)))
-        (void)proveClip(clip, static_cast<std::uint32_t>(part), rig.knots[part], sizes[part]);
+        (void)proveClip(clip, static_cast<std::uint32_t>(part), rig.parts[part], sizes[part]);
     }
   }
 }

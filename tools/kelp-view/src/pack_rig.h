@@ -15,27 +15,26 @@ Sizes sizesOf(const Pack& pack);
 
 // The contents of a pack's RIGS and CLIP chunks.
 struct PackRig {
-  std::vector<std::vector<Knot>> knots;  // of each part
+  std::vector<RawRig> parts;
   std::vector<RawClip> clips;
 };
 PackRig rigOf(const Pack& pack);
 // Whether they look the same: all numbers within 1/10000 of the part's height.
-bool alike(const PackRig& a, const PackRig& b, const Sizes& sizes);
+bool alike(const PackRig& a, const PackRig& b);
 
 // Artists write a rig in the axes of the file. A part may be turned in it.
 struct RigAxes {
   Axis axis = Axis::kPlusY;  // along which the spline runs in the file
-  glm::mat3 turn{1};         // what realizeKnots() gives -> the part's voxels; a turn about y
+  glm::mat3 turn{1};         // what realizeKnots() gives -> the part's axes; a turn about y
   // empty, or why kelp-bake --rig would bake another pack from this rig
   std::string trouble;
 };
 RigAxes axesOf(const Pack& pack, int part);
 
 // The part's rig as an artist would write it: a tangent that follows from the neighbours is left automatic.
-RigDescription describe(const PackRig& rig, const Sizes& sizes, int part, const RigAxes& axes);
-// The inverse: the descriptions of all parts in voxels. RigError for an invalid rig.
-PackRig realize(const std::vector<RigDescription>& rigs, const Sizes& sizes,
-                const std::vector<RigAxes>& axes);
+RigDescription describe(const PackRig& rig, int part, const RigAxes& axes);
+// The inverse, of the descriptions of all parts. RigError for an invalid rig.
+PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes);
 // Proves what kelp-bake proves before it writes a pack: no spline turns back, at rest or in a clip. RigError
 // says where one does.
 void prove(const PackRig& rig, const Sizes& sizes);

@@ -21,7 +21,7 @@ std::vector<std::string> namesOf(const Pack& pack) {
 
 RigEditor::RigEditor(const Pack& pack) {
   load(pack);
-  now_ = {loaded_, realize(loaded_, sizes_, axes_)};
+  now_ = {loaded_, realize(loaded_, axes_)};
   saved_ = loaded_;
 }
 
@@ -33,7 +33,7 @@ void RigEditor::load(const Pack& pack) {
   const PackRig rig = rigOf(pack);
   for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
     axes_.push_back(axesOf(pack, part));
-    loaded_.push_back(describe(rig, sizes_, part, axes_.back()));
+    loaded_.push_back(describe(rig, part, axes_.back()));
   }
 }
 
@@ -53,7 +53,7 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
   try {
     // What the file could not hold is refused now: the words are those of the baker.
     (void)parseRig(printRig(wanted));
-    next.realized = realize(next.rigs, sizes_, axes_);
+    next.realized = realize(next.rigs, axes_);
     prove(next.realized, sizes_);
   } catch (const RigError& error) {
     return error.what();
@@ -66,16 +66,15 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
 
 std::string RigEditor::pull(const Handle& handle, const glm::vec3& by) {
   const auto part = static_cast<std::size_t>(handle.part), knot = static_cast<std::size_t>(handle.knot);
-  const float height = static_cast<float>(sizes_[part].y);
   const RigAxes& stands = axes_[part];
-  const glm::mat3 to_artist = glm::inverse(stands.turn * axisRotation(stands.axis) * height);
-  const auto pulled = [&](const glm::vec3& by_voxels) {
+  const glm::mat3 to_artist = glm::inverse(stands.turn * axisRotation(stands.axis));
+  const auto pulled = [&](const glm::vec3& by_heights) {
     RigDescription next = rig(handle.part);
     RigDescription::Knot& moved = next.knots[knot];
     if (handle.kind == Handle::Kind::kKnot) {
-      moved.offset = rounded(moved.offset + to_artist * by_voxels);
+      moved.offset = rounded(moved.offset + to_artist * by_heights);
     } else {
-      moved.tangent = rounded(to_artist * (now_.realized.knots[part][knot].tangent + by_voxels));
+      moved.tangent = rounded(to_artist * (now_.realized.parts[part].knots[knot].tangent + by_heights));
     }
     return change(handle.part, next);
   };
@@ -119,7 +118,7 @@ bool RigEditor::follow(const Pack& pack) {
   // All states in voxels of the new pack: it may be baked finer.
   const auto again = [&](State& state) {
     try {
-      state.realized = realize(state.rigs, sizes_, axes_);
+      state.realized = realize(state.rigs, axes_);
       prove(state.realized, sizes_);
       return true;
     } catch (const RigError&) {
@@ -129,10 +128,10 @@ bool RigEditor::follow(const Pack& pack) {
   std::erase_if(undo_, [&](State& state) { return !again(state); });
   std::erase_if(redo_, [&](State& state) { return !again(state); });
   State kept = now_;
-  if (!again(kept) || (!had_unsaved && !alike(kept.realized, rigOf(pack), sizes_))) return anew();
+  if (!again(kept) || (!had_unsaved && !alike(kept.realized, rigOf(pack)))) return anew();
   now_ = std::move(kept);
   revision_ = revision;
-  if (alike(now_.realized, rigOf(pack), sizes_)) saved_ = now_.rigs;  // baked as it was saved
+  if (alike(now_.realized, rigOf(pack))) saved_ = now_.rigs;  // baked as it was saved
   return true;
 }
 

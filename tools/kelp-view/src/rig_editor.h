@@ -41,7 +41,7 @@ class RigEditor {
   // the changes are lost.
   bool follow(const Pack& pack);
   // Whether the pack holds these rigs already.
-  bool isIn(const Pack& pack) const { return alike(now_.realized, rigOf(pack), sizes_); }
+  bool isIn(const Pack& pack) const { return alike(now_.realized, rigOf(pack)); }
 
  private:
   struct State {

@@ -21,6 +21,38 @@ void forKnots(RigDescription& rig, const Each& each) {
   }
 }
 
+// Says in the clip how the automatic tangent of a knot follows its neighbours, so that it goes on the same
+// when the neighbours become others. Keys on the neighbours are left as they are: their tangents go on
+// following.
+void settleTangent(RigDescription::Clip& clip, const std::vector<Knot>& knots, std::uint64_t automatic,
+                   int knot) {
+  const auto near = [knot](int other) { return std::abs(other - knot) <= 1; };
+  const auto sets = [knot](const auto& motion) {
+    return motion.target == Target::kKnotTangent && motion.knot == knot;
+  };
+  if ((automatic >> knot & 1) == 0 || std::ranges::any_of(clip.waves, sets) ||
+      std::ranges::any_of(clip.tracks, [&](const auto& track) {
+        return sets(track) || (track.target == Target::kKnotOffset && near(track.knot));
+      }))
+    return;
+  std::vector<RigDescription::Wave> waves, still;
+  for (RigDescription::Wave wave : clip.waves) {
+    if (!near(wave.knot)) continue;
+    const Follow follow = followOf(knots, static_cast<std::size_t>(wave.knot), automatic);
+    const float factor = wave.target == Target::kKnotTangent ? 0
+                         : wave.knot < knot                  ? follow.after
+                         : wave.knot > knot                  ? follow.before
+                                                             : follow.self;
+    wave.knot = knot;
+    wave.target = Target::kKnotTangent;
+    wave.amplitude *= factor;
+    (factor != 0 ? waves : still).push_back(wave);
+  }
+  if (waves.empty() && !still.empty())
+    waves = {still.front()};  // it stands still, whatever the new knot does
+  clip.waves.insert(clip.waves.end(), waves.begin(), waves.end());
+}
+
 // What the waves of knots `after` and `after` + 1 do half way between them, which is where `after` + 1 is
 // now: a Hermite curve is linear in its ends.
 void shareWaves(RigDescription::Clip& clip, int after, float share) {
@@ -50,15 +82,13 @@ bool movesKnot(Target target) { return target == Target::kKnotOffset || target =
 
 void insertKnot(RigDescription& rig, int after) {
   const auto i = static_cast<std::size_t>(after);
-  constexpr int kFine = 1 << 12;  // voxels: as fine as need be
-  const std::vector<Knot> knots = realizeKnots(rig, glm::ivec3(kFine));
-  const Segment segment = makeSegment(knots[i], knots[i + 1]);
+  const std::vector<Knot> knots = realizeKnots(rig);
+  const Segment segment = makeSegment(knots[i], knots[i + 1], 1);
   const float at = 0.5f * (knots[i].at + knots[i + 1].at), share = knots[i + 1].at - knots[i].at;
-  const glm::mat3 to_artist =
-      glm::inverse(axisRotation(rig.axis.value_or(Axis::kPlusY)) * static_cast<float>(kFine));
+  const glm::mat3 to_artist = glm::inverse(axisRotation(rig.axis.value_or(Axis::kPlusY)));
   RigDescription::Knot knot;
   knot.at = at;
-  knot.offset = to_artist * (evaluate(segment, 0.5f) - glm::vec3(0, at * static_cast<float>(kFine), 0));
+  knot.offset = to_artist * (evaluate(segment, 0.5f) - glm::vec3(0, at, 0));
   const glm::vec3 tangent = to_artist * (derivative(segment, 0.5f) / share);
   for (int axis = 0; axis < 3; ++axis) {  // what rounding leaves of a straight rig
     if (std::abs(knot.offset[axis]) < 1e-6f) knot.offset[axis] = 0;
@@ -66,8 +96,13 @@ void insertKnot(RigDescription& rig, int after) {
   // Tangents that were automatic would now look at the new knot; they are, and stay, what they were, unless
   // that is the same.
   RigDescription made = rig;
+  for (RigDescription::Clip& clip : made.clips) {
+    const std::uint64_t automatic_before = automaticTangents(rig);
+    settleTangent(clip, knots, automatic_before, after);
+    settleTangent(clip, knots, automatic_before, after + 1);
+  }
   made.knots.insert(made.knots.begin() + after + 1, knot);
-  const std::vector<Knot> automatic = realizeKnots(made, glm::ivec3(kFine));
+  const std::vector<Knot> automatic = realizeKnots(made);
   const auto keep = [&](std::size_t index, const glm::vec3& wanted) {
     if (made.knots[index].tangent) return;
     const glm::vec3 is = to_artist * automatic[index].tangent;
@@ -81,6 +116,7 @@ void insertKnot(RigDescription& rig, int after) {
   for (RigDescription::Clip& clip : made.clips) shareWaves(clip, after, share);
   rig = std::move(made);
 }
+
 void removeKnot(RigDescription& rig, int knot) {
   rig.knots.erase(rig.knots.begin() + knot);
   for (RigDescription::Clip& clip : rig.clips) {

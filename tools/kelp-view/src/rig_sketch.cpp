@@ -19,10 +19,11 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
   RawPack pack;
   pack.info_json = "{}";
   pack.palette.emplace_back();
-  for (const std::vector<Knot>& knots : rig.knots) {
+  for (const RawRig& rest : rig.parts) {
     RawPart& part = pack.parts.emplace_back();
     part.size = glm::ivec3(1);
-    part.knots = knots;
+    part.knots = rest.knots;
+    part.automatic_tangents = rest.automatic_tangents;
     part.levels.push_back(oneVoxel());
   }
   pack.clips = rig.clips;
@@ -37,7 +38,7 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
   if (const auto written = writePack(pack, sink); !written) return written.error();
   sketch->memory_ = MemorySource(sketch->bytes_);
   runtime::Options options;
-  options.limits.max_parts = static_cast<std::uint32_t>(rig.knots.size());
+  options.limits.max_parts = static_cast<std::uint32_t>(rig.parts.size());
   auto asset = runtime::Asset::open(sketch->memory_.source(), options);
   if (!asset) return asset.error();
   sketch->asset_ = *std::move(asset);

@@ -101,7 +101,15 @@ Range Motion::range() const {
   return range;
 }
 
-PartMotions::PartMotions(const RawClip& clip, std::uint32_t part) : clip_(clip), part_(part) {
+PartMotions::PartMotions(const RawClip& clip, std::uint32_t part, const RawRig& rest)
+    : clip_(clip), part_(part), rest_(rest), following_(rest.automatic_tangents) {
+  const auto overrides = [&](const auto& move) {
+    if (move.part == part && move.target == Target::kKnotTangent)
+      following_ &= ~(std::uint64_t{1} << move.knot);
+  };
+  for (const Wave& wave : clip.waves) overrides(wave);
+  for (const RawTrack& track : clip.tracks) overrides(track);
+
   for (const Wave& wave : clip.waves)
     if (wave.part == part) knots_[wave.knot].waves.push_back(&wave);
   for (const RawTrack& track : clip.tracks) {
@@ -121,7 +129,36 @@ const PartMotions::OfKnot* PartMotions::find(std::uint32_t knot) const {
   return found == knots_.end() ? nullptr : &found->second;
 }
 
-Motion PartMotions::sum(std::span<const Term> terms) const {
+// The terms and, for tangents that follow, those of the offsets that they follow; each moved thing once.
+std::vector<Term> PartMotions::followed(std::span<const Term> terms) const {
+  std::vector<Term> all;
+  const auto add = [&](const Term& term) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const Term& each) {
+      return each.knot == term.knot && each.target == term.target && each.axis == term.axis;
+    });
+    if (same == all.end())
+      all.push_back(term);
+    else
+      same->weight += term.weight;
+  };
+  const auto count = static_cast<std::uint32_t>(rest_.knots.size());
+  for (const Term& term : terms) {
+    add(term);
+    if (term.target != Target::kKnotTangent) continue;
+    const auto addOffset = [&](std::uint32_t knot, float Follow::*factor) {
+      const Follow follow = followOf(rest_.knots, knot, following_);
+      if (follow.*factor != 0)
+        add({knot, Target::kKnotOffset, term.axis, term.weight * static_cast<double>(follow.*factor)});
+    };
+    if (term.knot > 0) addOffset(term.knot - 1, &Follow::after);
+    addOffset(term.knot, &Follow::self);
+    if (term.knot + 1 < count) addOffset(term.knot + 1, &Follow::before);
+  }
+  return all;
+}
+
+Motion PartMotions::sum(std::span<const Term> given) const {
+  const std::vector<Term> terms = followed(given);
   Motion motion;
   motion.duration = clip_.duration;
   std::vector<std::pair<const RawTrack*, const Term*>> moved;

@@ -66,7 +66,8 @@ inline constexpr std::size_t kMostTracks = 64;
 // The waves and tracks of a clip that move the knots of a part, by knot. The clip must outlive it.
 class PartMotions {
  public:
-  PartMotions(const RawClip& clip, std::uint32_t part);
+  PartMotions(const RawClip& clip, std::uint32_t part, const RawRig& rest);
+  // The terms may name tangents that follow automatically.
   Motion sum(std::span<const Term> terms) const;
 
  private:
@@ -75,9 +76,12 @@ class PartMotions {
     std::array<std::vector<const RawTrack*>, 2> tracks;  // offsets, tangents
   };
   const OfKnot* find(std::uint32_t knot) const;
+  std::vector<Term> followed(std::span<const Term> terms) const;
 
   const RawClip& clip_;
   std::uint32_t part_;
+  const RawRig& rest_;
+  std::uint64_t following_ = 0;  // bit i: the tangent of knot i follows
   std::unordered_map<std::uint32_t, OfKnot> knots_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Voxels of a part -> the artist's units, the inverse of realize_rig.cpp.
+// The axes of a part -> the artist's, the inverse of realize_rig.cpp.
 #include <map>
 #include <set>
 #include <string>
@@ -29,29 +29,38 @@ class UniqueNames {
 
 }  // namespace
 
-RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part,
-                           const glm::ivec3& size, Axis axis) {
-  const auto length = static_cast<float>(size.y);
+RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
+                           Axis axis) {
   const glm::mat3 to_artist = glm::transpose(axisRotation(axis));  // permutes and flips: loses nothing
   RigDescription rig;
   rig.axis = axis;
-  for (const Knot& knot : knots)
-    rig.knots.push_back({knot.at, to_artist * ((knot.position - glm::vec3(0, knot.at * length, 0)) / length),
-                         to_artist * (knot.tangent / length)});
+  for (std::size_t i = 0; i < rest.knots.size(); ++i) {
+    const Knot& knot = rest.knots[i];
+    RigDescription::Knot& described = rig.knots.emplace_back();
+    described.at = knot.at;
+    described.offset = to_artist * (knot.position - glm::vec3(0, knot.at, 0));
+    if (!(rest.automatic_tangents >> i & 1)) described.tangent = to_artist * knot.tangent;
+  }
+
+  // A tangent that was not made by realizeKnots stays as it is.
+  const std::vector<Knot> realized = realizeKnots(rig);
+  for (std::size_t i = 0; i < realized.size(); ++i)
+    if (glm::distance(realized[i].tangent, rest.knots[i].tangent) > 1e-5f)
+      rig.knots[i].tangent = to_artist * rest.knots[i].tangent;
 
   UniqueNames names;
   for (const RawClip& clip : clips) {
     RigDescription::Clip described{"", clip.duration, {}, {}};
     for (const Wave& wave : clip.waves) {
       if (wave.part == part)
-        described.waves.push_back({static_cast<int>(wave.knot), wave.target,
-                                   to_artist * (wave.amplitude / length), wave.period, wave.phase});
+        described.waves.push_back(
+            {static_cast<int>(wave.knot), wave.target, to_artist * wave.amplitude, wave.period, wave.phase});
     }
     for (const RawTrack& track : clip.tracks) {
       if (track.part != part) continue;
       const bool knot = rig::movesKnot(track.target);
       const auto described_value = [&](const glm::vec4& value) {
-        return knot ? glm::vec4(to_artist * (glm::vec3(value) / length), value.w) : value;
+        return knot ? glm::vec4(to_artist * glm::vec3(value), value.w) : value;
       };
       RigDescription::Track& target = described.tracks.emplace_back();
       target.knot = knot ? static_cast<int>(track.knot) : 0;

@@ -60,12 +60,12 @@ class SegmentProof {
  public:
   // `work`: the rest of kMostWork.
   SegmentProof(const RawClip& clip, std::uint32_t part, const PartMotions& moved, std::span<const Knot> knots,
-               std::size_t segment, double length, std::size_t& work)
+               std::size_t segment, std::size_t& work)
       : clip_(clip), part_(part), knots_(knots), segment_(segment), work_(work) {
     const Knot& k0 = knots[segment];
     const Knot& k1 = knots[segment + 1];
     const double share = static_cast<double>(k1.at) - static_cast<double>(k0.at);
-    least_rise_ = kLeastRise * share * length;
+    least_rise_ = kLeastRise * share;
     // Weights of p0, p1 and of the tangents' y in each quantity.
     const double e = kSlopeTolerance;
     const std::array<std::array<double, 4>, kQuantities> weights{
@@ -255,29 +255,28 @@ Range boundSegment(const PartMotions& moved, std::span<const Knot> knots, std::s
 
 }  // namespace
 
-ClipReport proveClip(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots,
-                     const glm::ivec3& size) {
-  const double length = size.y;
-  const PartMotions moved(clip, part);
+ClipReport proveClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size) {
+  const std::span<const Knot> knots = rest.knots;
+  const PartMotions moved(clip, part, rest);
   std::size_t work = kMostWork;
-  for (std::size_t s = 0; s + 1 < knots.size(); ++s)
-    SegmentProof(clip, part, moved, knots, s, length, work).run();
+  for (std::size_t s = 0; s + 1 < knots.size(); ++s) SegmentProof(clip, part, moved, knots, s, work).run();
 
   ClipReport report;
-  const double slack = 1e-5 * length;  // for those who evaluate the clip in float
+  const double height = size.y, slack = 1e-5;  // for those who evaluate the clip in float
   double beyond = 0;
   for (std::size_t s = 0; s + 1 < knots.size(); ++s) {
     for (int axis = 0; axis < 3; ++axis) {
       const Range range = boundSegment(moved, knots, s, axis);
       // copies of the base span [0, X] x [0, Z] from the spline
-      const double base = axis == 1 ? 0.0 : size[axis];
-      beyond = std::max({beyond, -range.low, range.high + base - size[axis]});
-      report.bounds.min[axis] = std::min(report.bounds.min[axis], static_cast<float>(range.low - slack));
+      const double side = size[axis] / height, base = axis == 1 ? 0.0 : side;
+      beyond = std::max({beyond, -range.low, range.high + base - side});
+      report.bounds.min[axis] =
+          std::min(report.bounds.min[axis], static_cast<float>(height * (range.low - slack)));
       report.bounds.max[axis] =
-          std::max(report.bounds.max[axis], static_cast<float>(range.high + base + slack));
+          std::max(report.bounds.max[axis], static_cast<float>(height * (range.high + base + slack)));
     }
   }
-  report.leaves_box = static_cast<float>(beyond / length);
+  report.leaves_box = static_cast<float>(beyond);
   return report;
 }
 

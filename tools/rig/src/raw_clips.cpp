@@ -18,6 +18,8 @@ float lengthOf(const RawClip& clip) {
 
 }  // namespace
 
+RawRig rawRig(const Part& part) { return {{part.knots.begin(), part.knots.end()}, part.automatic_tangents}; }
+
 std::vector<RawClip> rawClips(const Pack& pack) {
   std::vector<RawClip> clips;
   for (const Clip& clip : pack.clips()) {

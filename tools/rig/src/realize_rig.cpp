@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The artist's units -> voxels of a part: lengths times size.y, directions rotated so that the axis is +y.
+// The artist's axes -> those of a part, whose axis is +y. Lengths are the same: 1 is the part's height.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -26,11 +26,11 @@ V automaticSlope(std::size_t i, std::size_t count, const At& at, const Value& va
   return (value(after) - value(before)) / (at(after) - at(before));
 }
 
-std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3& to_voxels) {
+std::vector<Key> realizeKeys(const RigDescription::Track& track, const glm::mat3& to_part) {
   const std::size_t count = track.keys.size();
   std::vector<Key> keys(count);
   const auto map = [&](const glm::vec4& v) {
-    return rig::movesKnot(track.target) ? glm::vec4(to_voxels * glm::vec3(v), 0.0f) : v;
+    return rig::movesKnot(track.target) ? glm::vec4(to_part * glm::vec3(v), 0.0f) : v;
   };
   std::vector<float> signs(count, 1.0f);
   for (std::size_t i = 0; i < count; ++i) {
@@ -68,9 +68,8 @@ float durationOf(const RigDescription::Clip& clip) {
 
 }  // namespace
 
-std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size) {
-  const auto length = static_cast<float>(size.y);
-  const glm::mat3 to_voxels = axisRotation(rig.axis.value_or(Axis::kPlusY)) * length;
+std::vector<Knot> realizeKnots(const RigDescription& rig) {
+  const glm::mat3 to_part = axisRotation(rig.axis.value_or(Axis::kPlusY));
   const auto described = knotsOf(rig);
   std::vector<Knot> knots;
   for (std::size_t i = 0; i < described.size(); ++i) {
@@ -78,19 +77,26 @@ std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size
     // The automatic tangent is the slope of the offsets plus the straight tangent, so that a straight rig is
     // exactly straight.
     const glm::vec3 tangent =
-        knot.tangent
-            ? to_voxels * *knot.tangent
-            : glm::vec3(0, length, 0) + to_voxels * automaticSlope<glm::vec3>(
-                                                        i, described.size(),
-                                                        [&](std::size_t k) { return described[k].at; },
-                                                        [&](std::size_t k) { return described[k].offset; });
-    knots.push_back({knot.at, glm::vec3(0, knot.at * length, 0) + to_voxels * knot.offset, tangent});
+        knot.tangent ? to_part * *knot.tangent
+                     : glm::vec3(0, 1, 0) + to_part * automaticSlope<glm::vec3>(
+                                                          i, described.size(),
+                                                          [&](std::size_t k) { return described[k].at; },
+                                                          [&](std::size_t k) { return described[k].offset; });
+    knots.push_back({knot.at, glm::vec3(0, knot.at, 0) + to_part * knot.offset, tangent});
   }
   return knots;
 }
 
-std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part) {
-  const glm::mat3 to_voxels = axisRotation(rig.axis.value_or(Axis::kPlusY)) * static_cast<float>(size.y);
+std::uint64_t automaticTangents(const RigDescription& rig) {
+  const auto described = knotsOf(rig);
+  std::uint64_t automatic = 0;
+  for (std::size_t i = 0; i < described.size(); ++i)
+    if (!described[i].tangent) automatic |= std::uint64_t{1} << i;
+  return automatic;
+}
+
+std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part) {
+  const glm::mat3 to_part = axisRotation(rig.axis.value_or(Axis::kPlusY));
   std::vector<RawClip> clips;
   for (const auto& described : rig.clips) {
     RawClip& clip = clips.emplace_back();
@@ -98,10 +104,10 @@ std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& s
     clip.duration = durationOf(described);
     for (const auto& wave : described.waves)
       clip.waves.push_back({part, static_cast<std::uint32_t>(wave.knot), wave.target,
-                            to_voxels * wave.amplitude, wave.period, wave.phase});
+                            to_part * wave.amplitude, wave.period, wave.phase});
     for (const auto& track : described.tracks)
       clip.tracks.push_back({part, static_cast<std::uint32_t>(track.knot), track.target, track.interpolation,
-                             realizeKeys(track, to_voxels)});
+                             realizeKeys(track, to_part)});
   }
   return clips;
 }

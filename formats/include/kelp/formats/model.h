@@ -53,14 +53,17 @@ struct Part {
   // Pivot space -> object. kPartTranslation, kPartRotation and kPartScale act in pivot space.
   glm::mat4x3 pivot{1};
   std::span<const Knot> knots;  // the rest rig
-  const Fog* fog = nullptr;     // set if kind is kFog, else null
+  // Bit i: the tangent of knot i follows when that knot or a neighbour moves (followOf). A clip that moves
+  // the tangent itself overrides this: then, in that clip, the tangent moves as the clip says and no more.
+  std::uint64_t automatic_tangents = 0;
+  const Fog* fog = nullptr;  // set if kind is kFog, else null
 };
 
 // What a wave or track of a clip moves. Values are multiplied by a weight and added to the rest rig, so clips
 // can be blended.
 enum class Target : std::uint8_t {
-  kKnotOffset = 0,       // knot position, voxels
-  kKnotTangent = 1,      // knot tangent, dS/d(at), voxels
+  kKnotOffset = 0,       // knot position, in heights of the part
+  kKnotTangent = 1,      // knot tangent, dS/d(at), in heights of the part
   kPartTranslation = 2,  // pivot units
   kPartRotation = 3,     // unit quaternion x, y, z, w in pivot space; identity at rest
   kPartScale = 4,        // factor per pivot axis, minus 1

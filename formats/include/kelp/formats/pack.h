@@ -37,7 +37,7 @@ struct Limits {
 
 // Bytes that a wave counts for Limits::max_metadata_bytes: its entry in the Pack, and what the runtime
 // prepares from it.
-inline constexpr std::size_t kWaveMemory = 228;
+inline constexpr std::size_t kWaveMemory = 784;
 
 // One page of bricks in the file. Every page can be loaded by itself.
 struct PageInfo {

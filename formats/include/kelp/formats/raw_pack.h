@@ -43,8 +43,9 @@ struct RawPart {
   glm::mat4x3 to_object{1};
   glm::mat4x3 pivot{1};
   std::vector<Knot> knots;
-  std::vector<RawLevel> levels;  // finest first, at least one
-  std::optional<RawFog> fog;     // set: the part is fog
+  std::uint64_t automatic_tangents = 0;  // as in Part
+  std::vector<RawLevel> levels;          // finest first, at least one
+  std::optional<RawFog> fog;             // set: the part is fog
 };
 
 struct RawTrack {
@@ -80,10 +81,16 @@ struct Sink {
 // fails; kOutOfMemory. threads: how many threads compress pages, at least 1.
 Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
 
+// The rest rig of a part, as in Part.
+struct RawRig {
+  std::vector<Knot> knots;
+  std::uint64_t automatic_tangents = 0;
+};
+
 // What writeRigs replaces in a pack.
 struct RawRigs {
   std::string info_json;
-  std::vector<std::vector<Knot>> knots;  // one list a part
+  std::vector<RawRig> parts;
   std::vector<RawClip> clips;
 };
 

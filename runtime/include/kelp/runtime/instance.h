@@ -41,7 +41,7 @@ struct Hit {
   int part = 0;
   int level = 0;
   glm::ivec3 voxel{0};        // in voxels of `level`
-  glm::vec3 rest{0};          // the same point in the undeformed part, level-0 voxels
+  glm::vec3 rest{0};          // the same point of the undeformed model: object space, metres
   std::uint8_t material = 0;  // palette index
 };
 
@@ -50,17 +50,15 @@ struct Hit {
 // blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that is not monotone.
 std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
 
-// Rest point (level-0 voxels of the part) -> deformed point in part space. partToWorld() maps that to the
-// world. The origin for a part that does not exist.
-glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest);
-// Rest point (level-0 voxels of the part) -> world. The origin for a part that does not exist.
+// A point of the undeformed model (object space, metres) that belongs to a part -> the world, with all that
+// the pose does to it. The origin for a part that does not exist.
 glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest);
-// World -> rest point (level-0 voxels). nullopt if the point is above or below the spline, or the pose is not
-// monotone.
+// World -> the point of the undeformed model (object space, metres). nullopt if the point is above or below
+// the part's spline, or the pose is not monotone.
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world);
-// A frame in the world for things attached to the model at a rest point (level-0 voxels). Its columns are the
-// directions x, y and z and the origin. y points along the spline; x is the part's x made perpendicular to
-// it. Orthonormal, and right-handed for mirrored instances too.
+// A frame in the world for things attached to a point of the undeformed model (object space, metres). Its
+// columns are the directions x, y and z and the origin. y points along the spline; x is the part's x made
+// perpendicular to it. Orthonormal, and right-handed for mirrored instances too.
 glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
 }  // namespace kelp::runtime

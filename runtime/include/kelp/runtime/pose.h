@@ -34,6 +34,7 @@ inline bool isRest(const Motion& motion) {
 // same time.
 class Pose {
  public:
+  Pose() = default;  // of no part; fits no asset
   // A pose at rest. kOutOfMemory.
   static Result<Pose> create(const Asset& asset, const Allocator& allocator = {});
   Pose(Pose&& other) noexcept { *this = std::move(other); }
@@ -42,17 +43,19 @@ class Pose {
   int parts() const { return static_cast<int>(parts_); }
   // Whether the pose has as many parts and knots as the asset. Functions that take both check this.
   bool fits(const Asset& asset) const;
-  // The knots of a part, in level-0 voxels, to read and to move. Do not change `at`. Moving an end knot along
-  // y stretches or squashes the part's volume between the ends (section 3.1 of the paper).
-  // kelp/formats/spline.h has the rules. Empty for a part that does not exist.
-  std::span<Knot> knots(int part) {
-    if (part < 0 || part >= parts()) return {};
-    const std::uint32_t first = firstKnots()[part];
-    return {knotData() + first, firstKnots()[part + 1] - first};
-  }
-  std::span<const Knot> knots(int part) const { return const_cast<Pose*>(this)->knots(part); }
-  // The knots of all parts, one part after the other.
-  std::span<Knot> allKnots() { return {knotData(), knots_}; }
+  // The knots of a part. Lengths are in heights of the part, as in rig files (kelp/formats/spline.h).
+  // Empty for a part that does not exist.
+  std::span<const Knot> knots(int part) const { return const_cast<Pose*>(this)->writableKnots(part); }
+  // Moves a knot by `offset`, as a clip with that offset would: automatic tangents follow. Moving an end knot
+  // along y stretches or squashes the part's volume between the ends (section 3.1 of the paper). kMisuse,
+  // with nothing changed, for a part or knot that does not exist.
+  Result<void> move(int part, int knot, const glm::vec3& offset);
+  // Replaces the tangent of a knot. Moving this knot or a neighbour afterwards still adds to it if it is
+  // automatic. kMisuse as move().
+  Result<void> setTangent(int part, int knot, const glm::vec3& tangent);
+  // Replaces the positions and tangents of all knots of a part as they are given; no tangent follows.
+  // kMisuse, with nothing changed, if their number or an `at` differs from the part's.
+  Result<void> setKnots(int part, std::span<const Knot> knots);
   // The motion of a part, to read and to change. Null for a part that does not exist.
   Motion* motion(int part) { return part >= 0 && part < parts() ? motionData() + part : nullptr; }
   const Motion* motion(int part) const { return const_cast<Pose*>(this)->motion(part); }
@@ -73,10 +76,17 @@ class Pose {
   void clampMonotone();
 
  private:
-  Pose() = default;
+  friend struct PoseWriter;
   bool sameShape(const Pose& other) const;
+  bool hasKnot(int part, int knot) const;
+  std::span<Knot> writableKnots(int part) {
+    if (part < 0 || part >= parts()) return {};
+    const std::uint32_t first = firstKnots()[part];
+    return {knotData() + first, firstKnots()[part + 1] - first};
+  }
   // One block of memory, because each frame reads thousands of poses: the index of the first knot of each
-  // part and the end of the last one's, then motions and knots now, then motions and knots at rest.
+  // part and the end of the last one's, then motions and knots now, then motions and knots at rest, then
+  // 64 bits a part: which tangents are automatic.
   std::size_t firstKnotBytes() const { return (parts_ + 1) * sizeof(std::uint32_t); }
   std::size_t stateBytes() const { return parts_ * sizeof(Motion) + knots_ * sizeof(Knot); }
   std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(memory_.data()); }
@@ -87,6 +97,9 @@ class Pose {
   std::byte* restState() { return state() + stateBytes(); }
   Motion* restMotions() { return reinterpret_cast<Motion*>(restState()); }
   Knot* restKnots() { return reinterpret_cast<Knot*>(restMotions() + parts_); }
+  std::byte* automaticTangents(int part) {
+    return restState() + stateBytes() + sizeof(std::uint64_t) * static_cast<std::size_t>(part);
+  }
 
   Buffer<std::byte> memory_;
   Knot* knot_data_ = nullptr;  // in memory_

@@ -25,8 +25,8 @@ struct SpringSettings {
 
 // The movement of a knot relative to its pose.
 struct Swing {
-  glm::vec3 offset{0};    // voxels
-  glm::vec3 velocity{0};  // voxels per second
+  glm::vec3 offset{0};    // heights of the part
+  glm::vec3 velocity{0};  // heights per second
 };
 
 // Each knot is a damped harmonic oscillator about its place in the pose or, in wind, about the place where
@@ -47,15 +47,19 @@ class Spring {
   std::span<const Swing> knots(int part) const;
   void reset();  // to rest, without wind
 
-  // A blow: adds `velocity` (voxels per second, part space) to the free end of the part, and less to the
-  // other knots, in proportion to the bend of a beam under an even load. A world vector v is
-  // inverse(mat3(partToWorld(instance, part))) * v in part space. The velocity is cut so that no knot swings
-  // farther than `reach` from where the wind holds it.
+  // A blow: adds `velocity` (heights of the part per second, in its axes) to the free end of the part, and
+  // less to the other knots, in proportion to the bend of a beam under an even load. The velocity is cut so
+  // that no knot swings farther than `reach` from where the wind holds it.
   Result<void> push(int part, const glm::vec3& velocity);
-  // Wind from now on: the acceleration that it would give the free end if nothing held it (voxels per second
-  // squared, part space). It leans the free end by acceleration / (2 pi frequency)^2, at most `reach`. For
-  // gusts, set it each frame.
+  // The same, with a velocity in world space (metres per second if the world is in metres). The instance says
+  // how the part stands in the world.
+  Result<void> pushInWorld(const Instance& instance, int part, const glm::vec3& velocity);
+  // Wind from now on: the acceleration that it would give the free end if nothing held it (heights of the
+  // part per second squared, in its axes). It leans the free end by acceleration / (2 pi frequency)^2, at
+  // most `reach`. For gusts, set it each frame.
   Result<void> setWind(int part, const glm::vec3& acceleration);
+  // The same, with an acceleration in world space.
+  Result<void> setWindInWorld(const Instance& instance, int part, const glm::vec3& acceleration);
   // The player's body, a sphere in world space. Pushes the middle line of every part out of it, as a beam
   // bends under a load at the deepest contact, and stops knots that move towards it. instance.pose is the
   // pose without the spring; null means rest. The lowest quarter of a part yields only in part, and no knot
@@ -77,10 +81,11 @@ class Spring {
     std::uint32_t first = 0;  // the index of its first knot
     std::uint32_t knots = 0;
     float height = 0;     // voxels
-    glm::vec3 middle{0};  // from the spline to the volume's middle line
-    glm::vec3 lean{0};    // where the wind holds the free end
+    glm::vec3 middle{0};  // from the spline to the volume's middle line, voxels
+    glm::vec3 lean{0};    // where the wind holds the free end, heights
   };
   Spring() = default;
+  Result<glm::vec3> fromWorld(const Instance& instance, int part, const glm::vec3& vector) const;
   bool fits(const Pose& pose) const;
   bool fits(const Asset& asset) const;
   float share(const Body& body, std::uint32_t knot) const;

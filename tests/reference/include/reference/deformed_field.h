@@ -14,15 +14,16 @@
 #include <glm/glm.hpp>
 
 #include "kelp/formats/spline.h"
+#include "reference/ground_truth.h"
 
 namespace kelp::reference {
 
 // Between part space (deformed) and the undeformed volume, both in voxels.
 class SplineMap {
  public:
-  SplineMap(std::span<const Knot> knots, const glm::ivec3& size) : knots_(knots.begin(), knots.end()) {
-    low_ = knots_.front().position.y;
-    high_ = knots_.back().position.y;
+  SplineMap(std::span<const Knot> knots, const glm::ivec3& size) : segments_(segmentsOf(knots, size)) {
+    low_ = segments_.front().p0.y;
+    high_ = segments_.back().p1.y;
     stretch_ = double{static_cast<double>(size.y)} / (high_ - low_);
   }
   double low() const { return low_; }
@@ -30,8 +31,8 @@ class SplineMap {
   double stretch() const { return stretch_; }  // the volume's height over the spline's
   // How far a height is from the nearest knot's.
   double toKnot(double y) const {
-    double nearest = 1e30;
-    for (const Knot& knot : knots_) nearest = std::min(nearest, std::abs(y - double{knot.position.y}));
+    double nearest = std::abs(y - low_);
+    for (const Segment& segment : segments_) nearest = std::min(nearest, std::abs(y - double{segment.p1.y}));
     return nearest;
   }
 
@@ -44,8 +45,8 @@ class SplineMap {
   };
   Place placeOf(double y) const {
     Place place;
-    const int last = static_cast<int>(knots_.size()) - 2;
-    while (place.segment < last && y > double{knots_[static_cast<std::size_t>(place.segment) + 1].position.y})
+    const int last = static_cast<int>(segments_.size()) - 1;
+    while (place.segment < last && y > double{segments_[static_cast<std::size_t>(place.segment)].p1.y})
       ++place.segment;
     double low = 0, high = 1;
     while (true) {
@@ -71,22 +72,19 @@ class SplineMap {
 
  private:
   glm::dvec3 spline(int segment, double t) const {
-    const Knot &k0 = knots_[static_cast<std::size_t>(segment)],
-               &k1 = knots_[static_cast<std::size_t>(segment) + 1];
-    const double u = 1 - t, share = double{k1.at} - double{k0.at};
-    return u * u * (1 + 2 * t) * glm::dvec3(k0.position) + t * u * u * share * glm::dvec3(k0.tangent) +
-           t * t * (3 - 2 * t) * glm::dvec3(k1.position) - t * t * u * share * glm::dvec3(k1.tangent);
+    const Segment& s = segments_[static_cast<std::size_t>(segment)];
+    const double u = 1 - t;
+    return u * u * (1 + 2 * t) * glm::dvec3(s.p0) + t * u * u * glm::dvec3(s.m0) +
+           t * t * (3 - 2 * t) * glm::dvec3(s.p1) - t * t * u * glm::dvec3(s.m1);
   }
   glm::dvec3 slope(int segment, double t) const {
-    const Knot &k0 = knots_[static_cast<std::size_t>(segment)],
-               &k1 = knots_[static_cast<std::size_t>(segment) + 1];
-    const double u = 1 - t, share = double{k1.at} - double{k0.at};
-    return 6 * t * u * (glm::dvec3(k1.position) - glm::dvec3(k0.position)) +
-           u * (1 - 3 * t) * share * glm::dvec3(k0.tangent) +
-           t * (3 * t - 2) * share * glm::dvec3(k1.tangent);
+    const Segment& s = segments_[static_cast<std::size_t>(segment)];
+    const double u = 1 - t;
+    return 6 * t * u * (glm::dvec3(s.p1) - glm::dvec3(s.p0)) + u * (1 - 3 * t) * glm::dvec3(s.m0) +
+           t * (3 * t - 2) * glm::dvec3(s.m1);
   }
 
-  std::vector<Knot> knots_;
+  std::vector<Segment> segments_;
   double low_ = 0, high_ = 0, stretch_ = 1;
 };
 

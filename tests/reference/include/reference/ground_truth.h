@@ -34,6 +34,14 @@ struct Touch {
   glm::dvec3 q{0};      // position in the undeformed volume, voxels of the volume
 };
 
+// The segments as the library rounds them are the segments.
+inline std::vector<Segment> segmentsOf(std::span<const Knot> knots, const glm::ivec3& size) {
+  std::vector<Segment> segments;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i)
+    segments.push_back(makeSegment(knots[i], knots[i + 1], static_cast<float>(size.y)));
+  return segments;
+}
+
 // The first point of o + s r, s in [s_min, s_max], that lies in the solid - the union of its voxels - shrunk
 // by `erode` voxels, measured along the axes (negative: grown). r is a unit vector, part space. Exact to
 // about 1e-6 voxel. `voxel` is a solid voxel that is touched there.

@@ -53,7 +53,7 @@ inline RawPack fogPack(fields::FogSamples fog, float extinction, std::vector<Kno
   const float s = 1.0f / static_cast<float>(fog.size.y);
   part.to_object[3] =
       s * glm::vec3(-0.5f * static_cast<float>(fog.size.x), 0, -0.5f * static_cast<float>(fog.size.z));
-  part.knots = knots.empty() ? figureKnots(kFigure6[0], fog.size) : std::move(knots);
+  part.knots = knots.empty() ? figureKnots(kFigure6[0]) : std::move(knots);
   part.fog = RawFog{};
   part.fog->color = {0.9f, 0.8f, 0.7f};
   if (!fog.heat.empty()) {

@@ -29,9 +29,8 @@ inline constexpr std::array<FigurePose, 7> kFigure6{{
     {"(0,0,-3)(-54,0,-10)", {0, 0, -3}, {-54, 0, -10}},
 }};
 
-inline std::vector<Knot> figureKnots(const FigurePose& pose, const glm::ivec3& size) {
-  const float height = static_cast<float>(size.y);
-  return {{0, glm::vec3(0), height * pose.first}, {1, glm::vec3(0, height, 0), height * pose.second}};
+inline std::vector<Knot> figureKnots(const FigurePose& pose) {
+  return {{0, glm::vec3(0), pose.first}, {1, glm::vec3(0, 1, 0), pose.second}};
 }
 
 // A clump of balls: smooth, with gaps and thin necks. Never empty.

@@ -127,9 +127,11 @@ class RandomPack {
     for (int k = 0; k < knots; ++k) {
       const float at = k + 1 == knots ? 1.0f : static_cast<float>(k) / static_cast<float>(knots - 1);
       const glm::vec3 aside = vector(5);
-      part.knots.push_back(
-          {at, {aside.x, at * height, aside.z}, {aside.z, height * (0.2f + 2 * unit()), aside.y}});
+      part.knots.push_back({at,
+                            {aside.x / height, at, aside.z / height},
+                            {aside.z / height, 0.2f + 2 * unit(), aside.y / height}});
     }
+    part.automatic_tangents = 2;
     const int levels = between(1, options_.max_levels);
     for (int level = 0; level < levels; ++level) {
       part.levels.push_back(makeLevel(levelSize(part.size, level), palette_size, unit()));

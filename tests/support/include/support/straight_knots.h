@@ -8,8 +8,8 @@
 namespace kelp::test {
 
 // The straight rig of a volume of `size` voxels: two knots.
-inline std::vector<Knot> straightKnots(const glm::ivec3& size) {
-  const glm::vec3 top(0, size.y, 0);
+inline std::vector<Knot> straightKnots() {
+  const glm::vec3 top(0, 1, 0);
   return {{0, glm::vec3(0), top}, {1, top, top}};
 }
 

@@ -78,7 +78,7 @@ inline RawPack packOf(const fields::Occupancy& volume, std::vector<Knot> knots =
   pack.info_json = "{}";
   pack.palette = {Material{{0.8f, 0.4f, 0.1f, 1}, {0, 0, 0}, 0, 0.7f},
                   Material{{0.1f, 0.6f, 0.2f, 1}, {0, 0, 0}, 0, 1}};
-  if (knots.empty()) knots = figureKnots(kFigure6[0], volume.size);
+  if (knots.empty()) knots = figureKnots(kFigure6[0]);
   pack.parts.push_back(partOf(volume, std::move(knots)));
   return pack;
 }

@@ -180,7 +180,8 @@ std::optional<RigDescription> knotRig(const GltfModel& model, int node, const st
       model.note(knot_name +
                  ": its +Y axis does not point along the spline: its tangent is straight at rest");
     const bool straight = glm::length(tangent - extent.axis) <= kStraight;
-    knot.tangent = glm::vec3(straight ? extent.axis : tangent);
+    // An empty that stands straight leaves the tangent automatic: it follows where the knots lie and move.
+    if (!straight) knot.tangent = glm::vec3(tangent);
     if (!straight)
       model.note(knot_name +
                  ": its +Y axis times its scale is not 1 along the spline: the part is bent or squeezed by "

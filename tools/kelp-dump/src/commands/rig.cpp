@@ -29,7 +29,7 @@ Exit printPartRig(const RigOptions& options, const std::optional<Axis>& axis) {
   const std::uint32_t index = file.partOrFirst(options.part);
   const Part& part = pack.parts()[index];
   try {
-    print(printRig(describeRig(part.knots, rawClips(pack), index, part.size,
+    print(printRig(describeRig(rawRig(part), rawClips(pack), index,
                                axis ? *axis : bakedAxis(part).value_or(Axis::kPlusY))));
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, fmt::format("{}: part {} '{}': {}", file.path(), index,

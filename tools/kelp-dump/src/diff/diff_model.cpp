@@ -115,18 +115,18 @@ class PartDiff {
           std::to_string(a_.knots.size()), std::to_string(b_.knots.size()));
       return;
     }
-    const double length = std::max(a_.size.y, b_.size.y);
+    if (a_.automatic_tangents != b_.automatic_tangents) add("rig", "other tangents are automatic");
     std::size_t other = 0, first = 0;
     double largest = 0;
     for (std::size_t k = a_.knots.size(); k-- > 0;) {
       const Knot &u = a_.knots[k], &v = b_.knots[k];
       const double apart = std::max({glm::distance(glm::dvec3(u.position), glm::dvec3(v.position)),
                                      glm::distance(glm::dvec3(u.tangent), glm::dvec3(v.tangent)),
-                                     length * std::abs(static_cast<double>(u.at - v.at))});
-      if (tolerance_.allows(apart, length)) continue;
+                                     std::abs(static_cast<double>(u.at - v.at))});
+      if (tolerance_.allows(apart, 1)) continue;
       ++other;
       first = k;
-      largest = std::max(largest, apart / length);
+      largest = std::max(largest, apart);
     }
     if (other > 0)
       add("rig",
@@ -237,13 +237,13 @@ class ClipDiff {
     return movesKnot(target) ? fmt::format("knot {} of part '{}'", knot, name)
                              : fmt::format("part '{}'", name);
   }
-  // For knots the part's length. For whole parts 1, or the values' own size if larger.
-  double rangeOf(std::uint32_t part, Target target, const glm::vec4& a, const glm::vec4& b) const {
-    if (movesKnot(target)) return a_.parts()[part].size.y;
+  // For knots the part's height, which is 1. For whole parts 1, or the values' own size if larger.
+  static double rangeOf(Target target, const glm::vec4& a, const glm::vec4& b) {
+    if (movesKnot(target)) return 1;
     return std::max({1.0, largestOf(glm::dvec4(a)), largestOf(glm::dvec4(b))});
   }
-  bool near(std::uint32_t part, Target target, const glm::vec4& a, const glm::vec4& b) const {
-    const double range = rangeOf(part, target, a, b);
+  bool near(Target target, const glm::vec4& a, const glm::vec4& b) const {
+    const double range = rangeOf(target, a, b);
     const double apart = largestOf(glm::dvec4(a) - glm::dvec4(b));
     // A quaternion and its negative are the same rotation.
     return tolerance_.allows(apart, range) ||
@@ -255,7 +255,7 @@ class ClipDiff {
         Moved(b.part, b.knot, static_cast<int>(b.target)))
       return false;
     const double turn = std::abs(static_cast<double>(a.phase) - static_cast<double>(b.phase));
-    return near(a.part, a.target, glm::vec4(a.amplitude, 0), glm::vec4(b.amplitude, 0)) &&
+    return near(a.target, glm::vec4(a.amplitude, 0), glm::vec4(b.amplitude, 0)) &&
            tolerance_.alike(static_cast<double>(a.period), static_cast<double>(b.period)) &&
            tolerance_.allows(turn, 1);
   }
@@ -267,9 +267,9 @@ class ClipDiff {
     for (std::size_t k = 0; k < a.keys.size(); ++k) {
       const Key &u = a.keys[k], &v = b.keys[k];
       if (!tolerance_.alike(static_cast<double>(u.time), static_cast<double>(v.time)) ||
-          !near(a.part, a.target, u.value, v.value))
+          !near(a.target, u.value, v.value))
         return false;
-      if (!near(a.part, a.target, u.in, v.in) || !near(a.part, a.target, u.out, v.out)) return false;
+      if (!near(a.target, u.in, v.in) || !near(a.target, u.out, v.out)) return false;
     }
     return true;
   }

@@ -15,9 +15,13 @@ using Json = nlohmann::ordered_json;
 Json partJson(const PartSummary& p) {
   const Part& part = *p.part;
   Json knots = Json::array(), levels = Json::array(), to_object = Json::array();
-  for (const Knot& knot : part.knots)
-    knots.push_back(
-        {{"at", knot.at}, {"position", array3(knot.position)}, {"tangent", array3(knot.tangent)}});
+  for (std::size_t i = 0; i < part.knots.size(); ++i) {
+    const Knot& knot = part.knots[i];
+    knots.push_back({{"at", knot.at},
+                     {"position", array3(knot.position)},
+                     {"tangent", array3(knot.tangent)},
+                     {"automatic", (part.automatic_tangents >> i & 1) != 0}});
+  }
   for (std::size_t l = 0; l < p.levels.size(); ++l) {
     const LevelSummary& level = p.levels[l];
     levels.push_back({{"size", array3(level.size)},

@@ -60,9 +60,8 @@ bool bendable(const RigDescription& rig) {
 
 // Whether the rig in the pack can bend the part. A straight rig is straight to the last bit.
 bool bends(const Part& part, const std::vector<RawClip>& clips, std::uint32_t index) {
-  const auto height = static_cast<float>(part.size.y);
-  const bool straight = std::all_of(part.knots.begin(), part.knots.end(), [&](const Knot& k) {
-    return k.position == glm::vec3(0, k.at * height, 0) && k.tangent == glm::vec3(0, height, 0);
+  const bool straight = std::all_of(part.knots.begin(), part.knots.end(), [](const Knot& k) {
+    return k.position == glm::vec3(0, k.at, 0) && k.tangent == glm::vec3(0, 1, 0);
   });
   return !straight || std::any_of(clips.begin(), clips.end(), [&](const RawClip& clip) {
     return std::any_of(clip.waves.begin(), clip.waves.end(),
@@ -142,11 +141,11 @@ class RigSetter {
 
   RawRigs make() {
     RawRigs rigs;
-    for (const Part& each : pack_.parts()) rigs.knots.emplace_back(each.knots.begin(), each.knots.end());
+    for (const Part& each : pack_.parts()) rigs.parts.push_back(rawRig(each));
     try {
-      rigs.knots[part_] = realizeKnots(new_.rig, part().size);
+      rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig)};
       std::vector<std::vector<RawClip>> of_parts = clipsOfParts(old_clips_, pack_.parts().size());
-      of_parts[part_] = realizeClips(new_.rig, part().size, part_);
+      of_parts[part_] = realizeClips(new_.rig, part_);
       std::vector<RawClip> clips;
       for (std::vector<RawClip>& of_part : of_parts) std::ranges::move(of_part, std::back_inserter(clips));
       mergeClips(rigs.clips, std::move(clips));
@@ -154,7 +153,7 @@ class RigSetter {
     } catch (const RigError& error) {
       refuse(error.what());
     }
-    if (const Result<void> sound = checkKnots(rigs.knots[part_]); !sound)
+    if (const Result<void> sound = checkKnots(rigs.parts[part_].knots); !sound)
       refuse(
           fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter "
                       "tangent or a smaller offset",
@@ -216,7 +215,7 @@ class RigSetter {
     for (const auto& [p, share] : splitByPart(clip)) {
       if (p != part_ && !changed) continue;
       try {
-        proveClip(share, p, rigs.knots[p], pack_.parts()[p].size);
+        proveClip(share, p, rigs.parts[p], pack_.parts()[p].size);
       } catch (const RigError& error) {
         throw ToolError(Exit::kInvalid, fmt::format("{}: part {} '{}': {}", new_.origin, p,
                                                     nameText(pack_.parts()[p].name, 40), error.what()));

@@ -20,8 +20,8 @@ namespace {
 bool fits(const PackRig& rig, const Model& model) {
   const std::span<const Part> parts = model.asset().pack().parts();
   return std::equal(
-      rig.knots.begin(), rig.knots.end(), parts.begin(), parts.end(),
-      [](const std::vector<Knot>& knots, const Part& part) { return knots.size() == part.knots.size(); });
+      rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
+      [](const RawRig& rest, const Part& part) { return rest.knots.size() == part.knots.size(); });
 }
 
 // A part's name as a piece of a file's name.

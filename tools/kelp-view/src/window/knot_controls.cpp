@@ -55,7 +55,7 @@ void drawKnot(Draft& draft, int index) {
       "the axis. Drag, or double-click and type.");
   glm::vec3 tangent = knot.tangent.value_or(glm::vec3(0));
   if (!knot.tangent) {  // show the automatic one; it is stored once the user drags it
-    const std::vector<Knot> knots = realizeKnots(draft.rig, glm::ivec3(1));
+    const std::vector<Knot> knots = realizeKnots(draft.rig);
     tangent = toArtist(draft.rig) * knots[static_cast<std::size_t>(index)].tangent;
   }
   if (dragLengths("tangent", tangent)) {

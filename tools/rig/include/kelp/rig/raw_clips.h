@@ -11,6 +11,8 @@ namespace kelp {
 
 // Copies of a pack's clips.
 std::vector<RawClip> rawClips(const Pack& pack);
+// The rest rig of a part as plain structs.
+RawRig rawRig(const Part& part);
 
 // For each part, the clips that move it, with only the waves and tracks of that part. A clip of several parts
 // is as long as the longest share needs, so each share gets the length that it needs itself. A clip whose

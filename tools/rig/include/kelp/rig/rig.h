@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rigs and clips as an artist writes them (*.rig.json, a glTF node's extras.kelp), and their translation into
-// a part's voxels. The language is described, with examples, in tools/rig/README.md.
+// Rigs and clips as an artist writes them (*.rig.json, a glTF node's extras.kelp), and their translation
+// into the knots and clips of a part. The language is described, with examples, in tools/rig/README.md.
 #pragma once
 
 #include <cstdint>
@@ -92,19 +92,21 @@ std::optional<RigDescription> presetRig(std::string_view name, std::optional<Axi
                                         std::optional<Axis> up = std::nullopt);
 std::vector<std::string> presetNames();
 
-// The rest knots in voxels, for a part whose axis is size.y voxels long.
-std::vector<Knot> realizeKnots(const RigDescription& rig, const glm::ivec3& size);
-// The clips in voxels; their waves and tracks name part `part`. mergeClips joins clips of several parts that
-// have the same name.
-std::vector<RawClip> realizeClips(const RigDescription& rig, const glm::ivec3& size, std::uint32_t part);
+// The rest knots, in the axes of the part.
+std::vector<Knot> realizeKnots(const RigDescription& rig);
+// Which of them have an automatic tangent, as Part::automatic_tangents.
+std::uint64_t automaticTangents(const RigDescription& rig);
+// The clips, in the axes of the part; their waves and tracks name part `part`. mergeClips joins clips of
+// several parts that have the same name.
+std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part);
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
 // The pairs (part, what the clip does to it) for all parts that the clip moves, ascending; each has the
 // clip's name and duration.
 std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
-// The inverse of realizeKnots and realizeClips, for `kelp-dump rig`: tangents are explicit; `axis` is the
-// part's axis in the artist's axes.
-RigDescription describeRig(std::span<const Knot> knots, std::span<const RawClip> clips, std::uint32_t part,
-                           const glm::ivec3& size, Axis axis = Axis::kPlusY);
+// The inverse of realizeKnots, automaticTangents and realizeClips, for `kelp-dump rig`; `axis` is the part's
+// axis in the artist's axes.
+RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
+                           Axis axis = Axis::kPlusY);
 
 // The motion of one part over the whole clip.
 struct ClipReport {
@@ -115,7 +117,6 @@ struct ClipReport {
 // Proves that the part's spline stays monotone at every time of the clip, and bounds the motion (interval
 // arithmetic over subdivided time; waves with unrelated periods are assumed to meet in the worst way).
 // RigError names the clip, the segment and a time at which it turns back.
-ClipReport proveClip(const RawClip& clip, std::uint32_t part, std::span<const Knot> knots,
-                     const glm::ivec3& size);
+ClipReport proveClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size);
 
 }  // namespace kelp

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/simd/wave_sums.h"
+#include "kelp/simd/clip_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "kelp/formats/pack.h"
 #include "kelp/simd/lanes.h"
+#include "kelp/simd/tangent_overrides.h"
 
 namespace kelp::simd {
 namespace {
@@ -16,7 +17,11 @@ namespace {
 constexpr std::size_t kPeriods = std::size(WaveBlock{}.frequencies);
 constexpr std::uint32_t kLanes = std::size(WaveSums{}.of[0].sine);
 
-static_assert(sizeof(WaveBlock) + sizeof(WaveSums) + sizeof(void*) + sizeof(Wave) <= kWaveMemory);
+// A wave moves its knot and up to three tangents.
+constexpr std::size_t kMostMoves = 4;
+static_assert(sizeof(Wave) + sizeof(WaveBlock) +
+                  kMostMoves * (sizeof(WaveSums) + sizeof(Wave) + sizeof(void*)) <=
+              kWaveMemory);
 // addWaves counts through the knots as floats.
 static_assert(sizeof(Knot) == 7 * sizeof(float) && offsetof(Knot, position) == sizeof(float) &&
               offsetof(Knot, tangent) == 4 * sizeof(float));
@@ -54,6 +59,27 @@ void addSums(Lanes sines, Lanes cosines, std::span<const WaveSums> all, float* n
   }
 }
 
+// Visits the waves of a clip, and the waves by which automatic tangents follow them (followOf).
+template <class Visit>
+void visitMoves(const Clip& clip, std::span<const Part> parts, const TangentOverrides& overrides,
+                const Visit& visit) {
+  for (const Wave& wave : clip.waves) {
+    visit(wave);
+    if (wave.target != Target::kKnotOffset) continue;
+    const Part& part = parts[wave.part];
+    const Follow follow = followOf(part.knots, wave.knot, overrides.following(part, wave.part));
+    const float factors[] = {follow.before, follow.self, follow.after};
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      if (factors[i] == 0) continue;
+      Wave tangent = wave;
+      tangent.knot = wave.knot + i - 1;
+      tangent.target = Target::kKnotTangent;
+      tangent.amplitude *= factors[i];
+      visit(tangent);
+    }
+  }
+}
+
 bool isSameVector(const Wave& a, const Wave& b) {
   return a.part == b.part && a.knot == b.knot && a.target == b.target;
 }
@@ -83,8 +109,8 @@ void addWaves(const WaveBlock& block, double seconds, float weight, std::span<Kn
 }
 
 // The tables while they are filled.
-struct ClipWaves::Filling {
-  ClipWaves& out;
+struct ClipTables::Filling {
+  ClipTables& out;
   std::span<const std::uint32_t> first_knot;  // of each part
   std::size_t blocks = 0, sums = 0;
 
@@ -154,16 +180,32 @@ struct ClipWaves::Filling {
   }
 };
 
-ClipWaves::ClipWaves(const Allocator& allocator)
-    : first_block_(allocator), blocks_(allocator), sums_(allocator) {}
+ClipTables::ClipTables(const Allocator& allocator)
+    : first_block_(allocator),
+      blocks_(allocator),
+      sums_(allocator),
+      first_track_(allocator),
+      follows_(allocator) {}
 
-Result<void> ClipWaves::prepare(std::span<const Part> parts, std::span<const Clip> clips) {
-  std::size_t count = 0;
-  for (const Clip& clip : clips) count += clip.waves.size();
+Result<void> ClipTables::prepare(std::span<const Part> parts, std::span<const Clip> clips) {
+  TangentOverrides overrides;
+  if (!TangentOverrides::make(parts.size(), blocks_.allocator(), overrides))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the clips"};
+  std::size_t given = 0, count = 0, tracks = 0;
+  for (const Clip& clip : clips) {
+    given += clip.waves.size();
+    tracks += clip.tracks.size();
+    overrides.begin(clip);
+    visitMoves(clip, parts, overrides, [&count](const Wave&) { ++count; });
+    overrides.end(clip);
+  }
+  Buffer<Wave> moves(blocks_.allocator());
   Buffer<const Wave*> waves(blocks_.allocator());
   Buffer<std::uint32_t> first_knot(blocks_.allocator());
-  // A block and four sums for each wave are always enough: each has at least one wave of its own.
-  if (!first_block_.reset(clips.size() + 1) || !blocks_.reset(count) || !sums_.reset(count) ||
+  // A block for each given wave, and four sums for each move, are always enough: each has at least one of its
+  // own.
+  if (!first_block_.reset(clips.size() + 1) || !blocks_.reset(given) || !sums_.reset(count) ||
+      !first_track_.reset(clips.size() + 1) || !follows_.reset(tracks) || !moves.reset(count) ||
       !waves.reset(count) || !first_knot.reset(parts.size()))
     return Error{ErrorCode::kOutOfMemory, "no memory for the clips"};
   for (std::size_t i = 1; i < parts.size(); ++i)
@@ -171,17 +213,34 @@ Result<void> ClipWaves::prepare(std::span<const Part> parts, std::span<const Cli
   Filling filling{*this, first_knot.span()};
   std::size_t used = 0;
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    const std::span<const Wave*> mine = waves.span().subspan(used, clips[i].waves.size());
-    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = &clips[i].waves[k];
-    used += mine.size();
-    filling.addClip(mine);
+    const std::size_t first = used;
+    overrides.begin(clips[i]);
+    visitMoves(clips[i], parts, overrides, [&](const Wave& move) {
+      moves[used] = move;
+      waves[used] = &moves[used];
+      ++used;
+    });
+    filling.addClip(waves.span().subspan(first, used - first));
+    std::uint32_t track = first_track_[i];
+    for (const Track& each : clips[i].tracks) {
+      Follow& follow = follows_[track++];
+      if (each.target == Target::kKnotOffset)
+        follow =
+            followOf(parts[each.part].knots, each.knot, overrides.following(parts[each.part], each.part));
+    }
+    first_track_[i + 1] = track;
+    overrides.end(clips[i]);
     first_block_[i + 1] = static_cast<std::uint32_t>(filling.blocks);
   }
   return {};
 }
 
-std::span<const WaveBlock> ClipWaves::of(std::size_t clip) const {
+std::span<const WaveBlock> ClipTables::waves(std::size_t clip) const {
   return blocks_.span().subspan(first_block_[clip], first_block_[clip + 1] - first_block_[clip]);
+}
+
+std::span<const Follow> ClipTables::follows(std::size_t clip) const {
+  return follows_.span().subspan(first_track_[clip], first_track_[clip + 1] - first_track_[clip]);
 }
 
 }  // namespace kelp::simd

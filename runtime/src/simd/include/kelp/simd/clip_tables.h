@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The waves of a clip, prepared for evaluation. sin(a + b) = sin a cos b + cos a sin b, so all waves of one
+// The clips of a pack, prepared for evaluation. sin(a + b) = sin a cos b + cos a sin b, so all waves of one
 // period share one sine and one cosine, and all waves that move the same number become one sum.
 #pragma once
 
@@ -29,20 +29,25 @@ struct WaveBlock {
   std::span<const WaveSums> sums;
 };
 
-// The waves of every clip of a pack.
-class ClipWaves {
+// What is prepared of every clip of a pack.
+class ClipTables {
  public:
-  explicit ClipWaves(const Allocator& allocator);
+  explicit ClipTables(const Allocator& allocator);
   // Fills the tables from the pack's clips. kOutOfMemory. At most kWaveMemory bytes a wave, while it runs.
   Result<void> prepare(std::span<const Part> parts, std::span<const Clip> clips);
-  // The blocks of one clip. The index must be valid.
-  std::span<const WaveBlock> of(std::size_t clip) const;
+  // The waves of one clip, those by which automatic tangents follow included. The index must be valid.
+  std::span<const WaveBlock> waves(std::size_t clip) const;
+  // How automatic tangents follow the tracks of one clip: one a track, all 0 if it moves no knot. The index
+  // must be valid.
+  std::span<const Follow> follows(std::size_t clip) const;
 
  private:
   struct Filling;
   Buffer<std::uint32_t> first_block_;  // of each clip, and the end of the last one's
   Buffer<WaveBlock> blocks_;           // their sums are in sums_
   Buffer<WaveSums> sums_;
+  Buffer<std::uint32_t> first_track_;  // of each clip, and the end of the last one's
+  Buffer<Follow> follows_;
 };
 
 // Adds `weight` times the value of the waves at `seconds` to the knots, which are those of all parts, one
