@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The order of chunks: INFO PART MATL FOGS RIGS CLIP; then for each level, coarse to fine, and for each
+// The order of chunks: INFO PART MATL FOGS RIGS CLIP SOCK; then for each level, coarse to fine, and for each
 // part, GRID and BRCK or FOGB. Unknown optional chunks may stand anywhere between.
 #include <algorithm>
 
@@ -18,7 +18,7 @@ Error wrongOrder(const char* detail, std::size_t index) {
 bool isMetadata(std::uint32_t fourcc) {
   using namespace layout;
   return fourcc == kInfo || fourcc == kPart || fourcc == kMatl || fourcc == kFogs || fourcc == kRigs ||
-         fourcc == kClip;
+         fourcc == kClip || fourcc == kSock;
 }
 
 bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || layout::isPages(fourcc); }
@@ -33,7 +33,8 @@ Result<MetadataChunks> findMetadata(std::span<const ChunkInfo> chunks, const Lim
   };
   const Slot slots[] = {{layout::kInfo, &found.info}, {layout::kPart, &found.part},
                         {layout::kMatl, &found.matl}, {layout::kFogs, &found.fogs},
-                        {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip}};
+                        {layout::kRigs, &found.rigs}, {layout::kClip, &found.clip},
+                        {layout::kSock, &found.sock}};
   const Slot* next = std::begin(slots);
   bool levels = false;
   std::uint64_t total = 0;

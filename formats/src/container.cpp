@@ -13,8 +13,10 @@ namespace {
 
 using ChunkInfo = Pack::ChunkInfo;
 
-// A pack can be drawn without INFO and CLIP, but not without the others.
-bool mustBeRequired(std::uint32_t fourcc) { return fourcc != layout::kInfo && fourcc != layout::kClip; }
+// A pack can be drawn without INFO, CLIP and SOCK, but not without the others.
+bool mustBeRequired(std::uint32_t fourcc) {
+  return fourcc != layout::kInfo && fourcc != layout::kClip && fourcc != layout::kSock;
+}
 
 std::uint64_t entryOffset(std::size_t index) {
   return layout::kHeaderBytes + index * layout::kIndexEntryBytes;
@@ -73,9 +75,15 @@ Result<void> checkIndex(const Container& container, const Limits& limits) {
 }  // namespace
 
 Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes) {
-  if (!source.read(source.user, offset, bytes))
-    return Error{ErrorCode::kIo, "the source could not be read", offset};
-  return {};
+  switch (source.read(source.user, offset, bytes)) {
+    case Read::kDone:
+      return {};
+    case Read::kNotYet:
+      return Error{ErrorCode::kNotYet, "the source has not got the bytes yet", offset};
+    case Read::kFailed:
+      break;
+  }
+  return Error{ErrorCode::kIo, "the source could not be read", offset};
 }
 
 Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator,

@@ -22,7 +22,7 @@ struct Container {
 Result<void> readContainer(const Source& source, const Limits& limits, const Allocator& allocator,
                            Container& out);
 
-// Fills `bytes` from `offset` of the source, or returns kIo.
+// Fills `bytes` from `offset` of the source, or returns kIo or kNotYet.
 Result<void> readBytes(const Source& source, std::uint64_t offset, std::span<std::byte> bytes);
 
 // Reads a chunk, checks its checksum and decompresses it if necessary. Not for BRCK and FOGB.
@@ -36,8 +36,9 @@ Error inFile(const Error& error, const Pack::ChunkInfo& chunk);
 // Where the metadata chunks are in the index.
 struct MetadataChunks {
   static constexpr std::size_t kNone = ~std::size_t{0};
-  // info, fogs and clip may be absent
-  std::size_t info = kNone, part = kNone, matl = kNone, fogs = kNone, rigs = kNone, clip = kNone;
+  // info, fogs, clip and sock may be absent
+  std::size_t info = kNone, part = kNone, matl = kNone, fogs = kNone, rigs = kNone, clip = kNone,
+              sock = kNone;
 };
 // Finds the metadata chunks and checks their order. kLimit if together they are larger than the limits
 // allow.

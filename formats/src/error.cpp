@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/formats/error.h"
 
+#include <cstdio>
+#include <cstdlib>
+
 namespace kelp {
 
 const char* toString(ErrorCode code) {
@@ -9,6 +12,8 @@ const char* toString(ErrorCode code) {
       return "misuse";
     case ErrorCode::kIo:
       return "input/output error";
+    case ErrorCode::kNotYet:
+      return "not there yet";
     case ErrorCode::kNotAPack:
       return "not a .kelp pack";
     case ErrorCode::kUnsupportedVersion:
@@ -31,6 +36,28 @@ const char* toString(ErrorCode code) {
       return "graphics error";
   }
   return "unknown error";
+}
+
+const char* toString(Error::Unit unit) {
+  switch (unit) {
+    case Error::Unit::kByte:
+      return "byte";
+    case Error::Unit::kPart:
+      return "part";
+    case Error::Unit::kKnot:
+      return "knot";
+    case Error::Unit::kInstance:
+      return "instance";
+  }
+  return "place";
+}
+
+void stop(const Error& error) {
+  std::fprintf(stderr, "kelp: %s: %s", toString(error.code), error.detail);
+  if (error.offset != Error::kNoOffset)
+    std::fprintf(stderr, " (%s %llu)", toString(error.unit), static_cast<unsigned long long>(error.offset));
+  std::fputc('\n', stderr);
+  std::abort();
 }
 
 }  // namespace kelp

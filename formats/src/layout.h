@@ -30,13 +30,14 @@ inline constexpr std::uint32_t kMatl = fourcc("MATL");
 inline constexpr std::uint32_t kFogs = fourcc("FOGS");
 inline constexpr std::uint32_t kRigs = fourcc("RIGS");
 inline constexpr std::uint32_t kClip = fourcc("CLIP");
+inline constexpr std::uint32_t kSock = fourcc("SOCK");
 inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 inline constexpr std::uint32_t kFogb = fourcc("FOGB");
 
 constexpr bool isKnown(std::uint32_t chunk) {
   return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs ||
-         chunk == kClip || chunk == kGrid || chunk == kBrck || chunk == kFogb;
+         chunk == kClip || chunk == kSock || chunk == kGrid || chunk == kBrck || chunk == kFogb;
 }
 
 // Whether the chunk consists of pages, which are compressed one by one.
@@ -105,8 +106,9 @@ inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pa
 inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
 inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
 inline constexpr std::size_t kFogsHeader = 4, kFogRecord = 28, kRampRecord = 12;
-inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 12, kKnotRecord = 28;
+inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 16, kKnotRecord = 28;
 inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16,
                              kKeyRecord = 52;
+inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;
 
 }  // namespace kelp::layout

@@ -218,6 +218,10 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     part.automatic_tangents = in.u64();
     if (count < 64 && part.automatic_tangents >> count != 0)
       return corrupt("a rig marks the tangents of knots that it does not have", at + 4);
+    part.parent_at = in.f32();
+    const bool on_spline = part.parent_at >= 0 && part.parent_at <= 1 && part.parent >= 0;
+    if (part.parent_at != Part::kNotOnSpline && !on_spline)
+      return corrupt("a part's place on its parent's spline is not 0 to 1, or it has no parent", at + 12);
     part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
     used += count;
   }
@@ -236,6 +240,46 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail,
                  knots_at + knot * layout::kKnotRecord};
   }
+  return {};
+}
+
+Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out) {
+  if (chunk.size() < layout::kSockHeader) return corrupt("the socket table is too short", 0);
+  RecordReader in(chunk);
+  const std::uint32_t count = in.u32();
+  const std::uint32_t text_bytes = in.u32();
+  const std::uint64_t names_at = layout::kSockHeader + std::uint64_t{count} * layout::kSockRecord;
+  if (chunk.size() != names_at + text_bytes)
+    return corrupt("the socket table's size does not match its counts", 0);
+  if (!out.takeRoom(count, sizeof(Socket)) || !out.takeRoom(text_bytes, 1)) return tooLarge();
+  if (!out.sockets.reset(count) || !out.socket_names.reset(text_bytes))
+    return outOfMemory("no memory for the sockets");
+  if (text_bytes > 0) std::memcpy(out.socket_names.data(), chunk.data() + names_at, text_bytes);
+
+  std::uint64_t text = 0;
+  for (Socket& slot : out.sockets) {
+    const std::size_t at = in.at();
+    Socket socket;
+    const std::uint32_t name_bytes = in.u32();
+    socket.part = in.u32();
+    socket.at = in.f32();
+    socket.offset = in.take<glm::vec2>();
+    const glm::vec4 turn = in.vec4();
+    if (name_bytes < 1 || name_bytes > layout::kMaxNameBytes || name_bytes > text_bytes - text)
+      return corrupt("a socket's name is not 1 to 255 bytes long", at);
+    socket.name = {out.socket_names.data() + text, name_bytes};
+    if (!isName(socket.name))
+      return corrupt("a socket's name is not UTF-8 without control characters",
+                     static_cast<std::size_t>(names_at + text));
+    text += name_bytes;
+    if (socket.part >= out.parts.size()) return corrupt("a socket's part does not exist", at + 4);
+    if (!isUnit(socket.at)) return corrupt("a socket's place is not 0 to 1", at + 8);
+    if (!isFinite(glm::vec3(socket.offset, 0))) return corrupt("a socket's offset is not finite", at + 12);
+    if (!isRotation(turn)) return corrupt("a socket's rotation is not a unit quaternion", at + 20);
+    socket.rotation = glm::quat(turn.w, turn.x, turn.y, turn.z);
+    slot = socket;
+  }
+  if (text != text_bytes) return corrupt("the lengths of the socket names do not match their text", 4);
   return {};
 }
 

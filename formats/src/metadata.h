@@ -34,7 +34,9 @@ struct Metadata {
         clips(allocator),
         waves(allocator),
         tracks(allocator),
-        keys(allocator) {}
+        keys(allocator),
+        socket_names(allocator),
+        sockets(allocator) {}
 
   // Subtracts the bytes of a table from the room that is left. False if the limits do not allow it. Counts
   // have 32 bits, so the product does not overflow.
@@ -59,6 +61,8 @@ struct Metadata {
   Buffer<Wave> waves;
   Buffer<Track> tracks;  // keys point into `keys`
   Buffer<Key> keys;
+  Buffer<char> socket_names;
+  Buffer<Socket> sockets;  // names point into socket_names
 };
 
 Result<void> parseInfo(std::span<const std::byte> chunk, Metadata& out);
@@ -67,8 +71,9 @@ Result<void> parsePalette(std::span<const std::byte> chunk, Metadata& out);
 // Call it after parseParts. `chunk` is empty if the file has no FOGS. There must be a table if a part is
 // fog, and only then.
 Result<void> parseFogs(std::span<const std::byte> chunk, Metadata& out);
-Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);   // call it after parseParts
-Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);  // call it after parseRigs
+Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out);     // call it after parseParts
+Result<void> parseClips(std::span<const std::byte> chunk, Metadata& out);    // call it after parseRigs
+Result<void> parseSockets(std::span<const std::byte> chunk, Metadata& out);  // call it after parseParts
 
 // Whether the text is UTF-8 without overlong forms, surrogates and U+0000. A name must not have control
 // characters either.

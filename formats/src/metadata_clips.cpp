@@ -69,10 +69,7 @@ Result<void> readKey(RecordReader& in, const Track& track, Key& key) {
   if (!isFinite(key.value) || !isFinite(key.in) || !isFinite(key.out))
     return corrupt("a key holds a number that is not finite", at + 4);
   if (track.target == Target::kPartRotation) {
-    const glm::vec4& q = key.value;
-    const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    if (!(norm > 0.998f && norm < 1.002f))
-      return corrupt("a key's rotation is not a unit quaternion", at + 4);
+    if (!isRotation(key.value)) return corrupt("a key's rotation is not a unit quaternion", at + 4);
   } else if (key.value.w != 0 || key.in.w != 0 || key.out.w != 0) {
     return corrupt("the unused fourth component of a key is not zero", at + 16);
   }

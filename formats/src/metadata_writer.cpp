@@ -113,6 +113,7 @@ bool buildRigs(const RawPack& pack, Buffer<std::byte>& out) {
   for (const RawPart& part : pack.parts) {
     to.count(part.knots.size());
     to.put(part.automatic_tangents);
+    to.put(part.parent_at);
   }
   for (const RawPart& part : pack.parts) {
     for (const Knot& knot : part.knots) {
@@ -175,6 +176,25 @@ bool buildClips(const RawPack& pack, Buffer<std::byte>& out) {
     }
   }
   for (const RawClip& clip : pack.clips) to.text(clip.name);
+  return true;
+}
+
+bool buildSockets(const RawPack& pack, Buffer<std::byte>& out) {
+  std::size_t text = 0;
+  for (const RawSocket& socket : pack.sockets) text += socket.name.size();
+  if (!out.reset(layout::kSockHeader + pack.sockets.size() * layout::kSockRecord + text)) return false;
+  RecordWriter to(out);
+  to.count(pack.sockets.size());
+  to.count(text);
+  for (const RawSocket& socket : pack.sockets) {
+    to.count(socket.name.size());
+    to.put(socket.part);
+    to.put(socket.at);
+    to.put(socket.offset);
+    const glm::quat& q = socket.rotation;
+    to.put(glm::vec4(q.x, q.y, q.z, q.w));
+  }
+  for (const RawSocket& socket : pack.sockets) to.text(socket.name);
   return true;
 }
 

@@ -20,5 +20,6 @@ inline constexpr Error kNoMemory{ErrorCode::kOutOfMemory, "no memory to write th
 [[nodiscard]] bool buildFogs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildRigs(const RawPack& pack, Buffer<std::byte>& out);
 [[nodiscard]] bool buildClips(const RawPack& pack, Buffer<std::byte>& out);
+[[nodiscard]] bool buildSockets(const RawPack& pack, Buffer<std::byte>& out);
 
 }  // namespace kelp

@@ -18,7 +18,14 @@ struct Pack::Impl {
         allocator(memory),
         container(memory),
         metadata(memory, at_most.max_metadata_bytes),
-        levels(memory) {}
+        levels(memory) {
+    if (source.acquire) source.acquire(source.user);
+  }
+  ~Impl() {
+    if (source.release) source.release(source.user);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   Source source;
   Limits limits;
@@ -58,7 +65,9 @@ Result<void> Pack::Impl::readMetadata() {
     return r;
   if (const Result<void> r = readTable(found->rigs, [&](Bytes b) { return parseRigs(b, metadata); }); !r)
     return r;
-  return readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); });
+  if (const Result<void> r = readTable(found->clip, [&](Bytes b) { return parseClips(b, metadata); }); !r)
+    return r;
+  return readTable(found->sock, [&](Bytes b) { return parseSockets(b, metadata); });
 }
 
 Result<void> Pack::Impl::read() {
@@ -87,6 +96,7 @@ std::string_view Pack::infoJson() const { return {impl_->metadata.info.data(), i
 std::span<const Part> Pack::parts() const { return impl_->metadata.parts.span(); }
 std::span<const Material> Pack::palette() const { return impl_->metadata.palette.span(); }
 std::span<const Clip> Pack::clips() const { return impl_->metadata.clips.span(); }
+std::span<const Socket> Pack::sockets() const { return impl_->metadata.sockets.span(); }
 std::span<const Pack::ChunkInfo> Pack::chunks() const { return impl_->container.chunks.span(); }
 
 Result<LevelGrid> Pack::readGrid(int part, int level) const {

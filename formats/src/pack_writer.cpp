@@ -54,7 +54,11 @@ class Writer {
       entries += clip.waves.size() + clip.tracks.size();
       for (const RawTrack& track : clip.tracks) entries += track.keys.size();
     }
-    if (entries > kMost || levels_ > kMost) return misuse("too many levels, waves, tracks or keys");
+    for (const RawSocket& socket : pack_.sockets)
+      if (socket.name.size() > layout::kMaxNameBytes)
+        return misuse("a socket's name is longer than 255 bytes");
+    if (entries > kMost || levels_ > kMost || pack_.sockets.size() > kMost)
+      return misuse("too many levels, waves, tracks, keys or sockets");
     return {};
   }
 
@@ -92,9 +96,13 @@ class Writer {
     }
     if (!buildRigs(pack_, table)) return kNoMemory;
     if (const Result<void> r = add(layout::kRigs, true, parseRigs(table.span(), parsed)); !r) return r;
-    if (pack_.clips.empty()) return {};
-    if (!buildClips(pack_, table)) return kNoMemory;
-    return add(layout::kClip, false, parseClips(table.span(), parsed));
+    if (!pack_.clips.empty()) {
+      if (!buildClips(pack_, table)) return kNoMemory;
+      if (const Result<void> r = add(layout::kClip, false, parseClips(table.span(), parsed)); !r) return r;
+    }
+    if (pack_.sockets.empty()) return {};
+    if (!buildSockets(pack_, table)) return kNoMemory;
+    return add(layout::kSock, false, parseSockets(table.span(), parsed));
   }
 
   Result<void> packLevels() {
@@ -225,7 +233,7 @@ class Writer {
     return offset == written_ || send(std::span(kZeros).first(static_cast<std::size_t>(offset - written_)));
   }
 
-  static constexpr std::size_t kMetadataChunks = 6;
+  static constexpr std::size_t kMetadataChunks = 7;
 
   const RawPack& pack_;
   const Sink& sink_;

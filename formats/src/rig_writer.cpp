@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes a pack again with other rigs: new INFO, RIGS and CLIP; all other chunks are copied.
+// Writes a pack again with other rigs: new INFO, RIGS, CLIP and SOCK; all other chunks are copied.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -33,6 +33,7 @@ class RigWriter {
     const Result<MetadataChunks> found = findMetadata(container_.chunks.span(), limits_);
     if (!found) return found.error();
     if (const Result<void> r = readParts(*found); !r) return r;
+    if (const Result<void> r = checkCounts(); !r) return r;
     if (const Result<void> r = packTables(); !r) return r;
     if (const Result<void> r = plan(*found); !r) return r;
     return write();
@@ -72,8 +73,7 @@ class RigWriter {
     return Error{ErrorCode::kMisuse, verdict.error().detail};
   }
 
-  // Builds the new tables and checks them with the functions of the reader.
-  Result<void> packTables() {
+  Result<void> checkCounts() {
     if (rigs_.parts.size() != parsed_.parts.size())
       return Error{ErrorCode::kMisuse, "there is not a rig for each part"};
     for (const RawRig& rig : rigs_.parts)
@@ -86,17 +86,26 @@ class RigWriter {
       entries += clip.waves.size() + clip.tracks.size();
       for (const RawTrack& track : clip.tracks) entries += track.keys.size();
     }
+    for (const RawSocket& socket : rigs_.sockets)
+      if (socket.name.size() > layout::kMaxNameBytes)
+        return Error{ErrorCode::kMisuse, "a socket's name is longer than 255 bytes"};
     // The names then fit into 32 bits too.
-    if (entries > ~std::uint32_t{0} / 256)
-      return Error{ErrorCode::kMisuse, "too many clips, waves, tracks or keys"};
+    if (entries + rigs_.sockets.size() > ~std::uint32_t{0} / 256)
+      return Error{ErrorCode::kMisuse, "too many clips, waves, tracks, keys or sockets"};
+    return {};
+  }
 
-    RawPack pack;  // buildRigs and buildClips read only knots and clips
+  // Builds the new tables and checks them with the functions of the reader.
+  Result<void> packTables() {
+    RawPack pack;  // what is built here reads only rigs, clips and sockets
     pack.parts.resize(rigs_.parts.size());
     for (std::size_t i = 0; i < pack.parts.size(); ++i) {
       pack.parts[i].knots = rigs_.parts[i].knots;
       pack.parts[i].automatic_tangents = rigs_.parts[i].automatic_tangents;
+      pack.parts[i].parent_at = rigs_.parts[i].parent_at;
     }
     pack.clips = rigs_.clips;
+    pack.sockets = rigs_.sockets;
     Buffer<std::byte> table;
     if (!rigs_.info_json.empty()) {
       if (!table.reset(rigs_.info_json.size())) return kNoMemory;
@@ -107,10 +116,15 @@ class RigWriter {
     if (!buildRigs(pack, table)) return kNoMemory;
     if (const Result<void> r = judged(parseRigs(table.span(), parsed_)); !r) return r;
     if (!packBytes(table.span(), knots_)) return kNoMemory;
-    if (pack.clips.empty()) return {};
-    if (!buildClips(pack, table)) return kNoMemory;
-    if (const Result<void> r = judged(parseClips(table.span(), parsed_)); !r) return r;
-    return packBytes(table.span(), clips_) ? Result<void>() : kNoMemory;
+    if (!pack.clips.empty()) {
+      if (!buildClips(pack, table)) return kNoMemory;
+      if (const Result<void> r = judged(parseClips(table.span(), parsed_)); !r) return r;
+      if (!packBytes(table.span(), clips_)) return kNoMemory;
+    }
+    if (pack.sockets.empty()) return {};
+    if (!buildSockets(pack, table)) return kNoMemory;
+    if (const Result<void> r = judged(parseSockets(table.span(), parsed_)); !r) return r;
+    return packBytes(table.span(), sockets_) ? Result<void>() : kNoMemory;
   }
 
   void add(std::uint32_t fourcc, std::uint32_t flags, const Packed& own) {
@@ -124,14 +138,15 @@ class RigWriter {
   }
 
   Result<void> plan(const MetadataChunks& found) {
-    chunks_.reset(new (std::nothrow) ChunkOrigin[container_.chunks.size() + 2]);
+    chunks_.reset(new (std::nothrow) ChunkOrigin[container_.chunks.size() + 3]);
     if (!chunks_) return kNoMemory;
     if (!rigs_.info_json.empty()) add(layout::kInfo, 0, info_);
     for (std::size_t i = 0; i < container_.chunks.size(); ++i) {
-      if (i == found.info || i == found.clip) continue;
+      if (i == found.info || i == found.clip || i == found.sock) continue;
       if (i == found.rigs) {
         add(layout::kRigs, layout::kFlagRequired, knots_);
         if (!rigs_.clips.empty()) add(layout::kClip, 0, clips_);
+        if (!rigs_.sockets.empty()) add(layout::kSock, 0, sockets_);
         continue;
       }
       chunks_[count_].info = container_.chunks[i];
@@ -199,7 +214,7 @@ class RigWriter {
   const Limits& limits_;
   Container container_{Allocator()};
   Metadata parsed_{Allocator(), limits_.max_metadata_bytes};
-  Packed info_, knots_, clips_;
+  Packed info_, knots_, clips_, sockets_;
   std::unique_ptr<ChunkOrigin[]> chunks_;
   std::size_t count_ = 0;
   Buffer<std::byte> block_;

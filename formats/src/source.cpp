@@ -2,27 +2,58 @@
 #include "kelp/formats/source.h"
 
 #include <cstring>
+#include <new>
 #include <utility>
+
+#include "file_source.h"
 
 namespace kelp {
 
-bool MemorySource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
-  const std::span<const std::byte> all = static_cast<const MemorySource*>(user)->bytes_;
-  if (offset > all.size() || bytes.size() > all.size() - offset) return false;
-  if (!bytes.empty()) std::memcpy(bytes.data(), all.data() + offset, bytes.size());
-  return true;
+// Whoever calls it stays within the source's size.
+Read MemorySource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+  if (!bytes.empty()) std::memcpy(bytes.data(), static_cast<const std::byte*>(user) + offset, bytes.size());
+  return Read::kDone;
 }
 
-FileSource::FileSource(FileSource&& other) noexcept
-    : file_(std::exchange(other.file_, -1)), size_(std::exchange(other.size_, 0)) {}
+Result<FileSource> FileSource::open(const char* path) {
+  if (!path) return Error{ErrorCode::kMisuse, "the path is null"};
+  const Result<OpenFile> opened = openFile(path);
+  if (!opened) return opened.error();
+  FileSource source;
+  source.file_ = new (std::nothrow) File;
+  if (!source.file_) {
+    closeFile(*opened);
+    return Error{ErrorCode::kOutOfMemory, "no memory for the file"};
+  }
+  source.file_->open = *opened;
+  return Result<FileSource>(std::move(source));
+}
+
+Source FileSource::source() const {
+  if (!file_) return {};
+  Source source;
+  source.user = file_;
+  source.size = file_->open.size;
+  source.read = [](void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+    return readFile(static_cast<const File*>(user)->open, offset, bytes) ? Read::kDone : Read::kFailed;
+  };
+  source.acquire = [](void* user) { static_cast<File*>(user)->uses.fetch_add(1, std::memory_order_relaxed); };
+  source.release = [](void* user) {
+    File* const file = static_cast<File*>(user);
+    if (file->uses.fetch_sub(1, std::memory_order_acq_rel) > 1) return;
+    closeFile(file->open);
+    delete file;
+  };
+  return source;
+}
 
 FileSource& FileSource::operator=(FileSource&& other) noexcept {
-  if (this != &other) {
-    FileSource gone(std::move(*this));
-    file_ = std::exchange(other.file_, -1);
-    size_ = std::exchange(other.size_, 0);
-  }
+  std::swap(file_, other.file_);
   return *this;
+}
+
+FileSource::~FileSource() {
+  if (file_) source().release(file_);
 }
 
 }  // namespace kelp

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// FileSource for Windows.
+// Files of Windows.
 #define WIN32_LEAN_AND_MEAN
 #define NOMINMAX
 #include <windows.h>
@@ -7,10 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
+#include "file_source.h"
 #include "kelp/formats/buffer.h"
-#include "kelp/formats/source.h"
 
 namespace kelp {
 namespace {
@@ -49,12 +48,9 @@ void setErrno(DWORD error) {
 
 }  // namespace
 
-FileSource::~FileSource() {
-  if (file_ != -1) ::CloseHandle(handleOf(file_));
-}
+void closeFile(const OpenFile& file) { ::CloseHandle(handleOf(file.handle)); }
 
-Result<FileSource> FileSource::open(const char* path) {
-  if (!path) return Error{ErrorCode::kMisuse, "the path is null"};
+Result<OpenFile> openFile(const char* path) {
   // UTF-8 has at least as many bytes as UTF-16 has units.
   const std::size_t length = std::strlen(path) + 1;
   constexpr std::size_t kLongest = 1 << 15;  // the longest path that the system accepts
@@ -82,24 +78,23 @@ Result<FileSource> FileSource::open(const char* path) {
     setErrno(::GetLastError());
     return Error{ErrorCode::kIo, "the file cannot be opened"};
   }
-  FileSource source;
-  source.file_ = reinterpret_cast<std::intptr_t>(file);
+  const auto refuse = [file](const char* detail) {
+    ::CloseHandle(file);
+    return Error{ErrorCode::kIo, detail};
+  };
   if (::GetFileType(file) != FILE_TYPE_DISK) {
     errno = EINVAL;
-    return Error{ErrorCode::kIo, "not a regular file"};
+    return refuse("not a regular file");
   }
   LARGE_INTEGER size{};
   if (!::GetFileSizeEx(file, &size)) {
     setErrno(::GetLastError());
-    return Error{ErrorCode::kIo, "the file's size cannot be read"};
+    return refuse("the file's size cannot be read");
   }
-  source.size_ = static_cast<std::uint64_t>(size.QuadPart);
-  return Result<FileSource>(std::move(source));
+  return OpenFile{reinterpret_cast<std::intptr_t>(file), static_cast<std::uint64_t>(size.QuadPart)};
 }
 
-bool FileSource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
-  const FileSource& self = *static_cast<const FileSource*>(user);
-  if (offset > self.size_ || bytes.size() > self.size_ - offset) return false;
+bool readFile(const OpenFile& file, std::uint64_t offset, std::span<std::byte> bytes) {
   while (!bytes.empty()) {
     OVERLAPPED place{};  // reads at an offset, so threads share no file position
     place.Offset = static_cast<DWORD>(offset);
@@ -107,7 +102,7 @@ bool FileSource::read(void* user, std::uint64_t offset, std::span<std::byte> byt
     const DWORD most = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), std::size_t{1} << 30));
     DWORD got = 0;
     // 0 bytes: the file became shorter
-    if (!::ReadFile(handleOf(self.file_), bytes.data(), most, &got, &place) || got == 0) return false;
+    if (!::ReadFile(handleOf(file.handle), bytes.data(), most, &got, &place) || got == 0) return false;
     bytes = bytes.subspan(got);
     offset += got;
   }

@@ -110,6 +110,10 @@ bool staysFinite(const Segment& s) {
   return true;
 }
 
+Error atKnot(ErrorCode code, const char* detail, std::size_t knot) {
+  return {code, detail, knot, Error::Unit::kKnot};
+}
+
 }  // namespace
 
 Segment makeSegment(const Knot& k0, const Knot& k1, float height) {
@@ -164,24 +168,24 @@ bool isMonotone(const Segment& segment) {
 
 Result<void> checkKnots(std::span<const Knot> knots) {
   if (areFine(knots)) return {};
-  if (knots.size() < 2) return Error{ErrorCode::kMisuse, "a rig needs at least 2 knots", 0};
+  if (knots.size() < 2) return atKnot(ErrorCode::kMisuse, "a rig needs at least 2 knots", 0);
   if (knots.size() > static_cast<std::size_t>(kMaxKnots))
-    return Error{ErrorCode::kMisuse, "a rig has at most 64 knots", 0};
+    return atKnot(ErrorCode::kMisuse, "a rig has at most 64 knots", 0);
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!std::isfinite(knots[i].at) || !isFinite(knots[i].position) || !isFinite(knots[i].tangent)) {
-      return Error{ErrorCode::kMisuse, "a knot holds a number that is not finite", i};
+      return atKnot(ErrorCode::kMisuse, "a knot holds a number that is not finite", i);
     }
     if (i > 0 && !(knots[i].at > knots[i - 1].at))
-      return Error{ErrorCode::kMisuse, "knots do not ascend along the axis", i};
+      return atKnot(ErrorCode::kMisuse, "knots do not ascend along the axis", i);
   }
-  if (knots.front().at != 0.0f) return Error{ErrorCode::kMisuse, "the first knot is not at 0", 0};
+  if (knots.front().at != 0.0f) return atKnot(ErrorCode::kMisuse, "the first knot is not at 0", 0);
   if (knots.back().at != 1.0f)
-    return Error{ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1};
+    return atKnot(ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1);
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment segment = makeSegment(knots[i], knots[i + 1], 1.0f);
     if (!staysFinite(segment))
-      return Error{ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i};
-    if (!isMonotone(segment)) return Error{ErrorCode::kNotMonotone, "the spline turns back after a knot", i};
+      return atKnot(ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i);
+    if (!isMonotone(segment)) return atKnot(ErrorCode::kNotMonotone, "the spline turns back after a knot", i);
   }
   return {};
 }

@@ -96,6 +96,8 @@ class Verifier {
       rigs_good_ = checkTable(chunk, [&](Bytes b) { return parseRigs(b, model_); });
     } else if (index == metadata.clip && rigs_good_) {
       checkTable(chunk, [&](Bytes b) { return parseClips(b, model_); });
+    } else if (index == metadata.sock && parts_good_) {
+      checkTable(chunk, [&](Bytes b) { return parseSockets(b, model_); });
     } else {
       // An unknown kind, or a chunk whose content cannot be checked because an earlier table is wrong.
       checkStored(chunk);

@@ -29,13 +29,13 @@ class ChangingSource {
   int reads() const { return reads_; }
 
  private:
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> out) {
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> out) {
     auto& self = *static_cast<ChangingSource*>(user);
     const Bytes& bytes = self.now_(self.reads_++);
     EXPECT_LE(offset + out.size(), self.size_) << "read beyond the end";
-    if (offset + out.size() > bytes.size()) return false;
+    if (offset + out.size() > bytes.size()) return Read::kFailed;
     std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
-    return true;
+    return Read::kDone;
   }
 
   std::uint64_t size_;

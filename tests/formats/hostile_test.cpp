@@ -275,7 +275,7 @@ TEST(Hostile, EveryFailedReadIsReported) {
     source.size = unreliable.memory.source().size;
     source.read = [](void* user, std::uint64_t offset, std::span<std::byte> into) {
       Unreliable& self = *static_cast<Unreliable*>(user);
-      if (self.reads++ == self.fail_at) return false;
+      if (self.reads++ == self.fail_at) return Read::kFailed;
       const Source all = self.memory.source();
       EXPECT_LE(offset + into.size(), all.size);
       return all.read(all.user, offset, into);

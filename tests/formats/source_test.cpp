@@ -4,6 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#ifdef _WIN32
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -32,19 +38,17 @@ struct TemporaryFile {
 void expectReads(const Source& source, const std::vector<std::byte>& bytes) {
   ASSERT_EQ(source.size, bytes.size());
   std::vector<std::byte> got(100);
-  ASSERT_TRUE(source.read(source.user, 50, got));
+  ASSERT_EQ(source.read(source.user, 50, got), Read::kDone);
   EXPECT_TRUE(std::equal(got.begin(), got.end(), bytes.begin() + 50));
-  EXPECT_TRUE(source.read(source.user, bytes.size() - 100, got));
-  EXPECT_FALSE(source.read(source.user, bytes.size() - 99, got));
-  EXPECT_TRUE(source.read(source.user, bytes.size(), {}));
-  EXPECT_FALSE(source.read(source.user, bytes.size() + 1, {}));
-  EXPECT_FALSE(source.read(source.user, ~std::uint64_t{0}, got));  // offset + size would wrap around
+  EXPECT_EQ(source.read(source.user, bytes.size() - 100, got), Read::kDone);
+  EXPECT_TRUE(std::equal(got.begin(), got.end(), bytes.end() - 100));
+  EXPECT_EQ(source.read(source.user, bytes.size(), {}), Read::kDone);
 }
 
-TEST(MemorySource, ReadsWithinItsBytesOnly) {
+TEST(MemorySource, ReadsItsBytesWhereverItWasMoved) {
   const std::vector<std::byte> bytes = counting(1000);
-  MemorySource memory(bytes);
-  expectReads(memory.source(), bytes);
+  const Source source = MemorySource(bytes).source();
+  expectReads(source, bytes);
 }
 
 TEST(FileSource, ReadsWithinItsBytesOnly) {
@@ -54,7 +58,47 @@ TEST(FileSource, ReadsWithinItsBytesOnly) {
   ASSERT_TRUE(opened);
   FileSource moved;
   moved = *std::move(opened);
-  expectReads(moved.source(), bytes);
+  const Source source = moved.source();
+  expectReads(source, bytes);
+  std::vector<std::byte> got(100);
+  EXPECT_EQ(source.read(source.user, bytes.size() - 99, got), Read::kFailed);
+  EXPECT_EQ(source.read(source.user, ~std::uint64_t{0}, got), Read::kFailed);  // offset + size wraps around
+}
+
+// The natural std::vector<Model>: a source that was moved, or destroyed, leaves what reads it whole.
+TEST(FileSource, MayMoveAndGoBeforeWhatReadsIt) {
+  const std::vector<std::byte> bytes = counting(1000);
+  const TemporaryFile file(bytes);
+  Source source;
+  {
+    std::vector<FileSource> sources;
+    sources.push_back(*FileSource::open(file.path.string().c_str()));
+    source = sources[0].source();
+    source.acquire(source.user);
+    for (int i = 0; i < 10; ++i) sources.push_back(*FileSource::open(file.path.string().c_str()));
+    expectReads(source, bytes);
+  }
+  expectReads(source, bytes);
+  source.release(source.user);
+}
+
+// No file stays open: the process has as many as before.
+TEST(FileSource, IsClosedAfterTheLastUse) {
+  const TemporaryFile file(counting(1000));
+  const auto lowestFree = [] {
+    const int free = ::dup(0);
+    ::close(free);
+    return free;
+  };
+  const int before = lowestFree();
+  {
+    FileSource source = *FileSource::open(file.path.string().c_str());
+    const Source used = source.source();
+    used.acquire(used.user);
+    source = *FileSource::open(file.path.string().c_str());
+    used.release(used.user);
+  }
+  EXPECT_EQ(lowestFree(), before);
 }
 
 TEST(FileSource, TakesPathsAsUtf8) {
@@ -98,7 +142,7 @@ TEST(FileSource, ReadsFromManyThreadsAtOnce) {
       std::array<std::byte, 64> got;
       for (std::size_t i = 0; i < 500; ++i) {
         const std::size_t offset = (i * 7919 + worker * 104729) % (bytes.size() - got.size());
-        if (!source.read(source.user, offset, got) ||
+        if (source.read(source.user, offset, got) != Read::kDone ||
             !std::equal(got.begin(), got.end(), bytes.begin() + offset))
           ++wrong[worker];
       }
@@ -108,14 +152,14 @@ TEST(FileSource, ReadsFromManyThreadsAtOnce) {
   EXPECT_EQ(wrong, (std::array<int, 4>{}));
 }
 
-TEST(FileSource, AnswersFalseWhenTheFileShrinks) {
+TEST(FileSource, FailsWhenTheFileShrinks) {
   const TemporaryFile file(counting(1000));
   Result<FileSource> opened = FileSource::open(file.path.string().c_str());
   ASSERT_TRUE(opened);
   std::filesystem::resize_file(file.path, 10);
   std::array<std::byte, 64> got;
   const Source source = opened->source();
-  EXPECT_FALSE(source.read(source.user, 0, got));
+  EXPECT_EQ(source.read(source.user, 0, got), Read::kFailed);
 }
 
 TEST(FileSource, RefusesWhatIsNoRegularFile) {

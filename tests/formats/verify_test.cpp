@@ -201,7 +201,7 @@ TEST(Verify, LimitsAndUnreadableSourcesAreIssuesToo) {
   EXPECT_EQ(idsOf(issuesOf(tiny().build(), limits)), Ids{IssueId::kMetadata});
   Source source;
   source.size = 1000;
-  source.read = [](void*, std::uint64_t, std::span<std::byte>) { return false; };
+  source.read = [](void*, std::uint64_t, std::span<std::byte>) { return Read::kFailed; };
   EXPECT_EQ(verify(source, {}, nullptr, nullptr), 1u);
   EXPECT_EQ(verify(Source{}, {}, nullptr, nullptr), 1u);
 }

@@ -27,9 +27,9 @@ struct FailingHost {
     return self.allocations_left-- == 0 ? nullptr : std::malloc(bytes);
   }
   static void deallocate(void*, void* memory, std::size_t) { std::free(memory); }
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
     auto& self = *static_cast<FailingHost*>(user);
-    return self.reads_left-- != 0 && self.inner.read(self.inner.user, offset, bytes);
+    return self.reads_left-- != 0 ? self.inner.read(self.inner.user, offset, bytes) : Read::kFailed;
   }
 };
 

@@ -138,13 +138,15 @@ TEST_P(BrokenStreamTest, AReaderThatFailsForEverOrNowAndThen) {
   HostSource source(bytes());
   const auto asset = openAsset(source);
   ASSERT_TRUE(renderer_->add(*asset));
-  source.allows = [](std::uint64_t, std::size_t) { return false; };
+  source.answers = [](std::uint64_t, std::size_t) { return Read::kFailed; };
   EXPECT_EQ(frames(*asset, 20, canvas, ErrorCode::kIo), 1) << "the coarsest grid, on which all rests";
   EXPECT_EQ(covered_, 0);
   EXPECT_EQ(pending_, 0u);
   // Every third read fails; a host that tries again each second gets there.
   auto count = std::make_shared<std::atomic<int>>(0);
-  source.allows = [count](std::uint64_t, std::size_t) { return ++*count % 3 != 0; };
+  source.answers = [count](std::uint64_t, std::size_t) {
+    return ++*count % 3 != 0 ? Read::kDone : Read::kFailed;
+  };
   int errors = 0, tries = 0;
   for (; asset->residentLevel(0) != 0 && tries < 60; ++tries) {
     asset->retry();
@@ -164,11 +166,11 @@ TEST_P(BrokenStreamTest, AReaderThatBlocksStopsNoFrame) {
   ASSERT_TRUE(renderer_->add(*asset));
   for (int page = 0; page < 10; ++page) ASSERT_TRUE(asset->pump());
   std::atomic<bool> open{false}, reading{false}, blocked_once{false};
-  source.allows = [&](std::uint64_t, std::size_t) {
+  source.answers = [&](std::uint64_t, std::size_t) {
     reading = true;
     while (!open) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     blocked_once = true;
-    return true;
+    return Read::kDone;
   };
   std::thread reader([&] {
     while (asset->residentLevel(0) != 0) {

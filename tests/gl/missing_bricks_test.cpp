@@ -108,11 +108,11 @@ class Patchy {
           gaps->push_back({chunk.offset, chunk.offset + chunk.stored});
       }
     }
-    source_.allows = [gaps](std::uint64_t offset, std::size_t size) {
+    source_.answers = [gaps](std::uint64_t offset, std::size_t size) {
       for (const Gap& gap : *gaps) {
-        if (offset < gap.end && offset + size > gap.begin) return false;
+        if (offset < gap.end && offset + size > gap.begin) return Read::kFailed;
       }
-      return true;
+      return Read::kDone;
     };
     pumpAll(*asset);
   }

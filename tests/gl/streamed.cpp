@@ -26,13 +26,15 @@ void KELP_GL_CALL countedTexSubImage3D(GLenum target, GLint level, GLint x, GLin
 
 }  // namespace
 
-bool HostSource::read(void* user, std::uint64_t offset, std::span<std::byte> out) {
+Read HostSource::read(void* user, std::uint64_t offset, std::span<std::byte> out) {
   auto& self = *static_cast<HostSource*>(user);
-  if (self.allows && !self.allows(offset, out.size())) return false;
-  if (offset > self.bytes_.size() || out.size() > self.bytes_.size() - offset) return false;
+  if (self.answers) {
+    if (const Read answer = self.answers(offset, out.size()); answer != Read::kDone) return answer;
+  }
+  if (offset > self.bytes_.size() || out.size() > self.bytes_.size() - offset) return Read::kFailed;
   self.bytes_read += out.size();
   std::copy_n(self.bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
-  return true;
+  return Read::kDone;
 }
 
 std::unique_ptr<runtime::Asset> openAsset(HostSource& source, const runtime::Options& options) {

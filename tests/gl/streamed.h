@@ -12,7 +12,7 @@
 
 namespace kelp::test {
 
-// A pack's bytes behind a host's read callback. `allows`, if set, is asked on every read: false fails it. Any
+// A pack's bytes behind a host's read callback. `answers`, if set, is asked on every read: kDone goes on. Any
 // threads.
 class HostSource {
  public:
@@ -23,11 +23,11 @@ class HostSource {
   Source source() { return {&HostSource::read, this, bytes_.size()}; }
   std::vector<std::byte>& bytes() { return bytes_; }
 
-  std::function<bool(std::uint64_t offset, std::size_t size)> allows;
+  std::function<Read(std::uint64_t offset, std::size_t size)> answers;
   std::atomic<std::uint64_t> bytes_read{0};
 
  private:
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> out);
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> out);
   std::vector<std::byte> bytes_;
 };
 

@@ -36,7 +36,9 @@ class StreamingThreadsTest : public GlTest {
     std::atomic<int> reads{0};
     std::atomic<bool> flaky{true}, resting{false}, stop{false};
     std::atomic<int> frames_drawn{0};
-    source.allows = [&](std::uint64_t, std::size_t) { return !flaky || ++reads % 7 != 0; };
+    source.answers = [&](std::uint64_t, std::size_t) {
+      return !flaky || ++reads % 7 != 0 ? Read::kDone : Read::kFailed;
+    };
     std::vector<std::thread> threads;
     for (int i = 0; i < 3; ++i) {
       threads.emplace_back([&] {

@@ -243,9 +243,9 @@ TEST(Asset, ASourceThatFailsForAWhileIsAskedAgain) {
   } download{bytes, bytes.size() / 3};
   const Source source{[](void* user, std::uint64_t offset, std::span<std::byte> out) {
                         const Download& d = *static_cast<const Download*>(user);
-                        if (offset + out.size() > d.there) return false;
+                        if (offset + out.size() > d.there) return Read::kFailed;
                         std::memcpy(out.data(), d.all.data() + offset, out.size());
-                        return true;
+                        return Read::kDone;
                       },
                       &download, bytes.size()};
   auto asset = Asset::open(source);

@@ -6,6 +6,7 @@ namespace kelp {
 Exit exitOf(ErrorCode code) {
   switch (code) {
     case ErrorCode::kIo:
+    case ErrorCode::kNotYet:
       return Exit::kIo;
     case ErrorCode::kNotAPack:
     case ErrorCode::kTruncated:
@@ -28,6 +29,7 @@ Exit exitOf(ErrorCode code) {
 const char* remedyOf(ErrorCode code) {
   switch (code) {
     case ErrorCode::kIo:
+    case ErrorCode::kNotYet:
       return "check the disk and the file's permissions";
     case ErrorCode::kNotAPack:
       return "packs are made by kelp-bake: check that this is the right file";
@@ -55,7 +57,7 @@ const char* remedyOf(ErrorCode code) {
 void failPack(const std::string& path, const Error& error, const std::string& place) {
   std::string message = path + ": ";
   if (!place.empty()) message += place + ": ";
-  if (error.offset != Error::kNoOffset) message += "byte " + std::to_string(error.offset) + ": ";
+  if (error.offset != Error::kNoOffset) message += std::string(toString(error.unit)) + " " + std::to_string(error.offset) + ": ";
   message += toString(error.code);
   if (*error.detail) message += std::string(" (") + error.detail + ")";
   throw ToolError(exitOf(error.code), message + "; " + remedyOf(error.code));

@@ -85,7 +85,7 @@ Rerigged::Rerigged(const Source& original, const Pack& pack, const RigSketch& ri
   pieces_[0] = {0, index_end, 0, std::move(head)};
 }
 
-bool Rerigged::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+Read Rerigged::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
   const auto& self = *static_cast<const Rerigged*>(user);
   std::fill(bytes.begin(), bytes.end(), std::byte{0});
   const std::uint64_t end = offset + bytes.size();
@@ -98,11 +98,12 @@ bool Rerigged::read(void* user, std::uint64_t offset, std::span<std::byte> bytes
     const std::uint64_t within = first - piece->offset;
     if (!piece->bytes.empty()) {
       std::copy_n(piece->bytes.begin() + static_cast<std::ptrdiff_t>(within), into.size(), into.begin());
-    } else if (!self.original_.read(self.original_.user, piece->from + within, into)) {
-      return false;
+    } else if (const Read read = self.original_.read(self.original_.user, piece->from + within, into);
+               read != Read::kDone) {
+      return read;
     }
   }
-  return true;
+  return Read::kDone;
 }
 
 }  // namespace kelp::view

@@ -24,7 +24,7 @@ class Rerigged {
     std::vector<std::byte> bytes;
   };
 
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
 
   Source original_;
   std::vector<Piece> pieces_;  // ascending

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How formats and runtime report errors: a numbered code, a byte offset in the pack, and a short text. No
-// exceptions, no allocation.
+// How formats and runtime report errors: a numbered code, a place, and a short text. No exceptions, no
+// allocation.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@ namespace kelp {
 
 enum class ErrorCode : std::uint16_t {
   // The caller broke the function's contract: a bad index, a null callback, an object of another context.
+  // Every build checks this and returns it; nothing is asserted.
   kMisuse = 1,
   kIo,                  // the source failed to read, or the sink failed to write
   kNotAPack,            // the file does not start with the identifier of a .kelp pack
@@ -24,20 +25,35 @@ enum class ErrorCode : std::uint16_t {
   // A spline turns back along its axis. Section 3.1 of the paper needs monotone splines.
   kNotMonotone,
   kGraphics,  // OpenGL failed: a missing function, a shader that does not compile, a texture too large
+  kNotYet,    // the source has not got the bytes yet: nothing is wrong, call again later
 };
 
 // The code in a few English words, such as "checksum mismatch". Static storage.
 const char* toString(ErrorCode code);
 
 struct Error {
+  // What `offset` counts.
+  enum class Unit : std::uint8_t {
+    kByte,      // of the pack
+    kPart,      // index of a part
+    kKnot,      // index of a knot in its part
+    kInstance,  // index of an instance in the list that was given
+  };
   static constexpr std::uint64_t kNoOffset = ~std::uint64_t{0};
 
   ErrorCode code = ErrorCode::kMisuse;
-  const char* detail = "";           // what is wrong, in a few words; static storage
-  std::uint64_t offset = kNoOffset;  // byte in the pack, if there is one
+  // What is wrong, in a few words. Static storage, except where a function says that its asset owns it.
+  const char* detail = "";
+  std::uint64_t offset = kNoOffset;  // where, if there is a place
+  Unit unit = Unit::kByte;
 };
+const char* toString(Error::Unit unit);  // "byte", "part", "knot", "instance"
 
-// A value or an Error. Test it before use: only read the value if the test is true, else only the error.
+// Writes the error to the standard error output and ends the program (std::abort).
+[[noreturn]] void stop(const Error& error);
+
+// A value or an Error. Test it before use: only read the value if the test is true, else only the error. Or
+// call value(), if the program cannot go on without it.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -51,6 +67,12 @@ class [[nodiscard]] Result {
   T* operator->() { return &*value_; }
   const T* operator->() const { return &*value_; }
   const Error& error() const { return error_; }
+  // The value; an error ends the program: stop().
+  T& value() & {
+    if (!value_) stop(error_);
+    return *value_;
+  }
+  T&& value() && { return std::move(value()); }
 
  private:
   std::optional<T> value_;
@@ -65,6 +87,10 @@ class [[nodiscard]] Result<void> {
 
   explicit operator bool() const { return !failed_; }
   const Error& error() const { return error_; }
+  // An error ends the program: stop().
+  void value() const {
+    if (failed_) stop(error_);
+  }
 
  private:
   bool failed_ = false;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What a pack holds besides voxels: parts, palette, rigs, clips. The reader returns these as views into
-// memory that the Pack owns.
+// What a pack holds besides voxels: parts, palette, rigs, clips, sockets. The reader returns these as views
+// into memory that the Pack owns.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
+
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/formats/geometry.h"
 #include "kelp/formats/spline.h"
@@ -56,7 +58,22 @@ struct Part {
   // Bit i: the tangent of knot i follows when that knot or a neighbour moves (followOf). A clip that moves
   // the tangent itself overrides this: then, in that clip, the tangent moves as the clip says and no more.
   std::uint64_t automatic_tangents = 0;
+  // Where the part hangs on its parent's spline: the `at` of that place, 0 to 1. It moves with the spline
+  // there, as a socket does. kNotOnSpline: it follows the parent's motion alone.
+  static constexpr float kNotOnSpline = -1;
+  float parent_at = kNotOnSpline;
   const Fog* fog = nullptr;  // set if kind is kFog, else null
+};
+
+// A named place on a part, for what a game attaches: it moves with the spline. At rest, in part space, its
+// origin is (X / 2 + offset.x Y, at Y, Z / 2 + offset.y Y), where the part has X x Y x Z voxels; its axes are
+// the part's, turned by `rotation`.
+struct Socket {
+  std::string_view name;
+  std::uint32_t part = 0;
+  float at = 0;                    // place along the axis, 0 to 1
+  glm::vec2 offset{0};             // across the axis, from the middle line: part x and z, heights of the part
+  glm::quat rotation{1, 0, 0, 0};  // unit
 };
 
 // What a wave or track of a clip moves. Values are multiplied by a weight and added to the rest rig, so clips

@@ -80,11 +80,11 @@ struct PageData {
 };
 
 // An open pack. Everything except the voxels is in memory and checked. Movable. Immutable: any thread may
-// call any const function at any time. The source's `user` must outlive it.
+// call any const function at any time.
 class Pack {
  public:
   // Reads and checks header, index and metadata. Any error except kNotMonotone (a rest rig that turns back is
-  // kCorrupt) and kGraphics. Safe for hostile files.
+  // kCorrupt) and kGraphics. kNotYet: open it again later. Safe for hostile files.
   static Result<Pack> open(const Source& source, const Limits& limits = {}, const Allocator& allocator = {});
   Pack(Pack&&) noexcept;
   Pack& operator=(Pack&&) noexcept;
@@ -96,6 +96,7 @@ class Pack {
   std::span<const Part> parts() const;
   std::span<const Material> palette() const;  // 1 to 256
   std::span<const Clip> clips() const;
+  std::span<const Socket> sockets() const;
 
   // Reads, checks and decodes the grid of a level. kMisuse for a part or level that does not exist.
   Result<LevelGrid> readGrid(int part, int level) const;

@@ -44,6 +44,7 @@ struct RawPart {
   glm::mat4x3 pivot{1};
   std::vector<Knot> knots;
   std::uint64_t automatic_tangents = 0;  // as in Part
+  float parent_at = Part::kNotOnSpline;  // as in Part
   std::vector<RawLevel> levels;          // finest first, at least one
   std::optional<RawFog> fog;             // set: the part is fog
 };
@@ -63,11 +64,20 @@ struct RawClip {
   std::vector<RawTrack> tracks;
 };
 
+struct RawSocket {  // as Socket
+  std::string name;
+  std::uint32_t part = 0;
+  float at = 0;
+  glm::vec2 offset{0};
+  glm::quat rotation{1, 0, 0, 0};
+};
+
 struct RawPack {
   std::string info_json;
   std::vector<Material> palette;
   std::vector<RawPart> parts;
   std::vector<RawClip> clips;
+  std::vector<RawSocket> sockets;
 };
 
 // Receives the bytes of the file in order. `write` returns false to stop; the writer then returns kIo.
@@ -85,6 +95,7 @@ Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
 struct RawRig {
   std::vector<Knot> knots;
   std::uint64_t automatic_tangents = 0;
+  float parent_at = Part::kNotOnSpline;
 };
 
 // What writeRigs replaces in a pack.
@@ -92,13 +103,14 @@ struct RawRigs {
   std::string info_json;
   std::vector<RawRig> parts;
   std::vector<RawClip> clips;
+  std::vector<RawSocket> sockets;
 };
 
-// Writes the pack in `source` again, with other information, rest knots and clips. Every other chunk is
-// copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the result has
-// the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of SPEC.md; the
-// errors of Pack::open if the source is not a valid pack; kChecksum; kIo. Safe for hostile sources. After an
-// error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
+// Writes the pack in `source` again, with other information, rest rigs, clips and sockets. Every other chunk
+// is copied byte by byte, unknown kinds included, and compared with its checksum on the way. So the result
+// has the same bytes as writePack would write. kMisuse, with a text, if the rigs break the rules of SPEC.md;
+// the errors of Pack::open if the source is not a valid pack; kChecksum; kIo. Safe for hostile sources. After
+// an error, discard what the sink received. Memory: the metadata and a block of 64 KiB.
 Result<void> writeRigs(const Source& source, const RawRigs& rigs, const Sink& sink,
                        const Limits& limits = {});
 

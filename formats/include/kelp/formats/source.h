@@ -5,52 +5,65 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "kelp/formats/error.h"
 
 namespace kelp {
 
-// The host's reader: a file, memory, an entry of an archive, HTTP ranges. `read` fills all of `bytes` from
-// `offset` and returns whether it succeeded. Every thread that calls functions of Pack or Asset calls it,
-// several at the same time. kelp never reads past `size` and trusts neither the size nor the bytes. kelp does
-// not own `user`, which must outlive every object opened from the source.
-struct Source {
-  bool (*read)(void* user, std::uint64_t offset, std::span<std::byte> bytes) = nullptr;
-  void* user = nullptr;
-  std::uint64_t size = 0;
+enum class Read : std::uint8_t {
+  kDone,  // all of the bytes are there
+  // Some bytes have not arrived: a network, a slow archive, another thread. The source notes what was asked
+  // for, fetches it, and keeps it until it was read. The caller asks again later.
+  kNotYet,
+  kFailed,  // these bytes cannot be had
 };
 
-// A pack in memory. The bytes and this object must outlive every object opened from the source; the span
-// itself is copied.
+// The host's reader: a file, memory, an entry of an archive, HTTP ranges. `read` fills all of `bytes` from
+// `offset`; unless it returns kDone, their content does not matter. It may block; or, where nothing may
+// block, it returns kNotYet. Every thread that calls functions of Pack or Asset calls it, several at the same
+// time. kelp never reads past `size` and trusts neither the size nor the bytes.
+//
+// Lifetime: a Pack or Asset that is opened from the source calls `acquire` once, and `release` when it is
+// destroyed; `user` must live from the one to the other. Null: the host keeps `user` alive for as long.
+struct Source {
+  Read (*read)(void* user, std::uint64_t offset, std::span<std::byte> bytes) = nullptr;
+  void* user = nullptr;
+  std::uint64_t size = 0;
+  void (*acquire)(void* user) = nullptr;
+  void (*release)(void* user) = nullptr;
+};
+
+// A pack in memory. The bytes must outlive every object opened from the source; this object need not.
 class MemorySource {
  public:
   explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  // The Source points to this object, so this cannot be called on a temporary.
-  Source source() & { return {&MemorySource::read, this, bytes_.size()}; }
+  Source source() const {
+    return {&MemorySource::read, const_cast<std::byte*>(bytes_.data()), bytes_.size(), nullptr, nullptr};
+  }
 
  private:
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
   std::span<const std::byte> bytes_;
 };
 
-// A file. Any number of threads may read at the same time (pread; ReadFile on Windows). Movable, but it must
-// stay in place while one of its Sources is in use.
+// A file. Any number of threads may read at the same time (pread; ReadFile on Windows). Movable. The file
+// stays open until this object and every object opened from its sources are destroyed.
 class FileSource {
  public:
   FileSource() = default;
-  FileSource(FileSource&& other) noexcept;
+  FileSource(FileSource&& other) noexcept : file_(std::exchange(other.file_, nullptr)) {}
   FileSource& operator=(FileSource&& other) noexcept;
   ~FileSource();
 
   // path: in the system's encoding; UTF-8 on Windows. kIo if the file cannot be opened or is not a regular
-  // file; errno says why. kMisuse if `path` is null.
+  // file; errno says why. kMisuse if `path` is null. kOutOfMemory.
   static Result<FileSource> open(const char* path);
-  Source source() { return {&FileSource::read, this, size_}; }
+  Source source() const;
 
  private:
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
-  std::intptr_t file_ = -1;
-  std::uint64_t size_ = 0;
+  struct File;  // counts what uses it
+  File* file_ = nullptr;
 };
 
 }  // namespace kelp

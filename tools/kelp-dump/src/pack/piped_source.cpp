@@ -42,9 +42,9 @@ PipedSource::PipedSource(const std::string& path) {
   }
 }
 
-bool PipedSource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+Read PipedSource::read(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
   const PipedSource& self = *static_cast<const PipedSource*>(user);
-  if (offset > self.size_ || bytes.size() > self.size_ - offset) return false;
+  if (offset > self.size_ || bytes.size() > self.size_ - offset) return Read::kFailed;
   while (!bytes.empty()) {
     const std::size_t at = static_cast<std::size_t>(offset % kBlock),
                       some = std::min(bytes.size(), kBlock - at);
@@ -52,7 +52,7 @@ bool PipedSource::read(void* user, std::uint64_t offset, std::span<std::byte> by
     bytes = bytes.subspan(some);
     offset += some;
   }
-  return true;
+  return Read::kDone;
 }
 
 }  // namespace kelp::dump

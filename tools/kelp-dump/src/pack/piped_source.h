@@ -25,7 +25,7 @@ class PipedSource {
  private:
   static constexpr std::size_t kBlock = std::size_t{1} << 20;
 
-  static bool read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
+  static Read read(void* user, std::uint64_t offset, std::span<std::byte> bytes);
 
   std::vector<std::unique_ptr<std::byte[]>> blocks_;  // never moved: the size is known at the end alone
   std::uint64_t size_ = 0;
