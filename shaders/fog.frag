@@ -13,5 +13,5 @@ void main() {
   KelpFog fog = kelpFog(kelp_near, p.ray, p.range.x, p.range.y);
   if (fog.s == KELP_NEVER) discard;
   gl_FragDepth = kelpDepthOf(p.clip_at + fog.s * p.clip_slope);
-  kelp_color = vec4(min(fog.light, 1e30), kelpHidden(fog));
+  kelp_color = kelpOutput(vec4(min(fog.light, 1e30), kelpHidden(fog)));
 }

@@ -14,7 +14,7 @@
 //
 // Two features are compiled in only where they are needed, because some GPUs, and CPUs in their place, also
 // run the branches that they do not take: KELP_FOG_HEAT, for parts with heat, and KELP_FOG_SHADOW, for
-// kelp::gl::View::self_shadow.
+// kelp::gl::Quality::self_shadow.
 
 #define KELP_FOG_CHANNEL 576u       // words of a brick's channel: kelp/runtime/page.h
 #define KELP_GAUSS 0.2113248654     // 1/2 - 1/sqrt(12)

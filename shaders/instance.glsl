@@ -22,7 +22,8 @@ uniform usampler2DArray kelp_pool;
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
 //          the next coarser level (8..15), number of the part's levels (16..23)
-//   12     where the palette is in the pool | index of the instance | part | outline of the bounds
+//   12     where the palette is: in the pool, or, if bit 31 is set, a word of these records
+//          | index of the instance | part | outline of the bounds
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
 //          the bounds
 //   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment)
@@ -32,6 +33,7 @@ uniform usampler2D kelp_records;
 uniform int kelp_first_instance;
 uniform bool kelp_motion;
 
+// A word of the pool.
 uint kelpWord(uint at) {
   return texelFetch(kelp_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r;
 }

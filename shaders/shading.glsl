@@ -30,7 +30,11 @@ uint kelpAttribute(uint brick, int slice, uint code) {
   return kelpWord(brick + first + (code - 64u));
 }
 
-float kelpPaletteFloat(uint at) { return uintBitsToFloat(kelpWord(at)); }
+// The palette of the pack lies in the pool, that of an instance behind the frame's records.
+float kelpPaletteFloat(uint at) {
+  uint own = at & 0x7fffffffu;
+  return uintBitsToFloat(at < 0x80000000u ? kelpWord(at) : kelpRecordBits(int(own >> 2u))[int(own & 3u)]);
+}
 KelpMaterial kelpMaterial(int entry) {
   uint at = kelpRecordBits(kelp_record + 12).x + 9u * uint(entry);
   KelpMaterial m;

@@ -36,7 +36,7 @@ struct KelpSurface {
   int instance;  // index in the span that was drawn
   int part;
   vec4 clip;           // where the point is in clip space, and
-  vec4 previous_clip;  // where it was in the frame before: the same without View::previous_world_to_clip.
+  vec4 previous_clip;  // where it was in the frame before: the same without Camera::previous_world_to_clip.
                        // Both are 0 in what a host's own shader traces (scene.glsl).
 };
 
@@ -126,7 +126,7 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   if (rays > 0) visible.y -= stopped / float(rays);
   return visible;
 }
-// As kelp::gl::View::self_shadow, occlusion_rays and occlusion_reach say.
+// As kelp::gl::Quality::self_shadow, occlusion_rays and occlusion_reach say.
 vec2 kelpVisible(KelpSurface s) {
   return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach);
 }

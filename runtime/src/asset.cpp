@@ -80,6 +80,36 @@ Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
   return {};
 }
 
+// The source has not got what the task needs: it is left until the pass ends.
+void Asset::Impl::postpone(const Task& task, std::uint64_t reserved) {
+  used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
+  (task.page == Task::kGrid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kWaiting;
+  ++waiting;
+}
+
+// Nothing is left to do, except what was postponed: the next pump() tries that again.
+void Asset::Impl::endPass() {
+  some_waited = waiting > 0;
+  for (std::size_t i = 0; waiting > 0 && i < state_count; ++i) {
+    LevelState& level = states[i];
+    if (level.stage == Stage::kWaiting) {
+      level.stage = Stage::kAbsent;
+      --waiting;
+    }
+    const auto pages =
+        static_cast<std::uint32_t>(level.stage == Stage::kResident ? level.grid.pages.size() : 0);
+    for (std::uint32_t page = 0; waiting > 0 && page < pages; ++page) {
+      if (level.pages[page].stage != Stage::kWaiting) continue;
+      setAbsent(level, page);
+      --waiting;
+    }
+    noteOpen(level);
+  }
+  if (some_waited) changes.fetch_add(1, std::memory_order_relaxed);
+  if (!driven.load(std::memory_order_relaxed) && (memory_short || round.load(std::memory_order_relaxed) > 0))
+    round.fetch_add(1, std::memory_order_relaxed);
+}
+
 void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
   LevelState& level = *task.level;
   const Stage stage = done ? Stage::kResident : Stage::kFailed;
@@ -107,13 +137,26 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
 }
 
 Result<bool> Asset::Impl::pump(Wanted wanted) {
+  while (true) {
+    const Result<Step> step = loadNext(wanted);
+    if (!step) return step.error();
+    if (*step == Step::kLoaded) return true;
+    if (*step == Step::kPostponed) continue;
+    std::lock_guard lock(mutex);
+    endPass();
+    return false;
+  }
+}
+
+// Loads the most urgent grid or page.
+Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
   Task task;
   Scratch* memory = nullptr;
   std::uint64_t reserved = 0;
   {
     std::lock_guard lock(mutex);
     task = choose(wanted, kAnySize);
-    if (!task.level) return false;
+    if (!task.level) return Step::kNothing;
     reserved = bytesOf(task);
     const auto may_wait = [&] {
       const std::uint64_t kept_for_ever = used_bytes.load(std::memory_order_relaxed) - page_bytes;
@@ -125,12 +168,12 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
       // Smaller things must not wait for one that does not fit now.
       if (const std::uint64_t left = roomLeft(reserved); reserved > left && may_wait()) {
         task = choose(wanted, left + 1);
-        if (!task.level) return false;
+        if (!task.level) return memory_short = true, Step::kNothing;
         reserved = bytesOf(task);
       }
     }
     const bool room = makeRoom(reserved, task.level->coarsest);
-    if (!room && may_wait()) return false;
+    if (!room && may_wait()) return memory_short = true, Step::kNothing;
     const bool grid = task.page == Task::kGrid;
     (grid ? task.level->stage : task.level->pages[task.page].stage) = Stage::kInHand;
     if (!grid) --task.level->absent;
@@ -150,14 +193,20 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
   const Result<void> done =
       task.page == Task::kGrid ? task.level->load(pack, options.allocator) : loadPage(task, memory);
   std::lock_guard lock(mutex);
-  finish(task, reserved, static_cast<bool>(done));
+  const bool postponed = !done && done.error().code == ErrorCode::kNotYet;
+  if (postponed) {
+    postpone(task, reserved);
+  } else {
+    finish(task, reserved, static_cast<bool>(done));
+  }
   if (memory) {
     memory->next = scratch;
     scratch = memory;
   }
   ++ended;
   if (--in_hand == 0) idle.notify_all();
-  if (done) return true;
+  if (postponed) return Step::kPostponed;
+  if (done) return Step::kLoaded;
   return fail(done.error());
 }
 
@@ -168,27 +217,11 @@ Error Asset::Impl::fail(const Error& error) {
   return error;
 }
 
-struct AssetWatch::Life {
-  std::atomic<std::uint32_t> references{1};
-  std::atomic<bool> alive{true};
-};
-
-AssetWatch::AssetWatch(Life* life) : life_(life) {}
-AssetWatch::AssetWatch(const AssetWatch& other) : life_(other.life_) {
-  if (life_) life_->references.fetch_add(1, std::memory_order_relaxed);
+Asset::Asset(std::unique_ptr<Impl> impl, Life* life) : impl_(std::move(impl)), life_(life) {}
+Asset::~Asset() {
+  life_->alive.store(false, std::memory_order_release);
+  life_->letGo();
 }
-AssetWatch& AssetWatch::operator=(const AssetWatch& other) {
-  AssetWatch copy(other);
-  std::swap(life_, copy.life_);
-  return *this;
-}
-AssetWatch::~AssetWatch() {
-  if (life_ && life_->references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete life_;
-}
-bool AssetWatch::alive() const { return life_ && life_->alive.load(std::memory_order_acquire); }
-
-Asset::Asset(std::unique_ptr<Impl> impl, const AssetWatch& watch) : impl_(std::move(impl)), watch_(watch) {}
-Asset::~Asset() { watch_.life_->alive.store(false, std::memory_order_release); }
 
 Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& options) {
   Result<Pack> pack = Pack::open(source, options.limits, options.allocator);
@@ -198,11 +231,23 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
-  auto* const life = new (std::nothrow) AssetWatch::Life;
+  if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
+      !impl->absent_socket.prepare("socket", impl->pack.sockets()))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  auto* const life = new (std::nothrow) Life;
   if (!life) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
-  std::unique_ptr<Asset> asset(new (std::nothrow) Asset(std::move(impl), AssetWatch(life)));
-  if (!asset) return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  std::unique_ptr<Asset> asset(new (std::nothrow) Asset(std::move(impl), life));
+  if (!asset) {
+    delete life;
+    return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
+  }
   return asset;
+}
+
+Result<std::unique_ptr<Asset>> Asset::open(const char* path, const Options& options) {
+  const Result<FileSource> file = FileSource::open(path);
+  if (!file) return file.error();
+  return open(file->source(), options);
 }
 
 const Pack& Asset::pack() const { return impl_->pack; }
@@ -224,6 +269,7 @@ Result<void> Asset::loadAll() {
     // Nothing is left to load here. A grid that another thread was loading may have brought new pages.
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
+    if (a.some_waited) return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
     if (a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
@@ -276,61 +322,5 @@ int Asset::residentLevel(int part, int wanted) const {
 }
 
 std::uint64_t Asset::memory() const { return impl_->used_bytes.load(std::memory_order_relaxed); }
-
-AssetWatch Asset::watch() const { return watch_; }
-
-void Asset::beginRequests() const { impl_->round.fetch_add(1, std::memory_order_relaxed); }
-
-void Asset::request(int part, int level, float urgency) const {
-  if (LevelState* state = impl_->find(part, level))
-    impl_->ask(*state, urgency, impl_->round.load(std::memory_order_relaxed));
-}
-
-PinnedPage Asset::pin(int part, int level, std::uint32_t page, float urgency) const {
-  PinnedPage pinned;
-  LevelState* state = impl_->find(part, level);
-  if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size())
-    return pinned;
-  PageSlot& slot = state->pages[page];
-  const std::uint32_t now = impl_->round.load(std::memory_order_relaxed);
-  const std::shared_lock lock(impl_->readers);
-  const std::uint32_t* words = slot.words.load(std::memory_order_acquire);
-  if (!words) {
-    impl_->ask(*state, page, urgency, now);
-    return pinned;
-  }
-  slot.used.store(now, std::memory_order_relaxed);
-  slot.pins.fetch_add(1, std::memory_order_relaxed);
-  pinned.words_ = {words, pageWords(state->data.pages[page])};
-  pinned.pins_ = &slot.pins;
-  return pinned;
-}
-
-bool Asset::hasFailed(int part, int level) const {
-  const LevelState* state = impl_->find(part, level);
-  return state && state->request.failed.load(std::memory_order_relaxed);
-}
-
-bool Asset::hasFailed(int part, int level, std::uint32_t page) const {
-  const LevelState* state = impl_->find(part, level);
-  return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
-         state->pages[page].request.failed.load(std::memory_order_relaxed);
-}
-
-PinnedPage::PinnedPage(PinnedPage&& other) noexcept
-    : words_(std::exchange(other.words_, {})), pins_(std::exchange(other.pins_, nullptr)) {}
-
-PinnedPage& PinnedPage::operator=(PinnedPage&& other) noexcept {
-  if (this != &other) {
-    PinnedPage gone(std::move(*this));
-    words_ = std::exchange(other.words_, {});
-    pins_ = std::exchange(other.pins_, nullptr);
-  }
-  return *this;
-}
-
-PinnedPage::~PinnedPage() {
-  if (pins_) static_cast<std::atomic<std::uint32_t>*>(pins_)->fetch_sub(1, std::memory_order_release);
-}
 
 }  // namespace kelp::runtime

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <shared_mutex>
 
+#include "absent_name.h"
 #include "kelp/simd/clip_tables.h"
 #include "level_store.h"
 
@@ -21,11 +22,24 @@ struct Scratch {
   Scratch* next = nullptr;
 };
 
+// Tells AssetWatch whether the asset lives.
+struct Asset::Life {
+  std::atomic<std::uint32_t> references{1};
+  std::atomic<bool> alive{true};
+
+  void hold() { references.fetch_add(1, std::memory_order_relaxed); }
+  void letGo() {
+    if (references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
+  }
+};
+
 struct Asset::Impl {
   Impl(Pack&& opened, const Options& given)
       : pack(std::move(opened)),
         options(given),
         clips(given.allocator),
+        absent_clip(given.allocator),
+        absent_socket(given.allocator),
         first_level(given.allocator),
         place(given.allocator) {}
   ~Impl();
@@ -55,10 +69,14 @@ struct Asset::Impl {
   Result<void> prepareLevels();
   LevelState* find(int part, int level) const;
   Result<bool> pump(Wanted wanted);
+  enum class Step : std::uint8_t { kLoaded, kPostponed, kNothing };
+  Result<Step> loadNext(Wanted wanted);
   void ask(LevelState& level, float urgency, std::uint32_t now);
   void ask(const LevelState& level, std::uint32_t page, float urgency, std::uint32_t now);
 
   // Call these with the mutex held.
+  void postpone(const Task& task, std::uint64_t reserved);
+  void endPass();
   Task choose(Wanted wanted, std::uint64_t below);
   bool isNext(const LevelState& level) const;
   Task firstAbsent(bool coarsest_only, std::uint64_t below);
@@ -88,6 +106,7 @@ struct Asset::Impl {
   Pack pack;
   Options options;
   simd::ClipTables clips;
+  AbsentName absent_clip, absent_socket;
   std::unique_ptr<LevelState[]> states;  // in the order of loading: coarse to fine, then by part
   std::size_t state_count = 0;
   // No level before first_open is open; no coarsest level before first_open_coarsest.
@@ -99,6 +118,9 @@ struct Asset::Impl {
   std::condition_variable idle;  // signalled when in_hand becomes 0
   std::uint64_t ended = 0;       // tasks that ended, with or without success
   std::uint32_t in_hand = 0;     // grids and pages that threads are loading now
+  std::uint32_t waiting = 0;     // of stage kWaiting
+  bool some_waited = false;      // the last pass ended with things that the source had not got
+  bool memory_short = false;     // something that is wanted did not fit into the budget
   Scratch* scratch = nullptr;
   Error first_error;
   bool any_error = false;
@@ -119,13 +141,20 @@ struct Asset::Impl {
 
   // Counts requests, and everything else that made something ready to load.
   std::atomic<std::uint64_t> changes{1};
-  std::atomic<std::uint32_t> round{0};  // of requests; 0: no request yet
+  std::atomic<std::uint32_t> round{0};  // of requests; 0: everything is wanted
+  std::atomic<bool> driven{false};      // a renderer begins the rounds
   std::shared_mutex readers;            // shared by readers of pages; exclusive while a page is dropped
 };
 
 // Access for addClip().
 struct ClipReader {
   static const simd::ClipTables& tables(const Asset& asset) { return asset.impl_->clips; }
+};
+
+// Access for findClip() and findSocket().
+struct NameReader {
+  static Error absentClip(const Asset& asset) { return asset.impl_->absent_clip.error(); }
+  static Error absentSocket(const Asset& asset) { return asset.impl_->absent_socket.error(); }
 };
 
 // Gives access to pages, which stay in memory while it lives. Any number at a time, on any threads.

@@ -71,7 +71,8 @@ void apply(const Track& track, const glm::vec4& value, const Follow& follow, flo
 
 }  // namespace
 
-Result<void> addClip(const Asset& asset, int clip_index, double seconds, float weight, Pose& pose) {
+Result<void> addClip(const Asset& asset, int clip_index, double seconds, float weight, Pose& pose,
+                     Play play) {
   const std::span<const Clip> clips = asset.pack().clips();
   if (clip_index < 0 || static_cast<std::size_t>(clip_index) >= clips.size())
     return Error{ErrorCode::kMisuse, "there is no clip of that index"};
@@ -80,6 +81,7 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
     return Error{ErrorCode::kMisuse, "time or weight is not finite"};
 
   const Clip& clip = clips[static_cast<std::size_t>(clip_index)];
+  if (play == Play::kOnce) seconds = std::clamp(seconds, 0.0, double{clip.duration});
   const simd::ClipTables& tables = ClipReader::tables(asset);
   const auto index = static_cast<std::size_t>(clip_index);
   for (const simd::WaveBlock& block : tables.waves(index))
@@ -87,7 +89,7 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
   if (clip.tracks.empty()) return {};
   // fmod, because the quotient of a long time and a short clip does not fit a double.
   const double duration = clip.duration;
-  const double remainder = std::fmod(seconds, duration);
+  const double remainder = play == Play::kOnce ? seconds : std::fmod(seconds, duration);
   const float time = static_cast<float>(remainder < 0 ? remainder + duration : remainder);
   const std::span<const Follow> follows = tables.follows(index);
   for (std::size_t i = 0; i < clip.tracks.size(); ++i)
@@ -95,12 +97,17 @@ Result<void> addClip(const Asset& asset, int clip_index, double seconds, float w
   return {};
 }
 
-int findClip(const Asset& asset, std::string_view name) {
+bool hasEnded(const Asset& asset, int clip, double seconds) {
   const std::span<const Clip> clips = asset.pack().clips();
-  for (std::size_t i = 0; i < clips.size(); ++i) {
+  return clip < 0 || static_cast<std::size_t>(clip) >= clips.size() ||
+         !(seconds < double{clips[static_cast<std::size_t>(clip)].duration});
+}
+
+Result<int> findClip(const Asset& asset, std::string_view name) {
+  const std::span<const Clip> clips = asset.pack().clips();
+  for (std::size_t i = 0; i < clips.size(); ++i)
     if (clips[i].name == name) return static_cast<int>(i);
-  }
-  return -1;
+  return NameReader::absentClip(asset);
 }
 
 }  // namespace kelp::runtime

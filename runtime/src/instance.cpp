@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/matrix_inverse.hpp>
 
+#include "asset_impl.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 
@@ -47,17 +49,61 @@ bool isPosed(const Instance& instance, int part) {
   return isPart(instance, part) && knotsOf(instance, part).size() >= 2;
 }
 
-float heightOf(const Instance& instance, int part) {
-  return static_cast<float>(instance.asset->pack().parts()[static_cast<std::size_t>(part)].size.y);
+const Part& partOf(const Instance& instance, int part) {
+  return instance.asset->pack().parts()[static_cast<std::size_t>(part)];
 }
 
 // Object space at rest -> part space at rest.
 glm::vec3 toVoxels(const Instance& instance, int part, const glm::vec3& rest) {
-  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  return glm::vec3(glm::inverse(affine(of.to_object)) * glm::vec4(rest, 1.0f));
+  return glm::vec3(glm::inverse(affine(partOf(instance, part).to_object)) * glm::vec4(rest, 1.0f));
+}
+
+// The height of a rest point in the deformed part, voxels.
+float bentHeight(const Part& part, std::span<const Knot> knots, float rest_y) {
+  const float low = knots.front().position.y;
+  return static_cast<float>(part.size.y) * low + rest_y * (knots.back().position.y - low);
+}
+
+// The frame of a rest point (part space) of a part that `to_space` takes to some space: orthonormal and
+// right-handed. y points along the spline.
+glm::mat4 frameIn(const Part& part, std::span<const Knot> knots, const glm::mat4& to_space,
+                  const glm::vec3& rest) {
+  const SplinePoint at =
+      splineAtHeight(knots, static_cast<float>(part.size.y), bentHeight(part, knots, rest.y));
+  glm::vec3 along = derivative(at.segment, glm::clamp(at.t, 1e-4f, 1.0f - 1e-4f));
+  if (!(glm::dot(along, along) > 0)) along = glm::vec3(0, 1, 0);
+  const glm::mat3 turn(to_space);
+  const glm::vec3 y = glm::normalize(turn * along);
+  glm::vec3 x = turn[0] - glm::dot(turn[0], y) * y;
+  // The spline runs along x here.
+  if (!(glm::dot(x, x) > 1e-12f * glm::dot(turn[0], turn[0]))) x = turn[2] - glm::dot(turn[2], y) * y;
+  x = glm::normalize(x);
+  return glm::mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(glm::cross(x, y), 0),
+                   to_space * glm::vec4(bend(part, knots, rest), 1.0f));
+}
+
+// The rest point at a place of the axis, `offset` heights from the middle line; part space.
+glm::vec3 onAxis(const Part& part, float at, const glm::vec2& offset) {
+  const glm::vec3 size(part.size);
+  return {0.5f * size.x + offset.x * size.y, at * size.y, 0.5f * size.z + offset.y * size.y};
+}
+
+// How something that hangs on the parent's spline at `at` moves when the parent bends; object space.
+glm::mat4 hanging(const Part& parent, std::span<const Knot> knots, float at) {
+  const glm::mat4 to_object = affine(parent.to_object);
+  const glm::vec3 place = onAxis(parent, at, glm::vec2(0));
+  const glm::mat4 rest = frameIn(parent, parent.knots, to_object, place);
+  return frameIn(parent, knots, to_object, place) * glm::affineInverse(rest);
 }
 
 }  // namespace
+
+glm::vec3 bend(const Part& part, std::span<const Knot> knots, const glm::vec3& rest) {
+  const float y = bentHeight(part, knots, rest.y);
+  const SplinePoint at = splineAtHeight(knots, static_cast<float>(part.size.y), y);
+  const glm::vec3 s = evaluate(at.segment, at.t);
+  return {rest.x + s.x, y, rest.z + s.z};
+}
 
 std::span<const Knot> knotsOf(const Instance& instance, int part) {
   return instance.pose ? instance.pose->knots(part)
@@ -65,17 +111,21 @@ std::span<const Knot> knotsOf(const Instance& instance, int part) {
 }
 
 glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels) {
-  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  return of.to_object * glm::vec4(voxels, 1.0f);
+  return partOf(instance, part).to_object * glm::vec4(voxels, 1.0f);
 }
 
 glm::mat4 partToWorld(const Instance& instance, int part) {
   if (!isPart(instance, part)) return glm::mat4(1);
   const std::span<const Part> parts = instance.asset->pack().parts();
   glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
+  if (!instance.pose || part >= instance.pose->parts()) return instance.to_world * matrix;
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    if (!instance.pose || i >= instance.pose->parts() || isRest(*instance.pose->motion(i))) continue;
-    matrix = motionMatrix(parts[static_cast<std::size_t>(i)], *instance.pose->motion(i)) * matrix;
+    const Part& moved = parts[static_cast<std::size_t>(i)];
+    if (!isRest(*instance.pose->motion(i))) matrix = motionMatrix(moved, *instance.pose->motion(i)) * matrix;
+    if (hangsOnSpline(moved))
+      matrix = hanging(parts[static_cast<std::size_t>(moved.parent)], instance.pose->knots(moved.parent),
+                       moved.parent_at) *
+               matrix;
   }
   return instance.to_world * matrix;
 }
@@ -95,19 +145,10 @@ Box bounds(const Instance& instance) {
   return all;
 }
 
-glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest) {
-  const std::span<const Knot> knots = knotsOf(instance, part);
-  const float height = heightOf(instance, part);
-  const float low = height * knots.front().position.y;
-  const float y = low + rest.y * (knots.back().position.y - knots.front().position.y);
-  const SplinePoint at = splineAtHeight(knots, height, y);
-  const glm::vec3 s = evaluate(at.segment, at.t);
-  return {rest.x + s.x, y, rest.z + s.z};
-}
-
 glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPosed(instance, part)) return glm::vec3(0);
-  const glm::vec3 bent = bend(instance, part, toVoxels(instance, part, rest));
+  const glm::vec3 bent =
+      bend(partOf(instance, part), knotsOf(instance, part), toVoxels(instance, part, rest));
   return glm::vec3(partToWorld(instance, part) * glm::vec4(bent, 1.0f));
 }
 
@@ -116,7 +157,7 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
   const std::span<const Knot> knots = knotsOf(instance, part);
   if (!checkKnots(knots)) return std::nullopt;
   const glm::vec3 p = glm::vec3(glm::inverse(partToWorld(instance, part)) * glm::vec4(world, 1.0f));
-  const float height = heightOf(instance, part);
+  const float height = static_cast<float>(partOf(instance, part).size.y);
   const float low = height * knots.front().position.y;
   const float high = height * knots.back().position.y;
   if (!(p.y >= low && p.y <= high)) return std::nullopt;
@@ -127,22 +168,28 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 
 glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPosed(instance, part)) return glm::mat4(1);
-  const std::span<const Knot> knots = knotsOf(instance, part);
-  const float height = heightOf(instance, part);
-  const float low = knots.front().position.y;
-  const float y = height * low + toVoxels(instance, part, rest).y * (knots.back().position.y - low);
-  const SplinePoint at = splineAtHeight(knots, height, y);
-  glm::vec3 along = derivative(at.segment, glm::clamp(at.t, 1e-4f, 1.0f - 1e-4f));
-  if (!(glm::dot(along, along) > 0)) along = glm::vec3(0, 1, 0);
-  const glm::mat4 to_world = partToWorld(instance, part);
-  const glm::mat3 turn(to_world);
-  const glm::vec3 up = glm::normalize(turn * along);
-  glm::vec3 x = turn[0] - glm::dot(turn[0], up) * up;
-  // The spline runs along x here.
-  if (!(glm::dot(x, x) > 1e-12f * glm::dot(turn[0], turn[0]))) x = turn[2] - glm::dot(turn[2], up) * up;
-  x = glm::normalize(x);
-  return glm::mat4(glm::vec4(x, 0), glm::vec4(up, 0), glm::vec4(glm::cross(x, up), 0),
-                   glm::vec4(toWorld(instance, part, rest), 1.0f));
+  return frameIn(partOf(instance, part), knotsOf(instance, part), partToWorld(instance, part),
+                 toVoxels(instance, part, rest));
+}
+
+Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
+  const std::span<const Socket> sockets = asset.pack().sockets();
+  for (std::size_t i = 0; i < sockets.size(); ++i) {
+    if (sockets[i].name == name && (part < 0 || sockets[i].part == static_cast<std::uint32_t>(part)))
+      return static_cast<int>(i);
+  }
+  return NameReader::absentSocket(asset);
+}
+
+glm::mat4 socketToWorld(const Instance& instance, int socket) {
+  const auto index = static_cast<std::size_t>(socket);
+  if (!instance.asset || socket < 0 || index >= instance.asset->pack().sockets().size()) return glm::mat4(1);
+  const Socket& on = instance.asset->pack().sockets()[index];
+  const int part = static_cast<int>(on.part);
+  if (!isPosed(instance, part)) return glm::mat4(1);
+  const Part& of = partOf(instance, part);
+  return frameIn(of, knotsOf(instance, part), partToWorld(instance, part), onAxis(of, on.at, on.offset)) *
+         glm::mat4_cast(on.rotation);
 }
 
 }  // namespace kelp::runtime

@@ -10,7 +10,8 @@
 
 namespace kelp::runtime {
 
-enum class Stage : std::uint8_t { kAbsent, kInHand, kResident, kFailed };
+// kWaiting: the source has not got it yet, and this pass of pump() does not ask again.
+enum class Stage : std::uint8_t { kAbsent, kInHand, kWaiting, kResident, kFailed };
 
 // A request: any thread writes its round and urgency. `failed`: pump() writes whether loading failed.
 struct Request {

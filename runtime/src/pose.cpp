@@ -143,7 +143,9 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
 Result<void> Pose::check() const {
   for (int part = 0; part < parts(); ++part) {
     const Result<void> sound = checkKnots(knots(part));
-    if (!sound) return Error{sound.error().code, sound.error().detail, static_cast<std::uint64_t>(part), Error::Unit::kPart};
+    if (!sound)
+      return Error{sound.error().code, sound.error().detail, static_cast<std::uint64_t>(part),
+                   Error::Unit::kPart};
   }
   return {};
 }

@@ -23,7 +23,9 @@ inline trace::KelpSegment asTrace(const Segment& segment) {
 std::span<const Knot> knotsOf(const Instance& instance, int part);
 // Part space at rest -> object space at rest.
 glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels);
-// Part space at rest -> part space, deformed.
-glm::vec3 bend(const Instance& instance, int part, const glm::vec3& rest);
+// Part space at rest -> part space, deformed. `knots`: at least 2.
+glm::vec3 bend(const Part& part, std::span<const Knot> knots, const glm::vec3& rest);
+// Whether the part hangs on its parent's spline.
+inline bool hangsOnSpline(const Part& part) { return part.parent_at != Part::kNotOnSpline; }
 
 }  // namespace kelp::runtime

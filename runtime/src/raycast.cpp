@@ -202,4 +202,17 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
   return nearest;
 }
 
+std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, int wanted_level) {
+  std::optional<Hit> nearest;
+  Ray rest = ray;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (auto hit = raycast(instances[i], rest, wanted_level)) {
+      hit->instance = static_cast<int>(i);
+      nearest = hit;
+      rest.t_max = hit->t;
+    }
+  }
+  return nearest;
+}
+
 }  // namespace kelp::runtime

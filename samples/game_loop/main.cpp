@@ -119,15 +119,15 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
     const auto sent = (*renderer)->upload(4 << 20);  // bytes that this frame may spend
     kelp::gl::View view;
-    glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
+    glfwGetFramebufferSize(window, &view.camera.viewport.x, &view.camera.viewport.y);
     const float size = glm::length(extent), now = static_cast<float>(seconds), turn = 0.3f * now;
-    view.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)),
+    view.camera.world_to_eye = glm::lookAt(centre + 1.55f * size * glm::vec3(glm::sin(turn), 0.4f, glm::cos(turn)),
                                     centre, {0, 1, 0});
-    const glm::vec2 pixels = glm::max(view.viewport, 1);
-    view.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
-    glViewport(0, 0, view.viewport.x, view.viewport.y);
+    const glm::vec2 pixels = glm::max(view.camera.viewport, 1);
+    view.camera.eye_to_clip = glm::perspective(0.6f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
+    glViewport(0, 0, view.camera.viewport.x, view.camera.viewport.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    const glm::mat4 to_clip = view.eye_to_clip * glm::translate(view.world_to_eye, centre);
+    const glm::mat4 to_clip = view.camera.eye_to_clip * glm::translate(view.camera.world_to_eye, centre);
     glUniformMatrix4fv(glGetUniformLocation(triangles, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
     glUniform3f(glGetUniformLocation(triangles, "scene"), glm::max(extent.x, extent.z), -0.48f * extent.y,
                 now);
@@ -136,11 +136,11 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     auto drawn = (*renderer)->draw(view, {&instance, 1});
     // smoke and clouds, over all that is opaque
     if (drawn) drawn = (*renderer)->draw(view, {&instance, 1}, kelp::gl::Pass::kFog);
-    if (!sent || (!drawn && view.viewport.x * view.viewport.y > 0))
+    if (!sent || (!drawn && view.camera.viewport.x * view.camera.viewport.y > 0))
       exit_code = fail(path, sent ? drawn.error() : sent.error());
     // frames count from when all the voxels are there that are to be seen
     if (sent && sent->pending == 0) ++frame;
-    if (frame == frames && picture) exit_code = writePicture(picture, view.viewport);
+    if (frame == frames && picture) exit_code = writePicture(picture, view.camera.viewport);
     glfwSwapBuffers(window);
     glfwPollEvents();
   }

@@ -157,7 +157,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   config.getProcAddress = [](void*, const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };
-  config.secondary_rays = true;  // for View::self_shadow
+  config.secondary_rays = true;  // for Quality::self_shadow
   const auto renderer = kelp::gl::Renderer::create(config);
   if (!renderer) return fail("renderer", renderer.error());
   if (const auto added = (*renderer)->add(**asset); !added) return fail(path, added.error());
@@ -185,29 +185,29 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
     pose->reset();
     if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
     kelp::gl::View view;
-    glfwGetFramebufferSize(window, &view.viewport.x, &view.viewport.y);
+    glfwGetFramebufferSize(window, &view.camera.viewport.x, &view.camera.viewport.y);
     const float turn = -0.46f + 0.25f * glm::sin(0.3f * static_cast<float>(seconds));
     const glm::vec3 eye = size * glm::vec3(2.0f * glm::sin(turn), 0.95f, 2.0f * glm::cos(turn));
-    view.world_to_eye = glm::lookAt(eye, glm::vec3(0.08f * size, 0.44f * room.y, 0), {0, 1, 0});
-    const glm::vec2 pixels = glm::max(view.viewport, 1);
-    view.eye_to_clip = glm::perspective(0.62f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
-    view.sun_direction = {-0.35f, 0.9f, 0.55f};
-    view.self_shadow = true;
-    glViewport(0, 0, view.viewport.x, view.viewport.y);
+    view.camera.world_to_eye = glm::lookAt(eye, glm::vec3(0.08f * size, 0.44f * room.y, 0), {0, 1, 0});
+    const glm::vec2 pixels = glm::max(view.camera.viewport, 1);
+    view.camera.eye_to_clip = glm::perspective(0.62f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
+    view.light.sun_direction = {-0.35f, 0.9f, 0.55f};
+    view.quality.self_shadow = true;
+    glViewport(0, 0, view.camera.viewport.x, view.camera.viewport.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (view.viewport.x > 0 && view.viewport.y > 0) {  // not minimised
+    if (view.camera.viewport.x > 0 && view.camera.viewport.y > 0) {  // not minimised
       const auto drawn = (*renderer)->draw(view, {&instance, 1});
       if (!drawn) return fail(path, drawn.error());
       const auto bound = (*renderer)->bindTrace(mirrors, view, {&instance, 1});
       if (!bound) return fail(path, bound.error());
-      const glm::mat4 to_clip = view.eye_to_clip * view.world_to_eye;
+      const glm::mat4 to_clip = view.camera.eye_to_clip * view.camera.world_to_eye;
       glUniformMatrix4fv(glGetUniformLocation(mirrors, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
       glUniform3f(glGetUniformLocation(mirrors, "eye"), eye.x, eye.y, eye.z);
       glUniform3f(glGetUniformLocation(mirrors, "room"), room.x, room.y, room.z);
       for (const int square : {0, 1, 2}) glDrawArrays(GL_TRIANGLE_STRIP, 4 * square, 4);
     }
     if (frame == frames && picture) {
-      if (const int bad = writePicture(picture, view.viewport)) return bad;
+      if (const int bad = writePicture(picture, view.camera.viewport)) return bad;
     }
     glfwSwapBuffers(window);
     glfwPollEvents();

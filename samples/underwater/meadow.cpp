@@ -38,7 +38,8 @@ kelp::Result<std::unique_ptr<Meadow>> Meadow::plant(const Library& library, int 
     const glm::mat3 axes(plant.to_world * glm::mat4(part.to_object));
     plant.height = glm::length(axes[1]) * static_cast<float>(part.size.y);
     plant.stiffness = glm::pow(6.2831853f * frequency, 2.0f);
-    plant.clip = findClip(asset, "sway");
+    const auto sway = findClip(asset, "sway");
+    plant.clip = sway ? *sway : -1;
   }
   return meadow;
 }

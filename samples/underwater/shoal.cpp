@@ -92,7 +92,8 @@ kelp::Result<std::unique_ptr<Shoal>> Shoal::gather(const Library& library) {
       fish.phase = random.between(0, 6.2831853f);
       const float light = random.between(0.85f, 1.08f);
       fish.tint = light * glm::vec3(1, random.between(0.94f, 1.04f), random.between(0.92f, 1.06f));
-      fish.clip = findClip(asset, "swim");
+      const auto swim = findClip(asset, "swim");
+      fish.clip = swim ? *swim : -1;
     }
   }
   shoal->visitors_.resize(shoal->fish_.size());

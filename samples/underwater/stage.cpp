@@ -70,15 +70,15 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   if (!shadows) return shadows.error();
 
   kelp::gl::View view;
-  view.world_to_eye = camera.worldToEye();
-  view.eye_to_clip = Camera::eyeToClip(viewport);
-  view.viewport = viewport;
-  view.sun_direction = kSun;
-  view.shading = kelp::gl::Shading::kSmooth;
+  view.camera.world_to_eye = camera.worldToEye();
+  view.camera.eye_to_clip = Camera::eyeToClip(viewport);
+  view.camera.viewport = viewport;
+  view.light.sun_direction = kSun;
+  view.quality.shading = kelp::gl::Shading::kSmooth;
   view.bind = bindSunMap;
   view.bind_user = &sun_map_;
   WaterBlock water;
-  water.world_to_clip = view.eye_to_clip * view.world_to_eye;
+  water.world_to_clip = view.camera.eye_to_clip * view.camera.world_to_eye;
   water.clip_to_world = glm::inverse(water.world_to_clip);
   const glm::mat4 to_texture(glm::vec4(0.5f, 0, 0, 0), glm::vec4(0, 0.5f, 0, 0), glm::vec4(0, 0, 0.5f, 0),
                              glm::vec4(0.5f, 0.5f, 0.5f, 1));

@@ -329,19 +329,19 @@ void run(const std::string& path, int frames) {
     const glm::vec3 middle = 0.5f * (box.min + box.max);
     const float reach = glm::length(box.max - box.min);
     gl::View view;
-    view.viewport = kViewport;
-    view.world_to_eye =
+    view.camera.viewport = kViewport;
+    view.camera.world_to_eye =
         glm::lookAt(middle + 0.85f * reach * glm::vec3(0.35f, 0.2f, 0.9f), middle, glm::vec3(0, 1, 0));
-    view.eye_to_clip = glm::perspective(
+    view.camera.eye_to_clip = glm::perspective(
         0.9f, static_cast<float>(kViewport.x) / static_cast<float>(kViewport.y), 0.01f * reach, 3 * reach);
-    view.pixels_per_voxel = 0;
+    view.quality.pixels_per_voxel = 0;
     const auto drawKelp = [&] {
       if (!renderer->draw(view, {&instance, 1}, gl::Pass::kFog)) fail("kelp does not draw");
     };
     const double voxel = glm::length(glm::dvec3(part.to_object[0]));
     const GLuint programs[2] = {build("", double{reach} / voxel),
                                 build("#define PAPER_ARCSINE\n", double{reach} / voxel)};
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) *
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
                                             glm::dmat4(runtime::partToWorld(instance, 0)));
     const glm::mat4 world_to_part = glm::inverse(glm::mat4(runtime::partToWorld(instance, 0)));
     Box in_part{glm::vec3(INFINITY), glm::vec3(-INFINITY)};

@@ -55,9 +55,9 @@ void placeAll(Crowd& crowd) {
 }
 gl::View fieldView(const glm::vec3& eye, const glm::vec3& target) {
   gl::View view;
-  view.viewport = {1920, 1080};
-  view.eye_to_clip = glm::perspective(1.0f, 16.0f / 9, 0.1f, 500.0f);
-  view.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+  view.camera.viewport = {1920, 1080};
+  view.camera.eye_to_clip = glm::perspective(1.0f, 16.0f / 9, 0.1f, 500.0f);
+  view.camera.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
   return view;
 }
 

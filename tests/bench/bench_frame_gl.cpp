@@ -65,11 +65,11 @@ struct Frame {
 
 gl::View viewOf(const glm::ivec2& size, int batches) {
   gl::View view;
-  view.viewport = size;
-  view.eye_to_clip =
+  view.camera.viewport = size;
+  view.camera.eye_to_clip =
       glm::perspective(0.8f, static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 200.0f);
-  view.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
-  view.depth_batches = batches;
+  view.camera.world_to_eye = glm::lookAt(glm::vec3(0, 0, 10), glm::vec3(0), glm::vec3(0, 1, 0));
+  view.quality.depth_batches = batches;
   return view;
 }
 

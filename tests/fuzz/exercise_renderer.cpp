@@ -67,10 +67,10 @@ gl::View viewOf(const runtime::Instance& instance, float distance) {
   const glm::vec3 middle = 0.5f * (box.min + box.max);
   const float size = std::max(glm::length(box.max - box.min), 1e-6f);
   gl::View view;
-  view.viewport = {640, 480};
-  view.world_to_eye =
+  view.camera.viewport = {640, 480};
+  view.camera.world_to_eye =
       glm::lookAt(middle + size * distance * glm::vec3(0.5f, 0.3f, 1), middle, glm::vec3(0, 1, 0));
-  view.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 0.01f * size, 100 * size);
+  view.camera.eye_to_clip = glm::perspective(0.8f, 4.0f / 3, 0.01f * size, 100 * size);
   return view;
 }
 
@@ -108,8 +108,8 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
     }
     checkPool(fake, *asset);
     gl::View view = viewOf(straight, frame < 3 ? 0.6f : 40.0f);
-    view.depth_batches = 1 + frame % 3;
-    view.shading = static_cast<gl::Shading>(frame % 3);
+    view.quality.depth_batches = 1 + frame % 3;
+    view.quality.shading = static_cast<gl::Shading>(frame % 3);
     static_cast<void>(renderer.draw(view, std::span(both).first(static_cast<std::size_t>(1 + frame % 2))));
     static_cast<void>(renderer.draw(view, both, frame % 2 ? gl::Pass::kFog : gl::Pass::kDepth));
     static_cast<void>(renderer.bindTrace(1, view, both));

@@ -63,7 +63,7 @@ gl::View flight(const glm::ivec2& viewport, float along) {
   gl::View view =
       lookAt(viewport, {0.9f * std::sin(0.8f * along), 0.6f + 0.2f * std::sin(along), 1.0f - along},
              {0.3f * std::cos(along), 0.45f, -1.5f - along}, 0.05f, 50.0f);
-  view.pixels_per_voxel = 0.25f;  // a small picture that asks for as much as a large one
+  view.quality.pixels_per_voxel = 0.25f;  // a small picture that asks for as much as a large one
   return view;
 }
 

@@ -79,11 +79,11 @@ std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, 
 gl::View lookAt(const glm::ivec2& viewport, const glm::vec3& eye, const glm::vec3& target, float near,
                 float far) {
   gl::View view;
-  view.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
-  view.eye_to_clip =
+  view.camera.world_to_eye = glm::lookAt(eye, target, glm::vec3(0, 1, 0));
+  view.camera.eye_to_clip =
       glm::perspective(0.8f, static_cast<float>(viewport.x) / static_cast<float>(viewport.y), near, far);
-  view.viewport = viewport;
-  view.pixels_per_voxel = 0;
+  view.camera.viewport = viewport;
+  view.quality.pixels_per_voxel = 0;
   return view;
 }
 
@@ -91,13 +91,13 @@ gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const gl
                       float half_height, float near, float far) {
   gl::View view = lookAt(viewport, eye, target);
   const float half_width = half_height * static_cast<float>(viewport.x) / static_cast<float>(viewport.y);
-  view.eye_to_clip = glm::ortho(-half_width, half_width, -half_height, half_height, near, far);
+  view.camera.eye_to_clip = glm::ortho(-half_width, half_width, -half_height, half_height, near, far);
   return view;
 }
 
 runtime::Ray pixelRay(const gl::View& view, int x, int y) {
-  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye));
-  const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.viewport) - 1.0;
+  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
+  const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;
   const glm::dvec4 near = to_world * glm::dvec4(at, -1, 1);
   const glm::dvec4 far = to_world * glm::dvec4(at, 1, 1);
   const glm::dvec3 from = glm::dvec3(near) / near.w;

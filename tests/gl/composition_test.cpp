@@ -31,7 +31,7 @@ constexpr Convention kConventions[] = {{"standard", gl::ClipRange::kMinusOneToOn
 // depend on macros.
 gl::View inConvention(gl::View view, const Convention& convention, float near, float far) {
   const bool zero = convention.range == gl::ClipRange::kZeroToOne;
-  glm::mat4& m = view.eye_to_clip;
+  glm::mat4& m = view.camera.eye_to_clip;
   m[2][3] = -1;
   if (convention.reversed) {
     m[2][2] = zero ? 0.0f : 1.0f;
@@ -40,16 +40,16 @@ gl::View inConvention(gl::View view, const Convention& convention, float near, f
     m[2][2] = zero ? far / (near - far) : (near + far) / (near - far);
     m[3][2] = (zero ? 1.0f : 2.0f) * far * near / (near - far);
   }
-  view.clip_range = convention.range;
-  view.reversed_depth = convention.reversed;
+  view.camera.clip_range = convention.range;
+  view.camera.reversed_depth = convention.reversed;
   return view;
 }
 
 // From the eye through the middle of a pixel; t is the distance before the eye.
 runtime::Ray eyeRay(const gl::View& view, int x, int y) {
-  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.world_to_eye));
-  const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.viewport) - 1.0;
-  const glm::dvec4 forward(at.x / double{view.eye_to_clip[0][0]}, at.y / double{view.eye_to_clip[1][1]}, -1,
+  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.camera.world_to_eye));
+  const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;
+  const glm::dvec4 forward(at.x / double{view.camera.eye_to_clip[0][0]}, at.y / double{view.camera.eye_to_clip[1][1]}, -1,
                            0);
   return {glm::vec3(to_world[3]), glm::vec3(to_world * forward)};
 }
@@ -72,13 +72,13 @@ class Square {
     glDeleteVertexArrays(1, &vertices_);
   }
   void draw(const gl::View& view, float at) const {
-    const glm::mat4 to_clip = view.eye_to_clip * view.world_to_eye;
+    const glm::mat4 to_clip = view.camera.eye_to_clip * view.camera.world_to_eye;
     glUseProgram(program_);
     glBindVertexArray(vertices_);
     glUniformMatrix4fv(glGetUniformLocation(program_, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
     glUniform1f(glGetUniformLocation(program_, "at"), at);
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(view.reversed_depth ? GL_GEQUAL : GL_LEQUAL);
+    glDepthFunc(view.camera.reversed_depth ? GL_GEQUAL : GL_LEQUAL);
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   }
 
@@ -171,7 +171,7 @@ TEST_P(CompositionTest, DepthIsTheProjectionOfTheHitInEveryConvention) {
     ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();
     const std::vector<float> depths = canvas.depths();
-    const glm::dmat4 to_clip = glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye);
+    const glm::dmat4 to_clip = glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
     const double low = convention.range == gl::ClipRange::kZeroToOne ? 0 : -1;
     int hits = 0, one_sided = 0, other = 0;
     for (int i = 0; i < 160 * 120; ++i) {

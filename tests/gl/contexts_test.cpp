@@ -281,7 +281,7 @@ TEST_P(LifeTest, AViewportWithoutPixelsIsMisuseWithoutACall) {
   for (const glm::ivec2 size :
        {glm::ivec2(0, 0), glm::ivec2(0, 60), glm::ivec2(80, 0), glm::ivec2(-80, 60)}) {
     gl::View view = view_;
-    view.viewport = size;
+    view.camera.viewport = size;
     EXPECT_EQ((*created)->draw(view, {&instance_, 1}).error().code, ErrorCode::kMisuse);
     EXPECT_EQ((*created)->draw(view, {&instance_, 1}, gl::Pass::kDepth).error().code, ErrorCode::kMisuse);
   }

@@ -69,12 +69,12 @@ class DebugTest : public testing::TestWithParam<GlApi> {
     ASSERT_TRUE(renderer.add(*ball_.asset));
     ASSERT_TRUE(renderer.add(*clump_.asset));
     gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
-    view.pixels_per_voxel = 1;
+    view.quality.pixels_per_voxel = 1;
     const auto frame = [&](std::size_t count) {
       for (const gl::Pass pass : {gl::Pass::kDepth, gl::Pass::kColour}) {
         for (const gl::Shading shading :
              {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
-          view.shading = shading;
+          view.quality.shading = shading;
           ASSERT_TRUE(renderer.draw(view, std::span(instances).first(count), pass));
         }
       }

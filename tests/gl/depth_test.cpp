@@ -61,10 +61,10 @@ class DepthTest : public GlTest {
     const auto view = [&](const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
                           const glm::mat4& to_clip) {
       gl::View v;
-      v.world_to_eye = glm::lookAt(eye, target, up);
-      v.eye_to_clip = to_clip;
-      v.viewport = kPixels;
-      v.pixels_per_voxel = 0;
+      v.camera.world_to_eye = glm::lookAt(eye, target, up);
+      v.camera.eye_to_clip = to_clip;
+      v.camera.viewport = kPixels;
+      v.quality.pixels_per_voxel = 0;
       return v;
     };
     const float aspect = static_cast<float>(kPixels.x) / static_cast<float>(kPixels.y);
@@ -104,7 +104,7 @@ class DepthTest : public GlTest {
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     const std::vector<Pixel> pixels = canvas.pixels();
     const std::vector<float> depths = canvas.depths();
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) *
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
                                             glm::dmat4(partToWorld(instance, 0)));
     Tally tally;
     for (int row = 0; row < kPixels.y; ++row) {

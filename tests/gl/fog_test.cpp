@@ -70,8 +70,8 @@ double greatest(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b
 }
 
 gl::View dark(gl::View view) {
-  view.sun_color = view.sky_color = view.ground_color = glm::vec3(0);
-  view.pixels_per_voxel = 0;
+  view.light.sun_color = view.light.sky_color = view.light.ground_color = glm::vec3(0);
+  view.quality.pixels_per_voxel = 0;
   return view;
 }
 
@@ -129,7 +129,7 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
         const Instance instance{loaded.asset.get(), &*pose};
         gl::View view = dark(framing(canvas.size(), instance));
         const Box bounds = deformedBounds(knots, kSize);
-        view.finest_level = level;
+        view.quality.finest_level = level;
         const std::vector<glm::vec4> drawn = drawFog(*renderer, canvas, view, instance);
         double worst = 0, worst_glow = 0, sum = 0;
         for (int y = 0; y < canvas.size().y; ++y) {
@@ -211,10 +211,10 @@ TEST_P(Fog, EndsAtTheDepthSoFarFarAway) {
   constexpr float kSide = 20;  // metres
   for (const bool reversed : {false, true}) {
     gl::View view = dark(lookAt(canvas.size(), {0, 0.5f * kSide, 100}, {0, 0.5f * kSide, 0}, 0.1f, 1000.0f));
-    view.reversed_depth = reversed;
+    view.camera.reversed_depth = reversed;
     if (reversed) {
-      view.eye_to_clip[2][2] = -view.eye_to_clip[2][2];
-      view.eye_to_clip[3][2] = -view.eye_to_clip[3][2];
+      view.camera.eye_to_clip[2][2] = -view.camera.eye_to_clip[2][2];
+      view.camera.eye_to_clip[3][2] = -view.camera.eye_to_clip[3][2];
     }
     Instance both[2] = {{fog.asset.get(), nullptr}, {wall.asset.get(), nullptr}};
     for (Instance& instance : both) instance.to_world = glm::mat4(glm::mat3(kSide));
@@ -316,11 +316,11 @@ TEST_P(Fog, IsTheSameInBothApis) {
   ASSERT_TRUE(renderer);
   const Instance instance{loaded.asset.get(), nullptr};
   gl::View view = framing(canvas.size(), instance);
-  view.self_shadow = true;
+  view.quality.self_shadow = true;
   ASSERT_TRUE(renderer->draw(view, {&instance, 1}, gl::Pass::kFog));
   const std::vector<Pixel> shaded = canvas.pixels();
   canvas.clear();
-  view.self_shadow = false;
+  view.quality.self_shadow = false;
   ASSERT_TRUE(renderer->draw(view, {&instance, 1}, gl::Pass::kFog));
   const std::vector<Pixel> lit = canvas.pixels();
   double sums[2] = {};

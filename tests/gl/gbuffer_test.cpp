@@ -141,7 +141,7 @@ class GbufferTest : public GlTest {
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
     const std::vector<Pixel> colors = target.colors();
     const std::vector<Words> normals = target.words(1), motions = target.words(2), tags = target.words(3);
-    const glm::dmat4 to_clip = glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye);
+    const glm::dmat4 to_clip = glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
     const auto place = [](const glm::dmat4& m, const glm::dvec3& p) {
       const glm::dvec4 clip = m * glm::dvec4(p, 1);
       return glm::dvec2(clip) / clip.w;
@@ -190,8 +190,8 @@ class GbufferTest : public GlTest {
       const glm::dvec2 now =
           place(to_clip, worldOf(instance, hit->part, restToVoxel(instance, hit->part, hit->rest)));
       const glm::dvec2 then =
-          view.previous_world_to_clip
-              ? place(*view.previous_world_to_clip,
+          view.camera.previous_world_to_clip
+              ? place(*view.camera.previous_world_to_clip,
                       worldOf(before, hit->part, restToVoxel(instance, hit->part, hit->rest)))
               : now;
       worst = std::max({worst, glm::distance(now, glm::dvec2(motion.x, motion.y)),
@@ -226,18 +226,18 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
     instances[1].to_world = glm::translate(glm::mat4(1), glm::vec3(-0.8f, 0.1f, -0.4f));
     instances[1].tint = {0.5f, 0.9f, 1, 1};
     gl::View view = from;
-    const glm::mat4 same = view.eye_to_clip * view.world_to_eye;
-    const glm::mat4 elsewhere = view.eye_to_clip * glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f),
+    const glm::mat4 same = view.camera.eye_to_clip * view.camera.world_to_eye;
+    const glm::mat4 elsewhere = view.camera.eye_to_clip * glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f),
                                                                glm::vec3(0.25f, 0.5f, 0), glm::vec3(0, 1, 0));
 
     EXPECT_EQ(check(*renderer, target, view, instances), 0);  // no motion asked for
-    view.previous_world_to_clip = &same;
+    view.camera.previous_world_to_clip = &same;
     EXPECT_LT(check(*renderer, target, view, instances), 2e-5);  // nothing moved
     for (Instance& instance : instances) instance.previous_pose = &then_;
     EXPECT_GT(check(*renderer, target, view, instances), 0.02);  // poses
     instances[0].previous_to_world = &moved;
     EXPECT_GT(check(*renderer, target, view, instances), 0.1);  // and an instance
-    view.previous_world_to_clip = &elsewhere;
+    view.camera.previous_world_to_clip = &elsewhere;
     EXPECT_GT(check(*renderer, target, view, instances), 0.1);  // and the camera
     for (Instance& instance : instances)
       instance.previous_pose = nullptr, instance.previous_to_world = nullptr;

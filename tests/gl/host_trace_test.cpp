@@ -88,9 +88,9 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
                  "}\n");
   ASSERT_NE(program, 0u);
   gl::View view = lookAt(canvas, {0.6f, 1.1f, 2.6f}, {0, 0.5f, 0}, 0.5f, 10.0f);
-  view.self_shadow = true;
+  view.quality.self_shadow = true;
   for (const gl::Shading shading : {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
-    view.shading = shading;
+    view.quality.shading = shading;
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, instances_));
     const std::vector<Pixel> drawn = canvas.pixels();
@@ -98,7 +98,7 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
     const auto bound = renderer->bindTrace(program, view, instances_, 5);
     ASSERT_TRUE(bound) << bound.error().detail;
     EXPECT_EQ(bound->instances, 3u);
-    const glm::mat4 to_world = glm::inverse(view.eye_to_clip * view.world_to_eye);
+    const glm::mat4 to_world = glm::inverse(view.camera.eye_to_clip * view.camera.world_to_eye);
     glUseProgram(program);
     glUniformMatrix4fv(glGetUniformLocation(program, "to_world"), 1, GL_FALSE, &to_world[0][0]);
     glUniform2f(glGetUniformLocation(program, "size"), 160, 120);

@@ -109,7 +109,7 @@ TEST_P(InstancingTest, TheOrderInTheSpanDoesNotShow) {
   const std::vector<Pixel> first = drawn(*renderer, canvas, view, instances_);
   std::mt19937 random(4);
   for (const int batches : {1, 5}) {
-    view.depth_batches = batches;
+    view.quality.depth_batches = batches;
     std::shuffle(instances_.begin(), instances_.end(), random);
     EXPECT_EQ(drawn(*renderer, canvas, view, instances_), first);
   }
@@ -122,14 +122,14 @@ TEST_P(InstancingTest, DepthBatchesDoNotChangeThePicture) {
   for (const bool wide : {true, false}) {
     gl::View view =
         wide ? lookAt(canvas, {0, 0.5f, 4}, {0, 0, 0}) : orthographic(canvas, {0, 0.5f, 4}, {0, 0, 0}, 1.2f);
-    if (!wide) view.pixels_per_voxel = 1;
-    view.depth_batches = 1;
+    if (!wide) view.quality.pixels_per_voxel = 1;
+    view.quality.depth_batches = 1;
     gl::Stats stats;
     const std::vector<Pixel> alone = drawn(*renderer, canvas, view, instances_, &stats);
     const std::uint32_t parts = stats.instances;
     const std::vector<float> depths = desktop() ? canvas.depths() : std::vector<float>();
     for (const int batches : {2, 3, 8, 16}) {
-      view.depth_batches = batches;
+      view.quality.depth_batches = batches;
       EXPECT_EQ(drawn(*renderer, canvas, view, instances_, &stats), alone) << batches;
       EXPECT_EQ(stats.draws, static_cast<std::uint32_t>(batches));
       EXPECT_EQ(stats.instances, parts);
@@ -140,12 +140,12 @@ TEST_P(InstancingTest, DepthBatchesDoNotChangeThePicture) {
   }
   gl::View view = lookAt(canvas, {0, 0.5f, 4}, {0, 0, 0});
   gl::Stats stats;
-  view.depth_batches = 16;  // never more than there are parts
+  view.quality.depth_batches = 16;  // never more than there are parts
   drawn(*renderer, canvas, view, std::span(instances_).subspan(1, 3), &stats);
   EXPECT_EQ(stats.draws, stats.instances + 0u);
   EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
   for (const int bad : {-1, 0, 17}) {
-    view.depth_batches = bad;
+    view.quality.depth_batches = bad;
     EXPECT_FALSE(renderer->draw(view, instances_));
   }
 }
@@ -233,7 +233,7 @@ TEST_P(InstancingTest, DepthBatchesWorkWithEveryDepthFormatAndLeaveOthersAlone) 
       gl::View view = lookAt(size - corner, {0, 0.5f, 3}, {0, 0, 0});
       std::vector<Pixel> pictures[2];
       for (const int batches : {1, 6}) {
-        view.depth_batches = batches;
+        view.quality.depth_batches = batches;
         clearBound();
         const auto result = renderer->draw(view, instances_);
         ASSERT_TRUE(result);
@@ -256,7 +256,7 @@ TEST_P(InstancingTest, OnlyWhatCoversNoPixelIsCulled) {
   const auto renderer = makeBoth();
   throwHeap(250, 6, 3.0f);
   gl::View view = lookAt(canvas, {0, 0.2f, 1.2f}, {0, 0, 0}, 0.3f, 3.5f);
-  view.smallest_pixels = 0;
+  view.quality.smallest_pixels = 0;
   // A view of everything around, in which the same part of the picture is drawn: the frustum's middle quarter
   // of a canvas four times as large.
   const Canvas large({450, 350});
@@ -293,7 +293,7 @@ TEST_P(InstancingTest, SmallInstancesAreCulledBySize) {
     for (const float least : {0.0f, 0.5f, 3.0f}) {
       Instance instance{one_.asset.get(), nullptr};
       instance.to_world = glm::scale(glm::mat4(1), glm::vec3(scale));
-      view.smallest_pixels = least;
+      view.quality.smallest_pixels = least;
       const auto stats = renderer->draw(view, {&instance, 1});
       ASSERT_TRUE(stats);
       const float side = 50 * scale;  // the asset is a metre high
@@ -395,16 +395,16 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
           glm::vec4(static_cast<float>(i % 25) - 12, 0, -static_cast<float>(i / 25), 1);
     }
     gl::View view = lookAt(glm::ivec2(300, 200), {0, 4, 12}, {0, 0, 0});
-    view.pixels_per_voxel = 1;
-    view.depth_batches = 12;
+    view.quality.pixels_per_voxel = 1;
+    view.quality.depth_batches = 12;
     const auto frame = [&](int n) {
       const std::size_t count = 1 + static_cast<std::size_t>(0.5 * (1 + std::sin(0.05 * n)) * (kCount - 1));
       for (std::size_t i = 0; i < count; ++i) edit(poses[i], 0, 32)[1].position.x = static_cast<float>(n % 7);
       const auto some = std::span(instances).first(count);
-      view.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
+      view.camera.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
                                       glm::vec3(0), glm::vec3(0, 1, 0));
-      const glm::mat4 before = view.eye_to_clip * view.world_to_eye;
-      view.previous_world_to_clip = n % 2 ? &before : nullptr;
+      const glm::mat4 before = view.camera.eye_to_clip * view.camera.world_to_eye;
+      view.camera.previous_world_to_clip = n % 2 ? &before : nullptr;
       const auto colour = (*renderer)->draw(view, some);
       EXPECT_TRUE(colour && (*renderer)->draw(view, some, gl::Pass::kDepth) && (*renderer)->upload(100'000));
       return colour ? colour->draws : 0;

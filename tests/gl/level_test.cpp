@@ -38,7 +38,7 @@ TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
   for (const float half_height : {0.3f, 0.55f, 0.7f, 0.9f, 1.3f, 1.9f, 2.9f, 5.3f}) {
     for (const float pixels_per_voxel : {0.0f, 0.5f, 1.0f, 3.0f, 5.0f}) {
       gl::View view = orthographic(canvas, {0, 0.5f, 5}, {0, 0.5f, 0}, half_height);
-      view.pixels_per_voxel = pixels_per_voxel;
+      view.quality.pixels_per_voxel = pixels_per_voxel;
       const double between = pixels_per_voxel == 0
                                  ? 0.0
                                  : std::clamp(std::log2(pixels_per_voxel * 2 * half_height * 80.0 / 200.0),
@@ -76,7 +76,7 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   for (const float pixels_per_voxel : {0.0f, 1.3f, 2.0f, 3.5f, 8.0f, 200.0f}) {
     gl::View view = lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0});
-    view.pixels_per_voxel = pixels_per_voxel;
+    view.quality.pixels_per_voxel = pixels_per_voxel;
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, {&instance_, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();

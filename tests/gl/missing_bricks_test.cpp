@@ -209,7 +209,7 @@ TEST_P(MissingBricksTest, ThePictureFallsBackAsTheCpuDoes) {
       (void)pose.setKnots(0, knots);
       const Instance instance{&asset, &pose};
       gl::View view = lookAt(canvas, glm::vec3(0.9f, 1.0f, 1.3f), {0, 0.5f, 0});
-      view.pixels_per_voxel = trial % 2 == 0 ? 0.0f : 1.0f;
+      view.quality.pixels_per_voxel = trial % 2 == 0 ? 0.0f : 1.0f;
       canvas.clear();
       ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
       const std::vector<Pixel> pixels = canvas.pixels();

@@ -151,24 +151,24 @@ TEST_P(MisuseTest, OfViews) {
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
   };
   gl::View view = good;
-  view.viewport.x = -1;
+  view.camera.viewport.x = -1;
   expectMisuseOf(view);
   view = good;
-  view.eye_to_clip = glm::mat4(0);
+  view.camera.eye_to_clip = glm::mat4(0);
   expectMisuseOf(view);
   view = good;
-  view.world_to_eye[2].y = std::numeric_limits<float>::infinity();
+  view.camera.world_to_eye[2].y = std::numeric_limits<float>::infinity();
   expectMisuseOf(view);
   view = good;
-  view.sun_direction = glm::vec3(0);
+  view.light.sun_direction = glm::vec3(0);
   expectMisuseOf(view);
   view = good;
-  view.pixels_per_voxel = std::nanf("");
+  view.quality.pixels_per_voxel = std::nanf("");
   expectMisuseOf(view);
 
   view = good;
   for (const glm::ivec2 none : {glm::ivec2(0, 30), glm::ivec2(40, 0), glm::ivec2(0, 0)}) {
-    view.viewport = none;
+    view.camera.viewport = none;
     expectMisuseOf(view);
   }
   for (const Pixel& pixel : canvas.pixels()) ASSERT_EQ(pixel, Pixel{});

@@ -41,7 +41,7 @@ class Square {
   }
 
   void draw(const gl::View& view, float depth) const {
-    const glm::mat4 to_clip = view.eye_to_clip * view.world_to_eye;
+    const glm::mat4 to_clip = view.camera.eye_to_clip * view.camera.world_to_eye;
     glUseProgram(program_);
     glBindVertexArray(vertices_);
     glUniformMatrix4fv(glGetUniformLocation(program_, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
@@ -152,7 +152,7 @@ TEST_P(OcclusionTest, DepthFollowsTheHostsDepthRange) {
     // Against the projection: 1 - n / w over 1 - n / f.
     const auto hit = raycast(instance_, pixelRay(view, static_cast<int>(i % 80), static_cast<int>(i / 80)));
     ASSERT_TRUE(hit);
-    const float w = -(view.world_to_eye * glm::vec4(hit->position, 1)).z;
+    const float w = -(view.camera.world_to_eye * glm::vec4(hit->position, 1)).z;
     ASSERT_NEAR(whole[i], (1 - 0.5f / w) / (1 - 0.5f / 5.0f), 1e-4f);
   }
   EXPECT_GT(seen, 300);

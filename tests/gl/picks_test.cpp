@@ -100,10 +100,10 @@ TEST_P(PicksTest, AreWhatIsSeen) {
   };
   draw();
   EXPECT_EQ(compare(view, instances, canvas, 10'000, "finest"), 1);
-  view.pixels_per_voxel = 3.0f;
+  view.quality.pixels_per_voxel = 3.0f;
   draw();
   EXPECT_GE(compare(view, instances, canvas, 10'000, "dithered"), 3);
-  view.finest_level = 2;
+  view.quality.finest_level = 2;
   draw();
   EXPECT_GE(compare(view, instances, canvas, 10'000, "coarse"), 2);
 }

@@ -29,7 +29,7 @@ class PictureTest : public GlTest {
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     const std::vector<Pixel> pixels = canvas.pixels();
     const std::vector<float> depths = desktop() ? canvas.depths() : std::vector<float>();
-    const glm::dmat4 to_clip = glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye);
+    const glm::dmat4 to_clip = glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
     Agreement result;
     for (int y = 0; y < canvas.size().y; ++y) {
       for (int x = 0; x < canvas.size().x; ++x) {
@@ -157,7 +157,7 @@ TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
   expectAgreement(compare(*renderer, canvas, view, instances), "three in one draw");
   // A picture that is upside down, as hosts draw for other APIs: the same voxels.
   gl::View flipped = view;
-  flipped.eye_to_clip = glm::scale(glm::mat4(1), glm::vec3(1, -1, 1)) * view.eye_to_clip;
+  flipped.eye_to_clip = glm::scale(glm::mat4(1), glm::vec3(1, -1, 1)) * view.camera.eye_to_clip;
   expectAgreement(compare(*renderer, canvas, flipped, instances), "flipped projection");
 }
 
@@ -280,8 +280,8 @@ TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
   for (const glm::vec3 sun :
        {glm::vec3(1, 0, 0.3f), glm::vec3(-1, 0, 0.3f), glm::vec3(0, 1, 0.3f), glm::vec3(0, -1, 0.3f)}) {
     gl::View view = lookAt(canvas, {0, 0.5f, 3}, {0, 0.5f, 0});
-    view.sun_direction = 7.0f * sun;
-    view.ground_color = view.sky_color = glm::vec3(0.1f);
+    view.light.sun_direction = 7.0f * sun;
+    view.light.ground_color = view.light.sky_color = glm::vec3(0.1f);
     canvas.clear();
     ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
     const std::vector<Pixel> pixels = canvas.pixels();

@@ -66,7 +66,7 @@ TEST_F(RealFog, MeanOpticalDepthIsThatOfTheFile) {
   const glm::vec3 middle = 0.5f * (box.min + box.max), extent = box.max - box.min;
   gl::View view = orthographic(kViewport, middle + glm::vec3(0, 0, extent.z), middle, 0.5f * extent.y * 1.02f,
                                0.01f, 2 * extent.z);
-  view.pixels_per_voxel = 0;
+  view.quality.pixels_per_voxel = 0;
   // As many rays as make a grid finer than the voxels.
   const auto renderer = rendererOf(*loaded.asset);
   double sum = 0;
@@ -103,7 +103,7 @@ TEST_F(RealFog, ThePictureIsTheIntegralAtRestAndBent) {
     const float reach = glm::length(box.max - box.min);
     gl::View view =
         lookAt(kViewport, middle + reach * glm::vec3(0.3f, 0.1f, 0.9f), middle, 0.01f * reach, 4 * reach);
-    view.pixels_per_voxel = 0;
+    view.quality.pixels_per_voxel = 0;
     const std::vector<glm::vec4> drawn = draw(*renderer, view, instance);
     const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
     double worst = 0, converged = 0, hidden = 0;

@@ -67,10 +67,10 @@ TEST_P(SelfShadowTest, AWallHidesItsFormFactorOfTheSky) {
   const auto renderer = makeRenderer(*loaded.asset, kVisible);
   const Canvas canvas({96, 64});  // a pixel a voxel, the middle of the length
   gl::View view = orthographic(canvas, {0, 5, 0.001f}, {0, 0, 0}, 1.0f, 0.1f, 10);
-  view.occlusion_rays = 16;
-  view.occlusion_reach = 8;
+  view.quality.occlusion_rays = 16;
+  view.quality.occlusion_reach = 8;
   for (const gl::Shading shading : {gl::Shading::kFaces, gl::Shading::kGradient}) {
-    view.shading = shading;
+    view.quality.shading = shading;
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, {loaded.asset.get(), nullptr});
     // Rays start above the floor: from there the wall is lower.
     const double h = kHeight - (shading == gl::Shading::kFaces ? 0.0625 : 1.75);
@@ -106,7 +106,7 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   const glm::vec3 centre = 0.5f * (box.min + box.max);
   gl::View view =
       lookAt(canvas, centre + glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
-  view.occlusion_reach = 0.4f;
+  view.quality.occlusion_reach = 0.4f;
   const float voxel = 1.5f / 80, reach = 0.4f * 80 * voxel;
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -131,7 +131,7 @@ TEST_P(SelfShadowTest, OcclusionIsTheMeanOfRaysOnTheCpu) {
   expected /= count;
   EXPECT_LT(expected, 0.9);  // there is something to see
   for (const int rays : {1, 4, 16}) {
-    view.occlusion_rays = rays;
+    view.quality.occlusion_rays = rays;
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, instance);
     double sum = 0;
     int covered = 0;
@@ -161,10 +161,10 @@ TEST_P(SelfShadowTest, ShadowsAreThoseOfRaysOnTheCpu) {
   const glm::vec3 centre = 0.5f * (box.min + box.max);
   gl::View view =
       lookAt(canvas, centre + 0.8f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
-  view.self_shadow = true;
+  view.quality.self_shadow = true;
   for (const glm::vec3& sun :
        {glm::normalize(glm::vec3(0.5f, 0.8f, 0.4f)), glm::normalize(glm::vec3(-0.7f, 0.2f, 0.1f))}) {
-    view.sun_direction = 3.0f * sun;
+    view.light.sun_direction = 3.0f * sun;
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, instance);
     int lit = 0, dark = 0, wrong = 0;
     for (int i = 0; i < 160 * 120; ++i) {
@@ -211,20 +211,20 @@ TEST_P(SelfShadowTest, TheDefaultLookHasThemWhenAskedFor) {
     return darker;
   };
   EXPECT_EQ(draw(*without, canvas, view, instance), plain);
-  view.self_shadow = true;
+  view.quality.self_shadow = true;
   const auto refused = without->draw(view, {&instance, 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kMisuse);
   const int shadowed = compare(draw(*renderer, canvas, view, instance));
   EXPECT_GT(shadowed, 30);
-  view.occlusion_rays = 16;
+  view.quality.occlusion_rays = 16;
   EXPECT_GT(compare(draw(*renderer, canvas, view, instance)), 2 * shadowed);
-  view.self_shadow = false;
-  view.occlusion_rays = 0;
+  view.quality.self_shadow = false;
+  view.quality.occlusion_rays = 0;
   EXPECT_EQ(draw(*renderer, canvas, view, instance), plain);
-  view.occlusion_rays = 17;
+  view.quality.occlusion_rays = 17;
   EXPECT_FALSE(renderer->draw(view, {&instance, 1}));
-  view.occlusion_rays = -1;
+  view.quality.occlusion_rays = -1;
   EXPECT_FALSE(renderer->draw(view, {&instance, 1}));
 }
 

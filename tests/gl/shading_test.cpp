@@ -97,7 +97,7 @@ class ShadingTest : public GlTest {
   std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, gl::View view, gl::Shading shading,
                           const Instance& instance) {
     canvas.clear();
-    view.shading = shading;
+    view.quality.shading = shading;
     const auto drawn = renderer.draw(view, {&instance, 1});
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     return canvas.pixels();
@@ -156,7 +156,7 @@ TEST_P(ShadingTest, SmoothKnowsTheLevel) {
   const auto renderer = makeRenderer(*loaded.asset, kNormals);
   const Instance instance{loaded.asset.get(), nullptr};
   gl::View view = orthographic(canvas, {0.4f, 0.9f, 2}, {0, 0.5f, 0}, 8.0f / 24);
-  view.finest_level = 1;
+  view.quality.finest_level = 1;
   const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kSmooth, instance);
   double sum = 0;
   int count = 0;
@@ -333,7 +333,7 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
   const auto renderer = makeRenderer(*loaded.asset, kNormals);
   const auto expectCorner = [&](const Instance& instance, int level, const glm::vec3& from) {
     gl::View view = orthographic(canvas, glm::vec3(0, 0.5f, 0) + 3.0f * from, {0, 0.5f, 0}, 0.9f);
-    view.finest_level = level;
+    view.quality.finest_level = level;
     const std::vector<Pixel> pixels = draw(*renderer, canvas, view, gl::Shading::kFaces, instance);
     int count = 0, other = 0;
     for (int i = 0; i < 120 * 120; ++i) {
@@ -367,7 +367,7 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
     knots[1].position.y = 24.1f + 0.013f * static_cast<float>(trial % 16);
     (void)pose.setKnots(0, knots);
     gl::View view = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.3f);
-    view.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *
+    view.camera.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *
                         glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
     const std::vector<Pixel> pixels =
         draw(*posts_renderer, canvas, view, gl::Shading::kFaces, {posts.asset.get(), &pose});
@@ -387,7 +387,7 @@ TEST_P(ShadingTest, ChangesNeitherShapeNorDepth) {
   const auto renderer = makeRenderer(*loaded.asset, kVoxelSurface);
   const Instance instance{loaded.asset.get(), nullptr};
   gl::View view = lookAt(canvas, {0.6f, 0.8f, 1.2f}, {0, 0.5f, 0});
-  EXPECT_EQ(view.shading, gl::Shading::kGradient);
+  EXPECT_EQ(view.quality.shading, gl::Shading::kGradient);
   const std::vector<Pixel> gradient = draw(*renderer, canvas, view, gl::Shading::kGradient, instance);
   const std::vector<float> depths = desktop() ? canvas.depths() : std::vector<float>();
   for (const gl::Shading shading : {gl::Shading::kFaces, gl::Shading::kSmooth}) {
@@ -396,7 +396,7 @@ TEST_P(ShadingTest, ChangesNeitherShapeNorDepth) {
       EXPECT_EQ(canvas.depths(), depths);
     }
   }
-  view.shading = static_cast<gl::Shading>(3);
+  view.quality.shading = static_cast<gl::Shading>(3);
   const auto refused = renderer->draw(view, {&instance, 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kMisuse);
@@ -424,7 +424,7 @@ TEST(Shading, IsOneOnDesktopAndEmbedded) {
     ASSERT_TRUE((*renderer)->upload(~std::uint64_t{0}));
     gl::View view = lookAt(canvas, {0.6f, 0.9f, 1.9f}, {0.1f, 0.5f, 0.1f});
     for (const gl::Shading shading : {gl::Shading::kGradient, gl::Shading::kFaces, gl::Shading::kSmooth}) {
-      view.shading = shading;
+      view.quality.shading = shading;
       canvas.clear();
       ASSERT_TRUE((*renderer)->draw(view, {&instance, 1}));
       pictures[api == GlApi::kEs30].push_back(canvas.pixels());

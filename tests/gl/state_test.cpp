@@ -82,7 +82,7 @@ class StateTest : public GlTest {
         after(kDraw, "draw");
       }
       gl::View batched = view;
-      batched.depth_batches = 3;
+      batched.quality.depth_batches = 3;
       EXPECT_TRUE(renderer.draw(batched, std::vector<Instance>(3, instance_)));
       after(kDraw, "draw, in batches");
       EXPECT_TRUE(renderer.draw(view, {}));

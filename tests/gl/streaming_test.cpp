@@ -245,7 +245,7 @@ TEST_P(StreamingTest, FlyingAwayIsSmoothAndForgotten) {
   const auto viewAt = [&](int frame) {
     gl::View view =
         lookAt(canvas.size(), {0, 0.5f, 0.9f * std::pow(1.008f, static_cast<float>(frame))}, {0, 0.5f, 0});
-    view.pixels_per_voxel = 1.0f;
+    view.quality.pixels_per_voxel = 1.0f;
     return view;
   };
   constexpr int kFrames = 300;

@@ -121,7 +121,7 @@ class TwoApisTest : public testing::Test {
       canvas.clear();
       EXPECT_TRUE((*shaded)->draw(scene.view, scene.instances));
       picture.colors = canvas.pixels();
-      const glm::dmat4 to_eye = glm::inverse(glm::dmat4(scene.view.eye_to_clip));
+      const glm::dmat4 to_eye = glm::inverse(glm::dmat4(scene.view.camera.eye_to_clip));
       const std::vector<float> depths = canvas.depths();
       for (std::size_t i = 0; i < depths.size(); ++i) {
         const glm::dvec2 at =

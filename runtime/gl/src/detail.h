@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view's checks, the camera, and the level of detail: two levels, and a pattern of pixels that draw the
-// one or the other.
+// The view's checks, the projection, and the level of detail: two levels, and a pattern of pixels that draw
+// the one or the other.
 #pragma once
 
 #include "kelp/gl/renderer.h"
@@ -8,19 +8,21 @@
 namespace kelp::gl {
 
 // A View, checked and prepared.
-struct Camera {
+struct Projection {
   glm::dmat4 world_to_clip{1};
   glm::mat4 linear{1};    // the same in float, for all but places
   glm::dvec4 eye{0};      // world; w = 1, or the direction of view and w = 0
   float pixel_scale = 0;  // pixels per unit of length at clip w = 1
 };
 
+inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && view.camera.viewport.y > 0; }
+
 // kMisuse for a view that draw() and bindTrace() cannot use. `look_is_plain`: the program has no secondary
 // rays.
 Result<void> checkView(const View& view, bool look_is_plain);
 
 // kMisuse for a matrix that is not finite or not invertible.
-Result<Camera> makeCamera(const View& view);
+Result<Projection> makeProjection(const View& view);
 
 struct Detail {
   int level = 0;

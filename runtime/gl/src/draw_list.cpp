@@ -11,29 +11,23 @@
 #include <glm/gtc/type_precision.hpp>
 #include <glm/matrix.hpp>
 
+#include "grow.h"
+
 namespace kelp::gl {
 namespace {
 
 // Texels of a record: its head, and what precedes the segments of the frame before.
 constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4), kMotionTexels = 4;
 
-constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
-// Enlarges `buffer` to `size` or more, at least twice as large, and keeps its content.
-template <class T>
-[[nodiscard]] bool grow(Buffer<T>& buffer, std::size_t size) {
-  if (size <= buffer.size()) return true;
-  Buffer<T> more(buffer.allocator());
-  if (!more.reset(std::max(size, 2 * buffer.size()))) return false;
-  if (!buffer.empty()) std::memcpy(static_cast<void*>(more.data()), buffer.data(), buffer.size() * sizeof(T));
-  buffer = std::move(more);
-  return true;
-}
-
 constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added to the renderer"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
-constexpr Error kBadPose{ErrorCode::kMisuse, "an instance's pose is not monotone, or not finite"};
 constexpr Error kForeignPose{ErrorCode::kMisuse, "an instance's pose belongs to another asset"};
-constexpr Error kBadMatrix{ErrorCode::kMisuse, "an instance's to_world is not an invertible affine matrix"};
+constexpr Error kForeignPalette{
+    ErrorCode::kMisuse, "an instance's palette does not have one material for each entry of its pack"};
+// Why instances are left out.
+constexpr char kBadMatrix[] = "its to_world is not a finite, invertible, affine matrix";
+constexpr char kBadMotion[] = "the motion of a part is not finite";
+constexpr char kBadPast[] = "its pose of the frame before is not monotone, or not finite";
 
 bool isAffine(const glm::mat4& m) { return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1; }
 
@@ -64,10 +58,12 @@ class FoundAssets {
   One places_[kPlaces];
 };
 
-// Whether a part moves as a whole, by its motion or an ancestor's.
+// Whether a part moves as a whole, by its motion or an ancestor's, or because it hangs on a spline.
 bool moves(const runtime::Pose& pose, std::span<const Part> parts, int part) {
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    if (!runtime::isRest(*pose.motion(i))) return true;
+    if (!runtime::isRest(*pose.motion(i)) ||
+        parts[static_cast<std::size_t>(i)].parent_at != Part::kNotOnSpline)
+      return true;
   }
   return false;
 }
@@ -136,23 +132,36 @@ glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::
 
 }  // namespace
 
-Result<void> DrawList::build(Residency& store, const Camera& camera, const View& view,
+Result<void> DrawList::build(Residency& store, const Projection& projection, const View& view,
                              std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
-  const Frame frame{camera, view, kind, rays};
+  const Frame frame{projection, view, kind, rays};
   waiting_ = 0;
   count_ = 0;
   texels_ = 0;
   rows_ = 0;
   culled_ = 0;
   has_heat_ = false;
+  left_out_count_ = 0;
+  first_left_out_ = {};
+  palette_count_ = 0;
+  palette_texels_ = 0;
   store.beginWants();
   FoundAssets found;
   const Error* error = nullptr;
-  for (std::size_t i = 0; i < instances.size() && !error; ++i) {
+  std::size_t i = 0;
+  for (; i < instances.size() && !error; ++i) {
     ResidentAsset* const asset = found.find(store, instances[i].asset, error);
     if (asset) error = addInstance(frame, *asset, instances[i], static_cast<std::uint32_t>(i));
   }
+  if (error && error->code == ErrorCode::kMisuse) {
+    count_ = 0;
+    return Error{error->code, error->detail, i - 1, Error::Unit::kInstance};
+  }
   if (!error) error = addBlock(frame);
+  if (!error) {
+    dropLeftOut();
+    error = writePalettes();
+  }
   if (!error) return writeOrder(kind);
   count_ = 0;
   return *error;
@@ -164,7 +173,13 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
   if (instance.pose && static_cast<std::size_t>(instance.pose->parts()) != parts.size()) return &kForeignPose;
   if (instance.previous_pose) {
     if (!instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
-    if (!instance.previous_pose->check()) return &kBadPose;
+    if (!instance.previous_pose->check()) return leaveOut(asset, index, kBadPast);
+  }
+  std::uint32_t palette = asset.palette();
+  if (!instance.palette.empty()) {
+    if (instance.palette.size() != instance.asset->pack().palette().size()) return &kForeignPalette;
+    if (const Error* const error = addPalette(instance.palette, palette)) return error;
+    palette |= kOwnPalette;
   }
   bool is_drawn = false;
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
@@ -183,6 +198,8 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     candidate.resident = &asset.parts[part];
     candidate.index = index;
     candidate.part = part;
+    candidate.palette = palette;
+    candidate.sound = true;
     PosedParts& posed = posed_[i / 8];
     const std::size_t k = i % 8;
     posed.knots[k] = knots;
@@ -190,13 +207,17 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     posed.to_world[k] = &instance.to_world;
     posed.to_object[k] = &parts[part].to_object;
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
-      if (!isAffine(instance.to_world)) return &kBadMatrix;  // placeParts checks it for the others
       moved_[i] = runtime::partToWorld(instance, static_cast<int>(part));
       posed.to_world[k] = &moved_[i];
       posed.to_object[k] = &kSame;
+      // place() checks the others' matrices.
+      candidate.sound = isAffine(instance.to_world);
+      if (!candidate.sound) {
+        if (const Error* const error = leaveOut(asset, index, kBadMatrix)) return error;
+      }
     }
   }
-  if (!is_drawn && !isAffine(instance.to_world)) return &kBadMatrix;
+  if (!is_drawn && !isAffine(instance.to_world)) return leaveOut(asset, index, kBadMatrix);
   return nullptr;
 }
 
@@ -210,7 +231,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
   std::size_t segments = 0;
   for (std::size_t i = 0; i < eights; ++i) {
     for (const std::span<const Knot>& knots : posed_[i].knots) segments += knots.size() - 1;
-    if (boundParts(posed_[i], placed_[i]) != 255) return &kBadPose;
+    if (const Error* const error = boundEight(i, countOf(i))) return error;
   }
   for (std::size_t i = 0; i < eights; ++i) {
     if (const Error* const error = place(frame, i, countOf(i))) return error;
@@ -225,31 +246,36 @@ const Error* DrawList::addBlock(const Frame& frame) {
 }
 
 const Error* DrawList::place(const Frame& frame, std::size_t eight, std::size_t count) {
-  placeParts(frame.camera, posed_[eight], placed_[eight]);
-  if (placed_[eight].affine != 255) {
-    // addInstance checked the host's matrix of parts that move. Their product is affine if the motion is
-    // finite.
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!(placed_[eight].affine >> k & 1))
-        return posed_[eight].to_object[k] == &kSame ? &kBadPose : &kBadMatrix;
-    }
-  }
-  if (placed_[eight].invertible == 255) return nullptr;
+  placeParts(frame.projection, posed_[eight], placed_[eight]);
+  const PlacedParts& placed = placed_[eight];
+  if (placed.affine == 255 && placed.invertible == 255) return nullptr;
   for (std::size_t k = 0; k < count; ++k) {
-    // A motion may scale a part to nothing: then it shows no voxel.
-    if (!(placed_[eight].invertible >> k & 1) && !isInvertible(block_[8 * eight + k].instance->to_world))
-      return &kBadMatrix;
+    Candidate& candidate = block_[8 * eight + k];
+    const char* why = nullptr;
+    if (!(placed.affine >> k & 1)) {
+      // addInstance checked the host's matrix of parts that move. Their product is affine if the motion is
+      // finite.
+      why = posed_[eight].to_object[k] == &kSame ? kBadMotion : kBadMatrix;
+    } else if (!(placed.invertible >> k & 1) && !isInvertible(candidate.instance->to_world)) {
+      // (A motion may scale a part to nothing: then it shows no voxel.)
+      why = kBadMatrix;
+    }
+    if (!why) continue;
+    candidate.sound = false;
+    if (const Error* const error = leaveOut(*candidate.asset, candidate.index, why)) return error;
   }
   return nullptr;
 }
 
 void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) {
   JudgedParts judged;
-  judgeParts(frame.camera, frame.view, frame.rays, placed_[eight], judged);
+  judgeParts(frame.projection, frame.view, frame.rays, placed_[eight], judged);
   for (std::size_t k = 0; k < count; ++k) {
     Candidate& candidate = block_[8 * eight + k];
     ResidentPart& resident = *candidate.resident;
     const bool is_seen = judged.seen >> k & 1;
+    candidate.drawn = false;
+    if (!candidate.sound) continue;
     const Detail wanted = Detail::of(judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
@@ -261,7 +287,7 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
 
 void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   const PosedParts& posed = posed_[eight];
-  const bool motion = frame.rays == Rays::kView && frame.view.previous_world_to_clip;
+  const bool motion = frame.rays == Rays::kView && frame.view.camera.previous_world_to_clip;
   RecordHead unused;
   RecordHead* heads[8];
   // Segments first, because each overwrites what follows it.
@@ -274,13 +300,13 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     heads[k] = reinterpret_cast<RecordHead*>(out);
     out = writeSegments(out + kHeadTexels, posed.knots[k], posed.extents[k]->y);
     if (motion)
-      out = writeMotion(*frame.view.previous_world_to_clip, *candidate.instance, candidate.part, out);
+      out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part, out);
   }
   if (out == begin) return;
   texels_ += static_cast<std::size_t>(out - begin);
-  writeHeads(frame.camera, placed_[eight], heads);
+  writeHeads(frame.projection, placed_[eight], heads);
   std::uint32_t outlines[8] = {};
-  if (frame.rays == Rays::kView) outlineParts(frame.camera.eye.w == 0, placed_[eight], outlines);
+  if (frame.rays == Rays::kView) outlineParts(frame.projection.eye.w == 0, placed_[eight], outlines);
   for (std::size_t k = 0; k < count; ++k) {
     if (heads[k] == &unused) continue;
     heads[k]->segments = static_cast<std::uint32_t>(posed.knots[k].size() - 1);
@@ -295,8 +321,8 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
   if (frame.kind == PartKind::kFog) has_heat_ = has_heat_ || asset.packed[candidate.part].fog->channels() > 1;
 
   Ordered& ordered = order_[count_++];
-  ordered.key =
-      ascending(frame.camera.eye.w == 0 ? alongView(frame.camera.eye, head) : std::max(nearest, 0.0f));
+  ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
+                                                      : std::max(nearest, 0.0f));
   ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
 
   const bool any = frame.rays == Rays::kAny;
@@ -305,7 +331,7 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
   head.levels_at = asset.palette() + resident.table;
   head.detail = static_cast<std::uint32_t>(candidate.detail.level |
                                            (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16);
-  head.palette = asset.palette();
+  head.palette = candidate.palette;
   head.instance = candidate.index;
   head.part = candidate.part;
 }

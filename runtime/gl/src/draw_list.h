@@ -5,21 +5,31 @@
 #pragma once
 
 #include "placing.h"
+#include "program.h"
 #include "residency.h"
 
 namespace kelp::gl {
+
+inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
+// A record's palette is that of its instance, and lies among the records.
+inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
  public:
   static constexpr std::size_t kRecordWidth = 1024;  // texels
 
-  explicit DrawList(const Allocator& allocator)
-      : order_(allocator), sorted_(allocator), records_(allocator) {}
+  DrawList(const Allocator& allocator, const LogSink& log)
+      : log_(log),
+        order_(allocator),
+        sorted_(allocator),
+        records_(allocator),
+        left_out_(allocator),
+        palettes_(allocator) {}
 
-  // Lists the parts of one kind, and tells `store` which levels are wanted. kMisuse for an instance that must
-  // not be drawn; then nothing is listed.
-  Result<void> build(Residency& store, const Camera& camera, const View& view,
+  // Lists the parts of one kind, and tells `store` which levels are wanted. Instances that cannot be drawn
+  // are left out. kMisuse for one that the caller should not have passed; then nothing is listed.
+  Result<void> build(Residency& store, const Projection& projection, const View& view,
                      std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid,
                      Rays rays = Rays::kView);
 
@@ -30,6 +40,9 @@ class DrawList {
   // Where the numbers of the parts' records begin, four to a texel.
   std::uint32_t firstNumber() const { return static_cast<std::uint32_t>(4 * texels_); }
   std::uint32_t culled() const { return culled_; }
+  // Instances that were left out, and why the first of them was.
+  std::uint32_t leftOut() const { return static_cast<std::uint32_t>(left_out_count_); }
+  const Error& firstLeftOut() const { return first_left_out_; }
   // Whether fog that is listed has heat.
   bool hasHeat() const { return has_heat_; }
 
@@ -39,7 +52,7 @@ class DrawList {
     std::uint32_t texel = 0;  // of the record
   };
   struct Frame {
-    const Camera& camera;
+    const Projection& projection;
     const View& view;
     PartKind kind;
     Rays rays;
@@ -51,18 +64,30 @@ class DrawList {
     ResidentPart* resident;
     std::uint32_t index;  // of the instance
     std::uint32_t part;
+    std::uint32_t palette;  // as in the record
     Detail detail;
     bool drawn;
+    bool sound;  // false: its instance is left out
+  };
+  // The materials of an instance, which follow the records.
+  struct Palette {
+    std::span<const Material> materials;
+    std::size_t texel = 0;  // where it begins, from the first palette on
   };
   // Candidates are computed eight at a time, and a whole block takes each step before the next one. A step is
   // a chain of dependent results, so the processor works on several eights at once. README.md has the gain.
   static constexpr std::size_t kBlock = 32, kEights = kBlock / 8;
 
-  // Null: no error.
+  // These return null, or an error that ends the frame.
   const Error* addInstance(const Frame& frame, ResidentAsset& asset, const runtime::Instance& instance,
                            std::uint32_t index);
   const Error* addBlock(const Frame& frame);
+  const Error* boundEight(std::size_t eight, std::size_t count);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
+  const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
+  const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);
+  const Error* writePalettes();
+  void dropLeftOut();
   void choose(const Frame& frame, std::size_t eight, std::size_t count);
   void write(const Frame& frame, std::size_t eight, std::size_t count);
   // Writes what is not computed in lanes.
@@ -74,6 +99,7 @@ class DrawList {
   PosedParts posed_[kEights];
   PlacedParts placed_[kEights]{};
   std::size_t waiting_ = 0;
+  LogSink log_;
   Buffer<Ordered> order_;  // the first count_
   Buffer<Ordered> sorted_;
   Buffer<glm::uvec4> records_;  // the first texels_
@@ -82,6 +108,11 @@ class DrawList {
   std::size_t rows_ = 0;
   std::uint32_t culled_ = 0;
   bool has_heat_ = false;
+  Buffer<std::uint32_t> left_out_;  // the first left_out_count_: indices of instances, ascending
+  std::size_t left_out_count_ = 0;
+  Error first_left_out_;
+  Buffer<Palette> palettes_;  // the first palette_count_
+  std::size_t palette_count_ = 0, palette_texels_ = 0;
 };
 
 }  // namespace kelp::gl

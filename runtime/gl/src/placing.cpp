@@ -56,7 +56,7 @@ unsigned boundParts(const PosedParts& parts, PlacedParts& placed) {
 namespace {
 
 // What lanes of floats do not settle: matrices of odd size, and that a direction has length 1.
-void settleEyes(const Camera& camera, PlacedParts& placed) {
+void settleEyes(const Projection& projection, PlacedParts& placed) {
   for (unsigned part = 0; part < 8; ++part) {
     glm::vec4 eye(placed.eye[0].of[part], placed.eye[1].of[part], placed.eye[2].of[part], 0);
     if (!(placed.ordinary >> part & 1)) {
@@ -64,38 +64,38 @@ void settleEyes(const Camera& camera, PlacedParts& placed) {
       for (int row = 0; row < 3; ++row) {
         const EightFloats(&r)[4] = placed.to_world[row];
         rows[row] = glm::dvec3(r[0].of[part], r[1].of[part], r[2].of[part]);
-        away[row] = camera.eye[row] - camera.eye.w * double{r[3].of[part]};
+        away[row] = projection.eye[row] - projection.eye.w * double{r[3].of[part]};
       }
       if (!eyeThoroughly(rows[0], rows[1], rows[2], away, eye)) placed.invertible &= ~(1u << part);
     }
-    if (camera.eye.w == 0) eye = glm::vec4(glm::normalize(glm::dvec3(eye)), 0);
+    if (projection.eye.w == 0) eye = glm::vec4(glm::normalize(glm::dvec3(eye)), 0);
     for (int axis = 0; axis < 3; ++axis) placed.eye[axis].of[part] = eye[axis];
   }
 }
 
 }  // namespace
 
-void placeParts(const Camera& camera, const PosedParts& parts, PlacedParts& placed) {
+void placeParts(const Projection& projection, const PosedParts& parts, PlacedParts& placed) {
   placed.affine = placed.invertible = placed.ordinary = 0;
-  for (int first = 0; first < 8; first += 4) four::placeParts(camera, parts, first, placed);
-  if (camera.eye.w == 0 || (placed.invertible & ~placed.ordinary)) settleEyes(camera, placed);
+  for (int first = 0; first < 8; first += 4) four::placeParts(projection, parts, first, placed);
+  if (projection.eye.w == 0 || (placed.invertible & ~placed.ordinary)) settleEyes(projection, placed);
 }
 
-void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedParts& placed,
+void judgeParts(const Projection& projection, const View& view, Rays rays, const PlacedParts& placed,
                 JudgedParts& judged) {
   judged.seen = 0;
-  for (int first = 0; first < 8; first += 4) four::judgeParts(camera, view, rays, first, placed, judged);
+  for (int first = 0; first < 8; first += 4) four::judgeParts(projection, view, rays, first, placed, judged);
   judged.seen &= placed.invertible;
 }
 
-void writeHeads(const Camera& camera, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
-  for (int first = 0; first < 8; first += 4) four::writeHeads(camera, first, placed, heads);
+void writeHeads(const Projection& projection, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
+  for (int first = 0; first < 8; first += 4) four::writeHeads(projection, first, placed, heads);
 }
 
 Detail detailAt(const View& view, float pixels, int levels) {
-  return Detail::of(
-      four::chooseLevel(pixels, view.pixels_per_voxel, view.finest_level, static_cast<float>(levels))
-          .first());
+  return Detail::of(four::chooseLevel(pixels, view.quality.pixels_per_voxel, view.quality.finest_level,
+                                      static_cast<float>(levels))
+                        .first());
 }
 
 bool isInvertible(const glm::mat4& m) {

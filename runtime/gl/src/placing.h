@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Posed parts in front of the camera, eight at a time: where they are, how large, whether they are seen, and
-// the first texels of their records. The result for a part does not depend on the other seven.
+// Posed parts in front of the projection, eight at a time: where they are, how large, whether they are seen,
+// and the first texels of their records. The result for a part does not depend on the other seven.
 #pragma once
 
 #include "detail.h"
@@ -20,7 +20,7 @@ enum class Rays : std::uint8_t { kView, kAny };
 struct RecordHead {
   glm::vec4 to_clip[4];   // rows: part space -> clip space
   glm::vec4 to_world[3];  // rows: part space -> world
-  glm::vec4 eye;          // part space; w as in Camera
+  glm::vec4 eye;          // part space; w as in Projection
   glm::vec4 tint;
   glm::vec3 low;  // of the deformed bounds
   std::uint32_t segments;
@@ -72,9 +72,9 @@ struct JudgedParts {
 unsigned boundParts(const PosedParts& parts, PlacedParts& placed);
 
 // Computes the rest of `placed`, and the bounds of the parts from those of their splines.
-void placeParts(const Camera& camera, const PosedParts& parts, PlacedParts& placed);
+void placeParts(const Projection& projection, const PosedParts& parts, PlacedParts& placed);
 
-void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedParts& placed,
+void judgeParts(const Projection& projection, const View& view, Rays rays, const PlacedParts& placed,
                 JudgedParts& judged);
 
 // The corners of the bounds that draw.vert draws, as instance.glsl stores them: the outline as the eye sees
@@ -82,7 +82,7 @@ void judgeParts(const Camera& camera, const View& view, Rays rays, const PlacedP
 void outlineParts(bool orthographic, const PlacedParts& placed, std::uint32_t (&outlines)[8]);
 
 // Writes matrices, eye, bounds and size. Overwrites the numbers after each corner of the bounds.
-void writeHeads(const Camera& camera, const PlacedParts& placed, RecordHead* const (&heads)[8]);
+void writeHeads(const Projection& projection, const PlacedParts& placed, RecordHead* const (&heads)[8]);
 
 // The level at which a part is drawn whose level-0 voxels cover `pixels`.
 Detail detailAt(const View& view, float pixels, int levels);

@@ -73,16 +73,16 @@ inline void sweep(const PosedParts& parts, int first, PlacedParts& placed) {
   levels.store(placed.levels.of + first);
 }
 
-void placeParts(const Camera& camera, const PosedParts& parts, int first, PlacedParts& placed) {
+void placeParts(const Projection& projection, const PosedParts& parts, int first, PlacedParts& placed) {
   Floats world[3][4], clip[4][4];
   multiply(parts, first, world, placed);
   sweep(parts, first, placed);
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 3; ++column) {
-      clip[row][column] = camera.linear[0][row] * world[0][column] +
-                          camera.linear[1][row] * world[1][column] + camera.linear[2][row] * world[2][column];
+      clip[row][column] = projection.linear[0][row] * world[0][column] +
+                          projection.linear[1][row] * world[1][column] + projection.linear[2][row] * world[2][column];
     }
-    const glm::dmat4& m = camera.world_to_clip;
+    const glm::dmat4& m = projection.world_to_clip;
     clip[row][3] = placeAlong(glm::dvec4(m[0][row], m[1][row], m[2][row], m[3][row]), world[0][3],
                               world[1][3], world[2][3]);
     for (int column = 0; column < 4; ++column)
@@ -125,7 +125,7 @@ void placeParts(const Camera& camera, const PosedParts& parts, int first, Placed
   // part's origin to the eye, in the world.
   Floats away[3], r12[3], determinant = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
-    away[axis] = difference(camera.eye[axis], camera.eye.w, world[axis][3]);
+    away[axis] = difference(projection.eye[axis], projection.eye.w, world[axis][3]);
     r12[axis] = cross(world[1], world[2], axis);
     determinant = determinant + world[0][axis] * r12[axis];
   }
@@ -144,10 +144,10 @@ void placeParts(const Camera& camera, const PosedParts& parts, int first, Placed
                side);
   }
   nearest.store(placed.nearest.of + first);
-  (sqrt(side) * camera.pixel_scale / max(nearest, 1e-20f)).store(placed.pixels.of + first);
+  (sqrt(side) * projection.pixel_scale / max(nearest, 1e-20f)).store(placed.pixels.of + first);
 }
 
-void judgeParts(const Camera& camera, const View& view, Rays rays, int first, const PlacedParts& placed,
+void judgeParts(const Projection& projection, const View& view, Rays rays, int first, const PlacedParts& placed,
                 JudgedParts& judged) {
   const Floats pixels = lanesOf(placed.pixels, first);
   Floats side = 0.0f, away = 0.0f;
@@ -157,19 +157,19 @@ void judgeParts(const Camera& camera, const View& view, Rays rays, int first, co
     side = max(high - low, side);
     // A part behind the eye counts as if it were at the same distance in front of it.
     const Floats eye = lanesOf(placed.eye[axis], first), beside = max(max(low - eye, eye - high), 0.0f);
-    if (camera.eye.w != 0) away = away + beside * beside;
+    if (projection.eye.w != 0) away = away + beside * beside;
   }
-  const Floats around = min(camera.pixel_scale / sqrt(away), pixels);
+  const Floats around = min(projection.pixel_scale / sqrt(away), pixels);
   const bool any = rays == Rays::kAny;
   const Floats shown = any ? around : pixels;
   // Less than 0: not seen.
   const Floats margin =
-      min(shown * side - view.smallest_pixels, any ? Floats(0.0f) : lanesOf(placed.inside, first));
+      min(shown * side - view.quality.smallest_pixels, any ? Floats(0.0f) : lanesOf(placed.inside, first));
   constexpr unsigned kAll = (1u << Floats::kCount) - 1;
   judged.seen |= (~lessBits(margin, 0.0f) & kAll) << first;
   const Floats worth = selectLess(margin, 0.0f, kHiddenWorth * around, shown);
   worth.store(judged.pixels.of + first);
-  chooseLevel(worth, view.pixels_per_voxel, view.finest_level, lanesOf(placed.levels, first))
+  chooseLevel(worth, view.quality.pixels_per_voxel, view.quality.finest_level, lanesOf(placed.levels, first))
       .store(judged.level.of + first);
 }
 
@@ -191,7 +191,7 @@ void findSides(bool orthographic, const PlacedParts& placed, int first, EightFlo
   (orthographic ? sum : selectLess((1.0f / 16.0f) * extent, farthest, sum, 0.0f)).store(sides.of + first);
 }
 
-void writeHeads(const Camera& camera, int first, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
+void writeHeads(const Projection& projection, int first, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
   float* places[Floats::kCount];
   for (int part = 0; part < Floats::kCount; ++part) places[part] = &heads[first + part]->to_clip[0].x;
   constexpr std::ptrdiff_t kTexel = 4;
@@ -206,7 +206,7 @@ void writeHeads(const Camera& camera, int first, const PlacedParts& placed, Reco
                kTexel * (4 + row));
   }
   storeFours(lanesOf(placed.eye[0], first), lanesOf(placed.eye[1], first), lanesOf(placed.eye[2], first),
-             static_cast<float>(camera.eye.w), places, kTexel * 7);
+             static_cast<float>(projection.eye.w), places, kTexel * 7);
   const simd::EightBoxes& bounds = placed.bounds;
   storeFours(lanesOf(bounds.min[0], first), lanesOf(bounds.min[1], first), lanesOf(bounds.min[2], first),
              0.0f, places, kTexel * 9);

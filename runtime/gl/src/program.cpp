@@ -24,7 +24,7 @@ constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n";
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
                kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
                kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
-               kCurveLine[] = "#line 1 10\n";
+               kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -135,6 +135,7 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
   program.depth_only = locate("kelp_depth_only");
   program.clip_low = locate("kelp_clip_low");
   program.scene = locate("kelp_scene");
+  program.display = locate("kelp_display");
   return program;
 }
 
@@ -154,6 +155,7 @@ Result<Program> buildProgram(const Api& api, const char* surface, bool rays, con
                                        kHostLine,     surface ? surface : "",
                                        kShadingLine,  shaders::kShading,
                                        kPixelLine,    shaders::kPixel,
+                                       kOutputLine,   shaders::kOutput,
                                        kMainLine,     shaders::kFragment};
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
@@ -177,6 +179,8 @@ Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const Lo
                                        shaders::kFog,
                                        kPixelLine,
                                        shaders::kPixel,
+                                       kOutputLine,
+                                       shaders::kOutput,
                                        kMainLine,
                                        shaders::kFogFragment};
   return build(api, vertex_text, fragment_text, "kelp fog program", log);

@@ -22,7 +22,7 @@ struct Program {
   // Locations; -1 where a host's surface function leaves a uniform unused.
   std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
   std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1;
-  std::int32_t sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
+  std::int32_t display = -1, sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's

@@ -63,19 +63,26 @@ void bindUnit(const Api& api, Unit unit, Name texture) {
   api.BindTexture(kUnitTargets[unit], texture);
 }
 
+void count(const DrawList& list, Stats& stats) {
+  stats.instances = list.parts();
+  stats.culled = list.culled();
+  stats.left_out = list.leftOut();
+  stats.first_left_out = list.firstLeftOut();
+}
+
 // The uniforms of the look, in the program in use.
 void setLook(const Api& api, const Program& program, const View& view) {
   const auto set = [&api](std::int32_t location, const glm::vec3& v) {
     api.Uniform3f(location, v.x, v.y, v.z);
   };
-  set(program.sun_direction, glm::normalize(view.sun_direction));
-  set(program.sun_color, view.sun_color);
-  set(program.sky_color, view.sky_color);
-  set(program.ground_color, view.ground_color);
-  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.shading));
-  api.Uniform1i(program.self_shadow, view.self_shadow);
-  api.Uniform1i(program.occlusion_rays, view.occlusion_rays);
-  api.Uniform1f(program.occlusion_reach, view.occlusion_reach);
+  set(program.sun_direction, glm::normalize(view.light.sun_direction));
+  set(program.sun_color, view.light.sun_color);
+  set(program.sky_color, view.light.sky_color);
+  set(program.ground_color, view.light.ground_color);
+  api.Uniform1i(program.shading, static_cast<std::int32_t>(view.quality.shading));
+  api.Uniform1i(program.self_shadow, view.quality.self_shadow);
+  api.Uniform1i(program.occlusion_rays, view.quality.occlusion_rays);
+  api.Uniform1f(program.occlusion_reach, view.quality.occlusion_reach);
 }
 
 }  // namespace
@@ -87,8 +94,8 @@ struct Renderer::Impl {
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
         store(config.allocator),
-        list(config.allocator),
-        traced(config.allocator) {}
+        list(config.allocator, log),
+        traced(config.allocator, log) {}
 
   Api api;
   LogSink log;
@@ -122,7 +129,7 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
   bindUnit(api, kRecords, records.names[records.now]);
   bindUnit(api, kScene, scene_depth);
   api.Enable(kDepthTest);
-  api.DepthFunc(view.reversed_depth ? kGequal : kLequal);
+  api.DepthFunc(view.camera.reversed_depth ? kGequal : kLequal);
   api.DepthMask(pass != Pass::kFog);
   api.Disable(kCullFace);
   api.Disable(kBlend);
@@ -130,10 +137,11 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
   if (pass == Pass::kDepth) api.ColorMask(0, 0, 0, 0);
 
   setLook(api, used, view);
-  api.Uniform1i(used.motion, view.previous_world_to_clip != nullptr);
+  api.Uniform1i(used.motion, view.camera.previous_world_to_clip != nullptr);
   api.Uniform1i(used.depth_only, pass == Pass::kDepth);
-  api.Uniform1f(used.clip_low, view.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
-  api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.reversed_depth ? 2 : 1);
+  api.Uniform1f(used.clip_low, view.camera.clip_range == ClipRange::kZeroToOne ? 0.0f : -1.0f);
+  api.Uniform1i(used.display, view.output == Output::kDisplay);
+  api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.camera.reversed_depth ? 2 : 1);
 }
 
 // Compiles the programs that fog among the parts needs. Within a DrawGuard.
@@ -262,31 +270,32 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
-  const auto camera = makeCamera(view);
-  if (!camera) return camera.error();
+  if (!hasPixels(view)) return stats;
+  const auto projection = makeProjection(view);
+  if (!projection) return projection.error();
   const bool fog = pass == Pass::kFog;
   if (auto good =
-          self.list.build(self.store, *camera, view, instances, fog ? PartKind::kFog : PartKind::kSolid);
+          self.list.build(self.store, *projection, view, instances, fog ? PartKind::kFog : PartKind::kSolid);
       !good)
     return good.error();
-  stats.culled = self.list.culled();
-  stats.instances = self.list.parts();
+  count(self.list, stats);
   if (stats.instances == 0) return stats;
   const DebugGroup group(self.api, pass == Pass::kDepth ? "kelp depth" : fog ? "kelp fog" : "kelp draw");
   std::uint32_t batches = 1;
   Name scene_depth = view.scene_depth;
   {
     const UploadGuard guard(self.api, self.restore);
-    const bool wants_copy = scene_depth == 0 && (fog || (view.depth_batches > 1 && stats.instances > 1));
+    const bool wants_copy =
+        scene_depth == 0 && (fog || (view.quality.depth_batches > 1 && stats.instances > 1));
     if (wants_copy && self.depth.prepare(self.api)) {
       scene_depth = self.depth.texture();
       if (fog) self.depth.copy(self.api);
-      if (!fog) batches = std::min(static_cast<std::uint32_t>(view.depth_batches), stats.instances);
+      if (!fog) batches = std::min(static_cast<std::uint32_t>(view.quality.depth_batches), stats.instances);
     }
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  const Program& used = fog ? self.fog_programs[self.list.hasHeat()][view.self_shadow] : self.program;
+  const Program& used = fog ? self.fog_programs[self.list.hasHeat()][view.quality.self_shadow] : self.program;
   self.setState(used, view, pass, scene_depth);
   if (fog) {
     const BlendGuard blend(self.api, self.restore);
@@ -316,13 +325,13 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
-  const auto camera = makeCamera(view);
-  if (!camera) return camera.error();
-  if (auto good = self.traced.build(self.store, *camera, view, instances, PartKind::kSolid, Rays::kAny);
+  const auto projection = makeProjection(view);
+  if (!projection) return projection.error();
+  if (!hasPixels(view)) instances = {};  // no ray is seen
+  if (auto good = self.traced.build(self.store, *projection, view, instances, PartKind::kSolid, Rays::kAny);
       !good)
     return good.error();
-  stats.culled = self.traced.culled();
-  stats.instances = self.traced.parts();
+  count(self.traced, stats);
   const DebugGroup group(api, "kelp trace");
   if (stats.instances > 0) {
     const UploadGuard guard(api, self.restore);

@@ -7,6 +7,9 @@
 #include <new>
 
 namespace kelp::gl {
+
+using runtime::PageAccess;
+
 Residency::~Residency() {
   for (const ResidentAsset* asset : std::span(assets_.data(), count_)) delete asset;
 }
@@ -148,8 +151,8 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
   if (level.grid_row == 0) {
     if (transfer_.level == &level) return ++pending_, true;
     if (!data) {
-      asset.request(level.part, level.level, level.worth.priority());
-      if (!asset.hasFailed(level.part, level.level)) ++pending_;
+      PageAccess::request(asset, level.part, level.level, level.worth.priority());
+      if (!PageAccess::hasFailed(asset, level.part, level.level)) ++pending_;
       return true;
     }
     const bool rests =
@@ -173,8 +176,8 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       ++pending_;
       continue;
     }
-    if (!asset.pin(level.part, level.level, page, level.worth.priority())) {
-      if (!asset.hasFailed(level.part, level.level, page)) ++pending_;
+    if (!PageAccess::pin(asset, level.part, level.level, page, level.worth.priority())) {
+      if (!PageAccess::hasFailed(asset, level.part, level.level, page)) ++pending_;
       continue;
     }
     const bool waits = transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_;
@@ -187,7 +190,7 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
 Result<Residency::Progress> Residency::upload(const Api& api, std::uint64_t max_bytes) {
   for (ResidentAsset* asset : std::span(assets_.data(), count_)) {
     if (asset->watch.alive()) {
-      asset->asset->beginRequests();
+      PageAccess::beginRequests(*asset->asset);
     } else {
       forget(*asset);
     }

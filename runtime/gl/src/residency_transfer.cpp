@@ -121,7 +121,7 @@ bool Residency::proceed(const Api& api) {
       return some > 0 && transfer_.done == data.cells.size() && words > some ? proceed(api) : false;
   } else {
     const runtime::PinnedPage page =
-        asset.pin(level.part, level.level, transfer_.page, level.worth.priority());
+        runtime::PageAccess::pin(asset, level.part, level.level, transfer_.page, level.worth.priority());
     if (!page) {  // the asset dropped it meanwhile
       cancel();
       return true;

@@ -10,7 +10,6 @@
 namespace kelp::gl {
 namespace {
 
-constexpr std::uint32_t kPaletteWords = 9;
 constexpr std::uint32_t kTableComplete = 0x80000000u;
 
 // What fog's samples mean: shaders/fog.glsl, kelpLoadFog. It comes after the tables of the part's levels.
@@ -37,17 +36,17 @@ std::uint32_t tableWords(const Part& part) {
   return kTableWords * static_cast<std::uint32_t>(part.levels) + fogWords(part);
 }
 
-void writePalette(std::span<const Material> palette, std::span<std::uint32_t> tables) {
+}  // namespace
+
+void writePalette(std::span<const Material> palette, std::span<std::uint32_t> words) {
   for (std::size_t i = 0; i < palette.size(); ++i) {
     const Material& m = palette[i];
     const float entry[kPaletteWords] = {m.base_color.r, m.base_color.g, m.base_color.b,
                                         m.base_color.a, m.emissive.r,   m.emissive.g,
                                         m.emissive.b,   m.metallic,     m.roughness};
-    std::memcpy(&tables[kPaletteWords * i], entry, sizeof entry);
+    std::memcpy(&words[kPaletteWords * i], entry, sizeof entry);
   }
 }
-
-}  // namespace
 
 std::uint64_t cellCount(const glm::ivec3& grid) {
   return static_cast<std::uint64_t>(grid.x) * static_cast<std::uint64_t>(grid.y) *
@@ -84,7 +83,7 @@ Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, con
   std::unique_ptr<ResidentAsset> fresh(new (std::nothrow) ResidentAsset);
   if (!fresh) return kNoMemory;
   fresh->asset = &asset;
-  fresh->watch = asset.watch();
+  fresh->watch = runtime::AssetWatch(asset);
   fresh->packed = parts;
   fresh->parts = Buffer<ResidentPart>(allocator);
   fresh->levels = Buffer<ResidentLevel*>(allocator);

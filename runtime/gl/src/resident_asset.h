@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "kelp/runtime/asset.h"
+#include "kelp/streaming/page_access.h"
 #include "pool.h"
 #include "worth.h"
 
@@ -56,6 +56,7 @@ struct ResidentAsset {
   runtime::AssetWatch watch;
   std::span<const Part> packed;  // the asset's own
   std::uint32_t tables_row = 0;
+  bool told_left_out = false;  // the log has been told of an instance that cannot be drawn
   Buffer<ResidentPart> parts;
   Buffer<ResidentLevel*> levels;  // part by part, finest first; owned
 
@@ -77,6 +78,10 @@ float worthOf(const Pool::Block& block);
 // The priority of a level's grid or of one of its pages. A grid comes before its pages, and after the next
 // coarser level's.
 float ofPageOrGrid(float priority, std::uint32_t page);
+
+inline constexpr std::uint32_t kPaletteWords = 9;  // of each entry
+// Writes the entries, kPaletteWords each.
+void writePalette(std::span<const Material> palette, std::span<std::uint32_t> words);
 
 // Words of a grid of cells.
 std::uint64_t cellCount(const glm::ivec3& grid);

@@ -12,33 +12,35 @@ namespace {
 
 constexpr int kMostBatches = 16;
 
-bool isGood(const View& view) {
-  const float length = glm::length(view.sun_direction);
-  return std::isfinite(length) && length > 0 && view.finest_level >= 0 && view.pixels_per_voxel >= 0 &&
-         view.smallest_pixels >= 0 && view.shading <= Shading::kSmooth &&
-         view.clip_range <= ClipRange::kZeroToOne && view.occlusion_rays >= 0 && view.occlusion_rays <= 16 &&
-         std::isfinite(view.occlusion_reach) && view.occlusion_reach > 0 && view.depth_batches >= 1 &&
-         view.depth_batches <= kMostBatches;
+bool isGood(const Quality& quality) {
+  return quality.finest_level >= 0 && quality.pixels_per_voxel >= 0 && quality.smallest_pixels >= 0 &&
+         quality.shading <= Shading::kSmooth && quality.occlusion_rays >= 0 && quality.occlusion_rays <= 16 &&
+         std::isfinite(quality.occlusion_reach) && quality.occlusion_reach > 0 &&
+         quality.depth_batches >= 1 && quality.depth_batches <= kMostBatches;
 }
 
 }  // namespace
 
 Result<void> checkView(const View& view, bool look_is_plain) {
-  if (view.viewport.x <= 0 || view.viewport.y <= 0)
-    return Error{ErrorCode::kMisuse, "the viewport has no pixels; skip frames while the window is minimised"};
-  if (!isGood(view))
+  const Camera& camera = view.camera;
+  if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
+      view.output > Output::kDisplay)
+    return Error{ErrorCode::kMisuse, "the view has a negative viewport, or an unknown clip range or output"};
+  const float length = glm::length(view.light.sun_direction);
+  if (!std::isfinite(length) || !(length > 0)) return Error{ErrorCode::kMisuse, "the sun has no direction"};
+  if (!isGood(view.quality))
     return Error{ErrorCode::kMisuse,
-                 "the view has a negative number, a sun without direction, an unknown shading, more than 16 "
-                 "occlusion rays, or depth_batches outside 1 .. 16"};
-  if (look_is_plain && (view.self_shadow || view.occlusion_rays > 0))
+                 "the quality has a negative number, an unknown shading, more than 16 occlusion rays, or "
+                 "depth_batches outside 1 .. 16"};
+  if (look_is_plain && (view.quality.self_shadow || view.quality.occlusion_rays > 0))
     return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Config::secondary_rays"};
   return {};
 }
 
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, true)) return -1;
-  const auto camera = makeCamera(view);
-  if (!camera || !instance.asset || part < 0 ||
+  if (!checkView(view, true) || !hasPixels(view)) return -1;
+  const auto projection = makeProjection(view);
+  if (!projection || !instance.asset || part < 0 ||
       static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())
     return -1;
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
@@ -53,7 +55,7 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
     parts.extents[i] = &extent;
   PlacedParts placed;
   if (!boundParts(parts, placed)) return -1;
-  placeParts(*camera, parts, placed);
+  placeParts(*projection, parts, placed);
   if (!placed.invertible) return -1;
   const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);

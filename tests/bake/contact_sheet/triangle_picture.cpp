@@ -54,14 +54,14 @@ glm::vec4 baseColor(const Scene& scene, const Triangle& t, const glm::dvec3& wei
 glm::vec3 light(const gl::View& view, const Surface& surface, const glm::vec3& color, const glm::vec3& normal,
                 const glm::vec3& to_eye) {
   const float facing =
-      std::max((glm::dot(normal, glm::normalize(view.sun_direction)) + 0.15f) / (1.15f * 1.15f), 0.0f);
+      std::max((glm::dot(normal, glm::normalize(view.light.sun_direction)) + 0.15f) / (1.15f * 1.15f), 0.0f);
   const glm::vec3 diffuse = color * (1 - surface.metallic),
                   specular = glm::mix(glm::vec3(0.04f), color, surface.metallic);
   const float mirror = glm::reflect(-to_eye, normal).y, blur = surface.roughness + 0.1f;
   const glm::vec3 reflected =
-      glm::mix(view.ground_color, view.sky_color, glm::smoothstep(-blur, blur, mirror));
-  return diffuse * (view.sun_color * (facing / std::numbers::pi_v<float>)+glm::mix(
-                                         view.ground_color, view.sky_color, 0.5f + 0.5f * normal.y)) +
+      glm::mix(view.light.ground_color, view.light.sky_color, glm::smoothstep(-blur, blur, mirror));
+  return diffuse * (view.light.sun_color * (facing / std::numbers::pi_v<float>)+glm::mix(
+                                         view.light.ground_color, view.light.sky_color, 0.5f + 0.5f * normal.y)) +
          specular * (1 - 0.5f * surface.roughness) * reflected + surface.glow;
 }
 
@@ -75,8 +75,8 @@ std::uint8_t srgbByte(float linear) {
 
 Picture drawTriangles(const Scene& scene, const gl::View& view, int side, Rgb ground) {
   const int fine = side * kSamples;
-  const glm::dmat4 to_clip = glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye);
-  const glm::dvec3 eye(glm::inverse(glm::dmat4(view.world_to_eye))[3]);
+  const glm::dmat4 to_clip = glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
+  const glm::dvec3 eye(glm::inverse(glm::dmat4(view.camera.world_to_eye))[3]);
   std::vector<double> depth(static_cast<std::size_t>(fine) * static_cast<std::size_t>(fine),
                             std::numeric_limits<double>::infinity());
   std::vector<glm::vec3> color(depth.size());

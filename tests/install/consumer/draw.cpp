@@ -71,9 +71,9 @@ int run(const char* path) {
 
   const kelp::runtime::Instance instance{&**asset, &*pose};
   kelp::gl::View view;
-  view.world_to_eye = glm::translate(glm::mat4(1), -kEye);
-  view.eye_to_clip = glm::perspective(0.8f, 1.0f, kNear, kFar);
-  view.viewport = glm::ivec2(kSide);
+  view.camera.world_to_eye = glm::translate(glm::mat4(1), -kEye);
+  view.camera.eye_to_clip = glm::perspective(0.8f, 1.0f, kNear, kFar);
+  view.camera.viewport = glm::ivec2(kSide);
   glEnable(GL_DEPTH_TEST);
   glClearColor(0.2f, 0.4f, 0.6f, 1);
 

@@ -32,7 +32,7 @@ int main(int count, char** words) {
   if (const auto added = (*renderer)->add(**asset); !added) return 4;
   const kelp::runtime::Instance instance{&**asset, &*pose};
   kelp::gl::View view;
-  view.viewport = {300, 150};  // of a canvas that says nothing else
+  view.camera.viewport = {300, 150};  // of a canvas that says nothing else
   const auto drawn = (*renderer)->draw(view, {&instance, 1});
   return drawn ? 0 : 4;
 }

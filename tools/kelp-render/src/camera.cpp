@@ -70,10 +70,10 @@ Camera::Camera(const Framing& framing)
 void Camera::apply(int turn, gl::View& view) const {
   const double yaw = yaw_ + 360.0 * turn / turns_;
   const glm::dmat4 to_camera = aboutX(pitch_) * aboutY(-yaw);
-  view.world_to_eye =
+  view.camera.world_to_eye =
       glm::translate(glm::dmat4(1), -eye_) * to_camera * glm::translate(glm::dmat4(1), -pivot_);
-  view.eye_to_clip = glm::perspective(glm::radians(kFieldOfView), aspect_, near_, far_);
-  view.sun_direction = glm::dvec3(aboutY(yaw) * glm::dvec4(-0.55, 0.8, 0.6, 0));
+  view.camera.eye_to_clip = glm::perspective(glm::radians(kFieldOfView), aspect_, near_, far_);
+  view.light.sun_direction = glm::dvec3(aboutY(yaw) * glm::dvec4(-0.55, 0.8, 0.6, 0));
 }
 
 void addOutline(const runtime::Instance& instance, Framing& framing) {

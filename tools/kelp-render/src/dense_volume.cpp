@@ -60,10 +60,26 @@ void spreadInwards(DenseVolume& volume, const std::vector<glm::ivec3>& surface) 
   }
 }
 
+// The words of each page (kelp/runtime/page.h). The pack was read before, so errors are those of a file that
+// changed meanwhile.
+std::vector<std::vector<std::uint32_t>> decodePages(const Pack& pack, const runtime::VoxelLevel& level) {
+  std::vector<std::vector<std::uint32_t>> pages;
+  PageData decoded;
+  for (const PageInfo& info : level.pages) {
+    if (const Result<void> read = pack.readPage(info, decoded); !read)
+      throw ToolError(exitOf(read.error().code), std::string("a page cannot be read: ") + read.error().detail);
+    std::vector<std::uint32_t>& words = pages.emplace_back(runtime::pageWords(info));
+    if (!runtime::arrangePage(decoded, words))
+      throw ToolError(Exit::kInvalid, "codes and attributes of a page do not match");
+  }
+  return pages;
+}
+
 }  // namespace
 
 DenseVolume decodeDense(const runtime::Asset& asset, int part) {
   const runtime::VoxelLevel& level = *asset.level(part, 0);
+  const std::vector<std::vector<std::uint32_t>> pages = decodePages(asset.pack(), level);
   DenseVolume volume;
   volume.size = level.size;
   const std::size_t voxels = static_cast<std::size_t>(level.size.x) * static_cast<std::size_t>(level.size.y) *
@@ -78,9 +94,8 @@ DenseVolume decodeDense(const runtime::Asset& asset, int part) {
       for (brick.x = 0; brick.x < level.grid.x; ++brick.x) {
         const std::uint32_t cell = level.cells[cell_index++];
         if (!(cell & kCellSolid)) continue;
-        const runtime::PinnedPage page = asset.pin(part, 0, runtime::cellPage(cell), 1);
         const std::uint32_t* const words =
-            page.words().data() + runtime::kBrickWords * runtime::cellBrick(cell);
+            pages[runtime::cellPage(cell)].data() + runtime::kBrickWords * runtime::cellBrick(cell);
         forVoxels(volume, brick, [&](const glm::ivec3& voxel) {
           const std::uint8_t code = runtime::codeOf(words, voxel);
           if (!isSolidCode(code)) return;

@@ -65,13 +65,13 @@ void run(const Options& options) {
   MethodReport report(options, canvas);
 
   gl::View view;
-  view.viewport = options.samples * options.size;
-  view.shading = options.shading;
-  view.self_shadow = options.shadows;
-  view.occlusion_rays = options.occlusion;
+  view.camera.viewport = options.samples * options.size;
+  view.quality.shading = options.shading;
+  view.quality.self_shadow = options.shadows;
+  view.quality.occlusion_rays = options.occlusion;
   if (options.level) {
-    view.finest_level = *options.level;
-    view.pixels_per_voxel = 0;
+    view.quality.finest_level = *options.level;
+    view.quality.pixels_per_voxel = 0;
   }
   for (int frame = 0; frame < options.frames; ++frame) {
     pose(frame);

@@ -65,7 +65,7 @@ struct PosedPart {
         knots(posed.pose->knots(p)),
         bounds(deformedBounds(knots, part->size)),
         to_world(partToWorld(posed, p)),
-        to_clip(glm::dmat4(view.eye_to_clip) * glm::dmat4(view.world_to_eye) * to_world) {}
+        to_clip(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) * to_world) {}
 
   // What the bounds cover of the picture: low x, low y, high x, high y in clip space.
   glm::vec4 rectangle() const {
@@ -274,15 +274,15 @@ void PaperDrawer::draw(const gl::View& view, std::span<const runtime::Instance> 
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   drawer_->use();
-  drawer_->set("paper_viewport", glm::vec2(view.viewport));
-  drawer_->set("kelp_sun_direction", glm::normalize(view.sun_direction));
-  drawer_->set("kelp_sun_color", view.sun_color);
-  drawer_->set("kelp_sky_color", view.sky_color);
-  drawer_->set("kelp_ground_color", view.ground_color);
-  drawer_->set("kelp_self_shadow", int{view.self_shadow});
-  drawer_->set("kelp_occlusion_rays", view.occlusion_rays);
-  drawer_->set("kelp_occlusion_reach", view.occlusion_reach);
-  drawer_->set("kelp_shading", static_cast<int>(view.shading));
+  drawer_->set("paper_viewport", glm::vec2(view.camera.viewport));
+  drawer_->set("kelp_sun_direction", glm::normalize(view.light.sun_direction));
+  drawer_->set("kelp_sun_color", view.light.sun_color);
+  drawer_->set("kelp_sky_color", view.light.sky_color);
+  drawer_->set("kelp_ground_color", view.light.ground_color);
+  drawer_->set("kelp_self_shadow", int{view.quality.self_shadow});
+  drawer_->set("kelp_occlusion_rays", view.quality.occlusion_rays);
+  drawer_->set("kelp_occlusion_reach", view.quality.occlusion_reach);
+  drawer_->set("kelp_shading", static_cast<int>(view.quality.shading));
   forParts(assets_, view, instances, [this](const PosedPart& posed) {
     setPart(*drawer_, posed);
     drawer_->drawRectangle(posed.rectangle());

@@ -26,71 +26,47 @@ struct Options {
   Allocator allocator;
   // The most bytes of grids and pages to keep in memory. When they are used up, the pages that were not used
   // for longest make room. The coarsest level of each part is never dropped. Pages used in the last eight
-  // rounds (beginRequests()) are dropped only for a coarsest level. If rays use more than the budget holds, a
-  // renderer draws coarser pages until those rays stop.
+  // rounds are dropped only for a coarsest level. A round is an upload() of a renderer; without a renderer, a
+  // pump() that found nothing to do. If rays use more than the budget holds, a renderer draws coarser pages
+  // until those rays stop.
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
-};
-
-// Keeps a page of bricks in memory while it lives. Movable. Destroy it before the asset.
-class PinnedPage {
- public:
-  PinnedPage() = default;
-  PinnedPage(PinnedPage&& other) noexcept;
-  PinnedPage& operator=(PinnedPage&& other) noexcept;
-  ~PinnedPage();
-
-  explicit operator bool() const { return pins_ != nullptr; }
-  std::span<const std::uint32_t> words() const { return words_; }  // kelp/runtime/page.h
-
- private:
-  friend class Asset;
-  std::span<const std::uint32_t> words_;
-  void* pins_ = nullptr;
-};
-
-// Tells whether an asset still exists, for code that keeps a pointer to it. Copyable; usable on any thread.
-class AssetWatch {
- public:
-  AssetWatch() = default;
-  AssetWatch(const AssetWatch& other);
-  AssetWatch& operator=(const AssetWatch& other);
-  ~AssetWatch();
-
-  bool alive() const;
-
- private:
-  friend class Asset;
-  struct Life;
-  explicit AssetWatch(Life* life);  // takes over a reference
-  Life* life_ = nullptr;
 };
 
 // Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
 // must come last. Starts no threads: the host calls pump() from its jobs or from a thread of its own.
 //
-// What is loaded: until the first request (a renderer requests in every upload()), everything, coarse to
-// fine. After it, only what was requested recently, the most urgent first, and always the coarsest level of
-// each part.
+// What is loaded: at first everything, coarse to fine. Once a renderer has called upload(), or the memory
+// budget is used up, only what was requested recently, by draws and ray casts, the most urgent first, and
+// always the coarsest level of each part.
+//
+// What must outlive what: an asset keeps its source alive if the source says how (Source::acquire), as
+// FileSource does. Poses and springs need no asset once they are made. An Instance only points: its asset and
+// its poses must live during the calls that take it. Remove an asset from its renderers before it is
+// destroyed; a renderer finds out otherwise, and refuses its instances (kMisuse).
 class Asset {
  public:
-  // Reads and checks everything except the voxels: a few kilobytes. The source's `user` must outlive the
-  // asset. Errors of Pack::open, and kOutOfMemory. Safe for hostile packs.
+  // Reads and checks everything except the voxels: a few kilobytes. Errors of Pack::open, and kOutOfMemory.
+  // kNotYet: the source has not got them; open it again later. Safe for hostile packs.
   static Result<std::unique_ptr<Asset>> open(const Source& source, const Options& options = {});
+  // Opens a file, which stays open as long as the asset lives. Errors of FileSource::open, too.
+  static Result<std::unique_ptr<Asset>> open(const char* path, const Options& options = {});
   ~Asset();
   Asset(const Asset&) = delete;
   Asset& operator=(const Asset&) = delete;
 
   const Pack& pack() const;
 
-  // Reads and decodes the most urgent grid or page. Blocks while the source reads. True: something was
-  // loaded, call again. False: nothing that fits is wanted now, or other threads are loading it; call again
-  // later. An error (the pack is damaged, the source cannot read, memory is short) is returned once, with its
-  // place in the pack. That grid or page, and everything that needs it, stays absent until retry(), and
+  // Reads and decodes the most urgent grid or page that the source has. Blocks while the source reads, so not
+  // at all if the source answers kNotYet instead. True: something was loaded, call again. False: nothing that
+  // fits is wanted now, or other threads are loading it, or the source has not got it yet; call again later,
+  // in the next frame or after some milliseconds. Each such pass asks the source once for each thing that is
+  // wanted. An error (the pack is damaged, the source cannot read, memory is short) is returned once, with
+  // its place in the pack. That grid or page, and everything that needs it, stays absent until retry(), and
   // coarser voxels are drawn instead. The next pump() goes on with the rest.
   Result<bool> pump();
   // Loads everything, requested or not, and waits for what other threads are loading. Returns the first error
   // of any grid or page, including errors of other threads; everything else is loaded all the same. kLimit if
-  // memory_budget is too small for everything.
+  // memory_budget is too small for everything. kNotYet if the source has not got the rest: call again later.
   Result<void> loadAll();
   // Tries again what failed. Call it when a source that could not read can read again.
   void retry();
@@ -102,28 +78,18 @@ class Asset {
   int residentLevel(int part, int wanted = 0) const;
   // Bytes of grids and pages that are in memory now.
   std::uint64_t memory() const;
-  AssetWatch watch() const;
-
-  // Requests. Renderers make them. A host without a renderer whose memory budget is smaller than the pack
-  // calls beginRequests() once a tick; raycast() then requests what it needs. A request ends eight rounds
-  // after it was last made, and a page that was not used for eight rounds may make room. urgency > 0; the
-  // most urgent is loaded first; for example, the number of pixels that would change. Wrong indices are
-  // ignored.
-  void beginRequests() const;                              // starts a round
-  void request(int part, int level, float urgency) const;  // requests the grid of a level
-  // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
-  PinnedPage pin(int part, int level, std::uint32_t page, float urgency) const;
-  // Whether loading the grid, or the page, failed since the last retry().
-  bool hasFailed(int part, int level) const;
-  bool hasFailed(int part, int level, std::uint32_t page) const;
 
  private:
   friend struct ClipReader;
+  friend struct NameReader;
   friend class PageReader;
+  friend struct PageAccess;
+  friend class AssetWatch;
   struct Impl;
-  Asset(std::unique_ptr<Impl> impl, const AssetWatch& watch);
+  struct Life;
+  Asset(std::unique_ptr<Impl> impl, Life* life);
   std::unique_ptr<Impl> impl_;
-  AssetWatch watch_;
+  Life* life_;  // counts who watches, and outlives this
 };
 
 }  // namespace kelp::runtime

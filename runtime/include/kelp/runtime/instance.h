@@ -5,6 +5,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "kelp/runtime/asset.h"
 #include "kelp/runtime/pose.h"
@@ -17,6 +19,8 @@ struct Instance {
   const Pose* pose = nullptr;  // null: at rest
   glm::mat4 to_world{1};       // object -> world; affine and invertible; may mirror
   glm::vec4 tint{1};           // multiplies the base colour, linear
+  // Materials in place of the pack's palette, one for each of its entries. Empty: the pack's own.
+  std::span<const Material> palette;
   // For motion vectors: pose and matrix of the previous frame. Null: as now.
   const Pose* previous_pose = nullptr;
   const glm::mat4* previous_to_world = nullptr;
@@ -38,6 +42,7 @@ struct Hit {
   float t = 0;            // position = origin + t * direction
   glm::vec3 position{0};  // world
   glm::vec3 normal{0};    // world, unit, outward
+  int instance = 0;       // index in the list that was given
   int part = 0;
   int level = 0;
   glm::ivec3 voxel{0};        // in voxels of `level`
@@ -49,6 +54,8 @@ struct Hit {
 // are not in memory, the hit is on the finest coarser level that is, and the bricks are requested. Never
 // blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that is not monotone.
 std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
+// The nearest hit with any of the instances.
+std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, int level = 0);
 
 // A point of the undeformed model (object space, metres) that belongs to a part -> the world, with all that
 // the pose does to it. The origin for a part that does not exist.
@@ -60,5 +67,12 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 // columns are the directions x, y and z and the origin. y points along the spline; x is the part's x made
 // perpendicular to it. Orthonormal, and right-handed for mirrored instances too.
 glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest);
+
+// Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text
+// lists the names that there are, and is valid as long as the asset.
+Result<int> findSocket(const Asset& asset, std::string_view name, int part = -1);
+// The frame of a socket in the world, to hang things on: as frameAt(), turned as the artist says. The
+// identity for a socket that does not exist.
+glm::mat4 socketToWorld(const Instance& instance, int socket);
 
 }  // namespace kelp::runtime

@@ -107,19 +107,25 @@ class Pose {
   std::uint32_t knots_ = 0;
 };
 
+enum class Play : std::uint8_t { kLoop, kOnce };
+
 // Adds `weight` times the clip at `seconds` to the pose. kMisuse, with nothing changed, if the clip does not
 // exist, the pose does not fit the asset, or a number is not finite.
 //
 // Time: tracks repeat after the clip's duration, also for negative times. Each wave repeats after its own
 // period and never ends. Add an offset to `seconds` to give an instance its own phase. Phases are reduced in
-// double precision: after a hundred hours they are exact to a millionth of a turn. To play a clip once, clamp
-// `seconds` to [0, std::nextafter(duration, 0.0)].
+// double precision: after a hundred hours they are exact to a millionth of a turn. Played once, the clip
+// holds its first moment before 0 and its last moment after its duration.
 //
 // Layers: add further clips. Crossfade: add one clip with weight 1 - w and the other with w; the knots are
 // then exactly between the two poses. If motions rotate far, or you want a mask, make two poses and blend()
 // them.
-Result<void> addClip(const Asset& asset, int clip, double seconds, float weight, Pose& pose);
-// Index of the first clip of that name; -1: none.
-int findClip(const Asset& asset, std::string_view name);
+Result<void> addClip(const Asset& asset, int clip, double seconds, float weight, Pose& pose,
+                     Play play = Play::kLoop);
+// Whether a clip that is played once is over after so many seconds. True for a clip that does not exist.
+bool hasEnded(const Asset& asset, int clip, double seconds);
+// Index of the first clip of that name. kMisuse: there is none; the text lists the names that there are, and
+// is valid as long as the asset.
+Result<int> findClip(const Asset& asset, std::string_view name);
 
 }  // namespace kelp::runtime

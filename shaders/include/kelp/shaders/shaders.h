@@ -14,6 +14,7 @@ extern const char* const kShading;      // shading.glsl: the material and the no
 extern const char* const kSurface;      // surface.glsl: the default look, and KelpSurface
 extern const char* const kScene;        // scene.glsl: rays for a host's own shaders
 extern const char* const kPixel;        // pixel.glsl: the ray of a fragment
+extern const char* const kOutput;       // output.glsl: what the framebuffer gets
 extern const char* const kFog;          // fog.glsl: light through fog
 extern const char* const kVertex;       // draw.vert: rasterises the proxy box of an instance
 extern const char* const kFragment;     // draw.frag: traces, shades, writes depth

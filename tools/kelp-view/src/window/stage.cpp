@@ -85,10 +85,10 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   const auto sent = renderer_->upload(kUploadPerFrame);
   if (!sent) return describe(sent.error());
   gl::View view;
-  view.world_to_eye = camera.worldToEye();
-  view.eye_to_clip = camera.eyeToClip();
-  view.viewport = viewport;
-  view.pixels_per_voxel = pixels_per_voxel;
+  view.camera.world_to_eye = camera.worldToEye();
+  view.camera.eye_to_clip = camera.eyeToClip();
+  view.camera.viewport = viewport;
+  view.quality.pixels_per_voxel = pixels_per_voxel;
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   const runtime::Instance instance = model_->instance();

@@ -33,13 +33,13 @@ struct Config {
   // documents KelpSurface. Null: sun and sky. Compiled once, in create(). If it does not compile, create()
   // returns kGraphics and `log` gets the compiler's message.
   const char* surface_glsl = nullptr;
-  // Whether kelp's own look may cast rays, for View::self_shadow and View::occlusion_rays. The program is
-  // then larger: on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times as
-  // long even if a view asks for neither.
+  // Whether kelp's own look may cast rays, for Quality::self_shadow and Quality::occlusion_rays. The program
+  // is then larger: on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times
+  // as long even if a view asks for neither.
   bool secondary_rays = false;
-  // Gets the messages of the GLSL compiler or linker when they make create() or add() fail.
-  // runtime/gl/README.md explains STRING:LINE in them. `text` is valid during the call only. Null: no
-  // callback.
+  // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
+  // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
+  // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
   void (*log)(void* user, const char* text) = nullptr;
   Allocator allocator;
 };
@@ -69,33 +69,37 @@ enum class ClipRange : std::uint8_t {
 // kelp uses the texture units below this one while it draws.
 inline constexpr int kFirstHostUnit = 4;
 
-// The camera and the light. Eye space looks down -z.
-struct View {
+// Where the eye is, and what it draws into. Eye space looks down -z.
+struct Camera {
   glm::mat4 world_to_eye{1};
   glm::mat4 eye_to_clip{1};  // perspective or orthographic; the far plane may be at infinity
-  glm::ivec2 viewport{0};    // size of the current viewport in pixels, at least 1 x 1
+  // Size of the current viewport in pixels. Without pixels, as in a minimised window, nothing is drawn.
+  glm::ivec2 viewport{0};
   ClipRange clip_range = ClipRange::kMinusOneToOne;
   // The near plane is at the upper end of the range: kelp tests with GL_GEQUAL instead of GL_LEQUAL.
   bool reversed_depth = false;
-  // A texture with the depth of the scene so far: GL_TEXTURE_2D, a depth format or GL_R32F, not attached to
-  // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
-  // saves time, and replaces the depth test where no depth buffer is bound. 0: none.
-  std::uint32_t scene_depth = 0;
-  // 1 .. 16. More than 1: the instances are drawn near to far in so many draws. Before each, the depth drawn
-  // so far is copied, and rays end there, so that nothing hidden is traced. The picture is the same. It gains
-  // where three or more instances overlap on most pixels (8 is a good number then) and loses where hardly any
-  // do: each copy costs as much as the framebuffer has pixels. No effect with scene_depth, without a depth
-  // buffer, and with a multisampled one.
-  int depth_batches = 1;
   // World to clip space in the frame before, for KelpSurface::previous_clip (motion vectors). Must be valid
   // during the call. Null: no motion vectors.
   const glm::mat4* previous_world_to_clip = nullptr;
+};
+
+// Colours are linear. With the defaults a white surface in full light is white, so that nothing clips without
+// tone mapping.
+struct Light {
   glm::vec3 sun_direction{0.4f, 0.8f, 0.45f};  // towards the sun, world; any length > 0
-  // Linear. With the defaults a white surface in full light is white, so that nothing clips without tone
-  // mapping.
   glm::vec3 sun_color{2.1f, 2.02f, 1.9f};
   glm::vec3 sky_color{0.32f, 0.35f, 0.41f};     // light from above
   glm::vec3 ground_color{0.13f, 0.12f, 0.11f};  // light from below
+};
+
+// What a picture may cost.
+struct Quality {
+  Shading shading = Shading::kGradient;
+  int finest_level = 0;  // no finer level is drawn; as `level` of runtime::raycast
+  // Levels are chosen so that a voxel covers about this many pixels where a part is nearest. 0: always the
+  // finest level. Between two levels some pixels draw the one and some the other, so that no switch is seen.
+  float pixels_per_voxel = 1.0f;
+  float smallest_pixels = 0.5f;  // parts whose largest side covers fewer pixels are not drawn
   // Secondary rays stay in the same part of the same instance. They start less than two voxels off the
   // surface; in fog, at every voxel on the way. kMisuse without Config::secondary_rays, except with a
   // surface_glsl, which may call kelpVisible. Whether voxels keep the sun's light off others:
@@ -105,18 +109,45 @@ struct View {
   // Length of those rays, in lengths of the part's longest side, > 0. A hit counts less the farther away it
   // is.
   float occlusion_reach = 0.25f;
-  Shading shading = Shading::kGradient;
-  int finest_level = 0;  // no finer level is drawn; as `level` of runtime::raycast
-  // Levels are chosen so that a voxel covers about this many pixels where a part is nearest. 0: always the
-  // finest level. Between two levels some pixels draw the one and some the other, so that no switch is seen.
-  float pixels_per_voxel = 1.0f;
+  // 1 .. 16. More than 1: the instances are drawn near to far in so many draws. Before each, the depth drawn
+  // so far is copied, and rays end there, so that nothing hidden is traced. The picture is the same. It gains
+  // where three or more instances overlap on most pixels (8 is a good number then) and loses where hardly any
+  // do: each copy costs as much as the framebuffer has pixels. No effect with scene_depth, without a depth
+  // buffer, and with a multisampled one.
+  int depth_batches = 1;
+};
+
+// What the colours are that draw() writes.
+enum class Output : std::uint8_t {
+  // Linear light, for a framebuffer that encodes (GL_FRAMEBUFFER_SRGB on an sRGB framebuffer) or is
+  // tone-mapped later. On a framebuffer that does neither, the picture is too dark.
+  kLinear,
+  // For the screen: tone-mapped, so that bright light does not clip, and encoded as sRGB. For targets that
+  // encode nothing: a canvas in a browser, many windows of SDL. Fog is then blended in encoded colours, which
+  // is not quite right.
+  kDisplay,
+};
+
+// A picture to draw. The common case:
+//
+//   gl::View view;
+//   view.camera = {world_to_eye, eye_to_clip, {width, height}};
+//   renderer->draw(view, instances);
+struct View {
+  Camera camera;
+  Light light;
+  Quality quality;
+  Output output = Output::kLinear;
+  // A texture with the depth of the scene so far: GL_TEXTURE_2D, a depth format or GL_R32F, not attached to
+  // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
+  // saves time, and replaces the depth test where no depth buffer is bound. 0: none.
+  std::uint32_t scene_depth = 0;
   // Called by draw() just before it draws, with its program in use, in every pass except kFog. Sets what
   // surface_glsl needs: glUniform*, textures and samplers on units from kFirstHostUnit on, uniform buffers.
   // These bindings stay. It may change the active unit, and no other state. Don't leave samplers of different
   // types on one unit. Null: no callback.
   void (*bind)(void* user, std::uint32_t program) = nullptr;
   void* bind_user = nullptr;
-  float smallest_pixels = 0.5f;  // parts whose largest side covers fewer pixels are not drawn
 };
 
 enum class Pass : std::uint8_t {
@@ -134,7 +165,12 @@ enum class Pass : std::uint8_t {
 struct Stats {
   std::uint32_t instances = 0;  // parts of instances that were drawn
   std::uint32_t culled = 0;
-  std::uint32_t draws = 0;           // 0, 1 or, with View::depth_batches, that many
+  // Instances that were left out because they cannot be drawn: a pose that is not monotone or not finite, or
+  // a to_world that is not an invertible affine matrix. The others are drawn.
+  std::uint32_t left_out = 0;
+  // Why the first of them was; `offset` is its index in the list that was given.
+  Error first_left_out;
+  std::uint32_t draws = 0;           // 0, 1 or, with Quality::depth_batches, that many
   std::uint64_t bytes_uploaded = 0;  // by this call
   std::uint64_t gpu_bytes = 0;       // of assets' textures, held now
   // Grids and pages that are wanted, would fit, and are not yet on the GPU. 0: the last draws' pictures are
@@ -170,11 +206,11 @@ class Renderer {
 
   // Draws into the current framebuffer and viewport, with depth writes and the depth test GL_LEQUAL
   // (GL_GEQUAL), so that Pass::kColour after Pass::kDepth gives the same picture. The clear values, the
-  // scissor, the stencil and the colour mask (except in Pass::kDepth) are the host's. Colour is linear:
-  // enable GL_FRAMEBUFFER_SRGB, or encode in surface_glsl. Instances whose asset's coarsest level is not
-  // uploaded yet are left out. kMisuse, and nothing is drawn: poses that are not monotone or not finite,
-  // unknown or destroyed assets, singular transforms, a viewport without pixels (skip the frames of a
-  // minimised window).
+  // scissor, the stencil and the colour mask (except in Pass::kDepth) are the host's. Colour is linear, and
+  // looks too dark where nothing encodes it: see View::output. Instances whose asset's coarsest level is not
+  // uploaded yet are not drawn yet. Instances that cannot be drawn are left out: Stats::left_out. kMisuse,
+  // and nothing is drawn: an asset that is unknown or was destroyed, a pose or a palette of another asset
+  // (`offset` is the index of the instance), a view that is not sound.
   Result<Stats> draw(const View& view, std::span<const runtime::Instance> instances,
                      Pass pass = Pass::kColour);
 

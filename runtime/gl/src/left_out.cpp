@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The draw list's instances that cannot be drawn: the others are.
+#include <algorithm>
+#include <cstdio>
+
+#include "draw_list.h"
+#include "grow.h"
+
+namespace kelp::gl {
+
+const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why) {
+  const auto end = left_out_.begin() + left_out_count_;
+  const auto place = std::lower_bound(left_out_.begin(), end, instance);
+  if (place != end && *place == instance) return nullptr;
+  const auto at = static_cast<std::size_t>(place - left_out_.begin());
+  if (!grow(left_out_, left_out_count_ + 1)) return &kNoMemoryForFrame;
+  std::copy_backward(left_out_.begin() + at, left_out_.begin() + left_out_count_,
+                     left_out_.begin() + left_out_count_ + 1);
+  left_out_[at] = instance;
+  ++left_out_count_;
+  if (at == 0) first_left_out_ = {ErrorCode::kMisuse, why, instance, Error::Unit::kInstance};
+  if (log_.write && !asset.told_left_out) {
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        "kelp: instance %u is left out: %s. Stats::left_out counts such instances; this is told once "
+        "for each asset.\n",
+        static_cast<unsigned>(instance), why);
+    log_.write(log_.user, text);
+  }
+  asset.told_left_out = true;
+  return nullptr;
+}
+
+// Bounds eight parts. Parts whose pose cannot be drawn are bounded at rest, and left out.
+const Error* DrawList::boundEight(std::size_t eight, std::size_t count) {
+  PosedParts& posed = posed_[eight];
+  const unsigned good = boundParts(posed, placed_[eight]);
+  if (good == 255) return nullptr;
+  for (std::size_t k = 0; k < 8; ++k) {
+    if (good >> k & 1) continue;
+    if (k >= count) {  // copies of the one before
+      posed.knots[k] = posed.knots[k - 1];
+      continue;
+    }
+    Candidate& candidate = block_[8 * eight + k];
+    candidate.sound = false;
+    if (const Error* const error =
+            leaveOut(*candidate.asset, candidate.index, checkKnots(posed.knots[k]).error().detail))
+      return error;
+    posed.knots[k] = candidate.asset->packed[candidate.part].knots;
+  }
+  (void)boundParts(posed, placed_[eight]);
+  return nullptr;
+}
+
+// Takes what is listed of left out instances from the list: parts that were sound themselves.
+void DrawList::dropLeftOut() {
+  if (left_out_count_ == 0) return;
+  const auto gone = [this](const Ordered& ordered) {
+    const auto* const head = reinterpret_cast<const RecordHead*>(&records_[ordered.texel]);
+    return std::binary_search(left_out_.begin(), left_out_.begin() + left_out_count_, head->instance);
+  };
+  const auto end = std::remove_if(order_.begin(), order_.begin() + count_, gone);
+  count_ = static_cast<std::size_t>(end - order_.begin());
+}
+
+}  // namespace kelp::gl

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/streaming/page_access.h"
+
+#include <utility>
+
+#include "asset_impl.h"
+
+namespace kelp::runtime {
+
+AssetWatch::AssetWatch(const Asset& asset) : life_(asset.life_) { life_->hold(); }
+AssetWatch::AssetWatch(const AssetWatch& other) : life_(other.life_) {
+  if (life_) life_->hold();
+}
+AssetWatch& AssetWatch::operator=(const AssetWatch& other) {
+  AssetWatch copy(other);
+  std::swap(life_, copy.life_);
+  return *this;
+}
+AssetWatch::~AssetWatch() {
+  if (life_) life_->letGo();
+}
+bool AssetWatch::alive() const { return life_ && life_->alive.load(std::memory_order_acquire); }
+
+void PageAccess::beginRequests(const Asset& asset) {
+  asset.impl_->driven.store(true, std::memory_order_relaxed);
+  asset.impl_->round.fetch_add(1, std::memory_order_relaxed);
+}
+
+void PageAccess::request(const Asset& asset, int part, int level, float urgency) {
+  if (LevelState* state = asset.impl_->find(part, level))
+    asset.impl_->ask(*state, urgency, asset.impl_->round.load(std::memory_order_relaxed));
+}
+
+PinnedPage PageAccess::pin(const Asset& asset, int part, int level, std::uint32_t page, float urgency) {
+  PinnedPage pinned;
+  LevelState* state = asset.impl_->find(part, level);
+  if (!state || !state->ready.load(std::memory_order_acquire) || page >= state->data.pages.size())
+    return pinned;
+  PageSlot& slot = state->pages[page];
+  const std::uint32_t now = asset.impl_->round.load(std::memory_order_relaxed);
+  const std::shared_lock lock(asset.impl_->readers);
+  const std::uint32_t* words = slot.words.load(std::memory_order_acquire);
+  if (!words) {
+    asset.impl_->ask(*state, page, urgency, now);
+    return pinned;
+  }
+  slot.used.store(now, std::memory_order_relaxed);
+  slot.pins.fetch_add(1, std::memory_order_relaxed);
+  pinned.words_ = {words, pageWords(state->data.pages[page])};
+  pinned.pins_ = &slot.pins;
+  return pinned;
+}
+
+bool PageAccess::hasFailed(const Asset& asset, int part, int level) {
+  const LevelState* state = asset.impl_->find(part, level);
+  return state && state->request.failed.load(std::memory_order_relaxed);
+}
+
+bool PageAccess::hasFailed(const Asset& asset, int part, int level, std::uint32_t page) {
+  const LevelState* state = asset.impl_->find(part, level);
+  return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
+         state->pages[page].request.failed.load(std::memory_order_relaxed);
+}
+
+PinnedPage::PinnedPage(PinnedPage&& other) noexcept
+    : words_(std::exchange(other.words_, {})), pins_(std::exchange(other.pins_, nullptr)) {}
+
+PinnedPage& PinnedPage::operator=(PinnedPage&& other) noexcept {
+  if (this != &other) {
+    PinnedPage gone(std::move(*this));
+    words_ = std::exchange(other.words_, {});
+    pins_ = std::exchange(other.pins_, nullptr);
+  }
+  return *this;
+}
+
+PinnedPage::~PinnedPage() {
+  if (pins_) static_cast<std::atomic<std::uint32_t>*>(pins_)->fetch_sub(1, std::memory_order_release);
+}
+
+}  // namespace kelp::runtime

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// What a renderer needs of an asset besides its public functions: requests, pages that stay in memory, and
+// whether the asset still exists. Any thread may call any function at any time while the asset exists.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kelp/runtime/asset.h"
+
+namespace kelp::runtime {
+
+// Keeps a page of bricks in memory while it lives. Movable. Destroy it before the asset.
+class PinnedPage {
+ public:
+  PinnedPage() = default;
+  PinnedPage(PinnedPage&& other) noexcept;
+  PinnedPage& operator=(PinnedPage&& other) noexcept;
+  ~PinnedPage();
+
+  explicit operator bool() const { return pins_ != nullptr; }
+  std::span<const std::uint32_t> words() const { return words_; }  // kelp/runtime/page.h
+
+ private:
+  friend struct PageAccess;
+  std::span<const std::uint32_t> words_;
+  void* pins_ = nullptr;
+};
+
+// Tells whether an asset still exists, for code that keeps a pointer to it. Copyable; usable on any thread.
+class AssetWatch {
+ public:
+  AssetWatch() = default;
+  explicit AssetWatch(const Asset& asset);
+  AssetWatch(const AssetWatch& other);
+  AssetWatch& operator=(const AssetWatch& other);
+  ~AssetWatch();
+
+  bool alive() const;
+
+ private:
+  Asset::Life* life_ = nullptr;
+};
+
+// A request ends eight rounds after it was last made, and a page that was not used for eight rounds may make
+// room. urgency > 0; the most urgent is loaded first. Wrong indices are ignored.
+struct PageAccess {
+  // Starts a round. From then on the caller drives the asset's rounds; pump() starts none by itself.
+  static void beginRequests(const Asset& asset);
+  // Requests the grid of a level.
+  static void request(const Asset& asset, int part, int level, float urgency);
+  // The page if it is in memory. Else an empty PinnedPage, and the page is requested.
+  static PinnedPage pin(const Asset& asset, int part, int level, std::uint32_t page, float urgency);
+  // Whether loading the grid, or the page, failed since the last retry().
+  static bool hasFailed(const Asset& asset, int part, int level);
+  static bool hasFailed(const Asset& asset, int part, int level, std::uint32_t page);
+};
+
+}  // namespace kelp::runtime
