@@ -66,7 +66,7 @@ struct Rest {
 void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<std::string, int>& nodes,
                    const std::string& clip, int animation, const std::vector<double>& times, double tolerance,
                    const Rest& rest = {}) {
-  const int index = runtime::findClip(baked.asset(), clip);
+  const int index = runtime::findClip(baked.asset(), clip).value();
   ASSERT_GE(index, 0) << clip;
   for (const double time : times) {
     runtime::Pose pose = *runtime::Pose::create(baked.asset());

@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "kelp/gl/renderer.h"
+#include "kelp/streaming/page_access.h"
 #include "support/fake_gl.h"
 
 using namespace kelp;
@@ -43,7 +44,7 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset) {
         const std::uint64_t at = pages_at + page < words.size() ? words[pages_at + page] : 0;
         if (at == 0 && complete) fault("a page of a level that is complete is not there");
         if (at == 0) continue;
-        const runtime::PinnedPage pinned = asset.pin(p, l, page, 0);
+        const runtime::PinnedPage pinned = runtime::PageAccess::pin(asset, p, l, page, 0);
         if (pinned && !holds(at, pinned.words())) fault("the pool holds another page");
       }
     }

@@ -64,7 +64,7 @@ std::unique_ptr<gl::Renderer> GlTest::makeRenderer(const runtime::Asset& asset, 
                                                    gl::Config config) {
   config.getProcAddress = EglContext::getProcAddress;
   config.surface_glsl = surface;
-  config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
+  if (!config.log) config.log = [](void*, const char* text) { ADD_FAILURE() << text; };
   auto renderer = gl::Renderer::create(config);
   if (!renderer) {
     ADD_FAILURE() << renderer.error().detail;
@@ -96,7 +96,8 @@ gl::View orthographic(const glm::ivec2& viewport, const glm::vec3& eye, const gl
 }
 
 runtime::Ray pixelRay(const gl::View& view, int x, int y) {
-  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
+  const glm::dmat4 to_world =
+      glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
   const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;
   const glm::dvec4 near = to_world * glm::dvec4(at, -1, 1);
   const glm::dvec4 far = to_world * glm::dvec4(at, 1, 1);

@@ -49,8 +49,8 @@ gl::View inConvention(gl::View view, const Convention& convention, float near, f
 runtime::Ray eyeRay(const gl::View& view, int x, int y) {
   const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.camera.world_to_eye));
   const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;
-  const glm::dvec4 forward(at.x / double{view.camera.eye_to_clip[0][0]}, at.y / double{view.camera.eye_to_clip[1][1]}, -1,
-                           0);
+  const glm::dvec4 forward(at.x / double{view.camera.eye_to_clip[0][0]},
+                           at.y / double{view.camera.eye_to_clip[1][1]}, -1, 0);
   return {glm::vec3(to_world[3]), glm::vec3(to_world * forward)};
 }
 
@@ -354,7 +354,7 @@ TEST_P(CompositionTest, AShadowMapReachesTheVoxels) {
   map.bind();
   glViewport(0, 0, 512, 512);
   ASSERT_TRUE(renderer->draw(from_sun, {&instance_, 1}, gl::Pass::kDepth));
-  host.world_to_sun = from_sun.eye_to_clip * from_sun.world_to_eye;
+  host.world_to_sun = from_sun.camera.eye_to_clip * from_sun.camera.world_to_eye;
 
   const Canvas canvas({160, 120});
   gl::View view = lookAt(canvas, {0.6f, 0.7f, 1.3f}, {0, 0.5f, 0});

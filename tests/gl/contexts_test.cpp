@@ -271,20 +271,26 @@ TEST_P(LifeTest, NothingIsCalledOnceTheContextIsLost) {
   EXPECT_EQ(canvas.pixels(), expected);
 }
 
-TEST_P(LifeTest, AViewportWithoutPixelsIsMisuseWithoutACall) {
+TEST_P(LifeTest, AViewportWithoutPixelsDrawsNothingAndIsNoError) {
   const Canvas canvas(kPixels);
   const auto created = gl::Renderer::create(watchedConfig());
   ASSERT_TRUE(created);
   ASSERT_TRUE((*created)->add(*loaded_.asset));
   ASSERT_TRUE((*created)->upload(~std::uint64_t{0}));
   const long calls = WatchedGl::calls();
-  for (const glm::ivec2 size :
-       {glm::ivec2(0, 0), glm::ivec2(0, 60), glm::ivec2(80, 0), glm::ivec2(-80, 60)}) {
+  for (const glm::ivec2 size : {glm::ivec2(0, 0), glm::ivec2(0, 60), glm::ivec2(80, 0)}) {
     gl::View view = view_;
     view.camera.viewport = size;
-    EXPECT_EQ((*created)->draw(view, {&instance_, 1}).error().code, ErrorCode::kMisuse);
-    EXPECT_EQ((*created)->draw(view, {&instance_, 1}, gl::Pass::kDepth).error().code, ErrorCode::kMisuse);
+    view.camera.eye_to_clip = glm::mat4(std::nanf(""));  // the aspect ratio is 0 / 0
+    for (const gl::Pass pass : {gl::Pass::kColour, gl::Pass::kDepth, gl::Pass::kFog}) {
+      const auto drawn = (*created)->draw(view, {&instance_, 1}, pass);
+      ASSERT_TRUE(drawn) << drawn.error().detail;
+      EXPECT_EQ(drawn->draws, 0u);
+    }
   }
+  gl::View negative = view_;
+  negative.camera.viewport.x = -80;
+  EXPECT_EQ((*created)->draw(negative, {&instance_, 1}).error().code, ErrorCode::kMisuse);
   EXPECT_EQ(WatchedGl::calls(), calls);
   glViewport(0, 0, 0, 0);  // the window was minimised, and the view does not know
   EXPECT_TRUE((*created)->draw(view_, {&instance_, 1}));

@@ -104,8 +104,9 @@ class DepthTest : public GlTest {
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
     const std::vector<Pixel> pixels = canvas.pixels();
     const std::vector<float> depths = canvas.depths();
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
-                                            glm::dmat4(partToWorld(instance, 0)));
+    const glm::dmat4 to_part =
+        glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
+                     glm::dmat4(partToWorld(instance, 0)));
     Tally tally;
     for (int row = 0; row < kPixels.y; ++row) {
       for (int column = 0; column < kPixels.x; ++column) {

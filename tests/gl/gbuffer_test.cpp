@@ -227,8 +227,9 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
     instances[1].tint = {0.5f, 0.9f, 1, 1};
     gl::View view = from;
     const glm::mat4 same = view.camera.eye_to_clip * view.camera.world_to_eye;
-    const glm::mat4 elsewhere = view.camera.eye_to_clip * glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f),
-                                                               glm::vec3(0.25f, 0.5f, 0), glm::vec3(0, 1, 0));
+    const glm::mat4 elsewhere =
+        view.camera.eye_to_clip *
+        glm::lookAt(glm::vec3(0.8f, 0.95f, 1.8f), glm::vec3(0.25f, 0.5f, 0), glm::vec3(0, 1, 0));
 
     EXPECT_EQ(check(*renderer, target, view, instances), 0);  // no motion asked for
     view.camera.previous_world_to_clip = &same;

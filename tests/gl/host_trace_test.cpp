@@ -266,15 +266,15 @@ TEST_P(HostTraceTest, RefusesMisuseAndKeepsTheState) {
   EXPECT_TRUE(refused(program, view, -1));
   EXPECT_TRUE(refused(program, view, units - 1));
   gl::View wrong = view;
-  wrong.viewport.x = 0;
+  wrong.camera.viewport.x = -1;
   EXPECT_TRUE(refused(program, wrong, 4));
   wrong = view;
-  wrong.occlusion_rays = 17;
+  wrong.quality.occlusion_rays = 17;
   EXPECT_TRUE(refused(program, wrong, 4));
-  wrong.occlusion_rays = 4;
+  wrong.quality.occlusion_rays = 4;
   EXPECT_TRUE(refused(program, wrong, 4));  // without Config::secondary_rays
-  wrong.occlusion_rays = 0;
-  wrong.occlusion_reach = 0;
+  wrong.quality.occlusion_rays = 0;
+  wrong.quality.occlusion_reach = 0;
   EXPECT_TRUE(refused(program, wrong, 4));
 
   glUseProgram(program);

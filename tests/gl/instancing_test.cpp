@@ -261,9 +261,9 @@ TEST_P(InstancingTest, OnlyWhatCoversNoPixelIsCulled) {
   // of a canvas four times as large.
   const Canvas large({450, 350});
   gl::View around = view;
-  around.viewport = large.size();
-  around.eye_to_clip[0] /= 5.0f;
-  around.eye_to_clip[1] /= 5.0f;
+  around.camera.viewport = large.size();
+  around.camera.eye_to_clip[0] /= 5.0f;
+  around.camera.eye_to_clip[1] /= 5.0f;
   int culled = 0, seen = 0;
   for (const Instance& instance : instances_) {
     glViewport(0, 0, 450, 350);
@@ -402,7 +402,7 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
       for (std::size_t i = 0; i < count; ++i) edit(poses[i], 0, 32)[1].position.x = static_cast<float>(n % 7);
       const auto some = std::span(instances).first(count);
       view.camera.world_to_eye = glm::lookAt(glm::vec3(4 * std::sin(0.03f * static_cast<float>(n)), 4, 12),
-                                      glm::vec3(0), glm::vec3(0, 1, 0));
+                                             glm::vec3(0), glm::vec3(0, 1, 0));
       const glm::mat4 before = view.camera.eye_to_clip * view.camera.world_to_eye;
       view.camera.previous_world_to_clip = n % 2 ? &before : nullptr;
       const auto colour = (*renderer)->draw(view, some);

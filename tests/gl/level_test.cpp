@@ -49,10 +49,10 @@ TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
       // all 64 places of the pattern equally often.
       const auto alone = [&](int which) {
         gl::View only = view;
-        only.pixels_per_voxel = 0;
-        only.finest_level = std::min(which, part_.levels - 1);
+        only.quality.pixels_per_voxel = 0;
+        only.quality.finest_level = std::min(which, part_.levels - 1);
         const auto counts = drawnLevels(*renderer, canvas, only);
-        return counts[static_cast<std::size_t>(only.finest_level)];
+        return counts[static_cast<std::size_t>(only.quality.finest_level)];
       };
       const int fine = alone(level), coarse = alone(level + 1);
       const auto counts = drawnLevels(*renderer, canvas, view);
@@ -66,7 +66,7 @@ TEST_P(LevelTest, VoxelsCoverAsManyPixelsAsWanted) {
   }
   // With the eye in the volume something is arbitrarily near.
   gl::View inside = lookAt(canvas, {0, 0.5f, 0.1f}, {0, 0.5f, -1});
-  inside.pixels_per_voxel = 100;
+  inside.quality.pixels_per_voxel = 100;
   const auto counts = drawnLevels(*renderer, canvas, inside);
   EXPECT_EQ(counts[0], std::accumulate(counts.begin(), counts.end(), 0));
 }
@@ -99,7 +99,7 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
   EXPECT_EQ(gl::levelAt(lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0}), instance_, 3, {0, 0}), -1);
   EXPECT_EQ(gl::levelAt(gl::View{}, Instance{}, 0, {0, 0}), -1);
   gl::View negative = lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0});
-  negative.finest_level = -1;
+  negative.quality.finest_level = -1;
   EXPECT_EQ(gl::levelAt(negative, instance_, 0, {0, 0}), -1);
 }
 

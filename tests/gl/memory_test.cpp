@@ -53,9 +53,10 @@ class MemoryTest : public testing::Test {
   }
   static gl::View view() {
     gl::View out;
-    out.eye_to_clip = glm::perspective(0.8f, 1.0f, 0.1f, 10.0f);
-    out.world_to_eye = glm::lookAt(glm::vec3(0.8f, 0.9f, 3.8f), glm::vec3(0, 0.5f, 0), glm::vec3(0, 1, 0));
-    out.viewport = {400, 400};
+    out.camera.eye_to_clip = glm::perspective(0.8f, 1.0f, 0.1f, 10.0f);
+    out.camera.world_to_eye =
+        glm::lookAt(glm::vec3(0.8f, 0.9f, 3.8f), glm::vec3(0, 0.5f, 0), glm::vec3(0, 1, 0));
+    out.camera.viewport = {400, 400};
     return out;
   }
 
@@ -83,7 +84,7 @@ TEST_F(MemoryTest, AFrameAllocatesNothingAfterWarmUp) {
   for (int frame = 0; frame < 10; ++frame) {
     edit(pose, 0, 80)[1].tangent.x = static_cast<float>(frame);
     gl::View moved = view();
-    moved.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
+    moved.quality.pixels_per_voxel = static_cast<float>(frame % 4);  // other levels, other draws
     const auto some = std::span(instances).subspan(static_cast<std::size_t>(frame));
     const auto drawn = renderer.draw(moved, some);
     draws += drawn && renderer.draw(moved, some, gl::Pass::kDepth) && renderer.bindTrace(1, moved, some) &&

@@ -3,6 +3,7 @@
 // walk in double precision through a volume that is put together voxel by voxel, with random pages missing.
 #include <random>
 
+#include "kelp/streaming/page_access.h"
 #include "reference/judge.h"
 #include "streamed.h"
 #include "support/voxel_points.h"
@@ -51,7 +52,7 @@ std::vector<Resident> residentOf(const Asset& asset) {
     if (const runtime::VoxelLevel* level = asset.level(0, l)) {
       resident.grid = true;
       for (std::uint32_t page = 0; page < level->pages.size(); ++page)
-        resident.pages.push_back(static_cast<bool>(asset.pin(0, l, page, 1)));
+        resident.pages.push_back(static_cast<bool>(runtime::PageAccess::pin(asset, 0, l, page, 1)));
     }
     out.push_back(std::move(resident));
   }

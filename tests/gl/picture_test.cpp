@@ -132,8 +132,8 @@ TEST_P(PictureTest, AgreesInOrthographicViews) {
       compare(*renderer, canvas, orthographic(canvas, {0, 0.5f, 4}, {0, 0.5f, 0}, 0.7123f), {&instance, 1}),
       "exactly horizontal");
   gl::View above = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.7f);
-  above.world_to_eye = glm::rotate(glm::mat4(1), glm::radians(90.0f), glm::vec3(1, 0, 0)) *
-                       glm::translate(glm::mat4(1), glm::vec3(0, -5, 0));
+  above.camera.world_to_eye = glm::rotate(glm::mat4(1), glm::radians(90.0f), glm::vec3(1, 0, 0)) *
+                              glm::translate(glm::mat4(1), glm::vec3(0, -5, 0));
   expectAgreement(compare(*renderer, canvas, above, {&instance, 1}), "along the spline");
 }
 
@@ -157,7 +157,7 @@ TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
   expectAgreement(compare(*renderer, canvas, view, instances), "three in one draw");
   // A picture that is upside down, as hosts draw for other APIs: the same voxels.
   gl::View flipped = view;
-  flipped.eye_to_clip = glm::scale(glm::mat4(1), glm::vec3(1, -1, 1)) * view.camera.eye_to_clip;
+  flipped.camera.eye_to_clip = glm::scale(glm::mat4(1), glm::vec3(1, -1, 1)) * view.camera.eye_to_clip;
   expectAgreement(compare(*renderer, canvas, flipped, instances), "flipped projection");
 }
 

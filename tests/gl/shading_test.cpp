@@ -368,7 +368,7 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
     (void)pose.setKnots(0, knots);
     gl::View view = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.3f);
     view.camera.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *
-                        glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
+                               glm::translate(glm::mat4(1), glm::vec3(0, -side * 5, 0));
     const std::vector<Pixel> pixels =
         draw(*posts_renderer, canvas, view, gl::Shading::kFaces, {posts.asset.get(), &pose});
     for (int y = 40; y < 80; ++y) {

@@ -67,7 +67,7 @@ class StateTest : public GlTest {
       after(kDraw, "draw, first");
       for (const bool shadow : {false, true}) {
         gl::View foggy = view;
-        foggy.self_shadow = shadow;
+        foggy.quality.self_shadow = shadow;
         const Instance instance{fog_.asset.get(), nullptr};
         EXPECT_TRUE(renderer.draw(foggy, {&instance, 1}, gl::Pass::kFog));
         after(kDrawFog, "draw, fog");
@@ -77,7 +77,7 @@ class StateTest : public GlTest {
       after(kDrawDepth, "draw, many, depth");
       for (const gl::Shading shading : {gl::Shading::kFaces, gl::Shading::kSmooth, gl::Shading::kGradient}) {
         gl::View shaded = view;
-        shaded.shading = shading;
+        shaded.quality.shading = shading;
         EXPECT_TRUE(renderer.draw(shaded, {&instance_, 1}));
         after(kDraw, "draw");
       }
@@ -87,7 +87,9 @@ class StateTest : public GlTest {
       after(kDraw, "draw, in batches");
       EXPECT_TRUE(renderer.draw(view, {}));
       after(kDraw, "draw, nothing");
-      EXPECT_FALSE(renderer.draw({}, {&instance_, 1}));
+      gl::View wrong;
+      wrong.camera.viewport.x = -1;
+      EXPECT_FALSE(renderer.draw(wrong, {&instance_, 1}));
       after(kDraw, "draw, refused");
       renderer.remove(*loaded_.asset);
       after(kRemove, "remove");

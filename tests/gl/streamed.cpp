@@ -131,7 +131,8 @@ void* CountedGl::getProcAddress(void* user, const char* name) {
 std::uint64_t CountedGl::bytes() { return bytes_sent; }
 
 glm::dvec3 unproject(const gl::View& view, int x, int y, float depth) {
-  const glm::dmat4 to_world = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
+  const glm::dmat4 to_world =
+      glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye));
   const glm::dvec2 at = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(view.camera.viewport) - 1.0;
   const glm::dvec4 p = to_world * glm::dvec4(at, 2.0 * double{depth} - 1.0, 1);
   return glm::dvec3(p) / p.w;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "kelp/streaming/page_access.h"
 #include "streamed.h"
 #include "support/voxel_points.h"
 
@@ -65,8 +66,8 @@ class StreamingThreadsTest : public GlTest {
           const glm::vec3 eye = target + glm::vec3(unit(random), 0.02f * unit(random), 2);
           hits += raycast(instance, {eye, target - eye}, static_cast<int>(n % 3)).has_value();
           if (const auto* data = asset->level(0, 0)) {
-            const auto page =
-                asset->pin(0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
+            const auto page = runtime::PageAccess::pin(
+                *asset, 0, 0, place % static_cast<std::uint32_t>(data->pages.size()), unit(random));
             if (page) hits += page.words().back() == 1;  // reads it
           }
           (void)asset->residentLevel(0);

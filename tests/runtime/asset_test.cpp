@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/asset.h"
+#include "kelp/streaming/page_access.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
   EXPECT_EQ(asset.residentLevel(0), 0);
   std::vector<PinnedPage> pages;
   for (std::uint32_t page = 0; page < level->pages.size(); ++page) {
-    pages.push_back(asset.pin(0, 0, page, 1.0f));
+    pages.push_back(PageAccess::pin(asset, 0, 0, page, 1.0f));
     ASSERT_TRUE(pages.back());
   }
   std::vector<std::uint8_t> solid;
@@ -223,8 +224,8 @@ TEST(Asset, DropsWhatNobodyAskedForLately) {
   for (std::uint32_t page = 0; page < pages; ++page) {
     bool there = false;
     for (int round = 0; round < 20 && !there; ++round) {
-      asset.beginRequests();
-      there = static_cast<bool>(asset.pin(0, 0, page, 1.0f));
+      PageAccess::beginRequests(asset);
+      there = static_cast<bool>(PageAccess::pin(asset, 0, 0, page, 1.0f));
       while (*asset.pump()) {
       }
       EXPECT_LE(asset.memory(), options.memory_budget);
@@ -267,7 +268,7 @@ TEST(Asset, LoadAllLoadsWhatNobodyAskedFor) {
     MemorySource source(bytes);
     auto asset = Asset::open(source.source());
     ASSERT_TRUE(asset);
-    for (int i = 0; i < rounds; ++i) (*asset)->beginRequests();
+    for (int i = 0; i < rounds; ++i) PageAccess::beginRequests(**asset);
     while (*(*asset)->pump()) {
     }
     EXPECT_GT((*asset)->residentLevel(0), 0) << "the coarsest level comes by itself";
@@ -283,7 +284,7 @@ TEST(Asset, AWatchOutlivesIt) {
   EXPECT_FALSE(watch.alive());
   {
     auto asset = Asset::open(source.source());
-    watch = (*asset)->watch();
+    watch = AssetWatch(**asset);
     const AssetWatch copy = watch;
     EXPECT_TRUE(copy.alive());
   }

@@ -8,6 +8,7 @@
 
 #include "../formats/pack_surgeon.h"
 #include "kelp/runtime/asset.h"
+#include "kelp/streaming/page_access.h"
 #include "support/operations.h"
 #include "support/test_pack.h"
 
@@ -110,12 +111,12 @@ Cost costOf(std::uint32_t side) {
   const auto asked = openWithin(source, std::uint64_t{1} << 30);
   cost.as_asked = static_cast<double>(test::operationsOf([&] {
     for (int round = 1; round <= 4; ++round) {
-      asked->beginRequests();
-      asked->request(0, 0, static_cast<float>(round));
+      PageAccess::beginRequests(*asked);
+      PageAccess::request(*asked, 0, 0, static_cast<float>(round));
       pump(*asked);
       const auto pages = static_cast<std::uint32_t>(asked->level(0, 0)->pages.size());
       for (std::uint32_t page = static_cast<std::uint32_t>(round) % 4; page < pages; page += 4)
-        (void)asked->pin(0, 0, page, static_cast<float>(round));
+        (void)PageAccess::pin(*asked, 0, 0, page, static_cast<float>(round));
       pump(*asked);
     }
   }));
@@ -126,13 +127,14 @@ Cost costOf(std::uint32_t side) {
   const auto pages = static_cast<std::uint32_t>(half->level(0, 0)->pages.size());
   cost.in_turn = static_cast<double>(test::operationsOf([&] {
     for (int round = 0; round < 20; ++round) {
-      half->beginRequests();
-      for (std::uint32_t page = pages - pages / 4; page < pages; ++page) (void)half->pin(0, 0, page, 1.0f);
+      PageAccess::beginRequests(*half);
+      for (std::uint32_t page = pages - pages / 4; page < pages; ++page)
+        (void)PageAccess::pin(*half, 0, 0, page, 1.0f);
       pump(*half);
     }
   }));
   EXPECT_LE(half->memory(), whole->memory() / 2);
-  EXPECT_TRUE(half->pin(0, 0, pages - 1, 1.0f));
+  EXPECT_TRUE(PageAccess::pin(*half, 0, 0, pages - 1, 1.0f));
   return cost;
 }
 
@@ -172,9 +174,9 @@ TEST(ManyPages, TheMostUrgentComesNext) {
   auto opened = Asset::open(recorder.source());
   ASSERT_TRUE(opened);
   Asset& asset = **opened;
-  asset.beginRequests();
+  PageAccess::beginRequests(asset);
   std::uint32_t now = 1;
-  asset.request(0, 0, 1.0f);
+  PageAccess::request(asset, 0, 0, 1.0f);
   while (*asset.pump()) {
   }
   const std::span<const PageInfo> infos = asset.level(0, 0)->pages;
@@ -184,12 +186,12 @@ TEST(ManyPages, TheMostUrgentComesNext) {
   while (loaded < pages.size()) {
     const std::uint32_t what = random() % 8;
     if (what == 0) {
-      asset.beginRequests();
+      PageAccess::beginRequests(asset);
       ++now;
     } else if (what < 4) {
       const std::uint32_t page = random() % pages.size();
       const float urgency = static_cast<float>(random() % 50);
-      EXPECT_EQ(static_cast<bool>(asset.pin(0, 0, page, urgency)), pages[page].resident);
+      EXPECT_EQ(static_cast<bool>(PageAccess::pin(asset, 0, 0, page, urgency)), pages[page].resident);
       if (pages[page].round != now || pages[page].urgency < urgency)
         pages[page].urgency = urgency, pages[page].round = now;
     } else {

@@ -61,8 +61,10 @@ TEST(Pose, StartsAtRestAndReturns) {
 TEST(Pose, AddsClips) {
   Loaded loaded(animated());
   Pose pose = *Pose::create(*loaded.asset);
-  ASSERT_EQ(findClip(*loaded.asset, "sway"), 0);
-  EXPECT_EQ(findClip(*loaded.asset, "absent"), -1);
+  ASSERT_EQ(findClip(*loaded.asset, "sway").value(), 0);
+  const Result<int> absent = findClip(*loaded.asset, "absent");
+  ASSERT_FALSE(absent);
+  EXPECT_STREQ(absent.error().detail, "there is no clip of that name; there are: sway");
   ASSERT_TRUE(addClip(*loaded.asset, 0, 0.0, 1.0f, pose));  // the wave's phase is a quarter turn: its crest
   EXPECT_NEAR(pose.knots(0)[1].position.x, 6.0f, 1e-5f);
   EXPECT_NEAR(pose.knots(0)[1].position.z, -2.0f, 1e-5f);

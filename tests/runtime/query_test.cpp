@@ -5,6 +5,7 @@
 #include <random>
 
 #include "kelp/runtime/instance.h"
+#include "kelp/streaming/page_access.h"
 #include "loaded.h"
 #include "support/edit_knots.h"
 #include "support/voxel_points.h"
@@ -54,7 +55,6 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
     const auto wanted = raycast(truth, ray);
     bool fine = false;
     for (int tick = 0; tick < 40 && !fine; ++tick, ++ticks) {
-      asset.beginRequests();
       const auto hit = raycast(instance, ray);
       EXPECT_EQ(hit.has_value() || !wanted, true) << "a coarser voxel is solid where a finer one is";
       if (hit && wanted) {
@@ -91,7 +91,7 @@ TEST(Query, PinnedPagesStay) {
   std::vector<std::vector<std::uint32_t>> words;
   std::vector<std::uint32_t> which;
   for (std::uint32_t page = 0; page < pages && kept.size() < 3; ++page) {
-    PinnedPage pinned = asset.pin(0, 0, page, 1);
+    PinnedPage pinned = PageAccess::pin(asset, 0, 0, page, 1);
     if (!pinned) continue;
     words.emplace_back(pinned.words().begin(), pinned.words().end());
     which.push_back(page);
@@ -101,9 +101,9 @@ TEST(Query, PinnedPagesStay) {
   // All others are asked for in turn, long enough for each of them to come, and to go.
   std::vector<bool> came(pages);
   for (int round = 0; round < 600; ++round) {
-    asset.beginRequests();
+    PageAccess::beginRequests(asset);
     const std::uint32_t page = static_cast<std::uint32_t>(round / 10) % pages;
-    if (std::find(which.begin(), which.end(), page) == which.end() && asset.pin(0, 0, page, 1))
+    if (std::find(which.begin(), which.end(), page) == which.end() && PageAccess::pin(asset, 0, 0, page, 1))
       came[page] = true;
     while (*asset.pump()) {
     }
@@ -111,7 +111,7 @@ TEST(Query, PinnedPagesStay) {
   }
   for (std::size_t i = 0; i < kept.size(); ++i) {
     EXPECT_TRUE(std::equal(words[i].begin(), words[i].end(), kept[i].words().begin(), kept[i].words().end()));
-    const PinnedPage again = asset.pin(0, 0, which[i], 1);
+    const PinnedPage again = PageAccess::pin(asset, 0, 0, which[i], 1);
     ASSERT_TRUE(again);
     EXPECT_EQ(again.words().data(), kept[i].words().data()) << "it is the same one";
     came[which[i]] = true;
@@ -123,10 +123,10 @@ TEST(Query, PinnedPagesStay) {
 void askFor(const Asset& asset, int part, int finest, float urgency) {
   for (int level = asset.pack().parts()[static_cast<std::size_t>(part)].levels - 1; level >= finest;
        --level) {
-    asset.request(part, level, urgency);
+    PageAccess::request(asset, part, level, urgency);
     const VoxelLevel* data = asset.level(part, level);
     for (std::uint32_t page = 0; data && page < data->pages.size(); ++page)
-      (void)asset.pin(part, level, page, urgency);
+      (void)PageAccess::pin(asset, part, level, page, urgency);
   }
 }
 void pumpAll(Asset& asset) {
@@ -148,7 +148,7 @@ TEST(Query, WhatDoesNotFitHoldsUpNobody) {
     MemorySource source(bytes);
     auto asset = Asset::open(source.source());
     for (int round = 0; round < 20; ++round) {
-      (*asset)->beginRequests();
+      PageAccess::beginRequests(**asset);
       askFor(**asset, 0, 1, 50);
       askFor(**asset, 1, 0, 1);
       pumpAll(**asset);
@@ -164,10 +164,10 @@ TEST(Query, WhatDoesNotFitHoldsUpNobody) {
   ASSERT_TRUE(opened);
   Asset& asset = **opened;
   for (int round = 0; round < 40; ++round) {
-    asset.beginRequests();
+    PageAccess::beginRequests(asset);
     askFor(asset, 0, 1, 50);
     if (round >= 20) {
-      asset.request(0, 0, 100);
+      PageAccess::request(asset, 0, 0, 100);
       askFor(asset, 1, 0, 1);
     }
     pumpAll(asset);

@@ -75,7 +75,7 @@ TEST(Raycast, RefusesNonsense) {
   EXPECT_FALSE(raycast(instance, down)) << "nothing resident";
   ASSERT_TRUE((*asset)->loadAll());
   EXPECT_TRUE(raycast(instance, down));
-  EXPECT_FALSE(raycast({}, down));
+  EXPECT_FALSE(raycast(Instance{}, down));
   EXPECT_FALSE(raycast(instance, {{0, 10, 0}, {0, 0, 0}}));
   EXPECT_FALSE(raycast(instance, {{0, NAN, 0}, {0, -1, 0}}));
   EXPECT_FALSE(raycast(instance, {{0, 10, 0}, {0, -INFINITY, 0}}));

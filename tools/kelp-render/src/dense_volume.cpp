@@ -67,7 +67,8 @@ std::vector<std::vector<std::uint32_t>> decodePages(const Pack& pack, const runt
   PageData decoded;
   for (const PageInfo& info : level.pages) {
     if (const Result<void> read = pack.readPage(info, decoded); !read)
-      throw ToolError(exitOf(read.error().code), std::string("a page cannot be read: ") + read.error().detail);
+      throw ToolError(exitOf(read.error().code),
+                      std::string("a page cannot be read: ") + read.error().detail);
     std::vector<std::uint32_t>& words = pages.emplace_back(runtime::pageWords(info));
     if (!runtime::arrangePage(decoded, words))
       throw ToolError(Exit::kInvalid, "codes and attributes of a page do not match");

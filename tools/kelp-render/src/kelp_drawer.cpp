@@ -45,7 +45,8 @@ class KelpDrawer final : public Drawer {
     target.clear();
     checkPack("OpenGL", renderer_->bindTrace(counter_->name(), view, instances));
     counter_->use();
-    const glm::dmat4 world_to_clip = glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
+    const glm::dmat4 world_to_clip =
+        glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
     counter_->set("count_clip_to_world", glm::mat4(glm::inverse(world_to_clip)));
     counter_->set("count_viewport", glm::vec2(target.size()));
     const glm::vec4 everything(-1, -1, 1, 1);

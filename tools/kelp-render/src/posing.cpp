@@ -70,10 +70,11 @@ Posing::Posing(const runtime::Asset& asset, const Item& item) : asset_(asset), i
     changes_.push_back({part, &change});
   }
   if (item.clip.empty()) return;
-  clip_ = runtime::findClip(asset, item.clip);
-  if (clip_ < 0)
+  const Result<int> found = runtime::findClip(asset, item.clip);
+  if (!found)
     throw ToolError(Exit::kUsage, fmt::format("--clip {}: {} has no such clip. Clips: {}", item.clip,
                                               item.pack, listNames(pack.clips())));
+  clip_ = *found;
 }
 
 double Posing::duration() const {

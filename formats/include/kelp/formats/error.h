@@ -72,6 +72,7 @@ class [[nodiscard]] Result {
     if (!value_) stop(error_);
     return *value_;
   }
+  const T& value() const& { return const_cast<Result*>(this)->value(); }
   T&& value() && { return std::move(value()); }
 
  private:

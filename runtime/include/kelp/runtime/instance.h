@@ -20,7 +20,7 @@ struct Instance {
   glm::mat4 to_world{1};       // object -> world; affine and invertible; may mirror
   glm::vec4 tint{1};           // multiplies the base colour, linear
   // Materials in place of the pack's palette, one for each of its entries. Empty: the pack's own.
-  std::span<const Material> palette;
+  std::span<const Material> palette = {};
   // For motion vectors: pose and matrix of the previous frame. Null: as now.
   const Pose* previous_pose = nullptr;
   const glm::mat4* previous_to_world = nullptr;
