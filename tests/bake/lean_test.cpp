@@ -55,12 +55,17 @@ void expectLine(const runtime::Instance& instance, double slope) {
   }
 }
 
-TEST(Lean, OfARigFileIsStraightAtRestAndInItsClips) {
-  const Scratch scratch;
+// GltfMaker's box, without a rig.
+std::filesystem::path writeBox(const Scratch& scratch) {
   GltfMaker maker;
   maker.addBox();
-  const auto box = scratch.write(
+  return scratch.write(
       "box.gltf", maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}])"));
+}
+
+TEST(Lean, OfARigFileIsStraightAtRestAndInItsClips) {
+  const Scratch scratch;
+  const std::filesystem::path box = writeBox(scratch);
   for (int degrees = 10; degrees <= 70; degrees += 10) {
     SCOPED_TRACE(degrees);
     const double slope = std::tan(glm::radians(static_cast<double>(degrees)));
@@ -93,10 +98,7 @@ TEST(Lean, OfARigFileIsStraightAtRestAndInItsClips) {
 // `tangent` in a rig file is not automatic; a clip's wave or keys override an automatic one.
 TEST(Lean, ATangentThatIsGivenBendsTheColumn) {
   const Scratch scratch;
-  GltfMaker maker;
-  maker.addBox();
-  const auto box = scratch.write(
-      "box.gltf", maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}])"));
+  const std::filesystem::path box = writeBox(scratch);
   Settings settings;
   settings.rig_file =
       scratch.write("bend.rig.json", R"({"kelp":1,"knots":[{"at":0,"tangent":[0,1,0]},{"at":1}],"clips":{
@@ -118,6 +120,23 @@ TEST(Lean, ATangentThatIsGivenBendsTheColumn) {
       const glm::vec3 at = runtime::toWorld(column.instance(), 0, {0, kHeight * static_cast<float>(y), 0});
       EXPECT_NEAR(at.x, kHeight * x, 0.01 * kHeight / 128) << y;
     }
+  }
+}
+
+// The preset holds the foot's tangent, which would follow the top.
+TEST(Lean, ASwayingPlantStandsUprightOnItsFoot) {
+  const Scratch scratch;
+  const std::filesystem::path box = writeBox(scratch);
+  Settings settings;
+  settings.rig_preset = "sway";
+  Posed plant(box, 64, settings);
+  for (const double seconds : {0.5, 1.9, 7.0}) {
+    plant.pose().reset();
+    ASSERT_TRUE(runtime::addClip(plant.asset(), 0, seconds, 1, plant.pose()));
+    EXPECT_EQ(plant.pose().knots(0)[0].tangent, glm::vec3(0, 1, 0));
+    EXPECT_GT(
+        glm::length(glm::vec2(plant.pose().knots(0)[1].position.x, plant.pose().knots(0)[1].position.z)),
+        0.03f);
   }
 }
 
