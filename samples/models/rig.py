@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Rigs that move like living things: waves that travel along the spline.
 
-A clip adds offsets and tangents to the knots at rest. If only the offsets moved, the spline would stand
-upright at every knot, and a swaying stalk would look like a staircase. So every wave is sampled from one
-continuous motion
+A clip adds offsets and tangents to the knots at rest. Tangents that no wave moves follow the offsets: they
+are the slopes between the neighbours. With three or four knots, those are coarse slopes of a wave. So every
+wave is sampled from one continuous motion
 
 d(at, time) = envelope(at) * sin(2 pi (time / period - lag * at + phase))
 
@@ -33,6 +33,10 @@ def travelling_wave(knots, direction, envelope, lag, period, phase=0.0):
 
 
 def rig(axis, knots, **clips):
-    """extras.kelp: knots at these places along `axis`, straight at rest; clips: name = list of waves."""
-    return {"kelp": 1, "axis": axis, "knots": [{"at": at} for at in knots],
+    """extras.kelp: knots at these places along `axis`, straight at rest; clips: name = list of waves. A first
+    knot that no wave moves is a root: its tangent is given, so that it stays upright when the others move."""
+    first = {"at": knots[0]}
+    if clips and not any(wave["knot"] == 0 for waves in clips.values() for wave in waves):
+        first["tangent"] = [(1 if axis[0] == "+" else -1) * (axis[1] == name) for name in "xyz"]
+    return {"kelp": 1, "axis": axis, "knots": [first] + [{"at": at} for at in knots[1:]],
             "clips": {name: {"waves": waves} for name, waves in clips.items()}}

@@ -30,11 +30,11 @@ RUN = {"run": {"waves": [wave for knot, at in enumerate((0, 0.25, 0.5, 0.75, 1))
 NOD = {"nod": {"duration": 4, "interpolation": "cubic",
                "keys": [{"time": 0, "knot": 1, "offset": [0, 0, 0]},
                         {"time": 1, "knot": 1, "offset": [0.3, -0.15, 0]},
-                                                                {"time": 2, "knot": 1,
-                                                                 "offset": [-0.1, 0.1, 0]},
-                                                                 {"time": 4, "knot": 1,
-                                                                  "offset": [0, 0, 0]}]}}
+                        {"time": 2, "knot": 1, "offset": [-0.1, 0.1, 0]},
+                        {"time": 4, "knot": 1, "offset": [0, 0, 0]}]}}
 TWO, FIVE = [{"at": 0}, {"at": 1}], [{"at": at} for at in (0, 0.25, 0.5, 0.75, 1)]
+# With ends that stay upright, whatever moves.
+UPRIGHT = [{"at": at, "tangent": [0, 1, 0]} for at in (0, 1)]
 
 # Sheet: title, note, and rows of tiles: what is written below, knots, clips, and the clip and second that are
 # shown.
@@ -44,9 +44,9 @@ SHEETS = {
         ("the same at 0.25", [BEND[0], {"at": 0.25, "offset": [0.2, 0, 0]}, BEND[2]], {}, None),
         ("last tangent (1.5, 1, 0)", [TWO[0], {"at": 1, "tangent": [1.5, 1, 0]}], {}, None)]]),
     "rig_clips": ("clips", "four moments of each", [
-        [("a wave, period 4, at %d s" % t, TWO, SWAY, ("sway", t)) for t in range(4)],
+        [("a wave, period 4, at %d s" % t, UPRIGHT, SWAY, ("sway", t)) for t in range(4)],
         [("a wave that runs, at %d s" % t, FIVE, RUN, ("run", t)) for t in range(4)],
-        [("cubic keys, at %g s" % t, TWO, NOD, ("nod", t)) for t in (0, 0.5, 1, 2)]]),
+        [("cubic keys, at %g s" % t, UPRIGHT, NOD, ("nod", t)) for t in (0, 0.5, 1, 2)]]),
 }
 
 

@@ -15,9 +15,9 @@
 #include "level_set_mesh.h"
 #include "support/all_tests.h"
 #include "support/assets.h"
-#include "support/edit_knots.h"
 #include "support/rasterizer.h"
 #include "support/test_pack.h"
+#include "support/voxel_knots.h"
 
 namespace kelp {
 namespace {

@@ -322,7 +322,7 @@ void run(const std::string& path, int frames) {
   int poses = 0;
   for (const FigurePose& figure : kFigure6) {
     const std::vector<Knot> knots = figureKnots(figure);
-    std::copy(knots.begin(), knots.end(), pose.knots(0).begin());
+    (void)pose.setKnots(0, knots);
     const runtime::Instance instance{volume.asset.get(), &pose};
     // From where the volume fills the picture at rest; sheared poses are drawn to their bounds.
     const Box box = runtime::bounds(instance);
@@ -358,7 +358,7 @@ void run(const std::string& path, int frames) {
       glBindVertexArray(vertices);
       const auto at = [program](const char* name) { return glGetUniformLocation(program, name); };
       const glm::mat4 clip_to_part(to_part);
-      const Segment segment = makeSegment(knots[0], knots[1]);
+      const Segment segment = makeSegment(knots[0], knots[1], static_cast<float>(volume.size.y));
       glUniformMatrix4fv(at("bench_to_part"), 1, GL_FALSE, &clip_to_part[0][0]);
       glUniform3fv(at("bench_segment"), 4, &segment.p0.x);
       glUniform3f(at("bench_size"), static_cast<float>(volume.size.x), static_cast<float>(volume.size.y),

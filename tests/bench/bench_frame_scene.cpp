@@ -55,13 +55,12 @@ RawPack packOf(const Kind& kind, int which, int parts) {
   clip.duration = 4;
   for (int p = 0; p < parts; ++p) {
     std::vector<Knot> knots;
-    const float height = static_cast<float>(kind.size.y);
     for (int k = 0; k < kind.knots; ++k) {
       const float at = static_cast<float>(k) / static_cast<float>(kind.knots - 1);
-      knots.push_back({at, {0.05f * height * at, at * height, 0}, {0.05f * height, height, 0}});
+      knots.push_back({at, {0.05f * at, at, 0}, {0.05f, 1, 0}});
       for (int wave = 0; k > 0 && wave < kind.periods; ++wave) {
         const float period = 2.0f + 0.7f * static_cast<float>(wave), phase = 0.13f * static_cast<float>(k);
-        const glm::vec3 push = 0.1f / static_cast<float>(wave + 1) * at * height * glm::vec3(1, 0, 0.4f);
+        const glm::vec3 push = 0.1f / static_cast<float>(wave + 1) * at * glm::vec3(1, 0, 0.4f);
         const auto part = static_cast<std::uint32_t>(p), knot = static_cast<std::uint32_t>(k);
         clip.waves.push_back({part, knot, kelp::Target::kKnotOffset, push, period, phase});
         clip.waves.push_back({part, knot, kelp::Target::kKnotTangent, 1.5f * push, period, phase});

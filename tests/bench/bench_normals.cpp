@@ -80,7 +80,7 @@ void printTable(const std::string& name, const std::vector<Sample>& samples, con
   for (const test::FigurePose& figure : test::kFigure6) {
     const std::vector<Knot> knots = test::figureKnots(figure);
     const reference::SplineMap map(knots, size);
-    const Segment s = makeSegment(knots[0], knots[1]);
+    const Segment s = makeSegment(knots[0], knots[1], static_cast<float>(size.y));
     const trace::KelpSegment g{s.p0, s.m0, s.p1, s.m1};
     const auto stretch = static_cast<float>(map.stretch());
     std::vector<double> errors[std::size(kBits)], exact, paper, shear;

@@ -59,7 +59,8 @@ struct Crowd {
     for (int i = 0; i < kInstances; ++i) {
       poses.push_back(*Pose::create(owner));
       springs.push_back(*runtime::Spring::create(owner));
-      for (int part = 0; part < springs.back().parts(); ++part) (void)springs.back().push(part, {5, 0, 3});
+      for (int part = 0; part < springs.back().parts(); ++part)
+        (void)springs.back().push(part, {0.15f, 0, 0.1f});
     }
     for (int i = 0; i < kInstances; ++i) {
       runtime::Instance instance{asset, &poses[static_cast<std::size_t>(i)]};
@@ -150,8 +151,8 @@ RawPack twoKnots() {
   RawClip clip;
   clip.name = "sway";
   clip.duration = 3;
-  clip.waves.push_back({0, 1, Target::kKnotOffset, {5, 0, 1}, 3.0f, 0.0f});
-  clip.waves.push_back({0, 1, Target::kKnotTangent, {13, 0, 3}, 3.0f, 0.9f});
+  clip.waves.push_back({0, 1, Target::kKnotOffset, {0.16f, 0, 0.03f}, 3.0f, 0.0f});
+  clip.waves.push_back({0, 1, Target::kKnotTangent, {0.4f, 0, 0.1f}, 3.0f, 0.9f});
   pack.clips.push_back(clip);
   return pack;
 }

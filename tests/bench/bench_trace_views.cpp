@@ -164,7 +164,7 @@ std::vector<Pose> makePoses(const Scene& scene) {
   if (scene.figure6) {
     for (std::size_t i = 0; i < test::kFigure6.size(); ++i) {
       Pose pose{test::kFigure6[i].name, i < 4, {}};
-      for (const Item& item : scene.items) pose.knots.push_back(test::figureKnots(test::kFigure6[i]));
+      pose.knots.assign(scene.items.size(), test::figureKnots(test::kFigure6[i]));
       poses.push_back(std::move(pose));
     }
   }
@@ -187,7 +187,8 @@ std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose) {
   std::vector<PosedItem> posed;
   for (std::size_t i = 0; i < scene.items.size(); ++i) {
     const auto& knots = pose.knots[i];
-    posed.push_back({&scene.items[i], knots, makeSegment(knots[0], knots[1]),
+    posed.push_back({&scene.items[i], knots,
+                     makeSegment(knots[0], knots[1], static_cast<float>(scene.items[i].volume.size.y)),
                      deformedBounds(knots, scene.items[i].volume.size)});
   }
   return posed;

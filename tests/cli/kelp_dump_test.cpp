@@ -245,7 +245,7 @@ TEST_F(KelpDump, RigPrintsWhatTheBakerReads) {
   EXPECT_NE(result.err.find("has 2 parts, this is part 0 'blob'"), std::string::npos) << result.err;
   const RigDescription rig = parseRig(result.out);
   ASSERT_EQ(rig.clips.size(), 1u);
-  EXPECT_EQ(rig.clips[0].waves.size(), 4u);
+  EXPECT_EQ(rig.clips[0].waves.size(), 5u);
   EXPECT_FLOAT_EQ(rig.clips[0].waves[0].amplitude.x, 0.11f);
   for (const char* name : {"twin", "1"}) {
     result = dump({"rig", path(), "--part", name});

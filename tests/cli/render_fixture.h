@@ -80,7 +80,7 @@ inline RawPack boxPack() {
   RawClip clip;
   clip.name = "lean";
   clip.duration = 2;
-  clip.waves.push_back({0, 1, Target::kKnotOffset, {24, 0, 0}, 2, 0});
+  clip.waves.push_back({0, 1, Target::kKnotOffset, {0.5f, 0, 0}, 2, 0});
   pack.clips.push_back(clip);
   return pack;
 }

@@ -8,6 +8,7 @@
 
 #include "canvas.h"
 #include "support/edit_knots.h"
+#include "support/voxel_knots.h"
 #include "support/voxel_points.h"
 
 namespace kelp::test {

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "support/voxel_knots.h"
 #include "support/voxel_points.h"
 
 namespace kelp::test {
@@ -302,10 +303,11 @@ TEST_P(PictureTest, TheSunLightsTheSideThatFacesIt) {
 
 TEST_P(PictureTest, SeveralSegmentsAndAMovedEnd) {
   const Canvas canvas({160, 120});
-  std::vector<Knot> knots = {{0, {0, 0, 0}, {60, 50, 0}},
-                             {0.3f, {14, 30, 4}, {-30, 90, 40}},
-                             {0.6f, {-6, 50, 10}, {0, 60, -80}},
-                             {1, {0, 95, 0}, {40, 70, 30}}};
+  const std::vector<Knot> knots = inHeights({{0, {0, 0, 0}, {60, 50, 0}},
+                                             {0.3f, {14, 30, 4}, {-30, 90, 40}},
+                                             {0.6f, {-6, 50, 10}, {0, 60, -80}},
+                                             {1, {0, 95, 0}, {40, 70, 30}}},
+                                            static_cast<float>(volume_.size.y));
   const LoadedAsset loaded(packOf(volume_, knots));
   const auto renderer = makeRenderer(*loaded.asset, kVoxelSurface);
   const Instance instance{loaded.asset.get(), nullptr};

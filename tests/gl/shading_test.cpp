@@ -363,8 +363,8 @@ TEST_P(ShadingTest, FacesEndWhereTheVolumeDoes) {
   std::vector<Knot> knots = figureKnots(kFigure6[5]);
   for (int trial = 0; trial < 32; ++trial) {
     const float side = trial < 16 ? 1.0f : -1.0f;
-    knots[0].position.y = 0.3f;
-    knots[1].position.y = 24.1f + 0.013f * static_cast<float>(trial % 16);
+    knots[0].position.y = 0.3f / 24;
+    knots[1].position.y = (24.1f + 0.013f * static_cast<float>(trial % 16)) / 24;
     (void)pose.setKnots(0, knots);
     gl::View view = orthographic(canvas, {0, 0, 0}, {0, 0, -1}, 0.3f);
     view.camera.world_to_eye = glm::rotate(glm::mat4(1), side * glm::radians(89.0f), glm::vec3(1, 0, 0)) *

@@ -260,7 +260,7 @@ TEST(ViewerRig, ANewClipSwaysWhateverTheKnots) {
   RigDescription five = two;
   five.knots = {{0, {}, {}}, {0.1f, {}, {}}, {0.5f, {}, {}}, {0.8f, {}, {}}, {1, {}, {}}};
   five.clips = {swayOf(five, "sway")};
-  EXPECT_EQ(five.clips[0].waves.size(), 16u);
+  EXPECT_EQ(five.clips[0].waves.size(), 17u);
   const OpenPack open(packWith(five));
   EXPECT_NO_THROW(prove(rigOf(*open.pack), sizesOf(*open.pack)));
 }

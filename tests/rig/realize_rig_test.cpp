@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-// From the artist's units to voxels, against numbers worked out by hand.
+// From the artist's axes to the part's, against numbers worked out by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "kelp/rig/rig.h"
+#include "support/spline_truth.h"
 
 namespace kelp {
 namespace {
@@ -85,6 +88,37 @@ TEST(RealizeKnots, OffsetsAndAutomaticTangentsByHand) {
   expectNear(knots[1].tangent, {0, 1, 0.4f});
   expectNear(knots[2].tangent, {-0.1f / 0.75f, 0.7f / 0.75f, 0.2f / 0.75f});
   EXPECT_EQ(automaticTangents(rig), 7u);
+}
+
+// The spline of a column whose knots lie on a slanted line is that line.
+TEST(RealizeKnots, OffsetsAloneLeanAColumnStraight) {
+  for (const Axis axis : kAxes) {
+    const glm::mat3 to_artist = glm::transpose(axisRotation(axis));
+    for (int degrees = 10; degrees <= 70; degrees += 10) {
+      const glm::vec3 lean = std::tan(glm::radians(static_cast<float>(degrees))) * glm::vec3(0.6f, 0, 0.8f);
+      RigDescription rig;
+      rig.axis = axis;
+      for (const float at : {0.0f, 0.5f, 1.0f}) rig.knots.push_back({at, to_artist * (at * lean), {}});
+      EXPECT_EQ(automaticTangents(rig), 7u);
+      const std::vector<Knot> knots = realizeKnots(rig);
+      double worst = 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const test::SplineTruth segment(knots[k], knots[k + 1]);
+        for (double t = 0; t <= 1; t += 1.0 / 64)
+          for (const int i : {0, 2})
+            worst = std::max(worst, std::abs(segment.value(i, t) - double{lean[i]} * segment.value(1, t)));
+      }
+      EXPECT_LT(worst, 0.01 / 128) << toString(axis) << ' ' << degrees;  // half a voxel is what it needs
+    }
+  }
+}
+
+TEST(RealizeKnots, ATangentThatIsGivenIsNotAutomatic) {
+  const auto rig = parseRig(
+      R"({"kelp": 1, "knots": [{"at": 0, "tangent": [0, 1, 0]}, {"at": 0.3}, {"at": 0.6, "tangent": [0.1, 1, 0]}, {"at": 1}]})");
+  EXPECT_EQ(automaticTangents(rig), 0b1010u);
+  EXPECT_EQ(automaticTangents({}), 0b11u) << "of the default rig all are";
+  EXPECT_EQ(realizeKnots(rig)[2].tangent, glm::vec3(0.1f, 1, 0));
 }
 
 TEST(RealizeClips, WavesAndKeysByHand) {

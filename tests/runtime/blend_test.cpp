@@ -9,6 +9,7 @@
 #include "kelp/runtime/pose.h"
 #include "loaded.h"
 #include "support/edit_knots.h"
+#include "support/voxel_knots.h"
 
 namespace kelp::runtime {
 namespace {

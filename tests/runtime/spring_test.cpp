@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/spring.h"
-#include "support/edit_knots.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +12,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "loaded.h"
+#include "support/edit_knots.h"
+#include "support/voxel_knots.h"
 
 namespace kelp::runtime {
 namespace {

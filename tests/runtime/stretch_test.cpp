@@ -11,6 +11,7 @@
 #include "kelp/runtime/instance.h"
 #include "loaded.h"
 #include "support/edit_knots.h"
+#include "support/voxel_knots.h"
 #include "support/voxel_points.h"
 
 namespace kelp::runtime {

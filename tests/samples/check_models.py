@@ -169,8 +169,10 @@ def check_rig(rig, expected_axis, clips):
             "extras.kelp has the keys %s" % sorted(rig))
     require(rig["axis"] == expected_axis, "axis is %s" % rig["axis"])
     at = [knot["at"] for knot in rig["knots"]]
-    require(all(set(knot) == {"at"} for knot in rig["knots"]) and at[0] == 0 and at[-1] == 1
-            and at == sorted(set(at)), "knots at %r" % at)
+    rooted = clips and not any(w["knot"] == 0 for clip in rig["clips"].values() for w in clip["waves"])
+    root = {"at": 0, "tangent": [0, 1, 0]} if rooted else {"at": 0}  # a root stays upright
+    require(rig["knots"] == [root] + [{"at": place} for place in at[1:]] and at[-1] == 1
+            and at == sorted(set(at)), "knots %r" % rig["knots"])
     require(set(rig["clips"]) == set(clips), "clips are %s" % sorted(rig["clips"]))
     along = "xyz".index(expected_axis[1])
     for name, clip in rig["clips"].items():

@@ -58,7 +58,7 @@ int main(int count, char** words) {
   kelp::RawClip sway;
   sway.name = "sway";
   sway.duration = 2;
-  sway.waves = {{0, 1, kelp::Target::kKnotOffset, {2, 0, 0}, 2, 0}};
+  sway.waves = {{0, 1, kelp::Target::kKnotOffset, {0.25f, 0, 0}, 2, 0}};
   pack.clips.push_back(sway);
 
   std::FILE* const file = std::fopen(words[1], "wb");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The rigs of a whole pack in voxels, and their axes in the file that the pack was made from.
+// The rigs of a whole pack, and their axes in the file that the pack was made from.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ class RigEditor {
   // answers what is wrong. All changes until endGesture() are undone as one.
   std::string change(int part, const RigDescription& rig);
   void endGesture() { in_gesture_ = false; }
-  // Moves a knot, or bends its tangent, by this much (voxels of the part). A move that would turn the spline
+  // Moves a knot, or bends its tangent, by this much (heights of the part). A move that would turn the spline
   // back is reduced to its sideways share.
   std::string pull(const Handle& handle, const glm::vec3& by);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "sinusoid.h"
@@ -131,15 +132,19 @@ void removeKnot(RigDescription& rig, int knot) {
 RigDescription::Clip swayOf(const RigDescription& rig, const std::string& name) {
   const RigDescription preset = presetRig("sway", rig.axis.value_or(Axis::kPlusY)).value();
   RigDescription::Clip clip{name, preset.clips[0].duration, {}, {}};
+  const auto& waves = preset.clips[0].waves;
+  const auto isOfFoot = [](const RigDescription::Wave& wave) { return wave.knot == 0; };
   for (std::size_t knot = 1; knot < rig.knots.size(); ++knot) {
     const float at = rig.knots[knot].at;
     // of a tip at 1: a at^2 has the slope 2 a at
-    for (RigDescription::Wave wave : preset.clips[0].waves) {
+    for (RigDescription::Wave wave : waves) {
+      if (isOfFoot(wave)) continue;
       wave.knot = static_cast<int>(knot);
       wave.amplitude *= wave.target == Target::kKnotOffset ? at * at : at;
       clip.waves.push_back(wave);
     }
   }
+  std::ranges::copy_if(waves, std::back_inserter(clip.waves), isOfFoot);
   return clip;
 }
 

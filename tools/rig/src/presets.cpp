@@ -29,9 +29,9 @@ RigDescription::Wave wave(int knot, Target target, const glm::vec3& amplitude, f
   return {knot, target, amplitude, period, phase};
 }
 
-// A plant in a slow current: the foot stands, the top swings along one direction in 3 s and across it in 5 s.
-// The two meet again only after 15 s, so the motion does not look repeated, but the clip loops. The tip's
-// tangent runs ahead of its position when the stem is pulled and lags when it springs back, which looks
+// A plant in a slow current: the foot stands upright, the top swings along one direction in 3 s and across it
+// in 5 s. The two meet again only after 15 s, so the motion does not look repeated, but the clip loops. The
+// tip's tangent runs ahead of its position when the stem is pulled and lags when it springs back, which looks
 // elastic.
 RigDescription sway(Axis axis) {
   const auto [side, other] = directionsOf(axis);
@@ -41,7 +41,8 @@ RigDescription sway(Axis axis) {
   clip.waves = {wave(1, Target::kKnotOffset, 0.11f * side, 3, 0),
                 wave(1, Target::kKnotTangent, 0.26f * side, 3, -0.06f),
                 wave(1, Target::kKnotOffset, 0.05f * other, 5, 0.15f),
-                wave(1, Target::kKnotTangent, 0.13f * other, 5, 0.1f)};
+                wave(1, Target::kKnotTangent, 0.13f * other, 5, 0.1f),
+                wave(0, Target::kKnotTangent, glm::vec3(0), 3, 0)};  // does not follow the top
   rig.clips.push_back(clip);
   return rig;
 }

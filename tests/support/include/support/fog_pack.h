@@ -113,22 +113,25 @@ class FogTruth {
 
   // Of a place of part space; none above and below the spline.
   std::optional<glm::dvec3> undeform(std::span<const Knot> knots, const glm::dvec3& p) const {
-    const double low = double{knots.front().position.y}, high = double{knots.back().position.y};
+    const double height = part_.size.y;
+    const double low = height * double{knots.front().position.y},
+                 high = height * double{knots.back().position.y};
     if (p.y < low || p.y > high) return std::nullopt;
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-      if (p.y > double{knots[i + 1].position.y} && i + 2 < knots.size()) continue;
+      if (p.y > height * double{knots[i + 1].position.y} && i + 2 < knots.size()) continue;
       double a = 0, b = 1;
       for (int n = 0; n < 60; ++n) {
         const double t = 0.5 * (a + b);
-        (hermite(knots, i, t).y < p.y ? a : b) = t;
+        (height * hermite(knots, i, t).y < p.y ? a : b) = t;
       }
-      const glm::dvec3 at = hermite(knots, i, 0.5 * (a + b));
-      return glm::dvec3(p.x - at.x, (p.y - low) * part_.size.y / (high - low), p.z - at.z);
+      const glm::dvec3 at = height * hermite(knots, i, 0.5 * (a + b));
+      return glm::dvec3(p.x - at.x, (p.y - low) * height / (high - low), p.z - at.z);
     }
     return std::nullopt;
   }
 
  private:
+  // In heights of the part, as the knots.
   static glm::dvec3 hermite(std::span<const Knot> knots, std::size_t i, double t) {
     const double w = double{knots[i + 1].at} - double{knots[i].at};
     return (2 * t * t * t - 3 * t * t + 1) * glm::dvec3(knots[i].position) +
