@@ -6,7 +6,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "kelp/runtime/instance.h"
+#include "kelp/runtime/spring.h"
 #include "loaded.h"
 
 namespace kelp::runtime {
@@ -203,6 +203,7 @@ TEST(Lifetimes, ModelsMoveInAVector) {
   struct Model {
     std::unique_ptr<Asset> asset;
     Pose pose;
+    Spring spring;
   };
   const std::vector<std::byte> bytes = test::bytesOf(reed({0, 1}));
   std::vector<Model> models;
@@ -212,12 +213,17 @@ TEST(Lifetimes, ModelsMoveInAVector) {
     EXPECT_FALSE(model.pose.move(0, 0, {}));
     model.asset = Asset::open(MemorySource(bytes).source()).value();
     EXPECT_FALSE(model.pose.fits(*model.asset));
+    EXPECT_FALSE(model.spring.addTo(model.pose)) << "no spring yet";
+    EXPECT_TRUE(model.spring.step(0.1f));
     model.pose = Pose::create(*model.asset).value();
+    EXPECT_FALSE(model.spring.addTo(model.pose)) << "no spring yet";
+    model.spring = Spring::create(*model.asset).value();
     models.push_back(std::move(model));
   }
   for (Model& model : models) {
     ASSERT_TRUE(model.asset->loadAll());
     EXPECT_TRUE(model.pose.move(0, 1, {0.1f, 0, 0}));
+    EXPECT_TRUE(model.spring.addTo(model.pose));
     EXPECT_TRUE(model.pose.check());
   }
 }

@@ -7,6 +7,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "kelp/common/pack_error.h"
 #include "kelp/fields/fields.h"
 
 namespace kelp::render {

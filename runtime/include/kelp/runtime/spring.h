@@ -36,6 +36,7 @@ struct Swing {
 // does not fit, and numbers that are not finite. The state stays finite for any pushes and time steps.
 class Spring {
  public:
+  Spring() = default;  // of no part; fits no asset
   // A spring at rest, without wind. kMisuse for settings out of range; kOutOfMemory.
   static Result<Spring> create(const Asset& asset, const SpringSettings& settings = {},
                                const Allocator& allocator = {});
@@ -84,7 +85,6 @@ class Spring {
     glm::vec3 middle{0};  // from the spline to the volume's middle line, voxels
     glm::vec3 lean{0};    // where the wind holds the free end, heights
   };
-  Spring() = default;
   Result<glm::vec3> fromWorld(const Instance& instance, int part, const glm::vec3& vector) const;
   bool fits(const Pose& pose) const;
   bool fits(const Asset& asset) const;
