@@ -168,6 +168,16 @@ TEST(PartsOnSplines, AreBoundedAndHitWhereTheyAre) {
   ASSERT_TRUE(nearest);
   EXPECT_EQ(nearest->instance, 1);
   EXPECT_EQ(nearest->voxel, hit->voxel);
+  // The nearer one wins, wherever it is in the list.
+  Instance behind = hanging.instance;
+  behind.to_world[3].x -= 0.5f;
+  for (const int first : {0, 1}) {
+    const Instance row[] = {first == 0 ? hanging.instance : behind, first == 0 ? behind : hanging.instance};
+    const auto found = raycast(row, {eye, centre - eye});
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->instance, first);
+    EXPECT_EQ(found->t, hit->t);
+  }
 }
 
 TEST(PlayOnce, HoldsItsEnds) {
@@ -179,6 +189,7 @@ TEST(PlayOnce, HoldsItsEnds) {
   track.knot = 1;
   track.keys = {{0, {0.1f, 0, 0, 0}, {}, {}}, {2, {0.5f, 0, 0, 0}, {}, {}}};
   clip.tracks = {track};
+  clip.waves = {{0, 0, Target::kKnotOffset, {0.1f, 0, 0}, 3, 0}};
   pack.clips = {clip};
   Loaded loaded(pack);
   Pose pose = *Pose::create(*loaded.asset);
@@ -192,6 +203,10 @@ TEST(PlayOnce, HoldsItsEnds) {
   EXPECT_FLOAT_EQ(at(2, Play::kOnce), 0.5f);
   EXPECT_FLOAT_EQ(at(1e9, Play::kOnce), 0.5f);
   EXPECT_FLOAT_EQ(at(2, Play::kLoop), 0.1f);
+  for (const double after : {2.0, 2.5, 1e9}) {  // waves stop, too
+    at(after, Play::kOnce);
+    EXPECT_NEAR(double{pose.knots(0)[0].position.x}, 0.1 * std::sin(2 * 3.14159265358979 * 2 / 3), 1e-6);
+  }
   EXPECT_FALSE(hasEnded(*loaded.asset, 0, 1.999));
   EXPECT_TRUE(hasEnded(*loaded.asset, 0, 2));
   EXPECT_TRUE(hasEnded(*loaded.asset, 0, std::nan("")));
