@@ -18,7 +18,7 @@ baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
        # tests only: OpenMesh reads the same meshes; make reads the rules of kelp-bake -MD
        libopenmesh-dev make)
-samples=(libglfw3-dev libimgui-dev xvfb xauth libxtst6)
+samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)
 format=(clang-format)  # tests/check_house.py
 sanitizers=(clang libclang-rt-14-dev lld llvm)
 lint=(clang-tidy cppcheck)

@@ -60,9 +60,8 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   if (!sent) return sent.error();
 
   kelp::gl::View sun;
-  sun.world_to_eye = SunMap::worldToSun(kSun);
-  sun.eye_to_clip = SunMap::sunToClip(1.15f * kReefRadius, kSurface);
-  sun.viewport = glm::ivec2(sun_map_.size());
+  sun.camera = {SunMap::worldToSun(kSun), SunMap::sunToClip(1.15f * kReefRadius, kSurface),
+                glm::ivec2(sun_map_.size())};
   sun.bind = bindSunMap;
   sun_map_.begin();
   const auto shadows = renderer_->draw(sun, instances, kelp::gl::Pass::kDepth);
@@ -70,9 +69,7 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   if (!shadows) return shadows.error();
 
   kelp::gl::View view;
-  view.camera.world_to_eye = camera.worldToEye();
-  view.camera.eye_to_clip = Camera::eyeToClip(viewport);
-  view.camera.viewport = viewport;
+  view.camera = {camera.worldToEye(), Camera::eyeToClip(viewport), viewport};
   view.light.sun_direction = kSun;
   view.quality.shading = kelp::gl::Shading::kSmooth;
   view.bind = bindSunMap;
@@ -82,7 +79,7 @@ kelp::Result<kelp::gl::Stats> Stage::draw(const Camera& camera, double seconds, 
   water.clip_to_world = glm::inverse(water.world_to_clip);
   const glm::mat4 to_texture(glm::vec4(0.5f, 0, 0, 0), glm::vec4(0, 0.5f, 0, 0), glm::vec4(0, 0, 0.5f, 0),
                              glm::vec4(0.5f, 0.5f, 0.5f, 1));
-  water.world_to_sun = to_texture * sun.eye_to_clip * sun.world_to_eye;
+  water.world_to_sun = to_texture * sun.camera.eye_to_clip * sun.camera.world_to_eye;
   water.eye = glm::vec4(camera.at(), std::fmod(seconds, 3600.0));
   water.sun = glm::vec4(kSun, kSurface);
   water_.set(water);

@@ -41,7 +41,7 @@ struct Config {
   // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
   // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
   void (*log)(void* user, const char* text) = nullptr;
-  Allocator allocator;
+  Allocator allocator = {};
 };
 
 // Where the normal and the material of a hit come from. The difference shows where voxels are larger than
