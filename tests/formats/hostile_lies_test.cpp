@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lying_pack.h"
+#include "socket_lies.h"
 
 namespace kelp {
 namespace {
@@ -55,6 +56,20 @@ const Lie kIndexLies[] = {
      [](PackSurgeon& s) { s.chunks.insert(s.chunks.begin(), s.chunks[s.find("PART")]); }},
     {"MATL before PART", kCorrupt,
      [](PackSurgeon& s) { std::swap(s.chunks[s.find("PART")], s.chunks[s.find("MATL")]); }},
+    {"SOCK required", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("SOCK")].flags |= 1u; }},
+    {"SOCK with part", kCorrupt, [](PackSurgeon& s) { s.chunks[s.find("SOCK")].part = 1; }},
+    {"SOCK before CLIP", kCorrupt,
+     [](PackSurgeon& s) { std::swap(s.chunks[s.find("CLIP")], s.chunks[s.find("SOCK")]); }},
+    {"SOCK twice", kCorrupt,
+     [](PackSurgeon& s) {
+       const PackSurgeon::Chunk again = s.chunks[s.find("SOCK")];
+       s.chunks.insert(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("SOCK")), again);
+     }},
+    {"SOCK last", kCorrupt,
+     [](PackSurgeon& s) {
+       std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("SOCK")),
+                   s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("SOCK")) + 1, s.chunks.end());
+     }},
     {"CLIP last", kCorrupt,
      [](PackSurgeon& s) {
        std::rotate(s.chunks.begin() + static_cast<std::ptrdiff_t>(s.find("CLIP")),
@@ -131,22 +146,22 @@ const Lie kPaletteAndRigLies[] = {
     {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
     {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},
     {"roughness -1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 36, -1.0f); }},
-    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(31); }},
+    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(39); }},
     {"rigs of 3 parts", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 0, 3u); }},
     {"2^32 - 1 knots", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 4, 0xffffffffu); }},
     {"rig of 1 knot", kCorrupt,
      [](PackSurgeon& s) {
        set(s.content("RIGS"), 8, 4u);
-       set(s.content("RIGS"), 20, 1u);
+       set(s.content("RIGS"), 24, 1u);
      }},
-    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 20, 3u); }},
+    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 24, 3u); }},
     {"knots left over", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8, 2u); }},
     {"automatic tangent of a knot that is not there", kCorrupt,
      [](PackSurgeon& s) { set(s.content("RIGS"), 12, 1u << 3); }},
-    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32, 0.1f); }},
-    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 28, 0.0f); }},
-    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 4, test::kInfinity); }},
-    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32 + 20, -20.0f); }},
+    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40, 0.1f); }},
+    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 28, 0.0f); }},
+    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 4, test::kInfinity); }},
+    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 20, -20.0f); }},
 };
 
 const Lie kClipLies[] = {
@@ -297,6 +312,7 @@ TEST(Hostile, LiesInTheIndexAreRefused) { expectAllRefused(kIndexLies); }
 TEST(Hostile, LiesInThePartsAreRefused) { expectAllRefused(kPartLies); }
 TEST(Hostile, LiesInPaletteAndRigsAreRefused) { expectAllRefused(kPaletteAndRigLies); }
 TEST(Hostile, LiesInTheClipsAreRefused) { expectAllRefused(kClipLies); }
+TEST(Hostile, LiesInTheSocketsAreRefused) { expectAllRefused(test::kSocketLies); }
 TEST(Hostile, LiesInGridsAreRefused) { expectAllRefused(kGridLies); }
 TEST(Hostile, LiesInPagesAreRefused) { expectAllRefused(kPageLies); }
 

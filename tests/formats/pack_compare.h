@@ -72,7 +72,7 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
     const Part& a = pack.parts()[p];
     const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
     check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) &&
-          a.size == b.size);
+          a.size == b.size && a.automatic_tangents == b.automatic_tangents && a.parent_at == b.parent_at);
     check((a.fog != nullptr) == b.fog.has_value());
     if (a.fog && b.fog) {
       check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy &&
@@ -114,6 +114,14 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
             x.interpolation == y.interpolation);
       check(bytesOf(x.keys) == bytesOf(y.keys));
     }
+  }
+  check(pack.sockets().size() == raw.sockets.size());
+  if (!out.equal) return out;
+  for (std::size_t i = 0; i < raw.sockets.size(); ++i) {
+    const Socket& a = pack.sockets()[i];
+    const RawSocket& b = raw.sockets[i];
+    check(a.name == b.name && a.part == b.part && a.at == b.at && a.offset == b.offset &&
+          a.rotation == b.rotation);
   }
   return out;
 }

@@ -90,8 +90,9 @@ class Table:
         need(self.at == len(self.data), self.what + " is longer than its counts say")
 
 
-METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP"]
-REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "GRID": 1, "BRCK": 1, "FOGB": 1}
+METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK"]
+REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "GRID": 1, "BRCK": 1,
+        "FOGB": 1}
 
 
 class Pack:
@@ -164,6 +165,9 @@ class Pack:
         self.clips = []
         if "CLIP" in content:
             self.read_clips(Table(content["CLIP"], "CLIP"))
+        self.sockets = []
+        if "SOCK" in content:
+            self.read_sockets(Table(content["SOCK"], "SOCK"))
 
     def read_parts(self, table):
         count, text_bytes = table.take("II")
@@ -221,11 +225,13 @@ class Pack:
     def read_rigs(self, table):
         count, total = table.take("II")
         need(count == len(self.parts), "rigs of another number of parts")
-        heads = [table.take("IQ") for _ in range(count)]
-        need(all(2 <= n <= 64 for n, _ in heads) and sum(n for n, _ in heads) == total, "number of knots")
-        for part, (n, automatic) in zip(self.parts, heads):
+        heads = [table.take("IQf") for _ in range(count)]
+        need(all(2 <= h[0] <= 64 for h in heads) and sum(h[0] for h in heads) == total, "number of knots")
+        for part, (n, automatic, place) in zip(self.parts, heads):
             need(automatic >> n == 0, "automatic tangents of knots that are not there")
             part["automatic"] = automatic
+            need(place == -1 or (0 <= place <= 1 and part["parent"] >= 0), "place on the parent's spline")
+            part["parent_at"] = place
             knots = part["knots"] = [table.take("7f") for _ in range(n)]
             need(knots[0][0] == 0 and knots[-1][0] == 1, "ends of a rig")
             for a, b in zip(knots, knots[1:]):
@@ -284,6 +290,16 @@ class Pack:
             self.clips.append({"name": name, "duration": duration, "waves": all_waves[:wave_count],
                     "tracks": all_tracks[:track_count]})
             del all_waves[:wave_count], all_tracks[:track_count]
+
+    def read_sockets(self, table):
+        count, text_bytes = table.take("II")
+        records = [table.take("II7f") for _ in range(count)]
+        need(all(r[0] >= 1 for r in records) and sum(r[0] for r in records) == text_bytes, "names of sockets")
+        for record in records:
+            need(record[1] < len(self.parts) and 0 <= record[2] <= 1, "a socket")
+            need(0.998 < sum(v * v for v in record[5:9]) < 1.002, "a socket's rotation")
+            self.sockets.append((table.name(record[0]),) + record[1:])
+        table.end()
 
     # Section 5
     def read_levels(self):
@@ -403,7 +419,8 @@ def dump(pack):
                 ((part["name"].encode().hex(), part["parent"], part["kind"]) + part["size"]
                 + (part["levels"],)))
         out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
-        out += ["knot " + bits(knot) for knot in part["knots"]] + ["automatic %x" % part["automatic"]]
+        out += ["knot " + bits(knot) for knot in part["knots"]]
+        out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
         if part["kind"]:
             out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):
@@ -424,6 +441,7 @@ def dump(pack):
         for part, knot, target, interpolation, keys in clip["tracks"]:
             out.append("track %d %d %d %d" % (part, knot, target, interpolation))
             out += ["key " + bits(key) for key in keys]
+    out += ["socket %s %d %s" % (s[0].encode().hex(), s[1], bits(s[2:])) for s in pack.sockets]
     return "\n".join(out) + "\n"
 
 

@@ -5,6 +5,7 @@
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/raw_pack.h"
+#include "pack_compare.h"
 #include "pack_surgeon.h"
 #include "support/random_pack.h"
 #include "tiny_fog_pack.h"
@@ -19,7 +20,9 @@ RawRigs rigsOf(const RawPack& pack) {
   RawRigs rigs;
   rigs.info_json = pack.info_json;
   rigs.clips = pack.clips;
-  for (const RawPart& part : pack.parts) rigs.parts.push_back({part.knots, part.automatic_tangents});
+  rigs.sockets = pack.sockets;
+  for (const RawPart& part : pack.parts)
+    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at});
   return rigs;
 }
 
@@ -34,7 +37,7 @@ Result<void> rewrite(const Bytes& pack, const RawRigs& rigs, Bytes& out) {
   return writeRigs(source.source(), rigs, {take, &out});
 }
 
-// Another rig for each part, and clips of its own.
+// Another rig for each part, and clips and sockets of its own.
 RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
   RawPack other = pack;
   other.info_json = seed % 3 == 0 ? "" : R"({"other": true})";
@@ -43,9 +46,12 @@ RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
                   {0.5f, {0, 0.4f, 0}, {0, 1, 0.1f}},
                   {1, {0.2f, 1, 0}, {0, 1, 0.1f}}};
     part.automatic_tangents = 4;
+    part.parent_at = part.parent < 0 || part.parent_at == 0.5f ? Part::kNotOnSpline : 0.5f;
   }
   other.clips.clear();
   if (seed % 2 == 0) other.clips = {{"nod", 2, {{0, 2, Target::kKnotOffset, {1, 0, 0}, 2, 0}}, {}}};
+  other.sockets.clear();
+  if (seed / 2 % 2 == 0) other.sockets = {{"hand", 0, 0.25f, {0.5f, -1}, {0, 1, 0, 0}}};
   return other;
 }
 
@@ -55,6 +61,7 @@ TEST(RigWriter, GivesTheBytesOfAPackWrittenThatWay) {
     RawPack pack = test::makeRandomPack(seed);
     if (seed % 4 == 0) pack.clips.clear();
     if (seed % 5 == 0) pack.info_json.clear();
+    if (seed % 3 == 0) pack.sockets.clear();
     const RawPack other = otherRigs(pack, seed);
     ASSERT_TRUE(rewrite(test::writeToMemory(pack), rigsOf(other), out)) << seed;
     EXPECT_EQ(out, test::writeToMemory(other)) << seed;
@@ -79,16 +86,16 @@ TEST(RigWriter, KeepsChunksThatItDoesNotKnow) {
     return surgeon.build();
   };
   Bytes out;
-  ASSERT_TRUE(rewrite(withNotes(pack), rigsOf(otherRigs(pack, 2)), out));
+  ASSERT_TRUE(rewrite(withNotes(pack), rigsOf(otherRigs(pack, 4)), out));
   const test::PackSurgeon was(withNotes(pack)), is(out);
   EXPECT_EQ(is.minor, 5);
   ASSERT_EQ(is.chunks.size(), was.chunks.size());
   for (std::size_t i = 0; i < is.chunks.size(); ++i) {
     EXPECT_EQ(is.chunks[i].fourcc, was.chunks[i].fourcc);
     const auto name = is.chunks[i].fourcc;
-    const bool replaced = name == test::PackSurgeon::fourcc("INFO") ||
-                          name == test::PackSurgeon::fourcc("RIGS") ||
-                          name == test::PackSurgeon::fourcc("CLIP");
+    const bool replaced =
+        name == test::PackSurgeon::fourcc("INFO") || name == test::PackSurgeon::fourcc("RIGS") ||
+        name == test::PackSurgeon::fourcc("CLIP") || name == test::PackSurgeon::fourcc("SOCK");
     EXPECT_EQ(is.chunks[i].content == was.chunks[i].content, !replaced) << i;
   }
 }
@@ -112,6 +119,14 @@ TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
   EXPECT_EQ(code([](RawRigs& r) { r.clips[0].waves[0].knot = 9; }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.clips[0].name = std::string(256, 'a'); }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.info_json = "\xff"; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[0].parent_at = 0.5f; }), ErrorCode::kMisuse);  // has no parent
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[1].parent_at = 2; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[0].part = 2; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].name.clear(); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].name = std::string(256, 'a'); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].at = 1.5f; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].offset.y = test::kNan; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].rotation.w = 0; }), ErrorCode::kMisuse);
   MemorySource source(bytes);
   EXPECT_EQ(writeRigs(source.source(), rigsOf(pack), {}).error().code, ErrorCode::kMisuse);
 }

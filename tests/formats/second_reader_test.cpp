@@ -16,6 +16,7 @@
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
+#include "socket_lies.h"
 #include "support/random_pack.h"
 #include "support/scratch.h"
 #include "tiny_fog_pack.h"
@@ -101,7 +102,8 @@ std::string dump(const RawPack& pack) {
                   part.size.x, part.size.y, part.size.z, part.levels.size());
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
-    out += format("automatic %llx\n", static_cast<unsigned long long>(part.automatic_tangents));
+    out += format("automatic %llx parent at ", static_cast<unsigned long long>(part.automatic_tangents)) +
+           bits(part.parent_at) + "\n";
     if (part.fog) {
       out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
              "\n";
@@ -130,6 +132,11 @@ std::string dump(const RawPack& pack) {
                     static_cast<unsigned>(t.interpolation));
       for (const Key& key : t.keys) out += "key " + bits(key) + "\n";
     }
+  }
+  for (const RawSocket& s : pack.sockets) {
+    const glm::vec4 rotation(s.rotation.x, s.rotation.y, s.rotation.z, s.rotation.w);
+    out += "socket " + hex(s.name) + format(" %u ", s.part) + bits(s.at) + " " + bits(s.offset) + " " +
+           bits(rotation) + "\n";
   }
   return out;
 }
@@ -190,6 +197,17 @@ TEST(SecondReader, RefusesTheSameLies) {
   }
   EXPECT_GT(refused, 30);
   EXPECT_GT(accepted, 10);
+}
+
+TEST(SecondReader, RefusesLiesAboutSockets) {
+  for (const test::Lie& lie : test::kSocketLies) {
+    test::PackSurgeon surgeon(test::tinyBytes());
+    lie.tell(surgeon);
+    const PackFile file(surgeon.build());
+    const Outcome read = readPack("\"" + file.path.string() + "\" 2>&1");
+    if (read.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
+    EXPECT_EQ(read.code, 3) << lie.name << ": " << read.text.substr(0, 300);
+  }
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ inline RawPack makeTinyPack() {
   RawPart leaf;
   leaf.name = "Bl\xc3\xa4tt";
   leaf.parent = 0;
+  leaf.parent_at = 0.75f;
   leaf.size = {2, 1, 1};
   leaf.pivot[3] = {1, 2, 3};
   leaf.knots.resize(2);
@@ -71,6 +72,8 @@ inline RawPack makeTinyPack() {
   bend.keys = {{0.5f, {1, 0, 2, 0}, {0.5f, 0, 0, 0}, {-0.5f, 0, 0, 0}}};
   sway.tracks = {turn, bend};
   pack.clips = {sway};
+  pack.sockets = {{"tip", 0, 0.875f, {0.125f, -0.0625f}, glm::quat(0.8f, 0, 0.6f, 0)},
+                  {"Bl\xc3\xbcte", 1, 0, {0, 0.5f}, {1, 0, 0, 0}}};
   return pack;
 }
 

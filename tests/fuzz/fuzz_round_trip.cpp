@@ -170,6 +170,16 @@ RawClip makeClip(Numbers& in, const RawPack& pack) {
   return clip;
 }
 
+RawSocket makeSocket(Numbers& in, const RawPack& pack) {
+  RawSocket socket;
+  socket.name = "s" + in.text();
+  socket.part = static_cast<std::uint32_t>(in.below(static_cast<int>(pack.parts.size())));
+  socket.at = in.unit();
+  socket.offset = {in.number(), in.number()};
+  if (in.byte() % 2 == 1) socket.rotation = {0.8f, 0, 0.6f, 0};
+  return socket;
+}
+
 RawPack makePack(Numbers& in) {
   RawPack pack;
   pack.info_json = in.byte() % 4 == 0 ? "" : "{\"n\":\"" + in.text() + "\"}";
@@ -180,6 +190,11 @@ RawPack makePack(Numbers& in) {
   for (int i = 0, count = 1 + in.below(3); i < count; ++i)
     pack.parts.push_back(makePart(in, i, pack.palette.size()));
   for (int count = in.below(3); count > 0; --count) pack.clips.push_back(makeClip(in, pack));
+  for (int count = in.below(3); count > 0; --count) pack.sockets.push_back(makeSocket(in, pack));
+  for (RawPart& part : pack.parts) {
+    part.automatic_tangents = in.byte() & ((1u << part.knots.size()) - 1);
+    if (part.parent >= 0 && in.byte() % 2 == 1) part.parent_at = in.unit();
+  }
   return pack;
 }
 
@@ -204,7 +219,8 @@ void change(Numbers& in, RawPack& pack) {
   RawLevel* const level = part.levels.empty() ? nullptr : &part.levels[which / 8 % part.levels.size()];
   RawClip* const clip = pack.clips.empty() ? nullptr : &pack.clips[which % pack.clips.size()];
   Knot* const knot = part.knots.empty() ? nullptr : &part.knots[at % part.knots.size()];
-  switch (what % 20) {
+  RawSocket* const socket = pack.sockets.empty() ? nullptr : &pack.sockets[which % pack.sockets.size()];
+  switch (what % 25) {
     case 0:
       if (level) changeOne(level->cells, at, number);
       break;
@@ -263,6 +279,21 @@ void change(Numbers& in, RawPack& pack) {
       if (clip && !clip->tracks.empty() && !clip->tracks[0].keys.empty())
         clip->tracks[0].keys[at % clip->tracks[0].keys.size()].value[which / 64] = real;
       break;
+    case 19:
+      part.parent_at = real;
+      break;
+    case 20:
+      if (socket) socket->name.assign(at % 300, static_cast<char>(number));
+      break;
+    case 21:
+      if (socket) socket->part = number;
+      break;
+    case 22:
+      if (socket) (at % 3 == 0 ? socket->at : socket->offset[at % 3 - 1]) = real;
+      break;
+    case 23:
+      if (socket) socket->rotation[at % 4] = real;
+      break;
     default:
       pack.palette.resize(at % 300);
   }
@@ -300,8 +331,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!read) fail("written, but not read", read.error().detail);
   if (const char* difference = differenceOf(pack, *read)) fail("reads back with another", difference);
 
-  RawRigs rigs{pack.info_json, {}, pack.clips};
-  for (const RawPart& part : pack.parts) rigs.parts.push_back({part.knots, part.automatic_tangents});
+  RawRigs rigs{pack.info_json, {}, pack.clips, pack.sockets};
+  for (const RawPart& part : pack.parts)
+    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at});
   std::vector<std::byte> again;
   if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten)
     fail("its own rigs are refused", rewritten.error().detail);

@@ -344,12 +344,13 @@ def record(chunk, at, number, what=1):
 
 
 def restamped_seeds():
-    # Chunks of the first: INFO PART MATL RIGS CLIP, then GRID BRCK three times. Of the second: INFO PART MATL
-    # FOGS RIGS, then GRID and BRCK or FOGB four times.
+    # Chunks of the first: INFO PART MATL RIGS CLIP SOCK, then GRID BRCK three times. Of the second: INFO PART
+    # MATL FOGS RIGS, then GRID and BRCK or FOGB four times.
     tiny, fog = b"\0", b"\1"
     nan, two = 0x7fc00000, 0x40000000
-    for sound, name, kinds in ((tiny, "tiny", ("info", "part", "matl", "rigs", "clip")),
-                               (fog, "fog", ("info", "part", "matl", "fogs", "rigs"))):
+    for sound, name, kinds in (
+            (tiny, "tiny", ("info", "part", "matl", "rigs", "clip", "sock")),
+            (fog, "fog", ("info", "part", "matl", "fogs", "rigs"))):
         for chunk, kind in enumerate(kinds):
             yield "%s_%s_nan.bin" % (name, kind), sound + record(chunk, 32, nan)
             yield "%s_%s_byte.bin" % (name, kind), sound + record(chunk, 12, 0xff, 0)
@@ -359,13 +360,13 @@ def restamped_seeds():
     yield "metallic.bin", tiny + record(2, 4 + 28, two)
     yield "unknown_optional.bin", tiny + record(0, 7, 0x5a5a5a5a, 4)
     yield "unknown_required.bin", tiny + record(2, 7, 0x5a5a5a5a, 4)
-    yield "bricks_in_one_frame.bin", tiny + record(6, 2, 2, 4)
-    yield "offset.bin", tiny + record(10, 8, 64, 4)
+    yield "bricks_in_one_frame.bin", tiny + record(7, 2, 2, 4)
+    yield "offset.bin", tiny + record(11, 8, 64, 4)
     yield "no_such_version.bin", tiny + record(0, 9, 0, 4)
     yield "newer_minor.bin", tiny + record(0, 10, 9, 4)
-    yield "empty_brick.bin", tiny + record(9, 11, 0, 4)
-    yield "palette_index.bin", tiny + record(9, 12, 0xff << 16 | 512, 4)
-    yield "page_raw.bin", tiny + record(9, 20, 520)
+    yield "empty_brick.bin", tiny + record(10, 11, 0, 4)
+    yield "palette_index.bin", tiny + record(10, 12, 0xff << 16 | 512, 4)
+    yield "page_raw.bin", tiny + record(10, 20, 520)
     for chunk in (5, 7, 9, 11):
         yield "fog_page_%d.bin" % chunk, fog + record(chunk, 12, 0x40 << 16 | 100, 4)
 

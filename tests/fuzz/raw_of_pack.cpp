@@ -55,6 +55,10 @@ bool same(const Wave& a, const Wave& b) {  // has bytes between its members
   return a.part == b.part && a.knot == b.knot && a.target == b.target && same(a.amplitude, b.amplitude) &&
          same(a.period, b.period) && same(a.phase, b.phase);
 }
+bool same(const RawSocket& a, const RawSocket& b) {
+  return a.name == b.name && a.part == b.part && same(a.at, b.at) && same(a.offset, b.offset) &&
+         same(a.rotation, b.rotation);
+}
 bool same(const RawTrack& a, const RawTrack& b) {
   return a.part == b.part && a.knot == b.knot && a.target == b.target && a.interpolation == b.interpolation &&
          same(a.keys, b.keys);
@@ -72,6 +76,8 @@ const char* differenceOfParts(const RawPart& a, const RawPart& b) {
   if (a.size != b.size) return "a part's size";
   if (!same(a.to_object, b.to_object) || !same(a.pivot, b.pivot)) return "a part's place";
   if (!same(a.knots, b.knots)) return "a part's knots";
+  if (a.automatic_tangents != b.automatic_tangents) return "a part's automatic tangents";
+  if (!same(a.parent_at, b.parent_at)) return "a part's place on its parent's spline";
   if (a.fog.has_value() != b.fog.has_value()) return "a part's kind";
   if (a.fog && !(same(a.fog->color, b.fog->color) && same(a.fog->anisotropy, b.fog->anisotropy) &&
                  same(a.fog->glow, b.fog->glow) && same(a.fog->ramp, b.fog->ramp)))
@@ -103,6 +109,7 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
     raw.pivot = part.pivot;
     raw.knots = listOf<Knot>(part.knots);
     raw.automatic_tangents = part.automatic_tangents;
+    raw.parent_at = part.parent_at;
     if (part.fog)
       raw.fog =
           RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
@@ -121,6 +128,8 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
       raw.tracks.push_back(
           {track.part, track.knot, track.target, track.interpolation, listOf<Key>(track.keys)});
   }
+  for (const Socket& socket : pack.sockets())
+    out.sockets.push_back({std::string(socket.name), socket.part, socket.at, socket.offset, socket.rotation});
   return out;
 }
 
@@ -137,5 +146,6 @@ const char* differenceOf(const RawPack& a, const RawPack& b) {
     if (!all(x.waves, y.waves)) return "a clip's waves";
     if (!all(x.tracks, y.tracks)) return "a clip's tracks";
   }
+  if (!all(a.sockets, b.sockets)) return "the sockets";
   return nullptr;
 }

@@ -82,6 +82,29 @@ TEST(ParseRig, KeysBecomeTracks) {
   EXPECT_EQ(clip.tracks[2].keys.at(0).value, glm::vec4(0, 0.5f, 0, 0));
 }
 
+TEST(ParseRig, SocketsOfTheReadme) {
+  const RigDescription rig = parseRig(R"({"kelp": 1, "parent_at": 0.7, "sockets": {
+    "hand": {"at": 0.9, "offset": [0.1, 0, 0.05], "rotation": [0, 0.6, 0, 0.8]},
+    "elbow": {"at": 0.5}}})");
+  EXPECT_EQ(rig.parent_at, 0.7f);
+  ASSERT_EQ(rig.sockets.size(), 2u);
+  EXPECT_EQ(rig.sockets[0],
+            (RigDescription::Socket{"hand", 0.9f, {0.1f, 0, 0.05f}, glm::quat(0.8f, 0, 0.6f, 0)}));
+  EXPECT_EQ(rig.sockets[1], (RigDescription::Socket{"elbow", 0.5f, {}, glm::quat(1, 0, 0, 0)}));
+  EXPECT_EQ(parseRig(R"({"kelp": 1, "parent_at": -1})"), parseRig(R"({"kelp": 1})"));
+  EXPECT_EQ(parseRig(R"({"kelp": 1})").parent_at, -1.0f);
+}
+
+TEST(ParseRig, ARigHas1024SocketsAtMost) {
+  const auto withSockets = [](int count) {
+    std::string text = R"({"kelp": 1, "sockets": {)";
+    for (int i = 0; i < count; ++i) text += (i ? ", \"" : "\"") + std::to_string(i) + R"(": {"at": 0.5})";
+    return text + "}}";
+  };
+  EXPECT_EQ(parseRig(withSockets(1024)).sockets.size(), 1024u);
+  EXPECT_NE(errorOf(withSockets(1025)).find("/sockets: has 1025 sockets"), std::string::npos);
+}
+
 TEST(ParseRig, ClipsKeepTheirOrder) {
   const RigDescription rig = parseRig(R"({"kelp": 1, "clips": {
     "zoom": {"waves": [{"knot": 1, "offset": [1, 0, 0], "period": 1}]},
@@ -107,7 +130,8 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": "1"})", {"/kelp", "version 1"}},
       {R"({"kelp": 1, "Clips": {}})", {"/Clips", "unknown key", "did you mean 'clips'?"}},
       {R"({"kelp": 1, "kelp": 1})", {"'kelp'", "twice"}},
-      {R"({"kelp": 1, "a/b~c": 1})", {"/a~1b~0c", "known are 'kelp', 'axis', 'knots', 'clips'"}},
+      {R"({"kelp": 1, "a/b~c": 1})",
+       {"/a~1b~0c", "known are 'kelp', 'axis', 'knots', 'clips', 'sockets', 'parent_at'"}},
       {R"({"kelp": 1, "axis": "up"})", {"/axis", "\"up\"", "\"+x\""}},
       {R"({"kelp": 1, "axis": 1})", {"/axis", "not 1"}},
       {R"({"kelp": 1, "knots": {}})", {"/knots", "must be an array"}},
@@ -128,6 +152,27 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "knots": [{"at": 0, "offset": [0,0,1e300]}, {"at": 1}]})",
        {"/knots/0/offset/2", "out of range"}},
       {R"({"kelp": 1e999})", {"too large"}},
+      {R"({"kelp": 1, "sockets": []})", {"/sockets", "maps names to sockets", "array"}},
+      {R"({"kelp": 1, "socket": {}})", {"/socket", "did you mean 'sockets'?"}},
+      {R"({"kelp": 1, "sockets": {"hand": 0.5}})", {"/sockets/hand", "must be an object", "number"}},
+      {R"({"kelp": 1, "sockets": {"": {"at": 0.5}}})", {"/sockets/", "socket's name has 1 to 255", "0"}},
+      {R"({"kelp": 1, "sockets": {"a": {"at": 0}, "a": {"at": 1}}})", {"'a'", "twice"}},
+      {"{\"kelp\": 1, \"sockets\": {\"a\xc2\x9b\": {\"at\": 0}}}", {"/sockets/", "control characters"}},
+      {R"({"kelp": 1, "sockets": {"hand": {}}})", {"/sockets/hand", "'at' is missing", "0 to 1"}},
+      {R"({"kelp": 1, "sockets": {"hand": {"at": 1.1}}})",
+       {"/sockets/hand/at", "1.1 is out of range", "between 0 and 1"}},
+      {R"({"kelp": 1, "sockets": {"hand": {"at": 1, "ofset": [0, 0, 0]}}})",
+       {"/sockets/hand/ofset", "did you mean 'offset'?"}},
+      {R"({"kelp": 1, "axis": "-x", "sockets": {"hand": {"at": 1, "offset": [0.5, 0.1, 0]}}})",
+       {"/sockets/hand/offset", "-0.5 along the axis -x", "across the axis", "with \"at\""}},
+      {R"({"kelp": 1, "sockets": {"hand": {"at": 1, "rotation": [0, 0, 0, 2]}}})",
+       {"/sockets/hand/rotation", "unit quaternion", "length 2"}},
+      {R"({"kelp": 1, "sockets": {"hand": {"at": 1, "rotation": [0, 0, 1]}}})",
+       {"/sockets/hand/rotation", "must have 4 numbers, has 3"}},
+      {R"({"kelp": 1, "parent_at": 1.5})", {"/parent_at", "1.5 is no place", "between 0 and 1"}},
+      {R"({"kelp": 1, "parent_at": -0.5})", {"/parent_at", "-0.5 is no place"}},
+      {R"({"kelp": 1, "parent_at": "0.5"})", {"/parent_at", "must be a number"}},
+      {R"({"kelp": 1, "parents_at": 1})", {"/parents_at", "did you mean 'parent_at'?"}},
       {R"({"kelp": 1, "clips": []})", {"/clips", "maps names to clips"}},
       {R"({"kelp": 1, "clips": {"": {"waves": [{)" + wave + "}]}}}", {"/clips/", "name", "0"}},
       {"{\"kelp\": 1, \"clips\": {\"a\xc2\x9b\": {\"waves\": [{" + wave + "}]}}}",
@@ -214,7 +259,7 @@ TEST(ParseRig, HostileTextIsBounded) {
 
 TEST(ParseRig, EveryPrefixAndEveryFlippedByteIsAnswered) {
   const std::string text =
-      R"({"kelp": 1, "axis": "-x", "knots": [{"at": 0}, {"at": 0.5, "tangent": [1, 0, 2]}, {"at": 1}], "clips": {"a": {"keys": [
+      R"({"kelp": 1, "axis": "-x", "parent_at": 0.5, "sockets": {"h": {"at": 1, "offset": [0, 1, 2]}}, "knots": [{"at": 0}, {"at": 0.5, "tangent": [1, 0, 2]}, {"at": 1}], "clips": {"a": {"keys": [
     {"time": 0, "knot": 1, "offset": [0, 0.1, 0]}, {"time": 1.5, "rotation": [0, 0, 0, 1]}], "waves": [{"knot": 2, "offset": [1, 2, 3], "period": 2}]}}})";
   ASSERT_EQ(errorOf(text), "");
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -274,6 +319,17 @@ RigDescription randomRig(std::mt19937& random) {
     }
     rig.clips.push_back(clip);
   }
+  for (int s = below(4); s > 0; --s) {
+    RigDescription::Socket socket;
+    socket.name = "socket \"" + std::to_string(s) + "\\ \xc3\xa9";
+    socket.at = below(3) ? uniform(0, 1) : 1.0f;
+    if (below(2)) socket.offset = {uniform(-2, 2), uniform(-1e-4f, 1e-4f), uniform(-2, 2)};
+    if (rig.axis && below(2)) socket.offset = vec();
+    if (rig.axis) socket.offset[static_cast<int>(*rig.axis) / 2] = 0;
+    if (below(2)) socket.rotation = glm::normalize(glm::quat(uniform(-1, 1), uniform(-1, 1), 0.5f, 0));
+    rig.sockets.push_back(socket);
+  }
+  if (below(2)) rig.parent_at = below(3) ? uniform(0, 1) : 0.0f;
   return rig;
 }
 
@@ -290,7 +346,7 @@ TEST(PrintRig, IsTheInverseOfParseRig) {
 
 TEST(PrintRig, ReadsLikeAHandWroteIt) {
   const std::string text = printRig(parseRig(
-      R"({"kelp":1,"knots":[{"at":0},{"at":1,"tangent":[3,0,2]}],"clips":{"sway":{"waves":[{"knot":1,"offset":[0.15,0,0.04],"period":3.2}]}}})"));
+      R"({"kelp":1,"parent_at":0.25,"sockets":{"hand":{"at":0.9,"offset":[0.1,0,0.05]},"tip":{"rotation":[0,0.6,0,0.8],"at":1}},"knots":[{"at":0},{"at":1,"tangent":[3,0,2]}],"clips":{"sway":{"waves":[{"knot":1,"offset":[0.15,0,0.04],"period":3.2}]}}})"));
   EXPECT_EQ(text, R"({
   "kelp": 1,
   "knots": [
@@ -299,7 +355,11 @@ TEST(PrintRig, ReadsLikeAHandWroteIt) {
   "clips": {
     "sway": {
       "waves": [
-        {"knot": 1, "offset": [0.15, 0, 0.04], "period": 3.2}]}}}
+        {"knot": 1, "offset": [0.15, 0, 0.04], "period": 3.2}]}},
+  "sockets": {
+    "hand": {"at": 0.9, "offset": [0.1, 0, 0.05]},
+    "tip": {"at": 1, "rotation": [0, 0.6, 0, 0.8]}},
+  "parent_at": 0.25}
 )");
 }
 

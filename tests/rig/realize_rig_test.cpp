@@ -243,5 +243,74 @@ TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
   EXPECT_EQ(names, (std::vector<std::string>{"clip", "swim", "swim 2", "clip 2"}));
 }
 
+// What an artist means: the place, and the directions that the rotation turns x, y and z to, are the same in
+// either axes.
+TEST(RealizeSockets, ThePlaceAndTheTurnAreTheArtists) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    SCOPED_TRACE(toString(axis));
+    const int along = static_cast<int>(axis) / 2;
+    RigDescription rig;
+    rig.axis = axis;
+    RigDescription::Socket socket{"hand", 0.75f, {0.5f, 0.25f, -0.125f}, glm::quat(0.8f, 0.36f, 0, 0.48f)};
+    socket.offset[along] = 0;
+    rig.sockets = {socket};
+    const std::vector<RawSocket> sockets = realizeSockets(rig, 3);
+    ASSERT_EQ(sockets.size(), 1u);
+    EXPECT_EQ(sockets[0].name, "hand");
+    EXPECT_EQ(sockets[0].part, 3u);
+    EXPECT_EQ(sockets[0].at, 0.75f);
+    const glm::mat3 to_artist = glm::inverse(axisRotation(axis));
+    const glm::vec3 place = to_artist * glm::vec3(sockets[0].offset.x, 0, sockets[0].offset.y);
+    EXPECT_LT(glm::distance(place, socket.offset), 1e-6f);
+    for (int i = 0; i < 3; ++i) {
+      glm::vec3 direction(0);
+      direction[i] = 1;
+      const glm::vec3 turned = to_artist * (sockets[0].rotation * (axisRotation(axis) * direction));
+      EXPECT_LT(glm::distance(turned, socket.rotation * direction), 1e-6f);
+    }
+
+    // And back, to the bit.
+    rig.parent_at = 0.5f;
+    const RigDescription back = parseRig(printRig(
+        describeRig({realizeKnots(rig), automaticTangents(rig), rig.parent_at}, {}, 3, axis, sockets)));
+    EXPECT_EQ(back.sockets, rig.sockets);
+    EXPECT_EQ(back.parent_at, 0.5f);
+    EXPECT_TRUE(describeRig({realizeKnots(rig), 0}, {}, 2, axis, sockets).sockets.empty())
+        << "another part's";
+
+    rig.sockets[0].offset[along] = 0.01f;
+    try {
+      realizeSockets(rig, 0);
+      ADD_FAILURE() << "an offset along the axis is taken";
+    } catch (const RigError& error) {
+      EXPECT_NE(std::string(error.what()).find("/sockets/hand/offset: "), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("\"at\""), std::string::npos);
+    }
+    rig.sockets[0].offset[along] = 5e-7f;
+    EXPECT_NO_THROW(realizeSockets(rig, 0));
+  }
+}
+
+// A text may be off by a thousandth, a pack's quaternion by less.
+TEST(RealizeSockets, RotationsAreUnit) {
+  for (const char* w : {"0.9991", "1.0009"}) {
+    const auto sockets = realizeSockets(
+        parseRig(std::string(R"({"kelp": 1, "sockets": {"a": {"at": 0, "rotation": [0, 0, 0, )") + w +
+                 "]}}}"),
+        0);
+    EXPECT_FLOAT_EQ(sockets.at(0).rotation.w, 1);
+  }
+}
+
+TEST(DescribeRig, SocketsThatShareANameGetTheirOwn) {
+  std::vector<RawSocket> sockets;
+  for (const char* name : {"hand", "hand", "hand 2"}) sockets.push_back({name, 0, 0.5f, {}, {1, 0, 0, 0}});
+  const auto rig = parseRig(printRig(describeRig({realizeKnots({}), 0}, {}, 0, Axis::kPlusY, sockets)));
+  ASSERT_EQ(rig.sockets.size(), 3u);
+  EXPECT_EQ(rig.sockets[1].name, "hand 2");
+  EXPECT_EQ(rig.sockets[2].name, "hand 2 2");
+}
+
 }  // namespace
 }  // namespace kelp

@@ -33,10 +33,11 @@ TEST(RigSchema, AcceptsTheExamplesOfTheReadme) {
     EXPECT_EQ(schema.check(nlohmann::json::parse(text)), "") << text;
     EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(rig))), "") << text;
     const RawRig rest{realizeKnots(rig), automaticTangents(rig)};
+    EXPECT_NO_THROW(realizeSockets(rig, 0));
     for (const RawClip& clip : realizeClips(rig, 0)) EXPECT_NO_THROW(proveClip(clip, 0, rest, {64, 128, 64}));
     ++examples;
   }
-  EXPECT_EQ(examples, 3);
+  EXPECT_EQ(examples, 5);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
@@ -50,6 +51,14 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "axis": "up"})",
       R"({"kelp": 1, "knots": [{"at": 0}]})",
       R"({"kelp": 1, "knots": [{"at": 0}, {"at": 1, "offset": [1, 2]}]})",
+      R"({"kelp": 1, "sockets": {"": {"at": 0}}})",
+      R"({"kelp": 1, "sockets": {"hand": {}}})",
+      R"({"kelp": 1, "sockets": {"hand": {"at": 1.5}}})",
+      R"({"kelp": 1, "sockets": {"hand": {"at": 1, "scale": [1, 1, 1]}}})",
+      R"({"kelp": 1, "sockets": {"hand": {"at": 1, "offset": [1, 0]}}})",
+      R"({"kelp": 1, "sockets": {"hand": {"at": 1, "rotation": [0, 0, 1]}}})",
+      R"({"kelp": 1, "parent_at": 1.5})",
+      R"({"kelp": 1, "parent_at": -0.5})",
       R"({"kelp": 1, "clips": {"": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "tangent": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 0}]}}})",

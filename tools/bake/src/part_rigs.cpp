@@ -65,12 +65,20 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
     try {
       pack.parts[i].knots = realizeKnots(model.parts[i].rig);
       pack.parts[i].automatic_tangents = automaticTangents(model.parts[i].rig);
+      pack.parts[i].parent_at = model.parts[i].rig.parent_at;
+      std::ranges::move(realizeSockets(model.parts[i].rig, static_cast<std::uint32_t>(i)),
+                        std::back_inserter(pack.sockets));
       std::ranges::move(realizeClips(model.parts[i].rig, static_cast<std::uint32_t>(i)),
                         std::back_inserter(clips));
     } catch (const RigError& error) {
       throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]),
                                                   model.parts[i].rig_origin, error.what()));
     }
+    if (pack.parts[i].parent_at != Part::kNotOnSpline && pack.parts[i].parent < 0)
+      throw ToolError(Exit::kInvalid,
+                      fmt::format("{} ({}): /parent_at: the part has no parent part to hang on; bake the "
+                                  "nodes apart (--parts nodes), or leave parent_at out",
+                                  partPlace(input, model.parts[i]), model.parts[i].rig_origin));
     if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
       throw ToolError(Exit::kInvalid,
                       fmt::format("{} ({}): knot {}: {}; the spline may not turn back along its axis: give "

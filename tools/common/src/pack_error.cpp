@@ -57,7 +57,8 @@ const char* remedyOf(ErrorCode code) {
 void failPack(const std::string& path, const Error& error, const std::string& place) {
   std::string message = path + ": ";
   if (!place.empty()) message += place + ": ";
-  if (error.offset != Error::kNoOffset) message += std::string(toString(error.unit)) + " " + std::to_string(error.offset) + ": ";
+  if (error.offset != Error::kNoOffset)
+    message += std::string(toString(error.unit)) + " " + std::to_string(error.offset) + ": ";
   message += toString(error.code);
   if (*error.detail) message += std::string(" (") + error.detail + ")";
   throw ToolError(exitOf(error.code), message + "; " + remedyOf(error.code));

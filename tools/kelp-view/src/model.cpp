@@ -9,7 +9,8 @@ namespace kelp::view {
 std::string describe(const Error& error) {
   std::string text = toString(error.code);
   text += std::string(": ") + error.detail;
-  if (error.offset != Error::kNoOffset) text += std::string(" (") + toString(error.unit) + " " + std::to_string(error.offset) + ")";
+  if (error.offset != Error::kNoOffset)
+    text += std::string(" (") + toString(error.unit) + " " + std::to_string(error.offset) + ")";
   return text;
 }
 

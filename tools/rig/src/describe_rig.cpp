@@ -1,36 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The axes of a part -> the artist's, the inverse of realize_rig.cpp.
-#include <map>
-#include <set>
-#include <string>
-
 #include "kelp/rig/rig.h"
+#include "sockets.h"
 #include "words.h"
 
 namespace kelp {
-namespace {
-
-// Clips of a pack may share a name or have none, but in a rig names are keys.
-class UniqueNames {
- public:
-  std::string make(const std::string& wanted) {
-    const std::string base = wanted.empty() ? "clip" : wanted;
-    int& n = next_[base];  // a pack may hold very many of one name: do not count up from the start each time
-    std::string name = n == 0 ? base : base + " " + std::to_string(n + 1);
-    while (!used_.insert(name).second) name = base + " " + std::to_string(++n + 1);
-    ++n;
-    return name;
-  }
-
- private:
-  std::map<std::string, int> next_;
-  std::set<std::string> used_;
-};
-
-}  // namespace
-
-RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
-                           Axis axis) {
+RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part, Axis axis,
+                           std::span<const RawSocket> sockets) {
   const glm::mat3 to_artist = glm::transpose(axisRotation(axis));  // permutes and flips: loses nothing
   RigDescription rig;
   rig.axis = axis;
@@ -48,7 +24,7 @@ RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, s
     if (glm::distance(realized[i].tangent, rest.knots[i].tangent) > 1e-5f)
       rig.knots[i].tangent = to_artist * rest.knots[i].tangent;
 
-  UniqueNames names;
+  rig::UniqueNames names("clip");
   for (const RawClip& clip : clips) {
     RigDescription::Clip described{"", clip.duration, {}, {}};
     for (const Wave& wave : clip.waves) {
@@ -80,6 +56,8 @@ RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, s
     described.name = names.make(clip.name);
     rig.clips.push_back(std::move(described));
   }
+  describeSockets(sockets, part, rig);
+  rig.parent_at = rest.parent_at;
   return rig;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// JSON text -> RigDescription. The only file here that knows nlohmann-json.
+// JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp.
 #include <array>
 #include <cmath>
 #include <set>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "json_place.h"
 #include "json_scan.h"
 #include "kelp/rig/rig.h"
 #include "words.h"
@@ -14,90 +13,11 @@
 namespace kelp {
 namespace {
 
-using Json = nlohmann::ordered_json;  // clips keep the order in which the artist wrote them
-using rig::printable;
-using rig::suggestion;
+using namespace rig;
 
 constexpr int kLanguageVersion = 1;
 constexpr std::size_t kMaxMembers = 4096;  // of one object; ordered_json searches linearly
-constexpr std::size_t kMaxNameBytes = 255;
-constexpr double kLargest = 1e6;          // of any number: far beyond sense, far from overflow
-constexpr double kShortestPeriod = 1e-3;  // seconds
-
-// A value and where it stands.
-struct Place {
-  const Json& json;
-  std::string pointer;  // RFC 6901; empty for the whole
-
-  Place at(const std::string& key) const {
-    std::string escaped;
-    for (const char c : key) {
-      if (c == '~')
-        escaped += "~0";
-      else if (c == '/')
-        escaped += "~1";
-      else
-        escaped += c;
-    }
-    return {json.at(key), pointer + "/" + printable(escaped)};
-  }
-  Place at(std::size_t index) const { return {json.at(index), pointer + "/" + std::to_string(index)}; }
-  bool has(const char* key) const { return json.contains(key); }
-};
-
-[[noreturn]] void fail(const Place& place, const std::string& message) {
-  throw RigError((place.pointer.empty() ? std::string("rig") : place.pointer) + ": " + message);
-}
-
-const char* kindOf(const Json& json) { return json.is_null() ? "null" : json.type_name(); }
-
-void requireObject(const Place& place, std::span<const std::string_view> known) {
-  if (!place.json.is_object())
-    fail(place, std::string("must be an object { ... }, not ") + kindOf(place.json));
-  for (const auto& member : place.json.items()) {
-    bool found = false;
-    for (const std::string_view key : known) found = found || key == member.key();
-    if (!found) fail(place.at(member.key()), "unknown key; " + suggestion(member.key(), known));
-  }
-}
-
-Place required(const Place& place, const char* key, const char* remedy) {
-  if (!place.has(key)) fail(place, std::string("the key '") + key + "' is missing; " + remedy);
-  return place.at(std::string(key));
-}
-
-void requireArray(const Place& place) {
-  if (!place.json.is_array()) fail(place, std::string("must be an array [ ... ], not ") + kindOf(place.json));
-}
-
-double readNumber(const Place& place, double min = -kLargest, double max = kLargest) {
-  if (!place.json.is_number()) fail(place, std::string("must be a number, not ") + kindOf(place.json));
-  const double value = place.json.get<double>();
-  if (!(value >= min && value <= max))
-    fail(place, printable(value) + " is out of range; it must lie between " + printable(min) + " and " +
-                    printable(max));
-  return value;
-}
-
-float readFloat(const Place& place, double min = -kLargest, double max = kLargest) {
-  return static_cast<float>(readNumber(place, min, max));
-}
-
-template <int N>
-std::array<double, N> readVector(const Place& place) {
-  requireArray(place);
-  if (place.json.size() != N)
-    fail(place, "must have " + std::to_string(N) + " numbers, has " + std::to_string(place.json.size()) +
-                    (N == 3 ? "; write [x, y, z]" : "; write [x, y, z, w]"));
-  std::array<double, N> v{};
-  for (std::size_t i = 0; i < N; ++i) v[i] = readNumber(place.at(i));
-  return v;
-}
-
-glm::vec3 readVec3(const Place& place) {
-  const auto v = readVector<3>(place);
-  return {v[0], v[1], v[2]};
-}
+constexpr double kShortestPeriod = 1e-3;   // seconds
 
 int readKnotIndex(const Place& place, std::size_t knots) {
   const double value = readNumber(place);
@@ -166,11 +86,8 @@ RigDescription::Wave readWave(const Place& place, std::size_t knots) {
 // A key's value, or a slope of the same kind. `slope`: no unit length, no rest value.
 glm::vec4 readKeyValue(const Place& place, Target target, bool slope) {
   if (target == Target::kPartRotation) {
+    if (!slope) return readRotation(place);
     const auto q = readVector<4>(place);
-    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!slope && std::abs(length - 1) > 1e-3)
-      fail(place, "a rotation is a unit quaternion [x, y, z, w], this has length " + printable(length) +
-                      "; [0, 0, 0, 1] is no rotation");
     return {q[0], q[1], q[2], q[3]};
   }
   const auto v = readVector<3>(place);
@@ -258,10 +175,7 @@ std::vector<RigDescription::Track> readKeys(const Place& place, std::size_t knot
 RigDescription::Clip readClip(const Place& place, const std::string& name, std::size_t knots) {
   static constexpr std::array<std::string_view, 4> kKeys{"duration", "interpolation", "waves", "keys"};
   requireObject(place, kKeys);
-  if (name.empty() || name.size() > kMaxNameBytes)
-    fail(place, "a clip's name has 1 to " + std::to_string(kMaxNameBytes) + " bytes, this has " +
-                    std::to_string(name.size()));
-  if (rig::hasControls(name)) fail(place, "a clip's name may not hold control characters; rename it");
+  checkName(place, "clip", name);
   RigDescription::Clip clip;
   clip.name = name;
   if (place.has("duration")) clip.duration = readFloat(place.at("duration"), kShortestPeriod, kLargest);
@@ -291,7 +205,8 @@ RigDescription::Clip readClip(const Place& place, const std::string& name, std::
 }
 
 RigDescription readRig(const Place& place) {
-  static constexpr std::array<std::string_view, 4> kKeys{"kelp", "axis", "knots", "clips"};
+  static constexpr std::array<std::string_view, 6> kKeys{"kelp",  "axis",    "knots",
+                                                         "clips", "sockets", "parent_at"};
   requireObject(place, kKeys);
   const Place version =
       required(place, "kelp", "a rig begins with \"kelp\": 1, the version of the rig language");
@@ -314,6 +229,15 @@ RigDescription readRig(const Place& place) {
       fail(clips, std::string("must be an object that maps names to clips, not ") + kindOf(clips.json));
     for (const auto& member : clips.json.items())
       rig.clips.push_back(readClip(clips.at(member.key()), member.key(), knots));
+  }
+  if (place.has("sockets")) readSockets(place.at("sockets"), rig);
+  if (place.has("parent_at")) {
+    const Place parent_at = place.at("parent_at");
+    rig.parent_at = readFloat(parent_at);
+    if (!(rig.parent_at >= 0 && rig.parent_at <= 1) && rig.parent_at != Part::kNotOnSpline)
+      fail(parent_at, printable(rig.parent_at) +
+                          " is no place on the parent's spline; it must lie between 0 and 1 (-1 is the same "
+                          "as leaving it out)");
   }
   return rig;
 }

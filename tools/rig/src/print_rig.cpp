@@ -115,6 +115,14 @@ std::string clipText(const RigDescription::Clip& clip) {
   return inQuotes(clip.name) + ": {" + join(members, "      ") + "}";
 }
 
+std::string socketText(const RigDescription::Socket& socket) {
+  std::string line = inQuotes(socket.name) + ": {\"at\": " + number(socket.at);
+  if (socket.offset != glm::vec3(0)) line += ", \"offset\": " + vector(socket.offset, 3);
+  const glm::quat& q = socket.rotation;
+  if (q != glm::quat(1, 0, 0, 0)) line += ", \"rotation\": " + vector(glm::vec4(q.x, q.y, q.z, q.w), 4);
+  return line + "}";
+}
+
 }  // namespace
 
 std::string printRig(const RigDescription& rig) {
@@ -130,6 +138,12 @@ std::string printRig(const RigDescription& rig) {
     for (const auto& clip : rig.clips) texts.push_back(clipText(clip));
     members.push_back("\"clips\": {" + join(texts, "    ") + "}");
   }
+  if (!rig.sockets.empty()) {
+    std::vector<std::string> lines;
+    for (const auto& socket : rig.sockets) lines.push_back(socketText(socket));
+    members.push_back("\"sockets\": {" + join(lines, "    ") + "}");
+  }
+  if (rig.parent_at != Part::kNotOnSpline) members.push_back("\"parent_at\": " + number(rig.parent_at));
   return "{" + join(members, "  ") + "}\n";
 }
 

@@ -18,7 +18,16 @@ float lengthOf(const RawClip& clip) {
 
 }  // namespace
 
-RawRig rawRig(const Part& part) { return {{part.knots.begin(), part.knots.end()}, part.automatic_tangents}; }
+RawRig rawRig(const Part& part) {
+  return {{part.knots.begin(), part.knots.end()}, part.automatic_tangents, part.parent_at};
+}
+
+std::vector<RawSocket> rawSockets(const Pack& pack) {
+  std::vector<RawSocket> sockets;
+  for (const Socket& socket : pack.sockets())
+    sockets.push_back({std::string(socket.name), socket.part, socket.at, socket.offset, socket.rotation});
+  return sockets;
+}
 
 std::vector<RawClip> rawClips(const Pack& pack) {
   std::vector<RawClip> clips;

@@ -116,4 +116,13 @@ std::string printable(double number) {
   return out.str();
 }
 
+std::string UniqueNames::make(const std::string& wanted) {
+  const std::string base = wanted.empty() ? unnamed_ : wanted;
+  int& n = next_[base];  // a pack may hold very many of one name: do not count up from the start each time
+  std::string name = n == 0 ? base : base + " " + std::to_string(n + 1);
+  while (!used_.insert(name).second) name = base + " " + std::to_string(++n + 1);
+  ++n;
+  return name;
+}
+
 }  // namespace kelp::rig

@@ -2,7 +2,9 @@
 // The words of the rig language and of its messages: names of enums, near misses, printable text.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,5 +30,17 @@ bool hasControls(std::string_view text);
 std::string printable(std::string_view text);
 // A number with up to six digits, in the C locale.
 std::string printable(double number);
+
+// Clips and sockets of a pack may share a name or have none, but in a rig names are keys.
+class UniqueNames {
+ public:
+  explicit UniqueNames(const char* unnamed) : unnamed_(unnamed) {}
+  std::string make(const std::string& wanted);
+
+ private:
+  const char* unnamed_;
+  std::map<std::string, int> next_;
+  std::set<std::string> used_;
+};
 
 }  // namespace kelp::rig

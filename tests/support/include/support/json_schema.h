@@ -84,6 +84,8 @@ class JsonSchema {
       return !v.is_array() || v.size() <= rule.get<std::size_t>() ? "" : at + ": too many items";
     if (key == "minProperties")
       return !v.is_object() || v.size() >= rule.get<std::size_t>() ? "" : at + ": too few members";
+    if (key == "maxProperties")
+      return !v.is_object() || v.size() <= rule.get<std::size_t>() ? "" : at + ": too many members";
     if (key == "required") {
       for (const Json& name : rule) {
         if (v.is_object() && !v.contains(name.get<std::string>())) return at + ": lacks " + name.dump();

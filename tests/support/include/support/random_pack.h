@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -38,6 +39,7 @@ struct RandomPackOptions {
   int max_side = 40;  // level-0 voxels
   int max_levels = 4;
   int clips = 2;
+  int sockets = 2;
 };
 
 class RandomPack {
@@ -57,6 +59,7 @@ class RandomPack {
     }
     for (int i = 0; i < options_.parts; ++i) pack.parts.push_back(makePart(i, pack.palette.size()));
     for (int i = 0; i < options_.clips; ++i) pack.clips.push_back(makeClip(i, pack.parts));
+    for (int i = 0; i < options_.sockets; ++i) pack.sockets.push_back(makeSocket(i, options_.parts));
     return pack;
   }
 
@@ -132,6 +135,7 @@ class RandomPack {
                             {aside.z / height, 0.2f + 2 * unit(), aside.y / height}});
     }
     part.automatic_tangents = 2;
+    if (part.parent >= 0 && index % 2 == 0) part.parent_at = unit();
     const int levels = between(1, options_.max_levels);
     for (int level = 0; level < levels; ++level) {
       part.levels.push_back(makeLevel(levelSize(part.size, level), palette_size, unit()));
@@ -171,6 +175,17 @@ class RandomPack {
       clip.tracks.push_back(track);
     }
     return clip;
+  }
+
+  RawSocket makeSocket(int index, int parts) {
+    RawSocket socket;
+    socket.name = "socket \xc3\xa9 " + std::to_string(index);
+    socket.part = static_cast<std::uint32_t>(between(0, parts - 1));
+    socket.at = unit();
+    socket.offset = glm::vec2(vector(2));
+    const float half = 3 * unit();
+    socket.rotation = glm::quat(std::cos(half), 0.6f * std::sin(half), 0, 0.8f * std::sin(half));
+    return socket;
   }
 
   std::mt19937 random_;

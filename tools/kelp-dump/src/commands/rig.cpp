@@ -30,7 +30,7 @@ Exit printPartRig(const RigOptions& options, const std::optional<Axis>& axis) {
   const Part& part = pack.parts()[index];
   try {
     print(printRig(describeRig(rawRig(part), rawClips(pack), index,
-                               axis ? *axis : bakedAxis(part).value_or(Axis::kPlusY))));
+                               axis ? *axis : bakedAxis(part).value_or(Axis::kPlusY), rawSockets(pack))));
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, fmt::format("{}: part {} '{}': {}", file.path(), index,
                                                 nameText(part.name), error.what()));

@@ -143,7 +143,10 @@ class RigSetter {
     RawRigs rigs;
     for (const Part& each : pack_.parts()) rigs.parts.push_back(rawRig(each));
     try {
-      rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig)};
+      rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig), new_.rig.parent_at};
+      for (const RawSocket& socket : rawSockets(pack_))
+        if (socket.part != part_) rigs.sockets.push_back(socket);
+      std::ranges::move(realizeSockets(new_.rig, part_), std::back_inserter(rigs.sockets));
       std::vector<std::vector<RawClip>> of_parts = clipsOfParts(old_clips_, pack_.parts().size());
       of_parts[part_] = realizeClips(new_.rig, part_);
       std::vector<RawClip> clips;
@@ -153,6 +156,8 @@ class RigSetter {
     } catch (const RigError& error) {
       refuse(error.what());
     }
+    if (new_.rig.parent_at != Part::kNotOnSpline && part().parent < 0)
+      refuse("/parent_at: the part has no parent part to hang on; leave parent_at out");
     if (const Result<void> sound = checkKnots(rigs.parts[part_].knots); !sound)
       refuse(
           fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter "
@@ -168,9 +173,11 @@ class RigSetter {
   }
 
   std::string summary() const {
-    return fmt::format("{} has the rig of {}: {}, {}", what(), new_.origin,
+    const std::string sockets =
+        new_.rig.sockets.empty() ? "" : ", " + plural(new_.rig.sockets.size(), "socket");
+    return fmt::format("{} has the rig of {}: {}, {}{}", what(), new_.origin,
                        plural(std::max<std::size_t>(new_.rig.knots.size(), 2), "knot"),
-                       plural(new_.rig.clips.size(), "clip"));
+                       plural(new_.rig.clips.size(), "clip"), sockets);
   }
 
  private:

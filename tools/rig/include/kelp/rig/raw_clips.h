@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clips of a finished pack, as rigs and edits of rigs handle them.
+// Clips, sockets and rest rigs of a finished pack, as rigs and edits of rigs handle them.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,9 @@
 
 namespace kelp {
 
-// Copies of a pack's clips.
+// Copies of a pack's clips and sockets.
 std::vector<RawClip> rawClips(const Pack& pack);
+std::vector<RawSocket> rawSockets(const Pack& pack);
 // The rest rig of a part as plain structs.
 RawRig rawRig(const Part& part);
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/formats/raw_pack.h"
 
@@ -65,11 +66,23 @@ struct RigDescription {
     bool operator==(const Clip&) const = default;
   };
 
+  // A named place on the part.
+  struct Socket {
+    std::string name;
+    float at = 0;                    // along the axis, 0 to 1
+    glm::vec3 offset{0};             // from the middle line, across the axis
+    glm::quat rotation{1, 0, 0, 0};  // unit; without one the frame's y runs along the spline
+    bool operator==(const Socket&) const = default;
+  };
+
   std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
   std::vector<Knot> knots;   // empty: two, at 0 and 1
   std::vector<Clip> clips;
+  std::vector<Socket> sockets;           // at most kMaxSockets, each with a name of its own
+  float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
   bool operator==(const RigDescription&) const = default;
 };
+inline constexpr std::size_t kMaxSockets = 1024;
 
 // What parseRig, printRig and proveClip throw. what() is one line: the place (a JSON pointer, or clip and
 // knot), what is wrong, what to do.
@@ -100,13 +113,15 @@ std::uint64_t automaticTangents(const RigDescription& rig);
 // several parts that have the same name.
 std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part);
 void mergeClips(std::vector<RawClip>& into, std::vector<RawClip> clips);
+// The sockets, in the axes of the part `part`. RigError for an offset that is not across the axis.
+std::vector<RawSocket> realizeSockets(const RigDescription& rig, std::uint32_t part);
 // The pairs (part, what the clip does to it) for all parts that the clip moves, ascending; each has the
 // clip's name and duration.
 std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
-// The inverse of realizeKnots, automaticTangents and realizeClips, for `kelp-dump rig`; `axis` is the part's
-// axis in the artist's axes.
+// The inverse of realizeKnots, automaticTangents, realizeClips and realizeSockets, for `kelp-dump rig`;
+// `axis` is the part's axis in the artist's axes.
 RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
-                           Axis axis = Axis::kPlusY);
+                           Axis axis = Axis::kPlusY, std::span<const RawSocket> sockets = {});
 
 // The motion of one part over the whole clip.
 struct ClipReport {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Values of a rig's JSON and where they stand, for errors that name the place.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "kelp/rig/rig.h"
+
+namespace kelp::rig {
+
+using Json = nlohmann::ordered_json;  // clips and sockets keep the order in which the artist wrote them
+
+constexpr double kLargest = 1e6;  // of any number: far beyond sense, far from overflow
+
+// A value and where it stands.
+struct Place {
+  const Json& json;
+  std::string pointer;  // RFC 6901; empty for the whole
+
+  Place at(const std::string& key) const;
+  Place at(std::size_t index) const { return {json.at(index), pointer + "/" + std::to_string(index)}; }
+  bool has(const char* key) const { return json.contains(key); }
+};
+
+// These throw RigError.
+[[noreturn]] void fail(const Place& place, const std::string& message);
+void requireObject(const Place& place, std::span<const std::string_view> known);
+Place required(const Place& place, const char* key, const char* remedy);
+void requireArray(const Place& place);
+void checkName(const Place& place, const char* what, const std::string& name);
+double readNumber(const Place& place, double min = -kLargest, double max = kLargest);
+float readFloat(const Place& place, double min = -kLargest, double max = kLargest);
+template <int N>
+std::array<double, N> readVector(const Place& place);  // 3 or 4
+glm::vec3 readVec3(const Place& place);
+glm::vec4 readRotation(const Place& place);  // unit quaternion x, y, z, w
+
+const char* kindOf(const Json& json);
+
+// Sockets by name. The rig's axis has been read.
+void readSockets(const Place& place, RigDescription& rig);
+
+}  // namespace kelp::rig
