@@ -76,6 +76,8 @@ bool diffPart(const Pack& a, const Pack& b, int part_a, const PartPairs& pairs, 
               std::vector<Difference>& out);
 void diffClips(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,
                std::vector<Difference>& out);
+void diffSockets(const Pack& a, const Pack& b, const PartPairs& pairs, const Tolerance& tolerance,
+                 std::vector<Difference>& out);
 
 // Compares a level of two parts of the same size and kind. Holds only the grid and a page of each in memory.
 void diffVoxels(PackFile& a, PackFile& b, int part_a, int part_b, int level, const PaletteDistances& palette,

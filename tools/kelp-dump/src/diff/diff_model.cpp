@@ -110,6 +110,8 @@ class PartDiff {
   }
 
   void rig() {
+    if (!tolerance_.allows(std::abs(double{a_.parent_at} - double{b_.parent_at}), 1))
+      add("rig", "hangs at another place of its parent's spline");
     if (a_.knots.size() != b_.knots.size()) {
       add("rig", fmt::format("{} and {} knots", a_.knots.size(), b_.knots.size()),
           std::to_string(a_.knots.size()), std::to_string(b_.knots.size()));

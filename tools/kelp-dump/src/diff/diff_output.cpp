@@ -15,7 +15,7 @@ constexpr std::size_t kMostLines = 40;
 // Whether it is listed under the heading of its part.
 bool ofPart(const Difference& d) {
   return d.kind != "info" && d.kind != "palette" && d.kind != "part" && d.kind != "clip" &&
-         d.kind != "motion";
+         d.kind != "motion" && d.kind != "socket";
 }
 
 }  // namespace

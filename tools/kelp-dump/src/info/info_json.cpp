@@ -39,6 +39,7 @@ Json partJson(const PartSummary& p) {
   for (int column = 0; column < 4; ++column) to_object.push_back(array3(part.to_object[column]));
   Json json = {{"name", part.name},
                {"parent", part.parent >= 0 ? Json(part.parent) : Json(nullptr)},
+               {"parent_at", part.parent_at >= 0 ? Json(part.parent_at) : Json(nullptr)},
                {"kind", part.kind == PartKind::kFog ? "fog" : "solid"},
                {"size", array3(part.size)},
                {"voxel_metres", array3(p.voxel)},
@@ -68,11 +69,22 @@ Json clipJson(const Clip& clip) {
           {"parts", parts}};
 }
 
+Json socketJson(const Socket& socket) {
+  const glm::quat& q = socket.rotation;
+  return {{"name", socket.name},
+          {"part", socket.part},
+          {"at", socket.at},
+          {"offset", Json::array({socket.offset.x, socket.offset.y})},
+          {"rotation", Json::array({q.x, q.y, q.z, q.w})}};
+}
+
 }  // namespace
 
 std::string infoJson(const Summary& summary) {
   const Pack& pack = *summary.pack;
-  Json parts = Json::array(), clips = Json::array(), palette = Json::array(), chunks = Json::array();
+  Json parts = Json::array(), clips = Json::array(), palette = Json::array(), chunks = Json::array(),
+       sockets = Json::array();
+  for (const Socket& socket : pack.sockets()) sockets.push_back(socketJson(socket));
   for (const PartSummary& part : summary.parts) parts.push_back(partJson(part));
   for (const Clip& clip : pack.clips()) clips.push_back(clipJson(clip));
   for (std::size_t i = 0; i < pack.palette().size(); ++i) {
@@ -99,6 +111,7 @@ std::string infoJson(const Summary& summary) {
                {"info", info ? *info : Json(nullptr)},
                {"parts", parts},
                {"clips", clips},
+               {"sockets", sockets},
                {"palette", palette},
                {"chunks", chunks}};
   if (const std::optional<std::uint64_t> decoded = summary.rawBytes()) json["decoded_bytes"] = *decoded;

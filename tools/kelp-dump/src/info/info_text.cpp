@@ -91,6 +91,7 @@ std::string partText(const Summary& summary, std::size_t index) {
     text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);
+  if (part.parent_at >= 0) text += fmt::format(" at {:.4g} of its spline", part.parent_at);
   return text + "\n" + (part.fog ? fogText(*part.fog) : "") + levelsText(summary, p);
 }
 
@@ -220,6 +221,13 @@ std::string infoText(const Summary& summary) {
   for (std::size_t i = 0; i < pack.clips().size() && i < kMostClips; ++i)
     text += clipText(summary, pack.clips()[i]);
   text += more(pack.clips().size(), kMostClips, "clips");
+  if (!pack.sockets().empty()) text += bold("sockets") + "\n";
+  for (std::size_t i = 0; i < pack.sockets().size() && i < kMostClips; ++i) {
+    const Socket& socket = pack.sockets()[i];
+    text += fmt::format("  {} at {:.4g} of {}\n", padRight(nameText(socket.name, 40), 16), socket.at,
+                        nameText(pack.parts()[socket.part].name, 40));
+  }
+  text += more(pack.sockets().size(), kMostClips, "sockets");
   text += paletteText(summary);
   text += bytesTable(summary);
   return text;
