@@ -61,7 +61,7 @@ static void animate(Meadow& meadow, double seconds) {
     (void)addClip(*meadow.asset, 0, seconds + 0.37 * i, 1, meadow.poses[i]);
     if (meadow.instances[i].tint.r == 1 || meadow.tip < 0) continue;
     const glm::mat4 tip = socketToWorld(meadow.instances[i], meadow.tip);
-    meadow.instances.push_back({meadow.asset.get(), nullptr, glm::scale(tip, glm::vec3(0.3f))});
+    meadow.instances.push_back({meadow.asset.get(), nullptr, glm::scale(tip, glm::vec3(0.3f)), {1, 4, 9, 1}});
   }
 }
 

@@ -20,6 +20,10 @@ def is_red(r, g, b):
     return r > 120 and r > 2 * g and r > 2 * b
 
 
+def is_mint(r, g, b):
+    return g > 140 and g > 1.5 * r and b > 0.4 * g
+
+
 class Running:
     """The program, and what it says line by line."""
 
@@ -69,6 +73,7 @@ def check_click(program, pack, folder):
         process.kill()
     after = check_picture.read_ppm(clicked)[2]
     assert check_picture.share(after, is_red) > 0.0002, "a click turns nothing red"
+    assert check_picture.share(after, is_mint) > 0.00005, "nothing hangs on the socket"
 
 
 def check_exchange(program, kelp_bake, model, pack, folder):
