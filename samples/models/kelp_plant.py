@@ -241,4 +241,4 @@ def rig():
     current = (travelling_wave(knots, (1, 0, 0.25), (0, 0, 0.26), 0.25, 4)
                + travelling_wave(knots, (-0.25, 0, 1), (0, 0, 0.08, 0.02), 0.45, 2, 0.1)
                + travelling_wave(knots, (1, 0, -0.2), (0, 0, 0.12, -0.08), 0.8, 1, 0.3))
-    return make_rig("+y", knots, sway=sway, current=current)
+    return dict(make_rig("+y", knots, sway=sway, current=current), sockets={"tip": {"at": 1}})

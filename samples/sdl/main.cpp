@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// kelp in a game of SDL2: 200 plants that move by themselves, each with a small one on its socket "tip". A
-// click makes a plant red. When the pack's file changes, the new pack takes over.
+// kelp in a game of SDL2. A click makes a plant red; when the pack's file changes, the new pack takes over.
 #include <SDL.h>
 #include <SDL_opengl.h>
 

@@ -371,5 +371,70 @@ TEST(ImportRig, AnAxisIsForRigsThatNameNone) {
   EXPECT_TRUE(contains(message, "extras.kelp of node 'Stem'")) << message;
 }
 
+// Empties socket.NAME, where Blender puts them: below the mesh, moved and turned with it.
+TEST(ImportSockets, EmptiesAreSocketsOfTheMeshAbove) {
+  Reed reed;
+  reed.reed =
+      R"("name":"Reed","mesh":0,"children":[1,2,3,4,5,6],"translation":[5,1,0],"rotation":[0,0.70710678,0,0.70710678],"scale":[2,2,2])";
+  reed.knots +=
+      R"(,{"name":"socket.tip","translation":[0,2,0]},{"name":"socket_side.001","translation":[0.25,0.5,0.125],"rotation":[0,0,0.70710678,0.70710678]},{"name":"socket.far","translation":[0,3,0]})";
+  const SourceModel model = reed.import();
+  ASSERT_EQ(model.parts.size(), 1u);
+  const SourcePart& part = model.parts[0];
+  ASSERT_EQ(part.rig.sockets.size(), 3u);
+  EXPECT_EQ(part.rig.sockets[0].name, "tip");
+  EXPECT_EQ(part.rig.sockets[0].at, 1.0f);
+  expectNear(part.rig.sockets[0].offset, {0, 0, 0});
+  EXPECT_NEAR(std::abs(part.rig.sockets[0].rotation.w), 1, 1e-6);
+  EXPECT_EQ(part.rig.sockets[1].name, "side");
+  EXPECT_NEAR(part.rig.sockets[1].at, 0.25f, 1e-6);
+  expectNear(part.rig.sockets[1].offset, {0.125f, 0, 0.0625f});  // of a length of 2
+  // A quarter turn about z: the socket's x points along the reed.
+  expectNear(part.rig.sockets[1].rotation * glm::vec3(1, 0, 0), {0, 1, 0});
+  EXPECT_EQ(part.rig.sockets[2].at, 1.0f);
+  ASSERT_EQ(model.notices.size(), 1u);
+  EXPECT_TRUE(contains(model.notices[0], "'far'")) << model.notices[0];
+  EXPECT_TRUE(contains(model.notices[0], "50 %")) << model.notices[0];
+}
+
+// About any axis the socket's frame at rest is the empty's, which realizeSockets and the runtime's rule tell.
+TEST(ImportSockets, TheFrameIsTheEmptysAboutEveryAxis) {
+  for (const Axis axis :
+       {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
+    SCOPED_TRACE(toString(axis));
+    Reed reed;
+    reed.reed = R"("name":"Reed","mesh":0,"children":[1])";
+    reed.knots =
+        R"({"name":"socket.hand","translation":[0.1,1.2,-0.1],"rotation":[0.18257419,0.36514837,0.54772256,0.73029674]})";
+    reed.animations = "[]";
+    Settings settings;
+    settings.axis = axis;
+    const SourceModel model = reed.import(settings);
+    ASSERT_EQ(model.parts.at(0).rig.sockets.size(), 1u);
+    const RawSocket socket = realizeSockets(model.parts[0].rig, 0).at(0);
+    // Part axes -> the file's.
+    const glm::mat3 to_file = glm::transpose(axisRotation(axis));
+    const glm::mat3 frame = to_file * glm::mat3_cast(socket.rotation);
+    const glm::mat3 empty = glm::mat3_cast(glm::quat(0.73029674f, 0.18257419f, 0.36514837f, 0.54772256f));
+    for (int column = 0; column < 3; ++column) expectNear(frame[column], empty[column]);
+  }
+}
+
+TEST(ImportSockets, TheRigsOwnSocketComesFirst) {
+  Reed reed;
+  reed.reed =
+      R"("name":"Reed","mesh":0,"children":[1,2],"extras":{"kelp":{"kelp":1,"sockets":{"tip":{"at":0.5}}}})";
+  reed.knots = R"({"name":"socket.tip","translation":[0,2,0]},{"name":"socket.root"})";
+  reed.animations = "[]";
+  const SourceModel model = reed.import();
+  const auto& sockets = model.parts.at(0).rig.sockets;
+  ASSERT_EQ(sockets.size(), 2u);
+  EXPECT_EQ(sockets[0].at, 0.5f);
+  EXPECT_EQ(sockets[1].name, "root");
+  EXPECT_EQ(sockets[1].at, 0.0f);
+  ASSERT_EQ(model.notices.size(), 1u);
+  EXPECT_TRUE(contains(model.notices[0], "in the rig already")) << model.notices[0];
+}
+
 }  // namespace
 }  // namespace kelp::bake::test

@@ -282,6 +282,42 @@ TEST_F(Diff, WhatPartsAndClipsSay) {
   EXPECT_EQ(one["name"], "turn");
 }
 
+TEST_F(Diff, SocketsAndWherePartsHang) {
+  RawPack before = ballPack();
+  before.parts[1].parent_at = 0.5f;
+  before.sockets = {{"tip", 0, 1, {0, 0}, {1, 0, 0, 0}}, {"tip", 1, 1, {0, 0}, {1, 0, 0, 0}}};
+  const std::string a = file("a.kelp", before);
+  RawPack other = before;
+  std::swap(other.sockets[0], other.sockets[1]);
+  other.sockets[0].rotation = {-1, 0, 0, 0};  // the same rotation
+  EXPECT_TRUE(diff(a, file("order.kelp", other)).at("differences").empty());
+
+  RawPack after = before;
+  after.parts[1].parent_at = 0.75f;
+  after.sockets[0].name = "top";
+  after.sockets[1].offset = {0, 0.25f};
+  const json differences = diff(a, file("b.kelp", after)).at("differences");
+  ASSERT_EQ(differences.size(), 4u) << differences;
+  EXPECT_EQ(differences[0].at("kind"), "rig");
+  EXPECT_EQ(differences[0].at("name"), "twin");
+  EXPECT_EQ(differences[1].at("kind"), "socket");
+  EXPECT_EQ(differences[1].at("only_in"), "a");
+  EXPECT_EQ(differences[1].at("name"), "tip");
+  EXPECT_EQ(differences[2].at("largest"), 0.25);
+  EXPECT_EQ(differences[3].at("only_in"), "b");
+  EXPECT_EQ(differences[3].at("name"), "top");
+  EXPECT_TRUE(diff(a, file("c.kelp", after), {"--tolerance", "0.3"}).at("differences").size() == 2u);
+
+  const json info = json::parse(test::dump({"info", a, "--format", "json"}).out);
+  EXPECT_EQ(info.at("parts")[0].at("parent_at"), nullptr);
+  EXPECT_EQ(info.at("parts")[1].at("parent_at"), 0.5);
+  ASSERT_EQ(info.at("sockets").size(), 2u);
+  EXPECT_EQ(
+      info.at("sockets")[1],
+      json::parse(
+          R"({"name": "tip", "part": 1, "at": 1.0, "offset": [0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0]})"));
+}
+
 TEST_F(Diff, ToleranceIsAShareOfTheRange) {
   const auto within = [&](const RawPack& b, const std::string& kind, const char* too_little,
                           const char* enough) {

@@ -21,7 +21,7 @@ using nlohmann::json;
 using test::ProcessResult;
 
 constexpr const char* kNod =
-    R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.4, "offset": [0.02, 0, 0]}, {"at": 1}], "clips": {"nod": {"waves": [{"knot": 2, "offset": [0.1, 0, 0], "period": 2}]}}})";
+    R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.4, "offset": [0.02, 0, 0]}, {"at": 1}], "clips": {"nod": {"waves": [{"knot": 2, "offset": [0.1, 0, 0], "period": 2}]}}, "sockets": {"tip": {"at": 1, "offset": [0.1, 0, 0]}}})";
 constexpr const char* kSway =
     R"({"kelp": 1, "clips": {"sway": {"waves": [{"knot": 1, "offset": [0.1, 0, 0], "period": 4}]}, "nod": {"waves": [{"knot": 1, "tangent": [0.1, 0, 0], "period": 3}]}}})";
 
@@ -40,6 +40,7 @@ class SetRig : public testing::Test {
       raw.parts[i].knots = realizeKnots(rig);
       raw.parts[i].automatic_tangents = automaticTangents(rig);
       mergeClips(raw.clips, realizeClips(rig, i));
+      for (RawSocket& socket : realizeSockets(rig, i)) raw.sockets.push_back(std::move(socket));
     }
     return raw;
   }
@@ -99,6 +100,8 @@ TEST_F(SetRig, OnePartOfSeveral) {
   for (const char* part : {"0", "1", "2"})
     EXPECT_EQ(set(folder_ / "one.kelp", still, {"--part", part}).exit, 0);
   EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["clips"],
+            json::array());
+  EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["sockets"],
             json::array());
   const ProcessResult which = set(path, rig);
   EXPECT_EQ(which.exit, 1);

@@ -75,7 +75,7 @@ TEST_F(RealFog, MeanOpticalDepthIsThatOfTheFile) {
   for (int shift = 0; shift < kShifts * kShifts; ++shift) {
     gl::View shifted = view;
     const glm::vec3 by(pixel * (shift % kShifts) / kShifts, pixel * (shift / kShifts) / kShifts, 0);
-    shifted.world_to_eye[3] += glm::vec4(by, 0);
+    shifted.camera.world_to_eye[3] += glm::vec4(by, 0);
     for (const glm::vec4& at : draw(*renderer, shifted, instance)) sum -= std::log1p(-double{at.a});
   }
   const double voxel = double{extent.y} / grid.size.y;

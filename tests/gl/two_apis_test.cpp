@@ -65,9 +65,9 @@ class Scenes {
         {"nine instances", many, lookAt(kPixels, {0.4f, 0.8f, 1.6f}, {0.1f, 0.3f, -0.6f}), voxel()});
     gl::View close = lookAt(kPixels, {0.25f, 0.55f, 0.75f}, {0, 0.5f, 0});
     scenes_.push_back({"close up", {rest}, close, voxel()});
-    close.shading = gl::Shading::kFaces;
+    close.quality.shading = gl::Shading::kFaces;
     scenes_.push_back({"close up, faces", {rest}, close, voxel()});
-    close.shading = gl::Shading::kSmooth;
+    close.quality.shading = gl::Shading::kSmooth;
     scenes_.push_back({"close up, smooth", {rest}, close, voxel()});
     const Instance bent{asset(), &poses_[1]};
     scenes_.push_back(
@@ -80,7 +80,7 @@ class Scenes {
                        orthographic(kPixels, {3, 2, 4}, {0, 0.5f, 0}, 0.7f),
                        voxel()});
     gl::View coarse = lookAt(kPixels, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
-    coarse.finest_level = 2;
+    coarse.quality.finest_level = 2;
     scenes_.push_back({"level 2", {Instance{asset(), &poses_[3]}}, coarse, 4 * voxel()});
   }
   const std::vector<Scene>& all() const { return scenes_; }

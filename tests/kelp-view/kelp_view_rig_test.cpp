@@ -33,7 +33,11 @@ RigDescription reed(Axis axis) {
   text.replace(text.find("AXIS"), 4, toString(axis));
   // A tangent must rise along the axis, whichever that is.
   RigDescription rig = parseRig(text);
-  rig.knots[2].tangent = glm::transpose(axisRotation(axis)) * glm::vec3(0.4f, 1.1f, -0.2f);
+  const glm::mat3 to_artist = glm::transpose(axisRotation(axis));
+  rig.knots[2].tangent = to_artist * glm::vec3(0.4f, 1.1f, -0.2f);
+  rig.sockets = {{"tip", 1, glm::vec3(0), {1, 0, 0, 0}},
+                 {"side", 0.4f, to_artist * glm::vec3(0.2f, 0, -0.1f),
+                  glm::angleAxis(0.6f, glm::normalize(glm::vec3(1, 2, 3)))}};
   return rig;
 }
 
@@ -47,6 +51,7 @@ RawPack packWith(const RigDescription& rig, const glm::mat3& in_file = glm::mat3
   part.knots = realizeKnots(rig);
   part.automatic_tangents = automaticTangents(rig);
   pack.clips = realizeClips(rig, 0);
+  pack.sockets = realizeSockets(rig, 0);
   pack.info_json = info;
   return pack;
 }
@@ -80,6 +85,13 @@ TEST(ViewerRig, ReadsBackWhatTheArtistWroteWhateverTheAxis) {
     ASSERT_EQ(read.clips.size(), 2u);
     expectNear(read.clips[0].waves[0].amplitude, written.clips[0].waves[0].amplitude, 1e-6f);
     expectNear(read.clips[1].tracks[0].keys[1].value, written.clips[1].tracks[0].keys[1].value, 1e-6f);
+    ASSERT_EQ(read.sockets.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(read.sockets[i].name, written.sockets[i].name);
+      EXPECT_EQ(read.sockets[i].at, written.sockets[i].at);
+      expectNear(read.sockets[i].offset, written.sockets[i].offset, 1e-6f);
+      EXPECT_GT(std::abs(glm::dot(read.sockets[i].rotation, written.sockets[i].rotation)), 1 - 1e-6f);
+    }
     EXPECT_FALSE(editor.unsaved());
   }
 }
@@ -101,6 +113,13 @@ TEST(ViewerRig, APartThatIsTurnedInItsFileIsWrittenInTheFilesAxes) {
   };
   expectNear(editor.rig(0).knots[1].offset, inFile(node.knots[1].offset), 1e-6f);
   expectNear(editor.rig(0).clips[0].waves[0].amplitude, inFile(node.clips[0].waves[0].amplitude), 1e-6f);
+  expectNear(editor.rig(0).sockets[1].offset, inFile(node.sockets[1].offset), 1e-6f);
+  // The frame of a socket, in its artist's axes: its rotation, of a frame whose y is the axis.
+  const auto frameOf = [](const RigDescription& rig) {
+    return glm::mat3_cast(rig.sockets[1].rotation) * glm::transpose(axisRotation(*rig.axis));
+  };
+  for (int column = 0; column < 3; ++column)
+    expectNear(frameOf(editor.rig(0))[column], inFile(frameOf(node)[column]), 1e-6f);
   EXPECT_TRUE(editor.isIn(*open.pack)) << "and shown as it is in the pack";
 
   const glm::mat3 slanted = glm::mat3(glm::rotate(glm::mat4(1), angle, glm::vec3(1, 0, 0)));
@@ -293,6 +312,39 @@ TEST(ViewerRig, ATravellingWaveIsThatWaveAtItsKnots) {
   }
 }
 
+TEST(ViewerRig, SocketsAreAddedMovedAndSaved) {
+  for (const Axis axis : {Axis::kPlusY, Axis::kMinusZ}) {
+    const OpenPack open(packWith(reed(axis)));
+    RigEditor editor(*open.pack);
+    RigDescription rig = editor.rig(0);
+    for (const char* name : {"socket", "socket.2", "socket.3"}) {
+      rig.sockets.push_back(newSocket(rig));
+      EXPECT_EQ(rig.sockets.back().name, name);
+    }
+    rig.sockets[3].at = 0.25f;
+    rig.sockets[3].offset = acrossAxis(rig, {0.1f, 0.2f, 0.3f});
+    EXPECT_EQ(editor.change(0, rig), "");
+    EXPECT_TRUE(editor.unsaved());
+    const auto& realized = editor.realized().sockets;
+    ASSERT_EQ(realized.size(), 5u);
+    EXPECT_EQ(realized[3].at, 0.25f);
+    // What is saved is what the rig language reads.
+    EXPECT_EQ(parseRig(editor.text(0)), rig);
+    // Along the axis nothing remains, and across it all does.
+    const glm::vec3 in_part = axisRotation(axis) * rig.sockets[3].offset;
+    expectNear(in_part, (axisRotation(axis) * glm::vec3(0.1f, 0.2f, 0.3f)) * glm::vec3(1, 0, 1), 1e-6f);
+
+    rig.sockets[4].name = "socket";
+    EXPECT_NE(editor.change(0, rig), "") << "two of one name";
+    rig = editor.rig(0);
+    rig.sockets[3].offset = glm::transpose(axisRotation(axis)) * glm::vec3(0, 0.5f, 0);
+    EXPECT_NE(editor.change(0, rig).find("\"at\""), std::string::npos) << "along the axis";
+    editor.endGesture();
+    editor.undo();
+    EXPECT_EQ(editor.rig(0).sockets.size(), 2u);
+  }
+}
+
 // What the packs' own writer would have written, byte for byte.
 TEST(ViewerRig, APackWithAnotherRigIsThePackOfThatRig) {
   RigDescription more = reed(Axis::kPlusY);
@@ -300,13 +352,16 @@ TEST(ViewerRig, APackWithAnotherRigIsThePackOfThatRig) {
   RigDescription no_clips = more;
   no_clips.clips.clear();
   const test::Scratch scratch;
-  for (const auto& [from, to] : {std::pair(reed(Axis::kPlusY), more), std::pair(more, reed(Axis::kPlusY)),
-                                 std::pair(more, no_clips), std::pair(no_clips, more)}) {
+  RigDescription no_sockets = no_clips;
+  no_sockets.sockets.clear();
+  for (const auto& [from, to] :
+       {std::pair(reed(Axis::kPlusY), more), std::pair(more, reed(Axis::kPlusY)), std::pair(more, no_clips),
+        std::pair(no_clips, more), std::pair(more, no_sockets), std::pair(no_sockets, no_clips)}) {
     const OpenPack original(packWith(from));
     const RawPack wanted = packWith(to);
     const std::vector<std::byte> truth = test::bytesOf(wanted);
-    const auto sketch =
-        RigSketch::make({{{wanted.parts[0].knots, wanted.parts[0].automatic_tangents}}, wanted.clips});
+    const auto sketch = RigSketch::make(
+        {{{wanted.parts[0].knots, wanted.parts[0].automatic_tangents}}, wanted.clips, wanted.sockets});
     ASSERT_TRUE(sketch) << sketch.error().detail;
     MemorySource memory(original.bytes);
     Rerigged rerigged(memory.source(), *original.pack, **sketch);

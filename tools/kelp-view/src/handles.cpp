@@ -78,6 +78,16 @@ void drag(Model& model, const Handle& handle, const OrbitCamera& camera, const g
   }
 }
 
+glm::mat4 socketFrame(const Model& model, const RawSocket& socket) {
+  const Part& part = model.asset().pack().parts()[socket.part];
+  const glm::vec3 size(part.size);
+  const glm::vec3 voxel =
+      0.5f * size * glm::vec3(1, 0, 1) + size.y * glm::vec3(socket.offset.x, socket.at, socket.offset.y);
+  const glm::mat4 frame =
+      frameAt(model.instance(), static_cast<int>(socket.part), part.to_object * glm::vec4(voxel, 1));
+  return frame * glm::mat4_cast(socket.rotation);
+}
+
 std::vector<glm::vec3> splineOf(const Model& model, int index) {
   constexpr int kSteps = 24;  // of a segment
   const Part& of = part(model, index);

@@ -32,6 +32,9 @@ glm::vec3 pullTo(const Model& model, const Handle& handle, const OrbitCamera& ca
 // Moves the handle to the mouse, from the next Model::pose() on.
 void drag(Model& model, const Handle& handle, const OrbitCamera& camera, const glm::vec2& mouse);
 
+// Where a socket is, and how it is turned; world. It need not be one of the model's pack.
+glm::mat4 socketFrame(const Model& model, const RawSocket& socket);
+
 // The spline of a part as points in the world.
 std::vector<glm::vec3> splineOf(const Model& model, int part);
 

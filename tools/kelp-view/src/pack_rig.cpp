@@ -46,6 +46,20 @@ void turnClips(std::vector<RawClip>& clips, const glm::mat3& turn) {
   }
 }
 
+// Turns the sockets of one part. The frame of a socket is the part's, turned by its rotation.
+void turnSockets(std::vector<RawSocket>& sockets, const glm::mat3& turn) {
+  for (RawSocket& socket : sockets) {
+    const glm::vec3 offset = turn * glm::vec3(socket.offset.x, 0, socket.offset.y);
+    socket.offset = {offset.x, offset.z};
+    socket.rotation = glm::normalize(glm::quat_cast(turn) * socket.rotation);
+  }
+}
+
+bool sameSocket(const RawSocket& a, const RawSocket& b) {
+  return a.part == b.part && a.name == b.name && near(a.at, b.at) && near(a.offset.x, b.offset.x) &&
+         near(a.offset.y, b.offset.y) && std::abs(glm::dot(a.rotation, b.rotation)) > 1 - 1e-6f;
+}
+
 void turnKnots(std::vector<Knot>& knots, const glm::mat3& turn) {
   for (Knot& knot : knots) {
     knot.position = turn * knot.position;
@@ -65,14 +79,18 @@ PackRig rigOf(const Pack& pack) {
   PackRig rig;
   for (const Part& part : pack.parts()) rig.parts.push_back(rawRig(part));
   rig.clips = rawClips(pack);
+  rig.sockets = rawSockets(pack);
   return rig;
 }
 
 bool alike(const PackRig& a, const PackRig& b) {
-  if (a.parts.size() != b.parts.size() || a.clips.size() != b.clips.size()) return false;
+  if (a.parts.size() != b.parts.size() || a.clips.size() != b.clips.size() ||
+      !std::is_permutation(a.sockets.begin(), a.sockets.end(), b.sockets.begin(), b.sockets.end(),
+                           sameSocket))
+    return false;
   for (std::size_t part = 0; part < a.parts.size(); ++part) {
     const RawRig &r = a.parts[part], &s = b.parts[part];
-    if (r.automatic_tangents != s.automatic_tangents ||
+    if (r.automatic_tangents != s.automatic_tangents || !near(r.parent_at, s.parent_at) ||
         !std::equal(r.knots.begin(), r.knots.end(), s.knots.begin(), s.knots.end(),
                     [&](const Knot& k, const Knot& l) {
                       return near(k.at, l.at) && near(k.position, l.position, kAlike) &&
@@ -145,22 +163,29 @@ RigDescription describe(const PackRig& rig, int index, const RigAxes& axes) {
     std::copy_if(clip.tracks.begin(), clip.tracks.end(), std::back_inserter(own.tracks),
                  [&](const auto& track) { return track.part == part; });
   }
+  std::vector<RawSocket> sockets;
+  std::copy_if(rig.sockets.begin(), rig.sockets.end(), std::back_inserter(sockets),
+               [&](const RawSocket& socket) { return socket.part == part; });
   if (axes.turn != glm::mat3(1)) {
     turnKnots(rest.knots, glm::inverse(axes.turn));
     turnClips(clips, glm::inverse(axes.turn));
+    turnSockets(sockets, glm::inverse(axes.turn));
   }
-  return describeRig(rest, clips, part, axes.axis);
+  return describeRig(rest, clips, part, axes.axis, sockets);
 }
 
 PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes) {
   PackRig rig;
   for (std::size_t part = 0; part < rigs.size(); ++part) {
-    RawRig rest{realizeKnots(rigs[part]), automaticTangents(rigs[part])};
+    RawRig rest{realizeKnots(rigs[part]), automaticTangents(rigs[part]), rigs[part].parent_at};
+    std::vector<RawSocket> sockets = realizeSockets(rigs[part], static_cast<std::uint32_t>(part));
     std::vector<RawClip> clips = realizeClips(rigs[part], static_cast<std::uint32_t>(part));
     if (axes[part].turn != glm::mat3(1)) {
       turnKnots(rest.knots, axes[part].turn);
       turnClips(clips, axes[part].turn);
+      turnSockets(sockets, axes[part].turn);
     }
+    std::move(sockets.begin(), sockets.end(), std::back_inserter(rig.sockets));
     rig.parts.push_back(std::move(rest));
     mergeClips(rig.clips, std::move(clips));
   }

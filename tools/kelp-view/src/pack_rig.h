@@ -13,10 +13,11 @@ namespace kelp::view {
 using Sizes = std::vector<glm::ivec3>;  // of each part, level-0 voxels
 Sizes sizesOf(const Pack& pack);
 
-// The contents of a pack's RIGS and CLIP chunks.
+// The contents of a pack's RIGS, CLIP and SOCK chunks.
 struct PackRig {
   std::vector<RawRig> parts;
   std::vector<RawClip> clips;
+  std::vector<RawSocket> sockets;
 };
 PackRig rigOf(const Pack& pack);
 // Whether they look the same: all numbers within 1/10000 of the part's height.

@@ -20,7 +20,7 @@ constexpr std::uint32_t fourcc(const char (&name)[5]) {
   for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<std::uint8_t>(name[i]);
   return value;
 }
-constexpr std::uint32_t kRigs = fourcc("RIGS"), kClip = fourcc("CLIP");
+constexpr std::uint32_t kRigs = fourcc("RIGS"), kClip = fourcc("CLIP"), kSock = fourcc("SOCK");
 
 template <class T>
 void store(std::vector<std::byte>& bytes, std::size_t at, T value) {
@@ -38,13 +38,14 @@ Rerigged::Rerigged(const Source& original, const Pack& pack, const RigSketch& ri
   };
   std::vector<Placed> chunks;
   for (const Chunk& chunk : pack.chunks()) {
-    if (chunk.fourcc == kClip) continue;
+    if (chunk.fourcc == kClip || chunk.fourcc == kSock) continue;
     if (chunk.fourcc != kRigs) {
       chunks.push_back({chunk});
       continue;
     }
-    for (const Chunk& fresh : rigs.asset().pack().chunks()) {  // RIGS, and CLIP if there are clips
-      if (fresh.fourcc == kRigs || fresh.fourcc == kClip) chunks.push_back({fresh, true});
+    for (const Chunk& fresh : rigs.asset().pack().chunks()) {  // RIGS, and CLIP and SOCK if there are any
+      if (fresh.fourcc == kRigs || fresh.fourcc == kClip || fresh.fourcc == kSock)
+        chunks.push_back({fresh, true});
     }
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <string>
 
 #include "sinusoid.h"
 
@@ -127,6 +128,23 @@ void removeKnot(RigDescription& rig, int knot) {
   }
   std::erase_if(rig.clips, [](const auto& clip) { return clip.waves.empty() && clip.tracks.empty(); });
   forKnots(rig, [&](int& index) { index -= index > knot ? 1 : 0; });
+}
+
+RigDescription::Socket newSocket(const RigDescription& rig) {
+  RigDescription::Socket socket;
+  socket.at = 1;
+  const auto taken = [&] {
+    return std::any_of(rig.sockets.begin(), rig.sockets.end(),
+                       [&](const RigDescription::Socket& other) { return other.name == socket.name; });
+  };
+  socket.name = "socket";
+  for (int number = 2; taken(); ++number) socket.name = "socket." + std::to_string(number);
+  return socket;
+}
+
+glm::vec3 acrossAxis(const RigDescription& rig, const glm::vec3& offset) {
+  const glm::vec3 axis = glm::transpose(axisRotation(rig.axis.value_or(Axis::kPlusY))) * glm::vec3(0, 1, 0);
+  return offset - glm::dot(offset, axis) * axis;
 }
 
 RigDescription::Clip swayOf(const RigDescription& rig, const std::string& name) {

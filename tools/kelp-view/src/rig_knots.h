@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Adding and removing knots. Waves and keys name knots by index; their indices follow.
+// Adding and removing knots, and new sockets. Waves and keys name knots by index; their indices follow.
 #pragma once
 
 #include "kelp/rig/rig.h"
@@ -14,6 +14,11 @@ void insertKnot(RigDescription& rig, int after);
 // Removes a knot, and the waves and keys that move it; also a clip that moves nothing else. Not for the first
 // and the last knot.
 void removeKnot(RigDescription& rig, int knot);
+
+// A socket at the tip, with a name that no other has.
+RigDescription::Socket newSocket(const RigDescription& rig);
+// The share of an offset that lies across the rig's axis, where sockets may go.
+glm::vec3 acrossAxis(const RigDescription& rig, const glm::vec3& offset);
 
 // The preset "sway" for any knots: the first stands still, the others swing as a beam bends, more towards the
 // tip.

@@ -24,9 +24,12 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
     part.size = glm::ivec3(1);
     part.knots = rest.knots;
     part.automatic_tangents = rest.automatic_tangents;
+    part.parent_at = rest.parent_at;
+    if (rest.parent_at != Part::kNotOnSpline && pack.parts.size() > 1) part.parent = 0;  // whichever it is
     part.levels.push_back(oneVoxel());
   }
   pack.clips = rig.clips;
+  pack.sockets = rig.sockets;
 
   std::unique_ptr<RigSketch> sketch(new RigSketch);
   const Sink sink{[](void* user, std::span<const std::byte> more) {

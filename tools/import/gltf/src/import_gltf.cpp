@@ -15,6 +15,7 @@
 #include "kelp/import/core/outer_rig.h"
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/mesh/soup.h"
+#include "sockets.h"
 
 namespace kelp::bake {
 namespace {
@@ -63,6 +64,10 @@ class GltfImporter {
                                             ? planByNodes(model_, animations_)
                                             : planByRigs(model_, outer_.has_value());
     checkPartCount(files_, plans.size(), "meshes");
+    std::set<int> part_nodes;
+    for (const PartPlan& plan : plans)
+      if (plan.node >= 0) part_nodes.insert(plan.node);
+    sockets_ = findSockets(model_, part_nodes);
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
       if (std::optional<SourcePart> part = makePart(plans[p])) {
@@ -124,7 +129,9 @@ class GltfImporter {
       if (mover >= 0)
         addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
-    if (!part.carrier) giveRig(part, outer_, settings_);
+    if (part.carrier) return part;
+    giveRig(part, outer_, settings_);
+    addSockets(model_, sockets_, plan.node, part);
     return part;
   }
 
@@ -273,6 +280,7 @@ class GltfImporter {
 
   const InputFiles& files_;
   const ImportSettings& settings_;
+  std::vector<SocketNode> sockets_;
   DataBudget budget_;
   SourceModel out_;
   std::optional<OuterRig> outer_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "window/application.h"
 
+#include "kelp/rig/raw_clips.h"
+
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -97,7 +99,9 @@ void Application::frame() {
   glfwGetFramebufferSize(window_, &pixels.x, &pixels.y);
   if (std::string wrong = stage_.draw(camera_, pixels, choices_.pixels_per_voxel); !wrong.empty())
     status_.wrong = std::move(wrong);
-  if (stage_.model() && choices_.handles) drawHandles(*stage_.model(), camera_, held_ ? held_ : near_);
+  if (stage_.model() && choices_.handles)
+    drawHandles(*stage_.model(), camera_, held_ ? held_ : near_,
+                editor_ ? editor_->realized().sockets : rawSockets(stage_.model()->asset().pack()));
   status_.workshop = workshop_.get();
   status_.unsaved = unsaved();
   drawPanel(stage_, choices_, under_mouse_, status_);

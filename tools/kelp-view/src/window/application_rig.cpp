@@ -16,12 +16,14 @@
 namespace kelp::view {
 namespace {
 
-// Whether a rig has the numbers of knots that the model is drawn with.
+// Whether the model can play the rig as it is drawn: it has as many knots, and its parts hang at the same
+// places.
 bool fits(const PackRig& rig, const Model& model) {
   const std::span<const Part> parts = model.asset().pack().parts();
-  return std::equal(
-      rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
-      [](const RawRig& rest, const Part& part) { return rest.knots.size() == part.knots.size(); });
+  return std::equal(rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
+                    [](const RawRig& rest, const Part& part) {
+                      return rest.knots.size() == part.knots.size() && rest.parent_at == part.parent_at;
+                    });
 }
 
 // A part's name as a piece of a file's name.

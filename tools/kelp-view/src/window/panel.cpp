@@ -9,6 +9,9 @@ namespace kelp::view {
 namespace {
 
 constexpr ImU32 kSpline = IM_COL32(255, 255, 255, 150);
+constexpr ImU32 kSocketAxes[] = {IM_COL32(235, 80, 80, 255), IM_COL32(90, 210, 90, 255),
+                                 IM_COL32(90, 130, 255, 255)};
+constexpr ImU32 kSocketName = IM_COL32(255, 255, 255, 230);
 constexpr ImU32 kKnot = IM_COL32(255, 200, 60, 255);
 constexpr ImU32 kTangent = IM_COL32(90, 200, 255, 255);
 constexpr ImU32 kLit = IM_COL32(255, 255, 255, 255);
@@ -110,7 +113,8 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
   ImGui::End();
 }
 
-void drawHandles(const Model& model, const OrbitCamera& camera, const std::optional<Handle>& lit) {
+void drawHandles(const Model& model, const OrbitCamera& camera, const std::optional<Handle>& lit,
+                 std::span<const RawSocket> sockets) {
   ImDrawList* const list = ImGui::GetBackgroundDrawList();
   const auto line = [&](const glm::vec3& a, const glm::vec3& b, ImU32 color, float width) {
     const std::optional<glm::vec2> from = camera.project(a), to = camera.project(b);
@@ -135,6 +139,15 @@ void drawHandles(const Model& model, const OrbitCamera& camera, const std::optio
                           : tangent ? kTangent
                                     : kKnot);
     list->AddCircle(toImGui(*pixel), is_lit ? 8.0f : tangent ? 5.0f : 6.0f, IM_COL32(0, 0, 0, 160), 0, 1.5f);
+  }
+  for (const RawSocket& socket : sockets) {
+    const glm::mat4 frame = socketFrame(model, socket);
+    const glm::vec3 at(frame[3]);
+    const Box box = bounds(model.instance());
+    const float reach = 0.04f * glm::length(box.max - box.min);
+    for (int axis = 0; axis < 3; ++axis) line(at, at + reach * glm::vec3(frame[axis]), kSocketAxes[axis], 2);
+    if (const std::optional<glm::vec2> pixel = camera.project(at))
+      list->AddText(toImGui(*pixel + glm::vec2(6, 4)), kSocketName, socket.name.c_str());
   }
 }
 

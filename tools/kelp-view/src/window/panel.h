@@ -33,6 +33,7 @@ void drawPanel(Stage& stage, Choices& choices, const std::optional<runtime::Hit>
                Status& status);
 
 // Draws every spline and its handles. `lit`: the handle that the mouse points at or holds.
-void drawHandles(const Model& model, const OrbitCamera& camera, const std::optional<Handle>& lit);
+void drawHandles(const Model& model, const OrbitCamera& camera, const std::optional<Handle>& lit,
+                 std::span<const RawSocket> sockets);
 
 }  // namespace kelp::view

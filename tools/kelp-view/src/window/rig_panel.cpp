@@ -8,6 +8,7 @@
 
 #include "window/knot_controls.h"
 #include "window/panel_colors.h"
+#include "window/socket_controls.h"
 
 namespace kelp::view {
 namespace {
@@ -67,6 +68,7 @@ void drawRigPanel(RigPanel& panel, RigEditor& editor, double now, const std::fun
                           kAxes[static_cast<int>(draft.rig.axis.value_or(Axis::kPlusY))]);
       for (int knot = 0; knot < static_cast<int>(draft.rig.knots.size()); ++knot) drawKnot(draft, knot);
     }
+    if (ImGui::CollapsingHeader("Sockets")) drawSockets(draft);
     if (ImGui::CollapsingHeader("Clips", ImGuiTreeNodeFlags_DefaultOpen)) {
       drawClipChoice(draft, panel.clips);
       if (!draft.rig.clips.empty() && panel.clips.clip < static_cast<int>(draft.rig.clips.size()))
