@@ -8,13 +8,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <string_view>
 #include <vector>
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "kelp/gl/renderer.h"
+#include "../write_ppm.h"
+#include "kelp/kelp.h"
 
 // Three squares of four vertices, no vertex buffer: 0 is the floor, 1 stands behind, 2 to the right. room =
 // half its side, its height, the height of the floor.
@@ -131,27 +131,12 @@ static int fail(const char* what, const kelp::Error& error) {
   return error.code == kelp::ErrorCode::kIo ? 2 : error.code == kelp::ErrorCode::kGraphics ? 4 : 3;
 }
 
-static int writePicture(const char* path, const glm::ivec2& size) {
-  const std::size_t row = 3u * static_cast<unsigned>(size.x);
-  std::vector<char> pixels(row * static_cast<unsigned>(size.y));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  std::ofstream file(path, std::ios::binary);
-  file << "P6\n" << size.x << " " << size.y << "\n255\n";
-  for (std::size_t at = pixels.size(); at > 0; at -= row)
-    file.write(&pixels[at - row], static_cast<std::streamsize>(row));
-  return file.flush() ? 0 : fail(path, {kelp::ErrorCode::kIo, "the picture cannot be written"});
-}
-
 static int run(GLFWwindow* window, const char* path, int frames, const char* picture) {
-  auto file = kelp::FileSource::open(path);
-  if (!file) return fail(path, file.error());
-  const auto asset = kelp::runtime::Asset::open(file->source());
+  const auto asset = kelp::runtime::Asset::open(path);
   if (!asset) return fail(path, asset.error());
   // game_loop does it in a thread
   if (const auto loaded = (*asset)->loadAll(); !loaded) return fail(path, loaded.error());
-  auto pose = kelp::runtime::Pose::create(**asset);
-  if (!pose) return fail(path, pose.error());
+  kelp::runtime::Pose pose = kelp::runtime::Pose::create(**asset).value();
 
   kelp::gl::Config config;
   config.getProcAddress = [](void*, const char* name) {
@@ -173,7 +158,7 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
   glClearColor(0.36f, 0.45f, 0.54f, 1);
 
   // The model stands in the middle of a room scaled to it.
-  kelp::runtime::Instance instance{&**asset, &*pose};
+  kelp::runtime::Instance instance{&**asset, &pose};
   const kelp::Box box = bounds(instance);
   const glm::vec3 extent = box.max - box.min, middle = 0.5f * (box.min + box.max);
   instance.to_world = glm::translate(glm::mat4(1), glm::vec3(-middle.x, -box.min.y, -middle.z));
@@ -182,32 +167,31 @@ static int run(GLFWwindow* window, const char* path, int frames, const char* pic
 
   for (int frame = 1; !glfwWindowShouldClose(window) && (frames == 0 || frame <= frames); ++frame) {
     const double seconds = frames > 0 ? 1.5 + frame / 30.0 : glfwGetTime();
-    pose->reset();
-    if (!(*asset)->pack().clips().empty()) (void)addClip(**asset, 0, seconds, 1.0f, *pose);
-    kelp::gl::View view;
-    glfwGetFramebufferSize(window, &view.camera.viewport.x, &view.camera.viewport.y);
+    pose.reset();
+    (void)addClip(**asset, 0, seconds, 1, pose);  // the first clip, if there is one
+    glm::ivec2 size_in_pixels(0);
+    glfwGetFramebufferSize(window, &size_in_pixels.x, &size_in_pixels.y);
     const float turn = -0.46f + 0.25f * glm::sin(0.3f * static_cast<float>(seconds));
     const glm::vec3 eye = size * glm::vec3(2.0f * glm::sin(turn), 0.95f, 2.0f * glm::cos(turn));
-    view.camera.world_to_eye = glm::lookAt(eye, glm::vec3(0.08f * size, 0.44f * room.y, 0), {0, 1, 0});
-    const glm::vec2 pixels = glm::max(view.camera.viewport, 1);
-    view.camera.eye_to_clip = glm::perspective(0.62f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
+    const glm::mat4 to_eye = glm::lookAt(eye, glm::vec3(0.08f * size, 0.44f * room.y, 0), {0, 1, 0});
+    const glm::vec2 pixels = glm::max(size_in_pixels, 1);
+    const glm::mat4 projection = glm::perspective(0.62f, pixels.x / pixels.y, 0.05f * size, 10.0f * size);
+    kelp::gl::View view{.camera = {to_eye, projection, size_in_pixels}};
     view.light.sun_direction = {-0.35f, 0.9f, 0.55f};
     view.quality.self_shadow = true;
-    glViewport(0, 0, view.camera.viewport.x, view.camera.viewport.y);
+    glViewport(0, 0, size_in_pixels.x, size_in_pixels.y);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (view.camera.viewport.x > 0 && view.camera.viewport.y > 0) {  // not minimised
-      const auto drawn = (*renderer)->draw(view, {&instance, 1});
-      if (!drawn) return fail(path, drawn.error());
-      const auto bound = (*renderer)->bindTrace(mirrors, view, {&instance, 1});
-      if (!bound) return fail(path, bound.error());
-      const glm::mat4 to_clip = view.camera.eye_to_clip * view.camera.world_to_eye;
-      glUniformMatrix4fv(glGetUniformLocation(mirrors, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
-      glUniform3f(glGetUniformLocation(mirrors, "eye"), eye.x, eye.y, eye.z);
-      glUniform3f(glGetUniformLocation(mirrors, "room"), room.x, room.y, room.z);
-      for (const int square : {0, 1, 2}) glDrawArrays(GL_TRIANGLE_STRIP, 4 * square, 4);
-    }
+    const auto drawn = (*renderer)->draw(view, {&instance, 1});
+    if (!drawn) return fail(path, drawn.error());
+    const auto bound = (*renderer)->bindTrace(mirrors, view, {&instance, 1});
+    if (!bound) return fail(path, bound.error());
+    const glm::mat4 to_clip = projection * to_eye;
+    glUniformMatrix4fv(glGetUniformLocation(mirrors, "to_clip"), 1, GL_FALSE, &to_clip[0][0]);
+    glUniform3f(glGetUniformLocation(mirrors, "eye"), eye.x, eye.y, eye.z);
+    glUniform3f(glGetUniformLocation(mirrors, "room"), room.x, room.y, room.z);
+    for (const int square : {0, 1, 2}) glDrawArrays(GL_TRIANGLE_STRIP, 4 * square, 4);
     if (frame == frames && picture) {
-      if (const int bad = writePicture(picture, view.camera.viewport)) return bad;
+      if (const int bad = writePpm("mirror", picture, size_in_pixels)) return bad;
     }
     glfwSwapBuffers(window);
     glfwPollEvents();

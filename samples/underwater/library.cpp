@@ -11,10 +11,7 @@ kelp::Result<std::unique_ptr<Library>> Library::open(const std::string& folder, 
   std::unique_ptr<Library> library(new Library);
   for (std::size_t i = 0; i < kSpecies; ++i) {
     wrong = library->paths_[i] = folder + "/" + kNames[i] + ".kelp";
-    auto file = kelp::FileSource::open(wrong.c_str());
-    if (!file) return file.error();
-    library->files_[i] = *std::move(file);
-    auto asset = kelp::runtime::Asset::open(library->files_[i].source());
+    auto asset = kelp::runtime::Asset::open(wrong.c_str());
     if (!asset) return asset.error();
     library->assets_[i] = *std::move(asset);
   }

@@ -46,7 +46,6 @@ class Library {
   bool quitting() const;
 
   std::array<std::string, kSpecies> paths_;
-  std::array<kelp::FileSource, kSpecies> files_;
   std::array<std::unique_ptr<kelp::runtime::Asset>, kSpecies> assets_;
 
   mutable std::mutex mutex_;  // of what follows

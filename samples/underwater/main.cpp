@@ -3,8 +3,8 @@
 #include "program.h"  // OpenGL's header, first
 
 #include <cstdio>
-#include <fstream>
 
+#include "../write_ppm.h"
 #include "arguments.h"
 #include "reef.h"
 #include "stage.h"
@@ -23,17 +23,6 @@ int fail(const std::string& what, const kelp::Error& error) {
   std::fprintf(stderr, "underwater: %s: %s: %s\n", what.c_str(), kelp::toString(error.code), error.detail);
   if (error.code == kelp::ErrorCode::kIo) return 2;
   return error.code == kelp::ErrorCode::kGraphics || error.code == kelp::ErrorCode::kOutOfMemory ? 4 : 3;
-}
-
-bool writePicture(const std::string& path, const glm::ivec2& size) {
-  const std::size_t row = 3u * static_cast<unsigned>(size.x);
-  std::vector<char> pixels(row * static_cast<unsigned>(size.y));
-  glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  std::ofstream file(path, std::ios::binary);
-  file << "P6\n" << size.x << " " << size.y << "\n255\n";
-  for (std::size_t at = pixels.size(); at > 0; at -= row)
-    file.write(&pixels[at - row], static_cast<std::streamsize>(row));
-  return file.flush().good();
 }
 
 // What the user does with mouse and keys since the last frame.
@@ -117,9 +106,8 @@ int run(GLFWwindow* window, const Arguments& arguments) {
       const bool complete = all_read && drawn->pending == 0;
       if (complete) ++frame;  // frames count while all the voxels are there
       if (arguments.frames == 0 || complete) seconds += passed;
-      if (frame == arguments.frames && !arguments.picture.empty() &&
-          !writePicture(arguments.picture, viewport)) {
-        return fail(arguments.picture, {kelp::ErrorCode::kIo, "the picture cannot be written"});
+      if (frame == arguments.frames && !arguments.picture.empty()) {
+        if (const int bad = writePpm("underwater", arguments.picture.c_str(), viewport)) return bad;
       }
     }
     glfwSwapBuffers(window);

@@ -28,8 +28,21 @@ def is_olive(r, g, b):
     return g > 1.35 * b and g > 0.6 * r and g > 30
 
 
+def is_red(r, g, b):
+    return r > 150 and r > 2 * g and r > 2 * b
+
+
 def check_game_loop(width, height, pixels):
     assert share(pixels, is_olive) > 0.02, "the plant is missing"
+    # The hoop goes round the stem at half height, before it and behind it.
+    middle = pixels[width * (height // 3):width * (2 * height // 3)]
+    assert share(middle, is_red) > 0.01 and share(middle, is_olive) > 0.01, "plant and hoop do not meet"
+    column = [is_red(*pixels[width * y + width // 2]) for y in range(height)]
+    assert any(column), "the hoop does not pass before the plant"
+    lines = [sum(is_red(*pixel) for pixel in pixels[width * y:width * (y + 1)]) for y in range(height)]
+    red = [y for y in range(height) if lines[y] > 0]
+    far, near = sum(lines[red[0]:(red[0] + red[-1]) // 2]), sum(lines[(red[0] + red[-1]) // 2:])
+    assert near > 1.35 * far, "the plant does not hide the hoop behind it: %d, %d" % (near, far)
     water = share(pixels, lambda r, g, b: max(abs(r - 148), abs(g - 188), abs(b - 200)) <= 3)
     assert water > 0.5, "the background is not encoded as sRGB: %.2f of it is" % water
 

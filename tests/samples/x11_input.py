@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Mouse and keys for a program on an X server without a window manager. Needs libX11 and libXtst (Debian:
-libxtst6)."""
+"""Mouse, keys and pictures of a program on an X server without a window manager. Needs libX11 and libXtst
+(Debian: libxtst6)."""
 
 import ctypes
 import ctypes.util
@@ -24,6 +24,14 @@ class ClientMessage(ctypes.Structure):
                 ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong), ("format", ctypes.c_int),
                 ("data", ctypes.c_long * 5),
                 ("pad", ctypes.c_long * 24)]
+
+
+class Image(ctypes.Structure):
+    _fields_ = [("width", ctypes.c_int), ("height", ctypes.c_int), ("xoffset", ctypes.c_int),
+                ("format", ctypes.c_int), ("data", ctypes.POINTER(ctypes.c_ubyte)),
+                ("byte_order", ctypes.c_int), ("bitmap_unit", ctypes.c_int),
+                ("bitmap_bit_order", ctypes.c_int), ("bitmap_pad", ctypes.c_int), ("depth", ctypes.c_int),
+                ("bytes_per_line", ctypes.c_int), ("bits_per_pixel", ctypes.c_int)]
 
 
 class Screen:
@@ -111,6 +119,17 @@ class Screen:
         for code in reversed(codes):
             self.xtst.XTestFakeKeyEvent(self.display, code, 0, ctypes.c_ulong(0))
             self.settle(0.1)
+
+    def picture(self, width, height):
+        """What the window shows now: a list of (r, g, b)."""
+        self.x11.XGetImage.restype = ctypes.POINTER(Image)
+        image = self.x11.XGetImage(self.display, ctypes.c_ulong(self.window), 0, 0, width, height,
+                                   ctypes.c_ulong(0xffffff), 2)
+        assert image and image[0].bits_per_pixel == 32 and image[0].byte_order == 0, "no picture of 24 bits"
+        data = ctypes.string_at(image[0].data, image[0].bytes_per_line * height)
+        self.x11.XDestroyImage(image)
+        rows = [data[row:row + 4 * width] for row in range(0, len(data), len(data) // height)]
+        return [(row[i + 2], row[i + 1], row[i]) for row in rows for i in range(0, 4 * width, 4)]
 
     def close(self):
         """What the cross of a window's frame does."""
