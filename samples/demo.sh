@@ -75,7 +75,7 @@ END
 step "install packages (a minute or two the first time)" tools/setup.sh
 step "configure" cmake --preset release
 step "build (the longest step, the first time)" cmake --build --preset release --target \
-  kelp-bake kelp-dump kelp-render kelp-view game_loop mirror underwater
+  kelp-bake kelp-dump kelp-render kelp-view game_loop mirror sdl underwater
 if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
 fi
@@ -110,6 +110,7 @@ Made in $PWD/$out:
 See it move (needs a display and OpenGL 3.3):
   $bin/kelp-view $out/kelp_plant.kelp
   $bin/game_loop $out/kelp_plant.kelp
+  $bin/sdl $out/kelp_plant.kelp          click on a plant
   $bin/underwater $out
 Bake a model of yours:  $bin/kelp-bake YOURS.glb -o YOURS.kelp --resolution 256 --rig sway
 Make a rig for it:      $bin/kelp-view --watch YOURS.glb      (tools/kelp-view/FIRST_RIG.md)

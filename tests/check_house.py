@@ -78,6 +78,8 @@ def room_of(path):
 
 
 def room_of_include(include):
+    if include == "kelp/kelp.h":  # all of the runtime, for hosts
+        return "runtime/gl"
     prefixes = {prefix: room for room, (prefix, _) in ROOMS.items() if prefix}
     best = max((prefix for prefix in prefixes if include.startswith(prefix)), key=len, default=None)
     return prefixes.get(best)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Usage: kelp_lines.py FOLDER_OF_SAMPLES [SAMPLE]
 
-Which lines of a one-file sample are kelp's: all lines of each statement that names kelp, or an object of kelp's
-(a variable that such a statement declares as `auto` or as a type of kelp). Comments and texts in quotes do not
-count. With SAMPLE, prints them. Without, checks that samples/README.md lists them as they are, and that the
-samples are as short as it says."""
+Which lines of a one-file sample are kelp's: all lines of each statement that names kelp, or an object of
+kelp's (a variable that such a statement declares as `auto` or as a type of kelp). Comments and texts in
+quotes do not count. With SAMPLE, prints them. Without, checks that samples/README.md and README.md list them
+as they are, and that the samples are as short as they say."""
 
 import os
 import re
@@ -41,7 +41,7 @@ def kelp_lines(text):
     aliases = re.findall(r"namespace (\w+) = kelp", text)
     names.update(aliases)
     types = "|".join([r"kelp(?:::\w+)+"] + [name + r"::\w+" for name in aliases])
-    declares = re.compile(r"(?:\bauto|(?:\b(?:%s|std::\w+<(?:%s)>)))[ &*]+(?:const )?(\w+)\b(?!\()" % (types, types))
+    declares = re.compile(r"(?:\bauto|\b(?:%s|std::\w+<(?:%s)>))[ &*]+(\w+)\b(?!\()" % (types, types))
     while True:
         before = len(found), len(names)
         word = re.compile(r"\b(?:%s)\b" % "|".join(names))
@@ -65,10 +65,11 @@ def main(folder, sample=None):
     if sample:
         print("\n".join(lines_of(folder, sample)[1]))
         return
-    with open(os.path.join(folder, "README.md"), encoding="utf-8") as file:
-        readme = file.read()
-    blocks = [[line.strip() for line in block.strip().split("\n")]
-              for block in re.findall(r"```cpp\n(.*?)```", readme, flags=re.S)]
+    texts = {}
+    for place in (os.path.join(folder, "README.md"), os.path.join(folder, "..", "README.md")):
+        with open(place, encoding="utf-8") as file:
+            texts[place] = file.read()
+    readme = texts[os.path.join(folder, "README.md")]
     for name, most in SAMPLES.items():
         total, lines = lines_of(folder, name)
         print("%s: %d lines, %d of them kelp's" % (name, total, len(lines)))
@@ -77,8 +78,11 @@ def main(folder, sample=None):
             "samples/README.md does not say how many lines %s has" % name
         if most:
             assert len(lines) <= most, "%d lines of %s are kelp's, more than %d" % (len(lines), name, most)
-            assert lines in blocks, "samples/README.md does not list kelp's lines of %s:\n%s" % (
-                name, "\n".join(lines))
+            for place, text in texts.items():
+                blocks = [[line.strip() for line in block.strip().split("\n")]
+                          for block in re.findall(r"```cpp\n(.*?)```", text, flags=re.S)]
+                assert lines in blocks, "%s does not list kelp's lines of %s:\n%s" % (place, name,
+                                                                                      "\n".join(lines))
 
 
 if __name__ == "__main__":

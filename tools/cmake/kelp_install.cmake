@@ -17,7 +17,20 @@ if(KELP_BAKER OR KELP_TOOLS)
   install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES ${PROJECT_SOURCE_DIR}/formats/SPEC.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT dev)
+# What headers cite, in the folders of the sources, so that names and links lead there.
+foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/gl/README.md shaders/README.md
+  tools/rig/README.md)
+  cmake_path(GET document PARENT_PATH folder)
+  install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder}
+    COMPONENT dev)
+endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/shaders COMPONENT dev
+  FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag
+  PATTERN reference EXCLUDE PATTERN include EXCLUDE)
+# A game that builds as it is: cmake -S share/doc/kelp/examples/game_loop
+install(FILES ${PROJECT_SOURCE_DIR}/samples/game_loop/CMakeLists.txt
+  ${PROJECT_SOURCE_DIR}/samples/game_loop/main.cpp
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/game_loop COMPONENT dev)
 include(kelp_add_pack)  # for those who have kelp as a subdirectory
 if(PROJECT_IS_TOP_LEVEL)
   include(kelp_package)
