@@ -15,6 +15,7 @@
 #include "kelp/import/core/outer_rig.h"
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/mesh/soup.h"
+#include "sockets.h"
 
 namespace kelp::bake {
 namespace {
@@ -76,6 +77,7 @@ class GltfImporter {
       }
     }
     placeCarriers();
+    hangCarriers();
     if (out_.parts.empty()) explainEmptiness(model_);
     uniqueNames();
     if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
@@ -124,7 +126,10 @@ class GltfImporter {
       if (mover >= 0)
         addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
-    if (!part.carrier) giveRig(part, outer_, settings_);
+    if (!part.carrier) {
+      giveRig(part, outer_, settings_);
+      addSockets(model_, plan.sockets, space, part);
+    }
     return part;
   }
 
@@ -208,6 +213,23 @@ class GltfImporter {
       carrier.grid.emplace();
       carrier.grid->size = glm::ivec3(1);
       carrier.grid->solid.assign(1, 1);
+    }
+  }
+
+  // Where a carrier stands between a part and the one that it hangs on, the carrier hangs there: it takes
+  // along what follows it.
+  void hangCarriers() {
+    for (SourcePart& part : out_.parts) {
+      SourcePart* hung = &part;
+      while (hung->parent >= 0 && out_.parts[static_cast<std::size_t>(hung->parent)].carrier)
+        hung = &out_.parts[static_cast<std::size_t>(hung->parent)];
+      if (hung == &part || part.rig.parent_at == Part::kNotOnSpline) continue;
+      if (hung->rig.parent_at != Part::kNotOnSpline && hung->rig.parent_at != part.rig.parent_at)
+        model_.note("part '" + part.name +
+                    "' hangs where another part that moves with it does: its own parent_at is not used");
+      else
+        hung->rig.parent_at = part.rig.parent_at;
+      part.rig.parent_at = Part::kNotOnSpline;
     }
   }
 
