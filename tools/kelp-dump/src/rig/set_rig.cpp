@@ -144,8 +144,9 @@ class RigSetter {
     for (const Part& each : pack_.parts()) rigs.parts.push_back(rawRig(each));
     try {
       rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig), new_.rig.parent_at};
+      // A rig without sockets leaves those that are there: they may come from the model's own empties.
       for (const RawSocket& socket : rawSockets(pack_))
-        if (socket.part != part_) rigs.sockets.push_back(socket);
+        if (socket.part != part_ || new_.rig.sockets.empty()) rigs.sockets.push_back(socket);
       std::ranges::move(realizeSockets(new_.rig, part_), std::back_inserter(rigs.sockets));
       std::vector<std::vector<RawClip>> of_parts = clipsOfParts(old_clips_, pack_.parts().size());
       of_parts[part_] = realizeClips(new_.rig, part_);
