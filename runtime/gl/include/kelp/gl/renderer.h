@@ -134,9 +134,9 @@ enum class Output : std::uint8_t {
 //   view.camera = {world_to_eye, eye_to_clip, {width, height}};
 //   renderer->draw(view, instances);
 struct View {
-  Camera camera;
-  Light light;
-  Quality quality;
+  Camera camera = {};
+  Light light = {};
+  Quality quality = {};
   Output output = Output::kLinear;
   // A texture with the depth of the scene so far: GL_TEXTURE_2D, a depth format or GL_R32F, not attached to
   // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
