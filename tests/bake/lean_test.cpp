@@ -84,8 +84,8 @@ TEST(Lean, OfARigFileIsStraightAtRestAndInItsClips) {
     // Back to upright and beyond, and on to twice the slope.
     for (const double seconds : {0.5, 1.0, 3.0}) {
       column.pose().reset();
-      ASSERT_TRUE(runtime::addClip(column.asset(), runtime::findClip(column.asset(), "back"), seconds, 1,
-                                   column.pose()));
+      ASSERT_TRUE(runtime::addClip(column.asset(), runtime::findClip(column.asset(), "back").value(), seconds,
+                                   1, column.pose()));
       expectLine(column.instance(), slope * (1 - std::sin(glm::radians(90 * seconds))));
     }
     column.pose().reset();
