@@ -201,10 +201,12 @@ TEST_F(SetRig, RefusesWhatTheBakerRefuses) {
   check(writeRig(std::string((16 << 20) + 5, ' ')), 3, "16 MiB");
   // Voxels lie where a straight rig has them, with empty layers at its ends.
   const std::string padded = write(pack({R"({"kelp": 1})"}, R"({"resolution": 32, "pad": 2})"));
-  const ProcessResult result = set(padded, writeRig(kNod));
-  EXPECT_EQ(result.exit, 3);
-  EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos)
-      << result.err;
+  for (const char* rig : {kNod, R"({"kelp": 1, "sockets": {"tip": {"at": 1}}})"}) {
+    const ProcessResult result = set(padded, writeRig(rig));
+    EXPECT_EQ(result.exit, 3);
+    EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos)
+        << result.err;
+  }
   for (const auto& entry : std::filesystem::directory_iterator(folder_.folder()))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
 }

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Usage: kelp_lines.py FOLDER_OF_SAMPLES [SAMPLE]
 
-Which lines of a one-file sample are kelp's: all lines of each statement that names kelp, or an object of kelp's
-(a variable that such a statement declares as `auto` or as a type of kelp). Comments and texts in quotes do not
-count. With SAMPLE, prints them. Without, checks that samples/README.md lists them as they are, and that the
-samples are as short as it says."""
+Which lines of a one-file sample are kelp's: all lines of each statement that names kelp, or an object of
+kelp's (a variable that such a statement declares as `auto` or as a type of kelp). Comments and texts in
+quotes do not count. With SAMPLE, prints them. Without, checks that samples/README.md lists them as they are,
+and that the samples are as short as it says."""
 
 import os
 import re
@@ -41,7 +41,8 @@ def kelp_lines(text):
     aliases = re.findall(r"namespace (\w+) = kelp", text)
     names.update(aliases)
     types = "|".join([r"kelp(?:::\w+)+"] + [name + r"::\w+" for name in aliases])
-    declares = re.compile(r"(?:\bauto|(?:\b(?:%s|std::\w+<(?:%s)>)))[ &*]+(?:const )?(\w+)\b(?!\()" % (types, types))
+    declares = re.compile(r"(?:\bauto|(?:\b(?:%s|std::\w+<(?:%s)>)))[ &*]+(?:const )?(\w+)\b(?!\()" %
+                          (types, types))
     while True:
         before = len(found), len(names)
         word = re.compile(r"\b(?:%s)\b" % "|".join(names))
