@@ -38,5 +38,6 @@ void main() {
 
   vec4 clip = p.clip_at + hit.s * p.clip_slope;
   gl_FragDepth = kelpDepthOf(clip);
-  kelp_color = kelp_depth_only ? vec4(0.0) : kelpOutput(kelpShade(hit, kelp_near + hit.s * p.ray, p.ray, clip));
+  kelp_color = kelp_depth_only ? vec4(0.0)
+                               : kelpOutput(kelpShade(hit, kelp_near + hit.s * p.ray, p.ray, clip));
 }

@@ -28,8 +28,10 @@ ROOMS = {
     "formats": ("kelp/formats/", []),
     "shaders": ("kelp/shaders/", []),
     "runtime/src/simd": ("kelp/simd/", ["formats"]),
-    "runtime": ("kelp/runtime/", ["formats", "shaders", "runtime/src/simd"]),
-    "runtime/gl": ("kelp/gl/", ["formats", "shaders", "runtime", "runtime/src/simd"]),
+    "runtime": ("kelp/runtime/", ["formats", "shaders", "runtime/src/simd", "runtime/src/streaming"]),
+    "runtime/src/streaming": ("kelp/streaming/", ["formats", "runtime"]),
+    "runtime/gl": ("kelp/gl/", ["formats", "shaders", "runtime", "runtime/src/simd",
+                                "runtime/src/streaming"]),
     "tools/common": ("kelp/common/", ["formats"]),
     "tools/fields": ("kelp/fields/", ["formats", "tools/common"]),
     "tools/rig": ("kelp/rig/", ["formats", "tools/common"]),
@@ -78,7 +80,11 @@ def room_of(path):
 
 
 def room_of_include(include):
+<<<<<<< HEAD
     if include == "kelp/kelp.h":  # all of the runtime, for hosts
+=======
+    if include == "kelp/kelp.h":  # all headers for games
+>>>>>>> main
         return "runtime/gl"
     prefixes = {prefix: room for room, (prefix, _) in ROOMS.items() if prefix}
     best = max((prefix for prefix in prefixes if include.startswith(prefix)), key=len, default=None)

@@ -84,13 +84,13 @@ TEST(Lean, OfARigFileIsStraightAtRestAndInItsClips) {
     // Back to upright and beyond, and on to twice the slope.
     for (const double seconds : {0.5, 1.0, 3.0}) {
       column.pose().reset();
-      ASSERT_TRUE(runtime::addClip(column.asset(), runtime::findClip(column.asset(), "back"), seconds, 1,
-                                   column.pose()));
+      ASSERT_TRUE(runtime::addClip(column.asset(), runtime::findClip(column.asset(), "back").value(), seconds,
+                                   1, column.pose()));
       expectLine(column.instance(), slope * (1 - std::sin(glm::radians(90 * seconds))));
     }
     column.pose().reset();
-    ASSERT_TRUE(
-        runtime::addClip(column.asset(), runtime::findClip(column.asset(), "on"), 1, 1, column.pose()));
+    ASSERT_TRUE(runtime::addClip(column.asset(), runtime::findClip(column.asset(), "on").value(), 1, 1,
+                                 column.pose()));
     expectLine(column.instance(), slope * 1.5);
   }
 }
@@ -109,8 +109,8 @@ TEST(Lean, ATangentThatIsGivenBendsTheColumn) {
   for (const char* what : {"move", "bend", "wave", "keys"}) {
     SCOPED_TRACE(what);
     column.pose().reset();
-    if (const int clip = runtime::findClip(column.asset(), what); clip >= 0)
-      ASSERT_TRUE(runtime::addClip(column.asset(), clip, 1, 1, column.pose()));
+    if (const Result<int> clip = runtime::findClip(column.asset(), what))
+      ASSERT_TRUE(runtime::addClip(column.asset(), *clip, 1, 1, column.pose()));
     else
       ASSERT_TRUE(column.pose().move(0, 1, {0.3f, 0, 0}));
     const bool follows = what == std::string("move") || what == std::string("bend");
@@ -182,7 +182,7 @@ TEST(Lean, OfKnotEmptiesIsStraight) {
     for (int degrees = 10; degrees <= 70; degrees += 10) {
       SCOPED_TRACE(degrees);
       const double slope = std::tan(glm::radians(static_cast<double>(degrees)));
-      const int clip = runtime::findClip(reed.asset(), "lean" + std::to_string(degrees));
+      const int clip = runtime::findClip(reed.asset(), "lean" + std::to_string(degrees)).value();
       for (const double share : {0.3, std::nextafter(1.0, 0.0)}) {
         reed.pose().reset();
         ASSERT_TRUE(runtime::addClip(reed.asset(), clip, share, 1, reed.pose()));

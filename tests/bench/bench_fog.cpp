@@ -341,8 +341,9 @@ void run(const std::string& path, int frames) {
     const double voxel = glm::length(glm::dvec3(part.to_object[0]));
     const GLuint programs[2] = {build("", double{reach} / voxel),
                                 build("#define PAPER_ARCSINE\n", double{reach} / voxel)};
-    const glm::dmat4 to_part = glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
-                                            glm::dmat4(runtime::partToWorld(instance, 0)));
+    const glm::dmat4 to_part =
+        glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye) *
+                     glm::dmat4(runtime::partToWorld(instance, 0)));
     const glm::mat4 world_to_part = glm::inverse(glm::mat4(runtime::partToWorld(instance, 0)));
     Box in_part{glm::vec3(INFINITY), glm::vec3(-INFINITY)};
     for (int corner = 0; corner < 8; ++corner) {

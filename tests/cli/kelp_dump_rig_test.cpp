@@ -101,8 +101,9 @@ TEST_F(SetRig, OnePartOfSeveral) {
     EXPECT_EQ(set(folder_ / "one.kelp", still, {"--part", part}).exit, 0);
   EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["clips"],
             json::array());
-  EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["sockets"],
-            json::array());
+  EXPECT_EQ(json::parse(test::dump({"info", folder_ / "one.kelp", "--format", "json"}).out)["sockets"].size(),
+            3u)
+      << "a rig without sockets leaves those that are there";
   const ProcessResult which = set(path, rig);
   EXPECT_EQ(which.exit, 1);
   EXPECT_NE(which.err.find("choose one of 0 'part 0', 1 'part 1', 2 'part 2' with --part"), std::string::npos)
@@ -200,10 +201,12 @@ TEST_F(SetRig, RefusesWhatTheBakerRefuses) {
   check(writeRig(std::string((16 << 20) + 5, ' ')), 3, "16 MiB");
   // Voxels lie where a straight rig has them, with empty layers at its ends.
   const std::string padded = write(pack({R"({"kelp": 1})"}, R"({"resolution": 32, "pad": 2})"));
-  const ProcessResult result = set(padded, writeRig(kNod));
-  EXPECT_EQ(result.exit, 3);
-  EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos)
-      << result.err;
+  for (const char* rig : {kNod, R"({"kelp": 1, "sockets": {"tip": {"at": 1}}})"}) {
+    const ProcessResult result = set(padded, writeRig(rig));
+    EXPECT_EQ(result.exit, 3);
+    EXPECT_NE(result.err.find("was baked with --pad 2 and a rig that does not bend"), std::string::npos)
+        << result.err;
+  }
   for (const auto& entry : std::filesystem::directory_iterator(folder_.folder()))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
 }

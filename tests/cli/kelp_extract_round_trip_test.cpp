@@ -15,16 +15,8 @@
 namespace kelp {
 namespace {
 
-struct Contents {
-  std::unique_ptr<FileSource> file;  // the pack reads from where it stands
-  Pack pack;
-};
-
-Contents openPack(const std::filesystem::path& path) {
-  auto file = std::make_unique<FileSource>(*FileSource::open(path.c_str()));
-  Result<Pack> pack = Pack::open(file->source());
-  EXPECT_TRUE(pack) << path;
-  return {std::move(file), *std::move(pack)};
+Pack openPack(const std::filesystem::path& path) {
+  return Pack::open(FileSource::open(path.c_str()).value().source()).value();
 }
 
 RawLevel readLevel(const Pack& pack, int part, int level) {
@@ -79,27 +71,27 @@ class RoundTrip : public testing::Test {
   // Everything but names and normals: parts, palette entries that voxels have, occupancy and colours of all
   // levels.
   void expectSameLook(bool exact) {
-    const Contents a = openPack(first_), b = openPack(second_);
-    ASSERT_EQ(a.pack.parts().size(), b.pack.parts().size());
-    ASSERT_TRUE(!exact || a.pack.palette().size() == b.pack.palette().size());
-    for (std::size_t e = 0; exact && e < a.pack.palette().size(); ++e)
-      EXPECT_TRUE(sameMaterial(a.pack.palette()[e], b.pack.palette()[e])) << "entry " << e;
-    for (std::size_t p = 0; p < a.pack.parts().size(); ++p) {
-      const Part &x = a.pack.parts()[p], &y = b.pack.parts()[p];
+    const Pack a = openPack(first_), b = openPack(second_);
+    ASSERT_EQ(a.parts().size(), b.parts().size());
+    ASSERT_TRUE(!exact || a.palette().size() == b.palette().size());
+    for (std::size_t e = 0; exact && e < a.palette().size(); ++e)
+      EXPECT_TRUE(sameMaterial(a.palette()[e], b.palette()[e])) << "entry " << e;
+    for (std::size_t p = 0; p < a.parts().size(); ++p) {
+      const Part &x = a.parts()[p], &y = b.parts()[p];
       EXPECT_EQ(x.name, y.name);
       ASSERT_EQ(x.size, y.size);
       EXPECT_EQ(x.levels, y.levels);
       EXPECT_TRUE(x.to_object == y.to_object);
       for (int level = 0; level < std::min(x.levels, y.levels); ++level) {
-        const RawLevel c = readLevel(a.pack, static_cast<int>(p), level),
-                       d = readLevel(b.pack, static_cast<int>(p), level);
+        const RawLevel c = readLevel(a, static_cast<int>(p), level),
+                       d = readLevel(b, static_cast<int>(p), level);
         EXPECT_TRUE(c.cells == d.cells && c.codes == d.codes) << "level " << level;
         ASSERT_EQ(c.attributes.size(), d.attributes.size());
         EXPECT_TRUE(!exact || c.attributes == d.attributes) << "level " << level;
         std::size_t other_color = 0;
         for (std::size_t i = 0; i < c.attributes.size(); ++i) {
-          other_color += sameMaterial(a.pack.palette()[attributePalette(c.attributes[i])],
-                                      b.pack.palette()[attributePalette(d.attributes[i])])
+          other_color += sameMaterial(a.palette()[attributePalette(c.attributes[i])],
+                                      b.palette()[attributePalette(d.attributes[i])])
                              ? 0
                              : 1;
         }
@@ -144,8 +136,8 @@ TEST_F(RoundTrip, Meshes) {
       SCOPED_TRACE(std::string(name) + " " + format);
       if (!go(input, format, {"--rig", "none"}, {"--resolution", "70", "--pad", "3"})) continue;
       expectSameLook(true);
-      const Contents a = openPack(first_), b = openPack(second_);
-      EXPECT_GT(a.pack.palette().size(), 5u);
+      const Pack a = openPack(first_), b = openPack(second_);
+      EXPECT_GT(a.palette().size(), 5u);
     }
 }
 
@@ -154,14 +146,14 @@ TEST_F(RoundTrip, Fog) {
     KELP_ASSET(input, name);
     SCOPED_TRACE(name);
     if (!go(input, "vdb")) return;
-    const Contents a = openPack(first_), b = openPack(second_);
-    const Part &x = a.pack.parts()[0], &y = b.pack.parts()[0];
+    const Pack a = openPack(first_), b = openPack(second_);
+    const Part &x = a.parts()[0], &y = b.parts()[0];
     ASSERT_TRUE(x.fog && y.fog);
     EXPECT_EQ(x.size, y.size);
     EXPECT_TRUE(x.to_object == y.to_object);
     ASSERT_EQ(x.levels, y.levels);
     for (int level = 0; level < x.levels; ++level) {
-      const RawLevel c = readLevel(a.pack, 0, level), d = readLevel(b.pack, 0, level);
+      const RawLevel c = readLevel(a, 0, level), d = readLevel(b, 0, level);
       EXPECT_TRUE(c.cells == d.cells && c.density == d.density) << "level " << level;
       EXPECT_FLOAT_EQ(x.fog->extinction[static_cast<std::size_t>(level)],
                       y.fog->extinction[static_cast<std::size_t>(level)]);

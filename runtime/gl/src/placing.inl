@@ -80,7 +80,8 @@ void placeParts(const Projection& projection, const PosedParts& parts, int first
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 3; ++column) {
       clip[row][column] = projection.linear[0][row] * world[0][column] +
-                          projection.linear[1][row] * world[1][column] + projection.linear[2][row] * world[2][column];
+                          projection.linear[1][row] * world[1][column] +
+                          projection.linear[2][row] * world[2][column];
     }
     const glm::dmat4& m = projection.world_to_clip;
     clip[row][3] = placeAlong(glm::dvec4(m[0][row], m[1][row], m[2][row], m[3][row]), world[0][3],
@@ -147,8 +148,8 @@ void placeParts(const Projection& projection, const PosedParts& parts, int first
   (sqrt(side) * projection.pixel_scale / max(nearest, 1e-20f)).store(placed.pixels.of + first);
 }
 
-void judgeParts(const Projection& projection, const View& view, Rays rays, int first, const PlacedParts& placed,
-                JudgedParts& judged) {
+void judgeParts(const Projection& projection, const View& view, Rays rays, int first,
+                const PlacedParts& placed, JudgedParts& judged) {
   const Floats pixels = lanesOf(placed.pixels, first);
   Floats side = 0.0f, away = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
@@ -191,7 +192,8 @@ void findSides(bool orthographic, const PlacedParts& placed, int first, EightFlo
   (orthographic ? sum : selectLess((1.0f / 16.0f) * extent, farthest, sum, 0.0f)).store(sides.of + first);
 }
 
-void writeHeads(const Projection& projection, int first, const PlacedParts& placed, RecordHead* const (&heads)[8]) {
+void writeHeads(const Projection& projection, int first, const PlacedParts& placed,
+                RecordHead* const (&heads)[8]) {
   float* places[Floats::kCount];
   for (int part = 0; part < Floats::kCount; ++part) places[part] = &heads[first + part]->to_clip[0].x;
   constexpr std::ptrdiff_t kTexel = 4;

@@ -60,8 +60,9 @@ glm::vec3 light(const gl::View& view, const Surface& surface, const glm::vec3& c
   const float mirror = glm::reflect(-to_eye, normal).y, blur = surface.roughness + 0.1f;
   const glm::vec3 reflected =
       glm::mix(view.light.ground_color, view.light.sky_color, glm::smoothstep(-blur, blur, mirror));
-  return diffuse * (view.light.sun_color * (facing / std::numbers::pi_v<float>)+glm::mix(
-                                         view.light.ground_color, view.light.sky_color, 0.5f + 0.5f * normal.y)) +
+  return diffuse * (view.light.sun_color *
+                    (facing / std::numbers::pi_v<float>)+glm::mix(
+                        view.light.ground_color, view.light.sky_color, 0.5f + 0.5f * normal.y)) +
          specular * (1 - 0.5f * surface.roughness) * reflected + surface.glow;
 }
 

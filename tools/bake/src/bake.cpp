@@ -124,6 +124,9 @@ void importModel(Job& job) {
   report.materials = usedMaterials(job.model);
   report.images = job.model.images.size();
   checkFormat(job);
+  for (const SourcePart& part : job.model.parts)
+    if (part.parent >= 0 && part.rig.parent_at != Part::kNotOnSpline)
+      job.model.parts[static_cast<std::size_t>(part.parent)].carries = true;
   job.volume = isVolume(job.model);
 }
 
@@ -226,6 +229,8 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   line.rig_origin = part.rig_origin;
   line.triangles = part.soup.triangles.size();
   line.mesh = countMesh(part.soup);
+  for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
+  line.parent_at = part.rig.parent_at;
   if (part.parent >= 0) line.parent = job.model.parts[static_cast<std::size_t>(part.parent)].name;
   if (part.fog) return reportFog(part, line);
   bool cut_out = false;

@@ -25,19 +25,21 @@ bool moves(const RawClip& share) {
                      [](const RawTrack& track) { return !isKnots(track.target); });
 }
 
-// Clips that no reader would take by default are refused before the long work.
+// Clips and sockets that no reader would take by default are refused before the long work.
 void checkClips(const RawPack& pack, const std::filesystem::path& input) {
   std::uint64_t bytes = 0;
   for (const RawClip& clip : pack.clips) {
     bytes += sizeof(Clip) + clip.waves.size() * kWaveMemory;
     for (const RawTrack& track : clip.tracks) bytes += sizeof(Track) + track.keys.size() * sizeof(Key);
   }
+  for (const RawSocket& socket : pack.sockets) bytes += sizeof(Socket) + socket.name.size();
   constexpr std::uint64_t kMost = Limits{}.max_metadata_bytes / 16 * 15;  // the rest is for the other tables
   if (bytes > kMost)
-    throw ToolError(Exit::kUnsupported,
-                    fmt::format("{}: its clips take {} MiB in memory, and packs with more than {} are not "
-                                "read by default; leave clips out, or give them fewer keys",
-                                input.filename().string(), bytes >> 20, kMost >> 20));
+    throw ToolError(
+        Exit::kUnsupported,
+        fmt::format("{}: its clips and sockets take {} MiB in memory, and packs with more than {} "
+                    "are not read by default; leave some out, or give clips fewer keys",
+                    input.filename().string(), bytes >> 20, kMost >> 20));
 }
 
 bool isFinite(const glm::vec4& v) {
@@ -74,10 +76,10 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
       throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, model.parts[i]),
                                                   model.parts[i].rig_origin, error.what()));
     }
-    if (pack.parts[i].parent_at != Part::kNotOnSpline && pack.parts[i].parent < 0)
+    if (pack.parts[i].parent_at != Part::kNotOnSpline && model.parts[i].parent < 0)
       throw ToolError(Exit::kInvalid,
-                      fmt::format("{} ({}): /parent_at: the part has no parent part to hang on; bake the "
-                                  "nodes apart (--parts nodes), or leave parent_at out",
+                      fmt::format("{} ({}): /parent_at: the part has no parent part to hang on; take it out, "
+                                  "or put the part's node below that of another part",
                                   partPlace(input, model.parts[i]), model.parts[i].rig_origin));
     if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
       throw ToolError(Exit::kInvalid,
@@ -94,9 +96,10 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
     for (const auto& [part, share] : splitByPart(clip)) {
       const SourcePart& source = model.parts[part];
       try {
-        const ClipReport proof =
-            proveClip(share, part, {pack.parts[part].knots, pack.parts[part].automatic_tangents},
-                      pack.parts[part].size);
+        const ClipReport proof = proveClip(
+            share, part,
+            {pack.parts[part].knots, pack.parts[part].automatic_tangents, pack.parts[part].parent_at},
+            pack.parts[part].size);
         report.clips.push_back(
             {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
       } catch (const RigError& error) {

@@ -22,9 +22,9 @@ class KelpDrawer final : public Drawer {
     config.log = [](void*, const char* text) { std::fputs(text, stderr); };
     // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
     config.gpu_budget = std::uint64_t{8} << 20;
-    for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack.asset);
+    for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack);
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
-    for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer_->add(*pack.asset));
+    for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
   }
 

@@ -131,7 +131,7 @@ PaperDrawer::PaperDrawer(const Options& options, const ViewStyle& style, const S
   count_text.push_back(glsl::kPaperCount);
   drawer_ = std::make_unique<GlProgram>(text, es);
   counter_ = std::make_unique<GlProgram>(count_text, es);
-  for (const auto& [path, pack] : scene.packs()) assets_[pack.asset.get()] = load(path, *pack.asset);
+  for (const auto& [path, pack] : scene.packs()) assets_[pack.get()] = load(path, *pack);
   segments_ = makeTexture(kSegments, GL_TEXTURE_2D);
 }
 
@@ -155,7 +155,7 @@ void PaperDrawer::check(const Scene& scene) const {
   const std::uint64_t decode_bytes = distances_ ? 11 : 5;  // while one part is decoded
   std::uint64_t voxels = 0, largest = 0;
   for (const auto& [path, pack] : scene.packs()) {
-    for (const Part& part : pack.asset->pack().parts()) {
+    for (const Part& part : pack->pack().parts()) {
       const std::string where = fmt::format("{}: part {}", path, part.name);
       if (part.kind != PartKind::kSolid)
         throw ToolError(

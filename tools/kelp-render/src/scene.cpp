@@ -56,22 +56,22 @@ std::uint64_t mostMemory() { return physicalMemory() / 5 * 2; }
 Scene::Scene(const Options& options) {
   // Checks the command line against all packs before it reads the first voxel.
   for (const Item& item : options.items) {
-    Pack& pack = packs_[item.pack];
-    if (!pack.asset) {
-      pack.file = openFile(item.pack);
+    std::unique_ptr<runtime::Asset>& pack = packs_[item.pack];
+    if (!pack) {
+      const FileSource file = openFile(item.pack);
       runtime::Options whole;
       whole.memory_budget = mostMemory();
-      pack.asset = checkPack(item.pack, runtime::Asset::open(pack.file.source(), whole));
-      checkLevel(options, item.pack, pack.asset->pack());
+      pack = checkPack(item.pack, runtime::Asset::open(file.source(), whole));
+      checkLevel(options, item.pack, pack->pack());
     }
-    poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack.asset)));
-    posings_.emplace_back(*pack.asset, item);
+    poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack)));
+    posings_.emplace_back(*pack, item);
     if (duration_ == 0) duration_ = posings_.back().duration();
   }
   std::uint64_t memory = 0;
   for (const auto& [path, pack] : packs_) {
-    Result<void> loaded = pack.asset->loadAll();
-    memory += pack.asset->memory();
+    Result<void> loaded = pack->loadAll();
+    memory += pack->memory();
     if (memory > mostMemory() ||
         (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
       throw ToolError(
@@ -82,7 +82,7 @@ Scene::Scene(const Options& options) {
     checkPack(path, loaded);
   }
   for (std::size_t i = 0; i < options.items.size(); ++i) {
-    runtime::Instance instance{packs_[options.items[i].pack].asset.get(), &poses_[i]};
+    runtime::Instance instance{packs_[options.items[i].pack].get(), &poses_[i]};
     instance.to_world = placeOf(options.items[i]);
     instances_.push_back(instance);
   }

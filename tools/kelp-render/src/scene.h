@@ -33,14 +33,11 @@ class Scene {
   void pose(double seconds);
   std::span<const runtime::Instance> instances() const { return instances_; }
 
-  struct Pack {
-    FileSource file;
-    std::unique_ptr<runtime::Asset> asset;
-  };
-  const std::map<std::string, Pack>& packs() const { return packs_; }  // by path
+  using Packs = std::map<std::string, std::unique_ptr<runtime::Asset>>;
+  const Packs& packs() const { return packs_; }  // by path
 
  private:
-  std::map<std::string, Pack> packs_;
+  Packs packs_;
   std::vector<runtime::Pose> poses_;
   std::vector<Posing> posings_;
   std::vector<runtime::Instance> instances_;

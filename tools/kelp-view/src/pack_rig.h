@@ -17,7 +17,7 @@ Sizes sizesOf(const Pack& pack);
 struct PackRig {
   std::vector<RawRig> parts;
   std::vector<RawClip> clips;
-  std::vector<RawSocket> sockets;
+  std::vector<RawSocket> sockets = {};
 };
 PackRig rigOf(const Pack& pack);
 // Whether they look the same: all numbers within 1/10000 of the part's height.

@@ -8,7 +8,10 @@
 namespace kelp::bake {
 namespace {
 
-bool bendable(const RigDescription& rig) {
+// Whether places along the part's axis matter.
+bool bendable(const SourcePart& part) {
+  const RigDescription& rig = part.rig;
+  if (part.carries || !rig.sockets.empty()) return true;
   const auto isKnots = [](Target target) {
     return target == Target::kKnotOffset || target == Target::kKnotTangent;
   };
@@ -46,7 +49,7 @@ struct Padding {
 
 glm::ivec3 paddingOf(const SourcePart& part, int pad) {
   if (part.carrier) return glm::ivec3(0);
-  return {pad, bendable(part.rig) ? 0 : pad, pad};
+  return {pad, bendable(part) ? 0 : pad, pad};
 }
 
 void padFrame(Frame& frame, const glm::ivec3& pad) {

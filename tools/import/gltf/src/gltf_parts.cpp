@@ -5,6 +5,7 @@
 #include <set>
 
 #include "kelp/formats/pack.h"
+#include "sockets.h"
 
 namespace kelp::bake {
 namespace {
@@ -73,7 +74,7 @@ class NodePlanner {
     int scene = -1;  // the plan of the scene's own rig
     if (rigs.file || !loose.empty()) {
       scene = 0;
-      plans_.push_back({-1, -1, -1, std::move(rigs.file), std::move(loose), {}, false});
+      plans_.push_back({-1, -1, -1, std::move(rigs.file), std::move(loose), {}, {}, false});
       anchors_.push_back(-1);
     }
     std::vector<int> bound(model_.data.nodes.size(), -1);  // the plan whose rig bends a node
@@ -81,7 +82,7 @@ class NodePlanner {
       const auto at = static_cast<std::size_t>(node);
       if (rigs.nodes[at] || !knots[at].empty()) {
         bound[at] = seat_[at] = static_cast<int>(plans_.size());
-        plans_.push_back({node, -1, -1, std::move(rigs.nodes[at]), std::move(knots[at]), {node}, false});
+        plans_.push_back({node, -1, -1, std::move(rigs.nodes[at]), std::move(knots[at]), {}, {node}, false});
         anchors_.push_back(node);
         continue;
       }
@@ -94,10 +95,25 @@ class NodePlanner {
       }
       const int skin = model_.node(node).skin;
       if (skin < 0) seat_[at] = static_cast<int>(plans_.size());
-      plans_.push_back({node, -1, -1, std::nullopt, {}, {node}, true});
+      plans_.push_back({node, -1, -1, std::nullopt, {}, {}, {node}, true});
       // more than the limit is an error anyway
       anchors_.push_back(skin < 0 || plans_.size() > Limits{}.max_parts ? node : skinAnchor(model_, skin));
     }
+    for (int node : model_.order)
+      if (isSocket(model_, node)) giveSocket(node, bound, scene);
+  }
+
+  // A socket belongs to the nearest part above it, else to that of the scene.
+  void giveSocket(int node, const std::vector<int>& bound, int scene) {
+    int plan = -1;
+    for (int at = node; at >= 0 && plan < 0; at = parentOf(at))
+      plan = std::max(bound[static_cast<std::size_t>(at)], seat_[static_cast<std::size_t>(at)]);
+    if (plan < 0) plan = plans_.size() == 1 ? 0 : scene;
+    if (plan >= 0)
+      plans_[static_cast<std::size_t>(plan)].sockets.push_back(node);
+    else
+      model_.note(model_.nodeName(node) +
+                  " is below no part: no socket is made of it; parent it to the mesh that it moves with");
   }
 
   Way wayUp(std::size_t plan) const {
@@ -121,7 +137,7 @@ class NodePlanner {
     }
     for (int node : carriers) {
       seat_[static_cast<std::size_t>(node)] = static_cast<int>(plans_.size());
-      plans_.push_back({node, -1, -1, std::nullopt, {}, {}, true});
+      plans_.push_back({node, -1, -1, std::nullopt, {}, {}, {}, true});
       anchors_.push_back(node);
     }
   }
@@ -168,10 +184,12 @@ std::vector<PartPlan> planByRigs(const GltfModel& model, bool single) {
       if (rigs.nodes[at] || !knots.empty()) {
         owner[at] = static_cast<int>(plans.size());
         plans.push_back(
-            {node, above > 0 ? above : -1, node, std::move(rigs.nodes[at]), std::move(knots), {}, false});
+            {node, above > 0 ? above : -1, node, std::move(rigs.nodes[at]), std::move(knots), {}, {}, false});
       }
     }
-    plans[static_cast<std::size_t>(owner[at])].members.push_back(node);
+    PartPlan& plan = plans[static_cast<std::size_t>(owner[at])];
+    plan.members.push_back(node);
+    if (isSocket(model, node)) plan.sockets.push_back(node);
   }
   plans[0].rig = std::move(rigs.file);
   if (!single) plans[0].knots = findLooseKnots(model, plans.size() > 1);

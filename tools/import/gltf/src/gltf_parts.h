@@ -14,6 +14,7 @@ struct PartPlan {
   int mover = -1;
   std::optional<GltfRig> rig;
   std::vector<int> knots;
+  std::vector<int> sockets;  // empties
   std::vector<int> members;  // the nodes whose meshes it holds; empty: the part exists only for its motion
   // no rig bends it: its space has the object's lengths, whatever scales its nodes have
   bool rigid = false;

@@ -64,10 +64,6 @@ class GltfImporter {
                                             ? planByNodes(model_, animations_)
                                             : planByRigs(model_, outer_.has_value());
     checkPartCount(files_, plans.size(), "meshes");
-    std::set<int> part_nodes;
-    for (const PartPlan& plan : plans)
-      if (plan.node >= 0) part_nodes.insert(plan.node);
-    sockets_ = findSockets(model_, part_nodes);
     std::vector<int> part_of(plans.size(), -1);
     for (std::size_t p = 0; p < plans.size(); ++p) {
       if (std::optional<SourcePart> part = makePart(plans[p])) {
@@ -81,6 +77,7 @@ class GltfImporter {
       }
     }
     placeCarriers();
+    hangCarriers();
     if (out_.parts.empty()) explainEmptiness(model_);
     uniqueNames();
     if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
@@ -129,9 +126,10 @@ class GltfImporter {
       if (mover >= 0)
         addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
     }
-    if (part.carrier) return part;
-    giveRig(part, outer_, settings_);
-    addSockets(model_, sockets_, plan.node, part);
+    if (!part.carrier) {
+      giveRig(part, outer_, settings_);
+      addSockets(model_, plan.sockets, space, part);
+    }
     return part;
   }
 
@@ -218,6 +216,23 @@ class GltfImporter {
     }
   }
 
+  // Where a carrier stands between a part and the one that it hangs on, the carrier hangs there: it takes
+  // along what follows it.
+  void hangCarriers() {
+    for (SourcePart& part : out_.parts) {
+      SourcePart* hung = &part;
+      while (hung->parent >= 0 && out_.parts[static_cast<std::size_t>(hung->parent)].carrier)
+        hung = &out_.parts[static_cast<std::size_t>(hung->parent)];
+      if (hung == &part || part.rig.parent_at == Part::kNotOnSpline) continue;
+      if (hung->rig.parent_at != Part::kNotOnSpline && hung->rig.parent_at != part.rig.parent_at)
+        model_.note("part '" + part.name +
+                    "' hangs where another part that moves with it does: its own parent_at is not used");
+      else
+        hung->rig.parent_at = part.rig.parent_at;
+      part.rig.parent_at = Part::kNotOnSpline;
+    }
+  }
+
   std::string noTriangles(const PartPlan& plan) const {
     if (plan.node < 0)
       return (plan.rig ? "extras.kelp of " + plan.rig->owner : std::string("the scene's knot empties")) +
@@ -280,7 +295,6 @@ class GltfImporter {
 
   const InputFiles& files_;
   const ImportSettings& settings_;
-  std::vector<SocketNode> sockets_;
   DataBudget budget_;
   SourceModel out_;
   std::optional<OuterRig> outer_;

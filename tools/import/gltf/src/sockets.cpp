@@ -1,104 +1,130 @@
 // SPDX-License-Identifier: MIT
+// Sockets drawn with empties socket.NAME: the place is the socket's, the axes are those of what a game will
+// attach.
 #include "sockets.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include <fmt/format.h>
-
-#include "kelp/import/core/source_model.h"
-#include "knots.h"
 
 namespace kelp::bake {
 namespace {
 
 // of the extent: how far beyond the mesh's end a socket may lie without a notice
-constexpr double kEndTolerance = 0.02;
+constexpr double kBeyondEnd = 0.02;
+constexpr double kRounding = 1e-6;  // of the extent, of a quaternion: less is nothing
+constexpr double kFarthest = 1e6;   // in extents: as far as a rig's numbers go
 
-// "hand" of "socket.hand", "socket_hand" or "socket-hand". Empty: another name.
-std::string socketName(const std::string& name) {
-  if (name.size() < 8 || name.rfind("socket", 0) != 0) return "";
-  if (name[6] != '.' && name[6] != '_' && name[6] != '-') return "";
-  return name.substr(7);
+// "hand" of "socket.hand", "socket_hand" or "socket-hand"; empty: another name.
+std::string nameOf(const std::string& node) {
+  constexpr std::size_t kPrefix = 6;
+  if (node.rfind("socket", 0) != 0 || node.size() < kPrefix + 2) return "";
+  const char mark = node[kPrefix];
+  return mark == '.' || mark == '_' || mark == '-' ? oneLine(node.substr(kPrefix + 1), 80) : "";
 }
 
-// Without the ".001" that Blender appends to a name that another object has.
-std::string withoutNumber(const std::string& name) {
-  const std::size_t dot = name.size() < 5 ? 0 : name.size() - 4;
-  const bool numbered = dot > 0 && name[dot] == '.' &&
-                        std::all_of(name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, name.end(),
-                                    [](unsigned char c) { return std::isdigit(c); });
-  return numbered ? name.substr(0, dot) : name;
+// Without the ".001" that Blender appends to a name that exists already.
+std::string withoutCopyNumber(const std::string& name) {
+  const std::size_t at = name.size() < 5 ? std::string::npos : name.size() - 4;
+  const bool copy = at != std::string::npos && name[at] == '.' &&
+                    std::all_of(name.begin() + static_cast<std::ptrdiff_t>(at) + 1, name.end(),
+                                [](unsigned char c) { return std::isdigit(c); });
+  return copy ? name.substr(0, at) : name;
 }
 
-bool hasSocket(const RigDescription& rig, const std::string& name) {
-  return std::any_of(rig.sockets.begin(), rig.sockets.end(),
-                     [&](const RigDescription::Socket& socket) { return socket.name == name; });
-}
+// The box around the triangles, in the axes of the rig: y along the spline.
+struct RigBox {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-low};
 
-glm::dvec3 middleOf(const TriangleSoup& soup) {
-  glm::dvec3 low(INFINITY), high(-INFINITY);
-  for (const glm::vec3& position : soup.positions) {
-    low = glm::min(low, glm::dvec3(position));
-    high = glm::max(high, glm::dvec3(position));
+  RigBox(const TriangleSoup& soup, const glm::dmat3& to_rig) {
+    for (const TriangleSoup::Triangle& triangle : soup.triangles)
+      for (const std::uint32_t vertex : triangle.vertex) {
+        const glm::dvec3 p = to_rig * glm::dvec3(soup.positions[vertex]);
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+      }
   }
-  return 0.5 * (low + high);
+};
+
+// The rotation of axes that may be stretched; y keeps its direction.
+glm::dquat rotationOf(const glm::dmat3& axes) {
+  const glm::dvec3 y = glm::normalize(axes[1]);
+  const glm::dvec3 x = glm::normalize(axes[0] - glm::dot(axes[0], y) * y);
+  const glm::dquat turn = glm::quat_cast(glm::dmat3(x, y, glm::cross(x, y)));
+  return turn.w < 0 ? -turn : turn;
 }
 
-// The rotation of a matrix whose columns may have any lengths. Mirrored ones keep their x and y.
-glm::dquat rotationOf(const glm::dmat3& m) {
-  const glm::dvec3 y = glm::normalize(m[1]), x = glm::normalize(m[0] - glm::dot(m[0], y) * y);
-  return glm::normalize(glm::quat_cast(glm::dmat3(x, y, glm::cross(x, y))));
+double snapped(double value) { return std::abs(value) < kRounding ? 0 : value; }
+
+bool isUsable(const glm::dquat& q) {
+  return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
 }
 
 }  // namespace
 
-std::vector<SocketNode> findSockets(const GltfModel& model, const std::set<int>& part_nodes) {
-  std::vector<SocketNode> sockets;
-  for (const int node : model.order) {
-    const std::string name = socketName(model.node(node).name);
-    if (name.empty() || model.node(node).mesh >= 0) continue;
-    int owner = model.parents[static_cast<std::size_t>(node)];
-    while (owner >= 0 && !part_nodes.contains(owner)) owner = model.parents[static_cast<std::size_t>(owner)];
-    sockets.push_back({node, owner, oneLine(name, 80)});
-  }
-  return sockets;
+bool isSocket(const GltfModel& model, int node) {
+  const tinygltf::Node& source = model.node(node);
+  return source.mesh < 0 && !nameOf(source.name).empty();
 }
 
-void addSockets(const GltfModel& model, const std::vector<SocketNode>& sockets, int node, SourcePart& part) {
-  const Axis axis = part.rig.axis.value_or(Axis::kPlusY);
-  const KnotExtent extent = extentAlong(part.soup, axis);
-  const glm::dvec3 middle = middleOf(part.soup);
-  const glm::dmat4 from_object =
-      glm::inverse(glm::dmat4(glm::dmat4x3(part.to_object)));  // the last row of a widened matrix is 0 0 0 1
-  for (const SocketNode& socket : sockets) {
-    if (socket.owner != node) continue;
-    const std::string place = "socket '" + socket.name + "' of part '" + part.name + "'";
-    const std::string plain = withoutNumber(socket.name);
-    const std::string& name = hasSocket(part.rig, plain) ? socket.name : plain;
-    if (hasSocket(part.rig, name)) {
-      model.note(place + " is in the rig already: the empty of that name is left out");
+void addSockets(const GltfModel& model, const std::vector<int>& nodes, const glm::dmat4& space,
+                SourcePart& part) {
+  if (nodes.empty()) return;
+  if (!part.rig.sockets.empty()) {
+    model.note(fmt::format("part '{}': its rig ({}) has sockets: they count, not the {} of nodes", part.name,
+                           part.rig_origin, nodes.size()));
+    return;
+  }
+  const glm::dmat3 to_rig(axisRotation(part.rig.axis.value_or(Axis::kPlusY)));
+  const RigBox box(part.soup, to_rig);
+  const double length = box.high.y - box.low.y;
+  // Names as they are come first, so that "hand" is no copy of "hand.001".
+  std::vector<int> order = nodes;
+  std::stable_partition(order.begin(), order.end(), [&](int node) {
+    const std::string name = nameOf(model.node(node).name);
+    return withoutCopyNumber(name) == name;
+  });
+  std::set<std::string> taken;
+  for (const int node : order) {
+    const std::string full = nameOf(model.node(node).name), place = model.nodeName(node);
+    const std::string name = taken.count(withoutCopyNumber(full)) ? full : withoutCopyNumber(full);
+    const glm::dmat4 seat = glm::inverse(space) * model.world[static_cast<std::size_t>(node)];
+    const glm::dvec3 at = to_rig * glm::dvec3(seat[3]);
+    const glm::dvec3 offset = (at - (box.low + box.high) / 2.0) / length;
+    const double along = (at.y - box.low.y) / length;
+    const glm::dquat turn = rotationOf(to_rig * glm::dmat3(seat));
+    if (!(length > 0) || !isUsable(turn) ||
+        !(glm::length(glm::dvec3(offset.x, along, offset.z)) < kFarthest)) {
+      model.note(place + ": no socket is made of it: " +
+                 (length > 0 ? "its place or scale is beyond sense" : "the part is flat along its spline"));
       continue;
     }
-    const glm::dmat4 in_part = from_object * model.world[static_cast<std::size_t>(socket.node)];
-    const glm::dvec3 at(in_part[3]);
-    const glm::dmat3 turn(in_part);
-    const double along = (glm::dot(extent.axis, at) - extent.low) / extent.length;
-    if (!(extent.length > 0) || !std::isfinite(along) || !(std::abs(glm::determinant(turn)) > 0)) {
-      model.note(place + " has no place: it or its mesh is flat, or too far away; it is left out");
+    if (part.rig.sockets.size() == kMaxSockets) {
+      model.note(
+          fmt::format("part '{}' has more than {} sockets: the others are left out", part.name, kMaxSockets));
+      return;
+    }
+    if (!taken.insert(name).second) {
+      model.note(fmt::format("{}: part '{}' has a socket '{}' already; rename one", place, part.name, name));
       continue;
     }
-    if (along < -kEndTolerance || along > 1 + kEndTolerance)
-      model.note(fmt::format("{} lies {:.0f} % of the mesh's length beyond its end and is taken to the end",
-                             place, 100 * (along < 0 ? -along : along - 1)));
-    glm::dvec3 beside = (at - middle) / extent.length;
-    beside -= glm::dot(beside, extent.axis) * extent.axis;
-    // A socket without a rotation has the part's axes, whose y is the rig's axis: the rest is the empty's
-    // own.
-    const glm::quat rotation(rotationOf(turn) * glm::quat_cast(glm::dmat3(axisRotation(axis))));
-    part.rig.sockets.push_back(
-        {name, static_cast<float>(std::clamp(along, 0.0, 1.0)), glm::vec3(beside), glm::normalize(rotation)});
+    if (const double beyond = std::max(-along, along - 1); beyond > kBeyondEnd)
+      model.note(
+          fmt::format("{} lies {:.0f} % of the mesh's length beyond its end and is taken to the end; "
+                      "move it there",
+                      place, 100 * beyond));
+    RigDescription::Socket& socket = part.rig.sockets.emplace_back();
+    socket.name = name;
+    socket.at = static_cast<float>(std::clamp(snapped(along), 0.0, 1.0));
+    socket.offset = glm::vec3(glm::transpose(to_rig) * glm::dvec3(snapped(offset.x), 0, snapped(offset.z)));
+    // `turn` takes the part's axes to the empty's. A rig has it in the axes of the node.
+    const glm::dvec3 vector =
+        glm::transpose(to_rig) * glm::dvec3(snapped(turn.x), snapped(turn.y), snapped(turn.z));
+    socket.rotation = glm::quat(glm::normalize(glm::dquat(turn.w, vector.x, vector.y, vector.z)));
   }
 }
 

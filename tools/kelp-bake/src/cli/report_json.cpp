@@ -35,10 +35,12 @@ std::string escapeForMake(const std::filesystem::path& path) {
 OrderedJson partJson(const bake::Report::Part& part) {
   OrderedJson json{{"name", part.name},
                    {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
+                   {"parent_at", part.parent_at < 0 ? OrderedJson() : OrderedJson(part.parent_at)},
                    {"carrier", part.carrier},
                    {"size", {part.size.x, part.size.y, part.size.z}},
                    {"voxel_size", part.voxel_size},
                    {"rig", part.rig_origin},
+                   {"sockets", part.sockets},
                    {"fill", part.fill},
                    {"closed", part.closed},
                    {"triangles", part.triangles},

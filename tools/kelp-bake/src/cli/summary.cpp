@@ -59,6 +59,15 @@ std::string printRepairs(const bake::Report::Part& part) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
+// "; sockets: 'hand', 'tip'", or nothing.
+std::string printSockets(const std::vector<std::string>& sockets) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < sockets.size() && i < kShown; ++i)
+    text += fmt::format("{}'{}'", i == 0 ? "; sockets: " : ", ", sockets[i]);
+  return sockets.size() > kShown ? text + fmt::format(" and {} more", sockets.size() - kShown) : text;
+}
+
 // The largest parts one by one, the others together.
 void printParts(const Options& options, const bake::Report& report) {
   constexpr std::size_t kShown = 12;
@@ -72,9 +81,9 @@ void printParts(const Options& options, const bake::Report& report) {
     });
   for (std::size_t i = 0; i < shown; ++i) {
     const bake::Report::Part& part = *parts[i];
-    sayDetail(fmt::format("part '{}': {} x {} x {} voxels of {}; rig: {}; {}", part.name, part.size.x,
+    sayDetail(fmt::format("part '{}': {} x {} x {} voxels of {}; rig: {}{}; {}", part.name, part.size.x,
                           part.size.y, part.size.z, printLength(part.voxel_size, options, report.format),
-                          part.rig_origin, part.fill));
+                          part.rig_origin, printSockets(part.sockets), part.fill));
     if (const std::string repairs = printRepairs(part); !repairs.empty()) sayDetail("  " + repairs);
   }
   if (shown < parts.size())

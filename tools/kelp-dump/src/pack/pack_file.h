@@ -33,7 +33,10 @@ class PackFile {
   // As findPart. If `wanted` is empty: the first part, with a note on stderr if there are others.
   std::uint32_t partOrFirst(const std::string& wanted);
   // Closes the file. Nothing can be read any more.
-  void close() { file_ = FileSource(); }
+  void close() {
+    pack_.reset();
+    file_ = FileSource();
+  }
 
   // "0 'reed', 1 'leaf', ...".
   std::string partList();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <ranges>
 #include <span>
 #include <string_view>
 #include <unordered_map>
@@ -46,9 +47,11 @@ std::string readText(const std::string& path) {
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
-// Whether the rig can bend the part. kelp-bake adds no empty layers at the ends of such a part.
+// Whether places along the part's axis matter to the rig: it can bend the part, or has sockets. kelp-bake
+// adds no empty layers at the ends of such a part.
 bool bendable(const RigDescription& rig) {
-  return std::any_of(
+  return !rig.sockets.empty() ||
+         std::any_of(
              rig.knots.begin(), rig.knots.end(),
              [](const RigDescription::Knot& knot) { return knot.tangent || knot.offset != glm::vec3(0); }) ||
          std::any_of(rig.clips.begin(), rig.clips.end(), [](const RigDescription::Clip& clip) {
@@ -58,8 +61,16 @@ bool bendable(const RigDescription& rig) {
          });
 }
 
-// Whether the rig in the pack can bend the part. A straight rig is straight to the last bit.
-bool bends(const Part& part, const std::vector<RawClip>& clips, std::uint32_t index) {
+// The same of the rig in the pack. A straight rig is straight to the last bit.
+bool bends(const Pack& pack, const std::vector<RawClip>& clips, std::uint32_t index) {
+  const Part& part = pack.parts()[index];
+  const bool carries =
+      std::any_of(pack.sockets().begin(), pack.sockets().end(),
+                  [&](const Socket& socket) { return socket.part == index; }) ||
+      std::any_of(pack.parts().begin(), pack.parts().end(), [&](const Part& other) {
+        return other.parent == static_cast<int>(index) && other.parent_at != Part::kNotOnSpline;
+      });
+  if (carries) return true;
   const bool straight = std::all_of(part.knots.begin(), part.knots.end(), [](const Knot& k) {
     return k.position == glm::vec3(0, k.at, 0) && k.tangent == glm::vec3(0, 1, 0);
   });
@@ -130,12 +141,12 @@ class RigSetter {
     const bool named = new_.rig.axis.has_value();
     if (!new_.rig.axis) new_.rig.axis = given ? given : options.axis ? options.axis : options.up;
     checkAxis(new_.rig.axis.value_or(Axis::kPlusY), named, given);
-    if (options.pad > 0 && bendable(new_.rig) && !bends(part(), old_clips_, part_))
-      throw ToolError(
-          Exit::kInvalid,
-          fmt::format("{}: {} was baked with --pad {} and a rig that does not bend, so empty layers are at "
-                      "the ends of its spline; bake it again with this rig: kelp-bake --rig {}",
-                      new_.origin, what(), options.pad, wanted));
+    if (options.pad > 0 && bendable(new_.rig) && !bends(pack_, old_clips_, part_))
+      throw ToolError(Exit::kInvalid,
+                      fmt::format("{}: {} was baked with --pad {} and a rig that does not bend and has no "
+                                  "sockets, so empty layers are at "
+                                  "the ends of its spline; bake it again with this rig: kelp-bake --rig {}",
+                                  new_.origin, what(), options.pad, wanted));
     given_axis_ = given;
   }
 
@@ -144,9 +155,11 @@ class RigSetter {
     for (const Part& each : pack_.parts()) rigs.parts.push_back(rawRig(each));
     try {
       rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig), new_.rig.parent_at};
+      // A rig without sockets leaves those that are there: they may come from the model's own empties.
       for (const RawSocket& socket : rawSockets(pack_))
-        if (socket.part != part_) rigs.sockets.push_back(socket);
+        if (socket.part != part_ || new_.rig.sockets.empty()) rigs.sockets.push_back(socket);
       std::ranges::move(realizeSockets(new_.rig, part_), std::back_inserter(rigs.sockets));
+      std::ranges::stable_sort(rigs.sockets, {}, &RawSocket::part);  // as kelp-bake writes them
       std::vector<std::vector<RawClip>> of_parts = clipsOfParts(old_clips_, pack_.parts().size());
       of_parts[part_] = realizeClips(new_.rig, part_);
       std::vector<RawClip> clips;

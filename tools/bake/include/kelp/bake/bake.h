@@ -49,7 +49,9 @@ struct Report {
     bool carrier = false;  // has no voxels, only motion
     MeshCounts mesh;       // zeros for volumes
     FillCounts repairs;
-    std::string parent;                       // the part it follows; empty: none
+    std::string parent;                          // the part it follows; empty: none
+    float parent_at = kelp::Part::kNotOnSpline;  // where on that part's spline it hangs
+    std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes
   };
   struct Clip {

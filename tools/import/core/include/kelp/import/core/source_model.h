@@ -118,6 +118,7 @@ struct SourcePart {
   std::optional<FogGrid> fog;     // likewise; never both
   // exists only for its motion, which other parts follow; `grid` is one invisible voxel
   bool carrier = false;
+  bool carries = false;  // another part hangs on its spline
 
   bool isVolume() const { return grid || fog; }
   // Of volumes.
