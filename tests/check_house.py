@@ -80,11 +80,7 @@ def room_of(path):
 
 
 def room_of_include(include):
-<<<<<<< HEAD
-    if include == "kelp/kelp.h":  # all of the runtime, for hosts
-=======
     if include == "kelp/kelp.h":  # all headers for games
->>>>>>> main
         return "runtime/gl"
     prefixes = {prefix: room for room, (prefix, _) in ROOMS.items() if prefix}
     best = max((prefix for prefix in prefixes if include.startswith(prefix)), key=len, default=None)
