@@ -428,6 +428,7 @@ TEST(ViewerRig, UnsavedChangesStayOnTopOfANewBake) {
   finer.parts[0].knots = realizeKnots(reed(Axis::kPlusY));
   finer.parts[0].automatic_tangents = automaticTangents(reed(Axis::kPlusY));
   finer.clips = realizeClips(reed(Axis::kPlusY), 0);
+  finer.sockets = realizeSockets(reed(Axis::kPlusY), 0);
   const OpenPack second(finer);
   EXPECT_TRUE(editor.follow(*second.pack));
   EXPECT_EQ(editor.rig(0), edited);
