@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "finite.h"
+#include "layout.h"
 
 namespace kelp {
 namespace {
@@ -183,7 +184,7 @@ Result<void> checkKnots(std::span<const Knot> knots) {
     return atKnot(ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1);
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment segment = makeSegment(knots[i], knots[i + 1], 1.0f);
-    if (!staysFinite(segment))
+    if (!staysFinite(makeSegment(knots[i], knots[i + 1], static_cast<float>(layout::kMaxSide))))
       return atKnot(ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i);
     if (!isMonotone(segment)) return atKnot(ErrorCode::kNotMonotone, "the spline turns back after a knot", i);
   }

@@ -89,6 +89,7 @@ void Asset::Impl::postpone(const Task& task, std::uint64_t reserved) {
 
 // Nothing is left to do, except what was postponed: the next pump() tries that again.
 void Asset::Impl::endPass() {
+  ++passes;
   some_waited = waiting > 0;
   for (std::size_t i = 0; waiting > 0 && i < state_count; ++i) {
     LevelState& level = states[i];
@@ -137,11 +138,20 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
 }
 
 Result<bool> Asset::Impl::pump(Wanted wanted) {
+  const auto passesNow = [this] {
+    std::lock_guard lock(mutex);
+    return passes;
+  };
+  const std::uint64_t begun = passesNow();
   while (true) {
     const Result<Step> step = loadNext(wanted);
     if (!step) return step.error();
     if (*step == Step::kLoaded) return true;
-    if (*step == Step::kPostponed) continue;
+    if (*step == Step::kPostponed) {
+      // Two threads must not end each other's passes for ever.
+      if (passesNow() == begun) continue;
+      return false;
+    }
     std::lock_guard lock(mutex);
     endPass();
     return false;
@@ -269,7 +279,8 @@ Result<void> Asset::loadAll() {
     // Nothing is left to load here. A grid that another thread was loading may have brought new pages.
     std::unique_lock lock(a.mutex);
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
-    if (a.some_waited) return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
+    if (a.some_waited || a.waiting > 0)
+      return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
     if (a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};

@@ -120,6 +120,7 @@ struct Asset::Impl {
   std::uint32_t in_hand = 0;     // grids and pages that threads are loading now
   std::uint32_t waiting = 0;     // of stage kWaiting
   bool some_waited = false;      // the last pass ended with things that the source had not got
+  std::uint64_t passes = 0;      // that ended
   bool memory_short = false;     // something that is wanted did not fit into the budget
   Scratch* scratch = nullptr;
   Error first_error;

@@ -199,6 +199,7 @@ std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int wanted_
     const float t_max = nearest ? nearest->t : ray.t_max;
     if (const auto hit = castPart(instance, reader, part, ray, t_max, wanted_level)) nearest = hit;
   }
+  if (nearest && instance.pose && !instance.pose->check()) return std::nullopt;  // it is not drawn
   return nearest;
 }
 

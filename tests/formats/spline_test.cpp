@@ -179,6 +179,12 @@ TEST(Spline, CheckKnotsNamesTheKnotAndTheReason) {
   knots[1].position.x = 3e38f;
   knots[2].position.x = -3e38f;
   expect(knots, ErrorCode::kMisuse, 0);
+  for (const float far : {1e33f, 1e35f}) {  // heights: voxels of the tallest part must be finite as well
+    knots = make();
+    knots[1].position.x = far;
+    EXPECT_EQ(static_cast<bool>(checkKnots(knots)), std::isfinite(6 * 32768 * far)) << far;
+  }
+  knots = make();
   expect({knots[0]}, ErrorCode::kMisuse, 0);
   expect({}, ErrorCode::kMisuse, 0);
   expect(std::vector<Knot>(kMaxKnots + 1), ErrorCode::kMisuse, 0);

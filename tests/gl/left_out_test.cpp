@@ -10,6 +10,7 @@
 
 #include "canvas.h"
 #include "support/edit_knots.h"
+#include "support/fog_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -94,6 +95,31 @@ TEST_P(LeftOutTest, TheOthersAreDrawnAsIfItWereNotThere) {
   }
   ASSERT_EQ(said.size(), 1u) << "it is told once";
   EXPECT_NE(said[0].find("is left out: "), std::string::npos) << said[0];
+}
+
+// Parts of solid and of fog are drawn in passes of their own; the whole instance is left out of both.
+TEST_P(LeftOutTest, ABadPartLeavesOutThePartsOfTheOtherKind) {
+  const Canvas canvas({48, 48});
+  RawPack pack = packOf(ballClump({24, 32, 20}, 12, 3));
+  pack.parts.push_back(fogPack(fogOf({16, 16, 16}, [](const glm::dvec3&) { return 1.0; }), 0.2f).parts[0]);
+  pack.parts[1].name = "fog";
+  const LoadedAsset loaded(pack);
+  const auto renderer = makeRenderer(*loaded.asset, nullptr, logged());
+  const gl::View view = lookAt(canvas, {0, 0.6f, 4}, {0, 0.5f, 0});
+  for (const int bad : {-1, 0, 1}) {
+    Pose pose = Pose::create(*loaded.asset).value();
+    if (bad >= 0) {
+      ASSERT_TRUE(pose.move(bad, 1, {0, -2, 0}));
+    }
+    const Instance instance{loaded.asset.get(), &pose};
+    for (const gl::Pass pass : {gl::Pass::kColour, gl::Pass::kFog}) {
+      canvas.clear();
+      const auto drawn = renderer->draw(view, {&instance, 1}, pass);
+      ASSERT_TRUE(drawn) << drawn.error().detail;
+      EXPECT_EQ(drawn->left_out, bad < 0 ? 0u : 1u);
+      EXPECT_EQ(drawn->instances, bad < 0 ? 1u : 0u);
+    }
+  }
 }
 
 TEST_P(LeftOutTest, InstancesHaveColoursOfTheirOwn) {

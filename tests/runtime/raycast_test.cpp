@@ -65,6 +65,25 @@ TEST(Raycast, AgreesWithTheGroundTruthFromAfar) {
   EXPECT_GT(hits, 3000);
 }
 
+// As it is drawn: an instance with a part that cannot be drawn is not there.
+TEST(Raycast, MissesAllOfAnInstanceWithABadPart) {
+  RawPack pack = test::packOf(test::ballClump({20, 20, 20}, 5, 2));
+  pack.parts.push_back(pack.parts[0]);
+  pack.parts[1].name = "second";
+  pack.parts[1].to_object[3].x += 3;
+  const std::vector<std::byte> bytes = test::bytesOf(pack);
+  MemorySource source(bytes);
+  auto asset = Asset::open(source.source());
+  ASSERT_TRUE(asset);
+  ASSERT_TRUE((*asset)->loadAll());
+  Pose pose = *Pose::create(**asset);
+  const Instance instance{asset->get(), &pose};
+  const Ray down{{0, 10, 0}, {0, -1, 0}};
+  ASSERT_TRUE(raycast(instance, down));
+  ASSERT_TRUE(pose.move(1, 1, {0, -2, 0}));
+  EXPECT_FALSE(raycast(instance, down));
+}
+
 TEST(Raycast, RefusesNonsense) {
   const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::ballClump({20, 20, 20}, 5, 2)));
   MemorySource source(bytes);

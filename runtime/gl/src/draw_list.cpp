@@ -27,7 +27,6 @@ constexpr Error kForeignPalette{
 // Why instances are left out.
 constexpr char kBadMatrix[] = "its to_world is not a finite, invertible, affine matrix";
 constexpr char kBadMotion[] = "the motion of a part is not finite";
-constexpr char kBadPast[] = "its pose of the frame before is not monotone, or not finite";
 
 bool isAffine(const glm::mat4& m) { return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1; }
 
@@ -121,7 +120,9 @@ glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::
   const int index = static_cast<int>(part);
   const Part& packed = instance.asset->pack().parts()[part];
   runtime::Instance before = instance;
-  if (instance.previous_pose) before.pose = instance.previous_pose;
+  // A pose that could not be drawn was not seen in the frame before: then the part stands still.
+  if (instance.previous_pose && checkKnots(instance.previous_pose->knots(index)))
+    before.pose = instance.previous_pose;
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
       glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
@@ -171,10 +172,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
                                    const runtime::Instance& instance, std::uint32_t index) {
   const std::span<const Part> parts = asset.packed;
   if (instance.pose && static_cast<std::size_t>(instance.pose->parts()) != parts.size()) return &kForeignPose;
-  if (instance.previous_pose) {
-    if (!instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
-    if (!instance.previous_pose->check()) return leaveOut(asset, index, kBadPast);
-  }
+  if (instance.previous_pose && !instance.previous_pose->fits(*instance.asset)) return &kForeignPose;
   std::uint32_t palette = asset.palette();
   if (!instance.palette.empty()) {
     if (instance.palette.size() != instance.asset->pack().palette().size()) return &kForeignPalette;
@@ -186,7 +184,13 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     const std::span<const Knot> knots =
         instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
-    if (parts[part].kind != frame.kind) continue;
+    if (parts[part].kind != frame.kind) {
+      // An instance is drawn with all its parts, of either kind, or not at all.
+      if (const Result<void> good = instance.pose ? checkKnots(knots) : Result<void>(); !good) {
+        if (const Error* const error = leaveOut(asset, index, good.error().detail)) return error;
+      }
+      continue;
+    }
     if (waiting_ == kBlock) {
       if (const Error* const error = addBlock(frame)) return error;
     }

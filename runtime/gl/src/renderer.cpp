@@ -325,9 +325,10 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
-  const auto projection = makeProjection(view);
+  const bool is_seen = hasPixels(view);
+  const auto projection = is_seen ? makeProjection(view) : Result<Projection>(Projection{});
   if (!projection) return projection.error();
-  if (!hasPixels(view)) instances = {};  // no ray is seen
+  if (!is_seen) instances = {};
   if (auto good = self.traced.build(self.store, *projection, view, instances, PartKind::kSolid, Rays::kAny);
       !good)
     return good.error();

@@ -38,7 +38,7 @@ Result<void> checkView(const View& view, bool look_is_plain) {
 }
 
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, true) || !hasPixels(view)) return -1;
+  if (!checkView(view, false) || !hasPixels(view)) return -1;
   const auto projection = makeProjection(view);
   if (!projection || !instance.asset || part < 0 ||
       static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())

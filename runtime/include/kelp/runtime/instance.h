@@ -21,7 +21,8 @@ struct Instance {
   glm::vec4 tint{1};           // multiplies the base colour, linear
   // Materials in place of the pack's palette, one for each of its entries. Empty: the pack's own.
   std::span<const Material> palette = {};
-  // For motion vectors: pose and matrix of the previous frame. Null: as now.
+  // For motion vectors: pose and matrix of the previous frame. Null: as now, and so is a part whose previous
+  // knots break the rules of checkKnots.
   const Pose* previous_pose = nullptr;
   const glm::mat4* previous_to_world = nullptr;
 };

@@ -69,7 +69,8 @@ class Pose {
   // kMisuse, with nothing changed, if the poses differ in parts or knots, or a weight is not within [0, 1].
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
   // Checks the knots of every part (checkKnots). kNotMonotone if a spline turns back along its axis; kMisuse
-  // for other broken rules; `offset` is the index of the part. Such a part is not drawn.
+  // for other broken rules; `offset` is the index of the part. An instance with such a pose is not drawn, and
+  // no ray hits it.
   Result<void> check() const;
   // Changes the y of tangents and knots, and nothing else, until every spline is monotone. Monotone splines
   // stay as they are.

@@ -64,7 +64,8 @@ class Spring {
   // The player's body, a sphere in world space. Pushes the middle line of every part out of it, as a beam
   // bends under a load at the deepest contact, and stops knots that move towards it. instance.pose is the
   // pose without the spring; null means rest. The lowest quarter of a part yields only in part, and no knot
-  // moves beyond `reach`. A radius of 0 or less has no effect.
+  // moves beyond `reach`. A radius of 0 or less has no effect. A part that hangs on another part's spline is
+  // pushed where that spline puts it without this spring.
   Result<void> pushAway(const Instance& instance, const glm::vec3& center, float radius);
 
   // Advances the springs by `seconds` >= 0. The solution is exact for any step: two half steps equal one

@@ -165,8 +165,9 @@ enum class Pass : std::uint8_t {
 struct Stats {
   std::uint32_t instances = 0;  // parts of instances that were drawn
   std::uint32_t culled = 0;
-  // Instances that were left out because they cannot be drawn: a pose that is not monotone or not finite, or
-  // a to_world that is not an invertible affine matrix. The others are drawn.
+  // Instances that were left out because they cannot be drawn: a pose that is not monotone or not finite, a
+  // motion of a part that is not finite, or a to_world that is not an invertible affine matrix. The others
+  // are drawn.
   std::uint32_t left_out = 0;
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
