@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The same shape at 128 and at 256 voxels of height. The same numbers from a game - moved knots, pushes,
-// wind, clips - give the same pose, the same points in the world, and the same outline but for the voxels.
+// One shape at 128 and at 256 voxels of height. All that a game does to a pose is in heights of the part. So
+// the same calls give both packs the same pose and the same points in the world, and pictures that differ by
+// a coarse voxel at most.
 #include <gtest/gtest.h>
 
 #include <algorithm>
