@@ -15,7 +15,7 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
        libtinygltf-dev libdraco-dev
-       libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev
+       libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
        # tests only: OpenMesh reads the same meshes; make reads the rules of kelp-bake -MD
        libopenmesh-dev make)
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)

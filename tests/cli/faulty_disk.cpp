@@ -2,16 +2,20 @@
 // A disk that fails, for a program that preloads this library (LD_PRELOAD): of the calls on files in the
 // folder KELP_FAULTY_FOLDER, the one of a kind with a number fails. KELP_FAULT="write 3 28": the third write
 // answers errno 28; "read short": every read gives at most three bytes, and so for write; "rename 1 crash":
-// at the first one the process crashes; "write 2 hang": at the second one it waits for ever.
+// at the first one the process crashes; "write 2 hang": at the second one it waits for ever; "write 1 lie":
+// one byte becomes another.
 // KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the
-// end. Processes that the program starts count on. KELP_FAULT="crash model.obj", "hang model.obj", "spin
-// model.obj": so a library may do at a file, the last with all of a processor; here a process that the
-// program starts does, as it opens the first file whose name ends so.
+// end. Processes that the program starts count on. KELP_FAULT="exec model.obj", or another word of kDeeds: so
+// a library may do at a file; here a process that the program starts does, as it opens the first file whose
+// name ends so.
 #undef _FORTIFY_SOURCE  // whose read() and pread() clang does not let be defined again
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -23,6 +27,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
 
 namespace {
 
@@ -38,6 +46,54 @@ void spin() {
   for (volatile bool on = true; on;) {
   }
 }
+void allocate() {
+  for (;;) std::memset(::operator new(1 << 24), 1, 1 << 24);
+}
+void throwMuch() { throw std::runtime_error(std::string(std::size_t{1} << 30, 'x')); }
+void print() {
+  const std::string text(1 << 20, 'x');
+  for (int i = 0; i < 1024; ++i) std::fputs(text.c_str(), i % 2 ? stdout : stderr);
+  crash();
+}
+
+// What goes on where it is not stopped leaves a file, or a process, or what cannot be overlooked.
+void exec() { execl("/bin/sh", "sh", "-c", "exit 0", nullptr); }
+void execInThread() { std::thread(exec).join(); }
+void forkIt() {
+  if (fork() == 0) _exit(0);
+}
+void openSocket() { socket(AF_INET, SOCK_STREAM, 0); }
+void traceParent() { ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); }
+void killParent() { kill(getppid(), SIGTERM); }
+void create() { syscall(SYS_openat, AT_FDCWD, "made", O_WRONLY | O_CREAT, 0666); }
+void overwrite() { syscall(SYS_openat, AT_FDCWD, "1.obj", O_RDONLY | O_TRUNC); }
+void removeIt() { unlink("1.obj"); }
+void moveIt() { syscall(SYS_renameat2, AT_FDCWD, "1.obj", AT_FDCWD, "moved", 0); }
+void changeMode() { chmod("1.obj", 0777); }
+// Reading elsewhere is refused, and the reader goes on: it says what it got.
+void readElsewhere() {
+  const int file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, "/etc/passwd", O_RDONLY));
+  if (file >= 0 || errno != EACCES) raise(SIGUSR2);
+}
+void uring() {
+  if (syscall(SYS_io_uring_setup, 1, nullptr) != -1 || errno != ENOSYS) raise(SIGUSR2);
+}
+
+// The next bytes that are written are not those that were given.
+bool g_lies = false;
+void lie() { g_lies = true; }
+
+struct Deed {
+  const char* name;
+  void (*does)();
+};
+constexpr Deed kDeeds[] = {{"crash", crash},       {"hang", hang},           {"spin", spin},
+                           {"allocate", allocate}, {"throw", throwMuch},     {"print", print},
+                           {"exec", exec},         {"thread", execInThread}, {"fork", forkIt},
+                           {"socket", openSocket}, {"trace", traceParent},   {"kill", killParent},
+                           {"create", create},     {"overwrite", overwrite}, {"remove", removeIt},
+                           {"move", moveIt},       {"mode", changeMode},     {"elsewhere", readElsewhere},
+                           {"uring", uring}};
 
 struct Plan {
   const char* folder = std::getenv("KELP_FAULTY_FOLDER");
@@ -56,9 +112,10 @@ struct Plan {
     const char* const text = std::getenv("KELP_FAULT");
     char name[16] = {}, number_text[16] = {}, error_text[16] = {};
     if (text == nullptr) return;
-    if (std::sscanf(text, "crash %63s", at_name) == 1) at_file = crash;
-    if (std::sscanf(text, "hang %63s", at_name) == 1) at_file = hang;
-    if (std::sscanf(text, "spin %63s", at_name) == 1) at_file = spin;
+    if (std::sscanf(text, "%15s %63s", name, at_name) == 2) {
+      for (const Deed& deed : kDeeds)
+        if (std::strcmp(name, deed.name) == 0) at_file = deed.does;
+    }
     if (at_file != nullptr || std::sscanf(text, "%15s %15s %15s", name, number_text, error_text) < 2) return;
     for (int k = 0; k < kKindCount; ++k) {
       if (std::strcmp(name, kKinds[k]) == 0) kind = k;
@@ -67,6 +124,7 @@ struct Plan {
     error = std::atoi(error_text);
     if (std::strcmp(error_text, "crash") == 0) at_call = crash;
     if (std::strcmp(error_text, "hang") == 0) at_call = hang;
+    if (std::strcmp(error_text, "lie") == 0) at_call = lie;
   }
   ~Plan() {
     const char* const path = std::getenv("KELP_FAULTY_COUNTS");
@@ -110,7 +168,7 @@ void visit(const char* path) {
   const std::size_t length = std::strlen(path), end = std::strlen(plan().at_name);
   if (plan().at_file != nullptr && getpid() != plan().program && length >= end &&
       std::strcmp(path + length - end, plan().at_name) == 0)
-    plan().at_file();
+    std::exchange(plan().at_file, nullptr)();
 }
 
 std::size_t atMost(Kind kind, std::size_t size) {
@@ -162,6 +220,12 @@ ssize_t pread(int file, void* bytes, size_t size, off_t at) {
 ssize_t write(int file, const void* bytes, size_t size) {
   const bool in = isIn(file);
   if (in && fails(kWrite)) return -1;
+  std::string changed;
+  if (in && std::exchange(g_lies, false)) {
+    changed.assign(static_cast<const char*>(bytes), size);
+    changed[size / 2] ^= 0x11;
+    bytes = changed.data();
+  }
   return next<ssize_t (*)(int, const void*, size_t)>("write")(file, bytes, in ? atMost(kWrite, size) : size);
 }
 

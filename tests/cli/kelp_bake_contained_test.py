@@ -67,15 +67,71 @@ class Contained(Case):
     def test_a_crash_while_it_writes(self):
         """Nothing is left of the output, however far it had come; of the one that was there, all."""
         self.write("out.kelp", b"the pack that was there")
-        for fault in ("write 1 crash", "fsync 1 crash", "rename 1 crash"):
-            self.ends(self.start(fault, "1.obj", "-o", "out.kelp", "--resolution", "20"), 4,
-                      "1.obj: the bake crashed (Aborted) after the file was read; ")
-            self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+        self.ends(self.start("write 1 crash", "1.obj", "-o", "out.kelp", "--resolution", "20"), 4,
+                  "1.obj: the bake crashed (Aborted) after the file was read; ")
+        self.assertEqual(self.read("out.kelp"), b"the pack that was there")
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj"]})
-        self.ends(self.start("rename 1 crash", "--manifest", "m.json", "--report", "r.json"), 4,
+        self.ends(self.start("write 1 crash", "--manifest", "m.json", "--report", "r.json"), 4,
                   "1.obj: the bake crashed", "1 of 2 assets done: 1 baked")
         self.assertEqual(
             [asset["status"] for asset in json.loads(self.read("r.json"))["assets"]], ["failed", "baked"])
+
+    def test_what_no_reader_does(self):
+        """It is stopped there, on any thread, with the name of the call; and nothing has come of it."""
+        for deed, call in (("exec", "execve (starting a program)"), ("thread", "execve (starting a program)"),
+                           ("fork", "clone (starting a process)"), ("socket", "socket (opening a socket)"),
+                           ("trace", "ptrace (looking into another process)"),
+                           ("kill", "kill (sending a signal)"),
+                           ("create", "openat (opening a file for writing)"),
+                           ("overwrite", "openat (opening a file for writing)"),
+                           ("remove", "unlink (changing a file)"), ("move", "renameat2 (changing a file)"),
+                           ("mode", "chmod (changing a file)")):
+            with self.subTest(deed):
+                before = sorted((name, self.read(name)) for name in os.listdir(self.folder))
+                text = self.ends(self.start(deed + " 1.obj", "1.obj", "-o", "out.kelp"), 4,
+                                 "1.obj: its reader was stopped at %s while the file was read, " % call)
+                self.assertEqual(text.count("\n"), 1, text)
+                self.assertEqual(before,
+                                 sorted((name, self.read(name)) for name in os.listdir(self.folder)))
+        for deed in ("elsewhere", "uring"):
+            self.ends(self.start(deed + " 1.obj", "1.obj", "-o", "out.kelp", "--resolution", "8"), 0)
+
+    def test_the_report_says_what_held(self):
+        self.bake("1.obj", "-o", "out.kelp", "--resolution", "8", "--report", "r.json")
+        containment = json.loads(self.read("r.json"))["containment"]
+        said = self.bake("--version").stdout.decode().split("\n")[1]
+        landlock, seccomp = containment["landlock"], containment["seccomp"]
+        self.assertEqual(said, "Bakes are contained by Landlock %d and seccomp." % landlock
+                         if landlock and seccomp else said)
+        self.assertTrue(landlock or seccomp, "this kernel has neither: the tests above cannot have passed")
+
+    def test_text_without_end(self):
+        """Of a gigabyte, one line tells."""
+        for deed, words in (("throw", "1.obj: cannot be read: xxx"),
+                            ("print", "1.obj: the bake crashed (Aborted) while the file was read; ")):
+            start = time.monotonic()
+            text = self.ends(self.start(deed + " 1.obj", "1.obj", "-o", "out.kelp"),
+                             3 if deed == "throw" else 4, words)
+            self.assertEqual(text.count("\n"), 1)
+            self.assertLess(len(text), 2000)
+            self.assertLess(time.monotonic() - start, 30)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer ends a program that gets no memory")
+    def test_memory_without_end(self):
+        self.ends(self.start("allocate 1.obj", "1.obj", "-o", "out.kelp", "--max-memory", "100M"), 4,
+                  "1.obj: does not fit into memory; raise --max-memory, ")
+
+    def test_a_pack_that_is_not_sound(self):
+        """The parent reads it before it takes its place."""
+        self.write("out.kelp", b"the pack that was there")
+        self.ends(self.start("write 1 lie", "1.obj", "-o", "out.kelp", "--resolution", "20"), 4,
+                  "1.obj: the pack that its bake wrote is not sound (")
+        self.assertEqual(self.read("out.kelp"), b"the pack that was there")
+
+    def test_a_later_step_that_hangs(self):
+        self.ends(self.start("write 1 hang", "1.obj", "-o", "out.kelp", "--resolution", "8",
+                             "--max-import-time", "1"), 4,
+                  "1.obj: its bake has not moved for 1 s after the file was read; ")
 
     def test_a_batch_goes_on(self):
         self.write("m.json", {"defaults": {"resolution": 20}, "assets": ["1.obj", "2.obj", "3.obj"]})

@@ -178,7 +178,8 @@ class KelpBake(unittest.TestCase):
         self.assertEqual(result.stderr, b"")
         self.assertRegex(self.bake("--version").stdout,
                          rb"^kelp-bake \d+\.\d+\.\d+ \(format \d+\.\d+, OpenVDB \d+\..*, "
-                         rb"Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n$")
+                         rb"Draco \d+\..*, Highway (yes|no), \w+ \d+\..*\)\n"
+                         rb"Bakes are (contained by .*|not contained: .*)\.\n$")
 
     def test_usage(self):
         self.fails(1, "--resolution", "128", says=["--help"])

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "kelp/bake/bake.h"
+#include "kelp/common/console.h"
 #include "kelp/common/hash.h"
 #include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
@@ -30,27 +31,34 @@ bool receive(void* user, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
+void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
                    const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  OutputFile file(path);
   Output output{file, progress, 0, {}, false};
   const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads));
   if (output.interrupted || (progress && !progress("write", 1.0)))
     throw ToolError(Exit::kInterrupted, "interrupted");
   if (!written) {
-    if (file.failed()) file.commit();  // throws the reason
+    if (file.failed()) file.flush();  // throws the reason
     if (written.error().code == ErrorCode::kOutOfMemory) throw std::bad_alloc();
     throw ToolError(Exit::kRuntime,
-                    path.string() + ": the model makes no valid pack (" + written.error().detail +
+                    console::nameOf(file.path()) + ": the model makes no valid pack (" +
+                        written.error().detail +
                         "); try another --resolution, and report this as a defect of kelp-bake");
   }
-  file.commit();
+  file.flush();
   report.pack_bytes = output.bytes;
   report.pack_hash = output.hash.text();
   report.stages.push_back({"write",
                            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
                            peakMemory()});
+}
+
+void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
+                   const Progress& progress) {
+  OutputFile file(path);
+  writePackInto(pack, file, threads, report, progress);
+  file.commit();
 }
 
 }  // namespace kelp::bake

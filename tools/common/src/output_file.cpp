@@ -40,15 +40,15 @@ constexpr const char* kMakeRoom = "free some space or choose another disk";
 
 fs::path folderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : "."; }
 
-// The names of a process's temporary files for a path begin with this; a number and ".tmp" follow.
-std::string temporaryStem(const fs::path& path, long process) {
+// The names of this process's temporary files for a path begin with this; a number and ".tmp" follow.
+std::string temporaryStem(const fs::path& path) {
   std::string name = console::nameOf(path.filename());
   if (name.size() > kMostOfName) {
     std::size_t end = kMostOfName;
     while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // whole characters
     name.resize(end);
   }
-  return "." + name + "." + std::to_string(process) + "-";
+  return "." + name + "." + std::to_string(processId()) + "-";
 }
 
 bool isDevice(const fs::path& path) {
@@ -81,7 +81,7 @@ OutputFile::OutputFile(const fs::path& path) : path_(path) {
 }
 
 void OutputFile::create() {
-  const std::string stem = temporaryStem(final_, processId());
+  const std::string stem = temporaryStem(final_);
   std::error_code problem = std::make_error_code(std::errc::file_exists);
   const InterruptsWait wait;
   for (int i = 0; problem == std::errc::file_exists && i < kMostTemporaries; ++i) {
@@ -109,13 +109,18 @@ void OutputFile::put(std::span<const std::byte> bytes) {
     problem_ = problem.message();
 }
 
-void OutputFile::flush() {
+void OutputFile::putBuffer() {
   if (!failed()) put(buffer_);
   buffer_.clear();
 }
 
+void OutputFile::flush() {
+  putBuffer();
+  throwIfFailed();
+}
+
 bool OutputFile::tryWrite(std::span<const std::byte> bytes) {
-  if (buffer_.size() + bytes.size() > kBuffer) flush();
+  if (buffer_.size() + bytes.size() > kBuffer) putBuffer();
   if (failed()) return false;
   if (bytes.size() < kBuffer)
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
@@ -148,7 +153,6 @@ void OutputFile::writeBy(const std::function<void(std::ostream&)>& write) {
 
 void OutputFile::commit() {
   flush();
-  throwIfFailed();
   if (isStandardOutput()) return;
   if (const std::error_code problem = flushToDisk(file_))
     fail(path_, "cannot be flushed to disk", problem, kMakeRoom);
@@ -159,16 +163,6 @@ void OutputFile::commit() {
   unguardFile(temporary_);
   temporary_.clear();
   flushFolder(folderOf(final_));
-}
-
-void OutputFile::removeLeftBy(long process, const fs::path& path) {
-  if (streamOf(path)) return;  // it had no temporary file
-  const fs::path final = followLinks(path);
-  const std::string stem = temporaryStem(final, process);
-  std::error_code error, ignored;
-  for (fs::directory_iterator at(folderOf(final), error), end; !error && at != end; at.increment(error))
-    if (console::nameOf(at->path().filename()).starts_with(stem) && at->path().extension() == ".tmp")
-      fs::remove(at->path(), ignored);
 }
 
 void checkOutput(const fs::path& path) { const OutputFile probe(path); }

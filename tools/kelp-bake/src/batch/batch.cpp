@@ -6,13 +6,10 @@
 #include <new>
 #include <system_error>
 
-#include <nlohmann/json.hpp>
-
 #include "batch/batch_report.h"
 #include "batch/batch_summary.h"
 #include "batch/shard.h"
 #include "cli/bake_one.h"
-#include "cli/contained.h"
 #include "cli/faults.h"
 #include "cli/interrupt.h"
 #include "cli/messages.h"
@@ -25,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::json;
 
 void makeFolderOf(const fs::path& file, const Place& place) {
   std::error_code error;
@@ -134,6 +130,7 @@ void setFailed(AssetResult& result, const Job& job, Exit exit, const std::string
 }
 
 AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
+  const auto start = Clock::now();
   AssetResult result;
   const auto fail = [&](Exit exit, const std::string& what) { setFailed(result, job, exit, what); };
   const Options& options = job.options;
@@ -155,43 +152,6 @@ AssetResult runOne(const Job& job, bool force, const Cache* cache, ProgressDispl
   } catch (const std::exception& error) {
     fail(Exit::kRuntime,
          options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
-  }
-  return result;
-}
-
-// All of a result but its time.
-std::string packed(const AssetResult& result) {
-  const Json json = {result.status, result.exit, result.error, result.pack_bytes, result.notices};
-  std::string bytes;
-  Json::to_cbor(json, bytes);  // takes words that are no UTF-8 as they are
-  return bytes;
-}
-
-AssetResult unpacked(const std::string& bytes) {
-  const Json json = Json::from_cbor(bytes);
-  AssetResult result;
-  json[0].get_to(result.status);
-  json[1].get_to(result.exit);
-  json[2].get_to(result.error);
-  json[3].get_to(result.pack_bytes);
-  json[4].get_to(result.notices);
-  return result;
-}
-
-// In a child process.
-AssetResult runContained(const Job& job, bool force, const Cache* cache, ProgressDisplay& display) {
-  const auto start = Clock::now();
-  AssetResult result;
-  try {
-    result = unpacked(contained(job.options, display, [&] {
-                        return Outcome{Exit::kOk, packed(runOne(job, force, cache, display))};
-                      }).text);
-  } catch (const ToolError& error) {
-    if (error.exit != Exit::kInterrupted) setFailed(result, job, error.exit, error.what());
-  } catch (const std::exception& error) {
-    setFailed(
-        result, job, Exit::kRuntime,
-        job.options.input.string() + ": unexpected: " + error.what() + "; please report this as a defect");
   }
   result.seconds = secondsSince(start);
   return result;
@@ -216,7 +176,7 @@ Exit runBatch(const Command& command) {
   for (std::size_t i = 0; i < jobs.jobs.size() && !interrupted(); ++i) {
     AssetResult& asset = result.assets[i];
     display.beginAsset(i + 1, jobs.jobs.size(), jobs.jobs[i].options.output.string(), time_left.seconds());
-    asset = runContained(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
+    asset = runOne(jobs.jobs[i], command.force, cache ? &*cache : nullptr, display);
     display.clear();
     result.exit = std::max(result.exit, asset.exit);
     printAsset(jobs, i, asset);

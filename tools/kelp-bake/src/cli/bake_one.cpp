@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "cli/bake_one.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <memory>
+#include <span>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 
 #include "cli/clashes.h"
-#include "cli/contained.h"
 #include "cli/interrupt.h"
 #include "cli/report_json.h"
 #include "cli/summary.h"
+#include "contained/contained.h"
+#include "kelp/common/hash.h"
+#include "kelp/common/memory.h"
 #include "kelp/common/output_file.h"
+#include "kelp/common/pack_error.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
+#include "kelp/formats/verify.h"
 
 namespace kelp::bake_cli {
 
@@ -62,6 +69,45 @@ std::optional<bake::FilesUsed> filesOfPack(const Options& options) {
   return std::move(recipe->files);
 }
 
+// XXH3-128 of all its bytes; nothing if they cannot be read.
+std::optional<std::string> hashOf(const Source& source) {
+  std::vector<std::byte> block(std::size_t{1} << 20);
+  Hash hash;
+  for (std::uint64_t at = 0; at < source.size; at += block.size()) {
+    const std::span<std::byte> part(block.data(), std::min<std::uint64_t>(block.size(), source.size - at));
+    if (source.read(source.user, at, part) != Read::kDone) return std::nullopt;
+    hash.add(part);
+  }
+  return hash.text();
+}
+
+// Reads the child's pack before it takes its place: of its size and hash nobody believes the child. Returns
+// its INFO. Throws ToolError if it is not sound.
+std::string checkFinished(const Options& options, const OutputFile& output, bake::Report& report) {
+  const auto start = Clock::now();
+  const std::string name = options.output.string();
+  const FileSource file = checkPack(name, FileSource::open(output.temporaryPath().c_str()));
+  std::optional<Issue> issue;
+  verify(
+      file.source(), Limits(),
+      [](void* first, const Issue& found) {
+        auto& kept = *static_cast<std::optional<Issue>*>(first);
+        if (found.severity == Severity::kError && !kept) kept = found;
+      },
+      &issue);
+  if (issue && exitOf(issue->error.code) != Exit::kInvalid) failPack(name, issue->error);
+  if (issue)
+    throw ToolError(Exit::kRuntime, options.input.string() + ": the pack that its bake wrote is not sound (" +
+                                        toString(issue->id) +
+                                        "); please report this as a defect, with the file");
+  const std::optional<std::string> hash = hashOf(file.source());
+  if (!hash) throw ToolError(Exit::kIo, name + ": cannot be read again; check the disk");
+  report.pack_bytes = file.source().size;
+  report.pack_hash = *hash;
+  report.stages.push_back({"check", secondsSince(start), peakMemory()});
+  return std::string(checkPack(name, Pack::open(file.source())).infoJson());
+}
+
 }  // namespace
 
 void checkDestinations(const Options& options) {
@@ -96,25 +142,25 @@ Baked bakeOne(const Options& options, const Place& place, const Cache* cache, Pr
     if (std::optional<Baked> cached = takeFromCache(options, place, *cache)) return *std::move(cached);
   }
   const auto start = Clock::now();
-  Baked baked;
-  bake::Report& report = baked.report;
-  const auto progress = [&](std::string_view stage, double done) {
-    if (announce && report.estimated_bytes > 0) {
+  OutputFile output(options.output);
+  const auto show = [&](const Stage& stage) {
+    if (announce && stage.estimated_bytes > 0) {
       display.clear();
-      printEstimate(options, report);
+      printEstimate(options, stage.estimated_bytes);
       announce = false;
     }
-    enterStage(stage);
-    display.show(stage, done);
-    return !interrupted();
+    display.show(stage.name, stage.done);
   };
-  const RawPack pack = bake::bake(options.input, options.settings, report, progress);
+  auto [report, containment] = bakeContained(options, output, show);
   checkRoles(options, report.files, place);
-  bake::writePackFile(pack, options.output, options.settings.threads, report, progress);
+  const std::string info = checkFinished(options, output, report);
+  if (interrupted()) throw ToolError(Exit::kInterrupted, "interrupted");
+  output.commit();
   display.clear();
+  Baked baked;
   baked.seconds = secondsSince(start);
-  const std::string report_text = reportJson(options, report, baked.seconds);
-  if (cache && !cache->store(options, pack.info_json, report_text, report.pack_hash))
+  const std::string report_text = reportJson(options, report, containment, baked.seconds);
+  if (cache && !cache->store(options, info, report_text, report.pack_hash))
     report.notices.push_back(
         "--cache " + options.cache_folder->string() +
         ": the pack could not be kept there; see that there is space, and that you may write to it");
@@ -122,6 +168,7 @@ Baked bakeOne(const Options& options, const Place& place, const Cache* cache, Pr
   if (options.dependency_file) writeDependencies(*options.dependency_file, options, report.files);
   baked.notices = report.notices;
   baked.pack_bytes = report.pack_bytes;
+  baked.report = std::move(report);
   return baked;
 }
 

@@ -11,6 +11,7 @@
 #include "cli/json_places.h"
 #include "cli/option_table.h"
 #include "cli/summary.h"
+#include "contained/sandbox.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -171,7 +172,7 @@ void checkCommand(const Command& command) {
 
 std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
   CLI::App app("Bakes a mesh or a volume into a voxel pack (.kelp) that bends in real time.", "kelp-bake");
-  app.set_version_flag("--version", "kelp-bake " KELP_VERSION " (" KELP_BUILD ")");
+  app.set_version_flag("--version", "");
   app.footer(kExamples);
   const SharedOptions shared(app, true);
   Command command;
@@ -197,7 +198,8 @@ std::optional<Command> parseCommandLine(const std::vector<std::string>& words) {
     writeStdout(app.help());
     return std::nullopt;
   } catch (const CLI::CallForVersion&) {
-    writeStdout("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\n");
+    writeStdout("kelp-bake " KELP_VERSION " (" KELP_BUILD ")\nBakes are " + describe(containmentOfKernel()) +
+                ".\n");
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     misuse(std::string(error.what()) + "; see kelp-bake --help");

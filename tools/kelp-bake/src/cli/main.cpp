@@ -13,7 +13,6 @@
 #include "cli/clashes.h"
 #include "cli/command_line.h"
 #include "cli/config_file.h"
-#include "cli/contained.h"
 #include "cli/faults.h"
 #include "cli/interrupt.h"
 #include "cli/messages.h"
@@ -67,16 +66,13 @@ Exit runSingle(const Command& command) {
   checkDestinations(options);
   const std::optional<Cache> cache = openCache(options);
   ProgressDisplay display(options.progress);
-  const auto bakeAndTell = [&] {
-    const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
-    if (baked.cached) {
-      printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
-    } else {
-      printSummary(options, baked.report, baked.seconds);
-    }
-    return Exit::kOk;
-  };
-  return contained(options, display, [&] { return Outcome{guarded(bakeAndTell), ""}; }).exit;
+  const Baked baked = bakeOne(options, {}, cache ? &*cache : nullptr, display, true);
+  if (baked.cached) {
+    printCached(options, baked.notices, baked.pack_bytes, baked.seconds);
+  } else {
+    printSummary(options, baked.report, baked.seconds);
+  }
+  return Exit::kOk;
 }
 
 // Before parsing, so that even usage errors are printed as JSON if --progress json is given.

@@ -69,7 +69,7 @@ constexpr OptionInfo kOptions[] = {
      "refuse a bake or a file that needs more memory, e.g. 4G (default: the machine's memory; for pictures "
      "1G plus 256 bytes per byte of their files)"},
     {"max-import-time", "SECONDS", T::kNumber, S::kRun, P::kNone, true, "1800",
-     "refuse a file that takes longer to read (default 1800)"},
+     "refuse a file that takes longer to read, or whose bake stands still for longer (default 1800)"},
     {"progress", "auto|bar|json|none", T::kText, S::kRun, P::kNone, true, "\"auto\"",
      "auto: a bar if stderr is a terminal; bar; json: each line on stderr is JSON (kelp-dump schema "
      "bake-progress); none"},

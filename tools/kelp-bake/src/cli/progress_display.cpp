@@ -128,9 +128,4 @@ void ProgressDisplay::clear() {
   drawn_ = false;
 }
 
-void ProgressDisplay::takeOver() {
-  drawn_ = style_ == ProgressStyle::kBar;
-  clear();
-}
-
 }  // namespace kelp::bake_cli

@@ -26,8 +26,6 @@ class ProgressDisplay {
   void show(std::string_view stage, double done);
   // Erases the bar, so that other lines can be printed.
   void clear();
-  // The same for a bar left by a process that has ended.
-  void takeOver();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -84,7 +84,8 @@ OrderedJson filesJson(const bake::FilesUsed& used) {
 
 }  // namespace
 
-std::string reportJson(const Options& options, const bake::Report& report, double seconds) {
+std::string reportJson(const Options& options, const bake::Report& report, const Containment& containment,
+                       double seconds) {
   OrderedJson json;
   json["schema"] = "kelp-bake-report/1";
   json["kelp-bake"] = KELP_VERSION;
@@ -115,6 +116,7 @@ std::string reportJson(const Options& options, const bake::Report& report, doubl
   json["estimated_bytes"] = report.estimated_bytes;
   json["pack_bytes"] = report.pack_bytes;
   json["pack_xxh128"] = report.pack_hash;
+  json["containment"] = {{"landlock", containment.landlock}, {"seccomp", containment.seccomp}};
   json["cached"] = false;
   json["seconds"] = seconds;
   return console::escapeControls(json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");

@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "cli/options.h"
+#include "contained/sandbox.h"
 
 namespace kelp::bake_cli {
 
 // The JSON of --report (kelp-bake-report.schema.json).
-std::string reportJson(const Options& options, const bake::Report& report, double seconds);
+std::string reportJson(const Options& options, const bake::Report& report, const Containment& containment,
+                       double seconds);
 // The same for a pack from the cache. `report`: of the bake that made it.
 std::string cachedReport(const std::string& report, const Options& options, const bake::FilesUsed& files,
                          double seconds);

@@ -128,9 +128,9 @@ void writeStdout(const std::string& text) {
                     "standard output cannot be written: " + problem + "; free space or choose another file");
 }
 
-void printEstimate(const Options& options, const bake::Report& report) {
+void printEstimate(const Options& options, std::uint64_t bytes) {
   sayNote(fmt::format("{}: baking needs about {} of memory", options.input.filename().string(),
-                      printBytes(report.estimated_bytes)));
+                      printBytes(bytes)));
 }
 
 void printSummary(const Options& options, const bake::Report& report, double seconds) {

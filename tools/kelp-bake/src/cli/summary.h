@@ -19,8 +19,8 @@ std::string printBytes(std::uint64_t bytes);
 // Throws ToolError kIo if stdout does not take all of it.
 void writeStdout(const std::string& text);
 
-// Before the work: prints the memory estimate on stderr.
-void printEstimate(const Options& options, const bake::Report& report);
+// Before the work: prints on stderr how much memory it takes.
+void printEstimate(const Options& options, std::uint64_t bytes);
 // Prints on stderr: the input, parts, warnings, clips, the pack.
 void printSummary(const Options& options, const bake::Report& report, double seconds);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kelp/common/error.h"
+#include "kelp/common/output_file.h"
 #include "kelp/common/progress.h"
 #include "kelp/formats/raw_pack.h"
 #include "kelp/import/core/files_used.h"
@@ -139,7 +140,11 @@ std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::
 // pack. Never throws: a missing, damaged or hostile pack is not current.
 bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& input,
                const Settings& settings);
-// Writes the pack to a temporary file beside `path`, flushes it to disk and renames it to `path`. So an
+// Writes the pack's bytes into a file that the caller commits, and their number and hash into the report.
+// Throws ToolError kIo.
+void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
+                   const Progress& progress = {});
+// The same, whole: to a temporary file beside `path`, flushes it to disk and renames it to `path`. So an
 // existing file is whole at every moment, and an error leaves no temporary file. Throws ToolError kIo.
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
                    const Progress& progress = {});

@@ -50,20 +50,24 @@ class OutputFile {
   // For a library that writes to a stream and seeks in it. Write nothing else then. Not for standard output.
   void writeBy(const std::function<void(std::ostream&)>& write);
 
+  // Writes what is buffered to the temporary file, for another process or reader of it. Throws as write()
+  // does.
+  void flush();
+  const std::filesystem::path& path() const { return path_; }  // as given; empty: standard output
+  // Where the bytes are before commit(), and the open file: for a process that writes or checks them.
+  const std::filesystem::path& temporaryPath() const { return temporary_; }
+  int descriptor() const { return file_; }
+
   // Flushes to the disk and puts the file in place. Flushes the folder too: after a crash the new name is
   // there.
   void commit();
-
-  // Removes the temporary files for `path` that another process left because it was killed. Reports no
-  // errors.
-  static void removeLeftBy(long process, const std::filesystem::path& path);
 
  private:
   OutputFile();  // standard output
   bool isStandardOutput() const { return path_.empty(); }
   void create();
   void put(std::span<const std::byte> bytes);
-  void flush();
+  void putBuffer();
   void throwIfFailed() const;
 
   std::filesystem::path path_;       // as given

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "contained/child.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <new>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "cli/interrupt.h"
+#include "contained/sandbox.h"
+#include "contained/wire.h"
+#include "kelp/common/memory.h"
+
+namespace kelp::bake_cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Memory that the program itself may use, beyond the model's.
+constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
+// Stacks count as data: of the bake's own threads and of TBB's.
+constexpr std::uint64_t kThreadsOfEach = 2;
+// Progress that nobody could see is not told.
+constexpr std::chrono::milliseconds kTellEvery{20};
+
+int g_pipe = -1;  // for the handler of forbidden calls
+
+[[noreturn]] void endWith(Exit exit) { std::_Exit(static_cast<int>(exit)); }
+
+[[noreturn]] void endForbidden(int call) {
+  tell(g_pipe, Word::kForbidden, {reinterpret_cast<const char*>(&call), sizeof call});
+  endWith(Exit::kRuntime);
+}
+
+// What the system counts against RLIMIT_DATA; 0 if it does not say.
+std::uint64_t dataBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    std::uint64_t kilobytes = 0;
+    if (word == "VmData:" && status >> kilobytes) return kilobytes * 1024;
+  }
+  return 0;
+}
+
+std::uint64_t stackBytes(int threads) {
+  pthread_attr_t attributes;
+  std::size_t stack = 0;
+  if (pthread_getattr_default_np(&attributes) == 0) {
+    pthread_attr_getstacksize(&attributes, &stack);
+    pthread_attr_destroy(&attributes);
+  }
+  const unsigned count = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();
+  return kThreadsOfEach * count * stack;
+}
+
+// Lowers a limit for this process, which may be raised again, up to what the system had allowed.
+void limit(__rlimit_resource kind, std::uint64_t bytes) {
+  rlimit now{};
+  if (getrlimit(kind, &now) != 0) return;
+  now.rlim_cur = std::min<rlim_t>(now.rlim_max, bytes);
+  setrlimit(kind, &now);
+}
+
+// Memory during and after the import; the size of the output.
+class Limits {
+ public:
+  explicit Limits(const bake::Settings& settings)
+      : own_(kOwnBytes + stackBytes(settings.threads)),
+        model_(settings.max_memory > 0 ? settings.max_memory : physicalMemory()) {
+    getrlimit(RLIMIT_DATA, &before_);
+    limit(RLIMIT_FSIZE, std::min<std::uint64_t>(fileLimit(), physicalMemory()));
+    // should memory give out, this is the process to end
+    std::ofstream("/proc/self/oom_score_adj") << 1000;
+  }
+
+  void enter(std::string_view stage) {
+    const bool importing = stage == "import";
+    if (importing == importing_) return;
+    importing_ = importing;
+    const std::uint64_t model = importing ? model_ : std::max(model_, physicalMemory());
+    if (const std::uint64_t data = dataBytes(); data > 0)
+      limit(RLIMIT_DATA, std::min<std::uint64_t>(before_.rlim_cur, (importing ? data : 0) + own_ + model));
+  }
+
+ private:
+  static std::uint64_t fileLimit() {
+    rlimit files{};
+    return getrlimit(RLIMIT_FSIZE, &files) == 0 ? files.rlim_cur : RLIM_INFINITY;
+  }
+
+  const std::uint64_t own_, model_;
+  rlimit before_{};
+  bool importing_ = false;
+};
+
+// Nothing is open but the two pipes, which libraries print to one of, and the output.
+void keepOpen(int pipe, int prints, int output) {
+  const int nothing = ::open("/dev/null", O_RDONLY);
+  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(prints, STDOUT_FILENO);
+  ::dup2(prints, STDERR_FILENO);
+  unsigned first = STDERR_FILENO + 1;
+  for (const int kept : {std::min(pipe, output), std::max(pipe, output)}) {
+    const auto open = static_cast<unsigned>(kept);
+    if (open > first) ::close_range(first, open - 1, 0);
+    first = std::max(first, open + 1);
+  }
+  ::close_range(first, ~0U, 0);
+}
+
+std::string bakeInto(const Options& options, OutputFile& output, int pipe, const Containment& containment,
+                     Limits& limits) {
+  bake::Report report;
+  std::string shown;
+  Clock::time_point told{};
+  const auto progress = [&](std::string_view stage, double done) {
+    limits.enter(stage);
+    const auto now = Clock::now();
+    if (stage != shown || done >= 1 || now - told >= kTellEvery) {
+      shown = stage;
+      told = now;
+      if (!tell(pipe, Word::kProgress, packed(Stage{shown, done, report.estimated_bytes})))
+        endWith(Exit::kRuntime);  // no parent
+    }
+    return !interrupted();
+  };
+  const RawPack pack = bake::bake(options.input, options.settings, report, progress);
+  bake::writePackInto(pack, output, options.settings.threads, report, progress);
+  return packed(report, containment);
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> placesToRead(const Options& options) {
+  const std::filesystem::path& input = options.input;
+  std::vector<std::filesystem::path> places{input, input.has_parent_path() ? input.parent_path() : "."};
+  for (const char* const extension : {".rig.json", ".raw.json", ".json"})
+    places.push_back(std::filesystem::path(input).replace_extension(extension));
+  const bake::Settings& settings = options.settings;
+  for (const auto& file : {settings.rig_file, settings.palette_file, settings.ramp_file})
+    if (file) places.push_back(*file);
+  return places;
+}
+
+void runChild(pid_t parent, int pipe, int prints, const Options& options, OutputFile& output) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) endWith(Exit::kRuntime);  // it has ended before it could be watched
+  hearParentOnly();
+  g_pipe = pipe;
+  const auto fail = [&](Exit exit, const std::string& what) {
+    tell(pipe, Word::kFailed, packed(ToolError(exit, what)));
+  };
+  const std::string input = options.input.string();
+  try {
+    keepOpen(pipe, prints, output.descriptor());
+    Limits limits(options.settings);
+    const Containment containment = giveUpAllBut(placesToRead(options), endForbidden);
+    tell(pipe, Word::kDone, bakeInto(options, output, pipe, containment, limits));
+  } catch (const ToolError& error) {
+    fail(error.exit, error.what());
+  } catch (const std::bad_alloc&) {
+    fail(Exit::kRuntime, input + ": out of memory; lower --resolution");
+  } catch (const std::exception& error) {
+    fail(Exit::kRuntime, input + ": unexpected: " + error.what() + "; please report this as a defect");
+  }
+  endWith(Exit::kOk);  // at an orderly exit log4cplus would wait for its threads, and here they are not
+}
+
+}  // namespace kelp::bake_cli

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Runs a bake in a child process. Libraries that read files are not safe for hostile input. The child gives
+// up what it does not need before it opens one, and if it crashes, hangs, uses up the memory or does what no
+// reader does, only the child ends, and this process reports an error.
+#pragma once
+
+#include <functional>
+
+#include "cli/options.h"
+#include "contained/wire.h"
+#include "kelp/common/output_file.h"
+
+namespace kelp::bake_cli {
+
+struct Contained {
+  bake::Report report;
+  Containment containment;  // what held for the child
+};
+
+// Bakes `options.input` into `output` in a child process; commit() is the caller's, after it has checked the
+// pack. `show` is called with the steps of the bake.
+//
+// The child may read the input's folder, the files that the options name and the system's libraries; it may
+// write what is open: the output and its pipes. Memory is limited by Settings::max_memory during the import
+// and by the machine's after it, the output by the machine's memory. Options::max_import_seconds limits the
+// import, and every later step that shows no progress. interrupted() is passed on. If the child does not
+// react for seconds, it is killed. It ends with this process.
+//
+// Throws the bake's ToolError; kRuntime with the input's name if the child crashes, exceeds a limit or makes
+// a forbidden call; kInterrupted. Call it while this program has no threads of its own.
+Contained bakeContained(const Options& options, OutputFile& output,
+                        const std::function<void(const Stage&)>& show);
+
+}  // namespace kelp::bake_cli
