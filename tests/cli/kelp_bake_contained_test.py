@@ -4,6 +4,8 @@
 
 Usage: kelp_bake_contained_test.py KELP_BAKE LIBRARY [unittest options]
 LIBRARY is faulty_disk.cpp, which makes the opening of a file crash or hang."""
+import ctypes
+import errno
 import json
 import os
 import resource
@@ -104,6 +106,34 @@ class Contained(Case):
         self.assertEqual(said, "Bakes are contained by Landlock %d and seccomp." % landlock
                          if landlock and seccomp else said)
         self.assertTrue(landlock or seccomp, "this kernel has neither: the tests above cannot have passed")
+
+    def test_a_kernel_that_has_neither(self):
+        """A filter stands for one: it answers that there is no Landlock, and no seccomp."""
+        library = ctypes.CDLL("libseccomp.so.2")
+        library.seccomp_init.restype = ctypes.c_void_p
+
+        class Condition(ctypes.Structure):
+            _fields_ = [("argument", ctypes.c_uint), ("operator", ctypes.c_int), ("a", ctypes.c_uint64),
+                        ("b", ctypes.c_uint64)]
+
+        def forbid():
+            action, equal = 0x50000 | errno.ENOSYS, 4
+            rules = ctypes.c_void_p(library.seccomp_init(0x7fff0000))
+            number = library.seccomp_syscall_resolve_name
+            for call in (b"landlock_create_ruleset", b"seccomp"):
+                library.seccomp_rule_add_array(rules, action, number(call), 0, None)
+            for option in (21, 22):  # PR_GET_SECCOMP, PR_SET_SECCOMP
+                library.seccomp_rule_add_array(rules, action, number(b"prctl"), 1,
+                                               ctypes.byref(Condition(0, equal, option, 0)))
+            if library.seccomp_load(rules) != 0:
+                os._exit(99)
+
+        self.assertEqual(self.bake("--version", preexec_fn=forbid).stdout.decode().split("\n")[1],
+                         "Bakes are not contained: this kernel has neither Landlock nor seccomp.")
+        result = self.bake("1.obj", "-o", "out.kelp", "--resolution", "8", "--report", "r.json",
+                           preexec_fn=forbid)
+        self.assertEqual(result.returncode, 0, result.stderr.decode())
+        self.assertEqual(json.loads(self.read("r.json"))["containment"], {"landlock": 0, "seccomp": False})
 
     def test_text_without_end(self):
         """Of a gigabyte, one line tells."""

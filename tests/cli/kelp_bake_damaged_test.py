@@ -25,8 +25,9 @@ MAKE_VOLUMES, SOURCES = (os.path.abspath(path) for path in sys.argv[1:3])
 FILES = int(sys.argv[3]) if len(sys.argv) > 3 else 10000 if os.environ.get("KELP_ALL_TESTS") else 200
 ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
 OF_ASSETS = ("vdb/gaffer_arnold_sphere.vdb", "vdb/openusd_densityAndHeat.vdb", "vdb/gaffer_sphere.vdb",
-             "vdb/openusd_smoke_000001.vdb", "mesh/common3d/spot.obj", "mesh/draco_testdata/test_pos_color.ply",
-             "gltf/pmndrs/barrel.glb", "gltf/aquarium/coral.glb", "gltf/assimp/glTF2/Box.glb")
+             "vdb/openusd_smoke_000001.vdb", "mesh/common3d/spot.obj",
+             "mesh/draco_testdata/test_pos_color.ply", "gltf/pmndrs/barrel.glb", "gltf/aquarium/coral.glb",
+             "gltf/assimp/glTF2/Box.glb")
 VOLUMES = (".vdb", ".nvdb")
 SECONDS = 10
 
@@ -99,8 +100,8 @@ def bake(folder, number, name, good, options):
     path = os.path.join(place, name)
     with open(path, "wb") as file:
         file.write(damaged(good, number))
-    command = [KELP_BAKE, path, "-o", os.path.join(place, "out.kelp"), *options, "--threads", "1", "--progress",
-               "none", "--max-import-time", str(6 * SECONDS)]
+    command = [KELP_BAKE, path, "-o", os.path.join(place, "out.kelp"), *options, "--threads", "1",
+               "--progress", "none", "--max-import-time", str(6 * SECONDS)]
     limited = limits(KELP_BAKE)
     inner = limited.pop("preexec_fn", lambda: None)
 
@@ -112,9 +113,10 @@ def bake(folder, number, name, good, options):
     text = result.stderr.decode(errors="replace")
     crashed = "crashed" in text
     wrong = ""
+    one_line = text.startswith("kelp-bake: ") and text.count("\n") == 1 and ";" in text
     if result.returncode not in (0, 1, 3, 4, 5):
         wrong = "exit code %d" % result.returncode
-    elif result.returncode and (text.count("\n") != 1 or not text.startswith("kelp-bake: ") or ";" not in text):
+    elif result.returncode and not one_line:
         wrong = "not one line that says what to do"
     elif "unexpected" in text or "Sanitizer" in text or "processor time" in text or len(text) > 8000:
         wrong = "this line"
@@ -124,7 +126,8 @@ def bake(folder, number, name, good, options):
     if not wrong and set(os.listdir(place)) != kept:
         wrong = "leaves %s" % sorted(set(os.listdir(place)) - kept)
     if wrong:
-        return "%s, change %d (%s): %s: %s" % (name, number, path, wrong, text[:1500]), result.returncode, crashed
+        wrong = "%s, change %d (%s): %s: %s" % (name, number, path, wrong, text[:1500])
+        return wrong, result.returncode, crashed
     for left in os.listdir(place):
         os.remove(os.path.join(place, left))
     os.rmdir(place)
@@ -141,8 +144,8 @@ def main():
         ends = list(pool.map(lambda i: bake(folder, i, *good[i % len(good)]), range(FILES)))
     wrong = [end[0] for end in ends if end[0]]
     codes = collections.Counter(end[1] for end in ends)
-    print("%d damaged files of %d samples in %.0f s: exit codes %s; %d crashes in libraries of volumes; %d wrong"
-          % (FILES, len(good), time.monotonic() - start, dict(sorted(codes.items())),
+    print("%d damaged files of %d samples in %.0f s: exit codes %s; %d crashes in libraries of volumes; "
+          "%d wrong" % (FILES, len(good), time.monotonic() - start, dict(sorted(codes.items())),
              sum(end[2] for end in ends), len(wrong)))
     for line in wrong[:10]:
         print(line)
