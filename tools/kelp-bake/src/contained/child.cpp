@@ -75,10 +75,11 @@ void limit(__rlimit_resource kind, std::uint64_t bytes) {
 }
 
 // Memory during and after the import; the size of the output.
-class Limits {
+class ChildLimits {
  public:
-  explicit Limits(const bake::Settings& settings)
-      : own_(kOwnBytes + stackBytes(settings.threads)),
+  explicit ChildLimits(const bake::Settings& settings)
+      : data_(dataBytes()),
+        own_(kOwnBytes + stackBytes(settings.threads)),
         model_(settings.max_memory > 0 ? settings.max_memory : physicalMemory()) {
     getrlimit(RLIMIT_DATA, &before_);
     limit(RLIMIT_FSIZE, std::min<std::uint64_t>(fileLimit(), physicalMemory()));
@@ -91,8 +92,7 @@ class Limits {
     if (importing == importing_) return;
     importing_ = importing;
     const std::uint64_t model = importing ? model_ : std::max(model_, physicalMemory());
-    if (const std::uint64_t data = dataBytes(); data > 0)
-      limit(RLIMIT_DATA, std::min<std::uint64_t>(before_.rlim_cur, (importing ? data : 0) + own_ + model));
+    if (data_ > 0) limit(RLIMIT_DATA, std::min<std::uint64_t>(before_.rlim_cur, data_ + own_ + model));
   }
 
  private:
@@ -101,6 +101,7 @@ class Limits {
     return getrlimit(RLIMIT_FSIZE, &files) == 0 ? files.rlim_cur : RLIM_INFINITY;
   }
 
+  const std::uint64_t data_;  // that the program has before the bake
   const std::uint64_t own_, model_;
   rlimit before_{};
   bool importing_ = false;
@@ -122,7 +123,7 @@ void keepOpen(int pipe, int prints, int output) {
 }
 
 std::string bakeInto(const Options& options, OutputFile& output, int pipe, const Containment& containment,
-                     Limits& limits) {
+                     ChildLimits& limits) {
   bake::Report report;
   std::string shown;
   Clock::time_point told{};
@@ -166,7 +167,7 @@ void runChild(pid_t parent, int pipe, int prints, const Options& options, Output
   const std::string input = options.input.string();
   try {
     keepOpen(pipe, prints, output.descriptor());
-    Limits limits(options.settings);
+    ChildLimits limits(options.settings);
     const Containment containment = giveUpAllBut(placesToRead(options), endForbidden);
     tell(pipe, Word::kDone, bakeInto(options, output, pipe, containment, limits));
   } catch (const ToolError& error) {

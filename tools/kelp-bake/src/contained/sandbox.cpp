@@ -120,6 +120,10 @@ struct CloseFilter {
 };
 using Filter = std::unique_ptr<void, CloseFilter>;
 
+scmp_arg_cmp where(unsigned argument, scmp_compare how, std::uint64_t first, std::uint64_t second = 0) {
+  return {argument, how, first, second};
+}
+
 // Adds a rule; false if that fails. A call that this processor does not have needs none.
 template <class... Conditions>
 bool rule(const Filter& filter, std::uint32_t action, const char* call, Conditions... conditions) {
@@ -134,9 +138,9 @@ bool rule(const Filter& filter, std::uint32_t action, const char* call, Conditio
 bool forbidWriting(const Filter& filter, const char* call, unsigned flags) {
   bool added = true;
   for (const std::uint64_t mode : {O_WRONLY, O_RDWR})
-    added &= rule(filter, SCMP_ACT_TRAP, call, SCMP_CMP64(flags, SCMP_CMP_MASKED_EQ, O_ACCMODE, mode));
+    added &= rule(filter, SCMP_ACT_TRAP, call, where(flags, SCMP_CMP_MASKED_EQ, O_ACCMODE, mode));
   for (const std::uint64_t flag : {O_CREAT, O_TRUNC})
-    added &= rule(filter, SCMP_ACT_TRAP, call, SCMP_CMP64(flags, SCMP_CMP_MASKED_EQ, flag, flag));
+    added &= rule(filter, SCMP_ACT_TRAP, call, where(flags, SCMP_CMP_MASKED_EQ, flag, flag));
   return added;
 }
 
@@ -151,13 +155,13 @@ bool filterCalls() {
   // clone() then.
   for (const char* const call : {"clone3", "openat2", "io_uring_setup"})
     added &= rule(filter, SCMP_ACT_ERRNO(ENOSYS), call);
-  added &= rule(filter, SCMP_ACT_TRAP, "clone", SCMP_CMP64(0, SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0));
+  added &= rule(filter, SCMP_ACT_TRAP, "clone", where(0, SCMP_CMP_MASKED_EQ, CLONE_THREAD));
   // To itself alone, as abort() does; 0 is the whole group, of which the parent is one.
-  const auto self = static_cast<std::uint32_t>(getpid());
+  const auto self = static_cast<std::uint64_t>(getpid());
   for (const char* const call : {"kill", "tgkill"})
-    added &= rule(filter, SCMP_ACT_TRAP, call, SCMP_CMP32(0, SCMP_CMP_NE, self));
-  added &= rule(filter, SCMP_ACT_TRAP, "prlimit64", SCMP_CMP32(0, SCMP_CMP_NE, 0U));  // 0: of itself
-  added &= rule(filter, SCMP_ACT_TRAP, "ioctl", SCMP_CMP32(1, SCMP_CMP_EQ, TIOCSTI));
+    added &= rule(filter, SCMP_ACT_TRAP, call, where(0, SCMP_CMP_NE, self));
+  added &= rule(filter, SCMP_ACT_TRAP, "prlimit64", where(0, SCMP_CMP_NE, 0));  // 0: of itself
+  added &= rule(filter, SCMP_ACT_TRAP, "ioctl", where(1, SCMP_CMP_MASKED_EQ, 0xffffffff, TIOCSTI));
   return added && seccomp_load(filter.get()) == 0;
 }
 
