@@ -9,6 +9,8 @@
 #include <numbers>
 #include <vector>
 
+#include "plain_patch.h"
+
 namespace kelp::bake {
 namespace {
 
@@ -35,15 +37,18 @@ Plate clampedTo(const Height& height) {
     plate.beyond.emplace_back(x, y, height(x, y));
   }
   plate.patch = spanPolygon(rim);
-  for (std::uint32_t i = 0; i < plate.patch.rim; ++i)
-    plate.patch.points[i].z = height(plate.patch.points[i].x, plate.patch.points[i].y);
+  for (int i = 0; i < kCorners; ++i) {
+    OpenMesh::Vec3d& p = plate.patch.mesh.point(OpenMesh::VertexHandle(i));
+    p[2] = height(p[0], p[1]);
+  }
   return plate;
 }
 
 // The largest distance in z between the points of a faired patch and a surface.
 double farthest(const Patch& patch, const Height& height) {
   double most = 0;
-  for (const glm::dvec3& p : patch.points) most = std::max(most, std::abs(p.z - height(p.x, p.y)));
+  for (const glm::dvec3& p : PlainPatch(patch).points)
+    most = std::max(most, std::abs(p.z - height(p.x, p.y)));
   return most;
 }
 
@@ -61,10 +66,10 @@ TEST(Fairing, APlateClampedAlongABiharmonicSurfaceTakesItsShape) {
   };
   for (const auto& surface : surfaces) {
     Plate plate = clampedTo(surface.height);
-    ASSERT_GT(plate.patch.points.size(), 150u);
+    ASSERT_GT(plate.patch.mesh.n_vertices(), 150u);
     fairPatch(plate.patch, plate.beyond);
     double range = 0;
-    for (const glm::dvec3& p : plate.patch.points)
+    for (const glm::dvec3& p : PlainPatch(plate.patch).points)
       range = std::max(range, std::abs(surface.height(p.x, p.y) - surface.height(0, 0)));
     EXPECT_LT(farthest(plate.patch, surface.height), 0.05 * range) << surface.name;
   }
@@ -79,11 +84,12 @@ TEST(Fairing, AFlatRimKeepsThePlateInItsPlane) {
 
 TEST(Fairing, OnlyPointsWithinMove) {
   Plate plate = clampedTo([](double x, double y) { return 0.02 * x * y; });
-  const Patch before = plate.patch;
+  const PlainPatch before(plate.patch);
   fairPatch(plate.patch, plate.beyond);
-  ASSERT_EQ(plate.patch.points.size(), before.points.size());
-  EXPECT_EQ(plate.patch.triangles, before.triangles);
-  for (std::uint32_t i = 0; i < before.rim; ++i) EXPECT_EQ(plate.patch.points[i], before.points[i]);
+  const PlainPatch after(plate.patch);
+  ASSERT_EQ(after.points.size(), before.points.size());
+  EXPECT_EQ(after.triangles, before.triangles);
+  for (std::uint32_t i = 0; i < before.rim; ++i) EXPECT_EQ(after.points[i], before.points[i]);
 }
 
 // The plate does not know where it is, which way it is turned and how large it is.
@@ -94,12 +100,13 @@ TEST(Fairing, MovesTurnsAndScalesWithItsRim) {
   const glm::dmat3 turn = 3.0 * glm::dmat3(u, v, glm::cross(u, v));
   const auto moved = [&](const glm::dvec3& p) { return turn * p + glm::dvec3(100, -70, 40); };
   Plate other = plate;
-  for (glm::dvec3& p : other.patch.points) p = moved(p);
+  for (const OpenMesh::VertexHandle v : other.patch.mesh.vertices())
+    other.patch.mesh.set_point(v, toPoint(moved(pointOf(other.patch.mesh, v))));
   for (glm::dvec3& p : other.beyond) p = moved(p);
   fairPatch(plate.patch, plate.beyond);
   fairPatch(other.patch, other.beyond);
-  for (std::size_t i = 0; i < plate.patch.points.size(); ++i)
-    EXPECT_LT(glm::distance(moved(plate.patch.points[i]), other.patch.points[i]), 1e-6);
+  for (const OpenMesh::VertexHandle v : plate.patch.mesh.vertices())
+    EXPECT_LT(glm::distance(moved(pointOf(plate.patch.mesh, v)), pointOf(other.patch.mesh, v)), 1e-6);
 }
 
 // The linear system is solved: of all shapes near it the faired one has the least energy. The energy is the
@@ -108,9 +115,8 @@ TEST(Fairing, NoMoveOfASinglePointLowersTheEnergy) {
   Plate plate = clampedTo([](double x, double y) { return 0.004 * (x * x + x * y) + 0.002 * y * y; });
   fairPatch(plate.patch, plate.beyond);
   fairPatch(plate.patch, plate.beyond);  // on to where the weights do not change any more
-  std::vector<glm::dvec3> points = plate.patch.points;
-  auto triangles = plate.patch.triangles;
-  const std::uint32_t rim = plate.patch.rim, first = static_cast<std::uint32_t>(points.size());
+  auto [points, triangles, rim] = PlainPatch(plate.patch);
+  const std::uint32_t first = static_cast<std::uint32_t>(points.size());
   points.insert(points.end(), plate.beyond.begin(), plate.beyond.end());
   for (std::uint32_t i = 0; i < rim; ++i) {
     const std::uint32_t next = (i + 1) % rim;

@@ -11,14 +11,16 @@
 #include <random>
 #include <vector>
 
+#include "plain_patch.h"
+
 namespace kelp::bake {
 namespace {
 
-glm::dvec3 areaOf(const Patch& patch, std::size_t t) {
+glm::dvec3 areaOf(const PlainPatch& patch, std::size_t t) {
   const auto& [a, b, c] = patch.triangles[t];
   return 0.5 * glm::cross(patch.points[b] - patch.points[a], patch.points[c] - patch.points[a]);
 }
-double totalArea(const Patch& patch) {
+double totalArea(const PlainPatch& patch) {
   double area = 0;
   for (std::size_t t = 0; t < patch.triangles.size(); ++t) area += glm::length(areaOf(patch, t));
   return area;
@@ -70,7 +72,7 @@ double shoelace(const std::vector<glm::dvec3>& p) {
 // Only a triangulation that leaves the polygon, or covers a place twice, has more.
 TEST(Patch, CoversAFlatPolygonOnce) {
   for (const std::vector<glm::dvec3>& polygon : {circle(48, 10), comb()}) {
-    const Patch patch = spanPolygon(polygon);
+    const PlainPatch patch(spanPolygon(polygon));
     EXPECT_NEAR(totalArea(patch), shoelace(polygon), 1e-9);
     for (std::size_t t = 0; t < patch.triangles.size(); ++t) EXPECT_GT(areaOf(patch, t).z, 0);
   }
@@ -85,7 +87,7 @@ TEST(Patch, IsADisc) {
   for (glm::dvec3& p : jagged) p += glm::dvec3(noise(random), noise(random), 3 * noise(random));
   for (const std::vector<glm::dvec3>& polygon :
        {circle(3, 1), circle(4, 5), circle(64, 10), comb(), jagged}) {
-    const Patch patch = spanPolygon(polygon);
+    const PlainPatch patch(spanPolygon(polygon));
     ASSERT_EQ(patch.rim, polygon.size());
     EXPECT_TRUE(std::equal(polygon.begin(), polygon.end(), patch.points.begin()));
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
@@ -106,7 +108,7 @@ TEST(Patch, IsADisc) {
 
 // No corner lies in the circle around another triangle: brute force over all of both.
 TEST(Patch, IsADelaunayTriangulationOfAConvexPolygon) {
-  const Patch patch = spanPolygon(circle(48, 10));
+  const PlainPatch patch(spanPolygon(circle(48, 10)));
   for (const auto& t : patch.triangles) {
     const glm::dvec2 a(patch.points[t[0]]), b(patch.points[t[1]]), c(patch.points[t[2]]);
     const double d = 2 * (a.x * (b.y - c.y) + b.x * (c.y - a.y) + c.x * (a.y - b.y));
@@ -124,7 +126,7 @@ TEST(Patch, IsADelaunayTriangulationOfAConvexPolygon) {
 // as many as its area / (sqrt(3) / 4); Euler's formula tells the points from the triangles and the rim.
 TEST(Patch, IsRefinedToTheLengthOfThePolygonsEdges) {
   for (const int corners : {24, 48, 64}) {
-    const Patch patch = spanPolygon(circle(corners, corners / (2 * std::numbers::pi)));
+    const PlainPatch patch(spanPolygon(circle(corners, corners / (2 * std::numbers::pi))));
     for (const auto& [a, b, c] : patch.triangles) {
       const glm::dvec3 centre = (patch.points[a] + patch.points[b] + patch.points[c]) / 3.0;
       EXPECT_LT(std::min({glm::distance(centre, patch.points[a]), glm::distance(centre, patch.points[b]),
@@ -153,7 +155,7 @@ TEST(Patch, HasNearlyTheLeastAreaInSpace) {
   for (int round = 0; round < 20; ++round) {
     std::vector<glm::dvec3> polygon = circle(9, 2);
     for (glm::dvec3& p : polygon) p.z = noise(random);
-    const Patch patch = spanPolygon(polygon);
+    const PlainPatch patch(spanPolygon(polygon));
     const double least = leastArea(polygon, 0, polygon.size() - 1);
     EXPECT_LT(totalArea(patch), 1.1 * least);
   }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace kelp::bake {
 namespace {
@@ -58,14 +60,15 @@ class EnvelopeMatrix {
 
 class Plate {
  public:
-  Plate(Patch& patch, std::span<const glm::dvec3> beyond)
-      : patch_(patch), points_(patch.points), triangles_(patch.triangles) {
-    const std::uint32_t rim = patch.rim, first = static_cast<std::uint32_t>(points_.size());
-    points_.insert(points_.end(), beyond.begin(), beyond.end());
-    for (std::uint32_t i = 0; i < rim; ++i) {
-      const std::uint32_t next = (i + 1) % rim;
-      triangles_.push_back({next, i, first + i});
-      triangles_.push_back({next, first + i, first + next});
+  // The patch, and around it a band to the points beyond.
+  Plate(const Patch& patch, std::span<const glm::dvec3> beyond)
+      : mesh_(patch.mesh), rim_(static_cast<int>(patch.rim)), count_(static_cast<int>(mesh_.n_vertices())) {
+    for (const glm::dvec3& p : beyond) mesh_.add_vertex(toPoint(p));
+    for (int i = 0; i < rim_; ++i) {
+      const int next = (i + 1) % rim_;
+      const OpenMesh::VertexHandle a(i), b(next), c(count_ + i), d(count_ + next);
+      mesh_.add_face(b, a, c);
+      mesh_.add_face(b, c, d);
     }
     number();
   }
@@ -75,21 +78,22 @@ class Plate {
     std::vector<glm::dvec3> x(order_.size(), glm::dvec3(0));
     EnvelopeMatrix matrix(envelope_);
     // One row of the Laplacian a point that is not beyond the rim.
-    std::vector<std::pair<std::uint32_t, double>> row;
-    for (std::uint32_t v = 0; v < patch_.points.size(); ++v) {
-      row.assign(1, {v, 0.0});
-      for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) {
-        row.emplace_back(around_[i], weights_[i]);
-        row[0].second -= weights_[i];
+    std::vector<std::pair<OpenMesh::SmartVertexHandle, double>> row;
+    for (int v = 0; v < count_; ++v) {
+      row.assign(1, {at(v), 0.0});
+      for (const OpenMesh::SmartHalfedgeHandle half_edge : at(v).outgoing_halfedges()) {
+        const double weight = weights_[index(half_edge.edge())];
+        row.emplace_back(half_edge.to(), weight);
+        row[0].second -= weight;
       }
       for (const auto& [p, a] : row) {
-        const std::uint32_t i = number_[p];
+        const std::uint32_t i = number_[index(p)];
         if (i == kFixed) continue;
         for (const auto& [q, b] : row) {
-          const std::uint32_t k = number_[q];
-          const double product = a * b / areas_[v];
+          const std::uint32_t k = number_[index(q)];
+          const double product = a * b / areas_[static_cast<std::size_t>(v)];
           if (k == kFixed) {
-            x[i] -= product * points_[q];
+            x[i] -= product * pointOf(mesh_, q);
           } else if (k <= i) {
             matrix.at(i, k) += product;
           }
@@ -98,95 +102,79 @@ class Plate {
     }
     matrix.decompose();
     matrix.solve(x);
-    for (std::size_t i = 0; i < order_.size(); ++i) patch_.points[order_[i]] = points_[order_[i]] = x[i];
+    for (std::size_t i = 0; i < order_.size(); ++i) mesh_.set_point(order_[i], toPoint(x[i]));
+  }
+
+  void moveTo(Patch& patch) const {
+    for (const OpenMesh::VertexHandle vertex : order_) patch.mesh.set_point(vertex, mesh_.point(vertex));
   }
 
  private:
-  // Neighbours, and numbers for the points within such that neighbours' neighbours have near ones.
-  void number() {
-    const std::size_t count = patch_.points.size();
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (const auto& t : triangles_) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        pairs.emplace_back(t[k], t[(k + 1) % 3]);
-        pairs.emplace_back(t[(k + 1) % 3], t[k]);
-      }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    starts_.assign(points_.size() + 1, 0);
-    for (const auto& [from, to] : pairs) {
-      ++starts_[from + 1];
-      around_.push_back(to);
-    }
-    for (std::size_t i = 0; i < points_.size(); ++i) starts_[i + 1] += starts_[i];
+  static std::size_t index(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
+  OpenMesh::SmartVertexHandle at(int vertex) const {
+    return OpenMesh::make_smart(OpenMesh::VertexHandle(vertex), mesh_);
+  }
 
-    number_.assign(points_.size(), kFixed);
-    std::vector<bool> seen(points_.size(), false);
-    std::vector<std::uint32_t> front;
-    for (std::uint32_t seed = 0; seed < count; ++seed) {
-      if (seen[seed]) continue;
-      seen[seed] = true;
-      front.assign(1, seed);
-      for (std::size_t at = 0; at < front.size(); ++at) {
-        const std::uint32_t v = front[at];
-        if (v >= patch_.rim) {
-          number_[v] = static_cast<std::uint32_t>(order_.size());
+  // Numbers for the points within such that neighbours' neighbours have near ones.
+  void number() {
+    number_.assign(mesh_.n_vertices(), kFixed);
+    std::vector<bool> seen(mesh_.n_vertices(), false);
+    std::vector<OpenMesh::SmartVertexHandle> front;
+    for (int seed = 0; seed < count_; ++seed) {
+      if (seen[static_cast<std::size_t>(seed)]) continue;
+      seen[static_cast<std::size_t>(seed)] = true;
+      front.assign(1, at(seed));
+      for (std::size_t next = 0; next < front.size(); ++next) {
+        const OpenMesh::SmartVertexHandle v = front[next];
+        if (v.idx() >= rim_) {
+          number_[index(v)] = static_cast<std::uint32_t>(order_.size());
           order_.push_back(v);
         }
-        for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) {
-          const std::uint32_t to = around_[i];
+        for (const OpenMesh::SmartVertexHandle to : v.vertices()) {
           // Along the rim the search would come in from all sides at once.
-          if (to >= count || seen[to] || (v < patch_.rim && to < patch_.rim)) continue;
-          seen[to] = true;
+          if (to.idx() >= count_ || seen[index(to)] || (v.idx() < rim_ && to.idx() < rim_)) continue;
+          seen[index(to)] = true;
           front.push_back(to);
         }
       }
     }
     envelope_.resize(order_.size());
     for (std::uint32_t i = 0; i < order_.size(); ++i) envelope_[i] = i;
-    for (std::uint32_t v = 0; v < count; ++v) {
-      std::uint32_t least = number_[v];
-      for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i)
-        least = std::min(least, number_[around_[i]]);
-      if (number_[v] != kFixed) envelope_[number_[v]] = std::min(envelope_[number_[v]], least);
-      for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) {
-        const std::uint32_t n = number_[around_[i]];
+    for (int v = 0; v < count_; ++v) {
+      std::uint32_t least = number_[static_cast<std::size_t>(v)];
+      const auto widen = [&](std::uint32_t n) {
         if (n != kFixed) envelope_[n] = std::min(envelope_[n], least);
-      }
+      };
+      for (const OpenMesh::SmartVertexHandle to : at(v).vertices())
+        least = std::min(least, number_[index(to)]);
+      widen(number_[static_cast<std::size_t>(v)]);
+      for (const OpenMesh::SmartVertexHandle to : at(v).vertices()) widen(number_[index(to)]);
     }
   }
 
   // Cotangents and areas of the shape as it is.
   void weigh() {
-    weights_.assign(around_.size(), 0.0);
-    areas_.assign(points_.size(), 1e-9);
-    for (const auto& t : triangles_) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-        const glm::dvec3 u = points_[a] - points_[c], v = points_[b] - points_[c];
-        const double twice = glm::length(glm::cross(u, v));
-        // Needles must not outweigh all else.
-        const double weight = std::clamp(glm::dot(u, v) / (twice + 1e-12), -kSteepest, kSteepest) * 0.5;
-        weights_[place(a, b)] += weight;
-        weights_[place(b, a)] += weight;
-        areas_[c] += twice / 6;
-      }
+    weights_.assign(mesh_.n_edges(), 0.0);
+    areas_.assign(mesh_.n_vertices(), 1e-9);
+    for (const OpenMesh::SmartHalfedgeHandle half_edge : mesh_.halfedges()) {
+      if (half_edge.is_boundary()) continue;
+      const OpenMesh::SmartVertexHandle opposite = half_edge.next().to();
+      const glm::dvec3 p = pointOf(mesh_, opposite), u = pointOf(mesh_, half_edge.from()) - p,
+                       v = pointOf(mesh_, half_edge.to()) - p;
+      const double twice = glm::length(glm::cross(u, v));
+      // Needles must not outweigh all else.
+      weights_[index(half_edge.edge())] +=
+          std::clamp(glm::dot(u, v) / (twice + 1e-12), -kSteepest, kSteepest) * 0.5;
+      areas_[index(opposite)] += twice / 6;
     }
-  }
-  std::uint32_t place(std::uint32_t from, std::uint32_t to) const {
-    const auto begin = around_.begin();
-    return static_cast<std::uint32_t>(std::lower_bound(begin + starts_[from], begin + starts_[from + 1], to) -
-                                      begin);
   }
   static constexpr double kSteepest = 10;
 
-  Patch& patch_;
-  std::vector<glm::dvec3> points_;  // the patch's, then those beyond
-  std::vector<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<std::uint32_t> starts_, around_;  // neighbours of each point, ascending
-  std::vector<double> weights_, areas_;
-  std::vector<std::uint32_t> number_, order_, envelope_;
+  HalfEdgeMesh mesh_;
+  int rim_, count_;  // the first vertices are the rim, then those within, then those beyond
+  std::vector<double> weights_, areas_;  // of edges, of vertices
+  std::vector<std::uint32_t> number_, envelope_;
+  std::vector<OpenMesh::SmartVertexHandle> order_;
 };
 
 }  // namespace
@@ -195,6 +183,7 @@ void fairPatch(Patch& patch, std::span<const glm::dvec3> beyond) {
   constexpr int kRounds = 3;
   Plate plate(patch, beyond);
   for (int round = 0; round < kRounds; ++round) plate.settle();
+  plate.moveTo(patch);
 }
 
 }  // namespace kelp::bake

@@ -69,6 +69,7 @@ FillCounts countFill(const Topology& mesh, std::uint64_t triangles) {
     counts.walls += component.wall;
     counts.sheets += !component.solid && !component.wall;
     counts.capped += component.solid && !component.closed;
+    counts.diagnosis += component.diagnosis;
   }
   counts.cap_triangles = mesh.caps;
   counts.doubled = triangles - (mesh.triangles.size() - mesh.caps);

@@ -2,20 +2,17 @@
 // A disc of triangles across a polygon in space.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
-#include <glm/glm.hpp>
+#include "half_edge_mesh.h"
 
 namespace kelp::bake {
 
-// Triangles that span a closed polygon; its corners are the first `rim` points, in their order. Wound as the
-// polygon runs.
+// Triangles that span a closed polygon; its corners are the first `rim` vertices, in their order. Wound as
+// the polygon runs.
 struct Patch {
-  std::vector<glm::dvec3> points;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  HalfEdgeMesh mesh;
   std::uint32_t rim = 0;
 };
 

@@ -96,7 +96,8 @@ std::vector<ComponentReport> describeComponents(const Topology& mesh, Fill fill)
   std::vector<ComponentReport> described;
   for (std::size_t i = 0; i < std::min(order.size(), kMaxComponentReports); ++i) {
     const Component& c = mesh.components[order[i]];
-    described.push_back({c.triangles, area > 0 ? c.area / area : 0.0, c.solid && c.area > 0, whyOf(c, fill)});
+    described.push_back(
+        {c.triangles, area > 0 ? c.area / area : 0.0, c.solid && c.area > 0, c.diagnosis, whyOf(c, fill)});
   }
   return described;
 }

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <span>
 #include <tuple>
 #include <unordered_map>
 
 #include "caps.h"
+#include "edges.h"
+#include "faulty_mesh.h"
+#include "holes.h"
 #include "kelp/voxelize/topology/reasons.h"
 #include "lines.h"
 
@@ -23,45 +24,6 @@ struct LatticeHash {
     return static_cast<std::size_t>(h ^ (h >> 31));
   }
 };
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The smaller index becomes the root, so that roots do not depend on the order of calls.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-// One side of a triangle. `forward`: the triangle runs along it from low to high. Walls share edges with
-// walls only.
-struct Edge {
-  std::uint32_t low = 0, high = 0, triangle = 0;
-  bool forward = false;
-  bool wall = false;
-
-  auto place() const { return std::tie(low, high, wall); }
-};
-
-// Calls visit(begin, end) for each run of equal edges; edges must be sorted.
-template <class Visit>
-void forEachEdge(const std::vector<Edge>& edges, const Visit& visit) {
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin + 1;
-    while (end < edges.size() && edges[end].place() == edges[begin].place()) ++end;
-    visit(begin, end);
-    begin = end;
-  }
-}
 
 void weld(const TriangleSoup& soup, const Frame& frame, Topology& mesh) {
   constexpr std::uint32_t kUnused = 0xffffffffu;
@@ -130,22 +92,6 @@ void removeDuplicates(Topology& mesh) {
   mesh.triangles.resize(kept);
 }
 
-std::vector<Edge> sortedEdges(const Topology& mesh, bool separate_walls) {
-  std::vector<Edge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh.triangles[i].vertex[k];
-      const std::uint32_t b = mesh.triangles[i].vertex[(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), i, a < b, separate_walls && mesh.triangles[i].wall});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::tie(x.low, x.high, x.wall, x.triangle) < std::tie(y.low, y.high, y.wall, y.triangle);
-  });
-  return edges;
-}
-
 DisjointSets joinedByEdges(const Topology& mesh, const std::vector<Edge>& edges) {
   DisjointSets sets(mesh.triangles.size());
   forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
@@ -187,66 +133,6 @@ void findWalls(Topology& mesh) {
   }
 }
 
-// Winds each patch (triangles joined by edges of exactly two faces) in one sense: that of the larger part of
-// its area. A patch that has no two sides stays as it is.
-void windConsistently(Topology& mesh, const std::vector<Edge>& edges) {
-  struct Neighbour {
-    std::uint32_t triangle = 0;
-    bool same = false;  // wound alike
-  };
-  const std::size_t count = mesh.triangles.size();
-  std::vector<std::uint32_t> first(count + 1, 0);
-  std::vector<Neighbour> neighbours;
-  for (int pass = 0; pass < 2; ++pass) {
-    std::vector<std::uint32_t> cursor(first);
-    forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
-      if (end - begin != 2 || edges[begin].triangle == edges[begin + 1].triangle) return;
-      const Edge& e = edges[begin];
-      const Edge& f = edges[begin + 1];
-      if (pass == 0) {
-        ++first[e.triangle + 1];
-        ++first[f.triangle + 1];
-      } else {
-        neighbours[cursor[e.triangle]++] = {f.triangle, e.forward != f.forward};
-        neighbours[cursor[f.triangle]++] = {e.triangle, e.forward != f.forward};
-      }
-    });
-    if (pass == 0) {
-      for (std::size_t i = 0; i < count; ++i) first[i + 1] += first[i];
-      neighbours.resize(first[count]);
-    }
-  }
-  enum : std::uint8_t { kUnseen, kKeep, kFlip };
-  std::vector<std::uint8_t> state(count, kUnseen);
-  std::vector<std::uint32_t> patch;
-  for (std::uint32_t seed = 0; seed < count; ++seed) {
-    if (state[seed] != kUnseen) continue;
-    state[seed] = kKeep;
-    patch.assign(1, seed);
-    bool two_sided = true;
-    double keep_area = 0, flip_area = 0;
-    for (std::size_t at = 0; at < patch.size(); ++at) {
-      const std::uint32_t i = patch[at];
-      (state[i] == kKeep ? keep_area : flip_area) += glm::length(mesh.areaVector(mesh.triangles[i]));
-      for (std::uint32_t n = first[i]; n < first[i + 1]; ++n) {
-        const std::uint8_t wanted = (state[i] == kKeep) == neighbours[n].same ? kKeep : kFlip;
-        std::uint8_t& its = state[neighbours[n].triangle];
-        if (its == kUnseen) {
-          its = wanted;
-          patch.push_back(neighbours[n].triangle);
-        } else if (its != wanted) {
-          two_sided = false;
-        }
-      }
-    }
-    if (!two_sided) continue;
-    const std::uint8_t flipped = flip_area <= keep_area ? kFlip : kKeep;
-    for (const std::uint32_t i : patch) {
-      if (state[i] == flipped) mesh.triangles[i].turn();
-    }
-  }
-}
-
 void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   DisjointSets sets = joinedByEdges(mesh, edges);
   std::vector<std::uint32_t> number(mesh.triangles.size(), 0);
@@ -262,29 +148,10 @@ void findComponents(Topology& mesh, const std::vector<Edge>& edges) {
   }
 }
 
-// By component; in each it is a cycle.
-std::vector<BoundaryEdge> findBoundary(const Topology& mesh, const std::vector<Edge>& edges) {
-  std::vector<BoundaryEdge> boundary;
-  forEachEdge(edges, [&](std::size_t begin, std::size_t end) {
-    int net = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      // Flips since the edges were sorted are visible in the triangle only.
-      const SolidTriangle& t = mesh.triangles[edges[i].triangle];
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (t.vertex[k] == edges[i].low && t.vertex[(k + 1) % 3] == edges[i].high) ++net;
-        if (t.vertex[k] == edges[i].high && t.vertex[(k + 1) % 3] == edges[i].low) --net;
-      }
-    }
-    const std::uint32_t component = mesh.triangles[edges[begin].triangle].component;
-    // The cap runs against its neighbour.
-    for (int i = 0; i < std::abs(net); ++i) {
-      boundary.push_back(net > 0 ? BoundaryEdge{component, edges[begin].high, edges[begin].low}
-                                 : BoundaryEdge{component, edges[begin].low, edges[begin].high});
-    }
-  });
-  std::stable_sort(boundary.begin(), boundary.end(),
-                   [](const BoundaryEdge& a, const BoundaryEdge& b) { return a.component < b.component; });
-  return boundary;
+std::vector<Hole> mend(Topology& mesh) {
+  std::vector<Edge> edges = sortedEdges(mesh, true);
+  findComponents(mesh, edges);
+  return findHoles(mesh, makeFaultyMesh(mesh, std::move(edges)));
 }
 
 void measure(Topology& mesh, const std::vector<SolidTriangle>& caps) {
@@ -315,11 +182,8 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   weld(soup, frame, mesh);
   removeDuplicates(mesh);
   findWalls(mesh);
-  const std::vector<Edge> edges = sortedEdges(mesh, true);
-  windConsistently(mesh, edges);
-  findComponents(mesh, edges);
-  std::vector<SolidTriangle> cones = makeCones(mesh, findBoundary(mesh, edges));
-  measure(mesh, cones);
+  std::vector<Hole> holes = mend(mesh);
+  measure(mesh, makeCones(mesh, holes));
   mesh.closed = true;
   for (Component& c : mesh.components) {
     mesh.closed = mesh.closed && (c.closed || c.wall);
@@ -332,7 +196,7 @@ Topology analyse(const TriangleSoup& soup, const Frame& frame, Fill fill) {
   for (SolidTriangle& t : mesh.triangles) {
     if (mesh.components[t.component].solid && mesh.components[t.component].volume < 0) t.turn();
   }
-  addCaps(mesh, std::move(cones));
+  addCaps(mesh, std::move(holes));
   mesh.summary = summariseFill(mesh, fill);
   return mesh;
 }

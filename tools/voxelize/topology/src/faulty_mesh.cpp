@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "faulty_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+
+namespace kelp::bake {
+namespace {
+
+// Sides and corners of faces have the number 3 face + corner, as the file winds them: also of faces that are
+// turned.
+class FaultyMeshMaker {
+ public:
+  FaultyMeshMaker(Topology& mesh, std::vector<Edge> edges, FaultyMesh& made)
+      : mesh_(mesh), edges_(std::move(edges)), made_(made) {}
+
+  void make() {
+    chooseFaces();
+    if (made_.triangles.empty()) return;
+    findNeighbours();
+    wind();
+    pairSides();
+    edges_ = {};
+    numberVertices();
+    for (std::uint32_t face = 0; face < turned_.size(); ++face) {
+      if (turned_[face]) mesh_.triangles[made_.triangles[face]].turn();
+    }
+    connectFaces();
+    connectOpenEdges();
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  const std::array<std::uint32_t, 3>& corners(std::uint32_t face) const {
+    return mesh_.triangles[made_.triangles[face]].vertex;
+  }
+  bool runsUp(std::uint32_t side) const {
+    const auto& v = corners(side / 3);
+    return v[side % 3] < v[(side + 1) % 3];
+  }
+  // The corner at the edge's end of the lower number, and the other.
+  std::uint32_t cornerOf(std::uint32_t side, bool low) const {
+    return runsUp(side) == low ? side : side - side % 3 + (side + 1) % 3;
+  }
+  std::uint32_t sideOf(const Edge& edge) const { return 3 * face_of_[edge.triangle] + edge.side; }
+
+  template <class Visit>
+  void forEachFaultyEdge(const Visit& visit) const {
+    forEachEdge(edges_, [&](std::size_t begin, std::size_t end) {
+      if (face_of_[edges_[begin].triangle] != kNone) visit(begin, end);
+    });
+  }
+
+  void chooseFaces() {
+    std::vector<bool> faulty(mesh_.components.size(), false);
+    forEachEdge(edges_, [&](std::size_t begin, std::size_t end) {
+      const Edge& edge = edges_[begin];
+      if (edge.low == edge.high) return;  // of a triangle that is a line or a point
+      if (end - begin != 2 || edge.forward == edges_[begin + 1].forward)
+        faulty[mesh_.triangles[edge.triangle].component] = true;
+    });
+    face_of_.assign(mesh_.triangles.size(), kNone);
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      if (!faulty[mesh_.triangles[i].component]) continue;
+      face_of_[i] = static_cast<std::uint32_t>(made_.triangles.size());
+      made_.triangles.push_back(i);
+    }
+  }
+
+  void findNeighbours() {
+    across_.assign(3 * made_.triangles.size(), kNone);
+    forEachFaultyEdge([&](std::size_t begin, std::size_t end) {
+      if (end - begin != 2) return;
+      const std::uint32_t a = sideOf(edges_[begin]), b = sideOf(edges_[begin + 1]);
+      across_[a] = b;
+      across_[b] = a;
+    });
+  }
+
+  void wind() {
+    enum : std::uint8_t { kKeep, kTurn, kUnseen };
+    std::vector<std::uint8_t> state(made_.triangles.size(), kUnseen);
+    turned_.assign(state.size(), false);
+    std::vector<std::uint32_t> patch;
+    for (std::uint32_t seed = 0; seed < state.size(); ++seed) {
+      if (state[seed] != kUnseen) continue;
+      state[seed] = kKeep;
+      patch.assign(1, seed);
+      std::array<double, 2> area{};
+      for (std::size_t at = 0; at < patch.size(); ++at) {
+        const std::uint32_t face = patch[at];
+        area[state[face]] += glm::length(mesh_.areaVector(mesh_.triangles[made_.triangles[face]]));
+        for (std::uint32_t side = 3 * face; side < 3 * face + 3; ++side) {
+          const std::uint32_t other = across_[side];
+          if (other == kNone || state[other / 3] != kUnseen) continue;
+          const bool alike = runsUp(side) != runsUp(other);
+          state[other / 3] = alike == (state[face] == kKeep) ? kKeep : kTurn;
+          patch.push_back(other / 3);
+        }
+      }
+      const std::uint8_t wrong = area[kTurn] <= area[kKeep] ? kTurn : kKeep;
+      for (const std::uint32_t face : patch) turned_[face] = state[face] == wrong;
+    }
+    across_ = {};
+  }
+
+  void pairSides() {
+    half_edge_of_.resize(3 * made_.triangles.size());
+    fans_ = DisjointSets(half_edge_of_.size());
+    std::array<std::vector<std::uint32_t>, 2> sides;  // that run down, up
+    forEachFaultyEdge([&](std::size_t begin, std::size_t end) {
+      for (auto& those : sides) those.clear();
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t side = sideOf(edges_[i]);
+        sides[runsUp(side) != turned_[side / 3]].push_back(side);
+      }
+      for (std::size_t i = 0; i < std::max(sides[0].size(), sides[1].size()); ++i, ++edge_count_) {
+        for (std::uint32_t up = 0; up < 2; ++up) {
+          if (i < sides[up].size()) half_edge_of_[sides[up][i]] = 2 * edge_count_ + up;
+        }
+        if (i >= sides[0].size() || i >= sides[1].size()) continue;
+        for (const bool low : {true, false})
+          fans_.join(cornerOf(sides[0][i], low), cornerOf(sides[1][i], low));
+      }
+      Diagnosis& diagnosis = mesh_.components[mesh_.triangles[edges_[begin].triangle].component].diagnosis;
+      diagnosis.open_edges += end - begin == 1;
+      diagnosis.split_edges += end - begin > 2;
+      diagnosis.cut_edges += end - begin == 2 && sides[0].size() != 1;
+    });
+  }
+
+  void numberVertices() {
+    std::vector<std::uint64_t> places;  // component, vertex of the mesh
+    vertex_of_.resize(half_edge_of_.size());
+    for (std::uint32_t corner = 0; corner < vertex_of_.size(); ++corner) {
+      const std::uint32_t root = fans_.find(corner);
+      if (root == corner) {
+        vertex_of_[corner] = static_cast<std::uint32_t>(made_.vertices.size());
+        made_.vertices.push_back(corners(corner / 3)[corner % 3]);
+        const std::uint64_t component = mesh_.triangles[made_.triangles[corner / 3]].component;
+        places.push_back(component << 32 | made_.vertices.back());
+      }
+      vertex_of_[corner] = vertex_of_[root];
+    }
+    fans_ = DisjointSets(0);
+    std::sort(places.begin(), places.end());
+    for (std::size_t i = 1; i < places.size(); ++i)
+      mesh_.components[places[i] >> 32].diagnosis.split_vertices += places[i] == places[i - 1];
+  }
+
+  // The kernel's own calls: add_face() finds edges by their ends, so that it knows no two between the same
+  // vertices, which a surface that touches itself along an edge has.
+  void connectFaces() {
+    HalfEdgeMesh& half_edges = made_.half_edges;
+    half_edges.resize(made_.vertices.size(), edge_count_, made_.triangles.size());
+    for (std::size_t i = 0; i < made_.vertices.size(); ++i)
+      half_edges.set_point(half_edges.vertex_handle(static_cast<unsigned>(i)),
+                           toPoint(mesh_.position(made_.vertices[i])));
+    for (std::uint32_t face = 0; face < made_.triangles.size(); ++face) {
+      const OpenMesh::FaceHandle handle = half_edges.face_handle(face);
+      const std::array<std::uint32_t, 3> order =
+          turned_[face] ? std::array<std::uint32_t, 3>{0, 2, 1} : std::array<std::uint32_t, 3>{0, 1, 2};
+      std::array<OpenMesh::HalfedgeHandle, 3> around;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t from = order[k], to = order[(k + 1) % 3];
+        around[k] = half_edges.halfedge_handle(half_edge_of_[3 * face + (turned_[face] ? to : from)]);
+        half_edges.set_face_handle(around[k], handle);
+        half_edges.set_vertex_handle(around[k], vertexAt(3 * face + to));
+        half_edges.set_vertex_handle(half_edges.opposite_halfedge_handle(around[k]),
+                                     vertexAt(3 * face + from));
+        half_edges.set_halfedge_handle(vertexAt(3 * face + from), around[k]);
+      }
+      for (std::size_t k = 0; k < 3; ++k) half_edges.set_next_halfedge_handle(around[k], around[(k + 1) % 3]);
+      half_edges.set_halfedge_handle(handle, around[0]);
+    }
+  }
+  OpenMesh::VertexHandle vertexAt(std::uint32_t corner) const {
+    return made_.half_edges.vertex_handle(vertex_of_[corner]);
+  }
+
+  // The next open half-edge is on the other side of the triangles around the vertex.
+  void connectOpenEdges() {
+    HalfEdgeMesh& half_edges = made_.half_edges;
+    for (const OpenMesh::SmartHalfedgeHandle open : half_edges.halfedges()) {
+      if (!open.is_boundary()) continue;
+      OpenMesh::SmartHalfedgeHandle next = open.opp();
+      while (!next.is_boundary()) next = next.prev().opp();
+      half_edges.set_next_halfedge_handle(open, next);
+      half_edges.set_halfedge_handle(open.to(), next);  // as OpenMesh wants it of vertices on a boundary
+    }
+  }
+
+  Topology& mesh_;
+  std::vector<Edge> edges_;
+  FaultyMesh& made_;
+  std::vector<std::uint32_t> face_of_;  // each triangle
+  std::vector<std::uint32_t> across_;   // from each side
+  std::vector<bool> turned_;            // each face
+  std::vector<std::uint32_t> half_edge_of_, vertex_of_;
+  std::uint32_t edge_count_ = 0;
+  DisjointSets fans_{0};  // of corners
+};
+
+}  // namespace
+
+FaultyMesh makeFaultyMesh(Topology& mesh, std::vector<Edge> edges) {
+  FaultyMesh made;  // filled in place: OpenMesh copies a mesh that is moved
+  FaultyMeshMaker(mesh, std::move(edges), made).make();
+  return made;
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Boundary loops of the half-edge mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "faulty_mesh.h"
+
+namespace kelp::bake {
+
+// A loop that passes through each vertex of the mesh once, as a cap runs along it.
+struct Hole {
+  std::uint32_t component = 0;
+  std::vector<std::uint32_t> corners;  // vertices of the mesh
+  std::vector<glm::dvec3> normals;     // at each: the sum of the area vectors of the triangles around
+  std::uint32_t apex = 0;              // of its cone; set with that
+
+  // as seen from the other side
+  void turn();
+};
+
+// By component. A boundary that passes through a point again is taken apart there: holes that touch in a
+// vertex are two, and a cone for each is much smaller than one for both. Counts them in the components'
+// diagnosis.
+std::vector<Hole> findHoles(Topology& mesh, const FaultyMesh& faulty);
+
+}  // namespace kelp::bake
