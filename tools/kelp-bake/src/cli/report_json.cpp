@@ -32,6 +32,14 @@ std::string escapeForMake(const std::filesystem::path& path) {
   return escaped;
 }
 
+OrderedJson diagnosisJson(const bake::Diagnosis& diagnosis) {
+  return {{"open_edges", diagnosis.open_edges},
+          {"split_edges", diagnosis.split_edges},
+          {"split_vertices", diagnosis.split_vertices},
+          {"cut_edges", diagnosis.cut_edges},
+          {"holes", diagnosis.holes}};
+}
+
 OrderedJson partJson(const bake::Report::Part& part) {
   OrderedJson json{{"name", part.name},
                    {"parent", part.parent.empty() ? OrderedJson() : OrderedJson(part.parent)},
@@ -64,10 +72,12 @@ OrderedJson partJson(const bake::Report::Part& part) {
                      {"turned_triangles", part.repairs.turned},
                      {"cap_triangles", part.repairs.cap_triangles},
                      {"kept_voxels", part.repairs.kept_voxels}};
+  json["repairs"].update(diagnosisJson(part.repairs.diagnosis));
   json["components"] = OrderedJson::array();
   for (const bake::ComponentReport& c : part.components) {
     json["components"].push_back(
         {{"triangles", c.triangles}, {"surface_share", c.surface_share}, {"solid", c.solid}, {"why", c.why}});
+    json["components"].back().update(diagnosisJson(c.diagnosis));
   }
   return json;
 }

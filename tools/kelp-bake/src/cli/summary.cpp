@@ -39,8 +39,11 @@ std::string printGrain(const Options& options, const std::string& format) {
                      options.settings.resolution_given ? "" : " (default; --resolution N to change)");
 }
 
-std::string counted(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+std::string counted(std::uint64_t count, const std::string& what) {
+  return counted(count, what, what + "s");
 }
 
 // A mesh's faults and their repairs; empty without faults.
@@ -52,6 +55,11 @@ std::string printRepairs(const bake::Report::Part& part) {
                     counted(mesh.boundaries, "loop"));
   if (mesh.non_manifold_edges > 0)
     words.push_back(counted(mesh.non_manifold_edges, "edge") + " of more than two triangles");
+  const bake::Diagnosis& diagnosis = part.repairs.diagnosis;
+  if (diagnosis.split_vertices > 0)
+    words.push_back(counted(diagnosis.split_vertices, "vertex", "vertices") + " split where parts touch");
+  if (diagnosis.cut_edges > 0)
+    words.push_back("a surface with one side cut along " + counted(diagnosis.cut_edges, "edge"));
   if (part.repairs.turned > 0) words.push_back(counted(part.repairs.turned, "triangle") + " turned");
   if (mesh.dropped + part.repairs.doubled > 0)
     words.push_back(counted(mesh.dropped + part.repairs.doubled, "triangle") +

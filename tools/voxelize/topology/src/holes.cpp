@@ -2,6 +2,8 @@
 #include "holes.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 namespace kelp::bake {
 namespace {
@@ -11,7 +13,10 @@ using OpenMesh::SmartHalfedgeHandle;
 class HoleFinder {
  public:
   HoleFinder(const Topology& mesh, const FaultyMesh& faulty)
-      : mesh_(mesh), faulty_(faulty), place_(mesh.lattice.size(), kNowhere) {}
+      : mesh_(mesh),
+        faulty_(faulty),
+        place_(mesh.lattice.size(), kNowhere),
+        leaving_(mesh.lattice.size(), kNowhere) {}
 
   std::vector<Hole> find() {
     std::vector<SmartHalfedgeHandle> open;
@@ -20,19 +25,11 @@ class HoleFinder {
     }
     std::stable_sort(open.begin(), open.end(),
                      [&](const auto& a, const auto& b) { return componentOf(a) < componentOf(b); });
-    std::vector<bool> seen(faulty_.half_edges.n_halfedges(), false);
-    for (const SmartHalfedgeHandle first : open) {
-      if (seen[static_cast<std::size_t>(first.idx())]) continue;
-      SmartHalfedgeHandle at = first;
-      do {
-        at = at.next();
-        seen[static_cast<std::size_t>(at.idx())] = true;
-        std::uint32_t& place = place_[from(at)];
-        if (place != kNowhere) cutOff(place);
-        place = static_cast<std::uint32_t>(path_.size());
-        path_.push_back(at);
-      } while (at != first);
-      cutOff(0);
+    for (std::size_t begin = 0; begin < open.size();) {
+      std::size_t end = begin;
+      while (end < open.size() && componentOf(open[end]) == componentOf(open[begin])) ++end;
+      walk(std::span<const SmartHalfedgeHandle>(open).subspan(begin, end - begin));
+      begin = end;
     }
     return std::move(holes_);
   }
@@ -40,12 +37,32 @@ class HoleFinder {
  private:
   static constexpr std::uint32_t kNowhere = 0xffffffffu;
 
-  std::uint32_t from(SmartHalfedgeHandle half_edge) const {
-    return faulty_.vertices[static_cast<std::size_t>(half_edge.from().idx())];
+  std::uint32_t nameOf(OpenMesh::SmartVertexHandle vertex) const {
+    return faulty_.vertices[static_cast<std::size_t>(vertex.idx())];
   }
   std::uint32_t componentOf(SmartHalfedgeHandle open) const {
     const auto face = static_cast<std::size_t>(open.opp().face().idx());
     return mesh_.triangles[faulty_.triangles[face]].component;
+  }
+
+  // All open half-edges of a component. At each vertex as many arrive as leave, and are taken in their order.
+  void walk(std::span<const SmartHalfedgeHandle> open) {
+    std::vector<std::uint32_t> following(open.size(), kNowhere);  // the next that leaves the same vertex
+    for (std::size_t i = open.size(); i-- > 0;)
+      following[i] = std::exchange(leaving_[nameOf(open[i].from())], static_cast<std::uint32_t>(i));
+    for (const SmartHalfedgeHandle first : open) {
+      for (const std::uint32_t start : {nameOf(first.to()), nameOf(first.from())}) {
+        std::uint32_t at = start;
+        while (leaving_[start] != kNowhere || !path_.empty()) {
+          const SmartHalfedgeHandle half_edge = open[leaving_[at]];
+          leaving_[at] = following[leaving_[at]];
+          place_[at] = static_cast<std::uint32_t>(path_.size());
+          path_.push_back(half_edge);
+          at = nameOf(half_edge.to());
+          if (place_[at] != kNowhere) cutOff(place_[at]);
+        }
+      }
+    }
   }
 
   // What has been walked from `first` on is a hole.
@@ -53,9 +70,10 @@ class HoleFinder {
     Hole& hole = holes_.emplace_back();
     hole.component = componentOf(path_[first]);
     for (std::size_t i = first; i < path_.size(); ++i) {
-      hole.corners.push_back(from(path_[i]));
+      const OpenMesh::SmartVertexHandle from = path_[i].from();
+      hole.corners.push_back(nameOf(from));
       glm::dvec3 normal(0);
-      for (const OpenMesh::SmartFaceHandle face : path_[i].from().faces())
+      for (const OpenMesh::SmartFaceHandle face : from.faces())
         normal += mesh_.areaVector(mesh_.triangles[faulty_.triangles[static_cast<std::size_t>(face.idx())]]);
       hole.normals.push_back(normal);
       place_[hole.corners.back()] = kNowhere;
@@ -65,7 +83,8 @@ class HoleFinder {
 
   const Topology& mesh_;
   const FaultyMesh& faulty_;
-  std::vector<std::uint32_t> place_;  // on the path, of each vertex of the mesh
+  std::vector<std::uint32_t> place_;    // on the path, of each vertex of the mesh
+  std::vector<std::uint32_t> leaving_;  // the first open half-edge from there that is not taken yet
   std::vector<SmartHalfedgeHandle> path_;
   std::vector<Hole> holes_;
 };

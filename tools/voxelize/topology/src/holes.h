@@ -20,9 +20,10 @@ struct Hole {
   void turn();
 };
 
-// By component. A boundary that passes through a point again is taken apart there: holes that touch in a
-// vertex are two, and a cone for each is much smaller than one for both. Counts them in the components'
-// diagnosis.
+// The open half-edges, each once, by component. They are walked from vertex to vertex of the mesh: round the
+// triangles of one half-edge vertex alone the walk would change from one hole to another where two touch.
+// What comes back to a vertex is cut off there: holes that touch are two, and a cone for each is much smaller
+// than one for both. Counts them in the components' diagnosis.
 std::vector<Hole> findHoles(Topology& mesh, const FaultyMesh& faulty);
 
 }  // namespace kelp::bake
