@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // kelp-bake --report: its published schema, and its numbers against meshes whose faults are known by
 // construction.
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -69,7 +72,8 @@ TEST_F(KelpBakeReport, ASoundCubeHasNothingToRepair) {
       part["repairs"],
       json::parse(
           R"({"components":1,"closed_components":1,"capped_components":0,"sheets":0,"walls":0,"doubled_triangles":0,"turned_triangles":0,
-      "cap_triangles":0,"kept_voxels":0})"));
+      "cap_triangles":0,"kept_voxels":0,
+      "open_edges":0,"split_edges":0,"split_vertices":0,"cut_edges":0,"holes":0})"));
   EXPECT_EQ(part["solid_voxels"], 32 * 32 * 32);
   EXPECT_EQ(read["files"][0], json({{"name", path}, {"bytes", std::filesystem::file_size(path)}}));
   EXPECT_EQ(read["pack_bytes"], std::filesystem::file_size(folder_ / "out.kelp"));
@@ -112,10 +116,79 @@ TEST_F(KelpBakeReport, FaultsAreCounted) {
   EXPECT_EQ(part["mesh"]["non_manifold_edges"], 1 + 3);
   EXPECT_EQ(part["repairs"]["doubled_triangles"], 1);
   EXPECT_EQ(part["repairs"]["turned_triangles"], 1);
-  EXPECT_NE(said_.find("5 boundary edges in 2 loops, 4 edges of more than two triangles, 1 triangle turned, "
-                       "2 triangles dropped"),
+  EXPECT_NE(
+      said_.find("5 boundary edges in 2 loops, 4 edges of more than two triangles, 2 vertices split where "
+                 "parts touch, 1 triangle turned, 2 triangles dropped"),
+      std::string::npos)
+      << said_;
+}
+
+// What the half-edge meshes of the components show: after welding, and without what is there twice.
+TEST_F(KelpBakeReport, EdgesOfThreeTrianglesBowTiesAndMoebiusStripsAreTold) {
+  const auto diagnosis = [](const json& from) {
+    return std::array<int, 5>{from["open_edges"], from["split_edges"], from["split_vertices"],
+                              from["cut_edges"], from["holes"]};
+  };
+  using Five = std::array<int, 5>;
+  std::vector<std::array<int, 3>> faces = kCube;
+  faces.push_back({7, 8, 9});
+  json part = report(write("fin.obj", objOf(faces, "v 0.5 2 1\n")))["parts"][0];
+  EXPECT_EQ(diagnosis(part["repairs"]), (Five{2, 1, 2, 0, 1}));
+  ASSERT_EQ(part["components"].size(), 1u);
+  EXPECT_EQ(diagnosis(part["components"][0]), (Five{2, 1, 2, 0, 1}));
+  EXPECT_TRUE(part["components"][0]["solid"]);
+  EXPECT_NE(said_.find("1 edge of more than two triangles, 2 vertices split where parts touch"),
             std::string::npos)
       << said_;
+
+  // Every face twice, once for each side: the cube again.
+  faces = kCube;
+  for (const auto& f : kCube) faces.push_back({f[0], f[2], f[1]});
+  part = report(write("doubled.obj", objOf(faces)))["parts"][0];
+  EXPECT_EQ(diagnosis(part["repairs"]), Five{});
+  EXPECT_EQ(part["repairs"]["doubled_triangles"], 12);
+  EXPECT_EQ(part["repairs"]["closed_components"], 1);
+  EXPECT_EQ(part["solid_voxels"], 32 * 32 * 32);
+
+  // Without two triangles of one corner that have no edge in common.
+  const auto cornerOf = [](const std::array<int, 3>& f) { return std::count(f.begin(), f.end(), 1) > 0; };
+  faces = kCube;
+  const auto first = std::find_if(faces.begin(), faces.end(), cornerOf);
+  const std::array<int, 3> gone = *first;
+  faces.erase(first);
+  const auto second = std::find_if(faces.begin(), faces.end(), [&](const std::array<int, 3>& f) {
+    return cornerOf(f) && std::count_if(f.begin(), f.end(), [&](int v) {
+                            return std::count(gone.begin(), gone.end(), v) > 0;
+                          }) == 1;
+  });
+  ASSERT_NE(second, faces.end());
+  faces.erase(second);
+  part = report(write("bow_tie.obj", objOf(faces)))["parts"][0];
+  EXPECT_EQ(diagnosis(part["repairs"]), (Five{6, 0, 1, 0, 2}));
+  EXPECT_EQ(part["mesh"]["boundaries"], 1);  // they touch
+
+  std::string strip;
+  constexpr int kSteps = 12;
+  for (int i = 0; i < kSteps; ++i) {
+    const double a = 2 * std::numbers::pi * i / kSteps;
+    for (const double side : {-0.4, 0.4}) {
+      const double r = 2 + side * std::cos(a / 2);
+      strip += "v " + std::to_string(r * std::cos(a)) + " " + std::to_string(side * std::sin(a / 2)) + " " +
+               std::to_string(r * std::sin(a)) + "\n";
+    }
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    const int a = 2 * i + 1, b = a + 1, c = i + 1 < kSteps ? a + 2 : 2, d = i + 1 < kSteps ? a + 3 : 1;
+    for (const auto& f : {std::array{a, b, c}, std::array{c, b, d}})
+      strip += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) + "\n";
+  }
+  part = report(write("moebius.obj", strip))["parts"][0];
+  const Five cut = diagnosis(part["repairs"]);
+  EXPECT_EQ(cut[0], 2 * kSteps);
+  EXPECT_EQ(cut[3], 1);
+  EXPECT_EQ(part["repairs"]["sheets"], 1);
+  EXPECT_GT(part["solid_voxels"], 0);
+  EXPECT_NE(said_.find("a surface with one side cut along 1 edge"), std::string::npos) << said_;
 }
 
 TEST_F(KelpBakeReport, HolesAreCappedAndSheetsKept) {
