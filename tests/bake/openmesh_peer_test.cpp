@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
 #include <ostream>
 #include <set>
 
@@ -288,6 +289,56 @@ TEST(OpenMeshFiles, OfARealModelReadTheSame) {
     compare(path);
     EXPECT_EQ(importFile(path, {}).parts[0].soup.triangles.size(), 5856u);
   }
+}
+
+void expectError(const std::filesystem::path& path, const std::string& says) {
+  try {
+    importFile(path, {});
+    ADD_FAILURE() << "read";
+  } catch (const ToolError& error) {
+    EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+  }
+}
+
+// Why kelp has readers of its own, in real files. OpenMesh says of each that it was read.
+TEST(OpenMeshLoses, WhatItDoesNotUnderstand) {
+  KELP_ASSET(numbers, "mesh/assimp/OBJ/number_formats.obj");
+  Peer peer;
+  ASSERT_NO_FATAL_FAILURE(readPeer(numbers, peer));
+  EXPECT_EQ(peer.mesh.point(PeerMesh::VertexHandle(7)), PeerMesh::Point(100, 20, 3.1f));  // of 3.1+e2
+  expectError(numbers, "line 11: '3.1+e2' is not a number");
+  KELP_ASSET(utf16, "mesh/assimp/OBJ/box_UTF16BE.obj");
+  Peer empty;
+  ASSERT_NO_FATAL_FAILURE(readPeer(utf16, empty));
+  EXPECT_EQ(empty.mesh.n_vertices(), 0u);
+  expectError(utf16, "is UTF-16 text");
+}
+
+// It splits what is not manifold while it reads: whoever repairs it later can not tell where.
+TEST(OpenMeshLoses, WhichTrianglesShareACorner) {
+  KELP_ASSET(path, "mesh/assimp/OBJ/WusonOBJ.obj");
+  Peer peer;
+  ASSERT_NO_FATAL_FAILURE(readPeer(path, peer));
+  const SourceModel model = importFile(path, {});
+  EXPECT_EQ(model.parts[0].soup.positions.size(), 2117u);
+  EXPECT_EQ(sumsOf(peer).positions.size(), 2117u);
+  EXPECT_EQ(peer.mesh.n_vertices(), 2153u);
+}
+
+// Its readers go through floats: far from the origin, a shape of millimetres is lost, also in a mesh of
+// doubles.
+TEST(OpenMeshLoses, WhatFloatsCanNotHold) {
+  const Scratch scratch;
+  const std::filesystem::path path = scratch.folder() / "far.obj";
+  std::ofstream(path)
+      << "v 4500000.000 100.0 0.0\nv 4500000.010 100.0 0.0\nv 4500000.000 100.010 0.0\nf 1 2 3\n";
+  OpenMesh::PolyMesh_ArrayKernelT<OpenMesh::DefaultTraitsDouble> mesh;
+  ASSERT_TRUE(Io::read_mesh(mesh, path.string()));
+  EXPECT_EQ(mesh.point(OpenMesh::VertexHandle(0))[0], mesh.point(OpenMesh::VertexHandle(1))[0]);
+  const TriangleSoup soup = importFile(path, {}).parts[0].soup;
+  ASSERT_EQ(soup.triangles.size(), 1u);
+  const auto& v = soup.triangles[0].vertex;
+  EXPECT_NEAR(glm::distance(soup.positions[v[0]], soup.positions[v[1]]), 0.01, 1e-5);
 }
 
 }  // namespace
