@@ -14,10 +14,9 @@ runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-j
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
          python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
-       libtinygltf-dev libdraco-dev
+       libopenmesh-dev libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
-       # tests only: OpenMesh reads the same meshes; make reads the rules of kelp-bake -MD
-       libopenmesh-dev make)
+       make)  # tests only: it reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)
 format=(clang-format)  # tests/check_house.py
 sanitizers=(clang libclang-rt-14-dev lld llvm)

@@ -42,9 +42,7 @@ std::string printGrain(const Options& options, const std::string& format) {
 std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
-std::string counted(std::uint64_t count, const std::string& what) {
-  return counted(count, what, what + "s");
-}
+std::string counted(std::uint64_t count, const std::string& what) { return counted(count, what, what + "s"); }
 
 // A mesh's faults and their repairs; empty without faults.
 std::string printRepairs(const bake::Report::Part& part) {
