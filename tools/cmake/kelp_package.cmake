@@ -69,6 +69,6 @@ mark_as_advanced(KELP_GZIP)
 if(KELP_GZIP)
   kelp_package_papers(dev libkelp-dev libglm-dev libxxhash-dev)
   kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev
-    libtinygltf-dev libstb-dev libnanovdb-dev libimgui-dev)
+    libtinygltf-dev libopenmesh-dev libstb-dev libnanovdb-dev libimgui-dev)
 endif()
 include(CPack)
