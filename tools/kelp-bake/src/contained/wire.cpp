@@ -24,9 +24,10 @@ namespace kelp::bake {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MeshCounts, vertices, triangles, boundary_edges, boundaries,
                                    non_manifold_edges, dropped)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Diagnosis, open_edges, split_edges, split_vertices, cut_edges, holes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FillCounts, components, closed, capped, sheets, walls, doubled, turned,
-                                   cap_triangles, kept_voxels)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ComponentReport, triangles, surface_share, solid, why)
+                                   cap_triangles, kept_voxels, diagnosis)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ComponentReport, triangles, surface_share, solid, why, diagnosis)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FilesUsed::File, path, xxh3)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FilesUsed, read, missing)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report::Stage, name, seconds, peak_bytes)
