@@ -51,16 +51,15 @@ class HoleFinder {
     for (std::size_t i = open.size(); i-- > 0;)
       following[i] = std::exchange(leaving_[nameOf(open[i].from())], static_cast<std::uint32_t>(i));
     for (const SmartHalfedgeHandle first : open) {
-      for (const std::uint32_t start : {nameOf(first.to()), nameOf(first.from())}) {
-        std::uint32_t at = start;
-        while (leaving_[start] != kNowhere || !path_.empty()) {
-          const SmartHalfedgeHandle half_edge = open[leaving_[at]];
-          leaving_[at] = following[leaving_[at]];
-          place_[at] = static_cast<std::uint32_t>(path_.size());
-          path_.push_back(half_edge);
-          at = nameOf(half_edge.to());
-          if (place_[at] != kNowhere) cutOff(place_[at]);
-        }
+      const std::uint32_t start = nameOf(first.to());
+      std::uint32_t at = start;
+      while (leaving_[start] != kNowhere || !path_.empty()) {
+        const SmartHalfedgeHandle half_edge = open[leaving_[at]];
+        leaving_[at] = following[leaving_[at]];
+        place_[at] = static_cast<std::uint32_t>(path_.size());
+        path_.push_back(half_edge);
+        at = nameOf(half_edge.to());
+        if (place_[at] != kNowhere) cutOff(place_[at]);
       }
     }
   }
