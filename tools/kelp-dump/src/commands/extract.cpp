@@ -2,6 +2,7 @@
 #include "extract/extract.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
@@ -29,6 +30,8 @@ struct Format {
 constexpr Format kFormats[] = {
     {"vox", "MagicaVoxel: colours by index, materials, one model a part", kVoxWriter},
     {"ply", "a mesh of the visible voxel faces, in metres", kPlyWriter},
+    {"proxy", "few triangles around each solid part, closed: an .obj, .ply, .stl or .off file, in metres",
+     kProxyWriter},
     {"slices", "a folder of PNGs, one for each layer of voxels", kSlicesWriter, true},
     {"vdb", "OpenVDB: solid parts as level sets with their colours, fog as densities", kVdbWriter},
     {"nvdb", "NanoVDB: the same as --vdb", kNanoVdbWriter},
@@ -37,6 +40,7 @@ constexpr Format kFormats[] = {
 struct ExtractOptions {
   std::string path, part;
   int level = 0;
+  double error = ExtractRequest::kProxyError;
   std::map<std::string, std::string> outputs;  // by the name of the format
 };
 
@@ -52,10 +56,10 @@ const Format& formatOf(const CLI::App& command) {
     wanted = &format;
   }
   if (!wanted)
-    throw ToolError(
-        Exit::kUsage,
-        "extract: no format; name one with --vox, --vdb, --nvdb, --ply or --slices, see kelp-dump "
-        "extract --help");
+    throw ToolError(Exit::kUsage,
+                    "extract: no format; name one with --vox, --vdb, --nvdb, --ply, --proxy or --slices, "
+                    "see kelp-dump "
+                    "extract --help");
   if (!wanted->writer.write && !wanted->writer.handOver)
     throw ToolError(
         Exit::kUnsupported,
@@ -67,7 +71,7 @@ const Format& formatOf(const CLI::App& command) {
 
 ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const std::string& output) {
   const std::span<const Part> parts = file.pack().parts();
-  ExtractRequest request{file, {}, options.level, output};
+  ExtractRequest request{file, {}, options.level, output, options.error};
   if (options.part.empty()) {
     for (std::uint32_t part = 0; part < parts.size(); ++part) request.parts.push_back(part);
   } else {
@@ -85,6 +89,11 @@ Exit runExtract(const CLI::App& command, const ExtractOptions& options) {
   const Format& format = formatOf(command);
   const Writer& writer = format.writer;
   const std::string& output = options.outputs.at(format.name);
+  if (command.count("--error") > 0 && &writer != &kProxyWriter)
+    throw ToolError(Exit::kUsage, "--error: is for --proxy only; leave it out");
+  if (!(options.error > 0 && std::isfinite(options.error)))
+    throw ToolError(Exit::kUsage, fmt::format("--error {}: expected a number of voxels above 0, such as 1.5",
+                                              options.error));
   if (output == "-" && !writer.shown_as)
     throw ToolError(Exit::kUsage, fmt::format("--{} -: cannot be written to standard output; name a {}",
                                               format.name, format.into_folder ? "folder" : "file"));
@@ -117,11 +126,16 @@ Command addExtract(CLI::App& app) {
       addCommand(app, "extract", "Write the voxels of a pack in another program's format",
                  "  kelp-dump extract reed.kelp --vox reed.vox\n"
                  "  kelp-dump extract reed.kelp --ply - --level 2 > reed.ply\n"
-                 "  kelp-dump extract smoke.kelp --vdb smoke.vdb\n");
+                 "  kelp-dump extract smoke.kelp --vdb smoke.vdb\n"
+                 "  kelp-dump extract reed.kelp --proxy reed.obj --error 2\n");
   addPack(command, options->path);
   for (const Format& format : kFormats)
     command->add_option(std::string("--") + format.name, options->outputs[format.name], format.help)
         ->option_text(format.into_folder ? "FOLDER" : "OUT");
+  command
+      ->add_option("--error", options->error,
+                   "the farthest that --proxy's surface and that of the voxels may be from each other")
+      ->option_text(fmt::format("VOXELS [{}]", options->error));
   addPart(command, options->part, "all");
   addLevel(command, options->level);
   return {command, [command, options] { return runExtract(*command, *options); }};

@@ -80,6 +80,24 @@ std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char*
   return solid;
 }
 
+std::string partFileName(std::string_view name, std::uint32_t index, const char* suffix,
+                         std::set<std::string>& taken) {
+  std::string safe;
+  for (const char c : name.substr(0, 100)) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') ||
+                       (byte >= 'a' && byte <= 'z') || byte == '-' || byte == '_' ||
+                       (byte == '.' && !safe.empty());
+    safe += plain ? c : '_';
+  }
+  if (safe.empty()) safe = "part";
+  // The longer name may be taken too.
+  while (taken.contains(safe) || (suffix && taken.contains(safe + suffix))) safe += fmt::format("_{}", index);
+  taken.insert(safe);
+  if (suffix) taken.insert(safe + suffix);
+  return safe;
+}
+
 Rgba displayColor(const Material& material) {
   const glm::vec4& color = material.base_color;
   return {linearToSrgb8(color.r), linearToSrgb8(color.g), linearToSrgb8(color.b),

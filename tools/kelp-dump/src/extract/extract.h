@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pack/level_voxels.h"
@@ -17,6 +19,9 @@ struct ExtractRequest {
   std::vector<std::uint32_t> parts;  // at least one
   int level = 0;                     // of parts that have fewer: their coarsest
   std::string output;
+  double error = kProxyError;  // of proxies, in voxels
+
+  static constexpr double kProxyError = 1.5;
 
   const Part& part(std::uint32_t index) const { return file.pack().parts()[index]; }
   bool fog(std::uint32_t index) const { return part(index).kind == PartKind::kFog; }
@@ -35,8 +40,14 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
 // kUnsupported if all are fog.
 std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format);
 
+// A file name for a part: without characters that are special to a shell or a file system, and unlike all
+// names in `taken`, also with `suffix` appended if there is one.
+std::string partFileName(std::string_view name, std::uint32_t index, const char* suffix,
+                         std::set<std::string>& taken);
+
 // What writes a format. Several sources define each writer; the build takes the one that fits what is
-// installed: extract_vdb.cpp, vdb_program.cpp or without_vdb.cpp; extract_slices.cpp or without_png.cpp.
+// installed: extract_vdb.cpp, vdb_program.cpp or without_vdb.cpp; extract_slices.cpp or without_png.cpp;
+// extract_proxy.cpp or without_openmesh.cpp.
 struct Writer {
   // The libraries that this build lacks. Empty if it can write the format.
   const char* needs = "";
@@ -48,13 +59,15 @@ struct Writer {
   // Whether that program is installed.
   bool (*isThere)() = nullptr;
 };
-extern const Writer kVoxWriter, kPlyWriter, kSlicesWriter, kVdbWriter, kNanoVdbWriter;
+extern const Writer kVoxWriter, kPlyWriter, kProxyWriter, kSlicesWriter, kVdbWriter, kNanoVdbWriter;
 
 // MagicaVoxel, version 200, z up. Each part is one model, or several of 256 voxels a side. The scene graph
 // places them.
 void extractVox(const ExtractRequest& request);
 // Binary PLY: the faces between solid and empty voxels as quads, in the object's space, metres.
 void extractPly(const ExtractRequest& request);
+// Closed, decimated surfaces in the object's space, metres: a file for each part.
+void extractProxy(const ExtractRequest& request);
 // A folder of PNGs, one for each layer across the spline.
 void extractSlices(const ExtractRequest& request);
 // OpenVDB, NanoVDB: level sets and densities as grids. Only built into kelp-dump-vdb.

@@ -19,25 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kHeat = "_heat";
 
-// A file name for a part: without characters that are special to a shell or a file system, and unlike all
-// names in `taken`, also with kHeat appended if the part has heat.
-std::string fileName(std::string_view name, std::uint32_t index, bool hot, std::set<std::string>& taken) {
-  std::string safe;
-  for (const char c : name.substr(0, 100)) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool plain = (byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') ||
-                       (byte >= 'a' && byte <= 'z') || byte == '-' || byte == '_' ||
-                       (byte == '.' && !safe.empty());
-    safe += plain ? c : '_';
-  }
-  if (safe.empty()) safe = "part";
-  // The longer name may be taken too.
-  while (taken.contains(safe) || (hot && taken.contains(safe + kHeat))) safe += fmt::format("_{}", index);
-  taken.insert(safe);
-  if (hot) taken.insert(safe + kHeat);
-  return safe;
-}
-
 fs::path pictureName(const fs::path& stem, const char* kind, int y) {
   return fs::path(stem) += fmt::format("{}_y{:04}.png", kind, y);
 }
@@ -88,7 +69,8 @@ void extractSlices(const ExtractRequest& request) {
   std::set<std::string> taken;
   for (const std::uint32_t part : request.parts) {
     const LevelVoxels level = request.read(part);
-    const fs::path stem = folder / fileName(request.part(part).name, part, level.hot(), taken);
+    const fs::path stem =
+        folder / partFileName(request.part(part).name, part, level.hot() ? kHeat : nullptr, taken);
     if (level.fog())
       writeFog(level, stem);
     else

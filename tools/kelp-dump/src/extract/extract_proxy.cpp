@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+// Decimated surfaces. A file for each part, since parts move by themselves.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "extract/extract.h"
+#include "kelp/common/console.h"
+#include "kelp/common/output_file.h"
+#include "proxy/decimate.h"
+#include "proxy/encode_mesh.h"
+#include "text/memory_check.h"
+#include "text/text.h"
+
+namespace kelp::dump {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExtensions[] = {".obj", ".ply", ".stl", ".off"};
+// A face is two triangles with all that is kept of them while they are decimated (measured: 900 bytes).
+constexpr std::uint64_t kBytesOfFace = 900;
+
+std::string extensionOf(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (std::find(std::begin(kExtensions), std::end(kExtensions), extension) == std::end(kExtensions))
+    throw ToolError(Exit::kUsage,
+                    fmt::format("--proxy {}: its ending says no format; end it with .obj, .ply, .stl or .off",
+                                nameText(path.string())));
+  return extension;
+}
+
+// As the file has them: in metres, as floats.
+std::vector<glm::vec3> pointsOfFile(const ProxyMesh& proxy, const glm::dmat4x3& to_object) {
+  std::vector<glm::vec3> points;
+  for (const glm::dvec3& point : proxy.points) points.emplace_back(to_object * glm::dvec4(point, 1));
+  return points;
+}
+
+// The proxy with the points of the file.
+ProxyMesh asFile(const ProxyMesh& proxy, const std::vector<glm::vec3>& points,
+                 const glm::dmat4x3& to_object) {
+  ProxyMesh written{{}, proxy.triangles};
+  const glm::dmat3 back = glm::inverse(glm::dmat3(to_object));
+  for (const glm::vec3& point : points) written.points.push_back(back * (glm::dvec3(point) - to_object[3]));
+  return written;
+}
+
+// STL has no indices: two vertices in one place would be one.
+bool allApart(const std::vector<glm::vec3>& points) {
+  std::set<std::tuple<float, float, float>> places;
+  return std::all_of(points.begin(), points.end(),
+                     [&](const glm::vec3& p) { return places.emplace(p.x, p.y, p.z).second; });
+}
+
+struct PartFile {
+  fs::path path;
+  std::string bytes;
+};
+
+// Nothing if the part has no voxels.
+std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std::string& extension) {
+  const LevelVoxels level = request.read(part);
+  const std::string name = fmt::format("part {} '{}'", part, nameText(request.part(part).name, 40));
+  const std::vector<VoxelFace> faces = facesOf(level);
+  if (faces.empty()) return {};
+  requireMemory(kBytesOfFace * faces.size(), fmt::format("{}: the proxy of {}", request.file.path(), name),
+                "extract a coarser --level, or use a larger machine");
+  const SurfaceDistance distance(level, faces);
+  const VoxelSurface surface = surfaceOf(level, faces, request.error / 2);
+  ProxyMesh proxy = decimate(surface, faces, distance, request.error - distance.tolerance(request.error));
+  const std::vector<glm::vec3> points = pointsOfFile(proxy, level.toObject());
+  const ProxyMesh written = asFile(proxy, points, level.toObject());
+  const double out = distance.fromMesh(written, request.error), in = distance.toMesh(written, request.error);
+  if (!(std::max(out, in) <= request.error) || !allApart(points))
+    throw ToolError(Exit::kUnsupported,
+                    fmt::format("{}: the coordinates of {} are too far from the origin, or its voxels too "
+                                "small, for the numbers of a mesh file; bake it nearer to the origin, or "
+                                "allow a larger --error",
+                                request.file.path(), name));
+  note(request,
+       fmt::format("{}: {} of {} triangles, at most {:.3f} voxels from the voxels' surface, which is "
+                   "at most {:.3f} from them",
+                   name, countText(proxy.triangles.size()), countText(2 * faces.size()), out, in));
+  if (glm::determinant(glm::dmat3(level.toObject())) < 0)  // mirrored
+    for (auto& triangle : proxy.triangles) std::swap(triangle[1], triangle[2]);
+  return encodeMesh(points, proxy.triangles, extension);
+}
+
+}  // namespace
+
+void extractProxy(const ExtractRequest& request) {
+  const fs::path output = console::pathOf(request.output);
+  const std::string extension = extensionOf(output);
+  const std::vector<std::uint32_t> parts = solidParts(request, "a mesh");
+  std::vector<PartFile> files;
+  std::set<std::string> taken;
+  for (const std::uint32_t part : parts) {
+    fs::path path = output;
+    if (parts.size() > 1)
+      path.replace_extension("." + partFileName(request.part(part).name, part, nullptr, taken) +
+                             output.extension().string());
+    if (request.file.path() != "-") checkNotOverwritten(path, console::pathOf(request.file.path()));
+    checkOutput(path);
+    files.push_back({path, {}});
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    files[i].bytes = proxyOf(request, parts[i], extension);
+    any = any || !files[i].bytes.empty();
+    if (files[i].bytes.empty() && parts.size() > 1)
+      note(request, fmt::format("part {} '{}' left out: it has no voxels", parts[i],
+                                nameText(request.part(parts[i]).name, 40)));
+  }
+  if (!any)
+    throw ToolError(Exit::kUnsupported, request.file.path() + ": has no voxels, so there is no surface");
+  for (const PartFile& file : files) {
+    if (file.bytes.empty()) continue;
+    OutputFile out(file.path);
+    out.write(file.bytes);
+    out.commit();
+  }
+}
+
+constinit const Writer kProxyWriter{.write = extractProxy};
+
+}  // namespace kelp::dump
