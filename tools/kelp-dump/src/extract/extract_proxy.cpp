@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Decimated surfaces. A file for each part, since parts move by themselves.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -26,6 +28,8 @@ namespace fs = std::filesystem;
 constexpr const char* kExtensions[] = {".obj", ".ply", ".stl", ".off"};
 // A face is two triangles with all that is kept of them while they are decimated (measured: 900 bytes).
 constexpr std::uint64_t kBytesOfFace = 900;
+// A face that several triangles cover can lose one of them, so decimate() may end a bit too far away.
+constexpr int kAttempts = 5;
 
 std::string extensionOf(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -61,6 +65,25 @@ bool allApart(const std::vector<glm::vec3>& points) {
                      [&](const glm::vec3& p) { return places.emplace(p.x, p.y, p.z).second; });
 }
 
+struct Proxy {
+  std::vector<glm::vec3> points;  // as in the file
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  double out = 0, in = 0;  // voxels from the voxels' surface, and that from it
+
+  double apart() const { return std::max(out, in); }
+};
+
+Proxy measured(const ProxyMesh& mesh, const SurfaceDistance& distance, const glm::dmat4x3& to_object,
+               double error) {
+  Proxy proxy{pointsOfFile(mesh, to_object), mesh.triangles};
+  const ProxyMesh written = asFile(mesh, proxy.points, to_object);
+  proxy.out = distance.fromMesh(written, error);
+  proxy.in = distance.toMesh(written, error);
+  if (glm::determinant(glm::dmat3(to_object)) < 0)  // mirrored
+    for (auto& [a, b, c] : proxy.triangles) std::swap(b, c);
+  return proxy;
+}
+
 struct PartFile {
   fs::path path;
   std::string bytes;
@@ -76,23 +99,26 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
                 "extract a coarser --level, or use a larger machine");
   const SurfaceDistance distance(level, faces);
   const VoxelSurface surface = surfaceOf(level, faces, request.error / 2);
-  ProxyMesh proxy = decimate(surface, faces, distance, request.error - distance.tolerance(request.error));
-  const std::vector<glm::vec3> points = pointsOfFile(proxy, level.toObject());
-  const ProxyMesh written = asFile(proxy, points, level.toObject());
-  const double out = distance.fromMesh(written, request.error), in = distance.toMesh(written, request.error);
-  if (!(std::max(out, in) <= request.error) || !allApart(points))
+  std::optional<Proxy> proxy;
+  double most = request.error - SurfaceDistance::tolerance(request.error);
+  for (int attempt = 0; attempt < kAttempts && !proxy; ++attempt) {
+    proxy = measured(decimate(surface, faces, distance, most), distance, level.toObject(), request.error);
+    if (proxy->apart() <= request.error && allApart(proxy->points)) break;
+    most *= 0.95 * std::min(1.0, request.error / proxy->apart());
+    proxy.reset();
+  }
+  if (!proxy)
     throw ToolError(Exit::kUnsupported,
                     fmt::format("{}: the coordinates of {} are too far from the origin, or its voxels too "
                                 "small, for the numbers of a mesh file; bake it nearer to the origin, or "
                                 "allow a larger --error",
                                 request.file.path(), name));
   note(request,
-       fmt::format("{}: {} of {} triangles, at most {:.3f} voxels from the voxels' surface, which is "
-                   "at most {:.3f} from them",
-                   name, countText(proxy.triangles.size()), countText(2 * faces.size()), out, in));
-  if (glm::determinant(glm::dmat3(level.toObject())) < 0)  // mirrored
-    for (auto& triangle : proxy.triangles) std::swap(triangle[1], triangle[2]);
-  return encodeMesh(points, proxy.triangles, extension);
+       fmt::format(
+           "{}: {} triangles for {}; at most {:.3f} voxels from the voxels' surface, no point of which "
+           "is more than {:.3f} from them",
+           name, countText(proxy->triangles.size()), countText(2 * faces.size()), proxy->out, proxy->in));
+  return encodeMesh(proxy->points, proxy->triangles, extension);
 }
 
 }  // namespace

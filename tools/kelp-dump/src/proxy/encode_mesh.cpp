@@ -21,7 +21,7 @@ std::string encodeMesh(const std::vector<glm::vec3>& points,
   const bool text = extension == ".obj" || extension == ".off";
   constexpr std::streamsize kDigitsOfFloat = 9;
   std::ostringstream stream;
-  OpenMesh::omlog().disable();  // it tells that it writes
+  omlog().disable();  // it tells that it writes
   if (!OpenMesh::IO::write_mesh(mesh, stream, extension,
                                 text ? OpenMesh::IO::Options::Default : OpenMesh::IO::Options::Binary,
                                 kDigitsOfFloat))

@@ -153,19 +153,28 @@ class Builder {
     return polygon;
   }
 
+  bool isMiddle(std::uint32_t vertex) const { return vertex >= surface_.origin.size() - middles_.size(); }
+
   void smooth(double most) {
     std::vector<glm::dvec3>& place = surface_.place;
     place = surface_.origin;
     std::vector<glm::dvec3> sum(place.size());
     std::vector<std::uint32_t> neighbours(place.size());
+    const auto add = [&](std::uint32_t vertex, const glm::dvec3& neighbour) {
+      sum[vertex] += neighbour;
+      ++neighbours[vertex];
+    };
     for (int step = 0; step < kSmoothing; ++step) {
       std::fill(sum.begin(), sum.end(), glm::dvec3(0));
       std::fill(neighbours.begin(), neighbours.end(), 0u);
       for (std::size_t f = 0; f < faces_.size(); ++f) {
         const Polygon p = polygon(f);
+        glm::dvec3 middle(0);
+        for (int i = 0; i < p.count; ++i) middle += place[p.vertices[i]] / static_cast<double>(p.count);
         for (int i = 0; i < p.count; ++i) {
-          sum[p.vertices[i]] += place[p.vertices[(i + 1) % p.count]];
-          ++neighbours[p.vertices[i]];
+          add(p.vertices[i], place[p.vertices[(i + 1) % p.count]]);
+          // Else the two copies of an edge would stay in one place.
+          if (isMiddle(p.vertices[i])) add(p.vertices[i], middle);
         }
       }
       for (std::size_t v = 0; v < place.size(); ++v) {
@@ -182,7 +191,7 @@ class Builder {
     const auto at = [&](int i) -> const glm::dvec3& { return surface_.place[p.vertices[i % p.count]]; };
     int first = p.count == 4 && glm::distance(at(1), at(3)) < glm::distance(at(0), at(2)) ? 1 : 0;
     if (p.count > 4)
-      while (p.vertices[first] < surface_.origin.size() - middles_.size()) ++first;
+      while (!isMiddle(p.vertices[first])) ++first;
     for (int i = 1; i + 1 < p.count; ++i)
       surface_.triangles.push_back(
           {p.vertices[first], p.vertices[(first + i) % p.count], p.vertices[(first + i + 1) % p.count]});
