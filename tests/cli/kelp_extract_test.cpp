@@ -301,9 +301,9 @@ TEST_F(Extract, WhatIsNotBuiltInIsRefused) {
   const test::ProcessResult version = test::dump({"--version"});
   const std::string pack = test::writePackFile(
       folder_, "ball.kelp", {test::rawPart(test::ball(test::scaled(1), 3), "ball")}, test::paletteOf(3));
-  for (const std::string format : {"vox", "ply", "slices", "vdb", "nvdb"}) {
-    const test::ProcessResult result =
-        test::dump({"extract", pack, "--" + format, folder_ / ("out." + format)});
+  for (const std::string format : {"vox", "ply", "proxy", "slices", "vdb", "nvdb"}) {
+    const test::ProcessResult result = test::dump(
+        {"extract", pack, "--" + format, folder_ / ("out." + (format == "proxy" ? "obj" : format))});
     const bool built = version.out.find(format == "vdb" ? " vdb" : format) != std::string::npos;
     EXPECT_EQ(result.exit, built ? 0 : 5) << format << ": " << result.err;
     // the program that is not there, or the library
@@ -319,6 +319,7 @@ TEST_F(Extract, WhateverAPackHoldsIsAnsweredInOrder) {
   const std::string version = test::dump({"--version"}).out;
   std::vector<std::string> formats{"vox", "ply"};
   if (version.find(" vdb") != std::string::npos) formats.push_back("vdb");
+  if (version.find("proxy") != std::string::npos) formats.push_back("proxy");
   for (int round = 0; round < 4; ++round) {
     std::vector<std::byte> bytes =
         test::writeToMemory(test::makeRandomPack(static_cast<std::uint32_t>(round + 1)));
@@ -327,9 +328,11 @@ TEST_F(Extract, WhateverAPackHoldsIsAnsweredInOrder) {
       if (damage > 0) bytes[random() % bytes.size()] ^= std::byte{0x11};
       const std::string pack = folder_.write("random.kelp", std::span<const std::byte>(bytes));
       for (const std::string& format : formats) {
-        const std::filesystem::path out = folder_ / ("out." + format);
+        const std::filesystem::path out = folder_ / ("out." + (format == "proxy" ? "off" : format));
         std::filesystem::remove(out);
-        const test::ProcessResult result = test::dump({"extract", pack, "--" + format, out});
+        std::vector<std::string> arguments{"extract", pack, "--" + format, out};
+        if (format == "proxy") arguments.insert(arguments.end(), {"--part", "0"});  // one file
+        const test::ProcessResult result = test::dump(arguments);
         EXPECT_TRUE(result.exit == 0 || result.exit == 5 || (result.exit == 3 && damage > 0))
             << format << ": " << result.exit << " " << result.err;
         ASSERT_EQ(std::filesystem::exists(out), result.exit == 0);

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExtensions[] = {".obj", ".ply", ".stl", ".off"};
-// A face is two triangles with all that is kept of them while they are decimated (measured: 900 bytes).
-constexpr std::uint64_t kBytesOfFace = 900;
+// A face is two triangles with all that is kept of them while they are decimated (measured: 560 bytes).
+constexpr std::uint64_t kBytesOfFace = 600;
 // A face that several triangles cover can lose one of them, so decimate() may end a bit too far away.
 constexpr int kAttempts = 5;
 
@@ -104,7 +104,7 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
   for (int attempt = 0; attempt < kAttempts && !proxy; ++attempt) {
     proxy = measured(decimate(surface, faces, distance, most), distance, level.toObject(), request.error);
     if (proxy->apart() <= request.error && allApart(proxy->points)) break;
-    most *= 0.95 * std::min(1.0, request.error / proxy->apart());
+    most *= 0.998 * std::min(1.0, request.error / proxy->apart());
     proxy.reset();
   }
   if (!proxy)
