@@ -11,10 +11,11 @@ set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config python3)
 runtime=(libglm-dev libzstd-dev libxxhash-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpng-dev
+         libopenmesh-dev  # kelp-dump extract --proxy
          libegl-dev libgl-dev libgles-dev libopengl-dev libegl1 libegl-mesa0 libgl1-mesa-dri libgtest-dev
          python3-jsonschema)  # tests only: published schemas by another validator
 baker=(libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libtbb-dev libblosc-dev zlib1g-dev
-       libopenmesh-dev libtinygltf-dev libdraco-dev
+       libtinygltf-dev libdraco-dev
        libmeshoptimizer-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libhwy-dev libseccomp-dev
        make)  # tests only: it reads the rules of kelp-bake -MD
 samples=(libglfw3-dev libsdl2-dev libimgui-dev xvfb xauth libxtst6)

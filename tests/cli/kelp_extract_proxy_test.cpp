@@ -71,7 +71,7 @@ TEST_F(Proxy, EveryHollowIsManifold) {
                      const bool inside = in == glm::clamp(in, glm::ivec3(0), glm::ivec3(1));
                      return !inside || (mask >> (in.x + 2 * in.y + 4 * in.z) & 1) == 0;
                    }),
-            0.7);
+            0.7, 0.5);
     ASSERT_FALSE(HasFailure()) << "mask " << mask;
   }
 }
