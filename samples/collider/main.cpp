@@ -121,6 +121,7 @@ static int fail(const char* what, const char* why, int exit_code) {
   return std::fprintf(stderr, "collider: %s: %s\n", what, why), exit_code;
 }
 
+// Long: set up once, then a frame, top to bottom, as a reader follows it.
 static int run(GLFWwindow* window, const char* path, const char* proxy, int frames, const char* picture) {
   const auto asset = kelp::runtime::Asset::open(path);
   if (!asset) return fail(path, asset.error().detail, asset.error().code == kelp::ErrorCode::kIo ? 2 : 3);
