@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -77,6 +78,12 @@ Proxy measured(const ProxyMesh& mesh, const SurfaceDistance& distance, const glm
                double error) {
   Proxy proxy{pointsOfFile(mesh, to_object), mesh.triangles};
   const ProxyMesh written = asFile(mesh, proxy.points, to_object);
+  // Far from the origin floats are too coarse; there is nothing to measure.
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (!(glm::distance(mesh.points[i], written.points[i]) <= error / 4)) {
+      proxy.out = proxy.in = std::numeric_limits<double>::infinity();
+      return proxy;
+    }
   proxy.out = distance.fromMesh(written, error);
   proxy.in = distance.toMesh(written, error);
   if (glm::determinant(glm::dmat3(to_object)) < 0)  // mirrored
@@ -104,6 +111,7 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
   for (int attempt = 0; attempt < kAttempts && !proxy; ++attempt) {
     proxy = measured(decimate(surface, faces, distance, most), distance, level.toObject(), request.error);
     if (proxy->apart() <= request.error && allApart(proxy->points)) break;
+    if (!std::isfinite(proxy->apart())) attempt = kAttempts;  // no error would do
     most *= 0.998 * std::min(1.0, request.error / proxy->apart());
     proxy.reset();
   }
