@@ -7,6 +7,9 @@
 
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/points/PointAttribute.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/PointIndexGrid.h>
 
 namespace kelp::bake::test {
 namespace {
@@ -25,6 +28,18 @@ T valueAs(const glm::dvec3& v) {
   }
 }
 
+openvdb::math::Transform::Ptr transformOf(const VdbSpec& spec) {
+  const glm::dvec3 size(spec.frustum_size);
+  if (spec.frustum)
+    return openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(size.x, size.y, size.z)), spec.taper, spec.depth);
+  openvdb::Mat4d matrix;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) matrix[i][j] = spec.to_world[i][j];
+  return openvdb::math::Transform::Ptr(new openvdb::math::Transform(
+      openvdb::math::simplify(openvdb::math::AffineMap::Ptr(new openvdb::math::AffineMap(matrix)))));
+}
+
 template <class Grid>
 openvdb::GridBase::Ptr make(const VdbSpec& spec) {
   using T = typename Grid::ValueType;
@@ -37,12 +52,15 @@ openvdb::GridBase::Ptr make(const VdbSpec& spec) {
     grid->tree().addTile(static_cast<openvdb::Index>(tile.level), coord(tile.at), valueAs<T>(tile.value),
                          tile.active);
   auto accessor = grid->getAccessor();
+  const openvdb::math::Transform::Ptr transform = transformOf(spec);
   for (int x = spec.low.x; x <= spec.high.x; ++x)
     for (int y = spec.low.y; y <= spec.high.y; ++y)
       for (int z = spec.low.z; z <= spec.high.z; ++z) {
-        const auto value = spec.value(glm::ivec3(x, y, z));
-        if (!value) continue;
         const openvdb::Coord at(x, y, z);
+        const openvdb::Vec3d world = transform->indexToWorld(at.asVec3d());
+        const auto value = spec.world_value ? spec.world_value({world.x(), world.y(), world.z()})
+                                            : spec.value(glm::ivec3(x, y, z));
+        if (!value) continue;
         if (spec.active && !spec.active(glm::ivec3(x, y, z)))
           accessor.setValueOff(at, valueAs<T>(*value));
         else
@@ -87,14 +105,7 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
     grid->removeMeta("class");
     if (!spec.grid_class.empty()) grid->setGridClass(openvdb::GridBase::stringToGridClass(spec.grid_class));
     grid->setSaveFloatAsHalf(spec.half);
-    openvdb::Mat4d matrix;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) matrix[i][j] = spec.to_world[i][j];
-    grid->setTransform(
-        spec.frustum ? openvdb::math::Transform::createFrustumTransform(
-                           openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10)
-                     : openvdb::math::Transform::Ptr(new openvdb::math::Transform(openvdb::math::simplify(
-                           openvdb::math::AffineMap::Ptr(new openvdb::math::AffineMap(matrix))))));
+    grid->setTransform(transformOf(spec));
     grids.push_back(grid);
   }
   const std::uint32_t flags = (codec == VdbCodec::kZip     ? openvdb::io::COMPRESS_ZIP
@@ -112,6 +123,36 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
     file.write(grids);
     file.close();
   }
+}
+
+void writePoints(const std::filesystem::path& path, const std::vector<VdbPoints>& grids) {
+  namespace points = openvdb::points;
+  initialize();
+  openvdb::GridCPtrVec written;
+  for (const VdbPoints& spec : grids) {
+    std::vector<openvdb::Vec3f> places;
+    for (const glm::dvec3& p : spec.places) places.emplace_back(openvdb::Vec3d(p.x, p.y, p.z));
+    const auto transform = openvdb::math::Transform::createLinearTransform(spec.voxel);
+    const points::PointAttributeVector<openvdb::Vec3f> list(places);
+    const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(list, *transform);
+    const auto grid =
+        points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, list, *transform);
+    if (!spec.radii.empty()) {
+      points::appendAttribute<float>(grid->tree(), spec.radius);
+      const points::PointAttributeVector<float> radii(spec.radii);
+      points::populateAttribute(grid->tree(), index->tree(), spec.radius, radii);
+    }
+    if (!spec.colors.empty()) {
+      std::vector<openvdb::Vec3f> values;
+      for (const glm::vec3& c : spec.colors) values.emplace_back(c.x, c.y, c.z);
+      points::appendAttribute<openvdb::Vec3f>(grid->tree(), "Cd");
+      const points::PointAttributeVector<openvdb::Vec3f> colors(values);
+      points::populateAttribute(grid->tree(), index->tree(), "Cd", colors);
+    }
+    grid->setName(spec.name);
+    written.push_back(grid);
+  }
+  openvdb::io::File(path.string()).write(written);
 }
 
 // Typed once: tests ask for millions of voxels.

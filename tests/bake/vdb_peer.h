@@ -30,10 +30,13 @@ struct VdbSpec {
   bool half = false;
   glm::dvec3 background{0};
   glm::dmat4 to_world{1};
-  bool frustum = false;
-  glm::ivec3 low{0}, high{-1};  // where `value` is asked, both inclusive
+  bool frustum = false;  // of the voxels from 0 to frustum_size, 1 wide at the near side; no to_world
+  glm::ivec3 frustum_size{10};
+  double taper = 0.5, depth = 10;  // near width / far width; length along z
+  glm::ivec3 low{0}, high{-1};     // where `value` is asked, both inclusive
   std::function<std::optional<glm::dvec3>(const glm::ivec3&)> value;  // nullopt: the background, inactive
-  std::function<bool(const glm::ivec3&)> active;                      // without, all that have a value
+  std::function<std::optional<glm::dvec3>(const glm::dvec3&)> world_value;  // in place of `value`
+  std::function<bool(const glm::ivec3&)> active;                            // without, all that have a value
   std::vector<VdbTile> tiles;
   int same_tree_as = -1;  // an earlier one, of the same type
 };
@@ -42,6 +45,16 @@ enum class VdbCodec { kNone, kZip, kBlosc };
 // mask: leave inactive values out; stream: as io::Stream writes, without offsets.
 void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& grids,
               VdbCodec codec = VdbCodec::kBlosc, bool mask = true, bool stream = false);
+
+struct VdbPoints {
+  std::string name = "points";
+  std::vector<glm::dvec3> places;  // in the world
+  std::vector<float> radii;        // attribute `radius`; may be empty
+  std::string radius = "pscale";
+  std::vector<glm::vec3> colors;  // attribute Cd; may be empty
+  double voxel = 1;               // of the grid that holds them
+};
+void writePoints(const std::filesystem::path& path, const std::vector<VdbPoints>& grids);
 
 // For one thread: it remembers where it read last.
 class VdbPeer {

@@ -20,7 +20,7 @@ std::uint16_t codeOf(double value, double most) {
 }
 
 // The greatest mean over the lattice's voxels.
-double mostOf(const SparseGrid& grid, const Lattice& lattice, int threads) {
+double mostOf(const VolumeGrid& grid, const Lattice& lattice, int threads) {
   const auto depth = static_cast<std::size_t>(lattice.size.z);
   std::vector<double> most(depth, 0.0);
   const VolumeMeans whole(grid, lattice.to_index, lattice.size);
@@ -35,7 +35,7 @@ double mostOf(const SparseGrid& grid, const Lattice& lattice, int threads) {
   return *std::max_element(most.begin(), most.end());
 }
 
-std::vector<std::uint16_t> codesOf(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size,
+std::vector<std::uint16_t> codesOf(const VolumeGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size,
                                    double most, int threads) {
   const glm::u64vec3 side(size);
   std::vector<std::uint16_t> codes(denseCount(size));
@@ -53,7 +53,7 @@ std::vector<std::uint16_t> codesOf(const SparseGrid& grid, const glm::dmat4& to_
 
 }  // namespace
 
-FogBox fogBox(const SparseGrid& grid) {
+FogBox fogBox(const VolumeGrid& grid) {
   FogBox result;
   const auto include = [&](const glm::ivec3& low, int side, double value) {
     const auto voxels = static_cast<std::uint64_t>(side) * static_cast<std::uint64_t>(side) *
@@ -68,20 +68,19 @@ FogBox fogBox(const SparseGrid& grid) {
     result.box.first = glm::min(result.box.first, low);
     result.box.last = glm::max(result.box.last, low + (side - 1));
   };
-  visitCells(
-      grid, [&](const SparseCell& cell) { include(cell.low, cell.side, grid.numbers[cell.first]); },
-      [&](const SparseGrid::Leaf& leaf) {
-        for (std::size_t i = 0; i < SparseGrid::kLeafVoxels; ++i)
-          include(leafVoxel(leaf, i), 1, grid.numbers[leaf.first + i]);
-      });
+  grid.tree->visit([&](const VolumeCell& cell) { include(cell.low, cell.side, cell.value.x); },
+                   [&](const VolumeLeaf& leaf) {
+                     for (std::size_t i = 0; i < VolumeGrid::kLeafVoxels; ++i)
+                       include(leaf.voxel(i), 1, leaf.values[i]);
+                   });
   result.box.low = glm::dvec3(result.box.first) - 0.5;
   result.box.high = glm::dvec3(result.box.last) + 0.5;
   return result;
 }
 
-Lattice fogLattice(const InputFiles& files, const FogBox& box, const SparseGrid& grid,
+Lattice fogLattice(const InputFiles& files, const FogBox& box, const VolumeGrid& grid,
                    const glm::dmat4& index_to_rig, const ImportSettings& settings) {
-  if (keepsVoxels(index_to_rig, settings)) {
+  if (keepsVoxels(grid, index_to_rig, settings)) {
     checkSides(files, glm::dvec3(box.box.last) - glm::dvec3(box.box.first) + 1.0);
     return ownLattice(box.box, index_to_rig);
   }
@@ -96,12 +95,12 @@ Lattice fogLattice(const InputFiles& files, const FogBox& box, const SparseGrid&
   return newLattice(files, wider, grid, index_to_rig, settings);
 }
 
-glm::dmat4 indexOf(const SparseGrid& other, const SparseGrid& grid, const Lattice& lattice) {
+glm::dmat4 indexOf(const VolumeGrid& other, const VolumeGrid& grid, const Lattice& lattice) {
   return glm::inverse(other.to_world) * grid.to_world * lattice.to_index;
 }
 
-FogGrid sampleFog(const InputFiles& files, const std::string& place, const SparseGrid& grid,
-                  const FogBox& box, const Lattice& lattice, const SparseGrid* heat, double most_heat,
+FogGrid sampleFog(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
+                  const FogBox& box, const Lattice& lattice, const VolumeGrid* heat, double most_heat,
                   const ImportSettings& settings) {
   const double most = lattice.exact ? box.most : mostOf(grid, lattice, settings.threads);
   const double edge = cubeEdge(grid, grid.to_world * lattice.to_index),

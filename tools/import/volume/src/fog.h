@@ -14,19 +14,19 @@ struct FogBox {
   double most = 0, voxels = 0;                 // the greatest value; the number of voxels above 0
   std::uint64_t negative = 0, not_finite = 0;  // numbers of voxels that count as 0
 };
-FogBox fogBox(const SparseGrid& grid);
+FogBox fogBox(const VolumeGrid& grid);
 
 // The lattice for such a grid: its own voxels, or new ones that contain all of its values.
-Lattice fogLattice(const InputFiles& files, const FogBox& box, const SparseGrid& grid,
+Lattice fogLattice(const InputFiles& files, const FogBox& box, const VolumeGrid& grid,
                    const glm::dmat4& index_to_rig, const ImportSettings& settings);
 
 // Voxels of the part, on the lattice of `grid`, -> index space of another grid.
-glm::dmat4 indexOf(const SparseGrid& other, const SparseGrid& grid, const Lattice& lattice);
+glm::dmat4 indexOf(const VolumeGrid& other, const VolumeGrid& grid, const Lattice& lattice);
 
 // Densities are per length of the grid's space. `heat` may be null; `most_heat` is the heat at the ramp's
 // end. `place` is the grid, for errors. The caller sets to_node of the result.
-FogGrid sampleFog(const InputFiles& files, const std::string& place, const SparseGrid& grid,
-                  const FogBox& box, const Lattice& lattice, const SparseGrid* heat, double most_heat,
+FogGrid sampleFog(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
+                  const FogBox& box, const Lattice& lattice, const VolumeGrid* heat, double most_heat,
                   const ImportSettings& settings);
 
 }  // namespace kelp::bake

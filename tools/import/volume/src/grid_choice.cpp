@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cctype>
 #include <charconv>
 
@@ -31,7 +30,6 @@ bool isScalar(const GridHeader& grid) {
 bool isColor(const GridHeader& grid) {
   return grid.kind == GridKind::kVector && grid.type.find("vec3i") == std::string::npos;
 }
-bool usable(const GridHeader& grid) { return !grid.empty && grid.linear; }
 constexpr std::array<std::string_view, 4> kHeatNames{"flame", "flames", "heat", "temperature"};
 constexpr std::array<std::string_view, 2> kColorNames{"cd", "color"};
 bool isHeat(const GridHeader& grid) {
@@ -71,42 +69,25 @@ std::size_t find(const InputFiles& files, const std::vector<GridHeader>& grids, 
          "there is no such grid; give the name or the index of one of " + listAll(grids));
 }
 
-// ToolError if the chosen grid cannot become voxels.
-void requireVoxels(const InputFiles& files, const GridHeader& grid) {
-  const std::string place = gridPlace(grid);
-  if (grid.kind == GridKind::kPoints)
-    refuse(Exit::kUnsupported, files.input(), place,
-           "holds points, not voxels; convert them to a level set or a density");
-  if (grid.kind == GridKind::kVector)
-    refuse(
-        Exit::kUnsupported, files.input(), place,
-        "holds vectors: they can colour a volume (--color-grid), but not be one; choose a grid of numbers");
-  if (grid.kind == GridKind::kOther)
-    refuse(Exit::kUnsupported, files.input(), place,
-           "has values of a type that kelp does not read; convert it to float");
-  if (grid.empty)
-    refuse(Exit::kUnsupported, files.input(), place,
-           "is empty: it has no voxel but its background; export a frame that has some");
-  if (!grid.linear)
-    refuse(Exit::kUnsupported, files.input(), place, "has a frustum transform; resample it to a linear one");
-}
-
 std::size_t chooseVolume(const InputFiles& files, const std::vector<GridHeader>& grids,
                          const ImportSettings& settings) {
   if (settings.grid) return find(files, grids, "--grid", *settings.grid);
   const auto pick = [&](const auto& wanted) -> std::optional<std::size_t> {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < grids.size(); ++i)
-      if (isScalar(grids[i]) && !grids[i].empty && wanted(grids[i])) found.push_back(i);
+      if (wanted(grids[i])) found.push_back(i);
     if (found.size() > 1)
       refuse(Exit::kUsage, files.input(), "",
-             "has several grids to bake; choose one with --grid NAME or INDEX: " +
-                 list(grids,
-                      [&](const GridHeader& grid) { return isScalar(grid) && !grid.empty && wanted(grid); }));
+             "has several grids to bake; choose one with --grid NAME or INDEX: " + list(grids, wanted));
     return found.empty() ? std::nullopt : std::optional(found[0]);
   };
-  if (const auto volume = pick([](const GridHeader& grid) { return !isHeat(grid); })) return *volume;
-  if (const auto heat = pick(isHeat)) return *heat;
+  const auto hasNumbers = [](const GridHeader& grid) { return isScalar(grid) && !grid.empty; };
+  if (const auto volume = pick([&](const GridHeader& grid) { return hasNumbers(grid) && !isHeat(grid); }))
+    return *volume;
+  if (const auto heat = pick([&](const GridHeader& grid) { return hasNumbers(grid) && isHeat(grid); }))
+    return *heat;
+  if (const auto points = pick([](const GridHeader& grid) { return grid.kind == GridKind::kPoints; }))
+    return *points;
   if (grids.empty()) refuse(Exit::kUnsupported, files.input(), "", "holds no grid; export a volume");
   if (grids.size() == 1) return 0;
   if (std::all_of(grids.begin(), grids.end(), [](const GridHeader& grid) {
@@ -134,36 +115,6 @@ std::string_view className(GridClass grid_class) {
 }
 
 }  // namespace
-
-void countActive(const SparseGrid& grid, GridHeader& header) {
-  const auto include = [&](const glm::ivec3& low, const glm::ivec3& high) {
-    header.low = glm::min(header.low, low);
-    header.high = glm::max(header.high, high);
-  };
-  visitCells(
-      grid,
-      [&](const SparseCell& cell) {
-        for (int i = 0; i < grid.components; ++i)
-          if (grid.numbers[cell.first + static_cast<std::size_t>(i)] !=
-              grid.background[static_cast<std::size_t>(i)])
-            header.empty = false;
-        if (!cell.active) return;
-        header.empty = false;
-        const auto side = static_cast<std::uint64_t>(cell.side);
-        header.active += side * side * side;
-        include(cell.low, cell.low + (cell.side - 1));
-      },
-      [&](const SparseGrid::Leaf& leaf) {
-        header.empty = false;
-        for (const std::uint64_t word : leaf.active)
-          header.active += static_cast<std::uint64_t>(std::popcount(word));
-        if (glm::min(header.low, leaf.low) == header.low &&
-            glm::max(header.high, leaf.low + 7) == header.high)
-          return;
-        for (std::size_t i = 0; i < SparseGrid::kLeafVoxels; ++i)
-          if (leaf.active[i / 64] >> (i % 64) & 1) include(leafVoxel(leaf, i), leafVoxel(leaf, i));
-      });
-}
 
 std::string describeGrid(const GridHeader& grid) {
   std::string text =
@@ -197,14 +148,14 @@ std::string nameBeside(const GridHeader& grid, const GridHeader& chosen) {
   return {};
 }
 
-// A usable grid with one of these names: the one that belongs to the chosen grid, or else the first of the
-// file.
+// A grid that has voxels, with one of these names: the one that belongs to the chosen grid, or else the first
+// of the file.
 template <std::size_t N, class Wanted>
 std::optional<std::size_t> findNamed(const std::vector<GridHeader>& grids, std::size_t chosen,
                                      const std::array<std::string_view, N>& names, const Wanted& wanted) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < grids.size(); ++i) {
-    if (i == chosen || !usable(grids[i]) || !wanted(grids[i])) continue;
+    if (i == chosen || grids[i].empty || !wanted(grids[i])) continue;
     if (isOneOf(nameBeside(grids[i], grids[chosen]), names)) return i;
     if (!found && isOneOf(grids[i].name, names)) found = i;
   }
@@ -212,6 +163,20 @@ std::optional<std::size_t> findNamed(const std::vector<GridHeader>& grids, std::
 }
 
 }  // namespace
+
+void requireVoxels(const InputFiles& files, const GridHeader& grid) {
+  const std::string place = gridPlace(grid);
+  if (grid.kind == GridKind::kVector)
+    refuse(
+        Exit::kUnsupported, files.input(), place,
+        "holds vectors: they can colour a volume (--color-grid), but not be one; choose a grid of numbers");
+  if (grid.kind == GridKind::kOther)
+    refuse(Exit::kUnsupported, files.input(), place,
+           "has values of a type that kelp does not read; convert it to float");
+  if (grid.empty && grid.kind != GridKind::kPoints)
+    refuse(Exit::kUnsupported, files.input(), place,
+           "is empty: it has no voxel but its background; export a frame that has some");
+}
 
 VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids,
                          const ImportSettings& settings) {
@@ -225,9 +190,9 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     if (!isColor(grid))
       refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
              "holds no colours: " + describeGrid(grid) + "; name a grid of vec3s");
-    if (!usable(grid))
+    if (grid.empty)
       refuse(Exit::kUsage, files.input(), "--color-grid " + oneLine(*settings.color_grid, 60),
-             std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
+             "is empty; leave the option out");
   } else {
     choice.color = findNamed(grids, choice.grid, kColorNames, isColor);
     choice.attribute =
@@ -243,9 +208,9 @@ VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>&
     if (!isScalar(grid))
       refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60),
              "holds no numbers: " + describeGrid(grid) + "; name a grid of float");
-    if (!usable(grid))
+    if (grid.empty)
       refuse(Exit::kUsage, files.input(), "--heat-grid " + oneLine(*settings.heat_grid, 60),
-             std::string(grid.empty ? "is empty" : "has a frustum transform") + "; leave the option out");
+             "is empty; leave the option out");
   } else {
     choice.heat = findNamed(grids, choice.grid, kHeatNames,
                             [](const GridHeader& grid) { return grid.kind == GridKind::kScalar; });

@@ -20,6 +20,9 @@ struct VolumeChoice {
 VolumeChoice chooseGrids(const InputFiles& files, const std::vector<GridHeader>& grids,
                          const ImportSettings& settings);
 
+// ToolError kUnsupported if a grid cannot become voxels.
+void requireVoxels(const InputFiles& files, const GridHeader& grid);
+
 // "'density' (float, fog volume, 1049275 active voxels in 111 x 222 x 112)".
 std::string describeGrid(const GridHeader& grid);
 // The place of an error about a grid: "grid 'density' (...)"; "" for a raw volume.

@@ -53,6 +53,42 @@ class RawNumbers {
   std::shared_ptr<const std::vector<std::uint8_t>> file_;
 };
 
+// The box of such numbers. What lies outside is `outside`.
+class RawTree : public VolumeTree {
+ public:
+  RawTree(RawNumbers numbers, const glm::ivec3& size, double outside, std::size_t bytes)
+      : numbers_(std::move(numbers)), size_(size), outside_(outside), bytes_(bytes) {}
+
+  VolumeCell cellAt(const glm::ivec3& at) const {
+    const bool inside =
+        glm::all(glm::greaterThanEqual(at, glm::ivec3(0))) && glm::all(glm::lessThan(at, size_));
+    return {at, 1, inside, glm::dvec3(inside ? numbers_(denseIndex(size_, at)) : outside_, 0, 0)};
+  }
+  std::unique_ptr<VolumeLookup> lookup() const override { return std::make_unique<Lookup>(*this); }
+  void visit(const std::function<void(const VolumeCell& cell)>& constant,
+             const std::function<void(const VolumeLeaf& leaf)>&) const override {
+    for (std::size_t i = 0; i < denseCount(size_); ++i)
+      constant({voxelAt(size_, i), 1, true, glm::dvec3(numbers_(i), 0, 0)});
+  }
+  std::uint64_t bytes() const override { return bytes_; }
+
+ private:
+  class Lookup : public VolumeLookup {
+   public:
+    explicit Lookup(const RawTree& tree) : tree_(tree) {}
+    VolumeCell cellAt(const glm::ivec3& at) const override { return tree_.cellAt(at); }
+    double at(const glm::ivec3& voxel) const override { return tree_.cellAt(voxel).value.x; }
+
+   private:
+    const RawTree& tree_;
+  };
+
+  RawNumbers numbers_;
+  glm::ivec3 size_;
+  double outside_;
+  std::size_t bytes_;
+};
+
 struct RawRange {
   double least = INFINITY, greatest = -INFINITY;
   std::uint64_t not_finite = 0;
@@ -136,14 +172,12 @@ VolumeFile readRaw(const InputFiles& files, const ImportSettings& settings) {
     header.to_world[i][i] = volume.spacing[i];
     header.to_world[3][i] = 0.5 * volume.spacing[i];
   }
-  file.load = [numbers, length, outside, header](std::size_t) {
-    SparseGrid grid;
-    grid.background[0] = outside;
-    grid.to_world = header.to_world;
-    grid.dense = header.high + 1;
-    grid.numbers = Numbers(numbers, length);
-    return grid;
-  };
+  VolumeGrid grid;
+  grid.tree = std::make_shared<const RawTree>(numbers, volume.size, outside, length);
+  grid.background = outside;
+  grid.to_world = header.to_world;
+  grid.dense = volume.size;
+  file.load = [grid](std::size_t, GridHeader&) { return grid; };
   return file;
 }
 

@@ -34,8 +34,9 @@ class VolumeImport {
     giveRig(part_, findOuterRig(files_, settings_), settings_);
     const VolumeChoice choice = chooseGrids(files_, file_.grids, settings_);
     const GridHeader& header = file_.grids[choice.grid];
-    place_ = gridPlace(header);
     grid_ = load(choice.grid);
+    requireVoxels(files_, header);
+    place_ = gridPlace(header);
     to_rig_ = glm::dmat4(glm::dmat3(axisRotation(part_.rig.axis.value_or(Axis::kPlusY)))) * grid_.to_world;
     const VolumeRule rule = volumeRule(files_, header, grid_, settings_, model_.notices);
     if (file_.grids.size() > 1)
@@ -50,9 +51,12 @@ class VolumeImport {
   }
 
  private:
-  SparseGrid load(std::size_t index) {
-    if (!file_.grids[index].raw) checkTransform(files_, file_.grids[index]);
-    return file_.load(index);
+  VolumeGrid load(std::size_t index) {
+    GridHeader& header = file_.grids[index];
+    VolumeGrid grid = file_.load(index, header);
+    if (!header.raw) checkTransform(files_, header);
+    model_.notices.insert(model_.notices.end(), grid.notices.begin(), grid.notices.end());
+    return grid;
   }
 
   void makeSolid(const VolumeChoice& choice, const VolumeRule& rule) {
@@ -64,16 +68,19 @@ class VolumeImport {
     if (settings_.ramp_file)
       throw ToolError(Exit::kUsage, "--ramp " + oneLine(settings_.ramp_file->string(), 200) +
                                         ": only fog glows; leave it out, or give --volume fog");
-    std::optional<SparseGrid> color;
+    std::optional<VolumeGrid> color;
     if (choice.color) color = load(*choice.color);
     SolidLooks looks;
-    std::optional<SparseGrid> attribute;
-    if (choice.attribute && keepsVoxels(to_rig_, settings_)) {
+    std::optional<VolumeGrid> attribute;
+    if (choice.attribute && keepsVoxels(grid_, to_rig_, settings_)) {
       attribute = load(*choice.attribute);
       looks.palette = paintedPalette(load(*choice.palette));
       looks.attribute = &*attribute;
     }
-    if (color) looks.color = &*color;
+    if (color)
+      looks.color = &*color;
+    else
+      looks.color = grid_.color.get();
     file_.load = nullptr;
     SolidBox box = solidBox(files_, place_, grid_, rule);
     // the part's own box, with the empty layers at its sides
@@ -82,10 +89,10 @@ class VolumeImport {
       box.box.last = glm::max(box.box.last, file_.grids[*choice.attribute].high);
     }
     const auto latticeFor = [&](const ImportSettings& settings) {
-      return keepsVoxels(to_rig_, settings) ? ownLattice(box.box, to_rig_)
-                                            : newLattice(files_, box.box, grid_, to_rig_, settings);
+      return keepsVoxels(grid_, to_rig_, settings) ? ownLattice(box.box, to_rig_)
+                                                   : newLattice(files_, box.box, grid_, to_rig_, settings);
     };
-    if (keepsVoxels(to_rig_, settings_))
+    if (keepsVoxels(grid_, to_rig_, settings_))
       checkSides(files_, glm::dvec3(box.box.last) - glm::dvec3(box.box.first) + 1.0);
     const Lattice lattice = latticeFor(settings_);
     sayWhatIsResampled(lattice);
@@ -133,7 +140,7 @@ class VolumeImport {
     if (box.voxels == 0)
       refuse(Exit::kInvalid, files_.input(), place_,
              "has no density above 0: there is no fog; choose another grid");
-    std::optional<SparseGrid> heat;
+    std::optional<VolumeGrid> heat;
     double most_heat = 0;
     if (choice.heat) {
       heat = load(*choice.heat);
@@ -216,16 +223,12 @@ class VolumeImport {
   const ImportSettings& settings_;
   SourceModel model_;
   SourcePart part_;
-  SparseGrid grid_;
+  VolumeGrid grid_;
   std::string place_;
   glm::dmat4 to_rig_{1};
 };
 
 }  // namespace
-
-std::uint64_t readingLimit(const ImportSettings& settings) {
-  return settings.max_memory > 0 ? settings.max_memory : physicalMemory();
-}
 
 SourceModel importVolume(const InputFiles& files, const std::function<VolumeFile()>& read,
                          const ImportSettings& settings) {

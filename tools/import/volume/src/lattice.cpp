@@ -31,12 +31,12 @@ double voxelEdge(const glm::dmat4& to_world) {
   return std::cbrt(std::abs(glm::determinant(glm::dmat3(to_world))));
 }
 
-double cubeEdge(const SparseGrid& grid, const glm::dmat4& to_world) {
+double cubeEdge(const VolumeGrid& grid, const glm::dmat4& to_world) {
   return grid.isDense() ? shortestEdge(to_world) : voxelEdge(to_world);
 }
 
-bool keepsVoxels(const glm::dmat4& index_to_rig, const ImportSettings& settings) {
-  return !settings.voxel_size && !settings.resolution_given &&
+bool keepsVoxels(const VolumeGrid& grid, const glm::dmat4& index_to_rig, const ImportSettings& settings) {
+  return (grid.as_asked || (!settings.voxel_size && !settings.resolution_given)) &&
          isSignedPermutation(glm::dmat3(index_to_rig) / voxelEdge(index_to_rig));
 }
 
@@ -56,7 +56,7 @@ Lattice ownLattice(const IndexBox& box, const glm::dmat4& index_to_rig) {
   return lattice;
 }
 
-Lattice newLattice(const InputFiles& files, const IndexBox& box, const SparseGrid& grid,
+Lattice newLattice(const InputFiles& files, const IndexBox& box, const VolumeGrid& grid,
                    const glm::dmat4& index_to_rig, const ImportSettings& settings) {
   glm::dvec3 low(INFINITY), high(-INFINITY);
   for (int corner = 0; corner < 8; ++corner) {

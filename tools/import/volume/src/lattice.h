@@ -29,13 +29,13 @@ double voxelEdge(const glm::dmat4& to_world);
 // The shortest of the three edges of a grid's voxel.
 double shortestEdge(const glm::dmat4& to_world);
 // The edge of the cubes that a grid becomes: shortestEdge of raw volumes, voxelEdge of all others.
-double cubeEdge(const SparseGrid& grid, const glm::dmat4& to_world);
-// Whether a grid's voxels can be kept: the settings ask for no others, and it is turned by quarters, mirrored
-// and scaled alike along all axes at most.
-bool keepsVoxels(const glm::dmat4& index_to_rig, const ImportSettings& settings);
+double cubeEdge(const VolumeGrid& grid, const glm::dmat4& to_world);
+// Whether a grid's voxels can be kept: the settings ask for no others, or it was made for them, and it is
+// turned by quarters, mirrored and scaled alike along all axes at most.
+bool keepsVoxels(const VolumeGrid& grid, const glm::dmat4& index_to_rig, const ImportSettings& settings);
 Lattice ownLattice(const IndexBox& box, const glm::dmat4& index_to_rig);
 // Cubes as the settings ask; else as large as the grid's voxels, of raw volumes as their shortest edge.
-Lattice newLattice(const InputFiles& files, const IndexBox& box, const SparseGrid& grid,
+Lattice newLattice(const InputFiles& files, const IndexBox& box, const VolumeGrid& grid,
                    const glm::dmat4& index_to_rig, const ImportSettings& settings);
 // More than a pack's voxels along a side, by the grid's own voxels.
 void checkSides(const InputFiles& files, const glm::dvec3& size);

@@ -11,7 +11,7 @@ namespace {
 
 // Where a grid's voxels can be.
 struct MeansRange {
-  explicit MeansRange(const SparseGrid& grid)
+  explicit MeansRange(const VolumeGrid& grid)
       : first(grid.isDense() ? 0 : -kMaxCoordinate - 4),
         end(grid.isDense() ? grid.dense : glm::ivec3(kMaxCoordinate + 4)) {}
   glm::ivec3 first, end;
@@ -19,7 +19,7 @@ struct MeansRange {
 
 }  // namespace
 
-VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size)
+VolumeMeans::VolumeMeans(const VolumeGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size)
     : sampler_(grid), dense_(grid.isDense()), to_index_(to_index) {
   if (alongAxes(to_index)) {
     const MeansRange range(grid);
@@ -39,7 +39,7 @@ VolumeMeans::VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, con
   }
 }
 
-void checkMeans(const InputFiles& files, const std::string& place, const SparseGrid& grid,
+void checkMeans(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
                 const glm::dmat4& to_index) {
   if (!alongAxes(to_index) || grid.isDense()) return;
   const double most = std::max({glm::length(glm::dvec3(to_index[0])), glm::length(glm::dvec3(to_index[1])),
@@ -51,7 +51,7 @@ void checkMeans(const InputFiles& files, const std::string& place, const SparseG
                        most, kMostMeant));
 }
 
-std::uint64_t VolumeMeans::bytes(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size) {
+std::uint64_t VolumeMeans::bytes(const VolumeGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size) {
   if (!alongAxes(to_index)) return 0;
   const MeansRange range(grid);
   const glm::dvec3 extent = glm::dvec3(range.end) - glm::dvec3(range.first);
@@ -73,15 +73,15 @@ double VolumeMeans::within(const AxisMeans::Taken& taps, const glm::ivec3& low, 
     end[i] = std::min(low[i] + side, along.end());
     if (from[i] >= end[i]) return 0;
   }
-  const SparseCell cell = sampler_.cellAt(from);
+  const VolumeCell cell = sampler_.cellAt(from);
   if (cell.side >= side) {
-    const double value = amount(sampler_.value(cell));
+    const double value = amount(cell.value.x);
     return value == 0 ? 0
                       : value * taps[0]->share(from.x, end.x) * taps[1]->share(from.y, end.y) *
                             taps[2]->share(from.z, end.z);
   }
-  if (side == SparseGrid::kLeafSide) return sumOfVoxels(taps, from, end);
-  const int part = side == SparseGrid::kUpperSide ? SparseGrid::kLowerSide : SparseGrid::kLeafSide;
+  if (side == VolumeGrid::kLeafSide) return sumOfVoxels(taps, from, end);
+  const int part = side == VolumeGrid::kUpperSide ? VolumeGrid::kLowerSide : VolumeGrid::kLeafSide;
   double sum = 0;
   glm::ivec3 at(0);
   const glm::ivec3 first = from & glm::ivec3(~(part - 1));
@@ -116,13 +116,13 @@ double VolumeMeans::at(const glm::ivec3& voxel) const {
     end[i] = taps[static_cast<std::size_t>(i)]->end();
   }
   if (dense_) return sumOfVoxels(taps, first, end);
-  first = first & glm::ivec3(~(SparseGrid::kUpperSide - 1));
+  first = first & glm::ivec3(~(VolumeGrid::kUpperSide - 1));
   double sum = 0;
   glm::ivec3 low(0);
-  for (low.x = first.x; low.x < end.x; low.x += SparseGrid::kUpperSide)
-    for (low.y = first.y; low.y < end.y; low.y += SparseGrid::kUpperSide)
-      for (low.z = first.z; low.z < end.z; low.z += SparseGrid::kUpperSide)
-        sum += within(taps, low, SparseGrid::kUpperSide);
+  for (low.x = first.x; low.x < end.x; low.x += VolumeGrid::kUpperSide)
+    for (low.y = first.y; low.y < end.y; low.y += VolumeGrid::kUpperSide)
+      for (low.z = first.z; low.z < end.z; low.z += VolumeGrid::kUpperSide)
+        sum += within(taps, low, VolumeGrid::kUpperSide);
   return sum;
 }
 
@@ -141,9 +141,9 @@ double VolumeMeans::sumOf(const glm::ivec3& voxel, const glm::ivec3& low, const 
                            half.y * glm::abs(glm::dvec3(to_index_[1])) +
                            half.z * glm::abs(glm::dvec3(to_index_[2])) + 1.0;
   if (onLattice(centre - reach) && onLattice(centre + reach)) {
-    const SparseCell cell = sampler_.cellAt(glm::ivec3(glm::floor(centre - reach)));
+    const VolumeCell cell = sampler_.cellAt(glm::ivec3(glm::floor(centre - reach)));
     if (glm::all(glm::lessThan(glm::ivec3(glm::ceil(centre + reach)) - cell.low, glm::ivec3(cell.side))))
-      return amount(sampler_.value(cell)) * count.x * count.y * count.z;
+      return amount(cell.value.x) * count.x * count.y * count.z;
   }
   if (count.x * count.y * count.z > kFew) {
     const int axis = count.x >= count.y && count.x >= count.z ? 0 : count.y >= count.z ? 1 : 2;

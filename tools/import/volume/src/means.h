@@ -21,12 +21,12 @@ inline double amount(double value) { return value > 0 && std::isfinite(value) ? 
 class VolumeMeans {
  public:
   // to_index: of the grid that is looked up, which need not be the one that the lattice was made for.
-  VolumeMeans(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size);
+  VolumeMeans(const VolumeGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size);
 
   double at(const glm::ivec3& voxel) const;
 
   // That all copies take together.
-  static std::uint64_t bytes(const SparseGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size);
+  static std::uint64_t bytes(const VolumeGrid& grid, const glm::dmat4& to_index, const glm::ivec3& size);
 
  private:
   double within(const AxisMeans::Taken& taps, const glm::ivec3& low, int side) const;
@@ -34,7 +34,7 @@ class VolumeMeans {
   double sampled(const glm::ivec3& voxel) const;
   double sumOf(const glm::ivec3& voxel, const glm::ivec3& low, const glm::ivec3& end) const;
 
-  SparseSampler sampler_;
+  VolumeSampler sampler_;
   bool dense_;
   glm::dmat4 to_index_;
   std::shared_ptr<const AxisMeans> means_;  // if the axes run along each other
@@ -45,7 +45,7 @@ class VolumeMeans {
 // along an axis: so fine a grid, whose file may be a few bytes, would take memory and time without end.
 // `place` is the grid. Raw volumes have no such limit: each of their voxels is a byte of the file at least.
 inline constexpr double kMostMeant = 4096;
-void checkMeans(const InputFiles& files, const std::string& place, const SparseGrid& grid,
+void checkMeans(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
                 const glm::dmat4& to_index);
 
 }  // namespace kelp::bake

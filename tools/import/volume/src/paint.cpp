@@ -15,10 +15,10 @@ bool within(const glm::dvec3& value, double most) {
 
 }  // namespace
 
-bool paintedVoxel(const SparseSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel) {
+bool paintedVoxel(const VolumeSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel) {
   if (!onLattice(place)) return false;
-  const SparseCell cell = attribute.cellAt(glm::ivec3(glm::round(place)));
-  const glm::dvec3 value(attribute.value(cell, 0), attribute.value(cell, 1), attribute.value(cell, 2));
+  const VolumeCell cell = attribute.cellAt(glm::ivec3(glm::round(place)));
+  const glm::dvec3& value = cell.value;
   if (!cell.active || !within(value, 4095) || value.x >= static_cast<double>(kMaxPalette)) return false;
   voxel.entry = static_cast<std::size_t>(value.x);
   voxel.normal =
@@ -26,15 +26,15 @@ bool paintedVoxel(const SparseSampler& attribute, const glm::dvec3& place, Paint
   return true;
 }
 
-std::vector<Material> paintedPalette(const SparseGrid& palette) {
-  const SparseSampler sampler(palette);
+std::vector<Material> paintedPalette(const VolumeGrid& palette) {
+  const VolumeSampler sampler(palette);
   std::vector<Material> entries;
   for (int i = 0; i < static_cast<int>(kMaxPalette); ++i) {
     glm::dvec3 rows[3];
     for (int row = 0; row < 3; ++row) {
-      const SparseCell cell = sampler.cellAt({i, row, 0});
+      const VolumeCell cell = sampler.cellAt({i, row, 0});
       if (!cell.active) return entries;
-      for (int c = 0; c < 3; ++c) rows[row][c] = sampler.value(cell, c);
+      rows[row] = cell.value;
     }
     if (!within(rows[0], 1) || !within(rows[1], std::numeric_limits<float>::max()) || !within(rows[2], 1))
       return {};

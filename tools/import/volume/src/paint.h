@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kelp/formats/model.h"
-#include "sparse_grid.h"
+#include "volume_grid.h"
 
 namespace kelp::bake {
 
@@ -16,10 +16,10 @@ struct PaintedVoxel {
   glm::vec3 normal{0};    // in the grid's axes
 };
 // Grid kelp_attribute: (palette index, octahedral normal u, v) at surface voxels. False where there is none.
-bool paintedVoxel(const SparseSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel);
+bool paintedVoxel(const VolumeSampler& attribute, const glm::dvec3& place, PaintedVoxel& voxel);
 
 // Grid kelp_palette: of entry i, base colour at (i, 0, 0), emitted light at (i, 1, 0), opacity, metallic and
 // roughness at (i, 2, 0). Empty where it is not that.
-std::vector<Material> paintedPalette(const SparseGrid& palette);
+std::vector<Material> paintedPalette(const VolumeGrid& palette);
 
 }  // namespace kelp::bake

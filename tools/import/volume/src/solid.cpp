@@ -19,7 +19,7 @@ const Material kStone{glm::vec4(0.6f, 0.6f, 0.6f, 1), glm::vec3(0), 0, 1};
 // Measures the surface: whole constant cells at once where their neighbours are constant too.
 class SurfaceScan {
  public:
-  SurfaceScan(const SparseGrid& grid, const VolumeRule& rule) : sampler_(grid), rule_(rule) {}
+  SurfaceScan(const VolumeGrid& grid, const VolumeRule& rule) : sampler_(grid), rule_(rule) {}
 
   void addCube(const glm::ivec3& low, int side, double value) {
     result_.solid += std::pow(static_cast<double>(side), 3);
@@ -38,10 +38,10 @@ class SurfaceScan {
  private:
   // The square of `side` voxels from `beside` on, which touches the solid on its side -sign.
   void addFace(const glm::ivec3& beside, int axis, int sign, int side, double here) {
-    const SparseCell cell = sampler_.cellAt(beside);
+    const VolumeCell cell = sampler_.cellAt(beside);
     if (cell.side < side) {
-      const int part = side == SparseGrid::kUpperSide   ? SparseGrid::kLowerSide
-                       : side == SparseGrid::kLowerSide ? SparseGrid::kLeafSide
+      const int part = side == VolumeGrid::kUpperSide   ? VolumeGrid::kLowerSide
+                       : side == VolumeGrid::kLowerSide ? VolumeGrid::kLeafSide
                                                         : 1;
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       for (int i = 0; i < side; i += part)
@@ -53,7 +53,7 @@ class SurfaceScan {
         }
       return;
     }
-    const double value = sampler_.value(cell);
+    const double value = cell.value.x;
     if (rule_.solid(value)) return;
     result_.faces += static_cast<double>(side) * side;
     const double there = rule_.distance(value), share = here / (here - there);
@@ -62,14 +62,14 @@ class SurfaceScan {
     result_.box.high[axis] = std::max(result_.box.high[axis], crossing);
   }
 
-  SparseSampler sampler_;
+  VolumeSampler sampler_;
   const VolumeRule& rule_;
   SolidBox result_;
 };
 
 class SolidSampler {
  public:
-  SolidSampler(const SparseGrid& grid, const VolumeRule& rule, const Lattice& lattice)
+  SolidSampler(const VolumeGrid& grid, const VolumeRule& rule, const Lattice& lattice)
       : sampler_(grid), rule_(rule), lattice_(lattice) {}
 
   // The field at the centre of a part voxel, or `offset` voxels beside it.
@@ -112,14 +112,14 @@ class SolidSampler {
     return g;
   }
 
-  SparseSampler sampler_;
+  VolumeSampler sampler_;
   const VolumeRule& rule_;
   const Lattice& lattice_;
 };
 
 // Of the active values around a place, as much as trilinear interpolation would take of each; false if there
 // are none.
-bool colorAt(const SparseSampler& color, const glm::dvec3& place, glm::dvec3& result) {
+bool colorAt(const VolumeSampler& color, const glm::dvec3& place, glm::dvec3& result) {
   // Places on the lattice itself, up to rounding: the voxel's own value.
   const glm::dvec3 near = glm::round(place),
                    at = glm::all(glm::lessThan(glm::abs(place - near), glm::dvec3(1e-4))) ? near : place;
@@ -130,10 +130,9 @@ bool colorAt(const SparseSampler& color, const glm::dvec3& place, glm::dvec3& re
     const glm::ivec3 step(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
     const double weight = (step.x ? f.x : 1 - f.x) * (step.y ? f.y : 1 - f.y) * (step.z ? f.z : 1 - f.z);
     if (!(weight > 0)) continue;
-    const SparseCell cell = color.cellAt(glm::ivec3(floor) + step);
-    const glm::dvec3 value(color.value(cell, 0), color.value(cell, 1), color.value(cell, 2));
-    if (!cell.active || !std::isfinite(value.x + value.y + value.z)) continue;
-    result += weight * value;
+    const VolumeCell cell = color.cellAt(glm::ivec3(floor) + step);
+    if (!cell.active || !std::isfinite(cell.value.x + cell.value.y + cell.value.z)) continue;
+    result += weight * cell.value;
     sum += weight;
   }
   if (sum > 0) result /= sum;
@@ -142,19 +141,16 @@ bool colorAt(const SparseSampler& color, const glm::dvec3& place, glm::dvec3& re
 
 }  // namespace
 
-SolidBox solidBox(const InputFiles& files, const std::string& place, const SparseGrid& grid,
+SolidBox solidBox(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
                   const VolumeRule& rule) {
   SurfaceScan scan(grid, rule);
-  visitCells(
-      grid,
-      [&](const SparseCell& cell) {
-        if (const double value = grid.numbers[cell.first]; rule.solid(value))
-          scan.addCube(cell.low, cell.side, value);
+  grid.tree->visit(
+      [&](const VolumeCell& cell) {
+        if (rule.solid(cell.value.x)) scan.addCube(cell.low, cell.side, cell.value.x);
       },
-      [&](const SparseGrid::Leaf& leaf) {
-        for (std::size_t i = 0; i < SparseGrid::kLeafVoxels; ++i)
-          if (const double value = grid.numbers[leaf.first + i]; rule.solid(value))
-            scan.addCube(leafVoxel(leaf, i), 1, value);
+      [&](const VolumeLeaf& leaf) {
+        for (std::size_t i = 0; i < VolumeGrid::kLeafVoxels; ++i)
+          if (const double value = leaf.values[i]; rule.solid(value)) scan.addCube(leaf.voxel(i), 1, value);
       });
   if (scan.result().solid == 0)
     refuse(Exit::kInvalid, files.input(), place,
@@ -163,9 +159,9 @@ SolidBox solidBox(const InputFiles& files, const std::string& place, const Spars
   return scan.result();
 }
 
-VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule,
+VoxelGrid sampleSolid(const InputFiles& files, const VolumeGrid& grid, const VolumeRule& rule,
                       const Lattice& lattice, const SolidLooks& looks, int threads, ColorCounts& counts) {
-  const SparseGrid* const color = looks.color;
+  const VolumeGrid* const color = looks.color;
   VoxelGrid out;
   out.size = lattice.size;
   const auto side = glm::u64vec3(lattice.size);
@@ -185,7 +181,7 @@ VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const Vol
   out.surface.resize(surface.size());
   const glm::dmat4 to_color =
       color != nullptr ? glm::inverse(color->to_world) * grid.to_world : glm::dmat4(1);
-  const SparseGrid* const attribute = looks.attribute;
+  const VolumeGrid* const attribute = looks.attribute;
   const glm::dmat4 to_attribute =
       attribute != nullptr ? glm::inverse(attribute->to_world) * grid.to_world : glm::dmat4(1);
   // of directions, where the lattice is exact
@@ -193,9 +189,9 @@ VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const Vol
   std::atomic<std::uint64_t> missing{0}, clipped{0}, unpainted{0};
   parallelRanges(surface.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     const SolidSampler sampler(grid, rule, lattice);
-    std::optional<SparseSampler> colors;
+    std::optional<VolumeSampler> colors;
     if (color != nullptr) colors.emplace(*color);
-    std::optional<SparseSampler> attributes;
+    std::optional<VolumeSampler> attributes;
     if (attribute != nullptr) attributes.emplace(*attribute);
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t index = surface[i];

@@ -15,7 +15,7 @@ struct SolidBox {
   double faces = 0, solid = 0;  // of solid voxels towards empty ones; solid voxels
 };
 // `place` is the grid, for errors: kInvalid where nothing is solid.
-SolidBox solidBox(const InputFiles& files, const std::string& place, const SparseGrid& grid,
+SolidBox solidBox(const InputFiles& files, const std::string& place, const VolumeGrid& grid,
                   const VolumeRule& rule);
 
 struct ColorCounts {
@@ -27,13 +27,13 @@ struct ColorCounts {
 };
 // What lies beside the grid that is solid.
 struct SolidLooks {
-  const SparseGrid* color = nullptr;      // may be null
-  const SparseGrid* attribute = nullptr;  // may be null; only where the lattice's voxels are the grid's own
+  const VolumeGrid* color = nullptr;      // may be null
+  const VolumeGrid* attribute = nullptr;  // may be null; only where the lattice's voxels are the grid's own
   // what attribute names entries of: materials and SurfaceSample::source of the voxels that are painted
   std::vector<Material> palette;
 };
 // to_node of the result is the caller's.
-VoxelGrid sampleSolid(const InputFiles& files, const SparseGrid& grid, const VolumeRule& rule,
+VoxelGrid sampleSolid(const InputFiles& files, const VolumeGrid& grid, const VolumeRule& rule,
                       const Lattice& lattice, const SolidLooks& looks, int threads, ColorCounts& counts);
 
 }  // namespace kelp::bake

@@ -15,24 +15,23 @@ struct Range {
   double low = INFINITY, high = -INFINITY;  // of the finite values; the background is none
 };
 
-Range rangeOf(const SparseGrid& grid) {
+Range rangeOf(const VolumeGrid& grid) {
   Range range;
   const auto include = [&](double value) {
     if (!std::isfinite(value)) return;
     range.low = std::min(range.low, value);
     range.high = std::max(range.high, value);
   };
-  visitCells(
-      grid, [&](const SparseCell& cell) { include(grid.numbers[cell.first]); },
-      [&](const SparseGrid::Leaf& leaf) {
-        for (std::size_t i = 0; i < SparseGrid::kLeafVoxels; ++i) include(grid.numbers[leaf.first + i]);
-      });
+  grid.tree->visit([&](const VolumeCell& cell) { include(cell.value.x); },
+                   [&](const VolumeLeaf& leaf) {
+                     for (std::size_t i = 0; i < VolumeGrid::kLeafVoxels; ++i) include(leaf.values[i]);
+                   });
   return range;
 }
 
 }  // namespace
 
-VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const SparseGrid& grid,
+VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const VolumeGrid& grid,
                       const ImportSettings& settings, std::vector<std::string>& notices) {
   const std::string place = gridPlace(header);
   if (settings.isovalue && !std::isfinite(*settings.isovalue))
@@ -40,7 +39,7 @@ VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const S
   if (settings.isovalue && settings.volume == VolumeKind::kFog)
     refuse(Exit::kUsage, files.input(), "--isovalue " + fmt::format("{}", *settings.isovalue),
            "fog has no surface; leave it out, or --volume fog");
-  const double background = grid.background[0];
+  const double background = grid.background;
   const bool unclassed = header.kind == GridKind::kScalar && header.grid_class != GridClass::kLevelSet &&
                          header.grid_class != GridClass::kFogVolume;
   const Range range = rangeOf(grid);

@@ -20,7 +20,7 @@ struct VolumeRule {
 // From the grid's type and class, and from its values where these say nothing; `notices` gets what had to be
 // guessed. ToolError kUsage for settings that do not go together, kInvalid for a background that would fill
 // all space.
-VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const SparseGrid& grid,
+VolumeRule volumeRule(const InputFiles& files, const GridHeader& header, const VolumeGrid& grid,
                       const ImportSettings& settings, std::vector<std::string>& notices);
 
 }  // namespace kelp::bake
