@@ -9,8 +9,8 @@
 namespace kelp::bake::test {
 namespace {
 
-const glm::dvec3 kCentre(0.1, -0.05, 2.1);
-constexpr double kRadius = 0.6;
+const glm::dvec3 kFrustumBallCentre(0.1, -0.05, 2.1);
+constexpr double kFrustumBallRadius = 0.6;
 
 // 64 voxels a side: 1 wide at the near side, 2.5 at the far one, 4 deep.
 VdbSpec frustumBall(const std::string& type, const std::string& grid_class) {
@@ -26,9 +26,9 @@ VdbSpec frustumBall(const std::string& type, const std::string& grid_class) {
   const bool distance = grid_class == "level set", binary = type == "mask" || type == "bool";
   spec.background = glm::dvec3(distance ? 0.3 : 0);
   spec.world_value = [=](const glm::dvec3& p) -> std::optional<glm::dvec3> {
-    const double d = glm::length(p - kCentre) - kRadius;
+    const double d = glm::length(p - kFrustumBallCentre) - kFrustumBallRadius;
     if (binary) return d <= 0 ? std::optional(glm::dvec3(1)) : std::nullopt;
-    if (type == "vec3s") return glm::clamp((p - kCentre) / 1.4 + 0.5, 0.0, 1.0);
+    if (type == "vec3s") return glm::clamp((p - kFrustumBallCentre) / 1.4 + 0.5, 0.0, 1.0);
     if (type == "int32") return d < 0.3 ? std::optional(glm::dvec3(std::round(d * 1000))) : std::nullopt;
     if (distance) return d < 0.3 ? std::optional(glm::dvec3(d)) : std::nullopt;
     return d < 0 ? std::optional(glm::dvec3(-d)) : std::nullopt;
@@ -69,12 +69,12 @@ TEST(VdbKinds, AFrustumGridIsTheBallThatItShows) {
       std::uint64_t wrong = 0;
       double solid = 0;
       eachVoxel(grid, [&](bool is, const glm::dvec3& p) {
-        const double d = glm::length(p - kCentre) - kRadius;
+        const double d = glm::length(p - kFrustumBallCentre) - kFrustumBallRadius;
         solid += is ? 1 : 0;
         wrong += is != (d <= 0) && std::abs(d) > tolerance ? 1 : 0;
       });
       EXPECT_EQ(wrong, 0u);
-      EXPECT_NEAR(solid * edge * edge * edge, 4.18879 * std::pow(kRadius, 3), mask ? 0.03 : 0.01);
+      EXPECT_NEAR(solid * edge * edge * edge, 4.18879 * std::pow(kFrustumBallRadius, 3), mask ? 0.03 : 0.01);
       // Cubes with the volume of a frustum voxel in the middle, 1.75 / 64 wide.
       if (resolution == 0) {
         EXPECT_NEAR(edge, std::cbrt(std::pow(1.75 / 64, 2) * 4 / 64), 1e-3);
@@ -96,7 +96,7 @@ TEST(VdbKinds, FrustumFogAndItsHeatKeepTheirMass) {
   double mass = 0;
   for (const std::uint16_t code : fog.density) mass += code / 65535.0 * fog.extinction / edge;
   // Of a density that falls from the radius in the middle to 0: pi r^4 / 3.
-  EXPECT_NEAR(mass * edge * edge * edge, 3.14159265 * std::pow(kRadius, 4) / 3, 0.002);
+  EXPECT_NEAR(mass * edge * edge * edge, 3.14159265 * std::pow(kFrustumBallRadius, 4) / 3, 0.002);
   EXPECT_EQ(fog.heat, fog.density) << "the same field";
 }
 
@@ -113,7 +113,8 @@ TEST(VdbKinds, FrustumColoursAreThoseOfTheirPlace) {
     const glm::dvec3 p =
         glm::dmat4x3(grid.to_node) *
         glm::dvec4(glm::dvec3(sample.index % x, sample.index / x % y, sample.index / (x * y)) + 0.5, 1);
-    ASSERT_LT(glm::length(glm::dvec3(sample.material.base_color) - ((p - kCentre) / 1.4 + 0.5)), 0.01);
+    ASSERT_LT(glm::length(glm::dvec3(sample.material.base_color) - ((p - kFrustumBallCentre) / 1.4 + 0.5)),
+              0.01);
   }
 }
 

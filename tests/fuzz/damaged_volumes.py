@@ -68,8 +68,9 @@ def main(program, count, folders):
                 faults.append(f"input {i} of {seed.name}: exit {code}, {seconds:.1f} s, left {left}: "
                               + text[:400])
             pack.unlink(missing_ok=True)
+            model.unlink()
     print(f"{count} files: {dict(counts)}; slowest {slowest:.1f} s")
-    for fault in faults:
+    for fault in faults[:10]:
         print(fault)
     return 1 if faults else 0
 
