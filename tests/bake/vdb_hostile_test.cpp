@@ -192,7 +192,7 @@ class HandMade {
     put(std::int64_t{0x56444220});
     for (const std::uint32_t version : {224u, 10u, 0u}) put(version);
     put(std::uint8_t{1});
-    bytes_ += std::string(36, '0');
+    bytes_ += "01234567-89ab-cdef-0123-456789abcdef";
     put(std::uint32_t{0});  // metadata
     put(grids);
   }

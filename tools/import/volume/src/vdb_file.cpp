@@ -22,7 +22,7 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::uint32_t kOldestVersion = 221;  // of OpenVDB 10
+constexpr std::uint32_t kOldestVersion = 220;
 constexpr std::uint32_t kNewestVersion = 225;  // differs from 224, OpenVDB 10's, by grids of half alone
 
 struct VdbGrid {
@@ -64,7 +64,8 @@ class VdbFile : private openvdb::io::Archive {
     });
     for (std::int32_t i = 0; i < count; ++i) addGrid(i + 1 == count);
     adoptTrees();
-    for (std::size_t i = 0; i < grids_.size(); ++i) describe(i);
+    for (std::size_t i = 0; i < grids_.size(); ++i)
+      readByLibrary(files_, "grid '" + grids_[i].header.name + "'", stream_, [&] { describe(i); });
   }
 
   std::vector<GridHeader> headers() const {
@@ -73,6 +74,11 @@ class VdbFile : private openvdb::io::Archive {
     return result;
   }
 
+  VolumeGrid loadSafely(std::size_t index, GridHeader& header) {
+    return readByLibrary(files_, gridPlace(header), stream_, [&] { return load(index, header); });
+  }
+
+ private:
   VolumeGrid load(std::size_t index, GridHeader& header) {
     openvdb::GridBase::Ptr grid = read(index);
     const std::string place = gridPlace(header);
@@ -92,7 +98,6 @@ class VdbFile : private openvdb::io::Archive {
     return volumeOf(grid);
   }
 
- private:
   void readFileHead() {
     constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
     const std::string_view bytes(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
@@ -107,6 +112,9 @@ class VdbFile : private openvdb::io::Archive {
                "has version " + std::to_string(version) + " of the format, kelp reads " +
                    std::to_string(kOldestVersion) + " to " + std::to_string(kNewestVersion) +
                    "; open it in another program and save it again");
+      // It would warn of a later one.
+      version = std::min(version, openvdb::OPENVDB_FILE_VERSION);
+      std::memcpy(bytes_.data() + kMagic.size(), &version, sizeof(version));
     }
     // Seekable: points are read in several passes. Without a mapped file nothing is loaded later.
     metadata_->setSeekable(true);
@@ -278,7 +286,7 @@ class VdbFile : private openvdb::io::Archive {
 VolumeFile readVdb(const InputFiles& files, const ImportSettings& settings) {
   const auto file = std::make_shared<VdbFile>(files, settings);
   return {"OpenVDB", file->headers(),
-          [file](std::size_t grid, GridHeader& header) { return file->load(grid, header); }};
+          [file](std::size_t grid, GridHeader& header) { return file->loadSafely(grid, header); }};
 }
 
 SourceModel importVdb(const std::filesystem::path& path, const ImportSettings& settings, FilesUsed* used) {
