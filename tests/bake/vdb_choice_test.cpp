@@ -180,7 +180,7 @@ TEST(VdbChoice, WhatCanNotBeBakedIsSaid) {
   for (const double scale : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
     bytes = contentOf(path);
     std::memcpy(bytes.data() + bytes.find("UniformScaleMap") + 15, &scale, sizeof(scale));
-    EXPECT_TRUE(contains(refusal(scratch.write("flat.vdb", bytes), Exit::kInvalid), "transform"));
+    EXPECT_TRUE(contains(refusal(scratch.write("flat.vdb", bytes), Exit::kInvalid), "singular"));
   }
   refusal(scratch.write("not.vdb", "v 0 0 0"), Exit::kInvalid);
   KELP_ASSET(smoke, "vdb/openusd_smoke_000001.vdb");
