@@ -222,13 +222,24 @@ inline std::pair<double, double> bruteDistances(const Mesh& mesh, const KnownPar
     own.push_back({mesh.points[static_cast<std::size_t>(t[0])], mesh.points[static_cast<std::size_t>(t[1])],
                    mesh.points[static_cast<std::size_t>(t[2])]});
   const auto farthest = [&](const auto& from, const auto& to) {
+    std::vector<std::pair<glm::dvec3, double>>
+        around;  // the sphere around each; what is far need not be tried
+    for (const auto& t : to) {
+      const glm::dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
+      around.emplace_back(middle, std::max({glm::distance(middle, t[0]), glm::distance(middle, t[1]),
+                                            glm::distance(middle, t[2])}));
+    }
     double most = 0;
+    std::size_t nearest = 0;  // of the last sample
     for (const auto& t : from)
       sample(t[0], t[1], t[2], step, [&](const glm::dvec3& p) {
-        double least = 1e300;
-        for (const auto& other : to) {
-          if (least <= most) break;
-          least = std::min(least, squaredTo(p, other[0], other[1], other[2]));
+        double least = squaredTo(p, to[nearest][0], to[nearest][1], to[nearest][2]);
+        for (std::size_t i = 0; i < to.size() && least > most; ++i) {
+          const double reach = std::sqrt(least) + around[i].second;
+          const glm::dvec3 apart = p - around[i].first;
+          if (glm::dot(apart, apart) >= reach * reach) continue;
+          const double squared = squaredTo(p, to[i][0], to[i][1], to[i][2]);
+          if (squared < least) least = squared, nearest = i;
         }
         most = std::max(most, least);
       });

@@ -32,6 +32,9 @@ constexpr std::uint64_t kBytesOfFace = 600;
 // A face that several triangles cover can lose one of them, so decimate() may end a bit too far away.
 constexpr int kAttempts = 5;
 
+// Below it nearly every triangle stays, and finding the others takes hours.
+constexpr double kLeastError = 0.1;
+
 std::string extensionOf(const fs::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension)
@@ -109,7 +112,9 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
   std::optional<Proxy> proxy;
   double most = request.error - SurfaceDistance::tolerance(request.error);
   for (int attempt = 0; attempt < kAttempts && !proxy; ++attempt) {
-    proxy = measured(decimate(surface, faces, distance, most), distance, level.toObject(), request.error);
+    const ProxyMesh mesh = request.error < kLeastError ? ProxyMesh{surface.place, surface.triangles}
+                                                       : decimate(surface, faces, distance, most);
+    proxy = measured(mesh, distance, level.toObject(), request.error);
     if (proxy->apart() <= request.error && allApart(proxy->points)) break;
     if (!std::isfinite(proxy->apart())) attempt = kAttempts;  // no error would do
     most *= 0.998 * std::min(1.0, request.error / proxy->apart());

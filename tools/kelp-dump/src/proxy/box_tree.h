@@ -26,9 +26,15 @@ class BoxTree {
     build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
   }
 
-  // The smallest value of squaredDistance(thing) that is below `limit`, or `limit`.
+  static constexpr std::uint32_t kNothing = 0xffffffffu;
+  struct Nearest {
+    double squared;       // its distance
+    std::uint32_t thing;  // kNothing: none is nearer than `squared`
+  };
+  // The thing with the smallest value of squaredDistance(thing) that is below `limit`.
   template <class F>
-  double nearest(const glm::dvec3& p, double limit, F&& squaredDistance) const {
+  Nearest nearest(const glm::dvec3& p, double limit, F&& squaredDistance) const {
+    Nearest found{limit, kNothing};
     struct Waiting {
       std::uint32_t node;
       double apart;
@@ -37,11 +43,12 @@ class BoxTree {
     stack[waiting++] = {0, apart(nodes_[0], p)};
     while (waiting > 0) {
       const Waiting next = stack[--waiting];
-      if (next.apart >= limit) continue;
+      if (next.apart >= found.squared) continue;
       const Node& node = nodes_[next.node];
       if (node.count > 0) {
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-          limit = std::min(limit, squaredDistance(order_[i]));
+          if (const double squared = squaredDistance(order_[i]); squared < found.squared)
+            found = {squared, order_[i]};
         continue;
       }
       Waiting near{next.node + 1, apart(nodes_[next.node + 1], p)},
@@ -50,7 +57,7 @@ class BoxTree {
       stack[waiting++] = far;
       stack[waiting++] = near;
     }
-    return limit;
+    return found;
   }
 
  private:

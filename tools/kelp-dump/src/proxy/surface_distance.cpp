@@ -43,19 +43,26 @@ BoxTree treeOf(const ProxyMesh& mesh) {
   return BoxTree(boxes);
 }
 
-// The largest distance of a triangle's points, at most `tolerance` too large. A distance grows by no more
-// than the way: what is in a triangle is at most its radius farther away than its middle. Triangles that
-// could exceed what was found so far are cut in two.
-template <class F>
+// The largest distance of a triangle's points, at most `tolerance` too large. The distance to one thing is
+// convex, so it is largest at a corner; and a distance grows by no more than the way: what is in a triangle
+// is at most its radius farther away than its middle. Triangles that could exceed what was found so far are
+// cut in two. `nearest(p)` is a BoxTree::Nearest, `squared(p, thing)` the distance to a thing.
+template <class NearestTo, class Squared>
 class Farthest {
  public:
-  Farthest(const F& distance, double tolerance) : distance_(distance), tolerance_(tolerance) {}
-  void see(const glm::dvec3& p) { found_ = std::max(found_, distance_(p, kFar)); }
+  Farthest(const NearestTo& nearest, const Squared& squared, double tolerance)
+      : nearest_(nearest), squared_(squared), tolerance_(tolerance) {}
+  void see(const glm::dvec3& p) { found_ = std::max(found_, std::sqrt(nearest_(p).squared)); }
   void see(const Triangle& triangle) {
-    const double radius = triangle.radius(), bound = found_ + tolerance_ - radius;
-    const double at = distance_(triangle.middle(), kFar);
-    found_ = std::max(found_, at);
-    if (at <= bound) return;
+    const double bound = found_ + tolerance_;
+    const BoxTree::Nearest at = nearest_(triangle.middle());
+    const double middle = std::sqrt(at.squared);
+    found_ = std::max(found_, middle);
+    if (middle + triangle.radius() <= bound) return;
+    const double most = bound * bound;
+    if (squared_(triangle.a, at.thing) <= most && squared_(triangle.b, at.thing) <= most &&
+        squared_(triangle.c, at.thing) <= most)
+      return;
     Triangle halves[2];
     triangle.split(halves[0], halves[1]);
     for (const Triangle& half : halves) see(half);
@@ -63,7 +70,8 @@ class Farthest {
   double bound() const { return found_ + tolerance_; }
 
  private:
-  const F& distance_;
+  const NearestTo& nearest_;
+  const Squared& squared_;
   const double tolerance_;
   double found_ = 0;
 };
@@ -73,7 +81,7 @@ class Farthest {
 SurfaceDistance::SurfaceDistance(const LevelVoxels& level, const std::vector<VoxelFace>& faces)
     : level_(level), faces_(faces), tree_(boxesOf(faces)) {}
 
-double SurfaceDistance::squared(const glm::dvec3& p, double limit) const {
+BoxTree::Nearest SurfaceDistance::nearest(const glm::dvec3& p, double limit) const {
   return tree_.nearest(p, limit, [&](std::uint32_t face) { return squaredDistance(p, faces_[face]); });
 }
 
@@ -93,9 +101,14 @@ bool SurfaceDistance::within(const Triangle& triangle, double most) const {
   const double radius = triangle.radius();
   const glm::dvec3 middle = triangle.middle();
   if (bound(middle) + radius <= most) return true;
-  const double limit = most * most, squared_distance = squared(middle, limit);
-  if (squared_distance >= limit) return false;
-  if (std::sqrt(squared_distance) + radius <= most) return true;
+  const double limit = most * most;
+  const BoxTree::Nearest at = nearest(middle, limit);
+  if (at.thing == BoxTree::kNothing) return false;
+  if (std::sqrt(at.squared) + radius <= most) return true;
+  const VoxelFace& face = faces_[at.thing];
+  if (squaredDistance(triangle.a, face) <= limit && squaredDistance(triangle.b, face) <= limit &&
+      squaredDistance(triangle.c, face) <= limit)
+    return true;
   if (radius < most / 15) return false;
   Triangle one, two;
   triangle.split(one, two);
@@ -103,8 +116,9 @@ bool SurfaceDistance::within(const Triangle& triangle, double most) const {
 }
 
 double SurfaceDistance::fromMesh(const ProxyMesh& mesh, double error) const {
-  const auto distance = [&](const glm::dvec3& p, double limit) { return std::sqrt(squared(p, limit)); };
-  Farthest farthest(distance, tolerance(error));
+  const auto nearestFace = [&](const glm::dvec3& p) { return nearest(p, kFar); };
+  const auto squared = [&](const glm::dvec3& p, std::uint32_t i) { return squaredDistance(p, faces_[i]); };
+  Farthest farthest(nearestFace, squared, tolerance(error));
   for (const glm::dvec3& p : mesh.points) farthest.see(p);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) farthest.see(mesh.triangle(i));
   return farthest.bound();
@@ -112,11 +126,13 @@ double SurfaceDistance::fromMesh(const ProxyMesh& mesh, double error) const {
 
 double SurfaceDistance::toMesh(const ProxyMesh& mesh, double error) const {
   const BoxTree tree = treeOf(mesh);
-  const auto distance = [&](const glm::dvec3& p, double limit) {
-    return std::sqrt(tree.nearest(
-        p, limit, [&](std::uint32_t i) { return kelp::dump::squaredDistance(p, mesh.triangle(i)); }));
+  const auto squared = [&](const glm::dvec3& p, std::uint32_t i) {
+    return kelp::dump::squaredDistance(p, mesh.triangle(i));
   };
-  Farthest farthest(distance, tolerance(error));
+  const auto nearestTriangle = [&](const glm::dvec3& p) {
+    return tree.nearest(p, kFar, [&](std::uint32_t i) { return squared(p, i); });
+  };
+  Farthest farthest(nearestTriangle, squared, tolerance(error));
   for (const VoxelFace& face : faces_) farthest.see(glm::dvec3(face.corner(0)));
   for (const VoxelFace& face : faces_) {
     const glm::dvec3 corners[4] = {face.corner(0), face.corner(1), face.corner(2), face.corner(3)};

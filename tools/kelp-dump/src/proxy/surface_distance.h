@@ -27,7 +27,7 @@ class SurfaceDistance {
   double toMesh(const ProxyMesh& mesh, double error) const;
 
  private:
-  double squared(const glm::dvec3& p, double limit) const;
+  BoxTree::Nearest nearest(const glm::dvec3& p, double limit) const;
   double bound(const glm::dvec3& p) const;
 
   const LevelVoxels& level_;
