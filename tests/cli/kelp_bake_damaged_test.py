@@ -5,8 +5,9 @@ line, within a gigabyte and ten seconds of processor time, and leaves nothing be
 
 Usage: kelp_bake_damaged_test.py KELP_BAKE MAKE_VOLUMES SOURCE_FOLDER [FILES]
 
-FILES: how many are damaged and baked; 200 if it is left out, 10000 with KELP_ALL_TESTS=1. Samples are volumes
-that MAKE_VOLUMES writes, small meshes, and files of the assets, where they are."""
+FILES: how many are damaged and baked; 200 if it is left out (60 under a sanitizer), 10000 with
+KELP_ALL_TESTS=1. Samples are volumes that MAKE_VOLUMES writes, the seeds in tests/fuzz, small meshes, and
+files of the assets, where they are."""
 import collections
 import concurrent.futures
 import os
@@ -18,11 +19,13 @@ import sys
 import tempfile
 import time
 
-from kelp_bake_case import KELP_BAKE, box, lump
+from kelp_bake_case import KELP_BAKE, SANITIZED, box, lump
 from limited import limits
 
 MAKE_VOLUMES, SOURCES = (os.path.abspath(path) for path in sys.argv[1:3])
-FILES = int(sys.argv[3]) if len(sys.argv) > 3 else 10000 if os.environ.get("KELP_ALL_TESTS") else 200
+FILES = (int(sys.argv[3]) if len(sys.argv) > 3 else 10000 if os.environ.get("KELP_ALL_TESTS")
+         else 60 if SANITIZED else 200)
+SEEDS = os.path.join(SOURCES, "tests", "fuzz", "seeds", "vdb")
 ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
 OF_ASSETS = ("vdb/gaffer_arnold_sphere.vdb", "vdb/openusd_densityAndHeat.vdb", "vdb/gaffer_sphere.vdb",
              "vdb/openusd_smoke_000001.vdb", "mesh/common3d/spot.obj",
@@ -57,6 +60,11 @@ def samples(folder):
     for name in sorted(os.listdir(folder)):
         with open(os.path.join(folder, name), "rb") as file:
             yield name, file.read(), ["--grid", "0"] if name.startswith("several") else []
+    for name in sorted(os.listdir(SEEDS)):
+        if name.endswith(VOLUMES):
+            with open(os.path.join(SEEDS, name), "rb") as file:
+                yield name, file.read(), random.Random(name).choice(
+                    (["--resolution", "8"], ["--volume", "solid"], ["--grid", "0"], []))
     for name, content in meshes():
         yield name, content, ["--resolution", "16"]
     for name in OF_ASSETS:
