@@ -115,7 +115,10 @@ TEST(Fairing, NoMoveOfASinglePointLowersTheEnergy) {
   Plate plate = clampedTo([](double x, double y) { return 0.004 * (x * x + x * y) + 0.002 * y * y; });
   fairPatch(plate.patch, plate.beyond);
   fairPatch(plate.patch, plate.beyond);  // on to where the weights do not change any more
-  auto [points, triangles, rim] = PlainPatch(plate.patch);
+  PlainPatch plain(plate.patch);
+  auto& points = plain.points;
+  auto& triangles = plain.triangles;
+  const std::uint32_t rim = plain.rim;
   const std::uint32_t first = static_cast<std::uint32_t>(points.size());
   points.insert(points.end(), plate.beyond.begin(), plate.beyond.end());
   for (std::uint32_t i = 0; i < rim; ++i) {
