@@ -79,6 +79,12 @@ const NanoType* find(nanovdb::GridType type) {
   return found == kTypes.end() ? nullptr : &*found;
 }
 
+// NanoVDB has no name for numbers beyond its types.
+std::string nameOf(nanovdb::GridType type) {
+  const char* const name = nanovdb::toStr(type);
+  return name != nullptr ? name : "type " + std::to_string(static_cast<std::uint32_t>(type));
+}
+
 GridClass classOf(nanovdb::GridClass grid_class) {
   switch (grid_class) {
     case nanovdb::GridClass::LevelSet:
@@ -134,9 +140,7 @@ class NanoFile {
       const bool points =
           meta.gridClass == nanovdb::GridClass::PointIndex || meta.gridClass == nanovdb::GridClass::PointData;
       if (points) grid.type = nullptr;
-      grid.header.type = points                 ? "points"
-                         : grid.type != nullptr ? grid.type->name
-                                                : std::string(nanovdb::toStr(meta.gridType));
+      grid.header.type = points ? "points" : grid.type != nullptr ? grid.type->name : nameOf(meta.gridType);
       if (grid.type != nullptr) grid.header.kind = grid.type->kind;
       grid.header.grid_class = classOf(meta.gridClass);
       grid.header.active = meta.voxelCount;
