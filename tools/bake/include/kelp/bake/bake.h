@@ -37,7 +37,7 @@ struct Report {
   struct Stage {
     std::string name;
     double seconds = 0;
-    std::uint64_t peak_bytes = 0;  // the program's peak memory up to the end of this stage
+    std::uint64_t peak_bytes = 0;  // most memory of one of its processes until this stage ended
   };
   struct Part {
     std::string name, rig_origin, fill;
