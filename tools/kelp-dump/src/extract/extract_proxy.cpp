@@ -94,6 +94,23 @@ Proxy measured(const ProxyMesh& mesh, const SurfaceDistance& distance, const glm
   return proxy;
 }
 
+// Nothing if the numbers of a file are too coarse: the surface as it is, without decimation, is near enough
+// in all other cases.
+std::optional<Proxy> proxyWithin(double error, const VoxelSurface& surface,
+                                 const std::vector<VoxelFace>& faces, const SurfaceDistance& distance,
+                                 const glm::dmat4x3& to_object) {
+  double most = error - SurfaceDistance::tolerance(error);
+  for (int attempt = error < kLeastError ? kAttempts : 0; attempt <= kAttempts; ++attempt) {
+    const ProxyMesh mesh = attempt == kAttempts ? ProxyMesh{surface.place, surface.triangles}
+                                                : decimate(surface, faces, distance, most);
+    const Proxy proxy = measured(mesh, distance, to_object, error);
+    if (proxy.apart() <= error && allApart(proxy.points)) return proxy;
+    most *= 0.998 * std::min(1.0, error / proxy.apart());
+    if (!std::isfinite(proxy.apart())) break;
+  }
+  return std::nullopt;
+}
+
 struct PartFile {
   fs::path path;
   std::string bytes;
@@ -109,17 +126,7 @@ std::string proxyOf(const ExtractRequest& request, std::uint32_t part, const std
                 "extract a coarser --level, or use a larger machine");
   const SurfaceDistance distance(level, faces);
   const VoxelSurface surface = surfaceOf(level, faces, request.error / 2);
-  std::optional<Proxy> proxy;
-  double most = request.error - SurfaceDistance::tolerance(request.error);
-  for (int attempt = 0; attempt < kAttempts && !proxy; ++attempt) {
-    const ProxyMesh mesh = request.error < kLeastError ? ProxyMesh{surface.place, surface.triangles}
-                                                       : decimate(surface, faces, distance, most);
-    proxy = measured(mesh, distance, level.toObject(), request.error);
-    if (proxy->apart() <= request.error && allApart(proxy->points)) break;
-    if (!std::isfinite(proxy->apart())) attempt = kAttempts;  // no error would do
-    most *= 0.998 * std::min(1.0, request.error / proxy->apart());
-    proxy.reset();
-  }
+  const std::optional<Proxy> proxy = proxyWithin(request.error, surface, faces, distance, level.toObject());
   if (!proxy)
     throw ToolError(Exit::kUnsupported,
                     fmt::format("{}: the coordinates of {} are too far from the origin, or its voxels too "

@@ -72,15 +72,16 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
   void run() {
     // A collapse makes others possible, also some that are not beside it.
     do {
-      collapses_ = 0;
-      std::fill(tried_.begin(), tried_.end(), std::uint8_t{0});
-      for (const Om::VertexHandle vertex : mesh_.vertices()) choose(vertex);
       sweep();
     } while (collapses_ > 0);
+    // What is left is little, so that more places can be tried.
+    places_ = kPlaces;
+    sweep();
   }
 
  private:
-  static constexpr int kPlaces = 4;
+  static constexpr int kBestPlaces = 4;  // that placeOf() knows
+  static constexpr int kPlaces = 40;     // the others are random
   struct Choice {
     Om::HalfedgeHandle halfedge;
     Om::Vec3d place;
@@ -96,6 +97,9 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
   };
 
   void sweep() {
+    collapses_ = 0;
+    std::fill(tried_.begin(), tried_.end(), std::uint8_t{0});
+    for (const Om::VertexHandle vertex : mesh_.vertices()) choose(vertex);
     std::vector<Om::VertexHandle> ring;
     while (!queue_.empty()) {
       const Waiting next = queue_.top();
@@ -107,7 +111,7 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
       const bool legal = is_collapse_legal(collapse);
       if (!legal || !mayHappen(collapse, choice.place)) {
         std::uint8_t& tried = tried_[at(mesh_.edge_handle(choice.halfedge))];
-        tried = legal ? static_cast<std::uint8_t>(tried + 1) : std::uint8_t{kPlaces};
+        tried = legal ? static_cast<std::uint8_t>(tried + 1) : static_cast<std::uint8_t>(places_);
         choose(vertex);
         continue;
       }
@@ -121,7 +125,7 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
     }
   }
 
-  // Where the vertex can be left, the best place first.
+  // Where the vertex can be left, the best places first, then random ones around the edge.
   Om::Vec3d placeOf(const CollapseInfo& collapse, int number) {
     switch (number) {
       case 0:
@@ -130,9 +134,20 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
         return (collapse.p0 + collapse.p1) * 0.5;
       case 2:
         return collapse.p0;
-      default:
+      case 3:
         return collapse.p1;
+      default: {
+        const Om::Vec3d on_edge = collapse.p0 + (collapse.p1 - collapse.p0) * random();
+        const Om::Vec3d towards{random() - 0.5, random() - 0.5, random() - 0.5};  // in this order
+        return on_edge + towards * (2 * most_ * random());
+      }
     }
+  }
+
+  // From 0 to 1, the same in every run.
+  double random() {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<double>(state_ >> 32) / 4294967296.0;
   }
 
   // The cheapest collapse of a vertex' edges, of those that were not tried.
@@ -143,7 +158,7 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
     float least = std::numeric_limits<float>::max();
     for (const Om::HalfedgeHandle out : mesh_.voh_range(vertex)) {
       const int tried = tried_[at(mesh_.edge_handle(out))];
-      if (tried >= kPlaces || mesh_.to_vertex_handle(out).idx() < vertex.idx()) continue;
+      if (tried >= places_ || mesh_.to_vertex_handle(out).idx() < vertex.idx()) continue;
       const CollapseInfo collapse(mesh_, out);
       const Om::Vec3d place = placeOf(collapse, tried);
       module(quadrics_).place(place);
@@ -222,6 +237,8 @@ class Decimater : public Om::Decimater::BaseDecimaterT<Mesh> {
   std::vector<Choice> chosen_;       // of each vertex
   std::vector<std::uint8_t> tried_;  // of each edge: so many of its places
   std::priority_queue<Waiting> queue_;
+  int places_ = kBestPlaces;  // that are tried
+  std::uint64_t state_ = 1;   // of random()
   std::size_t collapses_ = 0;
   // Of mayHappen().
   std::vector<Om::FaceHandle> changed_;
