@@ -152,6 +152,17 @@ class FaultyDisk(unittest.TestCase):
         self.tries_every_fault(
             {"a.kelp": self.golden()}, pictures, command, ["open", "read", "write", "rename"])
 
+    def test_dump_writes_proxies(self):
+        version = subprocess.run([KELP_DUMP, "--version"], capture_output=True, check=True).stdout
+        if b"proxy" not in version:
+            self.skipTest("no OpenMesh in this build")
+        command = [KELP_DUMP, "extract", "a.kelp", "--proxy", "a.obj"]
+        _, found = self.run_in_fresh_folder({"a.kelp": self.golden()}, [], command)
+        proxies = sorted(set(found) - {"a.kelp"})
+        self.assertGreater(len(proxies), 1)  # one for each part
+        self.tries_every_fault(
+            {"a.kelp": self.golden()}, proxies, command, ["open", "read", "write", "rename"])
+
     def test_dump_replaces_a_rig(self):
         rig = subprocess.run(
             [KELP_DUMP, "rig", GOLDEN, "--part", "0"], capture_output=True, check=True).stdout
