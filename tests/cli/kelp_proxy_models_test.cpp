@@ -229,7 +229,7 @@ TEST(ProxyOfModel, Fern) {
 // See tools/kelp-dump/README.md: there is little that could go.
 TEST(ProxyOfModel, Deer) {
   KELP_ASSET(file, "vox/vox-reader/deer.vox");
-  check(file, 0, 4.3);
+  check(file, 0, 3.9);
 }
 
 TEST(ProxyOfModel, GafferSphere) {
