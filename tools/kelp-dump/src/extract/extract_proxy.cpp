@@ -94,6 +94,16 @@ Proxy measured(const ProxyMesh& mesh, const SurfaceDistance& distance, const glm
   return proxy;
 }
 
+// What is thinner than the error can turn inside out while it is decimated.
+bool facesOutward(const ProxyMesh& mesh) {
+  double volume = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = mesh.triangle(i);
+    volume += glm::dot(t.a, glm::cross(t.b, t.c));
+  }
+  return volume > 0;
+}
+
 // Nothing if the numbers of a file are too coarse: the surface as it is, without decimation, is near enough
 // in all other cases.
 std::optional<Proxy> proxyWithin(double error, const VoxelSurface& surface,
@@ -104,7 +114,7 @@ std::optional<Proxy> proxyWithin(double error, const VoxelSurface& surface,
     const ProxyMesh mesh = attempt == kAttempts ? ProxyMesh{surface.place, surface.triangles}
                                                 : decimate(surface, faces, distance, most);
     const Proxy proxy = measured(mesh, distance, to_object, error);
-    if (proxy.apart() <= error && allApart(proxy.points)) return proxy;
+    if (proxy.apart() <= error && allApart(proxy.points) && facesOutward(mesh)) return proxy;
     most *= 0.998 * std::min(1.0, error / proxy.apart());
     if (!std::isfinite(proxy.apart())) break;
   }
