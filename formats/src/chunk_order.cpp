@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The order of chunks: INFO PART MATL FOGS RIGS CLIP SOCK; then for each level, coarse to fine, and for each
-// part, GRID and BRCK or FOGB. Unknown optional chunks may stand anywhere between.
+// part, GRID and BRCK or FOGB; then for each level of distances and each solid part, DGRD and DIST, or none
+// of these. Unknown optional chunks may stand anywhere between.
 #include <algorithm>
 
 #include "container.h"
@@ -21,7 +22,61 @@ bool isMetadata(std::uint32_t fourcc) {
          fourcc == kClip || fourcc == kSock;
 }
 
-bool isLevel(std::uint32_t fourcc) { return fourcc == layout::kGrid || layout::isPages(fourcc); }
+bool isLevel(std::uint32_t fourcc) { return layout::isGrid(fourcc) || layout::isPages(fourcc); }
+
+// Goes through the chunks of levels, and skips the others.
+class LevelWalk {
+ public:
+  explicit LevelWalk(std::span<const ChunkInfo> chunks) : chunks_(chunks) {}
+
+  std::size_t index() {
+    while (at_ < chunks_.size() && !isLevel(chunks_[at_].fourcc)) ++at_;
+    return at_;
+  }
+  bool done() { return index() == chunks_.size(); }
+  // Takes the next chunk if it is this one.
+  bool take(std::uint32_t fourcc, int level, std::size_t part, std::uint32_t& index_out) {
+    if (done()) return false;
+    const ChunkInfo& chunk = chunks_[at_];
+    if (chunk.fourcc != fourcc || chunk.level != static_cast<std::uint32_t>(level) || chunk.part != part)
+      return false;
+    index_out = static_cast<std::uint32_t>(at_++);
+    return true;
+  }
+
+ private:
+  std::span<const ChunkInfo> chunks_;
+  std::size_t at_ = 0;
+};
+
+Result<void> findDistances(LevelWalk& walk, std::span<const ChunkInfo> chunks, std::span<const Part> parts,
+                           LevelChunks& out) {
+  const auto levelsOf = [](const Part& part) {
+    return part.kind == PartKind::kSolid ? distanceLevels(part.size, part.levels) : 0;
+  };
+  std::size_t levels = 0;
+  int coarsest = 0;
+  for (const Part& part : parts) {
+    levels += static_cast<std::size_t>(levelsOf(part));
+    coarsest = std::max(coarsest, levelsOf(part) - 1);
+  }
+  if (levels > chunks.size()) return wrongOrder("distances of some levels are missing", walk.index());
+  if (!out.first_distances.reset(parts.size()) || !out.distance_grids.reset(levels) ||
+      !out.distance_pages.reset(levels))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the table of levels"};
+  for (std::size_t p = 1; p < parts.size(); ++p)
+    out.first_distances[p] = out.first_distances[p - 1] + static_cast<std::uint32_t>(levelsOf(parts[p - 1]));
+  for (int level = coarsest; level >= 0; --level) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (level >= levelsOf(parts[p])) continue;
+      const std::size_t slot = out.first_distances[p] + static_cast<std::size_t>(level);
+      if (!walk.take(layout::kDgrd, level, p, out.distance_grids[slot]) ||
+          !walk.take(layout::kDist, level, p, out.distance_pages[slot]))
+        return wrongOrder("distances are missing or out of order", walk.index());
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -73,25 +128,22 @@ Result<void> findLevels(std::span<const ChunkInfo> chunks, std::span<const Part>
   for (std::size_t p = 1; p < parts.size(); ++p)
     out.first[p] = out.first[p - 1] + static_cast<std::uint32_t>(parts[p - 1].levels);
 
-  std::size_t i = 0;
-  const auto expect = [&](std::uint32_t fourcc, int level, std::size_t part) {
-    while (i < chunks.size() && !isLevel(chunks[i].fourcc)) ++i;
-    if (i == chunks.size() || chunks[i].fourcc != fourcc) return false;
-    return chunks[i].level == static_cast<std::uint32_t>(level) && chunks[i].part == part;
-  };
+  LevelWalk walk(chunks);
   for (int level = coarsest; level >= 0; --level) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (level >= parts[p].levels) continue;
       const std::size_t slot = out.first[p] + static_cast<std::size_t>(level);
-      if (!expect(layout::kGrid, level, p)) return wrongOrder("a grid is missing or out of order", i);
-      out.grids[slot] = static_cast<std::uint32_t>(i++);
-      if (!expect(parts[p].kind == PartKind::kFog ? layout::kFogb : layout::kBrck, level, p))
-        return wrongOrder("bricks are missing or out of order", i);
-      out.bricks[slot] = static_cast<std::uint32_t>(i++);
+      if (!walk.take(layout::kGrid, level, p, out.grids[slot]))
+        return wrongOrder("a grid is missing or out of order", walk.index());
+      if (!walk.take(parts[p].kind == PartKind::kFog ? layout::kFogb : layout::kBrck, level, p,
+                     out.bricks[slot]))
+        return wrongOrder("bricks are missing or out of order", walk.index());
     }
   }
-  while (i < chunks.size() && !isLevel(chunks[i].fourcc)) ++i;
-  if (i < chunks.size()) return wrongOrder("there are more levels than the parts have", i);
+  if (!walk.done() && chunks[walk.index()].fourcc == layout::kDgrd) {
+    if (const Result<void> found = findDistances(walk, chunks, parts, out); !found) return found;
+  }
+  if (!walk.done()) return wrongOrder("there are more levels than the parts have", walk.index());
   return {};
 }
 

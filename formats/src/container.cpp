@@ -13,9 +13,10 @@ namespace {
 
 using ChunkInfo = Pack::ChunkInfo;
 
-// A pack can be drawn without INFO, CLIP and SOCK, but not without the others.
+// A pack can be drawn without INFO, CLIP, SOCK and distances, but not without the others.
 bool mustBeRequired(std::uint32_t fourcc) {
-  return fourcc != layout::kInfo && fourcc != layout::kClip && fourcc != layout::kSock;
+  return fourcc != layout::kInfo && fourcc != layout::kClip && fourcc != layout::kSock &&
+         fourcc != layout::kDgrd && fourcc != layout::kDist;
 }
 
 std::uint64_t entryOffset(std::size_t index) {
@@ -24,7 +25,7 @@ std::uint64_t entryOffset(std::size_t index) {
 
 // Checks a known chunk by itself.
 Result<void> checkKnownChunk(const ChunkInfo& chunk, const Limits& limits, std::uint64_t at) {
-  const bool level_chunk = chunk.fourcc == layout::kGrid || layout::isPages(chunk.fourcc);
+  const bool level_chunk = layout::isGrid(chunk.fourcc) || layout::isPages(chunk.fourcc);
   if (chunk.flags & ~layout::kKnownFlags)
     return Error{ErrorCode::kUnsupportedFeature, "a chunk has a flag that this version does not know",
                  at + 4};

@@ -47,13 +47,21 @@ Result<MetadataChunks> findMetadata(std::span<const Pack::ChunkInfo> chunks, con
 // Index of the GRID chunk of every level of every part: grids[first[part] + level]. bricks has the index of
 // its BRCK or FOGB chunk.
 struct LevelChunks {
-  explicit LevelChunks(const Allocator& allocator) : first(allocator), grids(allocator), bricks(allocator) {}
+  explicit LevelChunks(const Allocator& allocator)
+      : first(allocator),
+        grids(allocator),
+        bricks(allocator),
+        first_distances(allocator),
+        distance_grids(allocator),
+        distance_pages(allocator) {}
 
   Buffer<std::uint32_t> first;  // one a part
   Buffer<std::uint32_t> grids, bricks;
+  // The same for DGRD and DIST; of length 0 if there are none.
+  Buffer<std::uint32_t> first_distances, distance_grids, distance_pages;
 };
 // Finds the GRID and BRCK or FOGB chunks, and checks that they are there for each level, coarse to fine, of
-// each part.
+// each part; and after them DGRD and DIST, for each level of distances of each solid part, or none at all.
 Result<void> findLevels(std::span<const Pack::ChunkInfo> chunks, std::span<const Part> parts,
                         LevelChunks& out);
 

@@ -34,14 +34,19 @@ inline constexpr std::uint32_t kSock = fourcc("SOCK");
 inline constexpr std::uint32_t kGrid = fourcc("GRID");
 inline constexpr std::uint32_t kBrck = fourcc("BRCK");
 inline constexpr std::uint32_t kFogb = fourcc("FOGB");
+inline constexpr std::uint32_t kDgrd = fourcc("DGRD");
+inline constexpr std::uint32_t kDist = fourcc("DIST");
 
 constexpr bool isKnown(std::uint32_t chunk) {
   return chunk == kInfo || chunk == kPart || chunk == kMatl || chunk == kFogs || chunk == kRigs ||
-         chunk == kClip || chunk == kSock || chunk == kGrid || chunk == kBrck || chunk == kFogb;
+         chunk == kClip || chunk == kSock || chunk == kGrid || chunk == kBrck || chunk == kFogb ||
+         chunk == kDgrd || chunk == kDist;
 }
 
 // Whether the chunk consists of pages, which are compressed one by one.
-constexpr bool isPages(std::uint32_t chunk) { return chunk == kBrck || chunk == kFogb; }
+constexpr bool isPages(std::uint32_t chunk) { return chunk == kBrck || chunk == kFogb || chunk == kDist; }
+// Whether the chunk is a grid over pages.
+constexpr bool isGrid(std::uint32_t chunk) { return chunk == kGrid || chunk == kDgrd; }
 
 inline constexpr std::uint32_t kFlagRequired = 1;
 inline constexpr std::uint32_t kFlagZstd = 2;
@@ -110,5 +115,10 @@ inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 16, kKnotRecord = 2
 inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16,
                              kKeyRecord = 52;
 inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;
+
+// Distances: the header of DGRD; a brick in a page of DIST: its bits, then its corrections.
+inline constexpr std::size_t kDgrdHeader = 8;
+inline constexpr std::uint32_t kDistanceBrick = 64 + 512;
+inline constexpr std::uint8_t kDistanceChannels = 3;  // see PageInfo
 
 }  // namespace kelp::layout

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "container.h"
+#include "distance_pages.h"
 #include "kelp/formats/pack.h"
 #include "layout.h"
 #include "metadata.h"
@@ -115,7 +116,7 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
 
 Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
   const std::uint64_t size = impl_->container.file_size;
-  if (!isPossiblePage(page) || page.offset > size || page.stored > size - page.offset) {
+  if (!isPossiblePage(page) || page.channels > 2 || page.offset > size || page.stored > size - page.offset) {
     return Error{ErrorCode::kMisuse, "the page is not from a grid of this pack"};
   }
   if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
@@ -130,6 +131,35 @@ Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
     return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that does not exist", page.offset};
   }
   return {};
+}
+
+bool Pack::hasDistances() const { return !impl_->levels.distance_grids.empty(); }
+
+int Pack::distanceLevels(int part) const {
+  const std::span<const Part> all = parts();
+  if (!hasDistances() || part < 0 || static_cast<std::size_t>(part) >= all.size()) return 0;
+  const Part& of = all[static_cast<std::size_t>(part)];
+  return of.kind == PartKind::kSolid ? kelp::distanceLevels(of.size, of.levels) : 0;
+}
+
+Result<DistanceGrid> Pack::readDistanceGrid(int part, int level) const {
+  if (level < 0 || level >= distanceLevels(part))
+    return Error{ErrorCode::kMisuse, "the pack has no distances of such a part and level"};
+  const std::size_t slot =
+      impl_->levels.first_distances[static_cast<std::size_t>(part)] + static_cast<std::size_t>(level);
+  return readDistanceLevel(impl_->source, impl_->container.chunks[impl_->levels.distance_grids[slot]],
+                           impl_->container.chunks[impl_->levels.distance_pages[slot]],
+                           levelSize(parts()[static_cast<std::size_t>(part)].size, level), impl_->limits,
+                           impl_->allocator);
+}
+
+Result<void> Pack::readDistancePage(const DistanceGrid& grid, std::size_t page, DistancePage& out) const {
+  const std::uint64_t size = impl_->container.file_size;
+  if (page >= grid.pages.size() || grid.pages[page].channels != layout::kDistanceChannels ||
+      !isPossiblePage(grid.pages[page]) || grid.pages[page].offset > size ||
+      grid.pages[page].stored > size - grid.pages[page].offset)
+    return Error{ErrorCode::kMisuse, "the page is not from distances of this pack"};
+  return decodeDistancePage(impl_->source, levelOf(grid), grid.pages[page], out);
 }
 
 }  // namespace kelp

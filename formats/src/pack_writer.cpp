@@ -25,6 +25,14 @@ struct ChunkPlan {
   std::span<const Packed> pages;
 };
 
+// A level of distances to write.
+struct DistancePlan {
+  std::size_t index = 0, part = 0;
+  const RawDistances* raw = nullptr;
+  DistanceLevel level;
+  Buffer<std::uint32_t> bricks;  // of `level`
+};
+
 class Writer {
  public:
   Writer(const RawPack& pack, const Sink& sink, int threads) : pack_(pack), sink_(sink), threads_(threads) {}
@@ -48,6 +56,7 @@ class Writer {
       if (part.knots.size() > static_cast<std::size_t>(kMaxKnots))
         return misuse("a part has more than 64 knots");
       levels_ += part.levels.size();
+      distance_levels_ += part.distances.size();
     }
     for (const RawClip& clip : pack_.clips) {
       if (clip.name.size() > layout::kMaxNameBytes) return misuse("a clip's name is longer than 255 bytes");
@@ -57,14 +66,14 @@ class Writer {
     for (const RawSocket& socket : pack_.sockets)
       if (socket.name.size() > layout::kMaxNameBytes)
         return misuse("a socket's name is longer than 255 bytes");
-    if (entries > kMost || levels_ > kMost || pack_.sockets.size() > kMost)
+    if (entries > kMost || levels_ > kMost || distance_levels_ > kMost || pack_.sockets.size() > kMost)
       return misuse("too many levels, waves, tracks, keys or sockets");
     return {};
   }
 
   // Builds the tables and checks them with the functions of the reader.
   Result<void> packMetadata() {
-    chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * levels_]);
+    chunks_.reset(new (std::nothrow) ChunkPlan[kMetadataChunks + 2 * (levels_ + distance_levels_)]);
     if (!chunks_) return kNoMemory;
     Limits limits;
     limits.max_side = layout::kMaxSide;
@@ -106,57 +115,112 @@ class Writer {
   }
 
   Result<void> packLevels() {
+    if (const Result<void> r = planDistances(); !r) return r;
     std::size_t page_count = 0, coarsest = 0;
     for (const RawPart& part : pack_.parts) {
       for (std::size_t level = 0; level < part.levels.size(); ++level) {
-        const RawLevel& raw = part.levels[level];
         if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r) return r;
-        page_count += planPages(raw, {});
+        page_count += planPages(part.levels[level], {});
       }
       coarsest = std::max(coarsest, part.levels.size() - 1);
     }
-    std::unique_ptr<PagePlan[]> plans(new (std::nothrow) PagePlan[page_count]);
+    for (const DistancePlan& plan : distances()) page_count += planPages(plan.level, plan.raw->codes, {});
+    plans_.reset(new (std::nothrow) PagePlan[page_count]);
     packed_.reset(new (std::nothrow) Packed[page_count]);
-    if (!plans || !packed_) return kNoMemory;
+    if (!plans_ || !packed_) return kNoMemory;
+    const std::span<PagePlan> plans(plans_.get(), page_count);
 
-    // In the order of the file: levels coarse to fine, then parts.
-    std::size_t first_page = 0;
+    // In the order of the file: levels coarse to fine, then parts; voxels, then distances.
+    std::size_t first = 0;
     for (std::size_t level = coarsest + 1; level-- > 0;) {
       for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
         if (level >= pack_.parts[part].levels.size()) continue;
-        const std::size_t pages =
-            planPages(pack_.parts[part].levels[level], {plans.get() + first_page, page_count - first_page});
-        ChunkPlan& grid = chunks_[chunk_count_++];
-        ChunkPlan& bricks = chunks_[chunk_count_++];
-        bricks.pages = {packed_.get() + first_page, pages};
-        grid.info.level = bricks.info.level = static_cast<std::uint32_t>(level);
-        grid.info.part = bricks.info.part = static_cast<std::uint32_t>(part);
-        first_page += pages;
+        first +=
+            addLevel(level, part, first, planPages(pack_.parts[part].levels[level], plans.subspan(first)));
       }
     }
-    if (!packPages({plans.get(), page_count}, {packed_.get(), page_count}, threads_)) return kNoMemory;
+    for (const DistancePlan& plan : distances())
+      first += addLevel(plan.index, plan.part, first,
+                        planPages(plan.level, plan.raw->codes, plans.subspan(first)));
+    if (const Result<void> r = packPages(plans, {packed_.get(), page_count}, threads_); !r) return r;
+    return packGrids();
+  }
 
+  // All solid parts have distances, in the order of the file, or none has.
+  Result<void> planDistances() {
+    std::size_t coarsest = 0;
+    const bool any = std::any_of(pack_.parts.begin(), pack_.parts.end(),
+                                 [](const RawPart& part) { return !part.distances.empty(); });
+    for (const RawPart& part : pack_.parts) {
+      const int wanted =
+          any && !part.fog ? distanceLevels(part.size, static_cast<int>(part.levels.size())) : 0;
+      if (part.distances.size() != static_cast<std::size_t>(wanted))
+        return misuse("a part does not have the levels of distances that it needs");
+      coarsest = std::max(coarsest, part.distances.size());
+    }
+    distances_.reset(new (std::nothrow) DistancePlan[distance_levels_]);
+    if (!distances_) return kNoMemory;
+    for (std::size_t level = coarsest; level-- > 0;) {
+      for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
+        if (level >= pack_.parts[part].distances.size()) continue;
+        DistancePlan& plan = distances_[distance_count_++];
+        plan.index = level;
+        plan.part = part;
+        plan.raw = &pack_.parts[part].distances[level];
+        const glm::ivec3 size = levelSize(pack_.parts[part].size, static_cast<int>(level));
+        plan.level = {size, brickGrid(size), plan.raw->band, plan.raw->cells, {}};
+        const Result<std::uint32_t> bricks = checkRawDistances(*plan.raw, plan.level.grid);
+        if (!bricks) return bricks.error();
+        if (!plan.bricks.reset(*bricks)) return kNoMemory;
+        listBricks(plan.raw->cells, plan.level.grid, plan.bricks.span());
+        plan.level.bricks = plan.bricks.span();
+      }
+    }
+    return {};
+  }
+
+  // Adds the two chunks of a level; returns the number of its pages.
+  std::size_t addLevel(std::size_t level, std::size_t part, std::size_t first, std::size_t pages) {
+    ChunkPlan& grid = chunks_[chunk_count_++];
+    ChunkPlan& bricks = chunks_[chunk_count_++];
+    bricks.pages = {packed_.get() + first, pages};
+    grid.info.level = bricks.info.level = static_cast<std::uint32_t>(level);
+    grid.info.part = bricks.info.part = static_cast<std::uint32_t>(part);
+    return pages;
+  }
+
+  Result<void> packGrids() {
     for (std::size_t i = 0; i < chunk_count_; ++i) {
       if (chunks_[i].pages.empty()) continue;
       ChunkPlan& grid = chunks_[i - 1];
       ChunkPlan& bricks = chunks_[i];
       const std::size_t page = static_cast<std::size_t>(bricks.pages.data() - packed_.get());
-      if (!packGrid({plans.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
-      describe(grid, layout::kGrid, layout::kFlagRequired, grid.info.level, grid.info.part);
-      describe(bricks, pack_.parts[bricks.info.part].fog ? layout::kFogb : layout::kBrck,
-               layout::kFlagRequired, bricks.info.level, bricks.info.part);
+      if (!packGrid({plans_.get() + page, bricks.pages.size()}, bricks.pages, grid.own)) return kNoMemory;
+      const bool distances = plans_[page].distances != nullptr;
+      describe(grid, distances ? layout::kDgrd : layout::kGrid, distances ? 0 : layout::kFlagRequired,
+               grid.info.level, grid.info.part);
+      describe(bricks,
+               distances                           ? layout::kDist
+               : pack_.parts[bricks.info.part].fog ? layout::kFogb
+                                                   : layout::kBrck,
+               distances ? 0 : layout::kFlagRequired, bricks.info.level, bricks.info.part);
     }
     return {};
   }
 
   // Cells, padding to 8 bytes, page table.
   static bool packGrid(std::span<const PagePlan> plans, std::span<const Packed> pages, Packed& out) {
-    const std::vector<std::uint32_t>& cells = plans.front().level->cells;
-    const std::size_t table_at =
-        static_cast<std::size_t>(layout::align(cells.size() * sizeof(std::uint32_t), 8));
+    const DistanceLevel* const distances = plans.front().distances;
+    const std::span<const std::uint32_t> cells =
+        distances ? distances->cells : std::span(plans.front().level->cells);
+    const std::size_t table_at = static_cast<std::size_t>(layout::align(
+        distances ? layout::kDgrdHeader + cells.size() : cells.size() * sizeof(std::uint32_t), 8));
     Buffer<std::byte> raw;
     if (!raw.reset(table_at + pages.size() * layout::kPageEntryBytes)) return false;
-    std::memcpy(raw.data(), cells.data(), cells.size() * sizeof(std::uint32_t));
+    if (distances)
+      storeDistanceCells(*distances, raw.span());
+    else
+      std::memcpy(raw.data(), cells.data(), cells.size() * sizeof(std::uint32_t));
     std::uint64_t offset = 0;
     for (std::size_t i = 0; i < pages.size(); ++i) {
       const std::size_t at = table_at + i * layout::kPageEntryBytes;
@@ -222,6 +286,8 @@ class Writer {
     return {};
   }
 
+  std::span<const DistancePlan> distances() const { return {distances_.get(), distance_count_}; }
+
   bool send(std::span<const std::byte> bytes) {
     if (!sink_.write(sink_.user, bytes)) return false;
     written_ += bytes.size();
@@ -238,9 +304,12 @@ class Writer {
   const RawPack& pack_;
   const Sink& sink_;
   const int threads_;
-  std::size_t levels_ = 0;
+  std::size_t levels_ = 0, distance_levels_ = 0;
   std::unique_ptr<ChunkPlan[]> chunks_;
   std::size_t chunk_count_ = 0;
+  std::unique_ptr<DistancePlan[]> distances_;
+  std::size_t distance_count_ = 0;
+  std::unique_ptr<PagePlan[]> plans_;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
 };

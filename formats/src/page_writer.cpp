@@ -2,12 +2,14 @@
 #include "page_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 
 #include "checksum.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
+#include "metadata_writer.h"
 #include "worker_threads.h"
 #include "zstd_encode.h"
 
@@ -43,10 +45,37 @@ bool fillSolidPage(const PagePlan& page, Buffer<std::byte>& raw) {
   return true;
 }
 
-bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<std::byte>& frame,
-              Packed& packed) {
-  if (!(page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw)) ||
-      !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw)))
+// Bits, and what they do not tell. False with `fault` set: a code is impossible.
+bool fillDistancePage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<BrickBits>& bits,
+                      const char*& fault) {
+  if (!bits.reset(page.count) || !raw.reuse(std::size_t{page.count} * layout::kDistanceBrick)) return false;
+  for (std::size_t i = 0; i < std::size_t{page.count} * kBrickVoxels; ++i)
+    if (isInside(page.codes[i])) bits[i / kBrickVoxels].slices[i / 64 % 8] |= std::uint64_t{1} << (i % 64);
+  std::memcpy(raw.data(), bits.data(), bits.size() * sizeof(BrickBits));
+  std::byte* const corrections = raw.data() + bits.size() * sizeof(BrickBits);
+  for (std::size_t brick = 0; brick < page.count; ++brick) {
+    std::array<std::uint8_t, kBrickVoxels> predicted;
+    predictDistances(*page.distances, page.first_slot, bits.span(), brick, predicted);
+    fault = findDistanceFault(*page.distances, brickAt(*page.distances, page.first_slot + brick),
+                              {page.codes + brick * kBrickVoxels, kBrickVoxels}, predicted);
+    if (fault) return false;
+    for (std::size_t i = 0; i < kBrickVoxels; ++i) {
+      const std::uint8_t code = page.codes[brick * kBrickVoxels + i];
+      corrections[brick * kBrickVoxels + i] =
+          static_cast<std::byte>(code == predicted[i] ? 0 : squaredOf(code));
+    }
+  }
+  return true;
+}
+
+bool fillPage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<BrickBits>& bits, const char*& fault) {
+  if (page.distances) return fillDistancePage(page, raw, bits, fault);
+  return page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw);
+}
+
+bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<BrickBits>& bits,
+              Buffer<std::byte>& frame, Packed& packed, const char*& fault) {
+  if (!fillPage(page, raw, bits, fault) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw)))
     return false;
   const std::size_t size = encoder.encode(raw.span(), frame.span());
   if (size == 0 || !packed.stored.reset(size)) return false;
@@ -62,14 +91,19 @@ struct Work {
   std::span<Packed> packed;
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
+  std::atomic<const char*> fault{nullptr};  // if it was not memory
 };
 
 void packNextPages(void* user) {
   Work& work = *static_cast<Work*>(user);
   FrameEncoder encoder;
   Buffer<std::byte> raw, frame;
+  Buffer<BrickBits> bits;
   for (std::size_t i = work.next++; i < work.pages.size() && !work.failed; i = work.next++) {
-    if (!packPage(work.pages[i], encoder, raw, frame, work.packed[i])) work.failed = true;
+    const char* fault = nullptr;
+    if (packPage(work.pages[i], encoder, raw, bits, frame, work.packed[i], fault)) continue;
+    if (fault) work.fault = fault;
+    work.failed = true;
   }
 }
 
@@ -103,14 +137,29 @@ std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
   return count;
 }
 
-bool packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads) {
+std::size_t planPages(const DistanceLevel& level, std::span<const std::uint8_t> codes,
+                      std::span<PagePlan> pages) {
+  constexpr std::size_t kMost = layout::kMaxPageRaw / layout::kDistanceBrick;
+  const std::size_t bricks = codes.size() / kBrickVoxels, count = (bricks + kMost - 1) / kMost;
+  for (std::size_t i = 0; i < count && !pages.empty(); ++i) {
+    PagePlan& page = pages[i];
+    page.distances = &level;
+    page.codes = codes.data() + i * kMost * kBrickVoxels;
+    page.first_slot = static_cast<std::uint32_t>(i * kMost);
+    page.count = static_cast<std::uint32_t>(std::min(kMost, bricks - i * kMost));
+  }
+  return count;
+}
+
+Result<void> packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads) {
   Work work;
   work.pages = pages;
   work.packed = packed;
   const std::size_t useful =
       std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(pages.size(), 1));
   runOnThreads(static_cast<int>(useful), packNextPages, &work);
-  return !work.failed;
+  if (const char* const fault = work.fault) return Error{ErrorCode::kMisuse, fault};
+  return work.failed ? Result<void>(kNoMemory) : Result<void>();
 }
 
 bool packBytes(std::span<const std::byte> bytes, Packed& packed) {

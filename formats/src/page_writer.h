@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "distance_pages.h"
 #include "kelp/formats/buffer.h"
 #include "kelp/formats/raw_pack.h"
 
@@ -20,9 +21,11 @@ struct Packed {
   bool compressed = false;
 };
 
-// The bricks of one page.
+// The bricks of one page: of a level of voxels, or of distances.
 struct PagePlan {
   const RawLevel* level = nullptr;
+  const DistanceLevel* distances = nullptr;
+  const std::uint8_t* codes = nullptr;  // of the first brick of the page; of distances only
   std::uint32_t first_slot = 0;
   std::uint32_t count = 0;
   std::uint64_t first_attribute = 0;
@@ -32,10 +35,13 @@ struct PagePlan {
 // Distributes the bricks of a level to pages, in order, as many to a page as fit. Writes them to `pages`
 // unless it is empty. Returns the number of pages.
 std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages);
+// The same for distances, whose 512 codes for each brick are `codes`.
+std::size_t planPages(const DistanceLevel& level, std::span<const std::uint8_t> codes,
+                      std::span<PagePlan> pages);
 
-// Compresses every page. `packed` has one entry a page. False if memory is short. The bytes do not depend on
-// `threads`.
-[[nodiscard]] bool packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads);
+// Compresses every page. `packed` has one entry a page. The bytes do not depend on `threads`. kOutOfMemory;
+// kMisuse if codes of distances are impossible.
+Result<void> packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads);
 
 // Compresses the bytes if that makes them smaller. False if memory is short.
 [[nodiscard]] bool packBytes(std::span<const std::byte> bytes, Packed& packed);

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "distance_pages.h"
 #include "kelp/formats/fog.h"
 #include "morton_walk.h"
 #include "voxels.h"
@@ -74,6 +75,17 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
   if (findWrongPaletteIndex(level.attributes, palette_size) >= 0)
     return misuse("an attribute names a palette entry that does not exist");
   return {};
+}
+
+Result<std::uint32_t> checkRawDistances(const RawDistances& level, const glm::ivec3& grid) {
+  if (!isPossibleBand(level.band)) return misuse("a band of distances is too narrow or too wide");
+  if (level.cells.size() != cellCount(grid))
+    return misuse("a level of distances does not have one cell for each brick of its grid");
+  const Result<std::uint32_t> bricks = checkDistanceCells(level.cells, grid);
+  if (!bricks) return misuse(bricks.error().detail);
+  if (level.codes.size() != std::size_t{*bricks} * kBrickVoxels)
+    return misuse("a level of distances does not have 512 codes for each stored brick");
+  return bricks;
 }
 
 }  // namespace kelp

@@ -7,6 +7,7 @@
 
 #include "checksum.h"
 #include "container.h"
+#include "distance_pages.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata.h"
@@ -71,11 +72,16 @@ class Verifier {
 
   void checkChunk(std::size_t index, const MetadataChunks& metadata) {
     const ChunkInfo& chunk = chunks()[index];
-    if (levels_good_ && (chunk.fourcc == layout::kGrid || layout::isPages(chunk.fourcc))) {
+    if (levels_good_ && (layout::isGrid(chunk.fourcc) || layout::isPages(chunk.fourcc))) {
       part_ = static_cast<int>(chunk.part);
       level_ = static_cast<int>(chunk.level);
       if (chunk.fourcc == layout::kGrid) {
         checkGrid(chunk);
+      } else if (chunk.fourcc == layout::kDgrd) {
+        checkDistanceGrid(chunk);
+      } else if (chunk.fourcc == layout::kDist) {
+        checkStored(chunk);
+        if (grid_good_) checkDistances();
       } else {
         checkStored(chunk);
         if (grid_good_) checkPages();
@@ -169,6 +175,25 @@ class Verifier {
     grid_ = *std::move(grid);
   }
 
+  void checkDistanceGrid(const ChunkInfo& chunk) {
+    const std::size_t slot = levels_.first_distances[chunk.part] + chunk.level;
+    distances_ = DistanceGrid(allocator_);
+    Result<DistanceGrid> grid =
+        readDistanceLevel(source_, chunk, chunks()[levels_.distance_pages[slot]],
+                          levelSize(model_.parts[chunk.part].size, level_), limits_, allocator_);
+    grid_good_ = static_cast<bool>(grid);
+    if (!grid) return issue(idOf(grid.error(), IssueId::kDistanceGrid), grid.error());
+    distances_ = *std::move(grid);
+  }
+
+  void checkDistances() {
+    for (std::size_t i = 0; i < distances_.pages.size(); ++i) {
+      const Result<void> decoded =
+          decodeDistancePage(source_, levelOf(distances_), distances_.pages[i], distance_page_);
+      if (!decoded) issue(IssueId::kDistances, decoded.error(), static_cast<std::int64_t>(i));
+    }
+  }
+
   // Checks the pages of the grid that came just before.
   void checkPages() {
     MortonWalk walk(grid_.grid);
@@ -231,6 +256,8 @@ class Verifier {
        grid_good_ = false;
   LevelGrid grid_{allocator_};
   PageData page_{allocator_};
+  DistanceGrid distances_{allocator_};
+  DistancePage distance_page_{allocator_};
   std::array<std::byte, 16384> block_;
 };
 
@@ -275,6 +302,12 @@ const char* toString(IssueId id) {
       return "A solid voxel or a sample of fog lies outside its level. The writer has a bug: report it.";
     case IssueId::kPaletteIndex:
       return "A voxel's palette entry does not exist. The writer has a bug: report it.";
+    case IssueId::kDistanceGrid:
+      return "A grid of distances cannot be read. The pack can be drawn; bake it again to ask for distances.";
+    case IssueId::kDistances:
+      return "A page of distances cannot be read, or its own voxels contradict it. The pack can be drawn; "
+             "bake "
+             "it again to ask for distances.";
   }
   return "Unknown issue.";
 }

@@ -53,10 +53,7 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
   if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", 0};
   }
-  const std::uint64_t pages = (chunk.size() - table_at) / layout::kPageEntryBytes;
-  if (!out.cells.reset(cells) || !out.pages.reset(pages)) {
-    return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
-  }
+  if (!out.cells.reset(cells)) return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
   std::memcpy(out.cells.data(), chunk.data(), static_cast<std::size_t>(cells) * sizeof(std::uint32_t));
   for (std::uint64_t i = cells * sizeof(std::uint32_t); i < table_at; ++i) {
     if (chunk[static_cast<std::size_t>(i)] != std::byte{0})
@@ -66,10 +63,17 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
   if (!count)
     return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
   out.bricks = *count;
+  return parsePages(chunk, table_at, bricks, out.bricks, lattice.channels, out.pages);
+}
 
+Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at,
+                        const Pack::ChunkInfo& stored, std::uint32_t bricks, int channels,
+                        Buffer<PageInfo>& out) {
+  if (!out.reset((chunk.size() - table_at) / layout::kPageEntryBytes))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
   // Pages follow each other without gaps, in bytes and in slots, and cover the chunk and all bricks.
   std::uint64_t offset = 0, slot = 0;
-  for (std::size_t i = 0; i < out.pages.size(); ++i) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t at = static_cast<std::size_t>(table_at) + i * layout::kPageEntryBytes;
     PageInfo page;
     page.offset = layout::load<std::uint64_t>(chunk, at);
@@ -78,20 +82,20 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
     page.checksum = layout::load<std::uint64_t>(chunk, at + 16);
     page.first_slot = layout::load<std::uint32_t>(chunk, at + 24);
     page.count = layout::load<std::uint32_t>(chunk, at + 28);
-    page.channels = static_cast<std::uint8_t>(lattice.channels);
+    page.channels = static_cast<std::uint8_t>(channels);
     if (!isPossiblePage(page)) return Error{ErrorCode::kCorrupt, "a page's sizes are impossible", at + 8};
-    if (page.offset != offset || page.stored > bricks.stored - offset)
+    if (page.offset != offset || page.stored > stored.stored - offset)
       return Error{ErrorCode::kCorrupt, "a page does not start where the previous one ends", at};
-    if (page.first_slot != slot || page.count > out.bricks - slot)
+    if (page.first_slot != slot || page.count > bricks - slot)
       return Error{ErrorCode::kCorrupt, "a page's slots do not follow the previous page's", at + 24};
     offset += page.stored;
     slot += page.count;
-    page.offset += bricks.offset;
-    out.pages[i] = page;
+    page.offset += stored.offset;
+    out[i] = page;
   }
-  if (offset != bricks.stored)
+  if (offset != stored.stored)
     return Error{ErrorCode::kCorrupt, "the pages do not fill the chunk of bricks", table_at};
-  if (slot != out.bricks) return Error{ErrorCode::kCorrupt, "the pages do not hold every brick", table_at};
+  if (slot != bricks) return Error{ErrorCode::kCorrupt, "the pages do not hold every brick", table_at};
   return {};
 }
 
@@ -119,6 +123,7 @@ bool isPossiblePage(const PageInfo& page) {
   if (page.stored < 1 || page.stored > layout::kMaxPageStored || page.raw > layout::kMaxPageRaw ||
       page.count < 1 || page.count > kMaxPageBricks)
     return false;
+  if (page.channels == layout::kDistanceChannels) return page.raw == page.count * layout::kDistanceBrick;
   if (page.channels > 0) return page.channels <= 2 && page.raw == page.count * page.channels * kFogSamples;
   return page.raw >= page.count * kBrickVoxels &&
          (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;

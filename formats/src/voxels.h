@@ -29,6 +29,13 @@ Lattice latticeOf(const Part& part, int level);
 Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
                        const Pack::ChunkInfo& bricks, LevelGrid& out);
 
+// Reads the table of pages at the end of a decoded grid, from `table_at` on; whole entries. stored: the chunk
+// that holds the pages. bricks: how many they hold. channels: see PageInfo. The offset of an error counts
+// from the start of the chunk.
+Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at,
+                        const Pack::ChunkInfo& stored, std::uint32_t bricks, int channels,
+                        Buffer<PageInfo>& out);
+
 // Reads, checks and decodes the grid of a level. The offset of an error is that in the file.
 Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chunk,
                                 const Pack::ChunkInfo& bricks, const Lattice& lattice, const Limits& limits,

@@ -12,6 +12,7 @@
 #include "kelp/formats/verify.h"
 #include "pack_compare.h"
 #include "support/random_pack.h"
+#include "tiny_distance_pack.h"
 #include "tiny_fog_pack.h"
 #include "tiny_pack.h"
 
@@ -35,7 +36,9 @@ struct Golden {
   RawPack (*make)();
 };
 
-const Golden kGoldens[] = {{"solid.kelp", test::makeTinyPack}, {"fog.kelp", test::makeTinyFogPack}};
+const Golden kGoldens[] = {{"solid.kelp", test::makeTinyPack},
+                           {"fog.kelp", test::makeTinyFogPack},
+                           {"distance.kelp", test::makeTinyDistancePack}};
 
 TEST(Golden, ReadsAsItWasWritten) {
   for (const Golden& golden : kGoldens) {

@@ -47,6 +47,30 @@ inline ReadLevel readLevel(const Pack& pack, int part, int level, const Allocato
   return out;
 }
 
+// All distances of one level, as the writer was given them.
+struct ReadDistances {
+  Result<void> status;
+  RawDistances level;
+};
+
+inline ReadDistances readDistances(const Pack& pack, int part, int level, const Allocator& allocator = {}) {
+  ReadDistances out;
+  const Result<DistanceGrid> grid = pack.readDistanceGrid(part, level);
+  if (!grid) {
+    out.status = grid.error();
+    return out;
+  }
+  out.level.band = grid->band;
+  out.level.cells.assign(grid->cells.begin(), grid->cells.end());
+  DistancePage page(allocator);
+  for (std::size_t i = 0; i < grid->pages.size(); ++i) {
+    out.status = pack.readDistancePage(*grid, i, page);
+    if (!out.status) return out;
+    out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
+  }
+  return out;
+}
+
 // Bytes of plain values that have no padding, for exact comparison.
 template <class Range>
 std::vector<std::byte> bytesOf(const Range& range) {
@@ -93,6 +117,14 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
             got.level.attributes == want.attributes);
       check(got.level.density == want.density && got.level.heat == want.heat);
       check(!a.fog || a.fog->extinction[static_cast<std::size_t>(level)] == want.extinction);
+    }
+    check(static_cast<std::size_t>(pack.distanceLevels(static_cast<int>(p))) == b.distances.size());
+    for (int level = 0; out.equal && level < pack.distanceLevels(static_cast<int>(p)); ++level) {
+      const ReadDistances got = readDistances(pack, static_cast<int>(p), level, allocator);
+      out.status = got.status;
+      if (!out.status) return out;
+      const RawDistances& want = b.distances[static_cast<std::size_t>(level)];
+      check(got.level.band == want.band && got.level.cells == want.cells && got.level.codes == want.codes);
     }
   }
   if (!out.equal) return out;

@@ -92,7 +92,7 @@ class Table:
 
 METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK"]
 REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "GRID": 1, "BRCK": 1,
-        "FOGB": 1}
+        "FOGB": 1, "DGRD": 0, "DIST": 0}
 
 
 class Pack:
@@ -137,7 +137,7 @@ class Pack:
             need(flags & 1 == REQUIRED[name], "required flag")
             need(raw >= 1, "empty chunk")
             if flags & 2:
-                need(name not in ("BRCK", "FOGB") and raw <= 32768 * stored + 32767, "zstd flag")
+                need(name not in ("BRCK", "FOGB", "DIST") and raw <= 32768 * stored + 32767, "zstd flag")
                 content = self.zstd.decode(content, raw)
             need(len(content) == raw, "raw size")
             if name in METADATA:
@@ -314,7 +314,88 @@ class Pack:
                 need(len(left) >= 2 and left[0][:3] == ("GRID", level, index)
                         and left[1][:3] == (bricks, level, index), "order of levels")
                 part["level"][level] = self.read_level(part, level, left.pop(0)[3], left.pop(0)[3])
+        for part in self.parts:
+            part["distances"] = []
+        if left and left[0][0] == "DGRD":
+            self.read_distances(left)
         need(not left, "more levels than parts have")
+
+    # Section 5.4
+    def read_distances(self, left):
+        for part in self.parts:
+            if part["kind"] == 0:
+                halvings, side = 0, max(part["size"])
+                while side > 8:
+                    halvings, side = halvings + 1, (side + 1) // 2
+                part["distances"] = [None] * max(part["levels"], halvings + 1)
+        for level in reversed(range(max(len(part["distances"]) for part in self.parts))):
+            for index, part in enumerate(self.parts):
+                if level >= len(part["distances"]):
+                    continue
+                need(len(left) >= 2 and left[0][:3] == ("DGRD", level, index)
+                        and left[1][:3] == ("DIST", level, index), "order of distances")
+                part["distances"][level] = self.read_distance_level(part, level, left.pop(0)[3],
+                        left.pop(0)[3])
+
+    def read_distance_level(self, part, level, grid_chunk, pages_chunk):
+        size = [-(-side // (1 << level)) for side in part["size"]]
+        grid = [-(-side // 8) for side in size]
+        count = grid[0] * grid[1] * grid[2]
+        table = Table(grid_chunk, "DGRD")
+        band = table.take("BB")
+        need(16 <= band[0] <= 225 and 4 <= band[1] <= 28, "band")
+        need(not any(table.take("6B")), "reserved bytes of DGRD")
+        cells = table.take("%dB" % count)
+        need(max(cells) <= 2, "cell of distances")
+        if (8 + count) % 8:
+            need(not any(table.take("%dB" % (-count % 8))), "padding of DGRD")
+        number = iter(range(count))
+        by_morton = sorted(range(count), key=lambda c: self.morton(c, grid))
+        slot_of = {cell: next(number) for cell in by_morton if cells[cell] == 2}
+        stored = list(slot_of)
+        meaning = [0 if c == 0 else 255 if c == 1 else 1 << 31 | slot_of[i] for i, c in enumerate(cells)]
+        codes = bytearray()
+        for first, bricks, raw in self.pages(table, grid_chunk, pages_chunk, len(stored), 113):
+            need(len(raw) == 576 * bricks, "raw size of a page of distances")
+            positions = [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1])
+                    for c in stored[first : first + bricks]]
+            codes += self.decode_distances(raw, positions, size, band)
+        return {"band": band, "cells": meaning, "codes": codes}
+
+    def decode_distances(self, raw, positions, size, band):
+        """Codes of a page. Nearest voxels are found by trying offsets, the nearest first."""
+        reach = max(int(limit ** 0.5) for limit in band)
+        offsets = sorted((x * x + y * y + z * z, x, y, z) for x in range(-reach, reach + 1)
+                for y in range(-reach, reach + 1) for z in range(-reach, reach + 1))
+        sums = {o[0] for o in offsets}
+        solid = {}
+        for brick, position in enumerate(positions):
+            for z, word in enumerate(struct.unpack_from("<8Q", raw, 64 * brick)):
+                for i in range(64):
+                    voxel = (8 * position[0] + i % 8, 8 * position[1] + i // 8, 8 * position[2] + z)
+                    solid[voxel] = word >> i & 1
+                    need(not solid[voxel] or all(v < side for v, side in zip(voxel, size)),
+                            "solid voxel of distances outside")
+        corrections = raw[64 * len(positions) :]
+        codes = bytearray()
+        for (x, y, z), kind in solid.items():
+            limit = band[kind]
+            squared = 0
+            for near, dx, dy, dz in offsets:
+                if near > limit:
+                    break
+                if solid.get((x + dx, y + dy, z + dz), kind) != kind:
+                    squared = near
+                    break
+            correction = corrections[len(codes)]
+            if correction:
+                need(correction <= limit and correction in sums and (squared == 0 or correction < squared),
+                        "correction")
+                squared = correction
+            codes.append(255 - squared if kind else squared)
+        for brick in range(len(positions)):
+            need(set(codes[512 * brick :][:512]) not in ({0}, {255}), "a brick beyond the band is stored")
+        return codes
 
     def read_level(self, part, level, grid_chunk, bricks_chunk):
         size = [-(-side // (1 << level)) for side in part["size"]]
@@ -328,24 +409,29 @@ class Pack:
         stored = self.check_cells(cells, grid)
         content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(),
                 "heat": bytearray()}
+        for first, bricks, raw in self.pages(table, grid_chunk, bricks_chunk, len(stored), 128):
+            positions = stored[first : first + bricks]
+            if part["kind"] == 0:
+                self.take_solid(raw, positions, size, content)
+            else:
+                self.take_fog(raw, positions, size, 2 if part["ramp"] else 1, content)
+        return content
+
+    def pages(self, table, grid_chunk, pages_chunk, stored, most):
+        """First slot, number of bricks and decoded bytes of each page that the rest of the table lists."""
         offset = slot = 0
         while table.at < len(grid_chunk):
             page_offset, page_stored, page_raw, checksum, first, bricks = table.take("QIIQII")
             need(page_offset == offset and first == slot, "a page is not where the one before ends")
-            need(1 <= page_stored <= 131072 and page_raw <= 65536 and 1 <= bricks <= 128, "numbers of a page")
-            frame = bricks_chunk[offset : offset + page_stored]
+            need(1 <= page_stored <= 131072 and page_raw <= 65536 and 1 <= bricks <= most,
+                    "numbers of a page")
+            frame = pages_chunk[offset : offset + page_stored]
             need(len(frame) == page_stored, "a page is beyond its chunk")
             need(xxh3_64(frame) == checksum, "page checksum")
-            raw = self.zstd.decode(frame, page_raw)
-            if part["kind"] == 0:
-                self.take_solid(raw, stored[slot : slot + bricks], size, content)
-            else:
-                self.take_fog(raw, stored[slot : slot + bricks], size, 2 if part["ramp"] else 1, content)
+            yield slot, bricks, self.zstd.decode(frame, page_raw)
             offset += page_stored
             slot += bricks
-        need(offset == len(bricks_chunk) and slot == len(stored) and slot >= 1,
-                "pages do not cover the bricks")
-        return content
+        need(offset == len(pages_chunk) and slot == stored and slot >= 1, "pages do not cover the bricks")
 
     def take_solid(self, raw, positions, size, content):
         bricks = len(positions)
@@ -375,14 +461,15 @@ class Pack:
         content["heat"] += raw[729 * bricks :]
 
     @staticmethod
+    def morton(cell, grid):
+        x, y, z = cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1]
+        return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2
+                for i in range(13))
+
+    @staticmethod
     def check_cells(cells, grid):
         """Positions of the stored bricks, by slot."""
-        def morton(cell):
-            x, y, z = cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1]
-            return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2
-                    for i in range(13))
-
-        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=morton)
+        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=lambda c: Pack.morton(c, grid))
         need(len(stored) <= 1 << 24 and all(
                 cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
         return [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
@@ -435,6 +522,11 @@ def dump(pack):
             crc.append(zlib.crc32(struct.pack("<%dI" % len(level["attributes"]), *level["attributes"])))
             out.append("level bricks %d surface %d crc %08x %08x %08x" %
                     ((len(level["codes"]) // 512, len(level["attributes"])) + tuple(crc)))
+        for level in part["distances"]:
+            out.append("distances band %d %d bricks %d crc %08x %08x" % (level["band"] + (
+                    len(level["codes"]) // 512,
+                    zlib.crc32(struct.pack("<%dI" % len(level["cells"]), *level["cells"])),
+                    zlib.crc32(level["codes"]))))
     for clip in pack.clips:
         out.append("clip %s duration %s" % (clip["name"].encode().hex(), bits([clip["duration"]])))
         out += ["wave %d %d %d %s" % (wave[0], wave[1], wave[2], bits(wave[3:])) for wave in clip["waves"]]

@@ -19,6 +19,7 @@
 #include "socket_lies.h"
 #include "support/random_pack.h"
 #include "support/scratch.h"
+#include "tiny_distance_pack.h"
 #include "tiny_fog_pack.h"
 #include "tiny_pack.h"
 
@@ -120,6 +121,9 @@ std::string dump(const RawPack& pack) {
                     level.attributes.size(), crc32(level.cells), crc32(withoutRanks(level.codes)),
                     crc32(level.attributes));
     }
+    for (const RawDistances& level : part.distances)
+      out += format("distances band %d %d bricks %zu crc %08x %08x\n", level.band.outside, level.band.inside,
+                    level.codes.size() / 512, crc32(level.cells), crc32(level.codes));
   }
   for (const RawClip& clip : pack.clips) {
     out += "clip " + hex(clip.name) + " duration " + bits(clip.duration) + "\n";
@@ -142,7 +146,7 @@ std::string dump(const RawPack& pack) {
 }
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
-  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack()};
+  std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()};
   for (std::uint32_t seed = 50; seed < 54; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
   for (const RawPack& pack : packs) {
     const PackFile file(test::writeToMemory(pack));
@@ -154,7 +158,7 @@ TEST(SecondReader, ReadsWhatTheWriterWrote) {
 }
 
 TEST(SecondReader, SeesEveryChangedByte) {
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()}) {
     const PackFile file(test::writeToMemory(pack));
     const Outcome damaged = readPack("--damage \"" + file.path.string() + "\"");
     if (damaged.code == kNoZstd) GTEST_SKIP() << "Python finds no zstd library";
@@ -167,13 +171,14 @@ TEST(SecondReader, RefusesTheSameLies) {
   std::mt19937 random(9);
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
   int refused = 0, accepted = 0;
-  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack()}) {
+  for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
     for (int i = 0; i < 60; ++i) {
       test::PackSurgeon lying = sound;
       test::PackSurgeon::Chunk& chunk = lying.chunks[below(lying.chunks.size())];
       const bool pages = chunk.fourcc == test::PackSurgeon::fourcc("BRCK") ||
-                         chunk.fourcc == test::PackSurgeon::fourcc("FOGB");
+                         chunk.fourcc == test::PackSurgeon::fourcc("FOGB") ||
+                         chunk.fourcc == test::PackSurgeon::fourcc("DIST");
       const std::size_t at = pages ? 0 : below(chunk.content.size());
       if (pages)
         (i % 2 == 0 ? chunk.level : chunk.part) ^= 1u << below(3);

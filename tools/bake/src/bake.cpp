@@ -313,6 +313,13 @@ void buildLevels(Job& job) {
   job.pack.palette = std::move(job.palette.entries);
 }
 
+void buildDistances(Job& job) {
+  for (std::size_t i = 0; i < job.pack.parts.size(); ++i) {
+    RawPart& part = job.pack.parts[i];
+    if (!part.fog) part.distances = buildDistances(part, job.threads, job.shareOf(i));
+  }
+}
+
 }  // namespace
 
 RawPack bake(const std::filesystem::path& input, const Settings& settings, Report& report,
@@ -330,6 +337,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   choosePalette(job);
   clock.begin("levels");
   buildLevels(job);
+  if (settings.distance) {
+    clock.begin("distances");
+    buildDistances(job);
+  }
   job.pack.info_json = makeInfo(input, job.model.format, job.volume, settings, report.files);
   clock.end();
   return std::move(job.pack);

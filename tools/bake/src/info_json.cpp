@@ -94,6 +94,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.density != 1) options["density"] = settings.density;
   if (settings.ramp_file) options["ramp"] = fileJson(used, *settings.ramp_file);
   if (settings.levels > 0) options["levels"] = settings.levels;
+  options["distance"] = settings.distance;
   OrderedJson info = {
       {"tool", "kelp-bake " KELP_VERSION},
       {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},

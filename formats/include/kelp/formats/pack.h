@@ -11,6 +11,7 @@
 
 #include "kelp/formats/brick.h"
 #include "kelp/formats/buffer.h"
+#include "kelp/formats/distance.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
 #include "kelp/formats/source.h"
@@ -25,7 +26,8 @@ inline constexpr std::uint16_t kFormatMinor = 0;
 // - Pack::open: at most 2 max_metadata_bytes + 2 file sizes + 1/4 MiB;
 // - readGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB. A decoded grid has at most
 //   max_decoded_bytes and at most 32768 times its stored size;
-// - readPage: at most 1/2 MiB, kept in the PageData.
+// - readDistanceGrid: at most 10 times the decoded grid + its stored size + 1/4 MiB;
+// - readPage, readDistancePage: at most 1/2 MiB, kept in the PageData or DistancePage.
 struct Limits {
   std::uint64_t max_decoded_bytes = std::uint64_t{4} << 30;  // of any one chunk
   std::uint32_t max_side = 8192;                             // level-0 voxels along an axis
@@ -46,8 +48,9 @@ struct PageInfo {
   std::uint32_t raw = 0;     // decoded bytes, at most 64 KiB
   std::uint64_t checksum = 0;
   std::uint32_t first_slot = 0;
-  std::uint32_t count = 0;    // bricks
-  std::uint8_t channels = 0;  // 0: codes and attributes (solid); 1: density; 2: density and heat
+  std::uint32_t count = 0;  // bricks
+  // 0: codes and attributes (solid); 1: density; 2: density and heat; 3: distances
+  std::uint8_t channels = 0;
 };
 
 // The grid of one level of one part and the pages that hold its bricks.
@@ -60,6 +63,33 @@ struct LevelGrid {
   std::uint32_t bricks = 0;     // stored bricks; exactly one cell has each slot 0 .. bricks - 1
   Buffer<std::uint32_t> cells;  // grid.x * grid.y * grid.z of them, x fastest, then y, then z (brick.h)
   Buffer<PageInfo> pages;       // ascending slots, no gaps
+};
+
+// The grid of one level of distances of a solid part, and the pages that hold its bricks.
+struct DistanceGrid {
+  DistanceGrid() = default;
+  explicit DistanceGrid(const Allocator& allocator) : cells(allocator), bricks(allocator), pages(allocator) {}
+
+  glm::ivec3 size{0};  // of this level, in voxels
+  glm::ivec3 grid{0};  // bricks
+  DistanceBand band;
+  // One a brick, x fastest, then y, then z: kCellSolid | slot of a stored brick; kFarOutside or kFarInside,
+  // which all of its 512 codes are.
+  Buffer<std::uint32_t> cells;
+  Buffer<std::uint32_t> bricks;  // one a slot: the index of its cell
+  Buffer<PageInfo> pages;        // ascending slots, no gaps
+};
+
+// One decoded page of distances, like PageData.
+struct DistancePage {
+  DistancePage() = default;
+  explicit DistancePage(const Allocator& allocator) : codes(allocator), bits(allocator), scratch(allocator) {}
+
+  std::uint32_t first_slot = 0;
+  std::uint32_t count = 0;
+  Buffer<std::uint8_t> codes;  // 512 a brick (kelp/formats/distance.h)
+  Buffer<BrickBits> bits;      // one a brick
+  Buffer<std::byte> scratch;   // used by the reader only
 };
 
 // One decoded page. Keep one per thread and reuse it: once it has held the largest page, it allocates no
@@ -103,6 +133,14 @@ class Pack {
   // Reads, checks and decodes a page of a grid that readGrid of this pack returned. Reuses the memory of
   // `out`; allocates only if it is too small.
   Result<void> readPage(const PageInfo& page, PageData& out) const;
+
+  // Whether the pack holds distances: of all levels of all its solid parts, or of none.
+  bool hasDistances() const;
+  // Levels of distances of a part, at least as many as it has levels of voxels; 0 if there are none.
+  int distanceLevels(int part) const;
+  // Like readGrid and readPage, for distances. kMisuse: there are none, or no such part, level or page.
+  Result<DistanceGrid> readDistanceGrid(int part, int level) const;
+  Result<void> readDistancePage(const DistanceGrid& grid, std::size_t page, DistancePage& out) const;
 
   // The chunks of the file, for tools. The first letter of a fourcc is in its lowest byte.
   struct ChunkInfo {

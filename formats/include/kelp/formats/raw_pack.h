@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kelp/formats/brick.h"
+#include "kelp/formats/distance.h"
 #include "kelp/formats/error.h"
 #include "kelp/formats/model.h"
 #include "kelp/formats/pack.h"
@@ -26,6 +27,14 @@ struct RawLevel {
   std::vector<std::uint8_t> density;  // 729 a slot
   std::vector<std::uint8_t> heat;     // 729 a slot if the part's ramp has colours, else empty
   float extinction = 0;               // as in Fog
+};
+
+// One level of distances of one solid part, as distance.h describes it.
+struct RawDistances {
+  DistanceBand band;
+  // One a brick of the grid: kCellSolid | slot, or kFarOutside or kFarInside. Slots are in Morton order.
+  std::vector<std::uint32_t> cells;
+  std::vector<std::uint8_t> codes;  // 512 a slot
 };
 
 // Like Fog.
@@ -46,7 +55,9 @@ struct RawPart {
   std::uint64_t automatic_tangents = 0;  // as in Part
   float parent_at = Part::kNotOnSpline;  // as in Part
   std::vector<RawLevel> levels;          // finest first, at least one
-  std::optional<RawFog> fog;             // set: the part is fog
+  // Finest first: distanceLevels() of them for every solid part of the pack, or none for any.
+  std::vector<RawDistances> distances;
+  std::optional<RawFog> fog;  // set: the part is fog
 };
 
 struct RawTrack {

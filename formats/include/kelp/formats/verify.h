@@ -25,6 +25,8 @@ enum class IssueId : std::uint16_t {
   kBrickWithoutSolid = 402,  // a stored brick holds no solid voxel, or no fog
   kOutsideVolume = 403,      // a solid voxel, or a sample of fog, lies outside the level's size
   kPaletteIndex = 404,       // an attribute names a palette entry that does not exist
+  kDistanceGrid = 405,       // a grid of distances cannot be read
+  kDistances = 406,          // a page of distances cannot be read, or its own bits contradict it
 };
 
 struct Issue {

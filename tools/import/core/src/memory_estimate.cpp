@@ -32,9 +32,10 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   // Measured on real files (see the README of this folder). Bytes for each triangle: as it was read, while
   // the mesh is analysed, and with its hierarchy. Bytes while the surface is found and sampled: for each
   // brick that the surface passes through, which OpenVDB's trees hold whole, and for each surface voxel.
-  // Bytes while levels are built: for each surface voxel.
+  // Bytes while levels are built: for each surface voxel. Bricks within the band of distances for each brick
+  // that the surface passes through.
   constexpr double kProgram = 23e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120,
-                   kTrees = 7500, kFinding = 36, kLeveling = 42;
+                   kTrees = 7500, kFinding = 36, kLeveling = 42, kBricksOfBand = 3;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
   for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
@@ -76,6 +77,10 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
                   static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
     // The voxels are freed, the level stays.
     kept += bricks * kBrickVoxels + part.surface_voxels * sizeof(std::uint32_t) - gridBytes(part);
+    // Distances: the voxels again, bytes and bits, and the bricks around the surface.
+    const double near_bricks = std::min(part.voxels() / kBrickVoxels, kBricksOfBand * part.surface_bricks);
+    peak = std::max(peak, kept + part.voxels() * 1.125 + near_bricks * kBrickVoxels);
+    kept += near_bricks * kBrickVoxels;
   }
   return static_cast<std::uint64_t>(peak);
 }

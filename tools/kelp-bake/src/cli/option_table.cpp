@@ -63,6 +63,8 @@ constexpr OptionInfo kOptions[] = {
      "body's)"},
     {"levels", "N", T::kNumber, S::kPack, P::kNone, false, "4",
      "levels of detail (default: as many as it takes to reach one brick)"},
+    {"no-distance", "", T::kFlag, S::kPack, P::kNone, true, "false",
+     "leave out the exact distances, which games ask for collisions and shaders for soft shadows"},
     {"threads", "N", T::kNumber, S::kRun, P::kNone, false, "4",
      "threads (default: all); the pack is the same with any number"},
     {"max-memory", "SIZE", T::kText, S::kRun, P::kNone, false, "\"4G\"",

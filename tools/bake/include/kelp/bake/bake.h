@@ -29,7 +29,8 @@ struct Settings : ImportSettings {
   std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  int levels = 0;  // how many; 0: until a level is a single brick
+  int levels = 0;        // how many; 0: until a level is a single brick
+  bool distance = true;  // whether the pack holds distances
 };
 
 // Numbers of a bake, for --report and the closing lines.
@@ -115,6 +116,9 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
 
 // The same for fog. Without any heat above 0, the levels have no heat.
 std::vector<RawLevel> buildFogLevels(FogGrid grid, int levels, int threads, const Progress& progress);
+
+// The distances of a solid part whose levels are built. Progress: 0 to 1 in "distances".
+std::vector<RawDistances> buildDistances(const RawPart& part, int threads, const Progress& progress);
 
 // --- all of it -----------------------------------------------------------------------------------
 // Every invalid setting, as a ToolError kUsage that names the option. bake() throws the first.
