@@ -51,6 +51,10 @@ void expectExact(const Occupancy& occupancy, DistanceBand band, int threads) {
     stored += kept;
   }
   EXPECT_EQ(level.codes.size(), stored * kBrickVoxels);
+
+  const RawDistances of_level = buildDistances(buildLevel(occupancy, {}, 1), occupancy.size, band, threads);
+  EXPECT_EQ(of_level.cells, level.cells);
+  EXPECT_EQ(of_level.codes, level.codes);
 }
 
 TEST(Distances, AreThoseOfTheWholeVolume) {
@@ -81,6 +85,10 @@ TEST(Distances, NeedSomethingSolidAndABandOfTheFormat) {
   const Occupancy full = test::volumeWhere({4, 4, 4}, [](const glm::ivec3&) { return true; });
   EXPECT_THROW(buildDistances(full, {15, 4}, 1), std::invalid_argument);
   EXPECT_THROW(buildDistances(full, {16, 29}, 1), std::invalid_argument);
+  RawLevel level = buildLevel(full, {}, 1);
+  EXPECT_THROW(buildDistances(level, {9, 4, 4}, {}, 1), std::invalid_argument);
+  level.cells[0] |= 1;
+  EXPECT_THROW(buildDistances(level, {4, 4, 4}, {}, 1), std::invalid_argument);
 }
 
 }  // namespace

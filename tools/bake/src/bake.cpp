@@ -313,7 +313,7 @@ void buildLevels(Job& job) {
   job.pack.palette = std::move(job.palette.entries);
 }
 
-void buildDistances(Job& job) {
+void addDistances(Job& job) {
   for (std::size_t i = 0; i < job.pack.parts.size(); ++i) {
     RawPart& part = job.pack.parts[i];
     if (!part.fog) part.distances = buildDistances(part, job.threads, job.shareOf(i));
@@ -339,7 +339,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   buildLevels(job);
   if (settings.distance) {
     clock.begin("distances");
-    buildDistances(job);
+    addDistances(job);
   }
   job.pack.info_json = makeInfo(input, job.model.format, job.volume, settings, report.files);
   clock.end();

@@ -77,9 +77,9 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
                   static_cast<double>(fields::peakBytes(part.size, static_cast<std::uint64_t>(bricks))));
     // The voxels are freed, the level stays.
     kept += bricks * kBrickVoxels + part.surface_voxels * sizeof(std::uint32_t) - gridBytes(part);
-    // Distances: the voxels again, bytes and bits, and the bricks around the surface.
+    // Distances: the bricks around the surface.
     const double near_bricks = std::min(part.voxels() / kBrickVoxels, kBricksOfBand * part.surface_bricks);
-    peak = std::max(peak, kept + part.voxels() * 1.125 + near_bricks * kBrickVoxels);
+    peak = std::max(peak, kept + near_bricks * kBrickVoxels);
     kept += near_bricks * kBrickVoxels;
   }
   return static_cast<std::uint64_t>(peak);

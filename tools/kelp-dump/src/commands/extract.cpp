@@ -33,6 +33,8 @@ constexpr Format kFormats[] = {
     {"proxy", "few triangles around each solid part, closed: an .obj, .ply, .stl or .off file, in metres",
      kProxyWriter},
     {"slices", "a folder of PNGs, one for each layer of voxels", kSlicesWriter, true},
+    {"npy", "a folder of NumPy arrays: occupancy, signed distance and its gradient of each solid part",
+     kNpyWriter, true},
     {"vdb", "OpenVDB: solid parts as level sets with their colours, fog as densities", kVdbWriter},
     {"nvdb", "NanoVDB: the same as --vdb", kNanoVdbWriter},
 };
@@ -56,10 +58,11 @@ const Format& formatOf(const CLI::App& command) {
     wanted = &format;
   }
   if (!wanted)
-    throw ToolError(Exit::kUsage,
-                    "extract: no format; name one with --vox, --vdb, --nvdb, --ply, --proxy or --slices, "
-                    "see kelp-dump "
-                    "extract --help");
+    throw ToolError(
+        Exit::kUsage,
+        "extract: no format; name one with --vox, --vdb, --nvdb, --ply, --proxy, --npy or --slices, "
+        "see kelp-dump "
+        "extract --help");
   if (!wanted->writer.write && !wanted->writer.handOver)
     throw ToolError(
         Exit::kUnsupported,
@@ -127,6 +130,7 @@ Command addExtract(CLI::App& app) {
                  "  kelp-dump extract reed.kelp --vox reed.vox\n"
                  "  kelp-dump extract reed.kelp --ply - --level 2 > reed.ply\n"
                  "  kelp-dump extract smoke.kelp --vdb smoke.vdb\n"
+                 "  kelp-dump extract reed.kelp --npy arrays\n"
                  "  kelp-dump extract reed.kelp --proxy reed.obj --error 2\n");
   addPack(command, options->path);
   for (const Format& format : kFormats)

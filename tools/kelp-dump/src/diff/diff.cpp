@@ -62,6 +62,7 @@ DiffReport compare(PackFile& file_a, PackFile& file_b, double share) {
       else
         diffVoxels(file_a, file_b, part_a, part_b, level, *palette, tolerance, out);
     }
+    if (!a.parts()[i].fog) diffDistances(file_a, file_b, part_a, part_b, out);
   }
   diffClips(a, b, pairs, tolerance, out);
   diffSockets(a, b, pairs, tolerance, out);

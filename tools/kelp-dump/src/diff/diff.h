@@ -82,6 +82,8 @@ void diffSockets(const Pack& a, const Pack& b, const PartPairs& pairs, const Tol
 // Compares a level of two parts of the same size and kind. Holds only the grid and a page of each in memory.
 void diffVoxels(PackFile& a, PackFile& b, int part_a, int part_b, int level, const PaletteDistances& palette,
                 const Tolerance& tolerance, std::vector<Difference>& out);
+// Compares all distances of two such parts.
+void diffDistances(PackFile& a, PackFile& b, int part_a, int part_b, std::vector<Difference>& out);
 void diffFog(PackFile& a, PackFile& b, int part_a, int part_b, int level, const Tolerance& tolerance,
              std::vector<Difference>& out);
 

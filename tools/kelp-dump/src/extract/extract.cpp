@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "kelp/common/console.h"
 #include "kelp/common/output_file.h"
 #include "kelp/common/srgb.h"
 #include "kelp/rig/rig.h"
@@ -53,6 +54,17 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
     }
     if (!text.empty()) note(request, text);
   }
+}
+
+std::filesystem::path makeFolder(const std::string& output, const char* what) {
+  std::filesystem::path folder = console::pathOf(output);
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (std::error_code ignored; !std::filesystem::is_directory(folder, ignored))
+    throw ToolError(
+        Exit::kIo, fmt::format("{}: is not a folder and cannot be created as one{}; name a folder for the {}",
+                               output, problem ? ": " + problem.message() : "", what));
+  return folder;
 }
 
 LevelVoxels ExtractRequest::read(std::uint32_t index) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <string_view>
@@ -40,6 +41,9 @@ void noteRigs(const ExtractRequest& request, const std::vector<std::uint32_t>& p
 // kUnsupported if all are fog.
 std::vector<std::uint32_t> solidParts(const ExtractRequest& request, const char* format);
 
+// Creates the folder of the output, if it is not there, for `what` ("pictures"). ToolError kIo.
+std::filesystem::path makeFolder(const std::string& output, const char* what);
+
 // A file name for a part: without characters that are special to a shell or a file system, and unlike all
 // names in `taken`, also with `suffix` appended if there is one.
 std::string partFileName(std::string_view name, std::uint32_t index, const char* suffix,
@@ -59,7 +63,8 @@ struct Writer {
   // Whether that program is installed.
   bool (*isThere)() = nullptr;
 };
-extern const Writer kVoxWriter, kPlyWriter, kProxyWriter, kSlicesWriter, kVdbWriter, kNanoVdbWriter;
+extern const Writer kVoxWriter, kPlyWriter, kProxyWriter, kSlicesWriter, kNpyWriter, kVdbWriter,
+    kNanoVdbWriter;
 
 // MagicaVoxel, version 200, z up. Each part is one model, or several of 256 voxels a side. The scene graph
 // places them.
@@ -70,6 +75,10 @@ void extractPly(const ExtractRequest& request);
 void extractProxy(const ExtractRequest& request);
 // A folder of PNGs, one for each layer across the spline.
 void extractSlices(const ExtractRequest& request);
+// A folder of NumPy arrays, three for each solid part: PART.occupancy.npy (uint8, axes z, y, x),
+// PART.distance.npy (float32, voxels, negative inside, infinite beyond the band) and PART.gradient.npy
+// (float32, a fourth axis of x, y, z).
+void extractNpy(const ExtractRequest& request);
 // OpenVDB, NanoVDB: level sets and densities as grids. Only built into kelp-dump-vdb.
 void extractVdb(const ExtractRequest& request);
 void extractNvdb(const ExtractRequest& request);

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "extract/extract.h"
-#include "kelp/common/console.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/common/png.h"
 
@@ -58,14 +57,7 @@ void writeFog(const LevelVoxels& level, const fs::path& stem) {
 }  // namespace
 
 void extractSlices(const ExtractRequest& request) {
-  const fs::path folder = console::pathOf(request.output);
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (std::error_code ignored; !fs::is_directory(folder, ignored))
-    throw ToolError(
-        Exit::kIo,
-        fmt::format("{}: is not a folder and cannot be created as one{}; name a folder for the pictures",
-                    request.output, problem ? ": " + problem.message() : ""));
+  const fs::path folder = makeFolder(request.output, "pictures");
   std::set<std::string> taken;
   for (const std::uint32_t part : request.parts) {
     const LevelVoxels level = request.read(part);

@@ -46,6 +46,10 @@ Json partJson(const PartSummary& p) {
                {"to_object", to_object},
                {"knots", knots},
                {"levels", levels}};
+  if (p.distances)
+    json["distances"] = {{"levels", p.distances->levels},
+                         {"pages", p.distances->pages},
+                         {"stored_bytes", p.distances->stored}};
   if (part.fog) {
     Json ramp = Json::array();
     for (const glm::vec3& color : part.fog->ramp) ramp.push_back(array3(color));

@@ -68,6 +68,11 @@ std::string levelsText(const Summary& summary, const PartSummary& p) {
     text += fmt::format("{:>8}{:>12}{}\n", countText(level.pages), bytesText(level.stored),
                         shareText(level.stored, summary.storedBytes()));
   }
+  if (p.distances)
+    text += fmt::format("    {:<26}{}{:>8}{:>12}{}\n", "distances of " + plural(p.distances->levels, "level"),
+                        summary.counted ? std::string(46, ' ') : std::string(12, ' '),
+                        countText(p.distances->pages), bytesText(p.distances->stored),
+                        shareText(p.distances->stored, summary.storedBytes()));
   return text;
 }
 

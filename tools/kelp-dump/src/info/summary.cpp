@@ -42,10 +42,10 @@ std::uint64_t foggyCubes(const PageData& page, int channels, const std::vector<g
   return foggy;
 }
 
-// A grid holds its cells, then 32 bytes for each page (SPEC.md, 5.2). So the number of pages is known before
-// the grid is read.
-std::uint64_t pagesOf(const Pack::ChunkInfo& grid, std::uint64_t cells) {
-  const std::uint64_t table_at = (cells * sizeof(std::uint32_t) + 7) / 8 * 8;
+// A grid holds its cells, then 32 bytes for each page (SPEC.md, 5.2 and 5.4). So the number of pages is known
+// before the grid is read.
+std::uint64_t pagesOf(const Pack::ChunkInfo& grid, std::uint64_t cell_bytes) {
+  const std::uint64_t table_at = (cell_bytes + 7) / 8 * 8;
   return grid.raw > table_at ? (grid.raw - table_at) / 32 : 0;
 }
 
@@ -63,9 +63,19 @@ std::vector<PartSummary> summarizeTables(const Pack& pack) {
   }
   for (const Pack::ChunkInfo& chunk : pack.chunks()) {
     const std::string kind = fourccText(chunk.fourcc);
+    if (kind == "DGRD" || kind == "DIST") {
+      const glm::ivec3 size = levelSize(pack.parts()[chunk.part].size, static_cast<int>(chunk.level));
+      auto& distances = parts.at(chunk.part).distances;
+      if (!distances) distances.emplace();
+      distances->stored += chunk.stored;
+      if (kind == "DIST") continue;
+      ++distances->levels;
+      distances->pages += pagesOf(chunk, 8 + denseCount(brickGrid(size)));
+      continue;
+    }
     if (kind != "GRID" && kind != "BRCK" && kind != "FOGB") continue;
     LevelSummary& level = parts.at(chunk.part).levels.at(chunk.level);
-    if (kind == "GRID") level.pages = pagesOf(chunk, level.cells);
+    if (kind == "GRID") level.pages = pagesOf(chunk, level.cells * sizeof(std::uint32_t));
     level.stored += chunk.stored;
   }
   return parts;
@@ -96,10 +106,18 @@ LevelSummary::Counted countLevel(PackFile& file, std::uint32_t part, int level,
   return counted;
 }
 
+std::uint64_t distanceBytes(PackFile& file, std::uint32_t part, int level) {
+  const Result<DistanceGrid> grid = file.pack().readDistanceGrid(static_cast<int>(part), level);
+  if (!grid) file.fail(grid.error(), levelText(file.pack(), part, level) + ", distances");
+  std::uint64_t bytes = 0;
+  for (const PageInfo& page : grid->pages) bytes += page.raw;
+  return bytes;
+}
+
 // The decoded bytes of all pages. The index only has their stored bytes, as each page is compressed on its
 // own.
 struct PageBytes {
-  std::uint64_t solid = 0, fog = 0;
+  std::uint64_t solid = 0, fog = 0, distances = 0;
 };
 
 std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<PageBytes>& pages) {
@@ -113,8 +131,11 @@ std::vector<ChunkSummary> summarizeChunks(const Pack& pack, const std::optional<
     ChunkSummary& same = kinds[at->second];
     ++same.count;
     same.stored += chunk.stored;
-    if (kind == "BRCK" || kind == "FOGB")
-      same.raw = pages ? std::optional(kind == "BRCK" ? pages->solid : pages->fog) : std::nullopt;
+    if (kind == "BRCK" || kind == "FOGB" || kind == "DIST")
+      same.raw = pages ? std::optional(kind == "BRCK"   ? pages->solid
+                                       : kind == "FOGB" ? pages->fog
+                                                        : pages->distances)
+                       : std::nullopt;
     else
       same.raw = *same.raw + chunk.raw;
     in_chunks += chunk.stored;
@@ -168,6 +189,8 @@ Summary summarize(PackFile& file, bool count) {
           countLevel(file, static_cast<std::uint32_t>(p), static_cast<int>(l), summary.palette_use);
       (part.part->fog ? pages.fog : pages.solid) += part.levels[l].counted->page_bytes;
     }
+    for (int l = 0; l < pack.distanceLevels(static_cast<int>(p)); ++l)
+      pages.distances += distanceBytes(file, static_cast<std::uint32_t>(p), l);
   }
   summary.chunks = summarizeChunks(pack, count ? std::optional(pages) : std::nullopt);
   return summary;

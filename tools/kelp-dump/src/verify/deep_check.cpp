@@ -14,6 +14,7 @@
 #include "kelp/fields/fields.h"
 #include "text/memory_check.h"
 #include "text/text.h"
+#include "verify/deep_distances.h"
 #include "verify/deep_fog.h"
 #include "verify/deep_level.h"
 #include "verify/emptiness.h"
@@ -92,6 +93,12 @@ class DeepCheck {
       finer = Occupancy();
       checkEmptiness(place, level, occupancy);
       finer = std::move(occupancy);
+      if (pack_.hasDistances()) checkDistances(file_, place, finer, threads_, report_);
+    }
+    // Distances go on beyond the voxels' levels.
+    for (int l = pack_.parts()[static_cast<std::size_t>(part)].levels; l < pack_.distanceLevels(part); ++l) {
+      finer = fields::coarser(finer, threads_);
+      checkDistances(file_, {part, l}, finer, threads_, report_);
     }
   }
 
@@ -201,6 +208,8 @@ const char* toString(DeepIssue issue) {
     case DeepIssue::kFogSeam:
       return "Bricks of fog disagree about a sample that they share, so a seam shows. The program that "
              "wrote the pack is wrong: bake it again.";
+    case DeepIssue::kDistance:
+      return "A distance is not that of the voxels, so things collide or shade wrongly. Bake the pack again.";
   }
   return "Unknown issue.";
 }

@@ -25,6 +25,7 @@ enum class DeepIssue : int {
   kFogSample = 506,
   kFogExtinction = 507,
   kFogSeam = 508,
+  kDistance = 509,
 };
 
 // Explains the id and says what to do. Static storage.
