@@ -24,9 +24,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -79,6 +81,43 @@ void uring() {
   if (syscall(SYS_io_uring_setup, 1, nullptr) != -1 || errno != ENOSYS) raise(SIGUSR2);
 }
 
+// What the process tells its parent by: the first pipe beside the standard streams.
+int pipeToParent() {
+  struct stat status {};
+  for (int file = 3; file < 64; ++file)
+    if (fstat(file, &status) == 0 && S_ISFIFO(status.st_mode)) return file;
+  return -1;
+}
+// A message as contained/wire.h has it, of a process that was taken over.
+void tell(std::uint8_t word, const std::string& content) {
+  const auto size = static_cast<std::uint32_t>(content.size());
+  std::string head(1, static_cast<char>(word));
+  head.append(reinterpret_cast<const char*>(&size), sizeof size);
+  for (const std::string& part : {std::cref(head), std::cref(content)}) {
+    for (std::size_t at = 0; at < part.size();) {
+      const long some = syscall(SYS_write, pipeToParent(), part.data() + at, part.size() - at);
+      if (some <= 0) _exit(9);
+      at += static_cast<std::size_t>(some);
+    }
+  }
+  hang();
+}
+constexpr std::uint8_t kProgress = 0, kDone = 1, kFailed = 2, kForbidden = 3, kNoWord = 9;
+// As lists in lists are written in CBOR, and a list of many times nothing.
+void tellNested() { tell(kFailed, std::string(1000000, '\x81')); }
+void tellNestedLess() { tell(kFailed, std::string(60000, '\x81')); }
+void tellFlat() {
+  std::string list(std::size_t{255} << 20, '\xf6');
+  tell(kDone, list.replace(0, 5, "\x9a\x0e\xff\xff\xfb"));
+}
+// Of most fields, nothing; then more bytes, or fewer, than fields.
+void tellZeros() { tell(kDone, std::string(std::size_t{60} << 20, '\0')); }
+void tellOnes() { tell(kDone, std::string(std::size_t{60} << 20, '\1')); }
+void tellNothing() { tell(kDone, ""); }
+void tellMuchProgress() { tell(kProgress, std::string(2000, 'x')); }
+void tellNoCall() { tell(kForbidden, "12345"); }
+void tellNoWord() { tell(kNoWord, ""); }
+
 // The next bytes that are written are not those that were given.
 bool g_lies = false;
 void lie() { g_lies = true; }
@@ -87,13 +126,34 @@ struct Deed {
   const char* name;
   void (*does)();
 };
-constexpr Deed kDeeds[] = {{"crash", crash},       {"hang", hang},           {"spin", spin},
-                           {"allocate", allocate}, {"throw", throwMuch},     {"print", print},
-                           {"exec", exec},         {"thread", execInThread}, {"fork", forkIt},
-                           {"socket", openSocket}, {"trace", traceParent},   {"kill", killParent},
-                           {"create", create},     {"overwrite", overwrite}, {"remove", removeIt},
-                           {"move", moveIt},       {"mode", changeMode},     {"elsewhere", readElsewhere},
-                           {"uring", uring}};
+constexpr Deed kDeeds[] = {{"crash", crash},
+                           {"hang", hang},
+                           {"spin", spin},
+                           {"allocate", allocate},
+                           {"throw", throwMuch},
+                           {"print", print},
+                           {"exec", exec},
+                           {"thread", execInThread},
+                           {"fork", forkIt},
+                           {"socket", openSocket},
+                           {"trace", traceParent},
+                           {"kill", killParent},
+                           {"create", create},
+                           {"overwrite", overwrite},
+                           {"remove", removeIt},
+                           {"move", moveIt},
+                           {"mode", changeMode},
+                           {"elsewhere", readElsewhere},
+                           {"uring", uring},
+                           {"nested", tellNested},
+                           {"nested-less", tellNestedLess},
+                           {"flat", tellFlat},
+                           {"zeros", tellZeros},
+                           {"ones", tellOnes},
+                           {"nothing", tellNothing},
+                           {"progress", tellMuchProgress},
+                           {"no-call", tellNoCall},
+                           {"no-word", tellNoWord}};
 
 struct Plan {
   const char* folder = std::getenv("KELP_FAULTY_FOLDER");

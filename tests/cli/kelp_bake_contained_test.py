@@ -135,6 +135,25 @@ class Contained(Case):
         self.assertEqual(result.returncode, 0, result.stderr.decode())
         self.assertEqual(json.loads(self.read("r.json"))["containment"], {"landlock": 0, "seccomp": False})
 
+    def test_messages_that_make_no_sense(self):
+        """Of a child that was taken over: they end its own bake, whatever their size or shape."""
+        self.write("m.json", {"defaults": {"resolution": 8}, "assets": ["1.obj", "2.obj"]})
+
+        def little():
+            if not SANITIZED:  # which takes much more, and would end
+                resource.setrlimit(resource.RLIMIT_DATA, (1 << 30, 1 << 30))
+
+        for deed in ("nested", "nested-less", "flat", "zeros", "ones", "nothing", "progress", "no-call",
+                     "no-word"):
+            with self.subTest(deed):
+                start = time.monotonic()
+                self.ends(
+                    self.start(deed + " 1.obj", "--manifest", "m.json", "--force", "--threads", "2",
+                               "--max-memory", "500M", first=little), 4,
+                    "1.obj: its bake says what makes no sense (", ") while the file was read; ",
+                    "1 of 2 assets done: 1 baked")
+                self.assertLess(time.monotonic() - start, 30)
+
     def test_text_without_end(self):
         """Of a gigabyte, one line tells."""
         for deed, words in (("throw", "1.obj: cannot be read: xxx"),

@@ -6,59 +6,144 @@
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <tuple>
+#include <type_traits>
+#include <vector>
 
 #include <sys/uio.h>
-#include <nlohmann/json.hpp>
-
-namespace nlohmann {
-
-template <>
-struct adl_serializer<glm::ivec3> {
-  static void to_json(json& j, const glm::ivec3& v) { j = {v.x, v.y, v.z}; }
-  static void from_json(const json& j, glm::ivec3& v) { v = {j.at(0), j.at(1), j.at(2)}; }
-};
-
-}  // namespace nlohmann
-
-namespace kelp::bake {
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MeshCounts, vertices, triangles, boundary_edges, boundaries,
-                                   non_manifold_edges, dropped)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Diagnosis, open_edges, split_edges, split_vertices, cut_edges, holes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FillCounts, components, closed, capped, sheets, walls, doubled, turned,
-                                   cap_triangles, kept_voxels, diagnosis)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ComponentReport, triangles, surface_share, solid, why, diagnosis)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FilesUsed::File, path, xxh3)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FilesUsed, read, missing)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report::Stage, name, seconds, peak_bytes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report::Part, name, rig_origin, fill, size, voxel_size, triangles,
-                                   solid_voxels, surface_voxels, bricks, fog, fog_voxels, closed, carrier,
-                                   mesh, repairs, parent, parent_at, sockets, components)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report::Clip, name, part, duration, leaves_box, bends, moves)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report, format, stages, parts, clips, notices, files, materials, images,
-                                   palette_entries, palette_materials, palette_error, estimated_bytes,
-                                   pack_bytes, pack_hash)
-
-}  // namespace kelp::bake
 
 namespace kelp::bake_cli {
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Stage, name, done, estimated_bytes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Containment, landlock, seccomp)
-
 namespace {
 
-using Json = nlohmann::json;
+using bake::Report;
 
-// A report of thousands of parts and files takes some megabytes. Reports in the cache have the same bound.
-constexpr std::uint32_t kMostBytes = std::uint32_t{256} << 20;
-constexpr std::size_t kMostOfError = 64 << 10;
+// The fields of each struct, in the order of the wire. Both ends are one program.
+auto fieldsOf(glm::ivec3& v) { return std::tie(v.x, v.y, v.z); }
+auto fieldsOf(bake::MeshCounts& c) {
+  return std::tie(c.vertices, c.triangles, c.boundary_edges, c.boundaries, c.non_manifold_edges, c.dropped);
+}
+auto fieldsOf(bake::Diagnosis& d) {
+  return std::tie(d.open_edges, d.split_edges, d.split_vertices, d.cut_edges, d.holes);
+}
+auto fieldsOf(bake::FillCounts& c) {
+  return std::tie(c.components, c.closed, c.capped, c.sheets, c.walls, c.doubled, c.turned, c.cap_triangles,
+                  c.kept_voxels, c.diagnosis);
+}
+auto fieldsOf(bake::ComponentReport& c) {
+  return std::tie(c.triangles, c.surface_share, c.solid, c.why, c.diagnosis);
+}
+auto fieldsOf(bake::FilesUsed::File& f) { return std::tie(f.path, f.xxh3); }
+auto fieldsOf(bake::FilesUsed& f) { return std::tie(f.read, f.missing); }
+auto fieldsOf(Report::Stage& s) { return std::tie(s.name, s.seconds, s.peak_bytes); }
+auto fieldsOf(Report::Part& p) {
+  return std::tie(p.name, p.rig_origin, p.fill, p.size, p.voxel_size, p.triangles, p.solid_voxels,
+                  p.surface_voxels, p.bricks, p.fog, p.fog_voxels, p.closed, p.carrier, p.mesh, p.repairs,
+                  p.parent, p.parent_at, p.sockets, p.components);
+}
+auto fieldsOf(Report::Clip& c) {
+  return std::tie(c.name, c.part, c.duration, c.leaves_box, c.bends, c.moves);
+}
+auto fieldsOf(Report& r) {
+  return std::tie(r.format, r.stages, r.parts, r.clips, r.notices, r.files, r.materials, r.images,
+                  r.palette_entries, r.palette_materials, r.palette_error, r.estimated_bytes, r.pack_bytes,
+                  r.pack_hash);
+}
+auto fieldsOf(Stage& s) { return std::tie(s.name, s.done, s.estimated_bytes); }
+auto fieldsOf(Containment& c) { return std::tie(c.landlock, c.seccomp); }
+
+template <class T>
+constexpr bool kIsVector = false;
+template <class T>
+constexpr bool kIsVector<std::vector<T>> = true;
+
+class Packer {
+ public:
+  template <class T>
+  Packer& put(const T& value) {
+    if constexpr (std::is_arithmetic_v<T>) {
+      bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      put(std::uint64_t{value.size()});
+      bytes_ += value;
+    } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+      put(value.native());
+    } else if constexpr (kIsVector<T>) {
+      put(std::uint64_t{value.size()});
+      for (const auto& element : value) put(element);
+    } else {
+      std::apply([this](const auto&... field) { (put(field), ...); }, fieldsOf(const_cast<T&>(value)));
+    }
+    return *this;
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+// Takes no more memory than some times that of the bytes: a vector grows as its elements come.
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : left_(bytes) {}
+
+  template <class T>
+  Unpacker& take(T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = 0;
+      take(byte);
+      if (byte > 1) throw std::out_of_range("neither true nor false");
+      value = byte == 1;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      std::memcpy(&value, next(sizeof value).data(), sizeof value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      value = next(takeSize());
+    } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+      value = std::filesystem::path(std::string(next(takeSize())));
+    } else if constexpr (kIsVector<T>) {
+      value.clear();
+      for (std::uint64_t i = takeSize(); i > 0; --i) take(value.emplace_back());
+    } else {
+      std::apply([this](auto&... field) { (take(field), ...); }, fieldsOf(value));
+    }
+    return *this;
+  }
+  void end() const {
+    if (!left_.empty()) throw std::length_error("bytes that nothing is said of");
+  }
+
+ private:
+  std::uint64_t takeSize() {
+    std::uint64_t size = 0;
+    take(size);
+    return size;
+  }
+  std::string_view next(std::uint64_t size) {
+    if (size > left_.size()) throw std::length_error("more than it has");
+    const std::string_view taken = left_.substr(0, size);
+    left_.remove_prefix(size);
+    return taken;
+  }
+
+  std::string_view left_;
+};
+
+constexpr std::uint32_t kMostOfError = 64 << 10;
+constexpr std::uint32_t kMostOfOthers = 1 << 10;
+// A report of as many parts as a pack may have, and of all their components, takes half of this.
+constexpr std::uint32_t kMostOfReport = 64 << 20;
 constexpr std::size_t kHead = sizeof(Word) + sizeof(std::uint32_t);
 
-std::string cbor(const Json& json) {
-  std::string bytes;
-  Json::to_cbor(json, bytes);  // takes words that are no UTF-8 as they are
-  return bytes;
+std::uint32_t mostBytes(Word word) {
+  switch (word) {
+    case Word::kDone:
+      return kMostOfReport;
+    case Word::kFailed:
+      return kMostOfError + kMostOfOthers;
+    case Word::kProgress:
+    case Word::kForbidden:
+      return kMostOfOthers;
+  }
+  throw std::out_of_range("an unknown word");
 }
 
 }  // namespace
@@ -85,30 +170,39 @@ bool tell(int pipe, Word word, std::string_view content) {
   return true;
 }
 
-std::string packed(const Stage& stage) { return cbor(stage); }
+std::string packed(const Stage& stage) { return Packer().put(stage).take(); }
 
 std::string packed(const bake::Report& report, const Containment& containment) {
-  return cbor(Json{{"report", report}, {"containment", containment}});
+  return Packer().put(report).put(containment).take();
 }
 
 std::string packed(const ToolError& error) {
-  return cbor(Json{static_cast<int>(error.exit), std::string_view(error.what()).substr(0, kMostOfError)});
+  return Packer()
+      .put(static_cast<int>(error.exit))
+      .put(std::string(std::string_view(error.what()).substr(0, kMostOfError)))
+      .take();
 }
 
-Stage unpackedStage(std::string_view content) { return Json::from_cbor(content).get<Stage>(); }
+Stage unpackedStage(std::string_view content) {
+  Stage stage;
+  Unpacker(content).take(stage).end();
+  // it goes to the terminal
+  if (!std::all_of(stage.name.begin(), stage.name.end(), [](char c) { return c >= ' ' && c <= '~'; }))
+    throw std::out_of_range("a step without a name");
+  return stage;
+}
 
 void unpack(std::string_view content, bake::Report& report, Containment& containment) {
-  const Json json = Json::from_cbor(content);
-  json.at("report").get_to(report);
-  json.at("containment").get_to(containment);
+  Unpacker(content).take(report).take(containment).end();
 }
 
 ToolError unpackedError(std::string_view content) {
-  const Json json = Json::from_cbor(content);
-  const auto exit = json.at(0).get<int>();
+  int exit = 0;
+  std::string what;
+  Unpacker(content).take(exit).take(what).end();
   if (exit < static_cast<int>(Exit::kUsage) || exit > static_cast<int>(Exit::kInterrupted))
     throw std::out_of_range("an exit code of " + std::to_string(exit));
-  return {static_cast<Exit>(exit), json.at(1).get<std::string>()};
+  return {static_cast<Exit>(exit), what};
 }
 
 void Messages::add(std::string_view bytes) {
@@ -124,7 +218,8 @@ std::optional<Messages::Message> Messages::next() {
   std::uint32_t size = 0;
   std::memcpy(&message.word, left.data(), sizeof message.word);
   std::memcpy(&size, left.data() + sizeof message.word, sizeof size);
-  if (size > kMostBytes) throw std::length_error("a message of " + std::to_string(size) + " bytes");
+  if (size > mostBytes(message.word))
+    throw std::length_error("a message of " + std::to_string(size) + " bytes");
   if (left.size() - kHead < size) return std::nullopt;
   message.content = left.substr(kHead, size);
   taken_ += kHead + size;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the child process that bakes tells its parent, through a pipe. The parent believes none of it: sizes
-// are bounded before they are taken, and what makes no sense ends the child.
+// What the child process that bakes tells its parent, through a pipe. The parent believes none of it: each
+// kind of message has a bound, each field a fixed place, and what makes no sense ends the child.
 #pragma once
 
 #include <cstddef>
@@ -48,7 +48,8 @@ class Messages {
     std::string_view content;  // until the next call
   };
   void add(std::string_view bytes);
-  // The next whole message, if there is one. std::length_error if it claims to be larger than any may be.
+  // The next whole message, if there is one. std::length_error if it claims to be larger than one of its kind
+  // may be; std::out_of_range if there is no such kind.
   std::optional<Message> next();
 
  private:
