@@ -3,7 +3,7 @@
 // folder KELP_FAULTY_FOLDER, the one of a kind with a number fails. KELP_FAULT="write 3 28": the third write
 // answers errno 28; "read short": every read gives at most three bytes, and so for write; "rename 1 crash":
 // at the first one the process crashes; "write 2 hang": at the second one it waits for ever; "write 1 lie":
-// one byte becomes another.
+// one byte becomes another; "write 1 swap": there and after it, nothing is written but the file other.kelp.
 // KELP_FAULTY_COUNTS names a file (elsewhere) that gets the numbers of calls, a line for each kind, at the
 // end. Processes that the program starts count on. KELP_FAULT="exec model.obj", or another word of kDeeds: so
 // a library may do at a file; here a process that the program starts does, as it opens the first file whose
@@ -121,6 +121,15 @@ void tellNoWord() { tell(kNoWord, ""); }
 // The next bytes that are written are not those that were given.
 bool g_lies = false;
 void lie() { g_lies = true; }
+// Or they are those of another file, and later ones are none.
+bool g_swaps = false;
+std::string g_other;
+void swapFile() {
+  g_swaps = true;
+  const int file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, "other.kelp", O_RDONLY));
+  g_other.resize(1 << 20);
+  g_other.resize(static_cast<std::size_t>(syscall(SYS_read, file, g_other.data(), g_other.size())));
+}
 
 struct Deed {
   const char* name;
@@ -185,6 +194,7 @@ struct Plan {
     if (std::strcmp(error_text, "crash") == 0) at_call = crash;
     if (std::strcmp(error_text, "hang") == 0) at_call = hang;
     if (std::strcmp(error_text, "lie") == 0) at_call = lie;
+    if (std::strcmp(error_text, "swap") == 0) at_call = swapFile;
   }
   ~Plan() {
     const char* const path = std::getenv("KELP_FAULTY_COUNTS");
@@ -218,9 +228,12 @@ bool isIn(int file) {
 bool fails(Kind kind) {
   const long number = ++plan().count[kind];
   if (plan().kind != kind || plan().number != number) return false;
-  if (plan().at_call != nullptr) plan().at_call();
-  errno = plan().error;
-  return true;
+  if (plan().at_call == nullptr) {
+    errno = plan().error;
+    return true;
+  }
+  plan().at_call();
+  return false;
 }
 
 // Before a file is opened.
@@ -280,6 +293,11 @@ ssize_t pread(int file, void* bytes, size_t size, off_t at) {
 ssize_t write(int file, const void* bytes, size_t size) {
   const bool in = isIn(file);
   if (in && fails(kWrite)) return -1;
+  if (in && g_swaps) {
+    const std::string other = std::exchange(g_other, {});
+    syscall(SYS_write, file, other.data(), other.size());
+    return static_cast<ssize_t>(size);
+  }
   std::string changed;
   if (in && std::exchange(g_lies, false)) {
     changed.assign(static_cast<const char*>(bytes), size);

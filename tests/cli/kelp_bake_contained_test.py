@@ -177,6 +177,25 @@ class Contained(Case):
                   "1.obj: the pack that its bake wrote is not sound (")
         self.assertEqual(self.read("out.kelp"), b"the pack that was there")
 
+    def test_a_pack_of_something_else(self):
+        """It is sound, but says that it was made of another input: the cache would give it out for that."""
+        arguments = "-o", "out.kelp", "--resolution", "8", "--cache", "cache", "--report", "r.json"
+        self.passes("1.obj", "-o", "other.kelp", "--resolution", "8")
+        self.ends(self.start("write 1 swap", "2.obj", *arguments), 4,
+                  "2.obj: its pack says that it was made of something else; ")
+        self.assertFalse(os.path.exists(self.path("out.kelp")))
+        self.passes("1.obj", *arguments)
+        self.assertFalse(json.loads(self.read("r.json"))["cached"])
+
+    def test_names_that_are_not_utf8(self):
+        """INFO cannot spell them. The pack is made of them all the same."""
+        name = b"b\xf6x.mtl"
+        self.write("t.obj", b"mtllib %s\nusemtl red\n" % name + box(1, 1, 1).encode())
+        with open(os.path.join(self.folder.encode(), name), "wb") as file:
+            file.write(b"newmtl red\nKd 1 0 0\n")
+        self.passes("t.obj", "-o", "out.kelp", "--resolution", "8", "-MD")
+        self.assertIn(name, self.read("out.kelp.d"))
+
     def test_a_later_step_that_hangs(self):
         self.ends(self.start("write 1 hang", "1.obj", "-o", "out.kelp", "--resolution", "8",
                              "--max-import-time", "1"), 4,

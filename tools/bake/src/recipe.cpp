@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A pack says what it was made of. What it would say if it were made now is compared with that, letter by
 // letter: one rule for both.
+#include <map>
 #include <optional>
 #include <system_error>
 
@@ -57,6 +58,21 @@ FilesNow namedFiles(const std::filesystem::path& input, const Settings& settings
   return now;
 }
 
+// Names below the input's folder, by what a text says that cannot spell them.
+std::map<std::string, std::filesystem::path> namesNotUtf8(const std::filesystem::path& input,
+                                                          const FilesUsed& told) {
+  std::map<std::string, std::filesystem::path> names;
+  const auto add = [&](const std::filesystem::path& path) {
+    const std::filesystem::path name = path.lexically_relative(input.parent_path());
+    const std::string text = Json(name.generic_string()).dump(-1, ' ', false, Json::error_handler_t::replace),
+                      spelled = Json::parse(text).get<std::string>();
+    if (spelled != name) names[spelled] = name;
+  };
+  for (const std::filesystem::path& path : told.missing) add(path);
+  for (const FilesUsed::File& file : told.read) add(file.path);
+  return names;
+}
+
 }  // namespace
 
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings) {
@@ -66,7 +82,7 @@ Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings
 }
 
 std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input,
-                                const Settings& settings) {
+                                const Settings& settings, const FilesUsed& told) {
   if (text.size() > kMaxInfoBytes) return std::nullopt;
   const Json info = Json::parse(text, nullptr, false);
   const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr,
@@ -74,7 +90,10 @@ std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::
   if (!format || !format->is_string() || !options || (files && !files->is_object())) return std::nullopt;
   FilesNow now = namedFiles(input, settings);
   if (files) {
-    for (const auto& [name, hash] : files->items()) {
+    const std::map<std::string, std::filesystem::path> not_utf8 = namesNotUtf8(input, told);
+    for (const auto& [text_name, hash] : files->items()) {
+      std::filesystem::path name = text_name;
+      if (const auto found = not_utf8.find(text_name); found != not_utf8.end()) name = found->second;
       if (!staysBelow(name)) return std::nullopt;
       now.look(input.parent_path() / name);
     }

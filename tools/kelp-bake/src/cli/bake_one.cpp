@@ -110,6 +110,18 @@ std::string checkFinished(const Options& options, const OutputFile& output, bake
   return std::string(checkPack(name, Pack::open(file.source())).infoJson());
 }
 
+// The files that the pack was made of: those that its INFO names, as they are now. Of their names and hashes,
+// too, nobody believes the child: the cache would give this pack out for another input.
+bake::FilesUsed checkRecipe(const Options& options, const std::string& info, const bake::FilesUsed& told) {
+  std::optional<bake::Recipe> recipe = bake::recipeNow(info, options.input, options.settings, told);
+  if (!recipe || recipe->info != info)
+    throw ToolError(Exit::kRuntime, options.input.string() +
+                                        ": its pack says that it was made of something else; if a file "
+                                        "that it reads was changed meanwhile, bake again; else please "
+                                        "report this as a defect, with the file");
+  return std::move(recipe->files);
+}
+
 }  // namespace
 
 void checkDestinations(const Options& options) {
@@ -154,8 +166,9 @@ Baked bakeOne(const Options& options, const Place& place, const Cache* cache, Pr
     display.show(stage.name, stage.done);
   };
   auto [report, containment] = bakeContained(options, output, show);
-  checkRoles(options, report.files, place);
   const std::string info = checkFinished(options, output, report);
+  report.files = checkRecipe(options, info, report.files);
+  checkRoles(options, report.files, place);
   if (interrupted()) throw ToolError(Exit::kInterrupted, "interrupted");
   output.commit();
   display.clear();

@@ -136,9 +136,10 @@ struct Recipe {
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings);
 // The recipe of a pack with this INFO, with the files' content as it is now. The text equals `info` if
 // nothing changed; equal texts mean equal packs. nullopt if bake() did not write `info`. Throws ToolError kIo
-// for a file that cannot be read. Safe for hostile text.
+// for a file that cannot be read. Safe for hostile text. The text cannot spell names that are not UTF-8: they
+// are taken from `told`, if it has them.
 std::optional<Recipe> recipeNow(const std::string& info, const std::filesystem::path& input,
-                                const Settings& settings);
+                                const Settings& settings, const FilesUsed& told = {});
 // Whether bake() would write this pack again: it is whole, and this version baked it with these settings from
 // files with the same hashes; files that were looked for and not found must still be missing. Reads the whole
 // pack. Never throws: a missing, damaged or hostile pack is not current.
