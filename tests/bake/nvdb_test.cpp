@@ -209,6 +209,34 @@ TEST(Nvdb, GridsUnpackToNoMoreThanTheirBytesCanHold) {
   said({{size - 1, stored}}, packed);
 }
 
+TEST(Nvdb, GridsHaveTheBytesOfTheirHeads) {
+  const Scratch scratch;
+  for (const std::uint64_t size : {0, 1, 671, 735}) {
+    const std::string data = size == 0 ? "" : zipped(emptyNanoGrid(4096).substr(0, size));
+    EXPECT_TRUE(
+        contains(refusal(scratch.write("a.nvdb", zipSegment({{size, data.size()}}, data)), Exit::kInvalid),
+                 "grid 'a': has " + std::to_string(size) + " bytes, fewer than its own head takes; "));
+  }
+}
+
+TEST(Nvdb, TypesWithoutANameLeaveTheOtherGrids) {
+  const Scratch scratch;
+  const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
+  writeVdb(vdb, {ball("float", "level set"), ball("double", "fog volume")});
+  writeNvdb(nvdb, vdb);
+  std::string bytes = contentOf(nvdb);
+  constexpr std::size_t kTypeAt = 16 + 32;  // behind the segment's head, of the first grid
+  std::vector<std::uint32_t> types{std::uint32_t{1} << 31};
+  for (std::uint32_t type = 19; type <= 40; ++type) types.push_back(type);
+  for (const std::uint32_t type : types) {
+    std::memcpy(bytes.data() + kTypeAt, &type, sizeof(type));
+    const auto path = scratch.write("other.nvdb", bytes);
+    EXPECT_EQ(importFile(path, with([](Settings& s) { s.grid = "double"; })).format, "NanoVDB") << type;
+    const std::string said = refusal(path, Exit::kUnsupported, with([](Settings& s) { s.grid = "float"; }));
+    EXPECT_TRUE(contains(said, type < 20 ? "Index" : "type " + std::to_string(type))) << said;
+  }
+}
+
 TEST(Nvdb, BloscPiecesStayWithinTheirGrid) {
   const Scratch scratch;
   const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";

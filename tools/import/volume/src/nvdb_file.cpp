@@ -79,10 +79,10 @@ const NanoType* find(nanovdb::GridType type) {
   return found == kTypes.end() ? nullptr : &*found;
 }
 
-// NanoVDB has no name for numbers beyond its types.
+// NanoVDB looks up names of numbers beyond its types, too.
 std::string nameOf(nanovdb::GridType type) {
-  const char* const name = nanovdb::toStr(type);
-  return name != nullptr ? name : "type " + std::to_string(static_cast<std::uint32_t>(type));
+  return type < nanovdb::GridType::End ? nanovdb::toStr(type)
+                                       : "type " + std::to_string(static_cast<std::uint32_t>(type));
 }
 
 GridClass classOf(nanovdb::GridClass grid_class) {
@@ -183,6 +183,8 @@ class NanoFile {
         codec != nanovdb::io::Codec::BLOSC)
       damaged("is compressed in an unknown way");
     if (codec == nanovdb::io::Codec::NONE && meta.fileSize != meta.gridSize) damaged("has two sizes");
+    if (meta.gridSize < sizeof(nanovdb::GridData) + sizeof(nanovdb::TreeData<>))
+      damaged("has " + std::to_string(meta.gridSize) + " bytes, fewer than its own head takes");
     if (meta.gridSize / kMostUnpacked > meta.fileSize)
       damaged("says that its " + std::to_string(meta.fileSize) + " bytes unpack to " +
               printBytes(meta.gridSize) + ", more than they can");
