@@ -130,9 +130,11 @@ VdbPoints someBalls() {
 TEST(VdbKinds, PointsAreSpheresOfTheirRadiusAndColour) {
   const Scratch scratch;
   const auto path = scratch.folder() / "points.vdb";
-  for (const char* name : {"pscale", "radius"}) {
+  // Of voxels that are much smaller than its cubes, the grid has too many to look at each.
+  for (const auto& [name, voxel] : {std::pair("pscale", 1.0), {"radius", 1.0}, {"pscale", 1e-6}}) {
     VdbPoints points = someBalls();
     points.radius = name;
+    points.voxel = voxel;
     writePoints(path, {points});
     const SourceModel model = importFile(path, with([](Settings& s) { s.resolution = 200; }));
     EXPECT_TRUE(anyContains(model.notices, std::string("4 spheres of its points' ") + name));
@@ -185,6 +187,23 @@ TEST(VdbKinds, PointsWithoutARadiusAreHalfAVoxel) {
     wrong += is != (d <= 0) && std::abs(d) > 1e-4 ? 1 : 0;
   });
   EXPECT_EQ(wrong, 0u);
+}
+
+TEST(VdbKinds, OnePointFarFromAllOthers) {
+  const Scratch scratch;
+  const auto path = scratch.folder() / "points.vdb";
+  VdbPoints points = someBalls();
+  points.places.push_back({1000, 0, 0});
+  points.radii.push_back(10);
+  points.colors.push_back({1, 1, 1});
+  points.voxel = 0.001;
+  writePoints(path, {points});
+  const SourceModel model = importFile(path, with([](Settings& s) { s.resolution = 128; }));
+  EXPECT_NEAR(model.parts[0].grid->size.x, 128, 2);
+  points.places.back().x = 2e9;
+  points.voxel = 1;
+  writePoints(path, {points});
+  EXPECT_TRUE(contains(refusal(path, Exit::kUnsupported), "stray points"));
 }
 
 TEST(VdbKinds, PointsThatAreNoSpheresAreRefused) {

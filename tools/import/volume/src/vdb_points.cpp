@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include <openvdb/points/AttributeArray.h>
+#include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointDataGrid.h>
 #include <openvdb/points/PointRasterizeSDF.h>
 
@@ -19,6 +21,9 @@ using openvdb::Vec3d;
 using openvdb::points::PointDataGrid;
 
 constexpr double kBand = 3;  // voxels of distances on both sides of the surface
+// rasterizeSpheres() looks at every voxel of the points' grid that a cube covers, with or without points.
+// With one stray point far from all others, these would be too many: see inCubes().
+constexpr double kMostVoxelsAlongCube = 16;
 
 // The first attribute of one of these names that holds such values.
 template <class Value>
@@ -61,16 +66,58 @@ Extent extentOf(const PointDataGrid& points, const std::string& radius, double s
   return extent;
 }
 
+template <class Value, class Take>
+void forEachValue(const PointDataGrid& points, const std::string& name, const Take& take) {
+  for (auto leaf = points.constTree().cbeginLeaf(); leaf; ++leaf) {
+    const openvdb::points::AttributeHandle<Value> values(leaf->constAttributeArray(name));
+    for (auto point = leaf->beginIndexOn(); point; ++point) take(point.getCoord(), values.get(*point));
+  }
+}
+
+template <class Value>
+void copyAttribute(const PointDataGrid& points, const std::string& name,
+                   const openvdb::tools::PointIndexGrid& order, PointDataGrid& copy) {
+  if (name.empty()) return;
+  std::vector<Value> values;
+  forEachValue<Value>(points, name, [&](const auto&, const Value& value) { values.push_back(value); });
+  openvdb::points::appendAttribute<Value>(copy.tree(), name);
+  openvdb::points::populateAttribute(copy.tree(), order.tree(), name,
+                                     openvdb::points::PointAttributeVector<Value>(values));
+}
+
+// The points in a grid whose voxels are these cubes.
+PointDataGrid::Ptr inCubes(const PointDataGrid& points, const std::string& radius, const std::string& color,
+                           const openvdb::math::Transform& cubes) {
+  std::vector<Vec3d> places;
+  forEachValue<openvdb::Vec3f>(points, "P", [&](const openvdb::Coord& voxel, const openvdb::Vec3f& at) {
+    places.push_back(points.transform().indexToWorld(voxel.asVec3d() + Vec3d(at)));
+  });
+  const openvdb::points::PointAttributeVector<Vec3d> all(places);
+  const auto order = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(all, cubes);
+  const auto copy =
+      openvdb::points::createPointDataGrid<openvdb::points::NullCodec, PointDataGrid>(*order, all, cubes);
+  copyAttribute<float>(points, radius, *order, *copy);
+  copyAttribute<openvdb::Vec3f>(points, color, *order, *copy);
+  return copy;
+}
+
+bool hasInside(const openvdb::GridBase& surface) {
+  for (auto leaf = static_cast<const openvdb::FloatGrid&>(surface).constTree().cbeginLeaf(); leaf; ++leaf)
+    for (auto value = leaf->cbeginValueAll(); value; ++value)
+      if (*value < 0) return true;
+  return false;
+}
+
 }  // namespace
 
 Spheres spheresOf(const InputFiles& files, const std::string& place, const openvdb::GridBase& grid,
                   const ImportSettings& settings) {
-  const auto& points = static_cast<const PointDataGrid&>(grid);
-  const std::string radius = attributeOf<float>(points, {"pscale", "radius"}),
-                    color = attributeOf<openvdb::Vec3f>(points, {"Cd", "color"});
-  const Vec3d voxel = points.transform().voxelSize();
+  const auto& all = static_cast<const PointDataGrid&>(grid);
+  const std::string radius = attributeOf<float>(all, {"pscale", "radius"}),
+                    color = attributeOf<openvdb::Vec3f>(all, {"Cd", "color"});
+  const Vec3d voxel = all.transform().voxelSize();
   const double same = 0.5 * std::min({voxel.x(), voxel.y(), voxel.z()});
-  const Extent extent = extentOf(points, radius, same);
+  const Extent extent = extentOf(all, radius, same);
   if (extent.points == 0)
     refuse(Exit::kUnsupported, files.input(), place, "has no points; export a frame that has some");
   const double longest = extent.box.extents()[extent.box.maxExtent()];
@@ -82,6 +129,9 @@ Spheres spheresOf(const InputFiles& files, const std::string& place, const openv
   checkCubes(files, place, longest, edge, settings);
   const auto cubes = openvdb::math::Transform::createLinearTransform(edge);
   cubes->postTranslate(extent.box.min());
+  const PointDataGrid::ConstPtr moved =
+      edge > 2 * same * kMostVoxelsAlongCube ? inCubes(all, radius, color, *cubes) : nullptr;
+  const PointDataGrid& points = moved ? *moved : all;
   std::vector<std::string> colors;
   if (!color.empty()) colors.push_back(color);
   using Colors = openvdb::TypeList<openvdb::Vec3f>;
@@ -89,6 +139,13 @@ Spheres spheresOf(const InputFiles& files, const std::string& place, const openv
                                                         points, same, colors, kBand, cubes)
                                                   : openvdb::points::rasterizeSpheres<PointDataGrid, Colors>(
                                                         points, radius, colors, 1.0, kBand, cubes);
+  if (!hasInside(*made.at(0)))
+    refuse(Exit::kUnsupported, files.input(), place,
+           fmt::format("lies within {:.4g} x {:.4g} x {:.4g}, where a voxel is {:.4g} long, and no sphere "
+                       "(radius {:.4g} at most) has the middle of one inside; remove stray points, or give a "
+                       "smaller --voxel-size",
+                       extent.box.extents().x(), extent.box.extents().y(), extent.box.extents().z(), edge,
+                       extent.largest));
   Spheres spheres;
   spheres.surface = made.at(0);
   if (!color.empty()) spheres.color = made.at(1);
