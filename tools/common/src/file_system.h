@@ -11,7 +11,8 @@ namespace kelp {
 
 long processId();
 
-// Creates a file that does not exist yet and opens it for writing. std::errc::file_exists if there is one.
+// Creates a file that does not exist yet and opens it for writing (on POSIX for reading, too).
+// std::errc::file_exists if there is one.
 std::error_code createFile(const std::filesystem::path& path, int& file);
 // Gives the open file the permissions of another one, if that exists.
 void keepPermissions(const std::filesystem::path& from, int file);
@@ -23,7 +24,7 @@ std::error_code replaceFile(const std::filesystem::path& from, const std::filesy
 // Makes a rename in this folder last. Does nothing where a system has no such call.
 void flushFolder(const std::filesystem::path& folder);
 
-// From here to unguardFile an interrupt removes the file, if endOnInterrupt was called.
+// From here to unguardFile an interrupt removes the file, if guardOutput or endOnInterrupt was called.
 void guardFile(const std::filesystem::path& path, int file);
 // Does nothing if another file is guarded.
 void unguardFile(const std::filesystem::path& path);

@@ -22,33 +22,35 @@ constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
 // For the signal handler, which may use no more than plain memory. g_guarded: the file to remove; empty:
 // none.
-const char* g_program = nullptr;
 char g_guarded[4096];
-char g_message[64];
+char g_message[64];  // empty: nothing is to be guarded
 
 // The signals as they were before they had to wait. Of each thread, as the mask is.
 thread_local sigset_t t_before;
 
 std::error_code lastError() { return {errno, std::generic_category()}; }
 
-void removeAndEnd(int) {
+}  // namespace
+
+void guardOutput(const std::string& message) {
+  std::snprintf(g_message, sizeof g_message, "%s\n", message.c_str());
+}
+
+void endInterrupted() {
   if (g_guarded[0] != 0) ::unlink(g_guarded);
   static_cast<void>(!::write(STDERR_FILENO, g_message, std::strlen(g_message)));
   ::_exit(static_cast<int>(Exit::kInterrupted));
 }
 
-}  // namespace
-
 void endOnInterrupt(const char* program) {
-  g_program = program;
-  std::snprintf(g_message, sizeof g_message, "%s: interrupted\n", program);
+  guardOutput(program + std::string(": interrupted"));
   for (const int signal : kSignals) {
     struct sigaction action {};
     ::sigaction(signal, nullptr, &action);
     // nohup, and shells for jobs in the background, have them ignored.
     if (action.sa_handler == SIG_IGN) continue;
     action = {};
-    action.sa_handler = &removeAndEnd;
+    action.sa_handler = [](int) { endInterrupted(); };
     ::sigaction(signal, &action, nullptr);
   }
   // At a limit on the size of files, write() fails and the output is removed. The signal would end the
@@ -58,14 +60,14 @@ void endOnInterrupt(const char* program) {
 
 void guardFile(const std::filesystem::path& path, int) {
   const std::string& name = path.native();
-  if (!g_program || g_guarded[0] != 0 || name.size() >= sizeof g_guarded) return;
+  if (g_message[0] == 0 || g_guarded[0] != 0 || name.size() >= sizeof g_guarded) return;
   std::memcpy(g_guarded + 1, name.c_str() + 1, name.size());
   std::atomic_signal_fence(std::memory_order_seq_cst);
   g_guarded[0] = name[0];  // last: the handler sees the whole name or none
 }
 
 void unguardFile(const std::filesystem::path& path) {
-  if (g_program && path.native() == g_guarded) g_guarded[0] = 0;
+  if (path.native() == g_guarded) g_guarded[0] = 0;
 }
 
 InterruptsWait::InterruptsWait() {
@@ -80,7 +82,7 @@ InterruptsWait::~InterruptsWait() { ::pthread_sigmask(SIG_SETMASK, &t_before, nu
 long processId() { return ::getpid(); }
 
 std::error_code createFile(const std::filesystem::path& path, int& file) {
-  file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  file = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   return file < 0 ? lastError() : std::error_code();
 }
 

@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "cli/clashes.h"
 #include "cli/interrupt.h"
@@ -81,15 +82,31 @@ std::optional<std::string> hashOf(const Source& source) {
   return hash.text();
 }
 
+// By its descriptor: its permissions may be such that nobody may open it for reading.
+Read readOutput(void* user, std::uint64_t offset, std::span<std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(static_cast<const OutputFile*>(user)->descriptor(), bytes.data(),
+                                bytes.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return Read::kFailed;
+    bytes = bytes.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
+  return Read::kDone;
+}
+
 // Reads the child's pack before it takes its place: of its size and hash nobody believes the child. Returns
 // its INFO. Throws ToolError if it is not sound.
-std::string checkFinished(const Options& options, const OutputFile& output, bake::Report& report) {
+std::string checkFinished(const Options& options, OutputFile& output, bake::Report& report) {
   const auto start = Clock::now();
   const std::string name = options.output.string();
-  const FileSource file = checkPack(name, FileSource::open(output.temporaryPath().c_str()));
+  struct stat status {};
+  if (::fstat(output.descriptor(), &status) != 0)
+    throw ToolError(Exit::kIo, name + ": cannot be read again; check the disk");
+  const Source source{&readOutput, &output, static_cast<std::uint64_t>(status.st_size), nullptr, nullptr};
   std::optional<Issue> issue;
   verify(
-      file.source(), Limits(),
+      source, Limits(),
       [](void* first, const Issue& found) {
         auto& kept = *static_cast<std::optional<Issue>*>(first);
         if (found.severity == Severity::kError && !kept) kept = found;
@@ -100,14 +117,14 @@ std::string checkFinished(const Options& options, const OutputFile& output, bake
     throw ToolError(Exit::kRuntime, options.input.string() + ": the pack that its bake wrote is not sound (" +
                                         toString(issue->id) +
                                         "); please report this as a defect, with the file");
-  const std::optional<std::string> hash = hashOf(file.source());
+  const std::optional<std::string> hash = hashOf(source);
   if (!hash) throw ToolError(Exit::kIo, name + ": cannot be read again; check the disk");
-  report.pack_bytes = file.source().size;
+  report.pack_bytes = source.size;
   report.pack_hash = *hash;
   // What the contained process took counts on: this one's peak is often less.
   const std::uint64_t before = report.stages.empty() ? 0 : report.stages.back().peak_bytes;
   report.stages.push_back({"check", secondsSince(start), std::max(before, peakMemory())});
-  return std::string(checkPack(name, Pack::open(file.source())).infoJson());
+  return std::string(checkPack(name, Pack::open(source)).infoJson());
 }
 
 // The files that the pack was made of: those that its INFO names, as they are now. Of their names and hashes,

@@ -1,20 +1,42 @@
 // SPDX-License-Identifier: MIT
 #include "cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <initializer_list>
+
+#include "cli/messages.h"
+#include "kelp/common/output_file.h"
 
 namespace kelp::bake_cli {
 namespace {
 
-volatile std::sig_atomic_t g_interrupted = 0;
+// `timeout` signals a program and its group: a second signal so soon is no second wish.
+constexpr std::int64_t kSameWish = 100'000'000;  // ns
+
+std::atomic<std::int64_t> g_interrupted{0};  // when, in ns; 0: not yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler must not wait");
+
+std::int64_t monotonicTime() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec;
+}
+
+void hearInterrupt(int) {
+  std::int64_t first = 0;
+  if (!g_interrupted.compare_exchange_strong(first, monotonicTime()) && monotonicTime() - first > kSameWish)
+    endInterrupted();
+}
 
 }  // namespace
 
 void catchInterrupts() {
+  guardOutput(errorLine(Exit::kInterrupted, "interrupted"));
   struct sigaction action {};
-  action.sa_handler = [](int) { g_interrupted = 1; };
-  action.sa_flags = SA_RESETHAND;
+  action.sa_handler = hearInterrupt;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
@@ -28,7 +50,7 @@ void catchInterrupts() {
 
 void hearParentOnly() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
-  std::signal(SIGUSR1, [](int) { g_interrupted = 1; });
+  std::signal(SIGUSR1, [](int) { g_interrupted = monotonicTime(); });
   sigset_t heard;
   sigemptyset(&heard);
   sigaddset(&heard, SIGUSR1);

@@ -20,8 +20,8 @@ void put(std::string line) {
   std::fflush(stderr);
 }
 
-void put(const OrderedJson& json) {
-  put(console::escapeControls(json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace)));
+std::string lineOf(const OrderedJson& json) {
+  return console::escapeControls(json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
 }
 
 OrderedJson ofKind(const char* kind, const OfBatch& of = {}) {
@@ -37,11 +37,15 @@ std::string number(const OfBatch& of) {
   return of.asset > 0 ? "[" + std::to_string(of.asset) + "/" + std::to_string(of.assets) + "] " : "";
 }
 
-void say(OrderedJson json, std::string_view before, std::string_view text) {
+std::string lineOf(OrderedJson json, std::string_view before, std::string_view text) {
   const std::string line = console::oneLine(std::string(text));
-  if (!g_json) return put(std::string(before) + line);
+  if (!g_json) return std::string(before) + line;
   json["text"] = line;
-  put(json);
+  return lineOf(json);
+}
+
+void say(const OrderedJson& json, std::string_view before, std::string_view text) {
+  put(lineOf(json, before, text));
 }
 
 }  // namespace
@@ -56,11 +60,13 @@ void sayWarning(std::string_view text, const OfBatch& of) {
   say(ofKind("warning", of), "kelp-bake: " + number(of) + "warning: ", text);
 }
 
-void sayError(Exit exit, std::string_view text) {
+std::string errorLine(Exit exit, std::string_view text) {
   OrderedJson json = ofKind("error");
   json["exit"] = static_cast<int>(exit);
-  say(json, "kelp-bake: ", text);
+  return lineOf(json, "kelp-bake: ", text);
 }
+
+void sayError(Exit exit, std::string_view text) { put(errorLine(exit, text)); }
 
 void sayAsset(const OfBatch& of, std::string_view output, std::string_view status, Exit exit,
               std::string_view text) {

@@ -23,6 +23,7 @@ void sayNote(std::string_view text);  // "kelp-bake: wrote reed.kelp: ..."
 void sayDetail(std::string_view text);
 void sayWarning(std::string_view text, const OfBatch& of = {});  // "kelp-bake: [1/3] warning: ..."
 void sayError(Exit exit, std::string_view text);                 // "kelp-bake: ..."
+std::string errorLine(Exit exit, std::string_view text);         // what that prints, without its end
 // The result of an asset of a batch. `status` as in the batch's report; `text`: "baked, 3.2 KiB, in 0.10 s".
 void sayAsset(const OfBatch& of, std::string_view output, std::string_view status, Exit exit,
               std::string_view text);

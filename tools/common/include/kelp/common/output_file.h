@@ -54,7 +54,8 @@ class OutputFile {
   // does.
   void flush();
   const std::filesystem::path& path() const { return path_; }  // as given; empty: standard output
-  // Where the bytes are before commit(), and the open file: for a process that writes or checks them.
+  // Where the bytes are before commit(), and the open file, which may be read, too (not on Windows): for a
+  // process that writes or checks them.
   const std::filesystem::path& temporaryPath() const { return temporary_; }
   int descriptor() const { return file_; }
 
@@ -98,5 +99,10 @@ void checkTextOutput(const std::filesystem::path& path);
 // OutputFile at a time is removed so. Requests that are ignored (nohup) stay ignored. `program` must stay
 // valid.
 void endOnInterrupt(const char* program);
+// The two halves of it, for a program with a handler of its own. Not on Windows. guardOutput() comes before
+// the first OutputFile; endInterrupted() removes the file, prints `message` (one line of at most 62 bytes)
+// and ends the process. It may be called in a signal handler.
+void guardOutput(const std::string& message);
+[[noreturn]] void endInterrupted();
 
 }  // namespace kelp
