@@ -377,6 +377,16 @@ class KelpBake(unittest.TestCase):
         self.assertLess(
             self.needs(often, "--resolution", "256"), 1.05 * self.needs(self.cube, "--resolution", "256"))
 
+    def test_faces_from_both_sides_enclose_nothing(self):
+        """Each quad once more, turned: it is cut along its other diagonal, and no triangle is there twice."""
+        lines = CUBE.splitlines()
+        turned = ["f " + " ".join(reversed(line.split()[1:])) for line in lines if line.startswith("f ")]
+        both = self.write("both.obj", "\n".join(lines + turned))
+        result = self.bake(both, "-o", self.out, "--report", self.path("r.json"), "--resolution", "16")
+        self.assertIn(b"1 of 1 component closed, 1 encloses nothing (faces from both sides)", result.stderr)
+        component, = json.loads(self.read(self.path("r.json")))["parts"][0]["components"]
+        self.assertIn("closed, but encloses nothing", component["why"])
+
     def test_a_link_stays_a_link(self):
         os.symlink("real.kelp", self.path("link.kelp"))
         self.assertEqual(

@@ -27,10 +27,18 @@ std::string holesOf(double least, double most) {
                      std::round(least) < std::round(most) ? "their" : "its", 100 * kMaxHoleShare);
 }
 
+// Closed, but with no room inside: as where each face is there from both sides, and its quads are cut along
+// two diagonals, so that no triangle is another one turned.
+bool enclosesNothing(const Component& c) {
+  constexpr double kThickness = 1e-4;  // voxels, in the mean
+  return c.closed && !c.wall && c.area > 0 && std::abs(c.volume) < kThickness * c.area;
+}
+
 std::string whyOf(const Component& c, Fill fill) {
   if (c.area == 0) return "thinner than the lattice: kept as lines and points";
   if (fill == Fill::kSurface) return "surface as asked";
   if (c.wall) return fill == Fill::kSolid ? "solid as asked" : "a wall modelled from both sides";
+  if (enclosesNothing(c)) return "closed, but encloses nothing: its faces are there from both sides";
   if (c.closed) return "closed";
   if (c.solid)
     return fmt::format("{}holes of {} % of its surface were capped",
@@ -43,7 +51,7 @@ std::string whyOf(const Component& c, Fill fill) {
 }  // namespace
 
 std::string summariseFill(const Topology& mesh, Fill fill) {
-  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, lines = 0;
+  std::size_t closed = 0, capped = 0, sheets = 0, walls = 0, lines = 0, hollow = 0;
   double area = 0, cap_area = 0, least = 1e30, most = 0;
   for (const Component& c : mesh.components) {
     if (c.wall) {
@@ -55,6 +63,7 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
       continue;
     }
     closed += c.closed;
+    hollow += enclosesNothing(c);
     if (!c.solid) {
       ++sheets;
       least = std::min(least, percent(c.cap_area, c.area));
@@ -75,6 +84,8 @@ std::string summariseFill(const Topology& mesh, Fill fill) {
   std::string text =
       fmt::format("{}: {}{} of {} component{} closed", sheets == total ? "surface" : "solid",
                   fill == Fill::kSolid ? "as asked, " : "", closed, total, total == 1 ? "" : "s");
+  if (hollow > 0)
+    text += fmt::format(", {} enclose{} nothing (faces from both sides)", hollow, hollow == 1 ? "s" : "");
   if (capped > 0)
     text += fmt::format(", {} with holes capped ({} % of {} surface)", capped,
                         printPercent(percent(cap_area, area)), capped == 1 ? "its" : "their");

@@ -56,7 +56,8 @@ struct ComponentReport {
   double surface_share = 0;  // of the part's area
   bool solid = false;
   Diagnosis diagnosis;
-  std::string why;  // "closed", "holes of 2.2 % of its surface were capped", "open: ..."
+  std::string why;  // "closed", "closed, but encloses nothing: ...", "holes of 2.2 % of its surface were
+                    // capped", "open: ..."
 };
 // The most ComponentReports of a part; the largest by area are kept.
 inline constexpr std::size_t kMaxComponentReports = 64;
