@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/ptrace.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -72,6 +73,24 @@ void overwrite() { syscall(SYS_openat, AT_FDCWD, "1.obj", O_RDONLY | O_TRUNC); }
 void removeIt() { unlink("1.obj"); }
 void moveIt() { syscall(SYS_renameat2, AT_FDCWD, "1.obj", AT_FDCWD, "moved", 0); }
 void changeMode() { chmod("1.obj", 0777); }
+void shareSegment() { syscall(SYS_shmget, 1, 4096, 01600); }
+void openQueue() { syscall(SYS_mq_open, "queue", O_RDWR | O_CREAT, 0600, nullptr); }
+void makeMemoryFile() { syscall(SYS_memfd_create, "memory", 0); }
+void shareMemory() { syscall(SYS_mmap, nullptr, 4096, PROT_READ, MAP_SHARED | MAP_ANONYMOUS, -1, 0L); }
+void slowParent() { syscall(SYS_setpriority, 0, getppid(), 7); }
+void bindParent() {
+  unsigned long first = 1;
+  syscall(SYS_sched_setaffinity, getppid(), sizeof first, &first);
+}
+void keepAccounts() { syscall(SYS_acct, "none"); }
+// What a limit had been lowered by, is not to be had again.
+void raiseLimits() {
+  for (const auto kind : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_CORE}) {
+    rlimit limit{};
+    getrlimit(kind, &limit);
+    if (limit.rlim_max == RLIM_INFINITY) raise(SIGUSR2);
+  }
+}
 // Reading elsewhere is refused, and the reader goes on: it says what it got.
 void readElsewhere() {
   const int file = static_cast<int>(syscall(SYS_openat, AT_FDCWD, "/etc/passwd", O_RDONLY));
@@ -162,7 +181,15 @@ constexpr Deed kDeeds[] = {{"crash", crash},
                            {"nothing", tellNothing},
                            {"progress", tellMuchProgress},
                            {"no-call", tellNoCall},
-                           {"no-word", tellNoWord}};
+                           {"no-word", tellNoWord},
+                           {"segment", shareSegment},
+                           {"queue", openQueue},
+                           {"memfd", makeMemoryFile},
+                           {"shared", shareMemory},
+                           {"slow", slowParent},
+                           {"bind", bindParent},
+                           {"account", keepAccounts},
+                           {"limits", raiseLimits}};
 
 struct Plan {
   const char* folder = std::getenv("KELP_FAULTY_FOLDER");

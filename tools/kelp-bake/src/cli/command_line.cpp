@@ -37,8 +37,9 @@ constexpr const char* kExamples = R"(Examples:
 The rig comes from --rig, or else from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from
 empties named knot.0, knot.1, ... under a mesh. Without a rig the part is straight.
 
-Exit codes: 0 done, 1 usage, 2 files, 3 invalid input, 4 out of memory, 5 unsupported feature,
-130 interrupted. A batch continues after a bad asset and exits with the highest code of all.
+Exit codes: 0 done, 1 usage, 2 files, 3 invalid input, 4 failure at run time (memory, time, a
+crash, a forbidden call), 5 unsupported feature, 130 interrupted. A batch continues after a bad asset and
+exits with the highest code of all.
 
 Ctrl-C stops after the current step, a second Ctrl-C at once. An existing output stays as it was.)";
 

@@ -22,6 +22,7 @@
 #include "contained/sandbox.h"
 #include "contained/wire.h"
 #include "kelp/common/memory.h"
+#include "kelp/import/core/input_files.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -32,6 +33,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kOwnBytes = std::uint64_t{64} << 20;
 // Stacks count as data: of the bake's own threads and of TBB's.
 constexpr std::uint64_t kThreadsOfEach = 2;
+// Data that the program may have had before, where the system does not say how much.
+constexpr std::uint64_t kUnknownBytes = std::uint64_t{256} << 20;
 // Progress that nobody could see is not told.
 constexpr std::chrono::milliseconds kTellEvery{20};
 
@@ -44,7 +47,7 @@ int g_pipe = -1;  // for the handler of forbidden calls
   endWith(Exit::kRuntime);
 }
 
-// What the system counts against RLIMIT_DATA; 0 if it does not say.
+// What the system counts against RLIMIT_DATA; where it does not say (without /proc), not less than that.
 std::uint64_t dataBytes() {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -52,7 +55,7 @@ std::uint64_t dataBytes() {
     std::uint64_t kilobytes = 0;
     if (word == "VmData:" && status >> kilobytes) return kilobytes * 1024;
   }
-  return 0;
+  return peakMemory() + kUnknownBytes;
 }
 
 std::uint64_t stackBytes(int threads) {
@@ -66,44 +69,43 @@ std::uint64_t stackBytes(int threads) {
   return kThreadsOfEach * count * stack;
 }
 
-// Lowers a limit for this process, which may be raised again, up to what the system had allowed.
-void limit(__rlimit_resource kind, std::uint64_t bytes) {
+// Limits this process for good to `most`, and for now to `bytes`; not beyond what held for it.
+void limit(__rlimit_resource kind, std::uint64_t most, std::uint64_t bytes) {
   rlimit now{};
   if (getrlimit(kind, &now) != 0) return;
+  now.rlim_max = std::min<rlim_t>(now.rlim_max, most);
   now.rlim_cur = std::min<rlim_t>(now.rlim_max, bytes);
   setrlimit(kind, &now);
 }
 
-// Memory during and after the import; the size of the output.
+// Memory during and after the import; the size of the output. No core: it would hold as much again.
 class ChildLimits {
  public:
   explicit ChildLimits(const bake::Settings& settings)
-      : data_(dataBytes()),
-        own_(kOwnBytes + stackBytes(settings.threads)),
+      : others_(dataBytes() + kOwnBytes + stackBytes(settings.threads)),
         model_(settings.max_memory > 0 ? settings.max_memory : physicalMemory()) {
-    getrlimit(RLIMIT_DATA, &before_);
-    limit(RLIMIT_FSIZE, std::min<std::uint64_t>(fileLimit(), physicalMemory()));
+    rlimit data{}, files{};
+    getrlimit(RLIMIT_DATA, &data);
+    getrlimit(RLIMIT_FSIZE, &files);
+    most_ = std::min<std::uint64_t>(data.rlim_cur, others_ + std::max(model_, physicalMemory()));
+    const std::uint64_t output = std::min<std::uint64_t>(files.rlim_cur, physicalMemory());
+    limit(RLIMIT_FSIZE, output, output);
+    limit(RLIMIT_CORE, 0, 0);
     // should memory give out, this is the process to end
     std::ofstream("/proc/self/oom_score_adj") << 1000;
+    enter("import");
   }
 
   void enter(std::string_view stage) {
     const bool importing = stage == "import";
     if (importing == importing_) return;
     importing_ = importing;
-    const std::uint64_t model = importing ? model_ : std::max(model_, physicalMemory());
-    if (data_ > 0) limit(RLIMIT_DATA, std::min<std::uint64_t>(before_.rlim_cur, data_ + own_ + model));
+    limit(RLIMIT_DATA, most_, importing ? others_ + model_ : most_);
   }
 
  private:
-  static std::uint64_t fileLimit() {
-    rlimit files{};
-    return getrlimit(RLIMIT_FSIZE, &files) == 0 ? files.rlim_cur : RLIM_INFINITY;
-  }
-
-  const std::uint64_t data_;  // that the program has before the bake
-  const std::uint64_t own_, model_;
-  rlimit before_{};
+  const std::uint64_t others_, model_;  // what is no model's, and what a model may have
+  std::uint64_t most_ = 0;
   bool importing_ = false;
 };
 
@@ -147,10 +149,16 @@ std::string bakeInto(const Options& options, OutputFile& output, int pipe, const
 
 std::vector<std::filesystem::path> placesToRead(const Options& options) {
   const std::filesystem::path& input = options.input;
-  std::vector<std::filesystem::path> places{input, input.has_parent_path() ? input.parent_path() : "."};
-  for (const char* const extension : {".rig.json", ".raw.json", ".json"})
-    places.push_back(std::filesystem::path(input).replace_extension(extension));
   const bake::Settings& settings = options.settings;
+  std::vector<std::filesystem::path> places{input, input.has_parent_path() ? input.parent_path() : "."};
+  const auto add_beside = [&](const char* extension) {
+    places.push_back(std::filesystem::path(input).replace_extension(extension));
+  };
+  if (!settings.rig_file && !settings.rig_preset) add_beside(".rig.json");
+  if (bake::lowerExtension(input) == ".raw") {
+    add_beside(".raw.json");
+    add_beside(".json");
+  }
   for (const auto& file : {settings.rig_file, settings.palette_file, settings.ramp_file})
     if (file) places.push_back(*file);
   return places;

@@ -12,8 +12,9 @@
 
 namespace kelp::bake_cli {
 
-// What the child may read, by name: files, and the input's folder with all below. Links in it that the user
-// put there may lead out of it.
+// What the child may read, by name: the files that this format and these options read, and the input's folder
+// with all below. A link in that folder that leads out of it cannot be followed, unless it is one of those
+// files.
 std::vector<std::filesystem::path> placesToRead(const Options& options);
 
 // Bakes into `output` and tells `pipe` how it goes. What libraries print goes to `prints`. Never returns.

@@ -154,7 +154,8 @@ class Child {
     if (waiting[1].revents != 0) {
       const ssize_t size = ::read(prints_.from, bytes.data(), bytes.size());
       if (size > 0 && printed_.size() < kMostPrinted)
-        printed_.append(bytes.data(), std::min<std::size_t>(static_cast<std::size_t>(size), kMostPrinted));
+        printed_.append(bytes.data(), std::min<std::size_t>(static_cast<std::size_t>(size),
+                                                            kMostPrinted - printed_.size()));
     }
     if (waiting[0].revents == 0) return true;
     const ssize_t size = ::read(words_.from, bytes.data(), bytes.size());
@@ -239,7 +240,8 @@ class Child {
                   ? std::string("the bake crashed (") + strsignal(WTERMSIG(status)) + ")"
                   : "the bake ended by itself (exit code " + std::to_string(WEXITSTATUS(status)) + ")") +
              when() +
-             "; please report this as a defect, with the file; it may be damaged, or made to do harm";
+             "; the file is damaged or made to do harm, or this is a defect of kelp-bake: please report it, "
+             "with the file";
     }
     if (!printed_.empty()) what += "; it said: " + console::oneLine(printed_);
     fail(what);

@@ -14,6 +14,7 @@
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -42,10 +43,10 @@ int landlockVersion() {
 // Programs load code, zones and the machine's properties from here at any time. What is of one user is not
 // among it.
 constexpr std::array kOfTheSystem{
-    "/usr/lib",       "/usr/lib64",         "/usr/local/lib", "/lib",         "/lib64",
-    "/proc/self",     "/proc/meminfo",      "/proc/cpuinfo",  "/proc/sys/vm", "/sys/devices/system",
-    "/sys/fs/cgroup", "/dev/null",          "/dev/zero",      "/dev/urandom", "/etc/ld.so.cache",
-    "/etc/localtime", "/usr/share/zoneinfo"};
+    "/usr/lib",     "/usr/lib64",          "/usr/local/lib", "/lib",
+    "/lib64",       "/proc/self",          "/proc/meminfo",  "/proc/cpuinfo",
+    "/proc/sys/vm", "/sys/devices/system", "/sys/fs/cgroup", "/dev/null",
+    "/dev/urandom", "/etc/ld.so.cache",    "/etc/localtime", "/usr/share/zoneinfo"};
 
 void allow(int rules, const std::filesystem::path& path) {
   // The call itself: nothing may stand between before the rules hold, such as a library that was preloaded.
@@ -95,13 +96,50 @@ const std::vector<Forbidden>& forbiddenCalls() {
         "mknod",     "mknodat",   "chmod",       "fchmod",       "fchmodat",    "chown",     "lchown",
         "fchown",    "fchownat",  "utime",       "utimes",       "utimensat",   "futimesat", "setxattr",
         "lsetxattr", "fsetxattr", "removexattr", "lremovexattr", "fremovexattr"}},
+      {"sharing memory or messages with another process",
+       {"shmget", "shmat", "semget", "msgget", "mq_open", "mq_unlink", "memfd_create"}},
+      {"changing who gets the processor first",
+       {"setpriority", "ioprio_set", "sched_setattr", "sched_setparam", "sched_setscheduler"}},
       {"changing the system",
-       {"mount",        "umount2",       "pivot_root",        "chroot",       "setns",
-        "unshare",      "swapon",        "swapoff",           "reboot",       "sethostname",
-        "settimeofday", "clock_settime", "init_module",       "finit_module", "delete_module",
-        "kexec_load",   "bpf",           "perf_event_open",   "userfaultfd",  "keyctl",
-        "add_key",      "request_key",   "open_by_handle_at", "move_mount",   "open_tree",
-        "fsopen",       "fsmount"}}};
+       {"mount",
+        "umount2",
+        "pivot_root",
+        "chroot",
+        "setns",
+        "unshare",
+        "swapon",
+        "swapoff",
+        "reboot",
+        "sethostname",
+        "settimeofday",
+        "clock_settime",
+        "init_module",
+        "finit_module",
+        "delete_module",
+        "kexec_load",
+        "bpf",
+        "perf_event_open",
+        "userfaultfd",
+        "keyctl",
+        "add_key",
+        "request_key",
+        "open_by_handle_at",
+        "move_mount",
+        "open_tree",
+        "fsopen",
+        "fsmount",
+        "mount_setattr",
+        "fsconfig",
+        "fspick",
+        "kexec_file_load",
+        "iopl",
+        "ioperm",
+        "acct",
+        "quotactl",
+        "adjtimex",
+        "clock_adjtime",
+        "setdomainname",
+        "syslog"}}};
   return all;
 }
 
@@ -110,7 +148,8 @@ const std::vector<Forbidden>& forbiddenUses() {
   static const std::vector<Forbidden> all{{"opening a file for writing", {"open", "openat"}},
                                           {"starting a process", {"clone"}},
                                           {"sending a signal", {"kill", "tgkill"}},
-                                          {"changing another process", {"prlimit64"}},
+                                          {"changing another process", {"prlimit64", "sched_setaffinity"}},
+                                          {"memory that no limit counts", {"mmap"}},
                                           {"typing for the user", {"ioctl"}}};
   return all;
 }
@@ -160,7 +199,11 @@ bool filterCalls() {
   const auto self = static_cast<std::uint64_t>(getpid());
   for (const char* const call : {"kill", "tgkill"})
     added &= rule(filter, SCMP_ACT_TRAP, call, where(0, SCMP_CMP_NE, self));
-  added &= rule(filter, SCMP_ACT_TRAP, "prlimit64", where(0, SCMP_CMP_NE, 0));  // 0: of itself
+  for (const char* const call : {"prlimit64", "sched_setaffinity"})
+    added &= rule(filter, SCMP_ACT_TRAP, call, where(0, SCMP_CMP_NE, 0));  // 0: of itself
+  // RLIMIT_DATA does not count memory that could be shared.
+  constexpr std::uint64_t kShared = MAP_SHARED | MAP_ANONYMOUS;
+  added &= rule(filter, SCMP_ACT_TRAP, "mmap", where(3, SCMP_CMP_MASKED_EQ, kShared, kShared));
   added &= rule(filter, SCMP_ACT_TRAP, "ioctl", where(1, SCMP_CMP_MASKED_EQ, 0xffffffff, TIOCSTI));
   return added && seccomp_load(filter.get()) == 0;
 }
