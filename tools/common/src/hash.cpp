@@ -56,6 +56,7 @@ std::string hashFile(const std::filesystem::path& path) {
     file.read(block.data(), static_cast<std::streamsize>(block.size()));
     XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
   }
+  if (file.bad()) throw ToolError(Exit::kIo, path.string() + ": cannot be read to its end; check the disk");
   return hexadecimal(XXH3_64bits_digest(state.get()));
 }
 
