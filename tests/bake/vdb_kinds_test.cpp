@@ -131,7 +131,7 @@ TEST(VdbKinds, PointsAreSpheresOfTheirRadiusAndColour) {
   const Scratch scratch;
   const auto path = scratch.folder() / "points.vdb";
   // Of voxels that are much smaller than its cubes, the grid has too many to look at each.
-  for (const auto& [name, voxel] : {std::pair("pscale", 1.0), {"radius", 1.0}, {"pscale", 1e-6}}) {
+  for (const auto& [name, voxel] : {std::pair("pscale", 1.0), {"radius", 1.0}, {"pscale", 1e-3}}) {
     VdbPoints points = someBalls();
     points.radius = name;
     points.voxel = voxel;
@@ -194,7 +194,7 @@ TEST(VdbKinds, OnePointFarFromAllOthers) {
   const auto path = scratch.folder() / "points.vdb";
   VdbPoints points = someBalls();
   points.places.push_back({1000, 0, 0});
-  points.radii.push_back(10);
+  points.radii.assign(points.places.size(), 10);
   points.colors.push_back({1, 1, 1});
   points.voxel = 0.001;
   writePoints(path, {points});
