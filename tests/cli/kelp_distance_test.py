@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Distances through the programs a user types: kelp-bake puts them into packs, kelp-dump extracts, checks and
-compares them. The truth is a separable transform in plain Python; of real files it is SciPy's, if it is there.
+"""Distances through the programs a user types: kelp-bake puts them into packs, kelp-dump extracts, checks
+and compares them. The truth is a separable transform in plain Python; of real files it is SciPy's, if that
+is there.
 
   kelp_distance_test.py KELP_BAKE KELP_DUMP SOURCE [unittest's options]
 """
@@ -49,7 +50,8 @@ def squared_distances(marked, size):
             if min(line) == FAR:
                 continue
             best[start : start + n * stride : stride] = [
-                min(line[j] + (i - j) * (i - j) for j in range(max(0, i - 16), min(n, i + 17))) for i in range(n)]
+                min(line[j] + (i - j) * (i - j) for j in range(max(0, i - 16), min(n, i + 17)))
+                for i in range(n)]
     return best
 
 
@@ -69,7 +71,8 @@ def true_distances(occupancy, size, band):
         for y in range(size[1]):
             for x in range(size[0]):
                 at = x + 1 + padded[0] * (y + 1 + padded[1] * (z + 1))
-                squared, limit, sign = (to_empty[at], band[1], -1) if solid[at] else (to_solid[at], band[0], 1)
+                squared, limit, sign = (
+                    (to_empty[at], band[1], -1) if solid[at] else (to_solid[at], band[0], 1))
                 out.append(sign * (float32(math.sqrt(squared)) - 0.5 if squared <= limit else math.inf))
     return out
 

@@ -82,8 +82,8 @@ Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
 // The distances of one level, exact within the band: what kelp/formats/distance.h describes. Brick by brick,
-// from the bits around each, without a dense array. Throws std::invalid_argument if nothing is solid, for cells
-// and codes that do not fit, and for bands that the format does not know.
+// from the bits around each, without a dense array. Throws std::invalid_argument if nothing is solid, for
+// cells and codes that do not fit, and for bands that the format does not know.
 RawDistances buildDistances(const RawLevel& level, const glm::ivec3& size, DistanceBand band, int threads);
 RawDistances buildDistances(const Occupancy& occupancy, DistanceBand band, int threads);
 
