@@ -57,12 +57,20 @@ LevelState* Asset::Impl::find(int part, int level) const {
   return &states[place[first_level[static_cast<std::size_t>(part)] + static_cast<std::uint32_t>(level)]];
 }
 
+bool Asset::Impl::makeScratch(Scratch*& memory) const {
+  if (!memory) memory = new (std::nothrow) Scratch(options.allocator);
+  return memory != nullptr;
+}
+
+// Memory for decoding, if some is left.
+Scratch* Asset::Impl::takeScratch() {
+  Scratch* const taken = scratch;
+  if (taken) scratch = taken->next;
+  return taken;
+}
+
 Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
-  if (!memory) {
-    memory = new (std::nothrow) Scratch;
-    if (!memory) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
-    memory->page = PageData(options.allocator);
-  }
+  if (!makeScratch(memory)) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
   Scratch& decoded = *memory;
   const PageInfo& info = task.level->grid.pages[task.page];
   if (Result<void> read = pack.readPage(info, decoded.page); !read) return read;
@@ -91,6 +99,7 @@ void Asset::Impl::postpone(const Task& task, std::uint64_t reserved) {
 void Asset::Impl::endPass() {
   ++passes;
   some_waited = waiting > 0;
+  waiting -= reopenDistances(Stage::kWaiting);
   for (std::size_t i = 0; waiting > 0 && i < state_count; ++i) {
     LevelState& level = states[i];
     if (level.stage == Stage::kWaiting) {
@@ -160,6 +169,10 @@ Result<bool> Asset::Impl::pump(Wanted wanted) {
 
 // Loads the most urgent grid or page.
 Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
+  if (distance_count > 0) {
+    const Result<Step> step = loadDistances();
+    if (!step || *step != Step::kNothing) return step;
+  }
   Task task;
   Scratch* memory = nullptr;
   std::uint64_t reserved = 0;
@@ -193,10 +206,7 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
       return fail({ErrorCode::kLimit, grid ? "memory_budget is too small for a level's grid"
                                            : "memory_budget is too small for a page"});
     }
-    if (!grid && scratch) {
-      memory = scratch;
-      scratch = memory->next;
-    }
+    if (!grid) memory = takeScratch();
     ++in_hand;
   }
 
@@ -209,14 +219,19 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
   } else {
     finish(task, reserved, static_cast<bool>(done));
   }
+  return endTask(memory, done);
+}
+
+// A task is no longer in hand.
+Result<Asset::Impl::Step> Asset::Impl::endTask(Scratch* memory, const Result<void>& done) {
   if (memory) {
     memory->next = scratch;
     scratch = memory;
   }
   ++ended;
   if (--in_hand == 0) idle.notify_all();
-  if (postponed) return Step::kPostponed;
   if (done) return Step::kLoaded;
+  if (done.error().code == ErrorCode::kNotYet) return Step::kPostponed;
   return fail(done.error());
 }
 
@@ -241,6 +256,7 @@ Result<std::unique_ptr<Asset>> Asset::open(const Source& source, const Options& 
   if (Result<void> prepared = impl->clips.prepare(impl->pack.parts(), impl->pack.clips()); !prepared)
     return prepared.error();
   if (Result<void> prepared = impl->prepareLevels(); !prepared) return prepared.error();
+  if (Result<void> prepared = impl->prepareDistances(); !prepared) return prepared.error();
   if (!impl->absent_clip.prepare("clip", impl->pack.clips()) ||
       !impl->absent_socket.prepare("socket", impl->pack.sockets()))
     return Error{ErrorCode::kOutOfMemory, "no memory for the asset"};
@@ -281,7 +297,7 @@ Result<void> Asset::loadAll() {
     a.idle.wait(lock, [&a] { return a.in_hand == 0; });
     if (a.some_waited || a.waiting > 0)
       return Error{ErrorCode::kNotYet, "the source has not got the rest yet"};
-    if (a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
+    if (a.anyDistancesOpen() || a.choose(Impl::Wanted::kAll, Impl::kAnySize).level) {
       if (a.ended != before) continue;
       return Error{ErrorCode::kLimit, "memory_budget is too small for all of the pack"};
     }
@@ -295,6 +311,7 @@ void Asset::retry() {
   std::lock_guard lock(a.mutex);
   a.any_error = false;
   a.changes.fetch_add(1, std::memory_order_relaxed);
+  a.reopenDistances(Stage::kFailed);
   for (std::size_t i = 0; i < a.state_count; ++i) {
     LevelState& level = a.states[i];
     level.request.failed.store(false, std::memory_order_relaxed);

@@ -8,6 +8,7 @@
 #include <shared_mutex>
 
 #include "absent_name.h"
+#include "distance_store.h"
 #include "kelp/simd/clip_tables.h"
 #include "level_store.h"
 
@@ -18,7 +19,9 @@ constexpr std::uint32_t kPatience = 8;
 
 // Memory for decoding pages, kept for the next page.
 struct Scratch {
+  explicit Scratch(const Allocator& allocator) : page(allocator), distances(allocator) {}
   PageData page;
+  DistancePage distances;
   Scratch* next = nullptr;
 };
 
@@ -41,7 +44,9 @@ struct Asset::Impl {
         absent_clip(given.allocator),
         absent_socket(given.allocator),
         first_level(given.allocator),
-        place(given.allocator) {}
+        place(given.allocator),
+        first_distances(given.allocator),
+        distance_place(given.allocator) {}
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -51,6 +56,10 @@ struct Asset::Impl {
     static constexpr std::uint32_t kGrid = ~0u;
     LevelState* level = nullptr;
     std::uint32_t page = kGrid;
+  };
+  struct DistanceTask {
+    DistanceState* level = nullptr;
+    std::uint32_t page = Task::kGrid;
   };
   enum class Wanted : std::uint8_t { kAsked, kAll };
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
@@ -67,10 +76,13 @@ struct Asset::Impl {
   };
 
   Result<void> prepareLevels();
+  Result<void> prepareDistances();
   LevelState* find(int part, int level) const;
+  DistanceState* findDistances(int part, int level) const;
   Result<bool> pump(Wanted wanted);
   enum class Step : std::uint8_t { kLoaded, kPostponed, kNothing };
   Result<Step> loadNext(Wanted wanted);
+  Result<Step> loadDistances();
   void ask(LevelState& level, float urgency, std::uint32_t now);
   void ask(const LevelState& level, std::uint32_t page, float urgency, std::uint32_t now);
 
@@ -98,9 +110,17 @@ struct Asset::Impl {
   std::uint64_t bytesOf(const Task& task) const;
   void finish(const Task& task, std::uint64_t reserved, bool done);
   Error fail(const Error& error);
+  bool isCoarsestDone();
+  bool anyDistancesOpen();
+  DistanceTask chooseDistances(std::uint64_t& reserved);
+  void setStage(const DistanceTask& task, Stage stage);
+  std::uint32_t reopenDistances(Stage from);
+  Scratch* takeScratch();
+  Result<Step> endTask(Scratch* memory, const Result<void>& done);
 
   // Call these without it.
-  // Makes `memory` if it is null.
+  // Makes `memory` if it is null. False: no memory.
+  [[nodiscard]] bool makeScratch(Scratch*& memory) const;
   Result<void> loadPage(const Task& task, Scratch*& memory);
 
   Pack pack;
@@ -113,6 +133,12 @@ struct Asset::Impl {
   std::size_t first_open = 0, first_open_coarsest = 0;
   Buffer<std::uint32_t> first_level;  // of each part, into `place`
   Buffer<std::uint32_t> place;        // part-major -> index into `states`
+  // The same for the distances that are loaded; others have no place.
+  static constexpr std::uint32_t kNoPlace = ~0u;
+  std::unique_ptr<DistanceState[]> distances;
+  std::size_t distance_count = 0, first_open_distances = 0;
+  Buffer<std::uint32_t> first_distances, distance_place;
+  bool coarsest_done = false;  // isCoarsestDone() was true
 
   std::mutex mutex;
   std::condition_variable idle;  // signalled when in_hand becomes 0

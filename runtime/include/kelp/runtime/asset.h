@@ -20,6 +20,18 @@ struct VoxelLevel {
   std::span<const PageInfo> pages;       // they hold the stored bricks
 };
 
+// One level of distances of one solid part (kelp/formats/distance.h), all of it. Immutable; valid as long as
+// the asset.
+struct DistanceLevel {
+  glm::ivec3 size{0};  // voxels of this level
+  glm::ivec3 grid{0};  // bricks
+  DistanceBand band;
+  // One a brick, x fastest, then y, then z: kCellSolid | slot of a stored brick; kFarOutside or kFarInside,
+  // which all of its 512 codes are.
+  std::span<const std::uint32_t> cells;
+  std::span<const std::uint8_t> codes;  // 512 a slot
+};
+
 struct Options {
   Limits limits;
   // For grids, pages and decoding. Some hundred bytes for each level of each part come from operator new.
@@ -30,6 +42,9 @@ struct Options {
   // pump() that found nothing to do. If rays use more than the budget holds, a renderer draws coarser pages
   // until those rays stop.
   std::uint64_t memory_budget = std::uint64_t{1} << 30;
+  // The finest level of distances to load, for the queries of kelp/runtime/distance.h. 0: all of them; -1:
+  // none, and nothing of them is read. Of a part with fewer levels the coarsest is loaded.
+  int distance_level = -1;
 };
 
 // Owns the decoded voxels. Thread-safe: any thread may call any function at any time; only the destructor
@@ -37,7 +52,8 @@ struct Options {
 //
 // What is loaded: at first everything, coarse to fine. Once a renderer has called upload(), or the memory
 // budget is used up, only what was requested recently, by draws and ray casts, the most urgent first, and
-// always the coarsest level of each part.
+// always the coarsest level of each part. Distances come after these coarsest levels and before everything
+// else, each level whole or not at all, and are never dropped.
 //
 // What must outlive what: an asset keeps its source alive if the source says how (Source::acquire), as
 // FileSource does. Poses and springs need no asset once they are made. An Instance only points: its asset and
@@ -76,7 +92,10 @@ class Asset {
   // The finest level of the part that is wholly in memory and not finer than `wanted`. If there is none, the
   // coarsest of the finer ones. -1: none yet.
   int residentLevel(int part, int wanted = 0) const;
-  // Bytes of grids and pages that are in memory now.
+  // The level of distances, if all of it is in memory; else null. Needs Options::distance_level. Where the
+  // budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
+  const DistanceLevel* distances(int part, int level) const;
+  // Bytes of grids, pages and distances that are in memory now.
   std::uint64_t memory() const;
 
  private:
