@@ -169,4 +169,6 @@ const DistanceLevel* Asset::distances(int part, int level) const {
   return state && state->ready.load(std::memory_order_acquire) ? &state->data : nullptr;
 }
 
+bool Asset::loadsDistances() const { return impl_->distance_count > 0; }
+
 }  // namespace kelp::runtime

@@ -95,6 +95,8 @@ class Asset {
   // The level of distances, if all of it is in memory; else null. Needs Options::distance_level. Where the
   // budget does not hold a level, coarser ones are there; loadAll() says so, pump() does not.
   const DistanceLevel* distances(int part, int level) const;
+  // Whether the asset loads distances: it was asked to, and the pack has some.
+  bool loadsDistances() const;
   // Bytes of grids, pages and distances that are in memory now.
   std::uint64_t memory() const;
 

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// Distances, overlaps and sphere casts on the CPU. They need a pack with distances (kelp-bake's default) in
+// an asset that loads them: Options::distance_level.
+//
+// The solid is the union of the closed level-0 voxels of all solid parts, bent by the pose, in the world:
+// what is drawn at full detail. Where only coarser distances are in memory, answers stay on the safe side.
+//
+// All lengths are in the unit of the world. "A voxel" is the longest side of a voxel of the finest level of
+// distances in memory, in the world. Nothing allocates or blocks. Any thread may call while nobody changes
+// the pose. An instance that is not drawn (a pose that is not monotone, a singular matrix) has no solid.
+//
+// Errors of all functions: kMisuse for numbers that are not finite, for lengths that must be above 0 and are
+// not, for an instance without an asset, and if the asset was opened without Options::distance_level;
+// kUnsupportedFeature if the pack has no distances; kNotYet if some solid part has none in memory yet. With a
+// list of instances, `offset` is the index of the instance.
+#pragma once
+
+#include <limits>
+#include <span>
+
+#include "kelp/runtime/instance.h"
+
+namespace kelp::runtime {
+
+inline constexpr float kFarAway = std::numeric_limits<float>::infinity();
+
+struct Distance {
+  // Never more than the distance to the solid; 0 where that is not known to be above 0. Inside of the solid:
+  // below 0, and the surface is at least so far away. kFarAway: there is no solid.
+  float bound = kFarAway;
+  glm::vec3 away{0, 1, 0};  // unit; where the distance grows fastest, as far as the stored distances tell
+  int instance = 0;         // index in the list that was given
+  int part = -1;            // whose distance it is; -1: there is no solid
+  int level = 0;            // of the distances that answered
+};
+Result<Distance> distance(const Instance& instance, const glm::vec3& point);
+
+struct ClosestPoint {
+  glm::vec3 point{0};         // of the solid
+  float distance = kFarAway;  // to it; kFarAway: there is no solid within reach
+  int instance = 0;           // index in the list that was given
+  int part = -1;
+};
+// A point of the solid that is nearest to `point`, to a voxel; `point` itself inside. Only solid nearer than
+// `reach` (above 0; may be kFarAway) is looked for. Where the finest levels are not in memory, the point
+// belongs to a coarser voxel. A search that would take too long (some milliseconds) ends early: the point
+// still belongs to the solid, but a nearer one may exist.
+Result<ClosestPoint> closestPoint(const Instance& instance, const glm::vec3& point, float reach = kFarAway);
+
+struct Sphere {
+  glm::vec3 centre{0};
+  float radius = 0;  // at least 0
+};
+struct Capsule {  // all points within `radius` of the line from `a` to `b`, which differ
+  glm::vec3 a{0}, b{0};
+  float radius = 0;  // at least 0
+};
+struct OrientedBox {
+  glm::vec3 centre{0};
+  glm::vec3 half_size{0};          // above 0
+  glm::quat rotation{1, 0, 0, 0};  // of the box, in the world
+};
+// Whether the shape touches the solid. Never false if it does. If it does not, true only if the solid is
+// within a voxel of the shape; within two where the instance's matrix shears. Also true if a search would
+// take too long.
+Result<bool> overlaps(const Instance& instance, const Sphere& shape);
+Result<bool> overlaps(const Instance& instance, const Capsule& shape);
+Result<bool> overlaps(const Instance& instance, const OrientedBox& shape);
+
+struct SphereCast {
+  bool hit = false;
+  float t = 1;              // of the way, 0 to 1, that is free
+  glm::vec3 centre{0};      // of the sphere there
+  glm::vec3 away{0, 1, 0};  // unit; Distance::away of the centre. Meaningless without a hit
+  int instance = 0;         // index in the list that was given
+  int part = -1;            // that was hit
+  bool ran_out = false;     // the search took too long: the way up to t is free, and no more is known
+};
+// Moves a sphere (radius at least 0) from one point to another one, and stops it before it touches the solid:
+// it never passes through, and the solid is then within a voxel of it; within two where the instance's matrix
+// shears. t is 0 if it starts so near.
+Result<SphereCast> sphereCast(const Instance& instance, const glm::vec3& from, const glm::vec3& to,
+                              float radius);
+
+// The same for a list. `boxes`: bounds() of each instance, if the caller has them; a caller that asks often
+// makes them once a frame. Empty: they are made here, for every call. kMisuse for any other number of them.
+Result<Distance> distance(std::span<const Instance> instances, const glm::vec3& point,
+                          std::span<const Box> boxes = {});
+Result<ClosestPoint> closestPoint(std::span<const Instance> instances, const glm::vec3& point,
+                                  float reach = kFarAway, std::span<const Box> boxes = {});
+// The index of the first instance that the shape overlaps; -1: none.
+Result<int> overlaps(std::span<const Instance> instances, const Sphere& shape,
+                     std::span<const Box> boxes = {});
+Result<int> overlaps(std::span<const Instance> instances, const Capsule& shape,
+                     std::span<const Box> boxes = {});
+Result<int> overlaps(std::span<const Instance> instances, const OrientedBox& shape,
+                     std::span<const Box> boxes = {});
+Result<SphereCast> sphereCast(std::span<const Instance> instances, const glm::vec3& from, const glm::vec3& to,
+                              float radius, std::span<const Box> boxes = {});
+
+}  // namespace kelp::runtime

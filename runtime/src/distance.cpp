@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/runtime/distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kelp/simd/bound_knots.h"
+#include "posed_part.h"
+#include "posed_solid.h"
+#include "rest_distance.h"
+
+namespace kelp::runtime {
+
+bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Result<bool> checkInstance(const Instance& instance) {
+  if (!instance.asset) return Error{ErrorCode::kMisuse, "an instance without an asset"};
+  const Asset& asset = *instance.asset;
+  if (!asset.pack().hasDistances()) return Error{ErrorCode::kUnsupportedFeature, "the pack has no distances"};
+  const auto parts = static_cast<int>(asset.pack().parts().size());
+  for (int part = 0; part < parts; ++part) {
+    const int levels = asset.pack().distanceLevels(part);
+    int level = levels - 1;
+    while (level >= 0 && !asset.distances(part, level)) --level;
+    if (levels > 0 && level < 0) {
+      if (!asset.loadsDistances())
+        return Error{ErrorCode::kMisuse, "the asset was opened without Options::distance_level"};
+      return Error{ErrorCode::kNotYet, "no distances of a part are in memory yet",
+                   static_cast<std::uint64_t>(part), Error::Unit::kPart};
+    }
+  }
+  if (instance.pose && (instance.pose->parts() != parts || !instance.pose->check())) return false;
+  return true;
+}
+
+std::optional<PosedSolid> posedSolid(const Instance& instance, int part) {
+  const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+  const std::span<const Knot> knots = knotsOf(instance, part);
+  if (of.kind != PartKind::kSolid || knots.size() < 2) return std::nullopt;
+  const glm::dmat4 to_world(partToWorld(instance, part));
+  const glm::dmat3 linear(to_world);
+  const double volume = glm::determinant(linear), away = glm::dot(to_world[3], glm::dvec4(1));
+  if (!(std::abs(volume) > 0) || !std::isfinite(volume) || !std::isfinite(away)) return std::nullopt;
+  return PosedSolid{instance.asset,         part, knots, SplineMap(knots, of.size), of.size, linear,
+                    glm::dvec3(to_world[3])};
+}
+
+double leastScale(const glm::dmat3& matrix) {
+  const glm::dmat3 g = glm::transpose(matrix) * matrix;
+  const double xy = std::abs(g[0][1]), xz = std::abs(g[0][2]), yz = std::abs(g[1][2]);
+  // No eigenvalue is below these (Gershgorin): exact for columns that are perpendicular.
+  const double diagonal = std::min({g[0][0], g[1][1], g[2][2]});
+  const double disks = std::min({g[0][0] - xy - xz, g[1][1] - xy - yz, g[2][2] - xz - yz});
+  if (disks > 0.98 * diagonal) return std::sqrt(disks);
+  // The least eigenvalue of a symmetric matrix in closed form.
+  const double mean = (g[0][0] + g[1][1] + g[2][2]) / 3;
+  const glm::dmat3 d = g - mean * glm::dmat3(1);
+  const double spread = std::sqrt(
+      (d[0][0] * d[0][0] + d[1][1] * d[1][1] + d[2][2] * d[2][2] + 2 * (xy * xy + xz * xz + yz * yz)) / 6);
+  if (!(spread > 0)) return std::sqrt(std::max(mean, 0.0));
+  const double turn = std::acos(std::clamp(glm::determinant(d / spread) / 2, -1.0, 1.0)) / 3;
+  const double least = mean + 2 * spread * std::cos(turn + 2.0943951023931953);
+  return std::sqrt(std::max(least - 1e-12 * mean, 0.0));
+}
+
+namespace {
+
+// A point with respect to a part: the nearest one within the deformed bounds, and where that is at rest.
+struct Projected {
+  glm::dvec3 off{0};  // from the bounds to the point
+  double slack = 0;   // how far the cut is from the point's height
+  SplineMap::Cut cut;
+  glm::dvec3 rest{0};      // within the part's box
+  glm::dvec3 rest_off{0};  // from there to the rest point
+};
+Projected project(const PosedSolid& solid, const glm::dvec3& point) {
+  Projected at;
+  const glm::dvec3 size(solid.size);
+  const auto place = [&](const glm::dvec3& p) {
+    at.off = point - p;
+    at.cut = solid.map.cut(p.y);
+    at.slack = std::abs(at.cut.at.y - p.y);
+    const glm::dvec3 rest = solid.map.toRest(at.cut, p);
+    at.rest = glm::clamp(rest, glm::dvec3(0), size);
+    at.rest_off = rest - at.rest;
+  };
+  const double y = std::clamp(point.y, solid.map.low(), solid.map.high());
+  place({point.x, y, point.z});
+  if (at.off.y == 0 && at.rest_off == glm::dvec3(0)) return at;
+  const Box box = simd::boundKnots(solid.knots, solid.size);
+  const glm::dvec3 inside = glm::clamp(point, glm::dvec3(box.min), glm::dvec3(box.max));
+  if (inside.x != point.x || inside.z != point.z) place({inside.x, y, inside.z});
+  return at;
+}
+
+std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3& world) {
+  const glm::dmat3 to_part = glm::inverse(solid.to_world);
+  const glm::dvec3 point = to_part * (glm::dvec3(world) - solid.origin);
+  const Projected at = project(solid, point);
+  const std::optional<RestDistance> rest = restDistance(*solid.asset, solid.part, at.rest);
+  if (!rest) return std::nullopt;
+  const double off2 = glm::dot(at.off, at.off), rest_off2 = glm::dot(at.rest_off, at.rest_off);
+  const bool inside = rest->inside && off2 == 0 && rest_off2 == 0;
+  const double rest_bound = inside ? rest->depth : std::sqrt(rest_off2 + rest->bound * rest->bound);
+  const double bent = std::max(solid.map.bound(at.cut, rest_bound) - at.slack, 0.0);
+  constexpr double kLeastDepth = 1e-3;  // voxels: the sign says that it is inside
+  // The nearest point within the bounds sees the solid at an obtuse angle to the point.
+  const double bound = inside ? std::max(bent, kLeastDepth) : std::sqrt(off2 + bent * bent);
+
+  Distance found;
+  found.bound = static_cast<float>(bound * leastScale(solid.to_world) * (1 - 1e-6) * (inside ? -1 : 1));
+  found.part = solid.part;
+  found.level = rest->level;
+  const double gradient2 = glm::dot(glm::dvec3(rest->gradient), glm::dvec3(rest->gradient));
+  const glm::dvec3 stored = gradient2 > 0 ? glm::dvec3(rest->gradient) / std::sqrt(gradient2) : glm::dvec3(0);
+  glm::dvec3 away =
+      solid.map.gradient(at.cut, at.rest_off + rest->bound * stored + (inside ? stored : glm::dvec3(0)));
+  const double length2 = glm::dot(away, away);
+  away = at.off + (length2 > 0 ? std::max(bent, 1e-3) / std::sqrt(length2) * away : glm::dvec3(0));
+  away = glm::transpose(to_part) * away;
+  const double world2 = glm::dot(away, away);
+  if (world2 > 0 && std::isfinite(world2)) found.away = glm::vec3(away / std::sqrt(world2));
+  return found;
+}
+
+}  // namespace
+
+Result<Distance> distance(const Instance& instance, const glm::vec3& point) {
+  if (!isFinite(point)) return Error{ErrorCode::kMisuse, "a point that is not finite"};
+  const Result<bool> drawn = checkInstance(instance);
+  if (!drawn) return drawn.error();
+  Distance nearest;
+  if (!*drawn) return nearest;
+  const auto parts = static_cast<int>(instance.asset->pack().parts().size());
+  for (int part = 0; part < parts; ++part) {
+    const std::optional<PosedSolid> solid = posedSolid(instance, part);
+    if (!solid) continue;
+    const std::optional<Distance> found = distanceToPart(*solid, point);
+    if (found && (nearest.part < 0 || found->bound < nearest.bound)) nearest = *found;
+  }
+  return nearest;
+}
+
+}  // namespace kelp::runtime

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// The map of space of section 3.1 of the paper as distances need it, in double precision. Another map brings
+// another class with these functions; nothing else of the distances knows how space is bent.
+//
+// A deformed point (x, y, z) is at rest at (x - Sx, stretch (y - low), z - Sz), where the spline S has height
+// y. Part space, voxels of level 0.
+#pragma once
+
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "kelp/formats/spline.h"
+
+namespace kelp::runtime {
+
+class SplineMap {
+ public:
+  // A place on the spline.
+  struct Cut {
+    int segment = 0;
+    double t = 0;
+    glm::dvec3 at{0};     // S(t); at.y is the height of the cut
+    glm::dvec3 slope{0};  // dS/dt
+  };
+  struct Box {
+    glm::dvec3 min{0}, max{0};
+  };
+
+  // The knots must be in order (checkKnots), and live as long as the map.
+  SplineMap(std::span<const Knot> knots, const glm::ivec3& size);
+
+  double low() const { return low_; }
+  double high() const { return high_; }
+  // The cut at a height from low() to high(), to some billionths of a voxel: its own height says which.
+  Cut cut(double y) const;
+  // The cut that has a point at rest at this height.
+  Cut cutOfRest(double y) const { return cut(glm::clamp(low_ + y / stretch_, low_, high_)); }
+  // A cut between two others, in ascending order, halfway in t. The same as one of them: there is none.
+  Cut between(const Cut& a, const Cut& b) const;
+
+  glm::dvec3 toRest(const Cut& cut, const glm::dvec3& p) const {
+    return {p.x - cut.at.x, stretch_ * (cut.at.y - low_), p.z - cut.at.z};
+  }
+  // The gradient of a function of the deformed point, but for its length, from that at rest.
+  glm::dvec3 gradient(const Cut& cut, const glm::dvec3& at_rest) const;
+  // A distance of which it is known: if nothing of some set is nearer than `rest` to the rest point of a
+  // point at the cut, then nothing of the deformed set is nearer than this to the point.
+  double bound(const Cut& cut, double rest) const;
+  // Contains all of the spline between two cuts in ascending order.
+  Box sweep(const Cut& a, const Cut& b) const;
+
+ private:
+  struct Piece {
+    Cut near, far;
+    bool first = false;  // `near` is the cut that distances count from
+  };
+  Cut cutAt(int segment, double t) const;
+  double pieceBound(const Cut& from, const Piece& piece, double rest2) const;
+  void addPieces(const Cut& from, bool up, double rest2, int& splits, double& target, double& least) const;
+
+  std::span<const Knot> knots_;
+  float height_ = 0;
+  double low_ = 0, high_ = 0, stretch_ = 1;
+};
+
+}  // namespace kelp::runtime

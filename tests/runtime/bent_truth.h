@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// How far a bent solid is, by brute force over its cubes in double precision. Independent of the runtime: the
+// map is that of tests/reference, the cubes are those of the dense volume. The solid is cut at so many
+// heights that the spline moves by less than a step between two. There each cube is a square, whose nearest
+// point is known. So the distance that is found is to a point of the solid: at least the truth, and more by a
+// step at most.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "kelp/fields/fields.h"
+#include "reference/deformed_field.h"
+
+namespace kelp::test {
+
+// The squares of each layer of voxels along y, for every pose.
+class Layers {
+ public:
+  explicit Layers(const fields::Occupancy& volume) : volume_(volume) {
+    for (int y = 0; y < volume.size.y; ++y) layers_.push_back(layerOf(y));
+  }
+  const glm::ivec3& size() const { return volume_.size; }
+  bool solid(const glm::ivec3& v) const {
+    return !glm::any(glm::lessThan(v, glm::ivec3(0))) && !glm::any(glm::greaterThanEqual(v, volume_.size)) &&
+           volume_.solid[volume_.index(v)];
+  }
+  bool empty(int y) const { return layers_[static_cast<std::size_t>(y)].nearest.empty(); }
+  // The square of how far q is from the box around the squares of a layer.
+  double toBox2(int y, const glm::dvec2& q) const {
+    const Layer& layer = layers_[static_cast<std::size_t>(y)];
+    const glm::dvec2 off = q - glm::clamp(q, layer.low, layer.high);
+    return glm::dot(off, off);
+  }
+  // The nearest point of the layer's squares: of those that are nearest to the four centres around q.
+  glm::dvec2 nearest(int y, const glm::dvec2& q) const {
+    const Layer& layer = layers_[static_cast<std::size_t>(y)];
+    const glm::ivec2 last(volume_.size.x - 1, volume_.size.z - 1);
+    const glm::ivec2 low = glm::ivec2(glm::floor(glm::clamp(q, glm::dvec2(-2), glm::dvec2(last + 3)) - 0.5));
+    glm::dvec2 found(0);
+    double best = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 4; ++i) {
+      const glm::ivec2 cell = glm::clamp(low + glm::ivec2(i & 1, i >> 1), glm::ivec2(0), last);
+      const glm::dvec2 square(layer.nearest[static_cast<std::size_t>(cell.x + (last.x + 1) * cell.y)]);
+      const glm::dvec2 at = glm::clamp(q, square, square + 1.0);
+      if (const double d2 = glm::dot(q - at, q - at); d2 < best) best = d2, found = at;
+    }
+    return found;
+  }
+
+ private:
+  struct Layer {
+    std::vector<glm::ivec2> nearest;  // of each cell, x fastest; empty: no square
+    glm::dvec2 low{1e30}, high{-1e30};
+  };
+  Layer layerOf(int y) const {
+    Layer layer;
+    std::vector<glm::ivec2> squares;
+    for (int z = 0; z < volume_.size.z; ++z)
+      for (int x = 0; x < volume_.size.x; ++x) {
+        if (!solid({x, y, z})) continue;
+        squares.emplace_back(x, z);
+        layer.low = glm::min(layer.low, glm::dvec2(x, z));
+        layer.high = glm::max(layer.high, glm::dvec2(x + 1, z + 1));
+      }
+    for (int z = 0; z < volume_.size.z && !squares.empty(); ++z)
+      for (int x = 0; x < volume_.size.x; ++x)
+        layer.nearest.push_back(
+            *std::ranges::min_element(squares, {}, [cell = glm::ivec2(x, z)](const glm::ivec2& square) {
+              const glm::ivec2 d = square - cell;
+              return d.x * d.x + d.y * d.y;
+            }));
+    return layer;
+  }
+
+  fields::Occupancy volume_;
+  std::vector<Layer> layers_;
+};
+
+class BentTruth {
+ public:
+  // `layers` must live as long.
+  BentTruth(const Layers& layers, std::span<const Knot> knots, double step = 0.2)
+      : layers_(layers), map_(knots, layers.size()) {
+    for (int y = 0; y < layers.size().y; ++y) {
+      if (layers.empty(y)) continue;
+      add(y, y);
+      refine(y, y + 1.0, y, step, 0);
+      add(y + 1.0, y);
+    }
+  }
+  const reference::SplineMap& map() const { return map_; }
+  // Whether a point of part space is in the solid.
+  bool inside(const glm::dvec3& p) const {
+    return p.y >= map_.low() && p.y <= map_.high() && layers_.solid(glm::ivec3(glm::floor(map_.toRest(p))));
+  }
+  // The nearest point that is found; part space.
+  glm::dvec3 nearest(const glm::dvec3& p) const {
+    if (inside(p)) return p;
+    double best = std::numeric_limits<double>::infinity();
+    glm::dvec3 found(0);
+    const auto tryCut = [&](const Cut& cut) {
+      const double up2 = (cut.at.y - p.y) * (cut.at.y - p.y);
+      if (up2 >= best) return false;
+      const glm::dvec2 q(p.x - cut.at.x, p.z - cut.at.z);
+      if (up2 + layers_.toBox2(cut.layer, q) >= best) return true;
+      const glm::dvec2 at = layers_.nearest(cut.layer, q);
+      if (const double d2 = up2 + glm::dot(q - at, q - at); d2 < best)
+        best = d2, found = {at.x + cut.at.x, cut.at.y, at.y + cut.at.z};
+      return true;
+    };
+    const auto middle = std::ranges::lower_bound(cuts_, p.y, {}, [](const Cut& cut) { return cut.at.y; });
+    for (auto up = middle; up != cuts_.end() && tryCut(*up);) ++up;
+    for (auto down = middle; down != cuts_.begin() && tryCut(*std::prev(down));) --down;
+    return found;
+  }
+
+ private:
+  struct Cut {
+    glm::dvec3 at{0};  // where the spline is
+    int layer = 0;
+  };
+  void add(double rest_y, int layer) { cuts_.push_back({map_.toDeformed({0, rest_y, 0}), layer}); }
+  void refine(double low, double high, int layer, double step, int depth) {
+    const double middle = 0.5 * (low + high);
+    if (depth > 24 ||
+        (depth > 1 && glm::distance(map_.toDeformed({0, low, 0}), map_.toDeformed({0, high, 0})) < step))
+      return;
+    refine(low, middle, layer, step, depth + 1);
+    add(middle, layer);
+    refine(middle, high, layer, step, depth + 1);
+  }
+
+  const Layers& layers_;
+  reference::SplineMap map_;
+  std::vector<Cut> cuts_;  // ascending
+};
+
+}  // namespace kelp::test
