@@ -11,7 +11,7 @@ Result<void> Asset::Impl::prepareDistances() {
   if (options.distance_level < 0 || !pack.hasDistances()) return {};
   const auto parts = static_cast<int>(pack.parts().size());
   const Error no_memory{ErrorCode::kOutOfMemory, "no memory for the table of distances"};
-  if (!first_distances.reset(pack.parts().size())) return no_memory;
+  if (!first_distances.reset(pack.parts().size() + 1)) return no_memory;
   std::uint32_t total = 0;
   int deepest = 0;
   for (int part = 0; part < parts; ++part) {
@@ -19,6 +19,7 @@ Result<void> Asset::Impl::prepareDistances() {
     total += static_cast<std::uint32_t>(pack.distanceLevels(part));
     deepest = std::max(deepest, pack.distanceLevels(part));
   }
+  first_distances[static_cast<std::size_t>(parts)] = total;
   distances.reset(new (std::nothrow) DistanceState[total]);
   if (!distances || !distance_place.reset(total)) return no_memory;
   std::fill(distance_place.begin(), distance_place.end(), kNoPlace);

@@ -184,6 +184,26 @@ struct NameReader {
   static Error absentSocket(const Asset& asset) { return asset.impl_->absent_socket.error(); }
 };
 
+// Access to distances for queries, without a search.
+struct DistanceReader {
+  // The level of distances of a part that exists, if it is in memory.
+  static const DistanceLevel* level(const Asset& asset, int part, int level) {
+    const Asset::Impl& impl = *asset.impl_;
+    const std::uint32_t at = impl.distance_place[impl.first_distances[static_cast<std::size_t>(part)] +
+                                                 static_cast<std::uint32_t>(level)];
+    if (at == Asset::Impl::kNoPlace) return nullptr;
+    const DistanceState& state = impl.distances[at];
+    return state.ready.load(std::memory_order_acquire) ? &state.data : nullptr;
+  }
+  // How many levels there may be; 0: none of them is loaded.
+  static int levels(const Asset& asset, int part) {
+    const Asset::Impl& impl = *asset.impl_;
+    const auto i = static_cast<std::size_t>(part);
+    return impl.distance_count == 0 ? 0
+                                    : static_cast<int>(impl.first_distances[i + 1] - impl.first_distances[i]);
+  }
+};
+
 // Gives access to pages, which stay in memory while it lives. Any number at a time, on any threads.
 class PageReader {
  public:

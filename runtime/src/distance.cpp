@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "asset_impl.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 #include "posed_solid.h"
@@ -18,16 +19,15 @@ Result<bool> checkInstance(const Instance& instance) {
   const Asset& asset = *instance.asset;
   if (!asset.pack().hasDistances()) return Error{ErrorCode::kUnsupportedFeature, "the pack has no distances"};
   const auto parts = static_cast<int>(asset.pack().parts().size());
+  if (!asset.loadsDistances())
+    return Error{ErrorCode::kMisuse, "the asset was opened without Options::distance_level"};
   for (int part = 0; part < parts; ++part) {
-    const int levels = asset.pack().distanceLevels(part);
+    const int levels = DistanceReader::levels(asset, part);
     int level = levels - 1;
-    while (level >= 0 && !asset.distances(part, level)) --level;
-    if (levels > 0 && level < 0) {
-      if (!asset.loadsDistances())
-        return Error{ErrorCode::kMisuse, "the asset was opened without Options::distance_level"};
+    while (level >= 0 && !DistanceReader::level(asset, part, level)) --level;
+    if (levels > 0 && level < 0)
       return Error{ErrorCode::kNotYet, "no distances of a part are in memory yet",
                    static_cast<std::uint64_t>(part), Error::Unit::kPart};
-    }
   }
   if (instance.pose && (instance.pose->parts() != parts || !instance.pose->check())) return false;
   return true;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "asset_impl.h"
+
 namespace kelp::runtime {
 namespace {
 
@@ -12,6 +14,11 @@ constexpr std::size_t kMostSquared = 226;  // beyond the widest band
 
 // [n]: from the centre of a voxel to the nearest cube of voxels whose centres are at least sqrt(n) away: the
 // least of sqrt(sum of max(|v_i| - 1/2, 0)^2) over whole vectors v with |v|^2 >= n.
+constexpr double rootOf(double square) {
+  double root = square + 1e-9;
+  for (int i = 0; i < 60; ++i) root = 0.5 * (root + square / root);
+  return root;
+}
 constexpr std::array<float, kMostSquared + 1> makeToCube() {
   std::array<int, kMostSquared + 1> least{};  // 4 times the square
   least.fill(1 << 20);
@@ -25,16 +32,21 @@ constexpr std::array<float, kMostSquared + 1> makeToCube() {
       }
   for (std::size_t n = kMostSquared; n-- > 0;) least[n] = std::min(least[n], least[n + 1]);
   std::array<float, kMostSquared + 1> table{};
-  for (std::size_t n = 0; n <= kMostSquared; ++n) {
-    const double square = 0.25 * least[n];
-    double root = square + 1e-9;
-    for (int i = 0; i < 60; ++i) root = 0.5 * (root + square / root);
-    table[n] = static_cast<float>(root * (1 - 1e-7));
-  }
+  for (std::size_t n = 0; n <= kMostSquared; ++n)
+    table[n] = static_cast<float>(rootOf(0.25 * least[n]) * (1 - 1e-7));
   table[0] = 0;
   return table;
 }
 constexpr std::array<float, kMostSquared + 1> kToCube = makeToCube();
+
+// [n]: sqrt(n) - 1/2.
+constexpr std::array<float, kMostSquared + 1> makeToSurface() {
+  std::array<float, kMostSquared + 1> table{};
+  for (std::size_t n = 0; n <= kMostSquared; ++n)
+    table[n] = static_cast<float>(rootOf(static_cast<double>(n)) - 0.5);
+  return table;
+}
+constexpr std::array<float, kMostSquared + 1> kToSurface = makeToSurface();
 
 // The least squared distance that a code leaves possible.
 std::size_t leastSquared(std::uint8_t code, DistanceBand band) {
@@ -64,7 +76,7 @@ Around lookAround(const DistanceLevel& level, const glm::vec3& point) {
       best = std::max(best, reach);
     }
     // The gradient of the linear interpolation between the eight.
-    const float distance = (std::sqrt(static_cast<float>(squared)) - 0.5f) * (solid ? -1.0f : 1.0f);
+    const float distance = solid ? -kToSurface[squared] : kToSurface[squared];
     const glm::vec3 near = glm::mix(1.0f - share, share, glm::vec3(corner));
     around.gradient += distance * (2.0f * glm::vec3(corner) - 1.0f) *
                        glm::vec3(near.y * near.z, near.x * near.z, near.x * near.y);
@@ -76,13 +88,13 @@ Around lookAround(const DistanceLevel& level, const glm::vec3& point) {
 
 std::optional<RestDistance> restDistance(const Asset& asset, int part, const glm::dvec3& point) {
   RestDistance found;
-  const int levels = asset.pack().distanceLevels(part);
+  const int levels = DistanceReader::levels(asset, part);
   const DistanceLevel* last = nullptr;
   float scale = 1;
   int last_level = 0;
   bool known = false;
   for (int l = 0; l < levels; ++l) {
-    const DistanceLevel* level = asset.distances(part, l);
+    const DistanceLevel* level = DistanceReader::level(asset, part, l);
     if (!level) continue;
     last = level;
     last_level = l;

@@ -35,12 +35,15 @@ SplineMap::SplineMap(std::span<const Knot> knots, const glm::ivec3& size)
   stretch_ = double{height_} / (high_ - low_);
 }
 
-SplineMap::Cut SplineMap::cutAt(int segment, double t) const {
+SplineMap::Cubic SplineMap::cubic(int segment) const {
   const auto i = static_cast<std::size_t>(segment);
   const Segment s = makeSegment(knots_[i], knots_[i + 1], height_);
   const glm::dvec3 p0(s.p0), m0(s.m0), m1(s.m1), rise = glm::dvec3(s.p1) - p0;
-  const glm::dvec3 a = m0 + m1 - 2.0 * rise, b = 3.0 * rise - 2.0 * m0 - m1;
-  return {segment, t, p0 + t * (m0 + t * (b + t * a)), m0 + t * (2.0 * b + 3.0 * t * a)};
+  return {p0, m0, 3.0 * rise - 2.0 * m0 - m1, m0 + m1 - 2.0 * rise};
+}
+
+SplineMap::Cut SplineMap::cutOf(const Cubic& c, int segment, double t) {
+  return {segment, t, c.p0 + t * (c.m0 + t * (c.b + t * c.a)), c.m0 + t * (2.0 * c.b + 3.0 * t * c.a)};
 }
 
 SplineMap::Cut SplineMap::cut(double y) const {
@@ -48,19 +51,14 @@ SplineMap::Cut SplineMap::cut(double y) const {
   while (i + 2 < knots_.size() && y > double{height_ * knots_[i + 1].position.y}) ++i;
   const Segment s = makeSegment(knots_[i], knots_[i + 1], height_);
   const auto segment = static_cast<int>(i);
-  double t = trace::kelpSplineParameter(asTrace(s), static_cast<float>(y - double{s.p0.y}),
-                                        static_cast<float>(double{s.p1.y} - y));
+  const Cubic c = cubic(segment);
+  const double t = trace::kelpSplineParameter(asTrace(s), static_cast<float>(y - double{s.p0.y}),
+                                              static_cast<float>(double{s.p1.y} - y));
   // From float to double precision.
-  const double rise = double{s.p1.y} - double{s.p0.y}, m0 = s.m0.y, m1 = s.m1.y;
-  const double a = m0 + m1 - 2 * rise, b = 3 * rise - 2 * m0 - m1, target = y - double{s.p0.y};
-  const double slope = m0 + t * (2 * b + 3 * t * a);
-  if (slope > 0) {
-    const double next = std::clamp(t - (t * (m0 + t * (b + t * a)) - target) / slope, 0.0, 1.0);
-    if (std::abs(next * (m0 + next * (b + next * a)) - target) <=
-        std::abs(t * (m0 + t * (b + t * a)) - target))
-      t = next;
-  }
-  return cutAt(segment, t);
+  const Cut rough = cutOf(c, segment, t);
+  if (!(rough.slope.y > 0)) return rough;
+  const Cut fine = cutOf(c, segment, std::clamp(t - (rough.at.y - y) / rough.slope.y, 0.0, 1.0));
+  return std::abs(fine.at.y - y) < std::abs(rough.at.y - y) ? fine : rough;
 }
 
 SplineMap::Cut SplineMap::between(const Cut& a, const Cut& b) const {
@@ -95,71 +93,119 @@ SplineMap::Box SplineMap::sweep(const Cut& a, const Cut& b) const {
   return box;
 }
 
-// The square of a distance that no point of the deformed set between two cuts is nearer than, on one side of
-// `from`. At a height that differs by d the set is at least R = sqrt(rest^2 - (stretch d)^2) beside the rest
-// point, and the spline has moved sideways by some s: the distance is at least sqrt(max(R - s, 0)^2 + d^2).
-// Either with the extremes of R, s and d in the piece, or with s <= m d, whose least value is known.
-double SplineMap::pieceBound(const Cut& from, const Piece& piece, double rest2) const {
-  const Hull hull = hullOf(piece.near, piece.far);
-  double side2 = 0;
-  for (const glm::dvec3& p : hull.p) side2 = std::max(side2, across2(p - from.at));
-  const double near = std::abs(piece.near.at.y - from.at.y), far = std::abs(piece.far.at.y - from.at.y);
-  const double beside = std::sqrt(std::max(rest2 - stretch_ * stretch_ * far * far, 0.0)) - std::sqrt(side2);
-  double bound2 = near * near + (beside > 0 ? beside * beside : 0.0);
-  double m2 = near > 0 ? side2 / (near * near) : INFINITY;
-  if (piece.first) {
-    double run2 = 0, rise = INFINITY;
-    for (int i = 0; i < 3; ++i) {
-      const glm::dvec3 step = hull.p[i + 1] - hull.p[i];
-      run2 = std::max(run2, across2(step));
-      rise = std::min(rise, std::abs(step.y) * (step.y * (piece.far.at.y - from.at.y) >= 0 ? 1 : 0));
-    }
-    if (rise > 0) m2 = std::min(m2, run2 / (rise * rise));
+namespace {
+
+// How the deformed set lies at a cut, as seen from a point at another one: the heights differ by d, the
+// spline has moved sideways by s, and the set is at least R beside the rest point, because there it is at
+// least `rest` away. So it is at least sqrt(max(R - s, 0)^2 + d^2) away.
+struct Seen {
+  SplineMap::Cut cut;
+  double d = 0, s = 0, r = 0;
+  double squared() const { return d * d + (r > s ? (r - s) * (r - s) : 0.0); }
+};
+struct Piece {
+  Seen near, far;
+};
+struct Eye {
+  SplineMap::Cut cut;
+  double rest2 = 0, stretch = 1, end = 0;  // end: the d where R becomes 0
+
+  Seen see(const SplineMap::Cut& cut_there) const {
+    const glm::dvec3 move = cut_there.at - cut.at;
+    const double climb = stretch * move.y;
+    return {cut_there, std::abs(move.y), std::sqrt(across2(move)),
+            std::sqrt(std::max(rest2 - climb * climb, 0.0))};
   }
-  if (m2 < 1e12) bound2 = std::max(bound2, rest2 / lengthening2(m2, stretch_));
-  return bound2;
+};
+
+// The least square of the distance from (0, 0) to the line from (d0, g0) to (d1, g1), g0 > 0, where it is
+// above the axis.
+double toLine2(double d0, double g0, double d1, double g1) {
+  if (g1 < 0) {
+    d1 = d0 + (d1 - d0) * g0 / (g0 - g1);
+    g1 = 0;
+  }
+  const double x = d1 - d0, y = g1 - g0, length2 = x * x + y * y;
+  const double u = length2 > 0 ? std::clamp(-(d0 * x + g0 * y) / length2, 0.0, 1.0) : 0.0;
+  return (d0 + u * x) * (d0 + u * x) + (g0 + u * y) * (g0 + u * y);
 }
 
-// Goes along the spline to one side. target: the least value found at any one cut. A piece whose bound is far
-// below it is split.
-void SplineMap::addPieces(const Cut& from, bool up, double rest2, int& splits, double& target,
-                          double& least) const {
-  constexpr double kGoodEnough = 0.8;
-  constexpr int kDeepest = 12;
-  const int last = static_cast<int>(knots_.size()) - 2;
-  Piece stack[kDeepest];
-  Cut near = from;
-  for (int segment = from.segment; segment >= 0 && segment <= last; segment += up ? 1 : -1) {
-    if (segment != from.segment) near = cutAt(segment, up ? 0 : 1);
-    int count = 0;
-    stack[count++] = {near, cutAt(segment, up ? 1 : 0), segment == from.segment};
-    while (count > 0) {
-      const Piece piece = stack[--count];
-      const double nearest = piece.near.at.y - from.at.y;
-      if (nearest * nearest >= least) return;  // and so is everything beyond
-      const glm::dvec3 d = piece.far.at - from.at;
-      const double beside =
-          std::sqrt(std::max(rest2 - stretch_ * stretch_ * d.y * d.y, 0.0)) - std::sqrt(across2(d));
-      target = std::min(target, d.y * d.y + (beside > 0 ? beside * beside : 0.0));
-      const double bound2 = pieceBound(from, piece, rest2);
-      if (bound2 >= kGoodEnough * target || splits == 0 || count + 2 > kDeepest) {
-        least = std::min(least, bound2);
-        continue;
-      }
-      --splits;
-      const Cut middle = cutAt(piece.near.segment, 0.5 * (piece.near.t + piece.far.t));
-      stack[count++] = {middle, piece.far, false};
-      stack[count++] = {piece.near, middle, piece.first};
-    }
+// At most the least of Seen::squared() in a piece: where s is at most m d, that of a shear by m is known.
+double shearBound(const Eye& eye, const Piece& piece, double most_s) {
+  const SplineMap::Cut &near = piece.near.cut, &far = piece.far.cut;
+  double m2 = INFINITY;
+  if (piece.near.d > 0) {
+    m2 = most_s * most_s / (piece.near.d * piece.near.d);
+  } else {  // by the three steps of the curve's hull
+    const double third = (far.t - near.t) / 3;
+    const glm::dvec3 first = third * near.slope, end = third * far.slope,
+                     middle = far.at - near.at - first - end;
+    const double steepest = std::max({across2(first), across2(middle), across2(end)});
+    const double up = std::min({first.y, middle.y, end.y}), down = -std::max({first.y, middle.y, end.y});
+    if (const double rise = std::max(up, down); rise > 0) m2 = steepest / (rise * rise);
   }
+  return m2 < 1e12 ? eye.rest2 / lengthening2(m2, eye.stretch) : 0.0;
 }
 
+// At most the least of Seen::squared() in a piece. R is above its chord; s is below its own, but for what the
+// curve differs from it, a cubic whose inner control points say how much at most.
+double pieceBound(const Eye& eye, const Piece& piece, double enough) {
+  const Seen &near = piece.near, &far = piece.far;
+  double bound2 = near.d * near.d;
+  const double rise = far.d - near.d;
+  if (near.d >= eye.end || !(rise > 0)) return bound2;
+  if (near.d == 0) bound2 = shearBound(eye, piece, 0);
+  if (bound2 >= enough) return bound2;
+  const double third = (far.cut.t - near.cut.t) / 3;
+  const glm::dvec3 chord = (far.cut.at - near.cut.at) / (far.cut.at.y - near.cut.at.y);
+  const double off = 0.75 * std::abs(third) *
+                     std::sqrt(std::max(across2(near.cut.slope - near.cut.slope.y * chord),
+                                        across2(far.cut.slope - far.cut.slope.y * chord)));
+  const double share = far.d > eye.end ? (eye.end - near.d) / rise : 1.0;
+  const double g0 = near.r - near.s - off, g1 = far.r - (near.s + share * (far.s - near.s)) - off;
+  if (g0 > 0) bound2 = std::max(bound2, toLine2(near.d, g0, near.d + share * rise, g1));
+  if (bound2 >= enough || near.d == 0) return bound2;
+  return std::max(bound2, shearBound(eye, piece, std::max(near.s, far.s) + off));
+}
+
+}  // namespace
+
+// Goes along the spline in pieces, up and down, until they are farther than the least bound. target: the
+// least square found at any one cut. A piece whose bound is far below it is split.
 double SplineMap::bound(const Cut& cut, double rest) const {
   if (!(rest > 0)) return 0;
+  constexpr double kGoodEnough = 0.8;
+  constexpr int kDeepest = 12, kSplits = 24;
+  const Eye eye{cut, rest * rest, stretch_, rest / stretch_};
+  const int last = static_cast<int>(knots_.size()) - 2;
   double target = rest * rest, least = target;
-  for (const bool up : {true, false}) {
-    int splits = 8;
-    addPieces(cut, up, rest * rest, splits, target, least);
+  int splits = kSplits;
+  Piece stack[kDeepest];
+  for (const int step : {1, -1}) {
+    Seen near = eye.see(cut);
+    for (int segment = cut.segment; segment >= 0 && segment <= last; segment += step) {
+      if (near.d * near.d >= least) break;  // and so is everything beyond
+      const Cubic c = cubic(segment);
+      if (segment != cut.segment) near = eye.see(cutOf(c, segment, step > 0 ? 0 : 1));
+      int count = 0;
+      stack[count++] = {near, eye.see(cutOf(c, segment, step > 0 ? 1 : 0))};
+      near = stack[0].far;
+      if (stack[0].near.cut.t == near.cut.t) continue;  // an end of the segment
+      while (count > 0) {
+        const Piece piece = stack[--count];
+        if (piece.near.d * piece.near.d >= least) break;
+        target = std::min(target, piece.far.squared());
+        const double bound2 = pieceBound(eye, piece, kGoodEnough * target);
+        if (bound2 >= kGoodEnough * target || splits == 0 || count + 2 > kDeepest) {
+          least = std::min(least, bound2);
+          continue;
+        }
+        --splits;
+        const Seen middle = eye.see(cutOf(c, segment, 0.5 * (piece.near.cut.t + piece.far.cut.t)));
+        stack[count++] = {middle, piece.far};
+        stack[count++] = {piece.near, middle};
+      }
+    }
   }
   return std::sqrt(least);
 }

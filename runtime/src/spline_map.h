@@ -51,13 +51,13 @@ class SplineMap {
   Box sweep(const Cut& a, const Cut& b) const;
 
  private:
-  struct Piece {
-    Cut near, far;
-    bool first = false;  // `near` is the cut that distances count from
+  // A segment: S(t) = p0 + t (m0 + t (b + t a)).
+  struct Cubic {
+    glm::dvec3 p0{0}, m0{0}, b{0}, a{0};
   };
-  Cut cutAt(int segment, double t) const;
-  double pieceBound(const Cut& from, const Piece& piece, double rest2) const;
-  void addPieces(const Cut& from, bool up, double rest2, int& splits, double& target, double& least) const;
+  Cubic cubic(int segment) const;
+  static Cut cutOf(const Cubic& cubic, int segment, double t);
+  Cut cutAt(int segment, double t) const { return cutOf(cubic(segment), segment, t); }
 
   std::span<const Knot> knots_;
   float height_ = 0;

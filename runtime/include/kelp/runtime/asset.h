@@ -102,6 +102,7 @@ class Asset {
 
  private:
   friend struct ClipReader;
+  friend struct DistanceReader;
   friend struct NameReader;
   friend class PageReader;
   friend struct PageAccess;
