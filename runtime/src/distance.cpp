@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "kelp/runtime/distance.h"
-
+// What may be asked of instances at all, and distance() with one of them.
 #include <algorithm>
 #include <cmath>
 
 #include "asset_impl.h"
+#include "distance_queries.h"
 #include "kelp/simd/bound_knots.h"
 #include "posed_part.h"
 #include "posed_solid.h"
@@ -12,7 +12,7 @@
 
 namespace kelp::runtime {
 
-bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool allFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Result<bool> checkInstance(const Instance& instance) {
   if (!instance.asset) return Error{ErrorCode::kMisuse, "an instance without an asset"};
@@ -125,12 +125,7 @@ std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3&
 
 }  // namespace
 
-Result<Distance> distance(const Instance& instance, const glm::vec3& point) {
-  if (!isFinite(point)) return Error{ErrorCode::kMisuse, "a point that is not finite"};
-  const Result<bool> drawn = checkInstance(instance);
-  if (!drawn) return drawn.error();
-  Distance nearest;
-  if (!*drawn) return nearest;
+void findNearest(const Instance& instance, const glm::vec3& point, Distance& nearest) {
   const auto parts = static_cast<int>(instance.asset->pack().parts().size());
   for (int part = 0; part < parts; ++part) {
     const std::optional<PosedSolid> solid = posedSolid(instance, part);
@@ -138,7 +133,6 @@ Result<Distance> distance(const Instance& instance, const glm::vec3& point) {
     const std::optional<Distance> found = distanceToPart(*solid, point);
     if (found && (nearest.part < 0 || found->bound < nearest.bound)) nearest = *found;
   }
-  return nearest;
 }
 
 }  // namespace kelp::runtime

@@ -20,7 +20,7 @@ struct PosedSolid {
   glm::dvec3 origin{0};    // of part space, in the world
 };
 
-bool isFinite(const glm::vec3& v);
+bool allFinite(const glm::vec3& v);
 
 // What all queries refuse of an instance. False: it is not drawn, so it has no solid.
 Result<bool> checkInstance(const Instance& instance);

@@ -81,9 +81,9 @@ class Layers {
 
 class BentTruth {
  public:
-  // `layers` must live as long.
-  BentTruth(const Layers& layers, std::span<const Knot> knots, double step = 0.2)
-      : layers_(layers), map_(knots, layers.size()) {
+  // `layers` must live as long. tall: a voxel's height over its width, where distances are measured.
+  BentTruth(const Layers& layers, std::span<const Knot> knots, double tall = 1, double step = 0.2)
+      : layers_(layers), map_(knots, layers.size()), tall_(tall) {
     for (int y = 0; y < layers.size().y; ++y) {
       if (layers.empty(y)) continue;
       add(y, y);
@@ -102,7 +102,7 @@ class BentTruth {
     double best = std::numeric_limits<double>::infinity();
     glm::dvec3 found(0);
     const auto tryCut = [&](const Cut& cut) {
-      const double up2 = (cut.at.y - p.y) * (cut.at.y - p.y);
+      const double up2 = tall_ * tall_ * (cut.at.y - p.y) * (cut.at.y - p.y);
       if (up2 >= best) return false;
       const glm::dvec2 q(p.x - cut.at.x, p.z - cut.at.z);
       if (up2 + layers_.toBox2(cut.layer, q) >= best) return true;
@@ -135,6 +135,7 @@ class BentTruth {
 
   const Layers& layers_;
   reference::SplineMap map_;
+  double tall_ = 1;
   std::vector<Cut> cuts_;  // ascending
 };
 

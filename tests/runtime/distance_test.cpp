@@ -1,117 +1,229 @@
 // SPDX-License-Identifier: MIT
 // distance() never exceeds the distance to the bent solid, and is not much less.
-#include "kelp/runtime/distance.h"
-
 #include <gtest/gtest.h>
 
-#include <random>
+#include <algorithm>
+#include <cmath>
 
-#include "bent_truth.h"
-#include "support/all_tests.h"
-#include "support/distance_pack.h"
+#include "bent_instance.h"
 
 namespace kelp::runtime {
 namespace {
 
-std::unique_ptr<Asset> loadDistances(const MemorySource& source, int finest = 0) {
-  Options options;
-  options.distance_level = finest;
-  auto asset = Asset::open(source.source(), options).value();
-  EXPECT_TRUE(asset->loadAll());
-  return asset;
-}
+// Queries of each case: 10 million in all, or some seconds' worth.
+int queries() { return test::allTests() ? 400'000 : test::shareOf(12'000); }
 
 // bound / truth near three distances.
-struct Quality {
-  std::vector<double> ratios[3];
+class Quality {
+ public:
   void add(double truth, double bound) {
-    static constexpr double kNear[3] = {2, 8, 32};
-    for (int i = 0; i < 3; ++i)
-      if (truth > 0.75 * kNear[i] && truth < 1.33 * kNear[i]) ratios[i].push_back(bound / truth);
+    for (int i = 0; i < 3; ++i) {
+      if (truth > 0.75 * kNear[i] && truth < 1.33 * kNear[i]) ratios_[i].push_back(bound / truth);
+    }
   }
-  double median(int i) {
-    std::vector<double>& r = ratios[i];
-    if (r.empty()) return 0;
-    std::nth_element(r.begin(), r.begin() + static_cast<std::ptrdiff_t>(r.size() / 2), r.end());
-    return r[r.size() / 2];
+  void expectAtLeast(const char* name, const double (&least)[3]) {
+    for (int i = 0; i < 3; ++i) {
+      std::vector<double>& ratios = ratios_[i];
+      ASSERT_GT(ratios.size(), 50u) << name;
+      std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
+      EXPECT_GE(ratios[ratios.size() / 2], least[i]) << name << ", " << kNear[i] << " voxels";
+    }
   }
+
+ private:
+  static constexpr double kNear[3] = {2, 8, 32};
+  std::vector<double> ratios_[3];
+};
+constexpr double kAtRest[3] = {0.5, 0.8, 0.6}, kBent[3] = {0.25, 0.4, 0.3};
+
+// Compares distance() with the truth.
+void expectBounds(test::BentInstance& bent, int count, Quality* quality = nullptr) {
+  int over = 0;
+  for (int i = 0; i < count && over < 3; ++i) {
+    const glm::vec3 point = i % 4 == 0 ? bent.anywhere() : bent.beside();
+    const double truth = bent.distanceOf(glm::dvec3(point));
+    const Result<Distance> found = distance(bent.instance, point);
+    ASSERT_TRUE(found) << found.error().detail;
+    ASSERT_NEAR(glm::length(found->away), 1, 1e-5);
+    ASSERT_EQ(found->part, 0);
+    const double bound{found->bound};
+    bool fine = bound <= truth && (bound >= 0 || truth < 1e-6 * bent.voxel);
+    if (truth == 0 && bent.instance.asset->distances(0, 0)) {
+      fine &= bound < 0;
+      for (int k = 0; k < 4 && -bound > 0.002 * bent.voxel; ++k)
+        fine &= bent.inside(glm::dvec3(point) - 0.9999 * bound * bent.direction());
+    }
+    if (!fine) {
+      ++over;
+      ADD_FAILURE() << bound / bent.voxel << " for " << truth / bent.voxel << " voxels, level "
+                    << found->level;
+    }
+    if (quality) quality->add(truth / bent.voxel, bound / bent.voxel);
+  }
+}
+
+struct DistanceQuery : testing::Test {
+  fields::Occupancy volume = test::ballClump({60, 80, 50}, 20, 2);
+  test::Layers layers{volume};
+  std::vector<std::byte> bytes = test::bytesOf(test::distancePackOf(volume));
+  MemorySource source{bytes};
+  std::unique_ptr<Asset> asset = test::loadDistances(source);
 };
 
-// Compares distance() with the truth at points of all kinds. Returns how many are overestimated.
-int tryPoints(const Instance& instance, const test::BentTruth& truth, int count, unsigned seed,
-              Quality& quality) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::normal_distribution<double> normal;
-  const glm::dmat4 to_world(partToWorld(instance, 0));
-  const glm::dmat4 to_part = glm::inverse(to_world);
-  const double voxel = glm::length(glm::dvec3(to_world[0]));  // of the tests that ask for quality
-  const Part& part = instance.asset->pack().parts()[0];
-  const Box box = deformedBounds(instance.pose ? instance.pose->knots(0) : part.knots, part.size);
-  int over = 0;
-  for (int i = 0; i < count; ++i) {
-    glm::dvec3 p;
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] = glm::mix(double{box.min[axis]} - 20, double{box.max[axis]} + 20, unit(random));
-    if (i % 4 != 0) {  // at some distance from the solid
-      const glm::dvec3 direction(normal(random), normal(random), normal(random));
-      p = truth.nearest(p) + std::exp(glm::mix(-3.0, 4.0, unit(random))) * glm::normalize(direction);
-    }
-    const glm::vec3 world(to_world * glm::dvec4(p, 1));
-    p = glm::dvec3(to_part * glm::dvec4(glm::dvec3(world), 1));
-    const glm::dvec3 nearest = truth.nearest(p);
-    const double exact = glm::length(glm::dmat3(to_world) * (nearest - p));
-    const Result<Distance> found = distance(instance, world);
-    EXPECT_TRUE(found);
-    if (!found) return count;
-    EXPECT_NEAR(glm::length(found->away), 1, 1e-5);
-    if (!(double{found->bound} <= exact)) {
-      if (++over < 4)
-        ADD_FAILURE() << found->bound / voxel << " is more than " << exact / voxel << " voxels at " << p.x
-                      << " " << p.y << " " << p.z << " level " << found->level;
-    }
-    if (found->bound < 0 && exact > 1e-6 * voxel) ++over;
-    if (exact == 0 && found->level == 0 && instance.asset->distances(0, 0)) {
-      EXPECT_LT(found->bound, 0);
-      for (int k = 0; k < 4 && double{-found->bound} > 0.002 * voxel; ++k) {
-        const glm::dvec3 direction(normal(random), normal(random), normal(random));
-        const glm::dvec3 beside =
-            glm::dvec3(world) - 0.9999 * double{found->bound} * glm::normalize(direction);
-        if (!truth.inside(glm::dvec3(to_part * glm::dvec4(beside, 1)))) ++over;
-      }
-    }
-    quality.add(exact / voxel, double{found->bound} / voxel);
-  }
-  return over;
-}
-
-glm::mat4 turned(float angle, const glm::vec3& scale, const glm::vec3& at) {
-  glm::mat4 m = glm::mat4_cast(glm::angleAxis(angle, glm::normalize(glm::vec3(1, 2, -0.5f))));
-  for (int i = 0; i < 3; ++i) m[i] *= scale[i];
-  m[3] = glm::vec4(at, 1);
-  return m;
-}
-
-TEST(DistanceQuery, NeverExceedsTheTruthInThePosesOfFigure6) {
-  const fields::Occupancy volume = test::ballClump({60, 80, 50}, 20, 2);
-  const std::vector<std::byte> bytes = test::bytesOf(test::distancePackOf(volume));
-  MemorySource source(bytes);
-  const auto asset = loadDistances(source);
-  const test::Layers layers(volume);
-  Pose pose = *Pose::create(*asset);
+TEST_F(DistanceQuery, NeverExceedsTheTruthInThePosesOfFigure6) {
   for (const test::FigurePose& figure : test::kFigure6) {
-    const std::vector<Knot> knots = test::figureKnots(figure);
-    ASSERT_TRUE(pose.setKnots(0, knots));
-    const test::BentTruth truth(layers, knots);
-    const Instance instance{asset.get(), &pose, turned(1, glm::vec3(2, 2, -2), {100, -20, 3})};
+    SCOPED_TRACE(figure.name);
+    test::BentInstance bent(*asset, layers, test::figureKnots(figure),
+                            test::turned(1, glm::vec3(2, 2, -2), {100, -20, 3}), 1);
     Quality quality;
-    EXPECT_EQ(tryPoints(instance, truth, test::shareOf(20'000), 1, quality), 0) << figure.name;
-    const bool rest = &figure == &test::kFigure6[0];
-    std::printf("%-22s %.2f %.2f %.2f  (%zu %zu %zu)\n", figure.name, quality.median(0), quality.median(1),
-                quality.median(2), quality.ratios[0].size(), quality.ratios[1].size(),
-                quality.ratios[2].size());
-    (void)rest;
+    expectBounds(bent, queries(), &quality);
+    quality.expectAtLeast(figure.name, &figure == &test::kFigure6[0] ? kAtRest : kBent);
   }
+}
+
+TEST_F(DistanceQuery, NeverExceedsTheTruthWithSeveralSegmentsAndOtherMatrices) {
+  const fields::Occupancy reed = test::dust({24, 90, 30}, 60, 3);
+  const std::vector<Knot> rest = {{0, {0, 0, 0}, {0, 1, 0}},
+                                  {0.2f, {0, 0.2f, 0}, {0, 1, 0}},
+                                  {0.5f, {0, 0.5f, 0}, {0, 1, 0}},
+                                  {0.8f, {0, 0.8f, 0}, {0, 1, 0}},
+                                  {1, {0, 1, 0}, {0, 1, 0}}};
+  const std::vector<std::byte> reed_bytes = test::bytesOf(test::distancePackOf(reed, rest));
+  const MemorySource reed_source(reed_bytes);
+  const test::Layers reed_layers(reed);
+  const auto loaded = test::loadDistances(reed_source);
+  std::vector<Knot> squashed = test::bentStem();
+  for (Knot& knot : squashed) knot.position.y *= 0.3f, knot.tangent.y *= 0.3f;
+  glm::mat4 sheared = test::turned(2, {1, 0.5f, 1}, {0, 0, 5});
+  sheared[0] += 0.4f * sheared[1] - 0.3f * sheared[2];
+  const glm::mat4 matrices[] = {glm::mat4(1), test::turned(0.4f, {0.01f, 0.01f, 0.01f}, {1, 2, 3}),
+                                test::turned(2.5f, {3, 1, 0.5f}, {-7, 0, 0}),
+                                test::turned(4, {-1, 2, 1}, {1000, 20, -500}), sheared};
+  unsigned seed = 10;
+  for (const std::vector<Knot>& knots : {rest, test::bentStem(), squashed}) {
+    for (const glm::mat4& matrix : matrices) {
+      SCOPED_TRACE(seed);
+      test::BentInstance bent(*loaded, reed_layers, knots, matrix, seed++);
+      expectBounds(bent, queries());
+    }
+  }
+}
+
+TEST_F(DistanceQuery, NeverExceedsTheTruthWithCoarserLevelsOnly) {
+  for (const int finest : {1, 2, 3}) {
+    const auto coarse = test::loadDistances(source, finest);
+    for (const int figure : {0, 1, 4}) {
+      SCOPED_TRACE(finest);
+      test::BentInstance bent(*coarse, layers,
+                              test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
+                              test::turned(3, glm::vec3(2, 2, 2), {1, 2, 3}), 77);
+      expectBounds(bent, queries());
+    }
+  }
+}
+
+// A step along `away` grows the distance, a step back makes it less.
+TEST_F(DistanceQuery, PointsAway) {
+  for (const int figure : {0, 1, 2}) {
+    test::BentInstance bent(*asset, layers,
+                            test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
+                            test::turned(3, glm::vec3(2, 2, -2), {1, 2, 3}), 5);
+    int farther = 0, nearer = 0, asked = 0;
+    while (asked < 2000) {
+      const glm::vec3 point = bent.beside();
+      const double here = bent.distanceOf(glm::dvec3(point));
+      if (here < 1.5 * bent.voxel) continue;
+      const Distance found = *distance(bent.instance, point);
+      const glm::dvec3 step = 0.3 * here * glm::dvec3(found.away);
+      ++asked;
+      farther += bent.distanceOf(glm::dvec3(point) + step) > here;
+      nearer += bent.distanceOf(glm::dvec3(point) - step) < here;
+    }
+    EXPECT_GT(farther, figure == 0 ? 1950 : 1600) << figure;
+    EXPECT_GT(nearer, figure == 0 ? 1950 : 1600) << figure;
+  }
+}
+
+TEST_F(DistanceQuery, AnswersErrorsToNonsense) {
+  const Instance instance{asset.get()};
+  const float bad[] = {NAN, INFINITY, -INFINITY};
+  const glm::vec3 fine(1, 2, 3);
+  for (const float b : bad) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::vec3 p(0);
+      p[axis] = b;
+      EXPECT_FALSE(distance(instance, p));
+      EXPECT_FALSE(closestPoint(instance, p));
+      EXPECT_FALSE(overlaps(instance, Sphere{p, 1}));
+      EXPECT_FALSE(overlaps(instance, Capsule{p, fine, 1}));
+      EXPECT_FALSE(overlaps(instance, Capsule{fine, p, 1}));
+      EXPECT_FALSE(overlaps(instance, OrientedBox{p, fine}));
+      EXPECT_FALSE(overlaps(instance, OrientedBox{fine, p}));
+      EXPECT_FALSE(sphereCast(instance, p, fine, 1));
+      EXPECT_FALSE(sphereCast(instance, fine, p, 1));
+      EXPECT_FALSE(distance({&instance, 1}, p));
+    }
+    EXPECT_FALSE(overlaps(instance, Sphere{fine, b}));
+    EXPECT_FALSE(overlaps(instance, Capsule{fine, glm::vec3(0), b}));
+    EXPECT_FALSE(overlaps(instance, OrientedBox{fine, fine, glm::quat(b, 0, 0, 0)}));
+    EXPECT_FALSE(sphereCast(instance, fine, glm::vec3(0), b));
+  }
+  EXPECT_FALSE(closestPoint(instance, fine, NAN));
+  EXPECT_FALSE(closestPoint(instance, fine, 0));
+  EXPECT_FALSE(overlaps(instance, Sphere{fine, -1}));
+  EXPECT_FALSE(overlaps(instance, Capsule{fine, fine, 1}));
+  EXPECT_FALSE(overlaps(instance, OrientedBox{fine, {1, 0, 1}}));
+  EXPECT_FALSE(overlaps(instance, OrientedBox{fine, fine, glm::quat(0, 0, 0, 0)}));
+  EXPECT_FALSE(sphereCast(instance, fine, fine, 1));
+  EXPECT_FALSE(sphereCast(instance, glm::vec3(-3e38f), glm::vec3(3e38f), 1)) << "its length is not a number";
+  EXPECT_FALSE(sphereCast(instance, fine, glm::vec3(0), -1));
+  EXPECT_EQ(distance(Instance{}, fine).error().code, ErrorCode::kMisuse);
+  const Box one;
+  EXPECT_FALSE(distance(std::vector<Instance>(2, instance), fine, {&one, 1}));
+  EXPECT_TRUE(distance(instance, glm::vec3(1e30f)));
+  EXPECT_TRUE(overlaps(instance, Sphere{glm::vec3(0), 1e30f}));
+}
+
+TEST_F(DistanceQuery, SaysWhatIsMissing) {
+  const glm::vec3 point(0);
+  Options options;
+  const auto unasked = Asset::open(source.source(), options).value();
+  EXPECT_EQ(distance(Instance{unasked.get()}, point).error().code, ErrorCode::kMisuse);
+  options.distance_level = 0;
+  const auto waiting = Asset::open(source.source(), options).value();
+  EXPECT_EQ(distance(Instance{waiting.get()}, point).error().code, ErrorCode::kNotYet);
+  const std::vector<Instance> list = {Instance{asset.get()}, Instance{waiting.get()}};
+  const Error error = distance(list, point).error();
+  EXPECT_EQ(error.code, ErrorCode::kNotYet);
+  EXPECT_EQ(error.offset, 1u);
+  EXPECT_EQ(error.unit, Error::Unit::kInstance);
+  const std::vector<std::byte> plain = test::bytesOf(test::packOf(volume));
+  MemorySource plain_source(plain);
+  const auto without = Asset::open(plain_source.source(), options).value();
+  EXPECT_TRUE(without->loadAll());
+  EXPECT_EQ(distance(Instance{without.get()}, point).error().code, ErrorCode::kUnsupportedFeature);
+}
+
+TEST_F(DistanceQuery, WhatIsNotDrawnHasNoSolid) {
+  const glm::vec3 point(0, 0.5f, 0);
+  Instance instance{asset.get()};
+  Pose pose = *Pose::create(*asset);
+  ASSERT_TRUE(pose.move(0, 1, {0, -2, 0}));
+  const auto expectNone = [&] {
+    EXPECT_EQ(distance(instance, point)->bound, kFarAway);
+    EXPECT_EQ(distance(instance, point)->part, -1);
+    EXPECT_EQ(closestPoint(instance, point)->distance, kFarAway);
+    EXPECT_FALSE(*overlaps(instance, Sphere{point, 1}));
+    EXPECT_FALSE(sphereCast(instance, point, glm::vec3(1), 1)->hit);
+  };
+  instance.pose = &pose;
+  expectNone();
+  instance.pose = nullptr;
+  EXPECT_LT(distance(instance, point)->bound, kFarAway);
+  instance.to_world = glm::mat4(0);
+  expectNone();
+  instance.to_world = glm::mat4(NAN);
+  expectNone();
 }
 
 }  // namespace

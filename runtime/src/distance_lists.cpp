@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+// The queries of kelp/runtime/distance.h: what they refuse, and which instances of a list they ask.
+#include <algorithm>
+#include <cmath>
+
+#include "distance_queries.h"
+#include "posed_solid.h"
+
+namespace kelp::runtime {
+namespace {
+
+double toBox(const Box& box, const glm::vec3& p) {
+  if (box.empty()) return INFINITY;
+  return glm::length(glm::dvec3(p) - glm::clamp(glm::dvec3(p), glm::dvec3(box.min), glm::dvec3(box.max)));
+}
+bool meet(const Box& a, const Box& b) {
+  return glm::all(glm::lessThanEqual(a.min, b.max)) && glm::all(glm::lessThanEqual(b.min, a.max));
+}
+Box grown(Box box, float by) {
+  // And by more than rounding takes away.
+  const glm::vec3 more = glm::vec3(by) + 1e-6f * (glm::abs(box.min) + glm::abs(box.max) + by);
+  return {box.min - more, box.max + more};
+}
+Box boxOf(const Sphere& s) { return grown({s.centre, s.centre}, s.radius); }
+Box boxOf(const Capsule& s) { return grown({glm::min(s.a, s.b), glm::max(s.a, s.b)}, s.radius); }
+Box boxOf(const OrientedBox& s) {
+  const glm::mat3 axes = glm::mat3_cast(glm::normalize(s.rotation));
+  const glm::vec3 half = glm::abs(axes[0]) * s.half_size.x + glm::abs(axes[1]) * s.half_size.y +
+                         glm::abs(axes[2]) * s.half_size.z;
+  return grown({s.centre - half, s.centre + half}, 0);
+}
+
+bool isRadius(float radius) { return std::isfinite(radius) && radius >= 0; }
+// Lengths whose squares are finite, and not 0.
+bool isWay(const glm::vec3& a, const glm::vec3& b) {
+  const float length2 = glm::dot(b - a, b - a);
+  return allFinite(a) && allFinite(b) && std::isfinite(length2) && length2 > 0;
+}
+const char* faultOf(const Sphere& s) {
+  return allFinite(s.centre) && isRadius(s.radius) ? nullptr : "a sphere that is not finite or negative";
+}
+const char* faultOf(const Capsule& s) {
+  return isWay(s.a, s.b) && isRadius(s.radius) ? nullptr : "a capsule that is not finite or has no length";
+}
+const char* faultOf(const OrientedBox& s) {
+  const float turn2 = glm::dot(s.rotation, s.rotation);
+  const bool fine = allFinite(s.centre) && allFinite(s.half_size) && std::isfinite(turn2) && turn2 > 0 &&
+                    s.half_size.x > 0 && s.half_size.y > 0 && s.half_size.z > 0;
+  return fine ? nullptr : "a box that is not finite or has no size";
+}
+
+Error misuse(const char* detail) { return {ErrorCode::kMisuse, detail}; }
+
+// Calls use(i) for the instances of a list that are drawn and whose box passes test(box), until it returns
+// false.
+template <class Test, class Use>
+Result<void> eachInstance(std::span<const Instance> instances, std::span<const Box> boxes, const Test& test,
+                          const Use& use) {
+  if (!boxes.empty() && boxes.size() != instances.size()) return misuse("not as many boxes as instances");
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (!boxes.empty() && !test(boxes[i])) continue;
+    const Result<bool> drawn = checkInstance(instances[i]);
+    if (!drawn) return Error{drawn.error().code, drawn.error().detail, i, Error::Unit::kInstance};
+    if (!*drawn || (boxes.empty() && !test(bounds(instances[i])))) continue;
+    if (!use(static_cast<int>(i))) return {};
+  }
+  return {};
+}
+
+template <class Shape>
+Result<bool> overlapsOne(const Instance& instance, const Shape& shape) {
+  if (const char* fault = faultOf(shape)) return misuse(fault);
+  const Result<bool> drawn = checkInstance(instance);
+  if (!drawn) return drawn.error();
+  return *drawn && touches(instance, shape);
+}
+template <class Shape>
+Result<int> overlapsAny(std::span<const Instance> instances, const Shape& shape, std::span<const Box> boxes) {
+  if (const char* fault = faultOf(shape)) return misuse(fault);
+  const Box around = boxOf(shape);
+  int found = -1;
+  const Result<void> done = eachInstance(
+      instances, boxes, [&](const Box& box) { return meet(box, around); },
+      [&](int i) {
+        if (touches(instances[static_cast<std::size_t>(i)], shape)) found = i;
+        return found < 0;
+      });
+  if (!done) return done.error();
+  return found;
+}
+
+}  // namespace
+
+Result<Distance> distance(const Instance& instance, const glm::vec3& point) {
+  if (!allFinite(point)) return misuse("a point that is not finite");
+  const Result<bool> drawn = checkInstance(instance);
+  if (!drawn) return drawn.error();
+  Distance nearest;
+  if (*drawn) findNearest(instance, point, nearest);
+  return nearest;
+}
+
+Result<Distance> distance(std::span<const Instance> instances, const glm::vec3& point,
+                          std::span<const Box> boxes) {
+  if (!allFinite(point)) return misuse("a point that is not finite");
+  Distance nearest;
+  const Result<void> done = eachInstance(
+      instances, boxes,
+      [&](const Box& box) { return toBox(box, point) <= std::max(double{nearest.bound}, 0.0); },
+      [&](int i) {
+        Distance found;
+        findNearest(instances[static_cast<std::size_t>(i)], point, found);
+        found.instance = i;
+        if (found.part >= 0 && (nearest.part < 0 || found.bound < nearest.bound)) nearest = found;
+        return true;
+      });
+  if (!done) return done.error();
+  return nearest;
+}
+
+Result<ClosestPoint> closestPoint(const Instance& instance, const glm::vec3& point, float reach) {
+  return closestPoint({&instance, 1}, point, reach);
+}
+
+Result<ClosestPoint> closestPoint(std::span<const Instance> instances, const glm::vec3& point, float reach,
+                                  std::span<const Box> boxes) {
+  if (!allFinite(point) || !(reach > 0)) return misuse("a point or a reach that is not finite, or negative");
+  ClosestPoint nearest;
+  nearest.distance = reach;
+  const Result<void> done = eachInstance(
+      instances, boxes, [&](const Box& box) { return toBox(box, point) <= double{nearest.distance}; },
+      [&](int i) {
+        ClosestPoint found = nearest;
+        found.part = -1;
+        findClosest(instances[static_cast<std::size_t>(i)], glm::dvec3(point), found);
+        found.instance = i;
+        if (found.part >= 0) nearest = found;
+        return nearest.distance > 0;
+      });
+  if (!done) return done.error();
+  if (nearest.part < 0) nearest.distance = kFarAway;
+  return nearest;
+}
+
+Result<bool> overlaps(const Instance& instance, const Sphere& shape) { return overlapsOne(instance, shape); }
+Result<bool> overlaps(const Instance& instance, const Capsule& shape) { return overlapsOne(instance, shape); }
+Result<bool> overlaps(const Instance& instance, const OrientedBox& shape) {
+  return overlapsOne(instance, shape);
+}
+Result<int> overlaps(std::span<const Instance> instances, const Sphere& shape, std::span<const Box> boxes) {
+  return overlapsAny(instances, shape, boxes);
+}
+Result<int> overlaps(std::span<const Instance> instances, const Capsule& shape, std::span<const Box> boxes) {
+  return overlapsAny(instances, shape, boxes);
+}
+Result<int> overlaps(std::span<const Instance> instances, const OrientedBox& shape,
+                     std::span<const Box> boxes) {
+  return overlapsAny(instances, shape, boxes);
+}
+
+Result<SphereCast> sphereCast(const Instance& instance, const glm::vec3& from, const glm::vec3& to,
+                              float radius) {
+  return sphereCast({&instance, 1}, from, to, radius);
+}
+
+Result<SphereCast> sphereCast(std::span<const Instance> instances, const glm::vec3& from, const glm::vec3& to,
+                              float radius, std::span<const Box> boxes) {
+  if (!isWay(from, to) || !isRadius(radius)) return misuse("a way that is not finite or has no length");
+  const Box around = boxOf(Capsule{from, to, radius});
+  SphereCast nearest;
+  const glm::dvec3 way = glm::dvec3(to) - glm::dvec3(from);
+  const Result<void> done = eachInstance(
+      instances, boxes, [&](const Box& box) { return meet(box, around); },
+      [&](int i) {
+        SphereCast found = nearest;
+        found.part = -1;
+        cast(instances[static_cast<std::size_t>(i)], glm::dvec3(from), way, double{radius}, found);
+        found.instance = i;
+        if (found.part >= 0) nearest = found;
+        return nearest.t > 0;
+      });
+  if (!done) return done.error();
+  nearest.centre = glm::vec3(glm::dvec3(from) + double{nearest.t} * way);
+  if (nearest.part >= 0) {
+    Distance at;
+    findNearest(instances[static_cast<std::size_t>(nearest.instance)], nearest.centre, at);
+    nearest.away = at.away;
+  }
+  return nearest;
+}
+
+}  // namespace kelp::runtime

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// A search through the solid of one part: the voxels of the levels of distances are a tree, each one's place
+// is bounded as the pose bends it, and the most promising one is looked at first.
+#pragma once
+
+#include <algorithm>
+
+#include "asset_impl.h"
+#include "posed_solid.h"
+#include "rest_distance.h"
+
+namespace kelp::runtime {
+
+// A box about something bent, in the frame of the search.
+struct FrameBox {
+  glm::dvec3 centre{0}, half{0};
+};
+
+// A search sees the world from `eye`, turned so that the part's axes are the frame's, if they are
+// perpendicular; then boxes fit best. Lengths are those of the world.
+struct SearchFrame {
+  SearchFrame(const PosedSolid& solid, const glm::dvec3& eye);
+
+  FrameBox place(const glm::dvec3& low, const glm::dvec3& high) const {
+    const glm::dvec3 half = 0.5 * (high - low);
+    return {to_frame * (0.5 * (low + high)) + offset, grow * half};
+  }
+  glm::dvec3 place(const glm::dvec3& p) const { return to_frame * p + offset; }
+  glm::dvec3 turn(const glm::dvec3& world) const { return from_world * world; }
+  glm::dvec3 toWorld(const glm::dvec3& p) const { return glm::transpose(from_world) * p + eye; }
+
+  glm::dvec3 eye{0};
+  glm::dmat3 from_world{1};  // a rotation
+  glm::dmat3 to_frame{1};    // of part space
+  glm::dmat3 grow{1};        // its absolute values, and a little for rounding
+  glm::dvec3 offset{0};
+};
+
+// What a search finds at its leaves: a voxel between two cuts.
+struct SearchLeaf {
+  FrameBox box;
+  glm::dvec3 low{0}, high{0};  // the voxel at rest, level-0 voxels
+  const SplineMap::Cut* from = nullptr;
+  const SplineMap::Cut* to = nullptr;
+};
+
+struct SearchNode {
+  int level = 0;  // of its voxel
+  glm::ivec3 voxel{0};
+  SplineMap::Cut from, to;  // its lowest and its highest
+  double key = 0;
+};
+
+inline constexpr int kMostSearchNodes = 1 << 15;
+
+// Goes through the part's solid voxels. goal.key(box): a lower bound of what is sought for all that is in the
+// box; goal.limit(): boxes with such a key or a greater one are of no interest; goal.visit(leaf, key);
+// goal.giveUp(key): the search was too long, and what it has not seen has no lesser key.
+template <class Goal>
+class SolidSearch {
+ public:
+  SolidSearch(const PosedSolid& solid, const SearchFrame& frame, Goal& goal)
+      : solid_(solid), frame_(frame), goal_(goal) {}
+
+  void run() {
+    for (int l = std::min(DistanceReader::levels(*solid_.asset, solid_.part), kMaxLevels) - 1; l >= 0; --l) {
+      levels_[l] = DistanceReader::level(*solid_.asset, solid_.part, l);
+      if (levels_[l]) finest_ = l;
+    }
+    int root = 0;
+    while ((1 << root) < std::max({solid_.size.x, solid_.size.y, solid_.size.z})) ++root;
+    add({root, glm::ivec3(0), solid_.map.cutOfRest(0), solid_.map.cutOfRest(solid_.size.y)});
+    for (int visited = 0; count_ > 0; ++visited) {
+      const SearchNode node = stack_[--count_];
+      if (!(node.key < goal_.limit())) continue;
+      if (visited == kMostSearchNodes) {
+        double least = node.key;
+        while (count_ > 0) least = std::min(least, stack_[--count_].key);
+        return goal_.giveUp(least);
+      }
+      if (node.level > finest_)
+        descend(node);
+      else
+        split(node);
+    }
+  }
+
+ private:
+  // What the spline may move in a leaf, in voxels of its level.
+  static constexpr double kFineEnough = 0.25;
+  // A node makes room for at most eight; below the levels, for two.
+  static constexpr int kStack = 7 * (kMaxLevels + 1) + 64;
+
+  glm::dvec3 low(const SearchNode& node) const {
+    return static_cast<double>(1 << node.level) * glm::dvec3(node.voxel);
+  }
+  glm::dvec3 high(const SearchNode& node) const {
+    return glm::min(static_cast<double>(1 << node.level) * glm::dvec3(node.voxel + 1),
+                    glm::dvec3(solid_.size));
+  }
+  FrameBox boxOf(const SearchNode& node, const SplineMap::Box& sweep) const {
+    constexpr double kRounding = 1e-6;
+    const glm::dvec3 a = low(node), b = high(node);
+    return frame_.place(
+        {a.x + sweep.min.x - kRounding, sweep.min.y - kRounding, a.z + sweep.min.z - kRounding},
+        {b.x + sweep.max.x + kRounding, sweep.max.y + kRounding, b.z + sweep.max.z + kRounding});
+  }
+  // Adds a node behind those of its siblings (from `begin` on) that are less promising.
+  void add(SearchNode node, int begin = 0) {
+    node.key = goal_.key(boxOf(node, solid_.map.sweep(node.from, node.to)));
+    if (!(node.key < goal_.limit())) return;
+    int at = count_++;
+    for (; at > begin && stack_[at - 1].key < node.key; --at) stack_[at] = stack_[at - 1];
+    stack_[at] = node;
+  }
+  void descend(const SearchNode& node) {
+    const int level = node.level - 1, begin = count_;
+    const DistanceLevel* known = levels_[level];  // null: not in memory, so anything may be solid
+    const glm::ivec3 first = 2 * node.voxel;
+    const double middle_y = static_cast<double>(1 << level) * (first.y + 1);
+    const bool two = middle_y < solid_.size.y;
+    const SplineMap::Cut middle = two ? solid_.map.cutOfRest(middle_y) : node.to;
+    for (int i = 0; i < 8; ++i) {
+      const glm::ivec3 voxel = first + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
+      if (glm::any(glm::greaterThanEqual(voxel, levelSize(solid_.size, level))) ||
+          (known && !isInside(distanceCode(*known, voxel))))
+        continue;
+      const bool upper = voxel.y > first.y;
+      add({level, voxel, upper ? middle : node.from, upper ? node.to : middle}, begin);
+    }
+  }
+  // A voxel of the finest level: cuts it until the spline hardly moves within it.
+  void split(const SearchNode& node) {
+    const SplineMap::Box sweep = solid_.map.sweep(node.from, node.to);
+    const double least = kFineEnough * static_cast<double>(1 << node.level);
+    const SplineMap::Cut middle = solid_.map.between(node.from, node.to);
+    const bool whole = (middle.segment == node.from.segment && middle.t <= node.from.t) ||
+                       (middle.segment == node.to.segment && middle.t >= node.to.t);
+    if (whole || count_ + 2 > kStack ||
+        (sweep.max.x - sweep.min.x <= least && sweep.max.z - sweep.min.z <= least))
+      return goal_.visit({boxOf(node, sweep), low(node), high(node), &node.from, &node.to}, node.key);
+    const int begin = count_;
+    add({node.level, node.voxel, node.from, middle}, begin);
+    add({node.level, node.voxel, middle, node.to}, begin);
+  }
+
+  const PosedSolid& solid_;
+  const SearchFrame& frame_;
+  Goal& goal_;
+  const DistanceLevel* levels_[kMaxLevels + 1] = {};
+  int finest_ = 0;
+  SearchNode stack_[kStack];
+  int count_ = 0;
+};
+
+}  // namespace kelp::runtime

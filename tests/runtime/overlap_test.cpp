@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+// closestPoint(), overlaps() and sphereCast() against brute force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "bent_instance.h"
+
+namespace kelp::runtime {
+namespace {
+
+int shapes() { return test::allTests() ? 20'000 : test::shareOf(400); }
+int casts() { return test::allTests() ? 60'000 : test::shareOf(600); }
+
+// What the truth itself may be too far, in voxels.
+constexpr double kStep = 0.25;
+
+struct ShapeQuery : testing::Test {
+  fields::Occupancy volume = test::ballClump({60, 80, 50}, 20, 2);
+  test::Layers layers{volume};
+  std::vector<std::byte> bytes = test::bytesOf(test::distancePackOf(volume));
+  MemorySource source{bytes};
+  std::unique_ptr<Asset> asset = test::loadDistances(source);
+
+  // In all poses of Figure 6, turned, scaled, mirrored.
+  void inAllPoses(const std::function<void(test::BentInstance&)>& check) const {
+    unsigned seed = 1;
+    for (const test::FigurePose& figure : test::kFigure6) {
+      SCOPED_TRACE(figure.name);
+      const glm::vec3 scale = seed % 2 == 0 ? glm::vec3(2, 2, -2) : glm::vec3(0.5f, 1.5f, 0.5f);
+      test::BentInstance bent(*asset, layers, test::figureKnots(figure),
+                              test::turned(static_cast<float>(seed), scale, {10, -20, 3}), seed);
+      ++seed;
+      check(bent);
+    }
+  }
+};
+
+TEST_F(ShapeQuery, ClosestPointIsOfTheSolidAndNearest) {
+  inAllPoses([](test::BentInstance& bent) {
+    for (int i = 0; i < shapes(); ++i) {
+      const glm::vec3 point = i % 2 == 0 ? bent.anywhere() : bent.beside();
+      const double truth = bent.distanceOf(glm::dvec3(point));
+      const ClosestPoint found = closestPoint(bent.instance, point).value();
+      ASSERT_NEAR(glm::distance(found.point, point), found.distance, 1e-4 * bent.voxel + 1e-5 * truth);
+      ASSERT_LE(bent.distanceOf(glm::dvec3(found.point)), kStep * bent.voxel) << "not of the solid";
+      ASSERT_LE(double{found.distance}, truth + bent.voxel);
+      const float reach = static_cast<float>(0.99 * truth);
+      if (truth > 2 * bent.voxel) {
+        ASSERT_EQ(closestPoint(bent.instance, point, 0.7f * reach)->part, -1);
+      }
+    }
+  });
+}
+
+TEST_F(ShapeQuery, SpheresOverlapAsTheyShould) {
+  inAllPoses([](test::BentInstance& bent) {
+    int touched = 0, count = 4 * shapes();
+    for (int i = 0; i < count; ++i) {
+      const Sphere sphere{bent.beside(3), static_cast<float>(bent.voxel * std::exp(3 * bent.unit()))};
+      const double truth = bent.distanceOf(glm::dvec3(sphere.centre));
+      const bool found = overlaps(bent.instance, sphere).value();
+      touched += found;
+      ASSERT_TRUE(found || truth > double{sphere.radius}) << truth / bent.voxel;
+      ASSERT_TRUE(!found || truth <= double{sphere.radius} + (1 + kStep) * bent.voxel)
+          << truth / bent.voxel << " " << sphere.radius / bent.voxel;
+    }
+    EXPECT_GT(touched, count / 4);
+    EXPECT_LT(touched, count * 9 / 10);
+  });
+}
+
+TEST_F(ShapeQuery, CapsulesOverlapAsTheyShould) {
+  inAllPoses([](test::BentInstance& bent) {
+    for (int i = 0; i < shapes(); ++i) {
+      const glm::vec3 a = bent.beside(3);
+      const glm::vec3 b = a + glm::vec3(bent.voxel * 20 * bent.unit() * bent.direction());
+      const Capsule capsule{a, b, static_cast<float>(bent.voxel * 4 * bent.unit())};
+      double truth = INFINITY;
+      for (double t = 0; t <= 1; t += 1.0 / 64)
+        truth = std::min(truth, bent.distanceOf(glm::mix(glm::dvec3(a), glm::dvec3(b), t)));
+      const bool found = overlaps(bent.instance, capsule).value();
+      ASSERT_TRUE(found || truth > double{capsule.radius});
+      ASSERT_TRUE(!found || truth <= double{capsule.radius} + (1 + kStep + 10.0 / 64) * bent.voxel);
+    }
+  });
+}
+
+TEST_F(ShapeQuery, BoxesOverlapAsTheyShould) {
+  inAllPoses([](test::BentInstance& bent) {
+    for (int i = 0; i < shapes() / 2; ++i) {
+      const glm::dvec3 half = bent.voxel * (0.5 + 6.0 * glm::dvec3(bent.unit(), bent.unit(), bent.unit()));
+      const OrientedBox box{bent.beside(2.5), glm::vec3(half),
+                            glm::angleAxis(static_cast<float>(6 * bent.unit()), glm::vec3(bent.direction()))};
+      const glm::dquat turn(box.rotation);
+      double truth = INFINITY;
+      bool touches = false;
+      constexpr int kSide = 6;
+      for (int k = 0; k < kSide * kSide * kSide; ++k) {
+        const glm::dvec3 share =
+            glm::dvec3(k % kSide, k / kSide % kSide, k / kSide / kSide) * (2.0 / (kSide - 1)) - 1.0;
+        const glm::dvec3 p = glm::dvec3(box.centre) + turn * (share * half);
+        const glm::dvec3 near = bent.inside(p) ? p : bent.nearest(p);
+        truth = std::min(truth, glm::distance(near, p));
+        const glm::dvec3 local = glm::abs(glm::conjugate(turn) * (near - glm::dvec3(box.centre)));
+        touches |= glm::all(glm::lessThan(local, 0.9999 * half));
+      }
+      const bool found = overlaps(bent.instance, box).value();
+      ASSERT_TRUE(found || !touches);
+      const double apart = glm::length(half) / (kSide - 1);  // between a point of the box and its samples
+      ASSERT_TRUE(!found || touches || truth <= apart + (1 + kStep) * bent.voxel);
+    }
+  });
+}
+
+TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
+  inAllPoses([](test::BentInstance& bent) {
+    int hits = 0, near = 0, tunnels = 0, ran_out = 0;
+    for (int i = 0; i < casts(); ++i) {
+      const glm::vec3 from = bent.anywhere();
+      const glm::vec3 to = i % 3 == 0 ? bent.anywhere() : from + 2.0f * (bent.beside(2) - from);
+      const double radius = i % 5 == 0 ? 0.0 : bent.voxel * std::exp(glm::mix(-3.0, 2.5, bent.unit()));
+      const SphereCast cast = sphereCast(bent.instance, from, to, static_cast<float>(radius)).value();
+      ran_out += cast.ran_out;
+      const glm::dvec3 way = glm::dvec3(to) - glm::dvec3(from);
+      const double length = glm::length(way), free = double{cast.t} * length;
+      for (double s = 0; s < free;) {
+        const double room = bent.distanceOf(glm::dvec3(from) + s / length * way) - radius;
+        if (room < -1e-5 * bent.voxel) {
+          ++tunnels;
+          break;
+        }
+        s += std::max(room - kStep * bent.voxel, 0.1 * bent.voxel);
+      }
+      if (!cast.hit) {
+        ASSERT_TRUE(cast.t == 1 || cast.ran_out);
+        continue;
+      }
+      ++hits;
+      ASSERT_NEAR(glm::length(cast.away), 1, 1e-4);
+      near += bent.distanceOf(glm::dvec3(cast.centre)) - radius <= (1 + kStep) * bent.voxel;
+    }
+    EXPECT_EQ(tunnels, 0);
+    EXPECT_EQ(ran_out, 0);
+    EXPECT_GT(hits, casts() / 4);
+    EXPECT_GE(near, hits * 99 / 100);
+  });
+}
+
+// A list answers what the best of its instances answers, with boxes or without.
+TEST_F(ShapeQuery, ListsAnswerForTheNearest) {
+  std::vector<Instance> list;
+  std::vector<Box> boxes;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(-4, 4);
+  for (int i = 0; i < 30; ++i) {
+    list.push_back({asset.get(), nullptr,
+                    test::turned(unit(random), glm::vec3(1), {unit(random), unit(random), unit(random)})});
+    boxes.push_back(bounds(list.back()));
+  }
+  for (int i = 0; i < 500; ++i) {
+    const glm::vec3 p(unit(random), unit(random), unit(random)), q(unit(random), unit(random), unit(random));
+    const float radius = 0.1f * std::abs(unit(random));
+    float bound = kFarAway, closest = kFarAway, t = 1;
+    int first = -1;
+    for (int k = 0; k < 30; ++k) {
+      const Instance& one = list[static_cast<std::size_t>(k)];
+      bound = std::min(bound, distance(one, p)->bound);
+      closest = std::min(closest, closestPoint(one, p)->distance);
+      t = std::min(t, sphereCast(one, p, q, radius)->t);
+      if (first < 0 && *overlaps(one, Sphere{p, radius})) first = k;
+    }
+    for (const std::span<const Box> given : {std::span<const Box>(), std::span<const Box>(boxes)}) {
+      const Distance found = *distance(list, p, given);
+      EXPECT_EQ(found.bound, bound);
+      EXPECT_EQ(distance(list[static_cast<std::size_t>(found.instance)], p)->bound, bound);
+      EXPECT_NEAR(closestPoint(list, p, kFarAway, given)->distance, closest, 0.02f);
+      EXPECT_NEAR(sphereCast(list, p, q, radius, given)->t, t, 1e-5f);
+      EXPECT_EQ(*overlaps(list, Sphere{p, radius}, given), first);
+    }
+  }
+  EXPECT_EQ(distance(std::span<const Instance>(), glm::vec3(0))->part, -1);
+}
+
+// Codes that lie, as far as the reader lets them: answers mean nothing, but they come.
+TEST_F(ShapeQuery, LyingDistancesHangNothing) {
+  std::mt19937 random(9);
+  for (int pack_number = 0; pack_number < 6; ++pack_number) {
+    RawPack pack = test::distancePackOf(volume);
+    for (RawDistances& level : pack.parts[0].distances) {
+      for (std::uint32_t& cell : level.cells) {
+        if (!(cell & kCellSolid) && random() % 2 == 0) cell = random() % 2 == 0 ? kFarInside : kFarOutside;
+      }
+      for (std::size_t i = 0; i < level.codes.size(); ++i) {
+        if (pack_number % 2 == 0 && level.codes[i] != kFarOutside) level.codes[i] = kFarInside;
+      }
+    }
+    std::vector<std::byte> lying;
+    const Sink sink{[](void* user, std::span<const std::byte> more) {
+                      auto& all = *static_cast<std::vector<std::byte>*>(user);
+                      all.insert(all.end(), more.begin(), more.end());
+                      return true;
+                    },
+                    &lying};
+    if (!writePack(pack, sink)) continue;
+    MemorySource lying_source(lying);
+    Options options;
+    options.distance_level = 0;
+    const auto loaded = Asset::open(lying_source.source(), options).value();
+    if (!loaded->loadAll()) continue;
+    for (const int figure : {0, 4, 6}) {
+      test::BentInstance bent(*loaded, layers,
+                              test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
+                              glm::mat4(1), 3);
+      for (int i = 0; i < 20; ++i) {
+        const glm::vec3 p = bent.anywhere(), q = bent.anywhere();
+        const Result<Distance> found = distance(bent.instance, p);
+        ASSERT_TRUE(found && !std::isnan(found->bound));
+        EXPECT_TRUE(closestPoint(bent.instance, p));
+        EXPECT_TRUE(overlaps(bent.instance, Sphere{p, 0.1f}));
+        EXPECT_TRUE(overlaps(bent.instance, OrientedBox{p, glm::vec3(0.1f)}));
+        EXPECT_TRUE(sphereCast(bent.instance, p, q, 0.05f));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kelp::runtime
