@@ -170,10 +170,35 @@ double pieceBound(const Eye& eye, const Piece& piece, double enough) {
 
 }  // namespace
 
+// Where the spline hardly leans: the bound of the steepest shear within reach. 0: it leans more.
+double SplineMap::gentleBound(const Cut& cut, double rest) const {
+  constexpr double kHardly2 = 0.02;  // the square of a slope
+  double m2 = 0;
+  const int last = static_cast<int>(knots_.size()) - 2;
+  const auto addSegment = [&](int segment) {
+    const Cubic c = cubic(segment);
+    const glm::dvec3 end = c.m0 + 2.0 * c.b + 3.0 * c.a, middle = 3.0 * (c.m0 + c.b + c.a) - c.m0 - end;
+    const double rise = std::min({c.m0.y, middle.y, end.y});
+    if (!(rise > 0)) return false;
+    m2 = std::max(m2, std::max({across2(c.m0), across2(middle), across2(end)}) / (rise * rise));
+    return m2 < kHardly2;
+  };
+  if (!addSegment(cut.segment)) return 0;
+  const auto knotY = [&](int knot) {
+    return double{height_ * knots_[static_cast<std::size_t>(knot)].position.y};
+  };
+  for (int i = cut.segment + 1; i <= last && knotY(i) < cut.at.y + rest; ++i)
+    if (!addSegment(i)) return 0;
+  for (int i = cut.segment - 1; i >= 0 && knotY(i + 1) > cut.at.y - rest; --i)
+    if (!addSegment(i)) return 0;
+  return rest / std::sqrt(lengthening2(m2, stretch_));
+}
+
 // Goes along the spline in pieces, up and down, until they are farther than the least bound. target: the
 // least square found at any one cut. A piece whose bound is far below it is split.
 double SplineMap::bound(const Cut& cut, double rest) const {
   if (!(rest > 0)) return 0;
+  if (const double gentle = gentleBound(cut, rest); gentle > 0) return gentle;
   constexpr double kGoodEnough = 0.8;
   constexpr int kDeepest = 12, kSplits = 24;
   const Eye eye{cut, rest * rest, stretch_, rest / stretch_};
@@ -181,11 +206,12 @@ double SplineMap::bound(const Cut& cut, double rest) const {
   double target = rest * rest, least = target;
   int splits = kSplits;
   Piece stack[kDeepest];
+  const Cubic own = cubic(cut.segment);
   for (const int step : {1, -1}) {
     Seen near = eye.see(cut);
     for (int segment = cut.segment; segment >= 0 && segment <= last; segment += step) {
       if (near.d * near.d >= least) break;  // and so is everything beyond
-      const Cubic c = cubic(segment);
+      const Cubic c = segment == cut.segment ? own : cubic(segment);
       if (segment != cut.segment) near = eye.see(cutOf(c, segment, step > 0 ? 0 : 1));
       int count = 0;
       stack[count++] = {near, eye.see(cutOf(c, segment, step > 0 ? 1 : 0))};

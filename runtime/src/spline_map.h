@@ -56,6 +56,7 @@ class SplineMap {
     glm::dvec3 p0{0}, m0{0}, b{0}, a{0};
   };
   Cubic cubic(int segment) const;
+  double gentleBound(const Cut& cut, double rest) const;
   static Cut cutOf(const Cubic& cubic, int segment, double t);
   Cut cutAt(int segment, double t) const { return cutOf(cubic(segment), segment, t); }
 

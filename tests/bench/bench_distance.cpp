@@ -15,7 +15,7 @@ namespace {
 // The least nanoseconds per call of several runs.
 double nanoseconds(int calls, const std::function<void(int)>& call) {
   double best = 1e30;
-  for (int run = 0; run < 7; ++run) {
+  for (int run = 0; run < 60; ++run) {
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < calls; ++i) call(i);
     const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
@@ -48,8 +48,9 @@ struct Bench {
   }
 
   void poses() {
-    constexpr int kPoints = 4096;
-    std::printf("%-24s %12s %12s %12s %8s\n", "ns a call, pose", "distance", "far away", "raycast", "ratio");
+    constexpr int kPoints = 1024;
+    std::printf("%-22s %10s %10s %10s %10s %10s\n", "ns a call, pose", "distance", "a swarm's", "far away",
+                "raycast", "a swarm's");
     Pose pose = *Pose::create(*asset);
     float sum = 0;
     for (const test::FigurePose& figure : test::kFigure6) {
@@ -58,19 +59,69 @@ struct Bench {
       const Box box = bounds(instance);
       const std::vector<glm::vec3> near = around(box, 0.05f, kPoints), far = around(box, 3, kPoints);
       const auto ask = [&](const std::vector<glm::vec3>& points) {
+        return nanoseconds(
+            kPoints, [&](int i) { sum += distance(instance, points[static_cast<std::size_t>(i)])->bound; });
+      };
+      // As things ask that swim together: each point is near the one before.
+      std::vector<glm::vec3> swarm = near;
+      for (std::size_t i = 1; i < swarm.size(); ++i)
+        swarm[i] = glm::clamp(swarm[i - 1] + 0.02f * (near[i] - near[i - 1]) / (box.max - box.min),
+                              box.min - 0.05f, box.max + 0.05f);
+      const auto cast = [&](const std::vector<glm::vec3>& points) {
         return nanoseconds(kPoints, [&](int i) {
-          sum += distance(instance, points[static_cast<std::size_t>(i)])->bound;
+          const glm::vec3& p = points[static_cast<std::size_t>(i)];
+          const auto hit = raycast(instance, {p + glm::vec3(1, 0.5f, 0.7f), glm::vec3(-1, -0.5f, -0.7f)});
+          sum += hit ? hit->t : 0.0f;
         });
       };
-      const double to_near = ask(near), to_far = ask(far);
-      const double ray = nanoseconds(kPoints, [&](int i) {
-        const auto k = static_cast<std::size_t>(i);
-        const auto hit = raycast(instance, {far[k], near[k] - far[k]});
-        sum += hit ? hit->t : 0.0f;
-      });
-      std::printf("%-24s %12.0f %12.0f %12.0f %8.2f\n", figure.name, to_near, to_far, ray, to_near / ray);
+      std::printf("%-22s %10.0f %10.0f %10.0f %10.0f %10.0f\n", figure.name, ask(near), ask(swarm), ask(far),
+                  cast(near), cast(swarm));
     }
     std::printf("(%g)\n", static_cast<double>(sum));
+  }
+
+  // 100 spheres among 400 instances, as in a frame: the boxes are made once.
+  void crowd() {
+    std::vector<Pose> poses;
+    for (const test::FigurePose& figure : test::kFigure6) {
+      poses.push_back(*Pose::create(*asset));
+      poses.back().setKnots(0, test::figureKnots(figure)).value();
+    }
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<Instance> instances;
+    for (int i = 0; i < 400; ++i) {
+      // Most plants are bent a little, some strongly.
+      const std::size_t figure = i % 8 == 0 ? 1 + static_cast<std::size_t>(i / 8 % 6) : 0;
+      Instance one{asset.get(), &poses[figure]};
+      one.to_world[3] = glm::vec4(20 * unit(random), 0, 20 * unit(random), 1);
+      instances.push_back(one);
+    }
+    std::vector<Sphere> spheres;
+    for (int i = 0; i < 100; ++i)
+      spheres.push_back({{20 * unit(random), unit(random), 20 * unit(random)}, 0.1f});
+    std::vector<Box> boxes(instances.size());
+    int touched = 0, tested = 0;
+    const double ns = nanoseconds(5, [&](int) {
+      touched = tested = 0;
+      for (std::size_t i = 0; i < instances.size(); ++i) boxes[i] = bounds(instances[i]);
+      for (const Sphere& sphere : spheres) touched += *overlaps(instances, sphere, boxes) >= 0;
+    });
+    for (const Sphere& sphere : spheres)
+      for (const Box& box : boxes)
+        tested += glm::distance(sphere.centre, glm::clamp(sphere.centre, box.min, box.max)) < sphere.radius;
+    std::printf("overlaps of 100 spheres with 400 instances: %.3f ms; %d touch, %d pairs of boxes meet\n",
+                1e-6 * ns, touched, tested);
+    double t = 0;
+    const double cast = nanoseconds(100, [&](int i) {
+      const Sphere& a = spheres[static_cast<std::size_t>(i)];
+      const Sphere& b = spheres[static_cast<std::size_t>(99 - i)];
+      t += double{sphereCast(instances, a.centre, b.centre, 0.05f, boxes)->t};
+    });
+    const double closest = nanoseconds(100, [&](int i) {
+      t += double{closestPoint(instances, spheres[static_cast<std::size_t>(i)].centre, 1, boxes)->distance};
+    });
+    std::printf("sphereCast through them: %.1f us; closestPoint: %.1f us (%g)\n", 1e-3 * cast, 1e-3 * closest,
+                t);
   }
 };
 
@@ -80,4 +131,5 @@ struct Bench {
 int main() {
   kelp::runtime::Bench bench;
   bench.poses();
+  bench.crowd();
 }
