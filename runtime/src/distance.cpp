@@ -69,7 +69,7 @@ namespace {
 struct Projected {
   glm::dvec3 off{0};  // from the bounds to the point
   double slack = 0;   // how far the cut is from the point's height
-  SplineMap::Cut cut;
+  SplineMap::Cut cut{};
   glm::dvec3 rest{0};      // within the part's box
   glm::dvec3 rest_off{0};  // from there to the rest point
 };
@@ -86,12 +86,34 @@ Projected project(const PosedSolid& solid, const glm::dvec3& point) {
   };
   const double y = std::clamp(point.y, solid.map.low(), solid.map.high());
   place({point.x, y, point.z});
-  if (at.off.y == 0 && at.rest_off == glm::dvec3(0)) return at;
+  // Bounds cost time, and tell little that is new of a point nearly within the part's box at rest.
+  constexpr double kNearly2 = 64;
+  if (at.off.y == 0 && glm::dot(at.rest_off, at.rest_off) < kNearly2) return at;
   const Box box = simd::boundKnots(solid.knots, solid.size);
   const glm::dvec3 inside = glm::clamp(point, glm::dvec3(box.min), glm::dvec3(box.max));
   if (inside.x != point.x || inside.z != point.z) place({inside.x, y, inside.z});
   return at;
 }
+
+// Where the line along y through a point is at rest, and how far the solid is there.
+struct AlongY {
+  const PosedSolid* solid;
+  glm::dvec3 point;
+
+  SplineMap::RestAt ask() const {
+    return {[](const void* user, const SplineMap::Cut& cut) {
+              const auto& self = *static_cast<const AlongY*>(user);
+              const glm::dvec3 rest = self.solid->map.toRest(cut, self.point);
+              const glm::dvec3 held = glm::clamp(rest, glm::dvec3(0), glm::dvec3(self.solid->size));
+              const auto found = restDistance(*self.solid->asset, self.solid->part, held);
+              const double off2 = glm::dot(rest - held, rest - held);
+              return found ? std::sqrt(off2 + found->bound * found->bound) : 0.0;
+            },
+            this};
+  }
+};
+
+}  // namespace
 
 std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3& world) {
   const glm::dmat3 to_part = glm::inverse(solid.to_world);
@@ -102,7 +124,9 @@ std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3&
   const double off2 = glm::dot(at.off, at.off), rest_off2 = glm::dot(at.rest_off, at.rest_off);
   const bool inside = rest->inside && off2 == 0 && rest_off2 == 0;
   const double rest_bound = inside ? rest->depth : std::sqrt(rest_off2 + rest->bound * rest->bound);
-  const double bent = std::max(solid.map.bound(at.cut, rest_bound) - at.slack, 0.0);
+  const AlongY line{&solid, point - at.off};
+  const double bent = std::max(
+      solid.map.bound(at.cut, rest_bound, inside ? SplineMap::RestAt{} : line.ask()) - at.slack, 0.0);
   constexpr double kLeastDepth = 1e-3;  // voxels: the sign says that it is inside
   // The nearest point within the bounds sees the solid at an obtuse angle to the point.
   const double bound = inside ? std::max(bent, kLeastDepth) : std::sqrt(off2 + bent * bent);
@@ -122,8 +146,6 @@ std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3&
   if (world2 > 0 && std::isfinite(world2)) found.away = glm::vec3(away / std::sqrt(world2));
   return found;
 }
-
-}  // namespace
 
 void findNearest(const Instance& instance, const glm::vec3& point, Distance& nearest) {
   const auto parts = static_cast<int>(instance.asset->pack().parts().size());

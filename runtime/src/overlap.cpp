@@ -142,6 +142,12 @@ void search(const PosedSolid& solid, const SearchFrame& frame, Goal& goal) {
   SolidSearch<Goal>(solid, frame, goal).run();
 }
 
+// Whether all of the part is farther than `reach` from a point, so far as its distances say.
+bool isBeyond(const PosedSolid& solid, const glm::vec3& point, float reach) {
+  const std::optional<Distance> found = distanceToPart(solid, point);
+  return found && found->bound > reach;
+}
+
 template <class Shape>
 bool touches(const PosedSolid& solid, const SearchFrame& frame, const Shape& shape) {
   TouchGoal<Shape> goal{shape};
@@ -178,6 +184,7 @@ void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint
 bool touches(const Instance& instance, const Sphere& shape) {
   bool found = false;
   eachSolid(instance, [&](const PosedSolid& solid) {
+    if (isBeyond(solid, shape.centre, shape.radius)) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.centre));
     found = touches(solid, frame, FrameSphere{double{shape.radius}});
     return !found;
@@ -187,6 +194,8 @@ bool touches(const Instance& instance, const Sphere& shape) {
 bool touches(const Instance& instance, const Capsule& shape) {
   bool found = false;
   eachSolid(instance, [&](const PosedSolid& solid) {
+    const float reach = shape.radius + glm::distance(shape.a, shape.b);
+    if (isBeyond(solid, shape.a, 1.000001f * reach)) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.a));
     const glm::dvec3 way = glm::dvec3(shape.b) - glm::dvec3(shape.a);
     found = touches(solid, frame, FrameCapsule{frame.turn(way), double{shape.radius}});
@@ -197,6 +206,7 @@ bool touches(const Instance& instance, const Capsule& shape) {
 bool touches(const Instance& instance, const OrientedBox& shape) {
   bool found = false;
   eachSolid(instance, [&](const PosedSolid& solid) {
+    if (isBeyond(solid, shape.centre, 1.000001f * glm::length(shape.half_size))) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.centre));
     const glm::dmat3 axes = frame.from_world * glm::mat3_cast(glm::normalize(glm::dquat(shape.rotation)));
     found = touches(solid, frame, FrameOrientedBox{axes, glm::dvec3(shape.half_size)});

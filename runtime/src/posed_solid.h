@@ -26,6 +26,8 @@ bool allFinite(const glm::vec3& v);
 Result<bool> checkInstance(const Instance& instance);
 // The part, if it is solid and its matrix is finite. The instance must have passed checkInstance().
 std::optional<PosedSolid> posedSolid(const Instance& instance, int part);
+// distance() with one part. nullopt: none of its distances is in memory.
+std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3& point);
 // The least factor by which the matrix lengthens a vector, or a little less; 0 for a singular one.
 double leastScale(const glm::dmat3& matrix);
 

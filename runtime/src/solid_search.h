@@ -44,11 +44,12 @@ struct SearchLeaf {
   const SplineMap::Cut* to = nullptr;
 };
 
+// Without initial values, as many are on the stack.
 struct SearchNode {
-  int level = 0;  // of its voxel
-  glm::ivec3 voxel{0};
+  int level;  // of its voxel
+  glm::ivec3 voxel;
   SplineMap::Cut from, to;  // its lowest and its highest
-  double key = 0;
+  double key;
 };
 
 inline constexpr int kMostSearchNodes = 1 << 15;
@@ -69,7 +70,7 @@ class SolidSearch {
     }
     int root = 0;
     while ((1 << root) < std::max({solid_.size.x, solid_.size.y, solid_.size.z})) ++root;
-    add({root, glm::ivec3(0), solid_.map.cutOfRest(0), solid_.map.cutOfRest(solid_.size.y)});
+    add({root, glm::ivec3(0), solid_.map.cutOfRest(0), solid_.map.cutOfRest(solid_.size.y), 0});
     for (int visited = 0; count_ > 0; ++visited) {
       const SearchNode node = stack_[--count_];
       if (!(node.key < goal_.limit())) continue;
@@ -118,15 +119,16 @@ class SolidSearch {
     const DistanceLevel* known = levels_[level];  // null: not in memory, so anything may be solid
     const glm::ivec3 first = 2 * node.voxel;
     const double middle_y = static_cast<double>(1 << level) * (first.y + 1);
+    const glm::ivec3 end = levelSize(solid_.size, level);
     const bool two = middle_y < solid_.size.y;
     const SplineMap::Cut middle = two ? solid_.map.cutOfRest(middle_y) : node.to;
     for (int i = 0; i < 8; ++i) {
       const glm::ivec3 voxel = first + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
-      if (glm::any(glm::greaterThanEqual(voxel, levelSize(solid_.size, level))) ||
+      if (voxel.x >= end.x || voxel.y >= end.y || voxel.z >= end.z ||
           (known && !isInside(distanceCode(*known, voxel))))
         continue;
       const bool upper = voxel.y > first.y;
-      add({level, voxel, upper ? middle : node.from, upper ? node.to : middle}, begin);
+      add({level, voxel, upper ? middle : node.from, upper ? node.to : middle, 0}, begin);
     }
   }
   // A voxel of the finest level: cuts it until the spline hardly moves within it.
@@ -140,8 +142,8 @@ class SolidSearch {
         (sweep.max.x - sweep.min.x <= least && sweep.max.z - sweep.min.z <= least))
       return goal_.visit({boxOf(node, sweep), low(node), high(node), &node.from, &node.to}, node.key);
     const int begin = count_;
-    add({node.level, node.voxel, node.from, middle}, begin);
-    add({node.level, node.voxel, middle, node.to}, begin);
+    add({node.level, node.voxel, node.from, middle, 0}, begin);
+    add({node.level, node.voxel, middle, node.to, 0}, begin);
   }
 
   const PosedSolid& solid_;

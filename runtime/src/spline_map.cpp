@@ -100,7 +100,7 @@ namespace {
 // least `rest` away. So it is at least sqrt(max(R - s, 0)^2 + d^2) away.
 struct Seen {
   SplineMap::Cut cut;
-  double d = 0, s = 0, r = 0;
+  double d, s, r;
   double squared() const { return d * d + (r > s ? (r - s) * (r - s) : 0.0); }
 };
 struct Piece {
@@ -194,46 +194,93 @@ double SplineMap::gentleBound(const Cut& cut, double rest) const {
   return rest / std::sqrt(lengthening2(m2, stretch_));
 }
 
-// Goes along the spline in pieces, up and down, until they are farther than the least bound. target: the
-// least square found at any one cut. A piece whose bound is far below it is split.
-double SplineMap::bound(const Cut& cut, double rest) const {
-  if (!(rest > 0)) return 0;
-  if (const double gentle = gentleBound(cut, rest); gentle > 0) return gentle;
-  constexpr double kGoodEnough = 0.8;
-  constexpr int kDeepest = 12, kSplits = 24;
+namespace {
+
+// How far along a segment, in t, the height changes by about as much as the bound will be.
+double firstStep(const glm::dvec3& slope, double bend, double rest, double stretch) {
+  const double steep = std::max(slope.y, 1e-9);
+  const double likely = rest / std::sqrt(lengthening2(across2(slope) / (steep * steep), stretch));
+  const double rise = std::max(likely, 0.05 * rest);
+  return 2 * rise / (steep + std::sqrt(steep * steep + 4 * std::abs(bend) * rise));
+}
+
+// The same as pieceBound() by what is known from another height of the line through the point along y:
+// `other` is there, and d still counts from `eye`.
+double secondBound(const Eye& other, const Seen& near, const Seen& far) {
+  const Seen a = other.see(near.cut), b = other.see(far.cut);
+  double bound2 = near.d * near.d;
+  const double climb = far.cut.at.y - near.cut.at.y;
+  if (a.d >= other.end || b.d >= other.end || climb == 0) return bound2;
+  const double third = (far.cut.t - near.cut.t) / 3;
+  const glm::dvec3 chord = (far.cut.at - near.cut.at) / climb;
+  const double off = 0.75 * std::abs(third) *
+                     std::sqrt(std::max(across2(near.cut.slope - near.cut.slope.y * chord),
+                                        across2(far.cut.slope - far.cut.slope.y * chord)));
+  const double g0 = a.r - a.s - off, g1 = b.r - b.s - off;
+  return g0 > 0 ? toLine2(near.d, g0, far.d, g1) : bound2;
+}
+double secondSquared(const Eye& other, const Seen& at) {
+  const Seen seen = other.see(at.cut);
+  return at.d * at.d + (seen.r > seen.s ? (seen.r - seen.s) * (seen.r - seen.s) : 0.0);
+}
+
+}  // namespace
+
+// Goes along the spline in pieces, up and down, until they are farther than the least bound. A piece whose
+// bound is far below the least square found at any one cut (target) is split. Returns the square of the
+// bound, and where it is least.
+double SplineMap::alongSpline(const Cut& cut, double rest, const Cut* second, double second_rest,
+                              Cut& weakest) const {
+  constexpr double kGoodEnough = 0.75;
   const Eye eye{cut, rest * rest, stretch_, rest / stretch_};
+  const Eye other{second ? *second : cut, second_rest * second_rest, stretch_, second_rest / stretch_};
   const int last = static_cast<int>(knots_.size()) - 2;
   double target = rest * rest, least = target;
-  int splits = kSplits;
-  Piece stack[kDeepest];
+  int splits = 24;
   const Cubic own = cubic(cut.segment);
-  for (const int step : {1, -1}) {
+  const double first_step = firstStep(cut.slope, own.b.y + 3 * cut.t * own.a.y, rest, stretch_);
+  for (const int way : {1, -1}) {
     Seen near = eye.see(cut);
-    for (int segment = cut.segment; segment >= 0 && segment <= last; segment += step) {
-      if (near.d * near.d >= least) break;  // and so is everything beyond
+    double step = first_step;
+    for (int segment = cut.segment; segment >= 0 && segment <= last; segment += way) {
       const Cubic c = segment == cut.segment ? own : cubic(segment);
-      if (segment != cut.segment) near = eye.see(cutOf(c, segment, step > 0 ? 0 : 1));
-      int count = 0;
-      stack[count++] = {near, eye.see(cutOf(c, segment, step > 0 ? 1 : 0))};
-      near = stack[0].far;
-      if (stack[0].near.cut.t == near.cut.t) continue;  // an end of the segment
-      while (count > 0) {
-        const Piece piece = stack[--count];
-        if (piece.near.d * piece.near.d >= least) break;
-        target = std::min(target, piece.far.squared());
-        const double bound2 = pieceBound(eye, piece, kGoodEnough * target);
-        if (bound2 >= kGoodEnough * target || splits == 0 || count + 2 > kDeepest) {
-          least = std::min(least, bound2);
+      if (segment != cut.segment) near = eye.see(cutOf(c, segment, way > 0 ? 0 : 1));
+      const double end = way > 0 ? 1 : 0;
+      while (near.cut.t != end) {
+        if (near.d * near.d >= least) break;  // and so is everything beyond
+        const double t = near.cut.t + way * step;
+        const Seen far = eye.see(cutOf(c, segment, (t - end) * way < 0 ? t : end));
+        target =
+            std::min(target, second ? std::max(far.squared(), secondSquared(other, far)) : far.squared());
+        double bound2 = pieceBound(eye, {near, far}, kGoodEnough * target);
+        if (second && bound2 < kGoodEnough * target) bound2 = std::max(bound2, secondBound(other, near, far));
+        if (bound2 < kGoodEnough * target && splits > 0) {
+          --splits;
+          step = 0.5 * std::abs(far.cut.t - near.cut.t);
           continue;
         }
-        --splits;
-        const Seen middle = eye.see(cutOf(c, segment, 0.5 * (piece.near.cut.t + piece.far.cut.t)));
-        stack[count++] = {middle, piece.far};
-        stack[count++] = {piece.near, middle};
+        if (bound2 < least) {
+          least = bound2;
+          weakest = far.squared() < near.squared() ? far.cut : near.cut;
+        }
+        near = far;
+        step *= 2;
       }
+      if (near.d * near.d >= least) break;
     }
   }
-  return std::sqrt(least);
+  return least;
+}
+
+double SplineMap::bound(const Cut& cut, double rest, const RestAt& rest_at) const {
+  if (!(rest > 0)) return 0;
+  if (const double gentle = gentleBound(cut, rest); gentle > 0) return gentle;
+  constexpr double kPoor = 0.2;  // of squares
+  Cut weakest = cut, unused = cut;
+  const double first = alongSpline(cut, rest, nullptr, 0, weakest);
+  if (!rest_at.call || first > kPoor * rest * rest) return std::sqrt(first);
+  const double there = rest_at.call(rest_at.user, weakest);
+  return std::sqrt(std::max(first, alongSpline(cut, rest, &weakest, there, unused)));
 }
 
 }  // namespace kelp::runtime

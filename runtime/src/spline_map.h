@@ -16,12 +16,12 @@ namespace kelp::runtime {
 
 class SplineMap {
  public:
-  // A place on the spline.
+  // A place on the spline. Without initial values: searches have many of them on the stack.
   struct Cut {
-    int segment = 0;
-    double t = 0;
-    glm::dvec3 at{0};     // S(t); at.y is the height of the cut
-    glm::dvec3 slope{0};  // dS/dt
+    int segment;
+    double t;
+    glm::dvec3 at;     // S(t); at.y is the height of the cut
+    glm::dvec3 slope;  // dS/dt
   };
   struct Box {
     glm::dvec3 min{0}, max{0};
@@ -44,19 +44,26 @@ class SplineMap {
   }
   // The gradient of a function of the deformed point, but for its length, from that at rest.
   glm::dvec3 gradient(const Cut& cut, const glm::dvec3& at_rest) const;
+  // How far the set is at rest from the rest point of another point on the line along y.
+  struct RestAt {
+    double (*call)(const void* user, const Cut& cut) = nullptr;
+    const void* user = nullptr;
+  };
   // A distance of which it is known: if nothing of some set is nearer than `rest` to the rest point of a
-  // point at the cut, then nothing of the deformed set is nearer than this to the point.
-  double bound(const Cut& cut, double rest) const;
+  // point at the cut, then nothing of the deformed set is nearer than this to the point. Where the map
+  // shears strongly, it asks once how far the set is from the line along y elsewhere.
+  double bound(const Cut& cut, double rest, const RestAt& rest_at) const;
   // Contains all of the spline between two cuts in ascending order.
   Box sweep(const Cut& a, const Cut& b) const;
 
  private:
   // A segment: S(t) = p0 + t (m0 + t (b + t a)).
   struct Cubic {
-    glm::dvec3 p0{0}, m0{0}, b{0}, a{0};
+    glm::dvec3 p0, m0, b, a;
   };
   Cubic cubic(int segment) const;
   double gentleBound(const Cut& cut, double rest) const;
+  double alongSpline(const Cut& cut, double rest, const Cut* second, double second_rest, Cut& weakest) const;
   static Cut cutOf(const Cubic& cubic, int segment, double t);
   Cut cutAt(int segment, double t) const { return cutOf(cubic(segment), segment, t); }
 
