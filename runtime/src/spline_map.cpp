@@ -275,7 +275,7 @@ double SplineMap::alongSpline(const Cut& cut, double rest, const Cut* second, do
 double SplineMap::bound(const Cut& cut, double rest, const RestAt& rest_at) const {
   if (!(rest > 0)) return 0;
   if (const double gentle = gentleBound(cut, rest); gentle > 0) return gentle;
-  constexpr double kPoor = 0.2;  // of squares
+  constexpr double kPoor = 0.1;  // of squares
   Cut weakest = cut, unused = cut;
   const double first = alongSpline(cut, rest, nullptr, 0, weakest);
   if (!rest_at.call || first > kPoor * rest * rest) return std::sqrt(first);

@@ -47,6 +47,16 @@ struct Bench {
     return points;
   }
 
+  // What other benchmarks count in.
+  void yardstick() {
+    std::vector<glm::mat4> matrices(1025, glm::mat4(0.5f));
+    const double ns = nanoseconds(1024, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      matrices[k] = matrices[k] * matrices[k + 1];
+    });
+    std::printf("GLM mat4 product: %.1f ns\n", ns);
+  }
+
   void poses() {
     constexpr int kPoints = 1024;
     std::printf("%-22s %10s %10s %10s %10s %10s\n", "ns a call, pose", "distance", "a swarm's", "far away",
@@ -130,6 +140,7 @@ struct Bench {
 
 int main() {
   kelp::runtime::Bench bench;
+  bench.yardstick();
   bench.poses();
   bench.crowd();
 }
