@@ -6,6 +6,7 @@
 
 #include "kelp/gl/renderer.h"
 #include "kelp/runtime/asset.h"
+#include "kelp/runtime/distance.h"
 #include "kelp/runtime/instance.h"
 #include "kelp/runtime/pose.h"
 #include "kelp/runtime/spring.h"
