@@ -99,8 +99,9 @@ std::optional<RestDistance> restDistance(const Asset& asset, int part, const glm
     last = level;
     last_level = l;
     scale = 1.0f / static_cast<float>(1 << l);
-    const glm::vec3 at = glm::vec3(point * double{scale});
-    const glm::ivec3 voxel = glm::clamp(glm::ivec3(at), glm::ivec3(0), level->size - 1);
+    const glm::dvec3 exact = point * double{scale};  // a point on a face must not change sides
+    const glm::vec3 at(exact);
+    const glm::ivec3 voxel = glm::clamp(glm::ivec3(exact), glm::ivec3(0), level->size - 1);
     const std::uint8_t code = distanceCode(*level, voxel);
     if (l == 0 || !known) found.inside = l == 0 && isInside(code);
     known = true;
