@@ -13,6 +13,7 @@ Needs the zstd library (libzstd.so.1). Exit codes: 0 good, 1 usage, 3 refused, 7
 
 import ctypes
 import ctypes.util
+import functools
 import math
 import struct
 import sys
@@ -362,12 +363,16 @@ class Pack:
             codes += self.decode_distances(raw, positions, size, band)
         return {"band": band, "cells": meaning, "codes": codes}
 
+    @staticmethod
+    @functools.lru_cache
+    def offsets(reach):
+        span = range(-reach, reach + 1)
+        return sorted((x * x + y * y + z * z, x, y, z) for x in span for y in span for z in span)
+
     def decode_distances(self, raw, positions, size, band):
-        """Codes of a page. Nearest voxels are found by trying offsets, the nearest first."""
-        reach = max(int(limit ** 0.5) for limit in band)
-        offsets = sorted((x * x + y * y + z * z, x, y, z) for x in range(-reach, reach + 1)
-                for y in range(-reach, reach + 1) for z in range(-reach, reach + 1))
-        sums = {o[0] for o in offsets}
+        """Codes of a page. Nearest voxels are found by trying offsets, the nearest first, or all voxels of
+        the other kind if there are few."""
+        sums = {x * x + y * y + z * z for x in range(16) for y in range(x, 16) for z in range(y, 16)}
         solid = {}
         for brick, position in enumerate(positions):
             for z, word in enumerate(struct.unpack_from("<8Q", raw, 64 * brick)):
@@ -376,17 +381,23 @@ class Pack:
                     solid[voxel] = word >> i & 1
                     need(not solid[voxel] or all(v < side for v, side in zip(voxel, size)),
                             "solid voxel of distances outside")
+        of_kind = [[v for v, s in solid.items() if s == kind] for kind in (0, 1)]
         corrections = raw[64 * len(positions) :]
         codes = bytearray()
         for (x, y, z), kind in solid.items():
             limit = band[kind]
             squared = 0
-            for near, dx, dy, dz in offsets:
-                if near > limit:
-                    break
-                if solid.get((x + dx, y + dy, z + dz), kind) != kind:
-                    squared = near
-                    break
+            if len(of_kind[1 - kind]) < 100:
+                nearest = min(((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 for a, b, c in of_kind[1 - kind]),
+                        default=limit + 1)
+                squared = nearest if nearest <= limit else 0
+            else:
+                for near, dx, dy, dz in self.offsets(int(max(band) ** 0.5)):
+                    if near > limit:
+                        break
+                    if solid.get((x + dx, y + dy, z + dz), kind) != kind:
+                        squared = near
+                        break
             correction = corrections[len(codes)]
             if correction:
                 need(correction <= limit and correction in sums and (squared == 0 or correction < squared),

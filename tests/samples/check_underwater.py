@@ -4,6 +4,7 @@ pictures that it saves, and at what it says of bad input. PICTURES is samples/pi
 
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -69,10 +70,14 @@ def main(program, packs, pictures):
         damaged = os.path.join(folder, "damaged")
         shutil.copytree(packs, damaged)
         small = ["--plants", "0", "--size", "64x48", "--frames", "1"]
-        with open(os.path.join(damaged, "dulse.kelp"), "r+b") as pack:  # in the last page, which is read last
-            pack.seek(-200, os.SEEK_END)
+        with open(os.path.join(damaged, "dulse.kelp"), "r+b") as pack:  # in the last page of voxels
+            index = pack.read(64 + 48 * 64)
+            entries = [struct.unpack_from("<4s12xQQ", index, 64 + 48 * i)
+                       for i in range(struct.unpack_from("<I", index, 24)[0])]
+            at = max(offset + stored for kind, offset, stored in entries if kind == b"BRCK") - 200
+            pack.seek(at)
             byte = pack.read(1)[0]
-            pack.seek(-200, os.SEEK_END)
+            pack.seek(at)
             pack.write(bytes((byte ^ 1,)))
         expect([program, damaged, *small], 3, "dulse.kelp")
         os.truncate(os.path.join(damaged, "dulse.kelp"),

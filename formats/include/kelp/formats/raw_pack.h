@@ -29,7 +29,7 @@ struct RawLevel {
   float extinction = 0;               // as in Fog
 };
 
-// One level of distances of one solid part, as distance.h describes it.
+// One level of distances of one solid part, as kelp/formats/distance.h describes it.
 struct RawDistances {
   DistanceBand band;
   // One a brick of the grid: kCellSolid | slot, or kFarOutside or kFarInside. Slots are in Morton order.
