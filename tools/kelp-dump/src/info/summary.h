@@ -29,17 +29,18 @@ struct LevelSummary {
   std::optional<Counted> counted;
 };
 
+struct DistanceSummary {
+  std::uint64_t levels = 0;
+  std::uint64_t pages = 0;
+  std::uint64_t stored = 0;  // bytes in the file
+};
+
 struct PartSummary {
   const Part* part = nullptr;  // of the PackFile's pack
   glm::dvec3 voxel{0};         // edges of a voxel in metres
   std::vector<LevelSummary> levels;
-  struct Distances {
-    std::uint64_t levels = 0;
-    std::uint64_t pages = 0;
-    std::uint64_t stored = 0;  // bytes in the file
-  };
-  std::optional<Distances> distances;  // if there are any
-  std::uint64_t stored() const;        // without distances
+  std::optional<DistanceSummary> distances;  // if there are any
+  std::uint64_t stored() const;              // without distances
 };
 
 struct ChunkSummary {
