@@ -71,7 +71,7 @@ class Packer {
       put(std::uint64_t{value.size()});
       for (const auto& element : value) put(element);
     } else {
-      std::apply([this](const auto&... field) { (put(field), ...); }, fieldsOf(const_cast<T&>(value)));
+      std::apply([this](const auto&... field) { (this->put(field), ...); }, fieldsOf(const_cast<T&>(value)));
     }
     return *this;
   }
@@ -103,7 +103,7 @@ class Unpacker {
       value.clear();
       for (std::uint64_t i = takeSize(); i > 0; --i) take(value.emplace_back());
     } else {
-      std::apply([this](auto&... field) { (take(field), ...); }, fieldsOf(value));
+      std::apply([this](auto&... field) { (this->take(field), ...); }, fieldsOf(value));
     }
     return *this;
   }
