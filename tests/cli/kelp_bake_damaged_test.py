@@ -5,7 +5,7 @@ line, within a gigabyte and thirty seconds of processor time, and leaves nothing
 
 Usage: kelp_bake_damaged_test.py KELP_BAKE MAKE_VOLUMES SOURCE_FOLDER [FILES]
 
-FILES: how many are damaged and baked; 200 if it is left out (60 under a sanitizer), 10000 with
+FILES: how many are damaged and baked; 100 if it is left out (40 under a sanitizer), 10000 with
 KELP_ALL_TESTS=1. Samples are volumes that MAKE_VOLUMES writes, the seeds in tests/fuzz, small meshes, and
 files of the assets, where they are."""
 import collections
@@ -24,7 +24,7 @@ from limited import limits
 
 MAKE_VOLUMES, SOURCES = (os.path.abspath(path) for path in sys.argv[1:3])
 FILES = (int(sys.argv[3]) if len(sys.argv) > 3 else 10000 if os.environ.get("KELP_ALL_TESTS")
-         else 60 if SANITIZED else 200)
+         else 40 if SANITIZED else 100)
 SEEDS = os.path.join(SOURCES, "tests", "fuzz", "seeds", "vdb")
 ASSETS = os.environ.get("KELP_ASSETS") or os.path.join(SOURCES, "..", "shared", "assets")
 OF_ASSETS = ("vdb/gaffer_arnold_sphere.vdb", "vdb/openusd_densityAndHeat.vdb", "vdb/gaffer_sphere.vdb",

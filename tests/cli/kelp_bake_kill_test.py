@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """kill -9 at random moments of a bake, of the program alone or with its child. The output is the old pack or
-the new one, whole, and nothing else looks like a result. 60 times; KELP_ALL_TESTS=1 makes it 1000.
+the new one, whole, and nothing else looks like a result. 30 times; KELP_ALL_TESTS=1 makes it 1000.
 
 Usage: kelp_bake_kill_test.py KELP_BAKE KELP_DUMP"""
 import os
@@ -14,7 +14,7 @@ import tempfile
 import time
 
 KELP_BAKE, KELP_DUMP = (os.path.abspath(path) for path in sys.argv[1:3])
-KILLS = 1000 if os.environ.get("KELP_ALL_TESTS") else 60
+KILLS = 1000 if os.environ.get("KELP_ALL_TESTS") else 30
 
 
 def block(n):

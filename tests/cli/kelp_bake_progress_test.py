@@ -20,7 +20,7 @@ import unittest
 from kelp_bake_case import KELP_BAKE, SANITIZED, Case, box, lump
 from terminal import read_terminal
 
-TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 8 if SANITIZED else 16
+TRIES = 60 if os.environ.get("KELP_ALL_TESTS") else 8
 
 
 class Progress(Case):
