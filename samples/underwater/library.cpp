@@ -11,9 +11,19 @@ kelp::Result<std::unique_ptr<Library>> Library::open(const std::string& folder, 
   std::unique_ptr<Library> library(new Library);
   for (std::size_t i = 0; i < kSpecies; ++i) {
     wrong = library->paths_[i] = folder + "/" + kNames[i] + ".kelp";
-    auto asset = kelp::runtime::Asset::open(wrong.c_str());
+    // Fish keep clear of plants; nobody asks how far the fish are.
+    const bool solid = i <= static_cast<std::size_t>(Species::kDulse);
+    kelp::runtime::Options options;
+    options.distance_level = solid ? 0 : -1;
+    auto asset = kelp::runtime::Asset::open(wrong.c_str(), options);
     if (!asset) return asset.error();
     library->assets_[i] = *std::move(asset);
+    // Distances are small and among the first things in a pack. With them there, no fish swims blind.
+    while (library->assets_[i]->loadsDistances() && !library->assets_[i]->distances(0, 0)) {
+      const auto more = library->assets_[i]->pump();
+      if (!more) return more.error();
+      if (!*more) break;
+    }
   }
   library->loader_ = std::thread([loading = library.get()] { loading->load(); });
   return library;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The packs of the scene. Opening is instant; a thread loads them.
+// The packs of the scene. Opening loads what fish need to steer, some milliseconds; a thread loads the rest.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ inline constexpr int kSpecies = static_cast<int>(Species::kCount);
 
 class Library {
  public:
-  // Opens NAME.kelp of every species in the folder. On failure `wrong` is the path of the pack that the error
-  // is about.
+  // Opens NAME.kelp of every species in the folder, and loads the distances of the plants. On failure `wrong`
+  // is the path of the pack that the error is about.
   static kelp::Result<std::unique_ptr<Library>> open(const std::string& folder, std::string& wrong);
   ~Library();
   Library(const Library&) = delete;

@@ -77,7 +77,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
   std::string wrong;
   const auto library = Library::open(arguments.packs, wrong);
   if (!library) return fail(wrong, library.error());
-  const auto reef = Reef::grow(**library, arguments.plants);
+  const auto reef = Reef::grow(**library, arguments.plants, arguments.start);
   if (!reef) return fail("scene", reef.error());
   const auto stage = Stage::build(**library);
   if (!stage) return fail("scene", stage.error());
@@ -86,6 +86,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
   Controls controls(window);
   Title title(window);
   double seconds = arguments.start, last = glfwGetTime();
+  bool running = arguments.frames == 0;  // with --frames the scene waits for its voxels
   for (int frame = 0;
        !glfwWindowShouldClose(window) && (arguments.frames == 0 || frame < arguments.frames);) {
     glfwPollEvents();
@@ -93,7 +94,7 @@ int run(GLFWwindow* window, const Arguments& arguments) {
     last = now;
     controls.use(camera, static_cast<float>(passed));
     if (camera.circling()) camera.circle(seconds);
-    (*reef)->update(seconds, static_cast<float>(passed), {camera.at(), kPlayerRadius});
+    (*reef)->update(seconds, running ? static_cast<float>(passed) : 0.0f, {camera.at(), kPlayerRadius});
 
     glm::ivec2 viewport;
     glfwGetFramebufferSize(window, &viewport.x, &viewport.y);
@@ -105,7 +106,8 @@ int run(GLFWwindow* window, const Arguments& arguments) {
       title.tell(now, *drawn);
       const bool complete = all_read && drawn->pending == 0;
       if (complete) ++frame;  // frames count while all the voxels are there
-      if (arguments.frames == 0 || complete) seconds += passed;
+      running = arguments.frames == 0 || complete;
+      if (running) seconds += passed;
       if (frame == arguments.frames && !arguments.picture.empty()) {
         if (const int bad = writePpm("underwater", arguments.picture.c_str(), viewport)) return bad;
       }

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "dodge.h"
+
 namespace underwater {
 namespace {
 
@@ -74,7 +76,8 @@ float ClosedPath::turn(float s) const {
 
 glm::vec3 Lane::at(float s) const {
   const glm::vec3 ahead = path->direction(s), side = glm::normalize(glm::cross(ahead, glm::vec3(0, 1, 0)));
-  return path->at(s) + right * side + up * glm::cross(side, ahead);
+  const glm::vec3 at = path->at(s) + right * side + up * glm::cross(side, ahead);
+  return dodge ? at + dodge->at(s - head) : at;
 }
 
 glm::vec3 Lane::direction(float s) const { return glm::normalize(at(s + kNearby) - at(s - kNearby)); }

@@ -33,10 +33,15 @@ class ClosedPath {
   float length_ = 0;
 };
 
+class Dodge;
+
 // A line beside a path, as a lane on a road: shifted to the right and up by metres. The road is never banked.
 struct Lane {
   const ClosedPath* path = nullptr;
   float right = 0, up = 0;
+  // If not null: leaves the line round what is in the way of a swimmer whose head is at `head`.
+  const Dodge* dodge = nullptr;
+  float head = 0;
 
   glm::vec3 at(float s) const;
   glm::vec3 direction(float s) const;  // unit

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "reef.h"
 
-#include <algorithm>
-
 namespace underwater {
+namespace {
 
-kelp::Result<std::unique_ptr<Reef>> Reef::grow(const Library& library, int plants) {
+constexpr int kSettling = 120;              // steps before the scene begins
+constexpr double kSettlingStep = 1.0 / 30;  // seconds
+constexpr int kRounds = 3;       // a plant that gave way to a ball may have touched it elsewhere, too
+constexpr float kSkin = 0.015f;  // metres: plants give way a little before they are touched
+
+}  // namespace
+
+kelp::Result<std::unique_ptr<Reef>> Reef::grow(const Library& library, int plants, double start) {
   auto meadow = Meadow::plant(library, plants);
   if (!meadow) return meadow.error();
   auto shoal = Shoal::gather(library);
@@ -13,20 +19,30 @@ kelp::Result<std::unique_ptr<Reef>> Reef::grow(const Library& library, int plant
   std::unique_ptr<Reef> reef(new Reef);
   reef->meadow_ = *std::move(meadow);
   reef->shoal_ = *std::move(shoal);
-  reef->visitors_.resize(reef->shoal_->size() + 1);
   reef->instances_.resize(reef->meadow_->size() + reef->shoal_->size());
-  reef->update(0, 0, {});
+  const std::span<kelp::runtime::Instance> all = reef->instances_;
+  reef->meadow_->place(all.first(reef->meadow_->size()));
+  reef->solids_ = Solids(all.first(reef->meadow_->size()));
+  for (int i = kSettling; i >= 0; --i)
+    reef->update(start - i * kSettlingStep, static_cast<float>(kSettlingStep), {});
   return reef;
 }
 
-void Reef::update(double seconds, float passed, const Visitor& player) {
-  shoal_->update(seconds);
-  const std::span<const Visitor> fish = shoal_->visitors();
-  std::copy(fish.begin(), fish.end(), visitors_.begin());
-  visitors_.back() = player;
-  meadow_->update(seconds, passed, visitors_);
+void Reef::update(double seconds, float passed, const kelp::runtime::Sphere& player) {
+  meadow_->update(seconds, passed, player);
+  solids_.look();
+  shoal_->update(seconds, passed, solids_);
+  for (kelp::runtime::Sphere ball : shoal_->balls()) {
+    ball.radius += kSkin;
+    solids_.stayWithin({ball.centre - ball.radius, ball.centre + ball.radius});
+    for (int round = 0; round < kRounds; ++round) {
+      const auto touch = solids_.touch(ball);
+      if (!touch) break;
+      meadow_->giveWay(*touch, ball.radius);
+      solids_.lookAt(touch->plant);
+    }
+  }
   const std::span<kelp::runtime::Instance> all = instances_;
-  meadow_->place(all.first(meadow_->size()));
   shoal_->place(all.subspan(meadow_->size()));
 }
 

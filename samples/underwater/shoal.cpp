@@ -36,24 +36,31 @@ std::vector<ClosedPath> swimPaths() {
       {{2.4f, 0.95f, 1.3f},
        {0.4f, 1.15f, 0.7f},
        {-1.7f, 1.0f, 1.1f},
-       {-4.2f, 1.35f, 2.4f},
-       {-2.2f, 1.6f, 5.0f},
-       {1.4f, 1.25f, 4.4f},
-       {4.4f, 1.1f, 3.2f}},  // through the glade
+       {-3.7f, 1.2f, 1.9f},
+       {-4.4f, 1.4f, 3.4f},
+       {-3.0f, 1.6f, 4.8f},
+       {0.6f, 1.3f, 4.6f},
+       {3.4f, 1.2f, 4.3f},
+       {4.4f, 1.1f, 3.0f},
+       {3.8f, 1.0f, 1.7f}},  // through the glade
       {{0.0f, 1.9f, -1.6f},
        {3.6f, 2.3f, -2.4f},
        {6.4f, 2.7f, 0.6f},
-       {4.2f, 2.4f, 4.8f},
-       {-0.6f, 1.8f, 3.0f},
-       {-4.6f, 2.2f, 4.4f},
+       {4.6f, 2.4f, 4.2f},
+       {2.6f, 2.2f, 4.8f},
+       {-0.6f, 1.8f, 3.2f},
+       {-3.6f, 2.1f, 4.4f},
+       {-5.6f, 2.4f, 3.4f},
        {-6.6f, 2.8f, 0.2f},
        {-3.6f, 2.4f, -3.0f}},  // over the groves
       {{-1.2f, 0.9f, -2.6f},
-       {-4.4f, 1.0f, -4.6f},
-       {-2.0f, 1.4f, -7.4f},
+       {-3.9f, 0.95f, -3.9f},
+       {-4.2f, 1.1f, -5.6f},
+       {-2.0f, 1.4f, -7.2f},
        {2.4f, 1.2f, -6.4f},
-       {3.2f, 0.95f, -3.2f},
-       {1.4f, 0.85f, -1.2f}},  // among the plants
+       {3.4f, 0.95f, -3.6f},
+       {2.6f, 0.85f, -1.7f},
+       {1.0f, 0.85f, -1.4f}},  // among the plants
       {{2.9f, 0.85f, -1.2f},
        {2.6f, 0.95f, 2.2f},
        {-0.8f, 0.85f, 3.3f},
@@ -96,24 +103,27 @@ kelp::Result<std::unique_ptr<Shoal>> Shoal::gather(const Library& library) {
       fish.clip = swim ? *swim : -1;
     }
   }
-  shoal->visitors_.resize(shoal->fish_.size());
+  shoal->balls_.reserve(kBalls * shoal->fish_.size());
   return shoal;
 }
 
-void Shoal::update(double seconds) {
-  for (std::size_t i = 0; i < fish_.size(); ++i) {
-    Fish& fish = fish_[i];
+void Shoal::update(double seconds, float passed, Solids& solids) {
+  balls_.clear();
+  for (Fish& fish : fish_) {
     // Everyone drifts about the place in the school: forward and back more slowly than it swims, and from
     // lane to lane.
     const double slow = 0.31 * seconds + fish.phase;
     Lane lane = fish.lane;
     lane.right += 0.10f * static_cast<float>(std::sin(1.3 * slow));
     lane.up += 0.07f * static_cast<float>(std::sin(1.7 * slow + 1));
-    const double travelled =
-        // in double: the scene runs for days
-        std::fmod(seconds * fish.speed, static_cast<double>(lane.path->length()));
-    const float head = fish.start + static_cast<float>(travelled) + 0.3f * static_cast<float>(std::sin(slow));
+    // in double: the scene runs for days
+    const double swum = seconds * fish.speed + fish.start + 0.3 * std::sin(slow);
+    const auto head = static_cast<float>(std::fmod(swum, static_cast<double>(lane.path->length())));
     const float length = fish.scale * fish.anatomy->length, middle = head - 0.5f * length;
+    const float thick = fish.scale * fish.anatomy->radius;
+    fish.dodge.update(solids, lane, swum, length, thick, passed);
+    lane.dodge = &fish.dodge;
+    lane.head = head;
     const float bank = glm::clamp(0.35f * lane.path->turn(middle), -0.3f, 0.3f);
 
     fish.to_world = swimFrame(*fish.anatomy, lane, head, fish.scale, bank);
@@ -127,7 +137,10 @@ void Shoal::update(double seconds) {
     const double strokes = kStroke / fish.scale * seconds + fish.phase;
     if (fish.clip >= 0) (void)addClip(*fish.asset, fish.clip, strokes, 0.8f, fish.pose);
     fish.pose.clampMonotone();
-    visitors_[i] = {lane.at(middle), 0.08f + 0.45f * length};
+    for (int k = 0; k < kBalls && fish.dodge.tight(); ++k) {
+      const float behind = (static_cast<float>(k) + 0.5f) / kBalls * length;
+      balls_.push_back({lane.at(head - behind), thick});
+    }
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// All fish: schools on their paths. Where everyone is follows from the time alone.
+// All fish: schools on their paths, round what is in their way.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "dodge.h"
 #include "library.h"
-#include "meadow.h"
 #include "swimmer.h"
 
 namespace underwater {
@@ -19,12 +19,13 @@ class Shoal {
  public:
   static kelp::Result<std::unique_ptr<Shoal>> gather(const Library& library);
 
-  // The poses `seconds` into the scene. Allocates nothing.
-  void update(double seconds);
+  // The poses `seconds` into the scene, `passed` seconds after the last ones. Allocates nothing.
+  void update(double seconds, float passed, Solids& solids);
   // Writes size() instances, whose poses stay the shoal's.
   void place(std::span<kelp::runtime::Instance> instances) const;
-  // What plants feel of the fish as they are now.
-  std::span<const Visitor> visitors() const { return visitors_; }
+  // What plants feel of the fish as they are now: kBalls along the body of each that is near a plant.
+  std::span<const kelp::runtime::Sphere> balls() const { return balls_; }
+  static constexpr int kBalls = 4;
   std::size_t size() const { return fish_.size(); }
 
  private:
@@ -32,19 +33,20 @@ class Shoal {
     const kelp::runtime::Asset* asset;
     kelp::runtime::Pose pose;
     const Anatomy* anatomy;
-    Lane lane;
+    Lane lane{};
     int clip = -1;
     float start = 0, speed = 0;  // metres along the path, metres a second
     float scale = 1;
     float phase = 0;  // radians
     glm::vec3 tint{1};
+    Dodge dodge{};
     glm::mat4 to_world{1};
   };
 
   std::vector<ClosedPath> paths_;
   Anatomy anatomies_[2];
   std::vector<Fish> fish_;  // made once: instances point into it
-  std::vector<Visitor> visitors_;
+  std::vector<kelp::runtime::Sphere> balls_;
 };
 
 }  // namespace underwater

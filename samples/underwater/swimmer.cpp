@@ -8,6 +8,8 @@ Anatomy Anatomy::of(const kelp::Part& part) {
   a.voxel_to_object = glm::mat4(part.to_object);
   a.size = glm::vec3(part.size);
   a.length = glm::length(part.to_object[1]) * a.size.y;
+  a.radius =
+      0.5f * glm::max(glm::length(part.to_object[0]) * a.size.x, glm::length(part.to_object[2]) * a.size.z);
   const glm::vec3 forward = -glm::normalize(part.to_object[1]),
                   right = glm::normalize(glm::cross(forward, glm::vec3(0, 1, 0)));
   a.object_to_swim = glm::transpose(glm::mat3(forward, glm::cross(right, forward), right));

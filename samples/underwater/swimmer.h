@@ -15,6 +15,7 @@ struct Anatomy {
   glm::mat3 object_to_swim{1};  // forward -> +x, up -> +y
   glm::vec3 size{0};            // voxels
   float length = 0;             // head to tail, object units
+  float radius = 0;             // half of how tall it is, fins included; object units
   static Anatomy of(const kelp::Part& part);
 };
 

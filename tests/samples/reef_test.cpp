@@ -62,7 +62,8 @@ class ReefTest : public ::testing::Test {
   std::unique_ptr<Library> library_;
 };
 
-constexpr Visitor kNobody{};
+using kelp::runtime::Sphere;
+constexpr Sphere kNobody{};
 
 TEST_F(ReefTest, EveryoneStaysInTheWaterWithASoundSpline) {
   const auto reef = grow(120);
@@ -112,7 +113,7 @@ TEST_F(ReefTest, PlantsMakeWayForWhoeverComesAndSwingBack) {
   const auto tip = [](const kelp::runtime::Instance& instance) {
     return kelp::test::voxelToWorld(instance, 0, {8, 32, 8});
   };
-  const auto go = [&](int from, int to, const Visitor& visitor) {
+  const auto go = [&](int from, int to, const Sphere& visitor) {
     for (int i = from; i < to; ++i) {
       alone->update(0.02 * i, 0.02f, kNobody);
       visited->update(0.02 * i, 0.02f, visitor);
