@@ -6,9 +6,11 @@
 // writes it:
 //   of an asset  9 words for each palette entry: base colour, emissive, metallic, roughness
 //                then for each part 3 words for each of its levels, finest first: where its cells are, where
-//                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31)
+//                its page table is, its grid (bricks along x - 1 | along y - 1 << 10 | complete << 31);
+//                the same for each level of distances, with the squared distance where its band ends << 20
 //                and for fog the meaning of its samples: fog.glsl, kelpLoadFog
-//   of a level   cells and pages as in kelp/runtime/page.h
+//   of a level   cells and pages as in kelp/runtime/page.h; of distances as in kelp/runtime/asset.h, with 128
+//                bricks a page
 //                the page table has a word for each page: where the page is, 0 if it is not resident
 uniform usampler2DArray kelp_pool;
 
@@ -21,13 +23,14 @@ uniform usampler2DArray kelp_pool;
 //   9      lowest corner of the deformed bounds | number of spline segments
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
-//          the next coarser level (8..15), number of the part's levels (16..23)
+//          the next coarser level (8..15), number of the part's levels (16..23), of distances (24..31)
 //   12     where the palette is: in the pool, or, if bit 31 is set, a word of these records
 //          | index of the instance | part | outline of the bounds
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
 //          the bounds
 //   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment)
 //   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before
+//   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
 #define KELP_RECORD 13
 uniform usampler2D kelp_records;
 uniform int kelp_first_instance;

@@ -6,6 +6,7 @@
 //     KelpSceneHit hit = kelpTrace(origin, direction, t_max);  // world; t in lengths of `direction`
 //     if (hit.found) color = kelpSurface(hit.surface);         // kelp's own look, or yours (surface.glsl)
 //     bool shadow = kelpBlocked(origin, direction, t_max);     // any hit: for shadows, and cheaper
+//     float distance = kelpDistance(point);                    // with Config::distances
 //
 // For vertex and fragment shaders. A ray that starts on a surface should start a little off it, or it meets
 // that surface. Right after kelpTrace, kelpVisible and kelpOccluded refer to the part that was hit. kelpTrace
@@ -77,3 +78,21 @@ bool kelpBlocked(vec3 origin, vec3 direction, float t_max) {
   float t;
   return kelpTraceParts(origin, direction, t_max, true, t).found;
 }
+
+#ifdef KELP_DISTANCES
+// How far a point is from the nearest solid part, in the world; negative inside. An estimate: distance.glsl.
+// kKelpFar if there is none whose distances are uploaded.
+float kelpDistance(vec3 point) {
+  float nearest = kKelpFar;
+  for (int i = 0; i < kelp_part_count; ++i) {
+    kelpLoadRecord(kelpRecordOf(i));
+    kelpLoadDistances();
+    vec3 p = (kelpRows(kelp_record, vec4(0.0, 0.0, 0.0, 1.0)) * vec4(point, 1.0)).xyz;
+    float voxel = length(kelpPartToWorld()[0]);
+    vec3 gap = max(max(kelp_bounds_min - p, p - kelp_bounds_max), vec3(0.0));
+    if (kelp_distance_levels == 0 || voxel * length(gap) >= nearest) continue;
+    nearest = min(nearest, voxel * kelpPartDistance(p));
+  }
+  return nearest;
+}
+#endif

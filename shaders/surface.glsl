@@ -126,9 +126,155 @@ vec2 kelpVisible(KelpSurface s, bool sun, int rays, float reach) {
   if (rays > 0) visible.y -= stopped / float(rays);
   return visible;
 }
-// As kelp::gl::Quality::self_shadow, occlusion_rays and occlusion_reach say.
+
+#ifdef KELP_DISTANCES
+uniform float kelp_sun_radius;  // of the sun's disc, 1 away; 0: no soft shadows
+uniform bool kelp_occlusion;
+
+// The record of the next part of the same instance.
+int kelpNextRecord() {
+  int end = kelp_record + KELP_RECORD + 3 * kelp_segment_count;
+  if (kelp_motion) end += 4 + 3 * kelp_segment_count;
+  return int(kelpRecordBits(end).x);
+}
+
+// World -> the space of the part of this record.
+struct KelpToPart {
+  mat3 turn;
+  vec3 origin;  // of part space, in the world
+  float voxel;  // world
+};
+KelpToPart kelpToPart() {
+  mat4 to_world = kelpPartToWorld();
+  return KelpToPart(inverse(mat3(to_world)), to_world[3].xyz, length(to_world[0]));
+}
+
+// How much of the sky a surface sees past the solid voxels of its instance, as very many rays of kelpVisible
+// would measure it, from distances at 14 points up to `reach` (world) away: three along each of four
+// directions, two along the normal. A distance as large as it can be leaves the whole cone around a direction
+// free. shaders/README.md tells where the numbers come from.
+float kelpOcclusion(KelpSurface s, float reach) {
+  const float kHeights[5] = float[5](0.07, 0.2, 0.5, 0.1, 0.4);
+  vec3 across = normalize(abs(s.normal.y) < 0.9 ? vec3(s.normal.z, 0.0, -s.normal.x)
+                                                : vec3(0.0, -s.normal.z, s.normal.y));
+  vec3 beside = cross(s.normal, across);
+  float angle = 1.57079633 * kelp_jitter.x;
+  vec3 lean = 0.717356 * (cos(angle) * across + sin(angle) * beside);
+  vec3 turned = 0.717356 * (cos(angle) * beside - sin(angle) * across);
+  vec3 rise = 0.696707 * s.normal;
+  vec4 cones = vec4(1.0);
+  vec2 ahead = vec2(1.0);
+  int own = kelp_record;
+  do {
+    kelpLoadDistances();
+    KelpToPart part = kelpToPart();
+    vec3 foot = part.turn * (s.position - part.origin);
+    vec3 gap = max(max(kelp_bounds_min - foot, foot - kelp_bounds_max), vec3(0.0));
+    if (length(gap) * part.voxel < 2.0 * reach) {
+      vec3 n = normalize(s.normal * mat3(kelpPartToWorld()));
+      for (int i = 0; i < 5; ++i) {
+        float height = kHeights[i] * reach;
+        KelpDistances level;
+        if (!kelpLevelOf(height / part.voxel, level)) continue;
+        vec4 free = vec4(1.0);
+        for (int k = 0; k < (i < 3 ? 4 : 1); ++k) {
+          vec3 side = (k & 1) == 0 ? lean : turned;
+          vec3 towards = i >= 3 ? s.normal : rise + (k < 2 ? side : -side);
+          float d = kelpNearby(part.turn * (s.position + height * towards - part.origin), n, level);
+          free[k] = d * part.voxel / height;
+        }
+        if (i < 3)
+          cones = min(cones, free * (1.0 / 0.696707));
+        else
+          ahead[i - 3] = min(ahead[i - 3], free.x);
+      }
+    }
+    kelpLoadRecord(kelpNextRecord());
+  } while (kelp_record != own);
+  cones = max(cones, vec4(-0.2));
+  ahead = max(ahead, vec2(-0.3));
+  float open = 0.389 * ahead.x + 0.364 * ahead.y + 1.022 * 0.25 * (cones.x + cones.y + cones.z + cones.w);
+  return clamp(0.245 + (1.022 - 0.336 * open) * open, 0.0, 1.0);  // 1 in the open
+}
+
+// The share of the sun's disc that a surface sees past the solid voxels of its instance. One ray goes to its
+// middle. The empty boxes along it, or the depth behind what it hits, tell where all of the disc is seen or
+// hidden. Elsewhere three more rays go to its rim, and where the four disagree another five.
+float kelpSunVisible(KelpSurface s, float radius) {
+  float facing = dot(s.normal, kelp_sun_direction);
+  if (facing <= -KELP_WRAP) return 1.0;
+  vec3 sun = normalize(kelp_sun_direction + max(-facing, 0.0) * s.normal);
+  vec3 across = normalize(abs(sun.y) < 0.9 ? vec3(sun.z, 0.0, -sun.x) : vec3(0.0, -sun.z, sun.y));
+  vec3 beside = cross(sun, across);
+  float lift = kelp_shading == KELP_SHADING_FACES ? 0.0625 : 1.75;
+  vec3 from = s.position + lift * length(kelpPartToWorld()[0]) * float(1 << s.level) * s.normal;
+  float visible = 1.0;
+  int own = kelp_record;
+  int own_level = kelp_level;
+  do {
+    KelpToPart part = kelpToPart();
+    vec3 origin = part.turn * (from - part.origin);
+    float far = length(kelp_bounds_max - kelp_bounds_min) +
+                length(origin - clamp(origin, kelp_bounds_min, kelp_bounds_max));
+    kelpLoadLevel(kelp_record == own ? own_level : int(kelpRecordBits(kelp_record + 11).w & 255u));
+    kelpLoadDistances();
+    kelp_cone = radius;
+    vec3 middle = normalize(part.turn * sun);
+    KelpHit hit = kelpTrace(origin, middle, 0.0, far);
+    kelp_cone = 0.0;
+    bool sure = hit.room >= 1.0;
+    if (hit.found) {
+      float reach = radius * hit.s + 0.6;  // of what must be solid
+      float depth = 0.0;
+      KelpDistances finest;
+      if (kelpLevelOf(0.0, finest)) {
+        for (int i = 0; i < 3; ++i) {
+          vec3 behind = origin + (hit.s + reach * exp2(float(i))) * middle;
+          depth = max(depth, -kelpNearby(behind, vec3(0.0), finest));
+        }
+      }
+      sure = depth >= reach;
+    }
+    float seen = hit.found ? 0.0 : 1.0;
+    if (!sure) {
+      float rays = 1.0;
+      for (int i = 0; i < 8; ++i) {
+        if (i == 3 && (seen == 0.0 || seen == 4.0)) break;
+        // Three near the rim; then five within.
+        float angle = i < 3 ? 2.0943951 * (float(i) + kelp_jitter.x) : 1.2566371 * (float(i) + kelp_jitter.y);
+        float out_by = radius * (i < 3 ? 0.9 : 0.62);
+        vec3 towards = normalize(part.turn * (sun + out_by * (cos(angle) * across + sin(angle) * beside)));
+        if (!kelpTrace(origin, towards, 0.0, far).found) seen += 1.0;
+        rays += 1.0;
+      }
+      seen /= rays;
+    }
+    visible *= seen;
+    kelpLoadRecord(kelpNextRecord());
+  } while (kelp_record != own);
+  kelpLoadLevel(own_level);
+  return visible;
+}
+#endif
+
+// As kelp::gl::Quality says: self_shadow and occlusion_rays, or soft_shadows and occlusion, and
+// occlusion_reach.
 vec2 kelpVisible(KelpSurface s) {
+#ifdef KELP_DISTANCES
+  vec2 visible = vec2(1.0);
+  bool soft = kelp_sun_radius > 0.0;
+#if defined(KELP_SECONDARY_RAYS) || defined(KELP_HOST_SURFACE)
+  visible = kelpVisible(s, kelp_self_shadow && !soft, kelp_occlusion ? 0 : kelp_occlusion_rays,
+                        kelp_occlusion_reach);
+#endif
+  if (soft) visible.x = kelpSunVisible(s, kelp_sun_radius);
+  if (kelp_occlusion)
+    visible.y = kelpOcclusion(
+        s, kelp_occlusion_reach * max(max(s.size.x, s.size.y), s.size.z) * length(kelpPartToWorld()[0]));
+  return visible;
+#else
   return kelpVisible(s, kelp_self_shadow, kelp_occlusion_rays, kelp_occlusion_reach);
+#endif
 }
 
 // The sun's light that a surface sends to the eye: Lambert, softened at the terminator, and a GGX highlight
@@ -162,7 +308,7 @@ vec3 kelpSkyLight(KelpSurface s, vec3 diffuse, vec3 specular) {
 vec4 kelpSurface(KelpSurface s) {
   vec3 diffuse = s.color.rgb * (1.0 - s.metallic);
   vec3 specular = mix(vec3(0.04), s.color.rgb, s.metallic);
-#ifdef KELP_SECONDARY_RAYS
+#if defined(KELP_SECONDARY_RAYS) || defined(KELP_DISTANCES)
   vec2 visible = kelpVisible(s);
 #else
   const vec2 visible = vec2(1.0);

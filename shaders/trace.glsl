@@ -58,7 +58,13 @@ struct KelpHit {
   int steps;    // fetching steps taken
   int outside;  // steps taken beside the volume, without a fetch
   int fetches;
+#ifdef KELP_DISTANCES
+  float room;  // the least that was empty to each side of the ray, less kelp_cone, voxels of the level
+#endif
 };
+#ifdef KELP_DISTANCES
+float kelp_cone = 0.0;  // how fast a cone around the ray widens
+#endif
 
 // `before` with what was found at b: a voxel of the level `coarser` levels above the traced one.
 KELP_FN KelpHit kelpFound(KelpHit before, KelpCurve c, float b, int coarser, ivec3 voxel, uint brick,
@@ -129,10 +135,17 @@ KELP_FN KelpHit kelpMarch(KELP_CONTEXT_ KelpCurve c, float s_max, KelpHit before
         box = kelpCellBox(cell, at);
         clearance = complete ? float(cell >> 24u) : 0.0f;
       }
+#ifdef KELP_DISTANCES
+      hit.room = min(hit.room, min(min(box.half_size.x, box.half_size.y), box.half_size.z) -
+                                   kelp_cone * KELP_LEVEL_SCALE * kelpCurveRay(c, b));
+#endif
       b = kelpAdvance(b, kelpStep(c, b, q, box.centre, box.half_size, clearance));
       going = b < c.end && kelpCurveRay(c, b) <= s_max && hit.steps < KELP_MAX_STEPS;
       inside = going;
     }
+#ifdef KELP_DISTANCES
+    if (missing) hit.room = 0.0;
+#endif
     while (missing) {
       vec3 q = kelpCurveAt(c, b);
       vec3 gap = kelpBeside(q, extent);
@@ -302,6 +315,9 @@ KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max
   hit.steps = 0;
   hit.outside = 0;
   hit.fetches = 0;
+#ifdef KELP_DISTANCES
+  hit.room = KELP_NEVER;
+#endif
   KelpWalk walk = kelpEnter(KELP_CONTEXT o, r, s_min, s_max);
   if (!walk.going) return hit;
   // What kelpWalkOn does, in local variables.

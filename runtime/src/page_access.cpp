@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/streaming/page_access.h"
 
+#include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "asset_impl.h"
@@ -60,6 +62,13 @@ bool PageAccess::hasFailed(const Asset& asset, int part, int level, std::uint32_
   const LevelState* state = asset.impl_->find(part, level);
   return state && state->ready.load(std::memory_order_acquire) && page < state->data.pages.size() &&
          state->pages[page].request.failed.load(std::memory_order_relaxed);
+}
+
+bool PageAccess::loadsDistances(const Asset& asset, int part, int level) {
+  const std::lock_guard lock(asset.impl_->mutex);
+  const DistanceState* const state = asset.impl_->findDistances(part, level);
+  return state && !state->ready.load(std::memory_order_relaxed) && state->stage != Stage::kFailed &&
+         std::find(state->pages.begin(), state->pages.end(), Stage::kFailed) == state->pages.end();
 }
 
 PinnedPage::PinnedPage(PinnedPage&& other) noexcept

@@ -19,7 +19,8 @@ KELP_BAKE, KELP_DUMP, GOLDEN = (path if path == "none" else os.path.abspath(path
 KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync": errno.EIO,
          "close": errno.ENOSPC, "rename": errno.EIO}
 OLD = b"the old one"
-AT_MOST = 24 if os.environ.get("KELP_ALL_TESTS") else 8  # calls of a kind that are tried, spread over all there are
+# Calls of a kind that are tried, spread over all there are.
+AT_MOST = 24 if os.environ.get("KELP_ALL_TESTS") else 8
 
 CUBE = "".join("v %d %d %d\n" % (i & 1, i >> 1 & 1, i >> 2) for i in range(8)) + "".join(
     "f " + " ".join(str(i + 1) for i in quad) + "\n"

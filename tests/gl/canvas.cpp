@@ -46,8 +46,9 @@ std::vector<float> Canvas::depths() const {
   return out;
 }
 
-LoadedAsset::LoadedAsset(const RawPack& pack) : bytes(bytesOf(pack)), source(bytes) {
-  auto opened = runtime::Asset::open(source.source());
+LoadedAsset::LoadedAsset(const RawPack& pack, const runtime::Options& options)
+    : bytes(bytesOf(pack)), source(bytes) {
+  auto opened = runtime::Asset::open(source.source(), options);
   if (!opened || !(*opened)->loadAll()) {
     ADD_FAILURE() << "the test's own pack does not open";
     std::abort();

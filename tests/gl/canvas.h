@@ -49,7 +49,7 @@ class Canvas {
 
 // An asset in memory, complete.
 struct LoadedAsset {
-  explicit LoadedAsset(const RawPack& pack);
+  explicit LoadedAsset(const RawPack& pack, const runtime::Options& options = {});
   std::vector<std::byte> bytes;
   MemorySource source;
   std::unique_ptr<runtime::Asset> asset;

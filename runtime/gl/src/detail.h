@@ -19,7 +19,9 @@ inline bool hasPixels(const View& view) { return view.camera.viewport.x > 0 && v
 
 // kMisuse for a view that draw() and bindTrace() cannot use. `look_is_plain`: the program has no secondary
 // rays.
-Result<void> checkView(const View& view, bool look_is_plain);
+Result<void> checkView(const View& view, bool look_is_plain, bool distances);
+// Whether the picture is shaded by distances.
+inline bool usesDistances(const Quality& quality) { return quality.soft_shadows > 0 || quality.occlusion; }
 
 // kMisuse for a matrix that is not finite or not invertible.
 Result<Projection> makeProjection(const View& view);

@@ -135,8 +135,9 @@ glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::
 
 Result<void> DrawList::build(Residency& store, const Projection& projection, const View& view,
                              std::span<const runtime::Instance> instances, PartKind kind, Rays rays) {
-  const Frame frame{projection, view, kind, rays};
+  const Frame frame{projection, view, kind, rays, kind == PartKind::kSolid && usesDistances(view.quality)};
   waiting_ = 0;
+  ring_ = {};
   count_ = 0;
   texels_ = 0;
   rows_ = 0;
@@ -243,7 +244,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
   for (std::size_t i = 0; i < eights; ++i) choose(frame, i, countOf(i));
   // One texel more, because writeSegments writes one number too many.
   if (!grow(order_, count_ + count) ||
-      !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels) + 2 * 3 * segments + 1))
+      !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels + 1) + 2 * 3 * segments + 1))
     return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
@@ -278,13 +279,15 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
     Candidate& candidate = block_[8 * eight + k];
     ResidentPart& resident = *candidate.resident;
     const bool is_seen = judged.seen >> k & 1;
-    candidate.drawn = false;
+    candidate.drawn = candidate.recorded = false;
     if (!candidate.sound) continue;
     const Detail wanted = Detail::of(judged.level.of[k]);
     if (placed_[eight].invertible >> k & 1)
       Residency::want(resident, wanted.level, std::min(judged.pixels.of[k], 1e4f));
     candidate.detail = wanted.level < resident.finest ? Detail{resident.finest, 0} : wanted;
     candidate.drawn = is_seen && resident.finest != resident.levels;
+    candidate.recorded = candidate.drawn || (frame.rings && candidate.asset->packed.size() > 1 &&
+                                             (placed_[eight].invertible >> k & 1));
     culled_ += !is_seen;
   }
 }
@@ -300,11 +303,13 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   for (std::size_t k = 0; k < 8; ++k) {
     const Candidate& candidate = block_[8 * eight + k];
     heads[k] = &unused;
-    if (k >= count || !candidate.drawn) continue;
+    if (k >= count || !candidate.recorded) continue;
     heads[k] = reinterpret_cast<RecordHead*>(out);
+    const auto record = static_cast<std::uint32_t>(out - records_.data());
     out = writeSegments(out + kHeadTexels, posed.knots[k], posed.extents[k]->y);
     if (motion)
       out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part, out);
+    if (frame.rings) link(candidate, record, static_cast<std::size_t>(out++ - records_.data()));
   }
   if (out == begin) return;
   texels_ += static_cast<std::size_t>(out - begin);
@@ -319,22 +324,35 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   }
 }
 
+// Makes a record the last one of its instance's ring. `place`: where it leads on.
+void DrawList::link(const Candidate& candidate, std::uint32_t record, std::size_t place) {
+  if (ring_.instance == candidate.index)
+    records_[ring_.last] = glm::uvec4(record, 0, 0, 0);
+  else
+    ring_ = {candidate.index, record, place};
+  records_[place] = glm::uvec4(ring_.first, 0, 0, 0);
+  ring_.last = place;
+}
+
 void DrawList::finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head) {
   const ResidentAsset& asset = *candidate.asset;
   const ResidentPart& resident = *candidate.resident;
   if (frame.kind == PartKind::kFog) has_heat_ = has_heat_ || asset.packed[candidate.part].fog->channels() > 1;
 
-  Ordered& ordered = order_[count_++];
-  ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
-                                                      : std::max(nearest, 0.0f));
-  ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
+  if (candidate.drawn) {
+    Ordered& ordered = order_[count_++];
+    ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
+                                                        : std::max(nearest, 0.0f));
+    ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
+  }
 
   const bool any = frame.rays == Rays::kAny;
   if (any) worldToPart(head);
   head.tint = candidate.instance->tint;
   head.levels_at = asset.palette() + resident.table;
-  head.detail = static_cast<std::uint32_t>(candidate.detail.level |
-                                           (any ? 0 : candidate.detail.coarser) << 8 | resident.levels << 16);
+  head.detail =
+      static_cast<std::uint32_t>(candidate.detail.level | (any ? 0 : candidate.detail.coarser) << 8 |
+                                 resident.levels << 16 | resident.distances << 24);
   head.palette = candidate.palette;
   head.instance = candidate.index;
   head.part = candidate.part;

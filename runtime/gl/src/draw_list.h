@@ -56,6 +56,7 @@ class DrawList {
     const View& view;
     PartKind kind;
     Rays rays;
+    bool rings;  // whether records lead to those of their instance's other parts
   };
   // A posed part before it is listed, without what the lanes compute with.
   struct Candidate {
@@ -67,7 +68,8 @@ class DrawList {
     std::uint32_t palette;  // as in the record
     Detail detail;
     bool drawn;
-    bool sound;  // false: its instance is left out
+    bool recorded;  // drawn, or it may shade other parts of its instance
+    bool sound;     // false: its instance is left out
   };
   // The materials of an instance, which follow the records.
   struct Palette {
@@ -88,6 +90,7 @@ class DrawList {
   const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);
   const Error* writePalettes();
   void dropLeftOut();
+  void link(const Candidate& candidate, std::uint32_t record, std::size_t place);
   void choose(const Frame& frame, std::size_t eight, std::size_t count);
   void write(const Frame& frame, std::size_t eight, std::size_t count);
   // Writes what is not computed in lanes.
@@ -106,6 +109,13 @@ class DrawList {
   std::size_t count_ = 0;
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;
+  // The ring of records that is being made: its instance, its first record, where its last record leads on.
+  struct Ring {
+    std::uint32_t instance = ~0u;
+    std::uint32_t first = 0;
+    std::size_t last = 0;
+  };
+  Ring ring_;
   std::uint32_t culled_ = 0;
   bool has_heat_ = false;
   Buffer<std::uint32_t> left_out_;  // the first left_out_count_: indices of instances, ascending

@@ -17,14 +17,16 @@ constexpr char kDesktopPrelude[] = "#version 330 core\n";
   "precision highp sampler2D;\nprecision highp usampler2D;\nprecision highp usampler2DArray;\n"
 constexpr char kEsPrelude[] = "#version 300 es\n" KELP_ES_PRECISIONS;
 
-constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n";
+constexpr char kRaysDefine[] = "#define KELP_SECONDARY_RAYS\n",
+               kDistancesDefine[] = "#define KELP_DISTANCES\n";
 
 // Compilers name a place as STRING:LINE. These are the numbers of the strings, which runtime/gl/README.md
 // lists for the host.
 constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kSurfaceLine[] = "#line 1 3\n",
                kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
                kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
-               kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n";
+               kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n",
+               kDistanceLine[] = "#line 1 12\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -77,6 +79,8 @@ Program locateLook(const Api& api, Name name) {
   program.self_shadow = locate("kelp_self_shadow");
   program.occlusion_rays = locate("kelp_occlusion_rays");
   program.occlusion_reach = locate("kelp_occlusion_reach");
+  program.sun_radius = locate("kelp_sun_radius");
+  program.occlusion = locate("kelp_occlusion");
   program.sun_direction = locate("kelp_sun_direction");
   program.sun_color = locate("kelp_sun_color");
   program.sky_color = locate("kelp_sky_color");
@@ -87,13 +91,15 @@ Program locateLook(const Api& api, Name name) {
 }  // namespace
 
 // Without #line: in a host's shader the host numbers the strings.
-TraceStrings traceStrings(const Api& api, bool rays) {
+TraceStrings traceStrings(const Api& api, LookDefines defines) {
   return {api.es ? KELP_ES_PRECISIONS : "",
-          rays ? kRaysDefine : "",
+          defines.rays ? kRaysDefine : "",
+          defines.distances ? kDistancesDefine : "",
           shaders::kInstance,
           shaders::kSpline,
           shaders::kCurve,
           shaders::kTrace,
+          defines.distances ? shaders::kDistance : "",
           shaders::kSurface,
           shaders::kShading,
           shaders::kScene};
@@ -141,22 +147,36 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
 
 }  // namespace
 
-Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log) {
-  const char* const defines = surface ? "#define KELP_HOST_SURFACE\n" : rays ? kRaysDefine : "";
+Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, const LogSink& log) {
+  const char* const look = surface ? "#define KELP_HOST_SURFACE\n" : defines.rays ? kRaysDefine : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
-  const char* const vertex_text[] = {prelude,   defines,         kInstanceLine, shaders::kInstance,
-                                     kMainLine, shaders::kVertex};
-  const char* const fragment_text[] = {prelude,       defines,
-                                       kInstanceLine, shaders::kInstance,
-                                       kSplineLine,   shaders::kSpline,
-                                       kCurveLine,    shaders::kCurve,
-                                       kTraceLine,    shaders::kTrace,
-                                       kSurfaceLine,  shaders::kSurface,
-                                       kHostLine,     surface ? surface : "",
-                                       kShadingLine,  shaders::kShading,
-                                       kPixelLine,    shaders::kPixel,
-                                       kOutputLine,   shaders::kOutput,
-                                       kMainLine,     shaders::kFragment};
+  const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
+                                     shaders::kVertex};
+  const char* const fragment_text[] = {prelude,
+                                       look,
+                                       defines.distances ? kDistancesDefine : "",
+                                       kInstanceLine,
+                                       shaders::kInstance,
+                                       kSplineLine,
+                                       shaders::kSpline,
+                                       kCurveLine,
+                                       shaders::kCurve,
+                                       kTraceLine,
+                                       shaders::kTrace,
+                                       kDistanceLine,
+                                       defines.distances ? shaders::kDistance : "",
+                                       kSurfaceLine,
+                                       shaders::kSurface,
+                                       kHostLine,
+                                       surface ? surface : "",
+                                       kShadingLine,
+                                       shaders::kShading,
+                                       kPixelLine,
+                                       shaders::kPixel,
+                                       kOutputLine,
+                                       shaders::kOutput,
+                                       kMainLine,
+                                       shaders::kFragment};
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 

@@ -21,19 +21,25 @@ struct Program {
   Name name = 0;
   // Locations; -1 where a host's surface function leaves a uniform unused.
   std::int32_t first_instance = -1, motion = -1, depth_only = -1, clip_low = -1, scene = -1, shading = -1;
-  std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1;
+  std::int32_t self_shadow = -1, occlusion_rays = -1, occlusion_reach = -1, sun_radius = -1, occlusion = -1;
   std::int32_t display = -1, sun_direction = -1, sun_color = -1, sky_color = -1, ground_color = -1;
 };
 
+// What kelp's own look and a host's may use.
+struct LookDefines {
+  bool rays = false;       // Config::secondary_rays
+  bool distances = false;  // Config::distances
+};
+
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
-// kelpSurface. Null: kelp's own, and `rays` says whether it may cast any.
-Result<Program> buildProgram(const Api& api, const char* surface, bool rays, const LogSink& log);
+// kelpSurface. Null: kelp's own.
+Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, const LogSink& log);
 // A program for fog: for parts that have heat too, or with the sun's shadow of fog on itself.
 Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 9>;
-TraceStrings traceStrings(const Api& api, bool rays);
+using TraceStrings = std::array<const char*, 11>;
+TraceStrings traceStrings(const Api& api, LookDefines defines);
 
 // The uniforms of a host's program that contains that text; -1: it does not use them.
 struct TraceProgram {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "depth_copy.h"
 #include "draw_list.h"
@@ -83,6 +84,8 @@ void setLook(const Api& api, const Program& program, const View& view) {
   api.Uniform1i(program.self_shadow, view.quality.self_shadow);
   api.Uniform1i(program.occlusion_rays, view.quality.occlusion_rays);
   api.Uniform1f(program.occlusion_reach, view.quality.occlusion_reach);
+  api.Uniform1f(program.sun_radius, std::tan(glm::radians(0.5f * view.quality.soft_shadows)));
+  api.Uniform1i(program.occlusion, view.quality.occlusion);
 }
 
 }  // namespace
@@ -93,7 +96,8 @@ struct Renderer::Impl {
         log{config.log, config.user},
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
-        store(config.allocator),
+        distances(config.distances),
+        store(config.allocator, config.distances),
         list(config.allocator, log),
         traced(config.allocator, log) {}
 
@@ -101,6 +105,7 @@ struct Renderer::Impl {
   LogSink log;
   bool restore;
   bool look_is_plain;  // casts no rays
+  bool distances;      // Config::distances
   bool abandoned = false;
   Program program;
   Program fog_programs[2][2];  // [heat][shadow]; those that assets need
@@ -189,11 +194,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
   if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
-  auto program =
-      buildProgram(self.api, config.surface_glsl, config.secondary_rays, {config.log, config.user});
+  const LookDefines defines{config.secondary_rays, config.distances};
+  auto program = buildProgram(self.api, config.surface_glsl, defines, {config.log, config.user});
   if (!program) return program.error();
   self.program = *program;
-  self.trace_strings = traceStrings(self.api, config.secondary_rays);
+  self.trace_strings = traceStrings(self.api, defines);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labelled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -266,7 +271,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain, self.distances); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
@@ -321,7 +326,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
   if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
   if (first_unit < 0 || first_unit > api.max_texture_units - 2)
     return Error{ErrorCode::kMisuse, "first_unit or the next is not a texture unit of this context"};
-  if (auto good = checkView(view, self.look_is_plain); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain, self.distances); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;

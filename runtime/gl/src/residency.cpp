@@ -40,7 +40,7 @@ Result<void> Residency::add(const Api& api, const runtime::Asset& asset) {
     remove(asset);  // another asset had this address, and was destroyed without remove()
   }
   Buffer<std::uint32_t> tables(assets_.allocator());
-  auto described = describe(asset, assets_.allocator(), tables);
+  auto described = describe(asset, distances_, assets_.allocator(), tables);
   if (!described) return described.error();
   std::unique_ptr<ResidentAsset> fresh = *std::move(described);
 
@@ -125,6 +125,15 @@ Result<void> Residency::prioritise() {
         level.worth.update(priority, drawn_, new_age);
         if (priority > 0) queue_[queued_++] = &level;
       }
+      // Voxels show more than what is shaded by the distances between them.
+      for (int l = 0; l < part.distances; ++l) {
+        ResidentLevel& level = asset->distances(part, l);
+        float priority = level.worth.priority() < 0 ? level.worth.priority() - 1.0f : -1.0f;
+        if (!drawn_ || (part.want.asked && l >= part.want.level))
+          priority = std::clamp(std::ldexp(drawn_ ? part.want.pixels : 1.0f, l - 1), 1e-20f, 1e20f);
+        level.worth.update(priority, drawn_, new_age);
+        if (priority > 0) queue_[queued_++] = &level;
+      }
     }
   }
   std::sort(queue_.begin(), queue_.begin() + queued_, [](const ResidentLevel* a, const ResidentLevel* b) {
@@ -138,26 +147,28 @@ Result<void> Residency::prioritise() {
 // Uploads or requests what the level lacks. False: from here on nothing fits into the pool.
 bool Residency::advance(const Api& api, ResidentLevel& level) {
   const runtime::Asset& asset = *level.asset->asset;
-  const ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.part)];
-  const runtime::VoxelLevel* data = asset.level(level.part, level.level);
-  const std::uint32_t grid_rows = Pool::rowsFor(cellCount(level.grid) + (data ? data->pages.size() : 0));
+  const std::optional<LevelContent> data = contentOf(level);
+  const std::uint32_t grid_rows = Pool::rowsFor(cellCount(level.grid) + (data ? data->pageCount() : 0));
   // A coarsest level must fit as a whole; otherwise its grid would only take room.
   std::uint64_t least_rows = grid_rows;
   if (level.worth.priority() == kPinned && data) {
-    for (const PageInfo& page : data->pages) least_rows += Pool::rowsFor(runtime::pageWords(page));
+    for (std::uint32_t page = 0; page < data->pageCount(); ++page) least_rows += data->rowsOfPage(page);
   }
   if (least_rows > rows_left_) return false;
   rows_left_ -= grid_rows;
   if (level.grid_row == 0) {
     if (transfer_.level == &level) return ++pending_, true;
+    if (!data && level.distances) {
+      if (PageAccess::loadsDistances(asset, level.part, level.level)) ++pending_;
+      return true;
+    }
     if (!data) {
       PageAccess::request(asset, level.part, level.level, level.worth.priority());
       if (!PageAccess::hasFailed(asset, level.part, level.level)) ++pending_;
       return true;
     }
-    const bool rests =
-        level.level + 1 == part.levels || level.asset->level(part, level.level + 1).grid_row != 0;
-    if (!rests) return true;  // wait for the coarser grid
+    const ResidentLevel* const coarser = level.asset->coarser(level);
+    if (coarser && coarser->grid_row == 0) return true;  // wait for the coarser grid
     if (transfer_.level || later_ || pool_.written() + kReserve >= byte_limit_) return ++pending_, true;
     if (!begin(api, level, Pool::Block::kGrid, grid_rows)) return true;
     if (!proceed(api)) return ++pending_, true;
@@ -168,7 +179,7 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
     return true;
   }
   for (std::uint32_t page = 0; page < level.page_rows.size(); ++page) {
-    const std::uint32_t rows = Pool::rowsFor(runtime::pageWords(data->pages[page]));
+    const std::uint32_t rows = data->rowsOfPage(page);
     if (rows > rows_left_) return false;
     rows_left_ -= rows;
     if (level.page_rows[page] != 0) continue;
@@ -176,7 +187,7 @@ bool Residency::advance(const Api& api, ResidentLevel& level) {
       ++pending_;
       continue;
     }
-    if (!PageAccess::pin(asset, level.part, level.level, page, level.worth.priority())) {
+    if (!level.distances && !PageAccess::pin(asset, level.part, level.level, page, level.worth.priority())) {
       if (!PageAccess::hasFailed(asset, level.part, level.level, page)) ++pending_;
       continue;
     }

@@ -15,8 +15,9 @@ inline constexpr std::uint64_t kReserve = 256;
 
 class Residency {
  public:
-  explicit Residency(const Allocator& allocator)
-      : pool_(allocator), assets_(allocator), victims_(allocator), queue_(allocator) {}
+  // distances: whether those that assets load belong into the pool.
+  Residency(const Allocator& allocator, bool distances)
+      : distances_(distances), pool_(allocator), assets_(allocator), victims_(allocator), queue_(allocator) {}
   Residency(const Residency&) = delete;
   Residency& operator=(const Residency&) = delete;
   ~Residency();
@@ -73,6 +74,7 @@ class Residency {
   void writeTable(const Api& api, const ResidentLevel& level);
   void forget(ResidentAsset& asset);
 
+  const bool distances_;
   Pool pool_;
   std::size_t count_ = 0;
   Buffer<ResidentAsset*> assets_;  // the first count_, ascending by address; owned

@@ -16,6 +16,7 @@ void Residency::writeTable(const Api& api, const ResidentLevel& level) {
   std::uint32_t words[kTableWords];
   tableOf(level, words);
   pool_.write(api, level.asset->palette() + std::uint64_t{level.table}, words);
+  if (level.distances) return;
 
   ResidentPart& part = level.asset->parts[static_cast<std::size_t>(level.part)];
   part.finest = part.levels;
@@ -33,17 +34,18 @@ void Residency::dropPage(const Api& api, ResidentLevel& level, std::uint32_t pag
   if (was_complete) writeTable(api, level);
 }
 
-// Drops a grid with its pages, and all finer levels of the part, which need it.
+// Drops a grid with its pages, and all finer levels of its kind of the part, which need it.
 void Residency::dropGrid(const Api& api, ResidentLevel& coarsest) {
   const ResidentPart& part = coarsest.asset->parts[static_cast<std::size_t>(coarsest.part)];
   const auto goes = [&coarsest](const ResidentLevel* level) {
     return level && level->asset == coarsest.asset && level->part == coarsest.part &&
-           level->level <= coarsest.level;
+           level->distances == coarsest.distances && level->level <= coarsest.level;
   };
   if (goes(transfer_.level)) cancel();
   pool_.giveBackIf([&goes](const Pool::Block& block) { return goes(block.level); });
   for (int l = 0; l <= coarsest.level; ++l) {
-    ResidentLevel& level = coarsest.asset->level(part, l);
+    ResidentLevel& level =
+        coarsest.distances ? coarsest.asset->distances(part, l) : coarsest.asset->level(part, l);
     if (level.grid_row == 0) continue;
     level.grid_row = 0;
     level.resident = 0;
@@ -105,8 +107,8 @@ bool Residency::proceed(const Api& api) {
   const std::uint64_t words = left > kReserve ? (left - kReserve) / sizeof(std::uint32_t) : 0;
   const std::uint64_t address = std::uint64_t{transfer_.row} * Pool::kRowWords + transfer_.done;
   if (transfer_.page == Pool::Block::kGrid) {
-    const runtime::VoxelLevel& data = *asset.level(level.part, level.level);
-    const std::uint64_t all = data.cells.size() + data.pages.size();
+    const LevelContent data = *contentOf(level);
+    const std::uint64_t all = data.cells.size() + data.pageCount();
     std::uint64_t some = std::min(words, all - transfer_.done);
     if (transfer_.done < data.cells.size()) {
       some = std::min(some, data.cells.size() - transfer_.done);
@@ -120,18 +122,21 @@ bool Residency::proceed(const Api& api) {
     if (transfer_.done < all)
       return some > 0 && transfer_.done == data.cells.size() && words > some ? proceed(api) : false;
   } else {
-    const runtime::PinnedPage page =
-        runtime::PageAccess::pin(asset, level.part, level.level, transfer_.page, level.worth.priority());
-    if (!page) {  // the asset dropped it meanwhile
+    runtime::PinnedPage pinned;
+    if (!level.distances)
+      pinned =
+          runtime::PageAccess::pin(asset, level.part, level.level, transfer_.page, level.worth.priority());
+    const std::span<const std::uint32_t> page =
+        level.distances ? contentOf(level)->codesOfPage(transfer_.page) : pinned.words();
+    if (page.empty()) {  // the asset dropped it meanwhile
       cancel();
       return true;
     }
-    const std::uint64_t some = std::min<std::uint64_t>(words, page.words().size() - transfer_.done);
-    pool_.write(
-        api, address,
-        page.words().subspan(static_cast<std::size_t>(transfer_.done), static_cast<std::size_t>(some)));
+    const std::uint64_t some = std::min<std::uint64_t>(words, page.size() - transfer_.done);
+    pool_.write(api, address,
+                page.subspan(static_cast<std::size_t>(transfer_.done), static_cast<std::size_t>(some)));
     transfer_.done += some;
-    if (transfer_.done < page.words().size()) return false;
+    if (transfer_.done < page.size()) return false;
   }
   finish(api);
   return true;
@@ -141,10 +146,11 @@ void Residency::finish(const Api& api) {
   ResidentLevel& level = *transfer_.level;
   const Transfer done = transfer_;
   if (done.page == Pool::Block::kGrid) {
-    const std::span<const PageInfo> pages = level.asset->asset->level(level.part, level.level)->pages;
-    if (!level.page_rows.reset(pages.size())) return cancel();
+    const LevelContent data = *contentOf(level);
+    if (!level.page_rows.reset(data.pageCount())) return cancel();
     level.all_rows = 0;
-    for (const PageInfo& page : pages) level.all_rows += Pool::rowsFor(runtime::pageWords(page));
+    for (std::uint32_t page = 0; page < data.pageCount(); ++page) level.all_rows += data.rowsOfPage(page);
+    if (level.distances) level.band = level.asset->asset->distances(level.part, level.level)->band.outside;
     level.grid_row = done.row;
     level.resident = 0;
   } else {

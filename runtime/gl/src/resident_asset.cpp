@@ -32,11 +32,54 @@ void writeFog(const Fog& fog, std::span<std::uint32_t> words) {
   }
 }
 
-std::uint32_t tableWords(const Part& part) {
-  return kTableWords * static_cast<std::uint32_t>(part.levels) + fogWords(part);
+// Of distances; 0: none belong into the pool.
+int distanceLevelsOf(const runtime::Asset& asset, std::size_t part, bool distances) {
+  return distances && asset.loadsDistances() ? asset.pack().distanceLevels(static_cast<int>(part)) : 0;
+}
+std::uint32_t tableWords(const Part& part, int distances) {
+  return kTableWords * static_cast<std::uint32_t>(part.levels + distances) + fogWords(part);
+}
+
+constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = runtime::kMaxPageBricks * kCodeWords;
+
+LevelContent contentOf(const runtime::DistanceLevel& level) {
+  static_assert(alignof(std::max_align_t) >= alignof(std::uint32_t));
+  return {level.cells,
+          {},
+          {reinterpret_cast<const std::uint32_t*>(level.codes.data()),  // NOLINT: aligned, as allocations are
+           level.codes.size() / sizeof(std::uint32_t)}};
 }
 
 }  // namespace
+
+std::uint32_t LevelContent::pageCount() const {
+  return codes.empty() ? static_cast<std::uint32_t>(pages.size())
+                       : static_cast<std::uint32_t>((codes.size() + kPageCodeWords - 1) / kPageCodeWords);
+}
+std::span<const std::uint32_t> LevelContent::codesOfPage(std::uint32_t page) const {
+  const std::size_t first = std::size_t{page} * kPageCodeWords;
+  return codes.subspan(first, std::min<std::size_t>(kPageCodeWords, codes.size() - first));
+}
+std::uint32_t LevelContent::rowsOfPage(std::uint32_t page) const {
+  return Pool::rowsFor(codes.empty() ? runtime::pageWords(pages[page]) : codesOfPage(page).size());
+}
+
+std::optional<LevelContent> contentOf(const ResidentLevel& level) {
+  const runtime::Asset& asset = *level.asset->asset;
+  if (level.distances) {
+    const runtime::DistanceLevel* const found = asset.distances(level.part, level.level);
+    return found ? std::optional(contentOf(*found)) : std::nullopt;
+  }
+  const runtime::VoxelLevel* const found = asset.level(level.part, level.level);
+  return found ? std::optional(LevelContent{found->cells, found->pages, {}}) : std::nullopt;
+}
+
+const ResidentLevel* ResidentAsset::coarser(const ResidentLevel& level) const {
+  const ResidentPart& part = parts[static_cast<std::size_t>(level.part)];
+  const int next = level.level + 1;
+  if (level.distances) return next < part.distances ? &distances(part, next) : nullptr;
+  return next < part.levels ? &this->level(part, next) : nullptr;
+}
 
 void writePalette(std::span<const Material> palette, std::span<std::uint32_t> words) {
   for (std::size_t i = 0; i < palette.size(); ++i) {
@@ -74,11 +117,12 @@ void tableOf(const ResidentLevel& level, std::span<std::uint32_t, kTableWords> w
   words[0] = static_cast<std::uint32_t>(level.cellsAt());
   words[1] = static_cast<std::uint32_t>(pageEntry(level, 0));
   words[2] = static_cast<std::uint32_t>(level.grid.x - 1) |
-             static_cast<std::uint32_t>(level.grid.y - 1) << 10 | (level.complete() ? kTableComplete : 0);
+             static_cast<std::uint32_t>(level.grid.y - 1) << 10 |
+             static_cast<std::uint32_t>(level.band) << 20 | (level.complete() ? kTableComplete : 0);
 }
 
-Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, const Allocator& allocator,
-                                                Buffer<std::uint32_t>& tables) {
+Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, bool distances,
+                                                const Allocator& allocator, Buffer<std::uint32_t>& tables) {
   const std::span<const Part> parts = asset.pack().parts();
   std::unique_ptr<ResidentAsset> fresh(new (std::nothrow) ResidentAsset);
   if (!fresh) return kNoMemory;
@@ -90,45 +134,54 @@ Result<std::unique_ptr<ResidentAsset>> describe(const runtime::Asset& asset, con
   const std::span<const Material> palette = asset.pack().palette();
   const auto palette_words = static_cast<std::uint32_t>(kPaletteWords * palette.size());
   std::uint32_t levels = 0, table_words = palette_words;
-  for (const Part& part : parts) {
-    levels += static_cast<std::uint32_t>(part.levels);
-    table_words += tableWords(part);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const int fields = distanceLevelsOf(asset, p, distances);
+    levels += static_cast<std::uint32_t>(parts[p].levels + fields);
+    table_words += tableWords(parts[p], fields);
   }
   if (!fresh->parts.reset(parts.size()) || !fresh->levels.reset(levels) || !tables.reset(table_words))
     return kNoMemory;
   writePalette(palette, tables.span());
   std::uint32_t next = 0, table = palette_words;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    fresh->parts[p] = {next,
-                       parts[p].levels,
-                       parts[p].levels,
-                       {},
-                       glm::vec4(glm::vec3(parts[p].size), static_cast<float>(parts[p].levels)),
+    const int fields = distanceLevelsOf(asset, p, distances);
+    fresh->parts[p] = {next,   parts[p].levels,
+                       fields, parts[p].levels,
+                       {},     glm::vec4(glm::vec3(parts[p].size), static_cast<float>(parts[p].levels)),
                        table};
-    for (int l = 0; l < parts[p].levels; ++l, ++next) {
+    for (int i = 0; i < parts[p].levels + fields; ++i, ++next) {
       auto* const level = new (std::nothrow) ResidentLevel;
       if (!level) return kNoMemory;
       level->asset = fresh.get();
       level->part = static_cast<std::int32_t>(p);
-      level->level = l;
-      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, l)));
-      level->table = table + kTableWords * static_cast<std::uint32_t>(l);
+      level->distances = i >= parts[p].levels;
+      level->level = level->distances ? i - parts[p].levels : i;
+      level->grid = brickGrid(latticeSize(parts[p].kind, levelSize(parts[p].size, level->level)));
+      level->table = table + kTableWords * static_cast<std::uint32_t>(i);
       level->page_rows = Buffer<std::uint32_t>(allocator);
       fresh->levels[next] = level;
     }
     if (parts[p].fog)
       writeFog(*parts[p].fog,
                tables.span().subspan(table + kTableWords * static_cast<std::uint32_t>(parts[p].levels)));
-    table += tableWords(parts[p]);
+    table += tableWords(parts[p], fields);
   }
   return fresh;
 }
 
-std::uint64_t poolBytes(const runtime::Asset& asset) {
+std::uint64_t poolBytes(const runtime::Asset& asset, bool distances) {
   const std::span<const Part> parts = asset.pack().parts();
   std::uint64_t rows = 0, table_words = kPaletteWords * asset.pack().palette().size();
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
-    table_words += tableWords(parts[static_cast<std::size_t>(p)]);
+    const int fields = distanceLevelsOf(asset, static_cast<std::size_t>(p), distances);
+    table_words += tableWords(parts[static_cast<std::size_t>(p)], fields);
+    for (int l = 0; l < fields; ++l) {
+      const runtime::DistanceLevel* level = asset.distances(p, l);
+      if (!level) continue;
+      const LevelContent content = contentOf(*level);
+      rows += Pool::rowsFor(content.cells.size() + content.pageCount());
+      for (std::uint32_t page = 0; page < content.pageCount(); ++page) rows += content.rowsOfPage(page);
+    }
     for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) {
       const runtime::VoxelLevel* level = asset.level(p, l);
       if (!level) continue;

@@ -11,17 +11,19 @@ namespace kelp::gl {
 namespace {
 
 constexpr int kMostBatches = 16;
+constexpr float kWidestSun = 20;  // degrees
 
 bool isGood(const Quality& quality) {
   return quality.finest_level >= 0 && quality.pixels_per_voxel >= 0 && quality.smallest_pixels >= 0 &&
          quality.shading <= Shading::kSmooth && quality.occlusion_rays >= 0 && quality.occlusion_rays <= 16 &&
-         std::isfinite(quality.occlusion_reach) && quality.occlusion_reach > 0 &&
-         quality.depth_batches >= 1 && quality.depth_batches <= kMostBatches;
+         std::isfinite(quality.occlusion_reach) && quality.occlusion_reach > 0 && quality.soft_shadows >= 0 &&
+         quality.soft_shadows <= kWidestSun && quality.depth_batches >= 1 &&
+         quality.depth_batches <= kMostBatches;
 }
 
 }  // namespace
 
-Result<void> checkView(const View& view, bool look_is_plain) {
+Result<void> checkView(const View& view, bool look_is_plain, bool distances) {
   const Camera& camera = view.camera;
   if (camera.viewport.x < 0 || camera.viewport.y < 0 || camera.clip_range > ClipRange::kZeroToOne ||
       view.output > Output::kDisplay)
@@ -30,15 +32,17 @@ Result<void> checkView(const View& view, bool look_is_plain) {
   if (!std::isfinite(length) || !(length > 0)) return Error{ErrorCode::kMisuse, "the sun has no direction"};
   if (!isGood(view.quality))
     return Error{ErrorCode::kMisuse,
-                 "the quality has a negative number, an unknown shading, more than 16 occlusion rays, or "
-                 "depth_batches outside 1 .. 16"};
+                 "the quality has a negative number, an unknown shading, more than 16 occlusion rays, "
+                 "soft_shadows above 20 degrees, or depth_batches outside 1 .. 16"};
+  if (!distances && usesDistances(view.quality))
+    return Error{ErrorCode::kMisuse, "soft_shadows and occlusion need Config::distances"};
   if (look_is_plain && (view.quality.self_shadow || view.quality.occlusion_rays > 0))
     return Error{ErrorCode::kMisuse, "self_shadow and occlusion_rays need Config::secondary_rays"};
   return {};
 }
 
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel) {
-  if (!checkView(view, false) || !hasPixels(view)) return -1;
+  if (!checkView(view, false, true) || !hasPixels(view)) return -1;
   const auto projection = makeProjection(view);
   if (!projection || !instance.asset || part < 0 ||
       static_cast<std::size_t>(part) >= instance.asset->pack().parts().size())

@@ -5,9 +5,10 @@
 namespace kelp::shaders {
 
 // The tracing core, in this order.
-extern const char* const kSpline;  // spline.glsl: a segment of a part's spline, and normals
-extern const char* const kCurve;   // curve.glsl: a ray as a curve in the volume, and its steps
-extern const char* const kTrace;   // trace.glsl: where a ray first meets a solid voxel
+extern const char* const kSpline;    // spline.glsl: a segment of a part's spline, and normals
+extern const char* const kCurve;     // curve.glsl: a ray as a curve in the volume, and its steps
+extern const char* const kTrace;     // trace.glsl: where a ray first meets a solid voxel
+extern const char* const kDistance;  // distance.glsl: how far a point is from a part
 // instance.glsl: where instances, segments and bricks come from on the GPU
 extern const char* const kInstance;
 extern const char* const kShading;      // shading.glsl: the material and the normal of a hit

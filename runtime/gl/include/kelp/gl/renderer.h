@@ -37,6 +37,10 @@ struct Config {
   // is then larger: on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times
   // as long even if a view asks for neither.
   bool secondary_rays = false;
+  // Whether distances are used: for Quality::soft_shadows and Quality::occlusion, and for kelpDistance in
+  // shaders. They come from assets that load them (runtime::Options::distance_level), and take part of
+  // gpu_budget.
+  bool distances = false;
   // Gets the messages of the GLSL compiler or linker when they make create() or add() fail
   // (runtime/gl/README.md explains STRING:LINE in them), and once for each asset why an instance of it was
   // left out (Stats::left_out). `text` is valid during the call only. Null: no callback.
@@ -109,6 +113,13 @@ struct Quality {
   // Length of those rays, in lengths of the part's longest side, > 0. A hit counts less the farther away it
   // is.
   float occlusion_reach = 0.25f;
+  // Light past all solid parts of the instance, by distances; kMisuse without Config::distances. The sun's
+  // shadow, with a penumbra: the angle in degrees, 0 .. 20, across the sun (the real one: 0.53). 0: no
+  // shadow. Takes the place of self_shadow. Slower where an asset loads no distances.
+  float soft_shadows = 0;
+  // How much of the sky a pixel sees, within occlusion_reach. Takes the place of occlusion_rays. A part whose
+  // asset loads no distances, or whose distances are not uploaded yet, hides nothing.
+  bool occlusion = false;
   // 1 .. 16. More than 1: the instances are drawn near to far in so many draws. Before each, the depth drawn
   // so far is copied, and rays end there, so that nothing hidden is traced. The picture is the same. It gains
   // where three or more instances overlap on most pixels (8 is a good number then) and loses where hardly any
@@ -244,7 +255,8 @@ class Renderer {
 
 // Bytes of gpu_budget that the asset takes, as far as its grids have been loaded (Asset::pump): all of it
 // after Asset::loadAll. A renderer needs 4 KiB more; from 4 MiB on, round the sum up to a multiple of 4 MiB.
-std::uint64_t poolBytes(const runtime::Asset& asset);
+// `distances`: as Config::distances.
+std::uint64_t poolBytes(const runtime::Asset& asset, bool distances = false);
 
 // The level of a part of the instance that draw() wants at a pixel of the framebuffer, for a runtime::raycast
 // that meets what is seen. (draw() draws a coarser level until that one is uploaded.) -1: a view, an instance

@@ -54,6 +54,8 @@ struct PageAccess {
   // Whether loading the grid, or the page, failed since the last retry().
   static bool hasFailed(const Asset& asset, int part, int level);
   static bool hasFailed(const Asset& asset, int part, int level, std::uint32_t page);
+  // Whether a level of distances is going to be in memory, and is not yet.
+  static bool loadsDistances(const Asset& asset, int part, int level);
 };
 
 }  // namespace kelp::runtime

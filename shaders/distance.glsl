@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// How far a point is from the solid voxels of a posed part, by the distances of its pack (formats/SPEC.md,
+// 5.4). Comes after trace.glsl, with Config::distances only.
+//
+// Estimates, not bounds (those are in runtime/include/kelp/runtime/distance.h). At rest they are less than a
+// voxel off. In a bent part the distance at rest counts as many world units as space is wide there, which is
+// right near a surface, and too much or too little far away from it.
+
+const float kKelpFar = 1e9;
+
+// The levels of distances of the part of this record; kelpLoadDistances sets these.
+int kelp_distance_levels;  // 0: it has none
+uint kelp_distances_at;    // their tables
+vec3 kelp_distance_size;   // of the part, level-0 voxels
+void kelpLoadDistances() {
+  uvec4 volume = kelpRecordBits(kelp_record + 11);
+  kelp_distance_levels = int(volume.w >> 24u);
+  kelp_distances_at = kelpRecordBits(kelp_record + 10).w + 3u * ((volume.w >> 16u) & 255u);
+  kelp_distance_size = uintBitsToFloat(volume.xyz);
+}
+
+// A point of part space at rest: held in the box, and how far beside it. How far the spline leans for each
+// voxel of height there.
+struct KelpRest {
+  vec3 at;
+  vec3 beside;
+  vec2 lean;
+  float stretch;
+};
+KelpRest kelpRestOf(vec3 p) {
+  KelpSegment g = KELP_SEGMENT(0);
+  float base = g.p0.y;
+  float top = kelpP1(kelp_record + KELP_RECORD, kelp_segment_count - 1).y;
+  float y = clamp(p.y, base, top);
+  for (int i = 1; i < kelp_segment_count && y > g.p1.y; ++i) g = KELP_SEGMENT(i);
+  float t = kelpSplineParameter(g, y - g.p0.y, g.p1.y - y);
+  vec3 shift = kelpSplineAt(g, t);
+  vec3 slope = kelpSplineSlope(g, t);
+  KelpRest rest;
+  rest.stretch = kelp_distance_size.y / (top - base);
+  vec3 at = vec3(p.x - shift.x, rest.stretch * (y - base), p.z - shift.z);
+  rest.at = clamp(at, vec3(0.0), kelp_distance_size);
+  rest.beside = vec3(at.x - rest.at.x, p.y - y, at.z - rest.at.z);
+  rest.lean = slope.xz / max(slope.y, 1e-3);
+  return rest;
+}
+// One level of distances.
+struct KelpDistances {
+  uint cells;
+  uint pages;
+  ivec2 bricks;  // along x and y
+  ivec3 last;    // voxel
+  float side;    // of a voxel
+  float far;     // what is known beyond the band, voxels
+};
+// False: it is not in the pool.
+bool kelpDistancesOf(int level, out KelpDistances d) {
+  uint table = kelp_distances_at + 3u * uint(level);
+  uint grid = kelpWord(table + 2u);
+  d.cells = kelpWord(table);
+  d.pages = kelpWord(table + 1u);
+  d.bricks = ivec2(int(grid & 1023u), int((grid >> 10u) & 1023u)) + 1;
+  d.last = ((ivec3(kelp_distance_size) + ((1 << level) - 1)) >> level) - 1;
+  d.side = float(1 << level);
+  d.far = sqrt(float((grid >> 20u) & 255u) + 1.0) - 0.5;
+  return grid != 0u;
+}
+// The signed distance at the centre of a voxel, in voxels; d.far, or -2, beyond the band. kKelpFar: its page
+// is not in the pool.
+float kelpDistanceAt(KelpDistances d, ivec3 voxel) {
+  ivec3 brick = voxel >> 3;
+  uint code = kelpWord(d.cells + uint(brick.x + d.bricks.x * (brick.y + d.bricks.y * brick.z)));
+  if (code >= 0x80000000u) {
+    uint first = kelpBrickOf(d.pages, code, 128u);
+    if (first == 0u) return kKelpFar;
+    int place = (voxel.x & 7) | ((voxel.y & 7) << 3) | ((voxel.z & 7) << 6);
+    code = (kelpWord(first + uint(place >> 2)) >> uint(8 * (place & 3))) & 255u;
+  }
+  float squared = float(code > 225u ? 255u - code : code);
+  float distance = squared > 0.0 ? sqrt(squared) - 0.5 : code == 0u ? d.far : 2.0;
+  return code > 225u ? -distance : distance;
+}
+
+// The level for points that are so many level-0 voxels from what matters: its band reaches as far. Or the
+// next coarser one that is in the pool; false: there is none.
+bool kelpLevelOf(float distance, out KelpDistances d) {
+  int level = int(ceil(max(log2(0.2 * distance), 0.0)));
+  for (int l = min(level, kelp_distance_levels - 1); l >= 0 && l < kelp_distance_levels; ++l) {
+    if (kelpDistancesOf(l, d)) return true;
+  }
+  return false;
+}
+
+// The signed distance of a point of part space from the part of this record, in units of part space, as if it
+// grew along a normal of part space (unit, or 0: not at all) from the centre of the voxel that the point is
+// in. Quick: reads one voxel. Where nothing is known there is nothing.
+float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
+  KelpRest rest = kelpRestOf(p);
+  vec3 at = rest.at / d.side;
+  ivec3 voxel = min(ivec3(at), d.last);
+  float distance = kelpDistanceAt(d, voxel);
+  vec3 n = vec3(normal.x, (normal.y + dot(normal.xz, rest.lean)) / rest.stretch, normal.z);  // at rest
+  float scale = length(n);
+  if (scale > 0.0) {
+    if (distance < d.far) distance += dot(n, at - vec3(voxel) - 0.5) / scale;
+    distance *= scale;
+  }
+  distance *= d.side;
+  float beside = length(rest.beside);
+  return beside > 0.0 ? length(vec2(beside, max(distance, 0.0))) : distance;
+}
+
+// The signed distance at a point at rest, linear between the centres of voxels, and its gradient (xyz). Of
+// the finest level whose band reaches the point. Level-0 voxels. w is kKelpFar if nothing is known.
+vec4 kelpRestDistance(vec3 rest) {
+  vec4 found = vec4(0.0, 0.0, 0.0, kKelpFar);
+  for (int l = 0; l < kelp_distance_levels; ++l) {
+    KelpDistances d;
+    if (!kelpDistancesOf(l, d)) continue;
+    vec3 at = rest / d.side - 0.5;
+    ivec3 low = clamp(ivec3(floor(at)), ivec3(0), d.last);
+    ivec3 high = min(low + 1, d.last);
+    vec3 share = clamp(at - vec3(low), 0.0, 1.0);
+    float c[8];
+    bool known = true;
+    for (int i = 0; i < 8; ++i) {
+      c[i] = kelpDistanceAt(d, ivec3((i & 1) == 0 ? low.x : high.x, (i & 2) == 0 ? low.y : high.y,
+                                     (i & 4) == 0 ? low.z : high.z));
+      known = known && c[i] < kKelpFar;
+    }
+    if (!known) continue;
+    vec4 slope = vec4(c[1] - c[0], c[3] - c[2], c[5] - c[4], c[7] - c[6]);
+    vec4 x = vec4(c[0], c[2], c[4], c[6]) + share.x * slope;
+    vec2 y = mix(x.xz, x.yw, share.y);
+    vec2 along_x = mix(slope.xz, slope.yw, share.y);
+    vec2 along_y = x.yw - x.xz;
+    found = vec4(mix(along_x.x, along_x.y, share.z), mix(along_y.x, along_y.y, share.z), y.y - y.x,
+                 d.side * mix(y.x, y.y, share.z));
+    if (abs(found.w) < 0.98 * d.side * d.far) break;
+  }
+  return found;
+}
+
+// The signed distance of a point of part space from the part of this record, in units of part space. Without
+// a gradient (in the middle of things, and beyond the band) the distance is that at rest.
+float kelpPartDistance(vec3 p) {
+  KelpRest rest = kelpRestOf(p);
+  vec4 at = kelpRestDistance(rest.at);
+  if (at.w >= kKelpFar) return kKelpFar;
+  float steepness = length(at.xyz);
+  if (steepness > 0.1) {
+    // The gradient in part space: the inverse transpose of the map's derivative.
+    vec3 n = at.xyz / steepness;
+    n.y = rest.stretch * n.y - dot(n.xz, rest.lean);
+    at.w /= length(n);
+  }
+  float beside = length(rest.beside);
+  return beside > 0.0 ? length(vec2(beside, max(at.w, 0.0))) : at.w;
+}

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// Occlusion, soft shadows and kelpDistance: against rays in double precision, geometry that has a formula,
+// and brute force.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "../runtime/bent_truth.h"
+#include "canvas.h"
+#include "depth_canvas.h"
+#include "kelp/runtime/pose.h"
+#include "light_truth.h"
+#include "support/distance_pack.h"
+
+namespace kelp::test {
+namespace {
+
+using runtime::Instance;
+
+runtime::Options loadDistances(int level = 0) {
+  runtime::Options options;
+  options.distance_level = level;
+  return options;
+}
+gl::Config withDistances() {
+  gl::Config config;
+  config.distances = true;
+  return config;
+}
+
+template <class Inside>
+fields::Occupancy volumeOf(const glm::ivec3& size, Inside&& inside) {
+  fields::Occupancy volume{
+      size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
+                                      static_cast<std::size_t>(size.z))};
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x) volume.solid[volume.index({x, y, z})] = inside(glm::ivec3(x, y, z));
+  return volume;
+}
+// All surfaces face up.
+RawPart facingUp(const fields::Occupancy& volume, const std::string& name) {
+  RawPart part = partOf(volume, figureKnots(kFigure6[0]), name);
+  std::vector<fields::SurfaceVoxel> surface = plainSurface(volume);
+  for (fields::SurfaceVoxel& voxel : surface) voxel.attribute = makeAttribute(0, encodeNormal({0, 1, 0}));
+  part.levels[0] = fields::buildLevel(volume, surface, 1);
+  part.distances = distancesOf(volume, static_cast<int>(part.levels.size()));
+  return part;
+}
+
+class DistanceShadingTest : public GlTest {
+ protected:
+  std::vector<Pixel> draw(gl::Renderer& renderer, const Canvas& canvas, const gl::View& view,
+                          const Instance& instance) {
+    canvas.clear();
+    const auto drawn = renderer.draw(view, {&instance, 1});
+    EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
+    return canvas.pixels();
+  }
+};
+
+TEST_P(DistanceShadingTest, ShadowsErrNoMoreThanEightRaysAndOcclusionLittleMore) {
+  const fields::Occupancy volume = ballClump({144, 192, 120}, 16, 5);
+  const LoadedAsset loaded(distancePackOf(volume), loadDistances());
+  const auto renderer = makeRenderer(*loaded.asset, kVisible, withDistances());
+  const auto eight = makeRenderer(*loaded.asset, kEightSunRays, withDistances());
+  const Canvas canvas({192, 160});
+  for (const std::size_t i : {0u, 1u, 3u}) {
+    const FigurePose& figure = kFigure6[i];
+    runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
+    ASSERT_TRUE(pose.setKnots(0, figureKnots(figure)));
+    Instance instance{loaded.asset.get(), &pose};
+    instance.to_world = glm::rotate(glm::scale(glm::mat4(1), glm::vec3(1.5f)), 0.7f, glm::vec3(0, 1, 0));
+    const Box box = bounds(instance);
+    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    gl::View view =
+        lookAt(canvas, centre + 0.7f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+    view.light.sun_direction = {0.1f, 0.9f, 0.3f};
+    view.quality.occlusion_reach = kReach;
+    view.quality.occlusion_rays = 8;
+    LightPictures pictures;
+    pictures.rays = draw(*renderer, canvas, view, instance);
+    pictures.sun_rays = draw(*eight, canvas, view, instance);
+    view.quality.occlusion = true;
+    view.quality.soft_shadows = kSunDegrees;
+    pictures.distances = draw(*renderer, canvas, view, instance);
+    const LightErrors errors =
+        measureLight(volume, instance, view, pictures, allTests() ? 20000 : shareOf(900));
+    EXPECT_GT(errors.sun.count, 30) << figure.name;
+    EXPECT_GT(errors.sun.shade, 0.03) << figure.name;
+    EXPECT_LE(errors.sun.distances, errors.sun.rays + 0.001) << figure.name;
+    if (i == 0) {
+      EXPECT_LE(errors.sky.distances, 1.5 * errors.sky.rays);
+    }
+    EXPECT_LE(errors.sky.distances, 0.5 * errors.sky.shade) << figure.name;  // all of it without occlusion
+  }
+}
+
+// As SelfShadowTest.AWallHidesItsFormFactorOfTheSky; a wall 32 voxels wide on a floor, seen from above.
+constexpr int kWall = 32;
+fields::Occupancy floorAndWall(bool floor, bool wall) {
+  return volumeOf({96, 32, 160}, [=](const glm::ivec3& v) {
+    return (floor && v.y < 4) || (wall && v.x < kWall && v.y >= 4 && v.y < 28);
+  });
+}
+
+TEST_P(DistanceShadingTest, PartsOfAnInstanceShadeEachOther) {
+  RawPack one = packOf(floorAndWall(true, true)), two = one;
+  one.parts = {facingUp(floorAndWall(true, true), "both")};
+  two.parts = {facingUp(floorAndWall(true, false), "floor"), facingUp(floorAndWall(false, true), "wall")};
+  const LoadedAsset together(one, loadDistances()), apart(two, loadDistances());
+  const Canvas canvas({96, 64});
+  gl::View view = orthographic(canvas, {0, 5, 0.001f}, {0, 0, 0}, 1.0f, 0.1f, 10);
+  view.light.sun_direction = {-1, 1, 0};
+  view.quality.occlusion_reach = 0.3f;
+  view.quality.occlusion = true;
+  view.quality.soft_shadows = 4;
+  const auto renderer = makeRenderer(*together.asset, kVisible, withDistances());
+  ASSERT_TRUE(renderer->add(*apart.asset));
+  ASSERT_TRUE(renderer->upload(~std::uint64_t{0}));
+  const std::vector<Pixel> whole = draw(*renderer, canvas, view, {together.asset.get(), nullptr});
+  const std::vector<Pixel> parts = draw(*renderer, canvas, view, {apart.asset.get(), nullptr});
+  const auto at = [](const std::vector<Pixel>& pixels, int x) {
+    return pixels[static_cast<std::size_t>(96 * 32 + x)];
+  };
+  // The sun at 45 degrees leaves as much shadow as the wall is high, and a penumbra of 4 degrees.
+  for (int x = kWall + 3; x < kWall + 19; ++x) EXPECT_EQ(at(whole, x)[0], 0) << x;
+  for (int x = kWall + 27; x < 94; ++x) EXPECT_EQ(at(whole, x)[0], 255) << x;
+  EXPECT_LT(at(whole, kWall + 3)[1], 200);
+  EXPECT_GT(at(whole, 90)[1], 230);
+  int different = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    for (std::size_t c = 0; c < 2; ++c) different += std::abs(whole[i][c] - parts[i][c]) > 26;
+  }
+  EXPECT_LT(different, 200);  // of 12,288: the same light, but for the seam
+  // The wall shades where it is not seen itself: a narrow view of the floor beside it.
+  gl::View narrow = orthographic({96, 64}, {-0.1f, 5, 0.001f}, {-0.1f, 0, 0}, 0.1f, 0.1f, 10);
+  narrow.light = view.light;
+  narrow.quality = view.quality;
+  const std::vector<Pixel> beside = draw(*renderer, canvas, narrow, {apart.asset.get(), nullptr});
+  int dark = 0;
+  for (const Pixel& pixel : beside) dark += pixel[3] != 0 && pixel[0] == 0;
+  EXPECT_GT(dark, 1000);
+}
+
+TEST_P(DistanceShadingTest, WithoutDistancesNothingIsOccludedAndWithoutAWishNothingChanges) {
+  const RawPack pack = distancePackOf(ballClump({60, 80, 50}, 20, 2));
+  const LoadedAsset without(pack), with(pack, loadDistances());
+  const Canvas canvas({96, 64});
+  gl::View view = lookAt(canvas, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
+  const auto plain = makeRenderer(*without.asset);
+  const std::vector<Pixel> expected = draw(*plain, canvas, view, {without.asset.get(), nullptr});
+  const auto renderer = makeRenderer(*with.asset, nullptr, withDistances());
+  ASSERT_TRUE(renderer->add(*without.asset));
+  ASSERT_TRUE(renderer->upload(~std::uint64_t{0}));
+  EXPECT_EQ(draw(*renderer, canvas, view, {with.asset.get(), nullptr}), expected);
+  view.quality.occlusion = true;
+  view.quality.soft_shadows = 1;
+  EXPECT_NE(draw(*renderer, canvas, view, {with.asset.get(), nullptr}), expected);
+  view.quality.soft_shadows = 0;
+  EXPECT_NE(draw(*renderer, canvas, view, {with.asset.get(), nullptr}), expected);
+  EXPECT_EQ(draw(*renderer, canvas, view, {without.asset.get(), nullptr}), expected);
+
+  const Instance instance{without.asset.get(), nullptr};
+  EXPECT_EQ(plain->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse);
+  view.quality.soft_shadows = 21;
+  EXPECT_EQ(renderer->draw(view, {&instance, 1}).error().code, ErrorCode::kMisuse);
+  // The pool holds them, and gives them back.
+  EXPECT_GT(gl::poolBytes(*with.asset, true), gl::poolBytes(*with.asset));
+  EXPECT_EQ(gl::poolBytes(*without.asset, true), gl::poolBytes(*without.asset));
+}
+
+// At points of planes through and beside a bent clump: against brute force over cubes in double precision.
+TEST_P(DistanceShadingTest, KelpDistanceIsThatToTheVoxels) {
+  const fields::Occupancy volume = ballClump({48, 64, 40}, 8, 4);
+  const LoadedAsset loaded(distancePackOf(volume), loadDistances());
+  const auto renderer = makeRenderer(*loaded.asset, nullptr, withDistances());
+  std::string text;
+  for (const char* string : renderer->traceGlsl()) text += string;
+  const GLuint program = makeProgram(
+      GetParam(),
+      "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, "
+      "1.0); }\n",
+      text +
+          "uniform vec3 low; uniform vec3 high;\n"
+          "layout(location = 0) out vec4 color;\n"
+          "void main() {\n"
+          "  vec2 at = gl_FragCoord.xy / 64.0;\n"
+          "  float d = kelpDistance(vec3(mix(low.xy, high.xy, at), mix(low.z, high.z, fract(at.x * 7.0))));\n"
+          "  float code = floor(clamp(0.5 + 0.25 * d, 0.0, 1.0) * 65280.0);\n"
+          "  color = vec4(floor(code / 256.0), mod(code, 256.0), 0.0, 255.0) / 255.0;\n"
+          "}\n");
+  ASSERT_NE(program, 0u);
+  const Layers layers(volume);
+  const Canvas canvas({64, 64});
+  GLuint vertices = 0;
+  glGenVertexArrays(1, &vertices);
+  for (const std::size_t i : {0u, 1u}) {
+    runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
+    const std::vector<Knot> knots = figureKnots(kFigure6[i]);
+    ASSERT_TRUE(pose.setKnots(0, knots));
+    Instance instance{loaded.asset.get(), &pose};
+    instance.to_world = glm::rotate(glm::mat4(1), 0.6f, glm::vec3(0.2f, 1, 0.1f));
+    const BentTruth truth(layers, knots);
+    const Box box = bounds(instance);
+    const glm::vec3 low = box.min - 0.1f, high = box.max + 0.1f;
+    ASSERT_TRUE(renderer->bindTrace(program, lookAt(canvas, {0, 0, 3}, {0, 0, 0}), {&instance, 1}));
+    glUseProgram(program);
+    glUniform3fv(glGetUniformLocation(program, "low"), 1, &low[0]);
+    glUniform3fv(glGetUniformLocation(program, "high"), 1, &high[0]);
+    canvas.clear();
+    glBindVertexArray(vertices);
+    glDisable(GL_DEPTH_TEST);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    const std::vector<Pixel> pixels = canvas.pixels();
+    const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
+    int near = 0, inside = 0;
+    double worst = 0;
+    std::vector<double> shares;
+    for (int n = 0; n < 64 * 64; ++n) {
+      const Pixel& pixel = pixels[static_cast<std::size_t>(n)];
+      const double found = 64 * 4 * ((256 * pixel[0] + pixel[1]) / 65280.0 - 0.5);  // voxels
+      const glm::dvec2 at((n % 64 + 0.5) / 64, (n / 64 + 0.5) / 64);
+      const glm::dvec3 point =
+          glm::mix(glm::dvec3(low), glm::dvec3(high), glm::dvec3(at, glm::fract(at.x * 7.0)));
+      const glm::dvec3 p(to_part * glm::dvec4(point, 1));
+      const double distance = glm::distance(p, truth.nearest(p));
+      if (distance == 0) {
+        ++inside;
+        EXPECT_LT(found, 0.9);
+      } else if (distance < 3) {
+        ++near;
+        worst = std::max(worst, std::abs(found - distance));
+      } else {
+        shares.push_back(found / distance);
+      }
+    }
+    EXPECT_GT(inside, 4);
+    EXPECT_GT(near, 40);
+    std::ranges::sort(shares);
+    // Near the surface it is right; farther away coarser voxels say that something is nearer.
+    EXPECT_LT(worst, i == 0 ? 1 : 2.5);
+    EXPECT_GT(shares[shares.size() / 50], i == 0 ? 0.5 : 0.2);
+    EXPECT_GT(shares[shares.size() / 2], 0.8);
+    EXPECT_LT(shares[shares.size() * 49 / 50], i == 0 ? 1.1 : 1.6);
+  }
+  glDeleteProgram(program);
+  glDeleteVertexArrays(1, &vertices);
+}
+
+KELP_GL_TESTS(DistanceShadingTest);
+
+}  // namespace
+}  // namespace kelp::test
