@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "render_fixture.h"
+#include "support/distance_pack.h"
 
 namespace kelp {
 namespace {
@@ -63,6 +64,37 @@ TEST_F(KelpRender, ViewsShowWhatTheySay) {
   EXPECT_GT(steps.b, steps.r);  // few steps
   EXPECT_NE(picture({"--view", "level", "--level", "0"}).at(60, 60),
             picture({"--view", "level", "--level", "2"}).at(60, 60));
+}
+
+// Through the middle of the box: orange inside, blue outside, the surface black, a contour for each 32nd of
+// the height.
+TEST_F(KelpRender, DistancesAreShownOnASlice) {
+  RawPack pack = boxPack();
+  const fields::Occupancy box{pack.parts[0].size, std::vector<std::uint8_t>(24 * 48 * 16, 1)};
+  pack.parts[0].distances = distancesOf(box, static_cast<int>(pack.parts[0].levels.size()));
+  const std::string without = folder_ / "without.kelp";
+  std::filesystem::rename(pack_, without);
+  write(pack_, bytesOf(pack));
+  const Picture slice = picture({"--view", "distance", "--size", "512x512", "--samples", "1"});
+  const glm::ivec4 inside = slice.at(256, 256), outside = slice.at(8, 256);
+  EXPECT_GT(inside.r, inside.b + 50);
+  EXPECT_GT(outside.b, outside.r + 50);
+  int edge = 256, contours = 0;
+  while (edge > 8 && slice.at(edge, 256).r > 60) --edge;
+  const glm::ivec4 surface = slice.at(edge, 256);
+  EXPECT_LT(surface.r + surface.g + surface.b, 180);
+  bool on_line = true;
+  for (int x = edge - 6; x > edge - 6 - 4 * 16; --x) {
+    const bool dark = slice.at(x, 256).g < 0.75 * slice.at(x - 5, 256).g ||
+                      slice.at(x, 256).g < 0.75 * slice.at(x + 5, 256).g;
+    contours += dark && !on_line;
+    on_line = dark;
+  }
+  EXPECT_NEAR(contours, 4, 1);
+  const ProcessResult refused = render({without, "-o", out_, "--view", "distance"});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_NE(refused.err.find("--no-distance"), std::string::npos) << refused.err;
+  EXPECT_EQ(render({pack_, "-o", out_, "--view", "distance", "--method", "paper"}).exit, 1);
 }
 
 TEST_F(KelpRender, ShadingIsWhatWasAsked) {
@@ -241,7 +273,7 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
       {{pack_, "-o", out_, "--view", "inside"},
        1,
-       "--view inside: expected shaded, normals, depth, steps or level"},
+       "--view inside: expected shaded, normals, depth, steps, level or distance"},
       {{pack_, "-o", out_, "--shading", "flat"}, 1, "--shading flat: expected gradient, faces or smooth"},
       {{pack_, "-o", out_, "--time", "nan"}, 1, "finite"},
       {{pack_, "-o", out_, "--background", "1,2,300"}, 1, "--background 1,2,300"},

@@ -14,50 +14,74 @@ namespace {
 class KelpDrawer final : public Drawer {
  public:
   KelpDrawer(const Options& options, const ViewStyle& style, const Scene& scene, bool es)
-      : colors_(style.colors), es_(es) {
+      : colors_(style.colors), es_(es), slice_(options.view == ViewKind::kDistance) {
     gl::Config config;
     config.getProcAddress = HeadlessContext::getProcAddress;
     config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
     config.secondary_rays = options.shadows || options.occlusion > 0;
+    config.distances = slice_;
     config.log = [](void*, const char* text) { std::fputs(text, stderr); };
     // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
     config.gpu_budget = std::uint64_t{8} << 20;
-    for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack);
+    for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack, slice_);
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
   }
 
   void draw(const gl::View& view, std::span<const runtime::Instance> instances) override {
+    if (slice_) return drawSlice(view, instances);
     checkPack("OpenGL", renderer_->draw(view, instances));
     if (colors_) checkPack("OpenGL", renderer_->draw(view, instances, gl::Pass::kFog));
   }
 
   StepCount count(const gl::View& view, std::span<const runtime::Instance> instances,
                   CountTarget& target) override {
-    if (!counter_) {
-      std::vector<const char*> text{"#define KELP_HOST_SURFACE\n"};
-      text.insert(text.end(), renderer_->traceGlsl().begin(), renderer_->traceGlsl().end());
-      text.push_back(glsl::kKelpCount);
-      counter_ = std::make_unique<GlProgram>(text, es_);
-    }
     target.bind();
     target.clear();
-    checkPack("OpenGL", renderer_->bindTrace(counter_->name(), view, instances));
-    counter_->use();
-    const glm::dmat4 world_to_clip =
-        glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye);
-    counter_->set("count_clip_to_world", glm::mat4(glm::inverse(world_to_clip)));
-    counter_->set("count_viewport", glm::vec2(target.size()));
-    const glm::vec4 everything(-1, -1, 1, 1);
-    counter_->drawRectangle(everything);
-    return target.read(everything);
+    const GlProgram& counter = bind(counter_, glsl::kKelpCount, view, instances);
+    counter.set("count_clip_to_world", clipToWorld(view));
+    counter.set("count_viewport", glm::vec2(target.size()));
+    counter.drawRectangle(kEverything);
+    return target.read(kEverything);
   }
 
  private:
-  bool colors_, es_;
+  static constexpr glm::vec4 kEverything{-1, -1, 1, 1};
+
+  static glm::mat4 clipToWorld(const gl::View& view) {
+    return glm::mat4(
+        glm::inverse(glm::dmat4(view.camera.eye_to_clip) * glm::dmat4(view.camera.world_to_eye)));
+  }
+  // A program of this text, after the renderer's, with everything that it traces.
+  const GlProgram& bind(std::unique_ptr<GlProgram>& program, const char* own, const gl::View& view,
+                        std::span<const runtime::Instance> instances) {
+    if (!program) {
+      std::vector<const char*> text{"#define KELP_HOST_SURFACE\n"};
+      text.insert(text.end(), renderer_->traceGlsl().begin(), renderer_->traceGlsl().end());
+      text.push_back(own);
+      program = std::make_unique<GlProgram>(text, es_);
+    }
+    checkPack("OpenGL", renderer_->bindTrace(program->name(), view, instances));
+    program->use();
+    return *program;
+  }
+  void drawSlice(const gl::View& view, std::span<const runtime::Instance> instances) {
+    // Planes of clip space, from the projection: depth is (-a + b / z) with a = m22, b = -m32.
+    const glm::mat4& m = view.camera.eye_to_clip;
+    const float near = m[3][2] / (m[2][2] - 1), far = m[3][2] / (m[2][2] + 1);
+    const float middle = 0.5f * (near + far);
+    const GlProgram& program = bind(slicer_, glsl::kDistance, view, instances);
+    program.set("slice_clip_to_world", clipToWorld(view));
+    program.set("slice_viewport", glm::vec2(view.camera.viewport));
+    program.set("slice_at", (middle - near) / (far - near));
+    program.set("slice_contour", middle / m[1][1] / 16);  // of the picture's height there, a 32nd
+    program.drawRectangle(kEverything);
+  }
+
+  bool colors_, es_, slice_;
   std::unique_ptr<gl::Renderer> renderer_;
-  std::unique_ptr<GlProgram> counter_;
+  std::unique_ptr<GlProgram> counter_, slicer_;
 };
 
 }  // namespace

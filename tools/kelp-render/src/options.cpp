@@ -45,13 +45,11 @@ bool parseVector(std::string_view text, glm::vec3& out) {
 }
 
 ViewKind parseView(const std::string& text) {
-  static const std::map<std::string, ViewKind> views{{"shaded", ViewKind::kShaded},
-                                                     {"normals", ViewKind::kNormals},
-                                                     {"depth", ViewKind::kDepth},
-                                                     {"steps", ViewKind::kSteps},
-                                                     {"level", ViewKind::kLevel}};
+  static const std::map<std::string, ViewKind> views{
+      {"shaded", ViewKind::kShaded}, {"normals", ViewKind::kNormals}, {"depth", ViewKind::kDepth},
+      {"steps", ViewKind::kSteps},   {"level", ViewKind::kLevel},     {"distance", ViewKind::kDistance}};
   const auto found = views.find(text);
-  if (found == views.end()) refuse("--view", text, "shaded, normals, depth, steps or level");
+  if (found == views.end()) refuse("--view", text, "shaded, normals, depth, steps, level or distance");
   return found->second;
 }
 
@@ -126,6 +124,10 @@ void checkPaperOptions(const Options& options, int level) {
   if (level > 0)
     throw ToolError(Exit::kUsage, fmt::format("--level {}: --method {} draws level 0 only; leave --level out",
                                               level, method));
+  if (options.view == ViewKind::kDistance)
+    throw ToolError(Exit::kUsage, fmt::format("--view distance: is the same for every method; leave "
+                                              "--method {} out",
+                                              method));
   if (options.shading != gl::Shading::kGradient)
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",
@@ -212,7 +214,7 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
       ->required()
       ->option_text("OUT.png");
   app.add_option("--view", text.view, "what to show")
-      ->option_text("shaded|normals|depth|steps|level [shaded]");
+      ->option_text("shaded|normals|depth|steps|level|distance [shaded]");
   app.add_option(
          "--method", text.method,
          "how rays are traced: by kelp, or as the paper published it, with constant steps or distance-field "

@@ -61,8 +61,12 @@ Scene::Scene(const Options& options) {
       const FileSource file = openFile(item.pack);
       runtime::Options whole;
       whole.memory_budget = mostMemory();
+      if (options.view == ViewKind::kDistance) whole.distance_level = 0;
       pack = checkPack(item.pack, runtime::Asset::open(file.source(), whole));
       checkLevel(options, item.pack, pack->pack());
+      if (options.view == ViewKind::kDistance && !pack->loadsDistances())
+        throw ToolError(Exit::kInvalid,
+                        item.pack + ": holds no distances to show; bake it again without --no-distance");
     }
     poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack)));
     posings_.emplace_back(*pack, item);

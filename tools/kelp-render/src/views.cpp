@@ -59,6 +59,8 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
     case ViewKind::kLevel:
       style.surface = kLevel;
       break;
+    case ViewKind::kDistance:
+      break;  // not of surfaces: glsl/distance.frag
   }
   return style;
 }
