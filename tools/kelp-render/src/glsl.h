@@ -11,6 +11,5 @@ extern const char* const kPaperRay;    // paper_ray.glsl: rays by the paper's me
 extern const char* const kPaperDraw;   // paper_draw.frag: draws a part
 extern const char* const kPaperCount;  // paper_count.frag: counts its steps
 extern const char* const kKelpCount;   // kelp_count.frag: counts the steps of kelp's own method
-extern const char* const kDistance;    // distance.frag
 
 }  // namespace kelp::render::glsl

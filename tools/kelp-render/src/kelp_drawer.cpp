@@ -6,6 +6,7 @@
 #include "gl_program.h"
 #include "glsl.h"
 #include "headless_context.h"
+#include "kelp/common/distance_slice.h"
 #include "kelp/common/pack_error.h"
 
 namespace kelp::render {
@@ -67,15 +68,14 @@ class KelpDrawer final : public Drawer {
     return *program;
   }
   void drawSlice(const gl::View& view, std::span<const runtime::Instance> instances) {
-    // Planes of clip space, from the projection: depth is (-a + b / z) with a = m22, b = -m32.
-    const glm::mat4& m = view.camera.eye_to_clip;
-    const float near = m[3][2] / (m[2][2] - 1), far = m[3][2] / (m[2][2] + 1);
-    const float middle = 0.5f * (near + far);
-    const GlProgram& program = bind(slicer_, glsl::kDistance, view, instances);
-    program.set("slice_clip_to_world", clipToWorld(view));
+    const glm::mat4& to_clip = view.camera.eye_to_clip;
+    const float middle = 0.5f * (DistanceSlice::nearOf(to_clip) + DistanceSlice::farOf(to_clip));
+    const DistanceSlice slice(view.camera.world_to_eye, to_clip, middle);
+    const GlProgram& program = bind(slicer_, kDistanceSlice, view, instances);
+    program.set("slice_clip_to_world", slice.clip_to_world);
     program.set("slice_viewport", glm::vec2(view.camera.viewport));
-    program.set("slice_at", (middle - near) / (far - near));
-    program.set("slice_contour", middle / m[1][1] / 16);  // of the picture's height there, a 32nd
+    program.set("slice_at", slice.at);
+    program.set("slice_contour", slice.contour);
     program.drawRectangle(kEverything);
   }
 

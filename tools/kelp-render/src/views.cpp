@@ -60,7 +60,7 @@ ViewStyle styleOf(ViewKind kind, const Camera& camera) {
       style.surface = kLevel;
       break;
     case ViewKind::kDistance:
-      break;  // not of surfaces: glsl/distance.frag
+      break;  // not of surfaces: kDistanceSlice
   }
   return style;
 }

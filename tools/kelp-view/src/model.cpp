@@ -46,7 +46,9 @@ Result<std::unique_ptr<Model>> Model::rerigged(const PackRig& rig) const {
 }
 
 Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const Source& source) {
-  auto asset = runtime::Asset::open(source);
+  runtime::Options options;
+  options.distance_level = 0;  // for slices
+  auto asset = runtime::Asset::open(source, options);
   if (!asset) return asset.error();
   model->asset_ = *std::move(asset);
   Result<runtime::Pose> pose = runtime::Pose::create(*model->asset_);

@@ -20,6 +20,7 @@ class OrbitCamera {
 
   glm::mat4 worldToEye() const;
   glm::mat4 eyeToClip() const;
+  float toTarget() const { return distance_; }  // from the eye, world
 
   // Pixels are counted from the top left corner, as windows count them.
   std::optional<glm::vec2> project(const glm::vec3& world) const;  // nullopt: behind the eye

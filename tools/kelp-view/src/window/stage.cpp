@@ -38,6 +38,7 @@ std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };
   config.surface_glsl = glslOf(surface);
+  config.distances = surface == Surface::kDistances;
   auto made = gl::Renderer::create(config);
   if (!made) return describe(made.error());
   if (const auto added = (*made)->add(model.asset()); !added) return describe(added.error());
@@ -48,7 +49,7 @@ std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl
 }  // namespace
 
 const char* toString(Surface surface) {
-  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps"};
+  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps", "distances"};
   return kNames[static_cast<int>(surface)];
 }
 
@@ -89,9 +90,16 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
   view.camera.eye_to_clip = camera.eyeToClip();
   view.camera.viewport = viewport;
   view.quality.pixels_per_voxel = pixels_per_voxel;
+  const runtime::Instance instance = model_->instance();
+  if (surface_ == Surface::kDistances) {
+    if (!model_->asset().loadsDistances())
+      return "the pack holds no distances; bake it again without --no-distance";
+    stats_ = *sent;
+    complete_ = all_read && sent->pending == 0;
+    return slice_.draw(*renderer_, view, instance, camera.toTarget());
+  }
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
-  const runtime::Instance instance = model_->instance();
   const auto drawn = renderer_->draw(view, {&instance, 1});
   const auto fog = renderer_->draw(view, {&instance, 1}, gl::Pass::kFog);
   glDisable(GL_FRAMEBUFFER_SRGB);  // the panel's colours are encoded already

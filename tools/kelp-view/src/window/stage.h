@@ -9,11 +9,13 @@
 #include "kelp/gl/renderer.h"
 #include "model.h"
 #include "orbit_camera.h"
+#include "window/slice.h"
 
 namespace kelp::view {
 
 // What the colours mean. All except kShaded are surface functions of kelp-view (gl::Config::surface_glsl).
-enum class Surface { kShaded, kNormals, kLevels, kSteps, kCount };
+// kDistances: not of surfaces, but on a slice through the middle of the view.
+enum class Surface { kShaded, kNormals, kLevels, kSteps, kDistances, kCount };
 const char* toString(Surface surface);
 
 class Stage {
@@ -34,6 +36,7 @@ class Stage {
  private:
   std::unique_ptr<Model> model_;
   std::unique_ptr<gl::Renderer> renderer_;  // destroyed before the model that it draws
+  Slice slice_;
   Surface surface_ = Surface::kShaded;
   gl::Stats stats_;
   bool complete_ = false;
