@@ -142,7 +142,7 @@ TEST_P(DistanceShadingTest, PartsOfAnInstanceShadeEachOther) {
   for (std::size_t i = 0; i < whole.size(); ++i) {
     for (std::size_t c = 0; c < 2; ++c) different += std::abs(whole[i][c] - parts[i][c]) > 26;
   }
-  EXPECT_LT(different, 200);  // of 12,288: the same light, but for the seam
+  EXPECT_LT(different, 200);  // of 12,288, where wall and floor meet
   // The wall shades where it is not seen itself: a narrow view of the floor beside it.
   gl::View narrow = orthographic({96, 64}, {-0.1f, 5, 0.001f}, {-0.1f, 0, 0}, 0.1f, 0.1f, 10);
   narrow.light = view.light;

@@ -43,7 +43,6 @@ std::uint32_t tableWords(const Part& part, int distances) {
 constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = runtime::kMaxPageBricks * kCodeWords;
 
 LevelContent contentOf(const runtime::DistanceLevel& level) {
-  static_assert(alignof(std::max_align_t) >= alignof(std::uint32_t));
   return {level.cells,
           {},
           {reinterpret_cast<const std::uint32_t*>(level.codes.data()),  // NOLINT: aligned, as allocations are
