@@ -9,8 +9,8 @@ namespace underwater {
 
 namespace {
 
-// A plant gives way as a whole: how much more its stem counts for that than the leaf that is touched. Leaves
-// on two sides of a fish would push it to and fro.
+// How much more the way out from the stem counts than the way out from the nearest leaf. With leaves on both
+// sides of a fish, the leaves alone would push it to and fro.
 constexpr float kIn = 4;
 
 // The middle line of a plant, at the height of a point; the point itself above and below the plant.
