@@ -32,6 +32,8 @@ const char* toString(ErrorCode code) {
       return "out of memory";
     case ErrorCode::kNotMonotone:
       return "spline not monotone";
+    case ErrorCode::kFolds:
+      return "the part folds";
     case ErrorCode::kGraphics:
       return "graphics error";
   }

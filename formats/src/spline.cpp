@@ -167,8 +167,7 @@ bool isMonotone(const Segment& segment) {
   return fall <= 1e-5 * rise;
 }
 
-Result<void> checkKnots(std::span<const Knot> knots) {
-  if (areFine(knots)) return {};
+Result<void> checkPlaces(std::span<const Knot> knots) {
   if (knots.size() < 2) return atKnot(ErrorCode::kMisuse, "a rig needs at least 2 knots", 0);
   if (knots.size() > static_cast<std::size_t>(kMaxKnots))
     return atKnot(ErrorCode::kMisuse, "a rig has at most 64 knots", 0);
@@ -182,6 +181,12 @@ Result<void> checkKnots(std::span<const Knot> knots) {
   if (knots.front().at != 0.0f) return atKnot(ErrorCode::kMisuse, "the first knot is not at 0", 0);
   if (knots.back().at != 1.0f)
     return atKnot(ErrorCode::kMisuse, "the last knot is not at 1", knots.size() - 1);
+  return {};
+}
+
+Result<void> checkKnots(std::span<const Knot> knots) {
+  if (areFine(knots)) return {};
+  if (const Result<void> placed = checkPlaces(knots); !placed) return placed;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const Segment segment = makeSegment(knots[i], knots[i + 1], 1.0f);
     if (!staysFinite(makeSegment(knots[i], knots[i + 1], static_cast<float>(layout::kMaxSide))))

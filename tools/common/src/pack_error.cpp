@@ -14,6 +14,7 @@ Exit exitOf(ErrorCode code) {
     case ErrorCode::kCorrupt:
     case ErrorCode::kLimit:
     case ErrorCode::kNotMonotone:
+    case ErrorCode::kFolds:
       return Exit::kInvalid;
     case ErrorCode::kUnsupportedVersion:
     case ErrorCode::kUnsupportedFeature:
@@ -39,6 +40,7 @@ const char* remedyOf(ErrorCode code) {
       return "the file was damaged after it was made: copy or bake it again";
     case ErrorCode::kCorrupt:
     case ErrorCode::kNotMonotone:
+    case ErrorCode::kFolds:
       return "the tool that made the file broke the format's rules: bake it again with kelp-bake";
     case ErrorCode::kLimit:
       return "a pack this large is not opened: bake it with a lower resolution";

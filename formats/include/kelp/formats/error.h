@@ -24,6 +24,7 @@ enum class ErrorCode : std::uint16_t {
   kOutOfMemory,         // an allocation failed
   // A spline turns back along its axis. Section 3.1 of the paper needs monotone splines.
   kNotMonotone,
+  kFolds,     // a swept part bends too sharply for its thickness (kelp/formats/sweep.h)
   kGraphics,  // OpenGL failed: a missing function, a shader that does not compile, a texture too large
   kNotYet,    // the source has not got the bytes yet: nothing is wrong, call again later
 };

@@ -62,6 +62,8 @@ struct Part {
   // there, as a socket does. kNotOnSpline: it follows the parent's motion alone.
   static constexpr float kNotOnSpline = -1;
   float parent_at = kNotOnSpline;
+  Bend bend = Bend::kShear;  // kSweep: for solid parts only
+  float roll = 0;            // of a swept part: radians, its turn about the spline at the first knot
   const Fog* fog = nullptr;  // set if kind is kFog, else null
 };
 

@@ -18,6 +18,12 @@ namespace kelp {
 // A part has 2 to kMaxKnots knots. Their `at` ascends strictly from 0 to 1.
 inline constexpr int kMaxKnots = 64;
 
+// How a part follows its spline (formats/SPEC.md, "Bending").
+enum class Bend : std::uint8_t {
+  kShear = 0,  // sections stay level: the paper's map; the spline must rise
+  kSweep = 1,  // sections stay perpendicular to the spline (kelp/formats/sweep.h); it may turn back and curl
+};
+
 // In units of the part's height.
 struct Knot {
   float at = 0;           // place along the axis, 0 to 1; animation does not change it
@@ -51,9 +57,12 @@ glm::vec3 derivative(const Segment& segment, float t);  // dS/dt
 // of the paper needs this.
 bool isMonotone(const Segment& segment);
 
-// Checks that there are 2 to kMaxKnots knots, `at` ascends strictly from 0 to 1, every number is finite, and
-// every segment is monotone. Else kMisuse, or kNotMonotone if a segment is not; `offset` is the index of the
-// knot. Safe for any numbers.
+// Checks that there are 2 to kMaxKnots knots, `at` ascends strictly from 0 to 1, and every number is finite.
+// Else kMisuse; `offset` is the index of the knot. Safe for any numbers.
+Result<void> checkPlaces(std::span<const Knot> knots);
+// For sheared parts. Checks that there are 2 to kMaxKnots knots, `at` ascends strictly from 0 to 1, every
+// number is finite, and every segment is monotone. Else kMisuse, or kNotMonotone if a segment is not;
+// `offset` is the index of the knot. Safe for any numbers.
 Result<void> checkKnots(std::span<const Knot> knots);
 
 // A box that contains the spline of a part of `height` voxels, in voxels: the exact range of every segment,
