@@ -24,14 +24,6 @@ struct KelpPixelRay {
   vec4 clip_slope;  // their change per s
 };
 
-// Narrows s so that value + s * slope >= 0: a clip plane. Exact, because clip coordinates are linear along
-// the ray.
-vec2 kelpClip(vec2 s, float value, float slope) {
-  if (slope > 0.0) return vec2(max(s.x, -value / slope), s.y);
-  if (slope < 0.0) return vec2(s.x, min(s.y, -value / slope));
-  return value < 0.0 ? vec2(1.0, 0.0) : s;
-}
-
 // Loads the part's record.
 KelpPixelRay kelpPixelRay(ivec2 pixel) {
   KelpPixelRay p;

@@ -49,7 +49,7 @@ struct KelpHit {
   bool found;
   float s;      // along the ray
   float t;      // spline parameter within the segment
-  int segment;  // its number
+  int segment;  // its number; of a swept part, that of the arc
   int coarser;  // levels between the traced one and the voxel's
   ivec3 voxel;  // of the level that many above
   uint brick;   // that holds the voxel
@@ -58,6 +58,7 @@ struct KelpHit {
   int steps;    // fetching steps taken
   int outside;  // steps taken beside the volume, without a fetch
   int fetches;
+  int clips;  // slices of a swept part that were clipped
 #ifdef KELP_DISTANCES
   float room;  // the least that was empty to each side of the ray, less kelp_cone, voxels of the level
 #endif
@@ -65,6 +66,28 @@ struct KelpHit {
 #ifdef KELP_DISTANCES
 float kelp_cone = 0.0;  // how fast a cone around the ray widens
 #endif
+
+// Nothing found, up to s_max.
+KELP_FN KelpHit kelpNoHit(float s_max) {
+  KelpHit hit;
+  hit.found = false;
+  hit.s = s_max;
+  hit.t = 0.0f;
+  hit.segment = 0;
+  hit.coarser = 0;
+  hit.voxel = ivec3(0);
+  hit.brick = 0u;
+  hit.code = 0u;
+  hit.rest = vec3(0.0f);
+  hit.steps = 0;
+  hit.outside = 0;
+  hit.fetches = 0;
+  hit.clips = 0;
+#ifdef KELP_DISTANCES
+  hit.room = KELP_NEVER;
+#endif
+  return hit;
+}
 
 // `before` with what was found at b: a voxel of the level `coarser` levels above the traced one.
 KELP_FN KelpHit kelpFound(KelpHit before, KelpCurve c, float b, int coarser, ivec3 voxel, uint brick,
@@ -300,24 +323,9 @@ KELP_FN KelpWalk kelpWalkOn(KELP_CONTEXT_ KelpWalk before, vec3 r, KelpCurve c) 
   return walk;
 }
 
-// The first solid voxel along o + s r, s in [s_min, s_max]; o and r as in kelpEnter.
-KELP_FN KelpHit kelpTrace(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
-  KelpHit hit;
-  hit.found = false;
-  hit.s = s_max;
-  hit.t = 0.0f;
-  hit.segment = 0;
-  hit.coarser = 0;
-  hit.voxel = ivec3(0);
-  hit.brick = 0u;
-  hit.code = 0u;
-  hit.rest = vec3(0.0f);
-  hit.steps = 0;
-  hit.outside = 0;
-  hit.fetches = 0;
-#ifdef KELP_DISTANCES
-  hit.room = KELP_NEVER;
-#endif
+// The first solid voxel of a sheared part along o + s r, s in [s_min, s_max]; o and r as in kelpEnter.
+KELP_FN KelpHit kelpTraceSheared(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpHit hit = kelpNoHit(s_max);
   KelpWalk walk = kelpEnter(KELP_CONTEXT o, r, s_min, s_max);
   if (!walk.going) return hit;
   // What kelpWalkOn does, in local variables.

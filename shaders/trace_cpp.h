@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tracing core (spline.glsl, curve.glsl, trace.glsl) compiled as C++ with GLM: CPU queries and tests run
-// the text that the GPU runs. Include it from .cpp files only; it is not installed.
+// The tracing core (spline.glsl, curve.glsl, trace.glsl, arc.glsl, sweep.glsl) compiled as C++ with GLM: CPU
+// queries and tests run the text that the GPU runs. Include it from .cpp files only; it is not installed.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,12 @@ struct Context;
 #define KELP_CONTEXT kelp_context,
 #define KELP_SEGMENTS kelp_context.segment_count
 #define KELP_SEGMENT(i) kelp::trace::segmentOf(kelp_context, i)
+#define KELP_SWEPT (kelp_context.arc_count > 0)
+#define KELP_ARCS kelp_context.arc_count
+#define KELP_ARC_BALL(i) kelp::trace::arcBallOf(kelp_context, i)
+#define KELP_ARC(i) kelp::trace::arcOf(kelp_context, i)
+#define KELP_JOINT_PLANE(i) kelp::trace::jointOf(kelp_context, i).plane
+#define KELP_JOINT(i) kelp::trace::jointOf(kelp_context, i)
 #define KELP_BOUNDS_MIN kelp_context.bounds_min
 #define KELP_BOUNDS_MAX kelp_context.bounds_max
 #define KELP_SIZE kelp_context.size
@@ -31,8 +37,13 @@ struct Context;
 #define KELP_CODE(k, brick, v) kelp::trace::codeAt(kelp_context, k, brick, v)
 
 struct KelpSegment;
+struct KelpArc;
+struct KelpJoint;
 struct Level;
 KelpSegment segmentOf(const Context& context, int i);
+vec4 arcBallOf(const Context& context, int i);
+const KelpArc& arcOf(const Context& context, int i);
+const KelpJoint& jointOf(const Context& context, int i);
 uint cellAt(const Level& level, ivec3 brick);
 uint brickOf(const Context& context, int above, uint cell);
 uint brickAbove(const Context& context, int above, ivec3 brick);
@@ -51,6 +62,9 @@ struct Level {
 struct Context {
   const KelpSegment* segments = nullptr;
   int segment_count = 0;
+  const KelpArc* arcs = nullptr;  // of a swept part, which needs no segments
+  const KelpJoint* joints = nullptr;
+  int arc_count = 0;
   vec3 bounds_min{0.0f};
   vec3 bounds_max{0.0f};
   vec3 size{0.0f};
@@ -66,8 +80,17 @@ struct Context {
 #include "curve.glsl"
 // After both.
 #include "trace.glsl"
+// After the three.
+#include "arc.glsl"
+// After all of them.
+#include "sweep.glsl"
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
+inline vec4 arcBallOf(const Context& context, int i) {
+  return vec4(context.arcs[i].middle, context.arcs[i].radius);
+}
+inline const KelpArc& arcOf(const Context& context, int i) { return context.arcs[i]; }
+inline const KelpJoint& jointOf(const Context& context, int i) { return context.joints[i]; }
 inline uint cellAt(const Level& level, ivec3 v) {
   return level.cells[static_cast<std::size_t>(v.x) +
                      static_cast<std::size_t>(level.grid.x) *
@@ -95,6 +118,12 @@ inline uint codeAt(const Context& context, int above, uint brick, ivec3 v) {
 #undef KELP_CONTEXT
 #undef KELP_SEGMENTS
 #undef KELP_SEGMENT
+#undef KELP_SWEPT
+#undef KELP_ARCS
+#undef KELP_ARC_BALL
+#undef KELP_ARC
+#undef KELP_JOINT_PLANE
+#undef KELP_JOINT
 #undef KELP_BOUNDS_MIN
 #undef KELP_BOUNDS_MAX
 #undef KELP_SIZE

@@ -152,7 +152,10 @@ class ChainMaker {
     const double m0 = dot(span.m0, span.m0), m1 = dot(span.m1, span.m1);
     if (!(m0 > 0) || !(m1 > 0)) return "the tangent of this knot or the next is zero";
     if (span.p0 == span.p1) return "this knot and the next are on one point";
-    const int pieces = std::min(piecesOf(span, span.m1 / std::sqrt(m1), tolerance), most);
+    const dvec3 end_along = span.m1 / std::sqrt(m1), miss = endAlong(at_, Reach(at_, span.p1)) - end_along;
+    // One arc, as of a straight spline.
+    if (dot(miss, miss) < 1e-18 && piecesOf(span, end_along, tolerance) == 1) return addArc(span.p1);
+    const int pieces = std::min(piecesOf(span, end_along, tolerance), most);
     dvec3 p0 = span.p0, t0 = at_.along;
     for (int i = 1; i <= pieces; ++i) {
       const double t = static_cast<double>(i) / pieces;
@@ -320,13 +323,13 @@ Result<void> makeArcs(std::span<const Knot> knots, const glm::ivec3& size, float
   return ChainMaker(size, chain).make(knots, roll, tolerance);
 }
 
-Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size) {
+Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size, float roll) {
   ArcChain chain;
-  return makeArcs(knots, size, 0, kArcTolerance, chain);
+  return makeArcs(knots, size, roll, kArcTolerance, chain);
 }
 
-Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size) {
-  return bend == Bend::kSweep ? checkSweep(knots, size) : checkKnots(knots);
+Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size, float roll) {
+  return bend == Bend::kSweep ? checkSweep(knots, size, roll) : checkKnots(knots);
 }
 
 glm::mat4x3 sectionAt(const ArcChain& chain, float y) {

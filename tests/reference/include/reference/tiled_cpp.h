@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// trace.glsl compiled as C++ over a TrialVolume, whose bricks may repeat. Include from .cpp files only.
+// The tracing core compiled as C++ over a TrialVolume, whose bricks may repeat. Include from .cpp files only.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,23 @@ namespace kelp::reference::tiled {
 using namespace glm;
 
 struct KelpSegment;
+struct KelpArc;
+struct KelpJoint;
 
 struct Context {
   const TrialVolume& volume;
   const KelpSegment* segments;
   int segment_count;
   vec3 bounds_min, bounds_max;
+  const KelpArc* arcs = nullptr;  // of a swept part
+  const KelpJoint* joints = nullptr;
+  int arc_count = 0;
 };
 
 KelpSegment segmentOf(const Context& context, int i);
+vec4 arcBallOf(const Context& context, int i);
+const KelpArc& arcOf(const Context& context, int i);
+const KelpJoint& jointOf(const Context& context, int i);
 
 inline uint fetchCell(const Context& context, ivec3 brick) {
   const TrialVolume& v = context.volume;
@@ -41,6 +49,12 @@ inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
 #define KELP_CONTEXT kelp_context,
 #define KELP_SEGMENTS kelp_context.segment_count
 #define KELP_SEGMENT(i) segmentOf(kelp_context, i)
+#define KELP_SWEPT (kelp_context.arc_count > 0)
+#define KELP_ARCS kelp_context.arc_count
+#define KELP_ARC_BALL(i) arcBallOf(kelp_context, i)
+#define KELP_ARC(i) arcOf(kelp_context, i)
+#define KELP_JOINT_PLANE(i) jointOf(kelp_context, i).plane
+#define KELP_JOINT(i) jointOf(kelp_context, i)
 #define KELP_BOUNDS_MIN kelp_context.bounds_min
 #define KELP_BOUNDS_MAX kelp_context.bounds_max
 #define KELP_SIZE vec3(kelp_context.volume.size)
@@ -58,12 +72,22 @@ inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
 #include "curve.glsl"
 // After both.
 #include "trace.glsl"
+// After the three.
+#include "arc.glsl"
+// After all of them.
+#include "sweep.glsl"
 
 #undef KELP_FN
 #undef KELP_CONTEXT_
 #undef KELP_CONTEXT
 #undef KELP_SEGMENTS
 #undef KELP_SEGMENT
+#undef KELP_SWEPT
+#undef KELP_ARCS
+#undef KELP_ARC_BALL
+#undef KELP_ARC
+#undef KELP_JOINT_PLANE
+#undef KELP_JOINT
 #undef KELP_BOUNDS_MIN
 #undef KELP_BOUNDS_MAX
 #undef KELP_SIZE
@@ -77,5 +101,10 @@ inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
 #undef KELP_CODE
 
 inline KelpSegment segmentOf(const Context& context, int i) { return context.segments[i]; }
+inline vec4 arcBallOf(const Context& context, int i) {
+  return vec4(context.arcs[i].middle, context.arcs[i].radius);
+}
+inline const KelpArc& arcOf(const Context& context, int i) { return context.arcs[i]; }
+inline const KelpJoint& jointOf(const Context& context, int i) { return context.joints[i]; }
 
 }  // namespace kelp::reference::tiled
