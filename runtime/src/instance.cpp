@@ -66,20 +66,31 @@ float bentHeight(const Part& part, std::span<const Knot> knots, float rest_y) {
 
 // The frame of a rest point (part space) of a part that `to_space` takes to some space: orthonormal and
 // right-handed. y points along the spline.
-glm::mat4 frameIn(const Part& part, std::span<const Knot> knots, const glm::mat4& to_space,
-                  const glm::vec3& rest) {
-  const SplinePoint at =
-      splineAtHeight(knots, static_cast<float>(part.size.y), bentHeight(part, knots, rest.y));
-  glm::vec3 along = derivative(at.segment, glm::clamp(at.t, 1e-4f, 1.0f - 1e-4f));
-  if (!(glm::dot(along, along) > 0)) along = glm::vec3(0, 1, 0);
+glm::mat4 frameIn(const PosedPart& posed, const glm::mat4& to_space, const glm::vec3& rest) {
+  glm::vec3 along(0, 1, 0), x(1, 0, 0), z(0, 0, 1), at = rest;
+  if (ArcChain chain; posed.isSwept() && posed.arcs(chain)) {
+    const glm::mat4x3 section = sectionAt(chain, rest.y);
+    along = section[1];
+    x = section[0];
+    z = section[2];
+    at = sweepPoint(chain, posed.part->size, rest);
+  } else if (!posed.isSwept()) {
+    const SplinePoint on = splineAtHeight(posed.knots, static_cast<float>(posed.part->size.y),
+                                          bentHeight(*posed.part, posed.knots, rest.y));
+    const glm::vec3 slope = derivative(on.segment, glm::clamp(on.t, 1e-4f, 1.0f - 1e-4f));
+    if (glm::dot(slope, slope) > 0) along = slope;
+    at = bend(posed, rest);
+  }
   const glm::mat3 turn(to_space);
   const glm::vec3 y = glm::normalize(turn * along);
-  glm::vec3 x = turn[0] - glm::dot(turn[0], y) * y;
+  const glm::vec3 wide = turn * x;
+  glm::vec3 across = wide - glm::dot(wide, y) * y;
   // The spline runs along x here.
-  if (!(glm::dot(x, x) > 1e-12f * glm::dot(turn[0], turn[0]))) x = turn[2] - glm::dot(turn[2], y) * y;
-  x = glm::normalize(x);
-  return glm::mat4(glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(glm::cross(x, y), 0),
-                   to_space * glm::vec4(bend(part, knots, rest), 1.0f));
+  if (!(glm::dot(across, across) > 1e-12f * glm::dot(wide, wide)))
+    across = turn * z - glm::dot(turn * z, y) * y;
+  across = glm::normalize(across);
+  return glm::mat4(glm::vec4(across, 0), glm::vec4(y, 0), glm::vec4(glm::cross(across, y), 0),
+                   to_space * glm::vec4(at, 1.0f));
 }
 
 // The rest point at a place of the axis, `offset` heights from the middle line; part space.
@@ -88,21 +99,38 @@ glm::vec3 onAxis(const Part& part, float at, const glm::vec2& offset) {
   return {0.5f * size.x + offset.x * size.y, at * size.y, 0.5f * size.z + offset.y * size.y};
 }
 
-// How something that hangs on the parent's spline at `at` moves when the parent bends; object space.
-glm::mat4 hanging(const Part& parent, std::span<const Knot> knots, float at) {
-  const glm::mat4 to_object = affine(parent.to_object);
-  const glm::vec3 place = onAxis(parent, at, glm::vec2(0));
-  const glm::mat4 rest = frameIn(parent, parent.knots, to_object, place);
-  return frameIn(parent, knots, to_object, place) * glm::affineInverse(rest);
+// How something that hangs on a parent's spline at `at` moves when the parent bends; object space.
+glm::mat4 hanging(const PosedPart& parent, float at) {
+  const glm::mat4 to_object = affine(parent.part->to_object);
+  const glm::vec3 place = onAxis(*parent.part, at, glm::vec2(0));
+  const glm::mat4 rest = frameIn({parent.part, parent.part->knots, parent.part->roll}, to_object, place);
+  return frameIn(parent, to_object, place) * glm::affineInverse(rest);
 }
 
 }  // namespace
 
-glm::vec3 bend(const Part& part, std::span<const Knot> knots, const glm::vec3& rest) {
-  const float y = bentHeight(part, knots, rest.y);
-  const SplinePoint at = splineAtHeight(knots, static_cast<float>(part.size.y), y);
+glm::vec3 bend(const PosedPart& posed, const glm::vec3& rest) {
+  const Part& part = *posed.part;
+  if (posed.isSwept()) {
+    ArcChain chain;
+    return posed.arcs(chain) ? sweepPoint(chain, part.size, rest) : rest;
+  }
+  const float y = bentHeight(part, posed.knots, rest.y);
+  const SplinePoint at = splineAtHeight(posed.knots, static_cast<float>(part.size.y), y);
   const glm::vec3 s = evaluate(at.segment, at.t);
   return {rest.x + s.x, y, rest.z + s.z};
+}
+
+PosedPart posedPart(const Instance& instance, int part) {
+  const Part& of = partOf(instance, part);
+  const Motion* motion = instance.pose ? instance.pose->motion(part) : nullptr;
+  return {&of, knotsOf(instance, part), of.roll + (motion ? motion->roll : 0.0f)};
+}
+
+Box boundsOf(const PosedPart& posed) {
+  if (!posed.isSwept()) return simd::boundKnots(posed.knots, posed.part->size);
+  ArcChain chain;
+  return posed.arcs(chain) ? chain.bounds : Box{};
 }
 
 std::span<const Knot> knotsOf(const Instance& instance, int part) {
@@ -122,10 +150,7 @@ glm::mat4 partToWorld(const Instance& instance, int part) {
   for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
     const Part& moved = parts[static_cast<std::size_t>(i)];
     if (!isRest(*instance.pose->motion(i))) matrix = motionMatrix(moved, *instance.pose->motion(i)) * matrix;
-    if (hangsOnSpline(moved))
-      matrix = hanging(parts[static_cast<std::size_t>(moved.parent)], instance.pose->knots(moved.parent),
-                       moved.parent_at) *
-               matrix;
+    if (hangsOnSpline(moved)) matrix = hanging(posedPart(instance, moved.parent), moved.parent_at) * matrix;
   }
   return instance.to_world * matrix;
 }
@@ -135,10 +160,9 @@ Box bounds(const Instance& instance) {
   if (!instance.asset) return all;
   const std::span<const Part> parts = instance.asset->pack().parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const std::span<const Knot> knots = knotsOf(instance, static_cast<int>(i));
-    if (knots.size() < 2) continue;
-    const Box box =
-        transformed(partToWorld(instance, static_cast<int>(i)), simd::boundKnots(knots, parts[i].size));
+    const PosedPart posed = posedPart(instance, static_cast<int>(i));
+    if (posed.knots.size() < 2) continue;
+    const Box box = transformed(partToWorld(instance, static_cast<int>(i)), boundsOf(posed));
     all.add(box.min);
     all.add(box.max);
   }
@@ -147,16 +171,22 @@ Box bounds(const Instance& instance) {
 
 glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPosed(instance, part)) return glm::vec3(0);
-  const glm::vec3 bent =
-      bend(partOf(instance, part), knotsOf(instance, part), toVoxels(instance, part, rest));
+  const glm::vec3 bent = bend(posedPart(instance, part), toVoxels(instance, part, rest));
   return glm::vec3(partToWorld(instance, part) * glm::vec4(bent, 1.0f));
 }
 
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world) {
   if (!isPosed(instance, part)) return std::nullopt;
-  const std::span<const Knot> knots = knotsOf(instance, part);
-  if (!checkKnots(knots)) return std::nullopt;
+  const PosedPart posed = posedPart(instance, part);
   const glm::vec3 p = glm::vec3(glm::inverse(partToWorld(instance, part)) * glm::vec4(world, 1.0f));
+  if (posed.isSwept()) {
+    ArcChain chain;
+    glm::vec3 rest;
+    if (!posed.arcs(chain) || !unsweepPoint(chain, posed.part->size, p, rest)) return std::nullopt;
+    return toObject(instance, part, rest);
+  }
+  const std::span<const Knot> knots = posed.knots;
+  if (!checkKnots(knots)) return std::nullopt;
   const float height = static_cast<float>(partOf(instance, part).size.y);
   const float low = height * knots.front().position.y;
   const float high = height * knots.back().position.y;
@@ -168,8 +198,7 @@ std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::v
 
 glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest) {
   if (!isPosed(instance, part)) return glm::mat4(1);
-  return frameIn(partOf(instance, part), knotsOf(instance, part), partToWorld(instance, part),
-                 toVoxels(instance, part, rest));
+  return frameIn(posedPart(instance, part), partToWorld(instance, part), toVoxels(instance, part, rest));
 }
 
 Result<int> findSocket(const Asset& asset, std::string_view name, int part) {
@@ -187,8 +216,8 @@ glm::mat4 socketToWorld(const Instance& instance, int socket) {
   const Socket& on = instance.asset->pack().sockets()[index];
   const int part = static_cast<int>(on.part);
   if (!isPosed(instance, part)) return glm::mat4(1);
-  const Part& of = partOf(instance, part);
-  return frameIn(of, knotsOf(instance, part), partToWorld(instance, part), onAxis(of, on.at, on.offset)) *
+  return frameIn(posedPart(instance, part), partToWorld(instance, part),
+                 onAxis(partOf(instance, part), on.at, on.offset)) *
          glm::mat4_cast(on.rotation);
 }
 

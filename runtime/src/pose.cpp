@@ -6,11 +6,13 @@
 #include <cstring>
 #include <utility>
 
+#include "kelp/formats/sweep.h"
 #include "pose_writer.h"
 
 namespace kelp::runtime {
 
-static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4, "a pose lays its arrays side by side");
+static_assert(alignof(Motion) <= 4 && alignof(Knot) <= 4 && alignof(glm::ivec3) <= 4,
+              "a pose lays its arrays side by side");
 
 namespace {
 constexpr Error kNoKnot{ErrorCode::kMisuse, "there is no such part, or no such knot in it"};
@@ -24,7 +26,7 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
   pose.memory_ = Buffer<std::byte>(allocator);
   if (!pose.memory_.reset(2 * (parts.size() * sizeof(Motion) + total * sizeof(Knot)) +
                           (parts.size() + 1) * sizeof(std::uint32_t) +
-                          parts.size() * sizeof(std::uint64_t))) {
+                          parts.size() * (sizeof(std::uint64_t) + sizeof(Shape)))) {
     return Error{ErrorCode::kOutOfMemory, "no memory for a pose"};
   }
   pose.parts_ = static_cast<std::uint32_t>(parts.size());
@@ -37,6 +39,7 @@ Result<Pose> Pose::create(const Asset& asset, const Allocator& allocator) {
     for (const Knot& knot : parts[i].knots) pose.restKnots()[n++] = knot;
     std::memcpy(pose.automaticTangents(static_cast<int>(i)), &parts[i].automatic_tangents,
                 sizeof parts[i].automatic_tangents);
+    pose.shapes()[i] = {parts[i].size, parts[i].bend, parts[i].roll};
   }
   pose.firstKnots()[parts.size()] = n;
   pose.reset();
@@ -135,14 +138,20 @@ Result<void> Pose::blend(const Pose& to, float weight, std::span<const float> pa
     const Motion& other = *to.motion(part);
     motion.translation = glm::mix(motion.translation, other.translation, w);
     motion.scale = glm::mix(motion.scale, other.scale, w);
+    motion.roll = glm::mix(motion.roll, other.roll, w);
     motion.rotation = glm::normalize(glm::slerp(motion.rotation, other.rotation, w));
   }
   return {};
 }
 
+Result<void> Pose::checkPart(int part) const {
+  const Shape& shape = const_cast<Pose*>(this)->shapes()[part];
+  return checkRig(shape.bend, knots(part), shape.size, shape.roll + motion(part)->roll);
+}
+
 Result<void> Pose::check() const {
   for (int part = 0; part < parts(); ++part) {
-    const Result<void> sound = checkKnots(knots(part));
+    const Result<void> sound = checkPart(part);
     if (!sound)
       return Error{sound.error().code, sound.error().detail, static_cast<std::uint64_t>(part),
                    Error::Unit::kPart};
@@ -150,36 +159,72 @@ Result<void> Pose::check() const {
   return {};
 }
 
-void Pose::clampMonotone() {
+void Pose::clamp() {
   for (int part = 0; part < parts(); ++part) {
-    const std::span<Knot> k = writableKnots(part);
-    if (k.empty() || checkKnots(k)) continue;
-    // Each knot rises by at least a thousandth of its share of the height at rest.
-    const Knot* const rest = restKnots() + (k.data() - knotData());
-    const float height = rest[k.size() - 1].position.y - rest[0].position.y;
-    for (std::size_t i = 1; i < k.size(); ++i) {
-      const float least = k[i - 1].position.y + 1e-3f * height * (k[i].at - k[i - 1].at);
-      k[i].position.y = std::max(k[i].position.y, least);
+    if (knots(part).empty() || checkPart(part)) continue;
+    if (shapes()[part].bend == Bend::kSweep) {
+      clampSweep(part);
+    } else {
+      clampShear(part);
     }
-    // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 +
-    // m1^2 <= 9 d^2.
-    for (Knot& knot : k) knot.tangent.y = std::max(knot.tangent.y, 0.0f);
-    // Shrinking a tangent can make the neighbour segment not monotone if it was outside the circle. A
-    // segment inside the circle stays there. So each pass puts at least one more segment inside, or is the
-    // last.
-    bool mended = true;
-    while (mended) {
-      mended = false;
-      for (std::size_t i = 0; i + 1 < k.size(); ++i) {
-        const float share = k[i + 1].at - k[i].at;
-        const float rise = (k[i + 1].position.y - k[i].position.y) / share;
-        const float length =
-            std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
-        if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1], 1.0f))) continue;
-        k[i].tangent.y *= 2.999f * rise / length;
-        k[i + 1].tangent.y *= 2.999f * rise / length;
-        mended = true;
-      }
+  }
+}
+
+// Halves the way to the pose at rest, which is sound, as often as it helps.
+void Pose::clampSweep(int part) {
+  const std::span<Knot> now = writableKnots(part);
+  const Knot* const rest = restKnots() + (now.data() - knotData());
+  Motion& motion = motionData()[part];
+  Knot wanted[kMaxKnots];
+  std::copy(now.begin(), now.end(), wanted);
+  const float wanted_roll = motion.roll;
+  const auto moveTo = [&](float share) {
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      now[i].position = glm::mix(rest[i].position, wanted[i].position, share);
+      now[i].tangent = glm::mix(rest[i].tangent, wanted[i].tangent, share);
+    }
+    motion.roll = share * wanted_roll;
+  };
+  float sound = 0;
+  for (float step = 0.5f; step >= 1.0f / 4096; step *= 0.5f) {
+    moveTo(sound + step);
+    if (checkPart(part)) sound += step;
+  }
+  if (sound > 0) {
+    moveTo(sound);
+  } else {  // what was wanted may be no numbers
+    std::copy_n(rest, now.size(), now.begin());
+    motion.roll = 0;
+  }
+}
+
+void Pose::clampShear(int part) {
+  const std::span<Knot> k = writableKnots(part);
+  // Each knot rises by at least a thousandth of its share of the height at rest.
+  const Knot* const rest = restKnots() + (k.data() - knotData());
+  const float height = rest[k.size() - 1].position.y - rest[0].position.y;
+  for (std::size_t i = 1; i < k.size(); ++i) {
+    const float least = k[i - 1].position.y + 1e-3f * height * (k[i].at - k[i - 1].at);
+    k[i].position.y = std::max(k[i].position.y, least);
+  }
+  // Fritsch and Carlson 1980: a Hermite cubic of rise d with end slopes m0, m1 >= 0 is monotone if m0^2 +
+  // m1^2 <= 9 d^2.
+  for (Knot& knot : k) knot.tangent.y = std::max(knot.tangent.y, 0.0f);
+  // Shrinking a tangent can make the neighbour segment not monotone if it was outside the circle. A
+  // segment inside the circle stays there. So each pass puts at least one more segment inside, or is the
+  // last.
+  bool mended = true;
+  while (mended) {
+    mended = false;
+    for (std::size_t i = 0; i + 1 < k.size(); ++i) {
+      const float share = k[i + 1].at - k[i].at;
+      const float rise = (k[i + 1].position.y - k[i].position.y) / share;
+      const float length =
+          std::sqrt(k[i].tangent.y * k[i].tangent.y + k[i + 1].tangent.y * k[i + 1].tangent.y);
+      if (!(length > 3.0f * rise) || isMonotone(makeSegment(k[i], k[i + 1], 1.0f))) continue;
+      k[i].tangent.y *= 2.999f * rise / length;
+      k[i + 1].tangent.y *= 2.999f * rise / length;
+      mended = true;
     }
   }
 }

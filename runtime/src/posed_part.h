@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "kelp/formats/sweep.h"
 #include "kelp/runtime/instance.h"
 #include "trace_cpp.h"
 
@@ -18,13 +19,36 @@ inline trace::KelpSegment asTrace(const Segment& segment) {
   return {segment.p0, segment.m0, segment.p1, segment.m1};
 }
 
+inline trace::KelpArc asTrace(const Arc& a) {
+  return {a.middle, a.along, a.inward, a.bend, a.curvature, a.y, a.rise, a.radius};
+}
+inline trace::KelpJoint asTrace(const ArcJoint& j) { return {j.plane, j.curvature, j.rise, j.y}; }
+
 // For these the part must exist, and the pose must have knots for it.
 // The knots of a part as the instance poses it.
 std::span<const Knot> knotsOf(const Instance& instance, int part);
 // Part space at rest -> object space at rest.
 glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels);
-// Part space at rest -> part space, deformed. `knots`: at least 2.
-glm::vec3 bend(const Part& part, std::span<const Knot> knots, const glm::vec3& rest);
+
+// A part with the knots of some pose.
+struct PosedPart {
+  const Part* part = nullptr;
+  std::span<const Knot> knots;  // at least 2, but for parts that a pose does not have
+  float roll = 0;               // of a swept part, radians
+
+  bool isSwept() const { return part->bend == Bend::kSweep; }
+  // Whether the part is drawn with these knots: checkRig().
+  Result<void> check() const { return checkRig(part->bend, knots, part->size, roll); }
+  // The arcs of a swept part. False: it cannot be drawn.
+  bool arcs(ArcChain& chain) const {
+    return static_cast<bool>(makeArcs(knots, part->size, roll, kArcTolerance, chain));
+  }
+};
+PosedPart posedPart(const Instance& instance, int part);
+// A box that contains the deformed part, part space. Empty for a swept part that cannot be drawn.
+Box boundsOf(const PosedPart& posed);
+// Part space at rest -> part space, deformed. Of a swept part that cannot be drawn: as at rest.
+glm::vec3 bend(const PosedPart& posed, const glm::vec3& rest);
 // Whether the part hangs on its parent's spline.
 inline bool hangsOnSpline(const Part& part) { return part.parent_at != Part::kNotOnSpline; }
 

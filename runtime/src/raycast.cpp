@@ -124,28 +124,76 @@ std::optional<PartRay> rayInPart(const Instance& instance, int part, const Box& 
   return in;
 }
 
+// How a part bends, as trace.glsl reads it. Without initial values: it is large, and on the stack.
+struct BentPart {
+  const Part* part;
+  Box bounds;
+  int segment_count, arc_count;  // one of them is 0
+  float stretch;                 // of a sheared part
+  trace::KelpSegment segments[kMaxKnots];
+  trace::KelpArc arcs[kMaxArcs];
+  trace::KelpJoint joints[kMaxArcs + 1];
+
+  // False: the part is not drawn.
+  bool make(const PosedPart& posed) {
+    part = posed.part;
+    segment_count = arc_count = 0;
+    return posed.isSwept() ? sweep(posed) : shear(posed.knots);
+  }
+  void describe(trace::Context& context) const {
+    context.segments = segments;
+    context.segment_count = segment_count;
+    context.arcs = arcs;
+    context.joints = joints;
+    context.arc_count = arc_count;
+  }
+  // The normal of a hit in part space, up to length; n: at rest.
+  glm::vec3 normal(const trace::KelpHit& hit, const glm::vec3& n) const {
+    if (arc_count == 0) return trace::kelpDeformNormal(segments[hit.segment], hit.t, stretch, n);
+    const glm::vec3 middle = 0.5f * glm::vec3(part->size);
+    return trace::kelpSweepNormal(arcs[hit.segment], joints[hit.segment], joints[hit.segment + 1],
+                                  hit.rest.x - middle.x, hit.rest.y, hit.rest.z - middle.z, n);
+  }
+
+ private:
+  bool shear(std::span<const Knot> knots) {
+    if (!checkKnots(knots)) return false;
+    bounds = simd::boundKnots(knots, part->size);
+    stretch = 1.0f / (knots.back().position.y - knots.front().position.y);
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k)
+      segments[k] = asTrace(makeSegment(knots[k], knots[k + 1], static_cast<float>(part->size.y)));
+    segment_count = static_cast<int>(knots.size()) - 1;
+    return true;
+  }
+  bool sweep(const PosedPart& posed) {
+    ArcChain chain;
+    if (!posed.arcs(chain)) return false;
+    bounds = chain.bounds;
+    for (int i = 0; i < chain.count; ++i) arcs[i] = asTrace(chain.arcs[i]);
+    for (int i = 0; i <= chain.count; ++i) joints[i] = asTrace(chain.joints[i]);
+    arc_count = chain.count;
+    return true;
+  }
+};
+
 // The nearest hit with one part, up to t_max.
 std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, int index, const Ray& ray,
                             float t_max, int wanted_level) {
   const Part& part = instance.asset->pack().parts()[static_cast<std::size_t>(index)];
   if (part.kind != PartKind::kSolid) return std::nullopt;
-  const std::span<const Knot> knots = knotsOf(instance, index);
+  const PosedPart posed = posedPart(instance, index);
   LevelBricks bricks[kMaxLevels];
   trace::Level levels[kMaxLevels];
   const int level_count = listLevels(*instance.asset, reader, index, wanted_level, bricks, levels);
-  if (level_count == 0 || !checkKnots(knots)) return std::nullopt;
+  if (level_count == 0) return std::nullopt;
+  BentPart bent;
+  if (!bent.make(posed)) return std::nullopt;
   const LevelState& level = *bricks[0].level;
-  const std::optional<PartRay> in =
-      rayInPart(instance, index, simd::boundKnots(knots, part.size), ray, t_max);
+  const std::optional<PartRay> in = rayInPart(instance, index, bent.bounds, ray, t_max);
   if (!in) return std::nullopt;
 
-  const auto height = static_cast<float>(part.size.y);
-  trace::KelpSegment segments[kMaxKnots];
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k)
-    segments[k] = asTrace(makeSegment(knots[k], knots[k + 1], height));
   trace::Context context;
-  context.segments = segments;
-  context.segment_count = static_cast<int>(knots.size()) - 1;
+  bent.describe(context);
   context.bounds_min = in->bounds.min;
   context.bounds_max = in->bounds.max;
   context.size = glm::vec3(part.size);
@@ -171,11 +219,9 @@ std::optional<Hit> castPart(const Instance& instance, const PageReader& reader, 
   hit.rest = toObject(instance, index, found.rest);
   glm::dvec3 normal = -glm::normalize(glm::dvec3(ray.direction));
   if (const auto attribute = bricks[found.coarser].attributeAt(found.voxel)) {
-    const float stretch = 1.0f / (knots.back().position.y - knots.front().position.y);
-    const glm::vec3 bent = trace::kelpDeformNormal(segments[found.segment], found.t, stretch,
-                                                   decodeNormal(attributeNormal(*attribute)));
-    if (glm::dot(bent, bent) > 0)
-      normal = glm::normalize(glm::transpose(glm::dmat3(in->to_part)) * glm::dvec3(bent));
+    const glm::vec3 turned = bent.normal(found, decodeNormal(attributeNormal(*attribute)));
+    if (glm::dot(turned, turned) > 0)
+      normal = glm::normalize(glm::transpose(glm::dmat3(in->to_part)) * glm::dvec3(turned));
     hit.material = attributePalette(*attribute);
   } else {
     hit.material = innerMaterial(bricks[found.coarser], found.voxel);

@@ -276,7 +276,7 @@ Result<void> Spring::addTo(Pose& pose) const {
   if (!fits(pose)) return foreign();
   for (int part = 0; part < parts(); ++part)
     addTo(bodies_[static_cast<std::size_t>(part)], PoseWriter::knots(pose, part));
-  pose.clampMonotone();
+  pose.clamp();
   return {};
 }
 
@@ -311,7 +311,12 @@ void Spring::pushAway(const Body& body, const Part& part, std::span<const Knot> 
     addTo(body, knots);
     if (round == 0) {
       // Most parts are far away: compare bounding spheres first.
-      const Box box = simd::boundKnots(knots, part.size);
+      Box box = simd::boundKnots(knots, part.size);
+      if (part.bend == Bend::kSweep) {  // its sections turn
+        const float reach = 0.5f * static_cast<float>(part.size.x + part.size.z);
+        box.add(box.min - reach);
+        box.add(box.max + reach);
+      }
       const glm::vec3 middle(to_world * glm::vec4(0.5f * (box.min + box.max), 1));
       if (!(glm::distance(middle, center) <= radius + 0.5f * scale * glm::distance(box.min, box.max))) return;
     }

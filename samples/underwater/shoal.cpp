@@ -136,7 +136,7 @@ void Shoal::update(double seconds, float passed, Solids& solids) {
     (void)fish.pose.setKnots(0, knots);
     const double strokes = kStroke / fish.scale * seconds + fish.phase;
     if (fish.clip >= 0) (void)addClip(*fish.asset, fish.clip, strokes, 0.8f, fish.pose);
-    fish.pose.clampMonotone();
+    fish.pose.clamp();
     for (int k = 0; k < kBalls && fish.dodge.tight(); ++k) {
       const float behind = (static_cast<float>(k) + 0.5f) / kBalls * length;
       balls_.push_back({lane.at(head - behind), thick});

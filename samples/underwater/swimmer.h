@@ -25,7 +25,7 @@ glm::mat4 swimFrame(const Anatomy& anatomy, const Lane& lane, float head, float 
 
 // Puts the knots onto the lane: each as far behind the head as it belongs to, with the lane's direction for a
 // tangent. `to_world` is swimFrame's. Splines bend this way up to where the body turns by a right angle;
-// Pose::clampMonotone sees to the rest.
+// Pose::clamp sees to the rest.
 void layOnLane(const Anatomy& anatomy, const glm::mat4& to_world, const Lane& lane, float head, float scale,
                std::span<kelp::Knot> knots);
 

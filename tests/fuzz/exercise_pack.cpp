@@ -70,7 +70,7 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
   const double moment = kMoments[choice % 8];
   for (int clip = 0; clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
     if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose))
-      pose->clampMonotone();
+      pose->clamp();
   }
   if (choice / 16 % 4 == 0 && !pose->blend(*rest, 0.5f)) std::abort();
   if (choice / 64 % 4 == 0) {
@@ -85,7 +85,7 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
         for (int i = 0; i < 3; ++i)
           if (!std::isfinite(swing.offset[i]) || !std::isfinite(swing.velocity[i])) std::abort();
     }
-    if (spring && spring->addTo(*pose)) pose->clampMonotone();
+    if (spring && spring->addTo(*pose)) pose->clamp();
   }
   instance.pose = &*pose;
   const float scale = kScales[choice / 256 % 4];

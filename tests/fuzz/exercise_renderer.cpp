@@ -59,7 +59,7 @@ void bend(float share, runtime::Pose& pose) {
     for (Knot& knot : knots) knot.position.x += share * knot.at;
     (void)pose.setKnots(part, knots);
   }
-  pose.clampMonotone();
+  pose.clamp();
 }
 
 // A camera that sees the instance from a multiple of its own size away.

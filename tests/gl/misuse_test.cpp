@@ -102,7 +102,7 @@ TEST_P(MisuseTest, ANonMonotonePoseIsDrawnOnlyOnceItIsClamped) {
   EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
   expectLeftOut(*renderer, canvas, view, turning);
 
-  pose.clampMonotone();
+  pose.clamp();
   ASSERT_TRUE(pose.check());
   const auto drawn = renderer->draw(view, {&turning, 1});
   ASSERT_TRUE(drawn);

@@ -113,8 +113,8 @@ TEST(Blend, BetweenMonotonePosesIsMonotone) {
     b.reset();
     shake(a, random);
     shake(b, random);
-    a.clampMonotone();
-    b.clampMonotone();
+    a.clamp();
+    b.clamp();
     ASSERT_TRUE(a.blend(b, unit(random)));
     ASSERT_TRUE(a.check()) << n;
   }

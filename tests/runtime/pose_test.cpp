@@ -113,7 +113,7 @@ TEST(Pose, CheckRefusesAndClampMends) {
     const bool sound = static_cast<bool>(pose.check());
     refused += !sound;
     const Knot before = pose.knots(0)[1];
-    pose.clampMonotone();
+    pose.clamp();
     ASSERT_TRUE(pose.check()) << i;
     EXPECT_EQ(pose.knots(0)[1].position.x, before.position.x);
     if (sound) {
@@ -136,7 +136,7 @@ TEST(Pose, ClampMendsManyKnots) {
       knot.position.y += 0.1f * d(random);
       knot.tangent.y = d(random);
     }
-    pose.clampMonotone();
+    pose.clamp();
     ASSERT_TRUE(pose.check()) << i;
   }
 }
@@ -163,7 +163,7 @@ TEST(Pose, NumbersThatAreNoneAreRefused) {
           EXPECT_EQ(pose.check().error().code, ErrorCode::kMisuse);
           EXPECT_FALSE(raycast(instance, down));
           EXPECT_FALSE(toRest(instance, 0, {0, 0.5f, 0}));
-          pose.clampMonotone();  // ends, whatever it was given
+          pose.clamp();  // ends, whatever it was given
         }
       }
     }
@@ -183,7 +183,7 @@ TEST(Pose, ATurningPoseNamesItsPart) {
   ASSERT_FALSE(pose.check());
   EXPECT_EQ(pose.check().error().code, ErrorCode::kNotMonotone);
   EXPECT_EQ(pose.check().error().offset, 1u);
-  pose.clampMonotone();
+  pose.clamp();
   EXPECT_TRUE(pose.check());
 }
 

@@ -134,7 +134,7 @@ void Model::pose(double seconds) {
       (void)pose_->setTangent(part, static_cast<int>(k), knot(k).tangent + edits[k].tangent);
     }
   }
-  pose_->clampMonotone();
+  pose_->clamp();
 }
 
 void Model::moveKnot(int part, int knot, const glm::vec3& position) {

@@ -20,6 +20,8 @@ struct Motion {
   glm::vec3 translation{0};
   glm::quat rotation{1, 0, 0, 0};
   glm::vec3 scale{1};
+  float roll =
+      0;  // radians: the turn of a swept part about its spline at the first knot, added to Part::roll
 };
 
 // Whether the motion is the identity.
@@ -65,16 +67,18 @@ class Pose {
   [[nodiscard]] bool assign(const Pose& other);
   // Moves the pose towards `to`: weight 0 changes nothing, weight 1 makes it `to`. Knots, translations and
   // scales are interpolated linearly, rotations spherically by the shorter way. Between two monotone poses
-  // the result is monotone. part_weights: one factor of the weight for each part, as a mask; empty: all 1.
-  // kMisuse, with nothing changed, if the poses differ in parts or knots, or a weight is not within [0, 1].
+  // the result is monotone; between swept ones it may fold. part_weights: one factor of the weight for each
+  // part, as a mask; empty: all 1. kMisuse, with nothing changed, if the poses differ in parts or knots, or a
+  // weight is not within [0, 1].
   Result<void> blend(const Pose& to, float weight, std::span<const float> part_weights = {});
-  // Checks the knots of every part (checkKnots). kNotMonotone if a spline turns back along its axis; kMisuse
-  // for other broken rules; `offset` is the index of the part. An instance with such a pose is not drawn, and
-  // no ray hits it.
+  // Checks the knots of every part (checkRig). kNotMonotone if the spline of a sheared part turns back along
+  // its axis; kFolds if a swept part bends too sharply for its thickness; kMisuse for other broken rules;
+  // `offset` is the index of the part. An instance with such a pose is not drawn, and no ray hits it.
   Result<void> check() const;
-  // Changes the y of tangents and knots, and nothing else, until every spline is monotone. Monotone splines
-  // stay as they are.
-  void clampMonotone();
+  // Changes knots until every part passes check(); those that do stay as they are. Of a sheared part, only
+  // the y of tangents and knots. A swept part moves towards its pose at rest, as little as needed (to
+  // 1/4096).
+  void clamp();
 
  private:
   friend struct PoseWriter;
@@ -87,7 +91,7 @@ class Pose {
   }
   // One block of memory, because each frame reads thousands of poses: the index of the first knot of each
   // part and the end of the last one's, then motions and knots now, then motions and knots at rest, then
-  // 64 bits a part: which tangents are automatic.
+  // 64 bits a part: which tangents are automatic; then how each part bends.
   std::size_t firstKnotBytes() const { return (parts_ + 1) * sizeof(std::uint32_t); }
   std::size_t stateBytes() const { return parts_ * sizeof(Motion) + knots_ * sizeof(Knot); }
   std::uint32_t* firstKnots() { return reinterpret_cast<std::uint32_t*>(memory_.data()); }
@@ -98,6 +102,17 @@ class Pose {
   std::byte* restState() { return state() + stateBytes(); }
   Motion* restMotions() { return reinterpret_cast<Motion*>(restState()); }
   Knot* restKnots() { return reinterpret_cast<Knot*>(restMotions() + parts_); }
+  struct Shape {  // of a part
+    glm::ivec3 size;
+    Bend bend;
+    float roll;  // at rest
+  };
+  Shape* shapes() {
+    return reinterpret_cast<Shape*>(restState() + stateBytes() + sizeof(std::uint64_t) * parts_);
+  }
+  Result<void> checkPart(int part) const;
+  void clampShear(int part);
+  void clampSweep(int part);
   std::byte* automaticTangents(int part) {
     return restState() + stateBytes() + sizeof(std::uint64_t) * static_cast<std::size_t>(part);
   }

@@ -74,8 +74,8 @@ class Spring {
 
   // Adds the offsets to the knots' positions, and the slopes of the curve through the offsets to their
   // tangents. The slope is 0 at a fixed root, and free ends have no curvature, so a rig of two knots bends
-  // exactly like a beam that is loaded at its end. Then calls pose.clampMonotone(), which changes nothing if
-  // a monotone pose was pushed sideways.
+  // exactly like a beam that is loaded at its end. Then calls pose.clamp(), which changes nothing if
+  // a sheared part was pushed sideways.
   Result<void> addTo(Pose& pose) const;
 
  private:
