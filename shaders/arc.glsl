@@ -10,13 +10,13 @@
 
 struct KelpArc {
   vec3 middle;
-  vec3 along;
-  vec3 inward;
-  vec2 bend;
-  float curvature;
-  float y;
-  float rise;
   float radius;
+  vec3 along;
+  float curvature;
+  vec3 inward;
+  float y;
+  vec2 bend;
+  float rise;
 };
 struct KelpJoint {
   vec4 plane;
@@ -74,6 +74,19 @@ KELP_FN vec3 kelpSweepNormal(KelpArc g, KelpJoint from, KelpJoint to, float x, f
   vec3 inward = sc.y * g.inward - sine * g.along;
   return inward * (g.bend.x * n.x + g.bend.y * n.z) +
          cross(g.inward, g.along) * (g.bend.x * n.z - g.bend.y * n.x) + along * (n.y * rise / room);
+}
+
+// The direction at rest, up to length, of a direction r in part space at the place (x, y, z) as above.
+KELP_FN vec3 kelpSweepRestDirection(KelpArc g, float x, float y, float z, vec3 r) {
+  float angle = g.curvature * (y - g.y) / g.rise;
+  vec2 sc = kelpSineCosine(angle * angle);
+  float sine = angle * sc.x;
+  float along = dot(r, sc.y * g.along + sine * g.inward);
+  float inward = dot(r, sc.y * g.inward - sine * g.along);
+  float across = dot(r, cross(g.inward, g.along));
+  float room = max(1.0f - g.curvature * (g.bend.x * x + g.bend.y * z), 0.01f);
+  return vec3(g.bend.x * inward - g.bend.y * across, g.rise * along / room,
+              g.bend.y * inward + g.bend.x * across);
 }
 
 // Narrows s to where value + s * slope >= 0.

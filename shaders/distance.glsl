@@ -19,15 +19,14 @@ void kelpLoadDistances() {
   kelp_distance_size = uintBitsToFloat(volume.xyz);
 }
 
-// A point of part space at rest: held in the box, and how far beside it. How far the spline leans for each
-// voxel of height there.
+// A point of part space at rest: held in the box, and how far beside it. axes: where steps along x, y and z
+// at rest lead in part space there.
 struct KelpRest {
   vec3 at;
-  vec3 beside;
-  vec2 lean;
-  float stretch;
+  float beside;
+  mat3 axes;
 };
-KelpRest kelpRestOf(vec3 p) {
+KelpRest kelpRestOfSheared(vec3 p) {
   KelpSegment g = KELP_SEGMENT(0);
   float base = g.p0.y;
   float top = kelpP1(kelp_record + KELP_RECORD, kelp_segment_count - 1).y;
@@ -36,14 +35,54 @@ KelpRest kelpRestOf(vec3 p) {
   float t = kelpSplineParameter(g, y - g.p0.y, g.p1.y - y);
   vec3 shift = kelpSplineAt(g, t);
   vec3 slope = kelpSplineSlope(g, t);
+  float stretch = kelp_distance_size.y / (top - base);
+  vec3 at = vec3(p.x - shift.x, stretch * (y - base), p.z - shift.z);
   KelpRest rest;
-  rest.stretch = kelp_distance_size.y / (top - base);
-  vec3 at = vec3(p.x - shift.x, rest.stretch * (y - base), p.z - shift.z);
   rest.at = clamp(at, vec3(0.0), kelp_distance_size);
-  rest.beside = vec3(at.x - rest.at.x, p.y - y, at.z - rest.at.z);
-  rest.lean = slope.xz / max(slope.y, 1e-3);
+  rest.beside = length(vec3(at.x - rest.at.x, p.y - y, at.z - rest.at.z));
+  vec2 lean = slope.xz / max(slope.y, 1e-3);
+  rest.axes = mat3(vec3(1.0, 0.0, 0.0), vec3(lean.x, 1.0, lean.y) / stretch, vec3(0.0, 0.0, 1.0));
   return rest;
 }
+// By the slice that the point is in, or beside which it is least.
+KelpRest kelpRestOfSwept(vec3 p) {
+  vec3 middle = 0.5 * kelp_distance_size;
+  KelpRest rest;
+  rest.beside = kKelpFar;
+  for (int i = 0; i < kelp_arc_count; ++i) {
+    vec4 ball = KELP_ARC_BALL(i);
+    if (distance(p, ball.xyz) - ball.w >= rest.beside) continue;
+    vec4 from = KELP_JOINT_PLANE(i);
+    vec4 to = KELP_JOINT_PLANE(i + 1);
+    float below = max(-dot(from.xyz, p) - from.w, 0.0);
+    float above = max(dot(to.xyz, p) + to.w, 0.0);
+    KelpArc g = KELP_ARC(i);
+    vec3 across = cross(g.inward, g.along);
+    vec3 e = p + below * from.xyz - above * to.xyz - g.middle;
+    float inward = dot(e, g.inward);
+    float along = dot(e, g.along);
+    float v = dot(e, across);
+    float to_axis = 1.0 - g.curvature * inward;
+    float turn = g.curvature * along;
+    float room = max(length(vec2(to_axis, turn)), 1e-3);
+    float u = (2.0 * inward - g.curvature * (inward * inward + along * along)) / (1.0 + room);
+    float tangent = along / max(to_axis, 1e-3);
+    float y =
+        g.y + g.rise * tangent * kelpArcTangent(min(g.curvature * g.curvature * tangent * tangent, 0.36));
+    y = clamp(y, KELP_JOINT(i).y, KELP_JOINT(i + 1).y);
+    vec3 at = vec3(middle.x + g.bend.x * u - g.bend.y * v, y, middle.z + g.bend.y * u + g.bend.x * v);
+    vec3 held = clamp(at, vec3(0.0), kelp_distance_size);
+    float beside = length(vec3(at.xz - held.xz, below + above));
+    if (beside >= rest.beside) continue;
+    rest.at = held;
+    rest.beside = beside;
+    vec3 n = (to_axis * g.inward - turn * g.along) / room;
+    rest.axes = mat3(g.bend.x * n - g.bend.y * across, (to_axis * g.along + turn * g.inward) / g.rise,
+                     g.bend.y * n + g.bend.x * across);
+  }
+  return rest;
+}
+KelpRest kelpRestOf(vec3 p) { return KELP_SWEPT ? kelpRestOfSwept(p) : kelpRestOfSheared(p); }
 // One level of distances.
 struct KelpDistances {
   uint cells;
@@ -99,15 +138,14 @@ float kelpNearby(vec3 p, vec3 normal, KelpDistances d) {
   vec3 at = rest.at / d.side;
   ivec3 voxel = min(ivec3(at), d.last);
   float distance = kelpDistanceAt(d, voxel);
-  vec3 n = vec3(normal.x, (normal.y + dot(normal.xz, rest.lean)) / rest.stretch, normal.z);  // at rest
+  vec3 n = normal * rest.axes;  // at rest
   float scale = length(n);
   if (scale > 0.0) {
     if (distance < d.far) distance += dot(n, at - vec3(voxel) - 0.5) / scale;
     distance *= scale;
   }
   distance *= d.side;
-  float beside = length(rest.beside);
-  return beside > 0.0 ? length(vec2(beside, max(distance, 0.0))) : distance;
+  return rest.beside > 0.0 ? length(vec2(rest.beside, max(distance, 0.0))) : distance;
 }
 
 // The signed distance at a point at rest, linear between the centres of voxels, and its gradient (xyz). Of
@@ -150,10 +188,7 @@ float kelpPartDistance(vec3 p) {
   float steepness = length(at.xyz);
   if (steepness > 0.1) {
     // The gradient in part space: the inverse transpose of the map's derivative.
-    vec3 n = at.xyz / steepness;
-    n.y = rest.stretch * n.y - dot(n.xz, rest.lean);
-    at.w /= length(n);
+    at.w *= steepness / length(at.xyz * inverse(rest.axes));
   }
-  float beside = length(rest.beside);
-  return beside > 0.0 ? length(vec2(beside, max(at.w, 0.0))) : at.w;
+  return rest.beside > 0.0 ? length(vec2(rest.beside, max(at.w, 0.0))) : at.w;
 }

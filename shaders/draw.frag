@@ -7,6 +7,17 @@ uniform bool kelp_depth_only;  // one program for both passes, so that their dep
 
 // Where a point of the undeformed part was in clip space in the frame before.
 vec4 kelpPreviousClip(vec3 rest) {
+  if (KELP_SWEPT) {
+    int rows = kelpJointsAt() + 2 * (kelp_arc_count + 1);
+    int count = int(kelpRecordBits(rows + 4).x);
+    int arcs = rows + 5;
+    int joints = arcs + 4 * count;
+    int i = 0;
+    while (i + 1 < count && rest.y > kelpRecord(joints + 2 * i + 3).w) ++i;
+    vec3 at =
+        kelpSweepPoint(kelpArcOf(arcs, i), rest.x - 0.5 * kelp_size.x, rest.y, rest.z - 0.5 * kelp_size.z);
+    return kelpRows(rows, kelpRecord(rows + 3)) * vec4(at, 1.0);
+  }
   int rows = kelp_record + KELP_RECORD + 3 * kelp_segment_count;
   int spline = rows + 4;
   float low = kelpP0(spline, 0).y;
@@ -38,6 +49,6 @@ void main() {
 
   vec4 clip = p.clip_at + hit.s * p.clip_slope;
   gl_FragDepth = kelpDepthOf(clip);
-  kelp_color = kelp_depth_only ? vec4(0.0)
-                               : kelpOutput(kelpShade(hit, kelp_near + hit.s * p.ray, p.ray, clip));
+  kelp_color =
+      kelp_depth_only ? vec4(0.0) : kelpOutput(kelpShade(hit, kelp_near + hit.s * p.ray, p.ray, clip));
 }

@@ -20,7 +20,8 @@ uniform usampler2DArray kelp_pool;
 //   4..6   rows: part space -> world
 //   7      the eye in part space (w = 1), or the direction of view (w = 0, orthographic)
 //   8      tint
-//   9      lowest corner of the deformed bounds | number of spline segments
+//   9      lowest corner of the deformed bounds | number of spline segments; of a swept part, of arcs, and
+//          bit 31 is set
 //   10     highest corner of the deformed bounds | where the part's levels are in the pool
 //   11     size of the undeformed volume, level-0 voxels | level (bits 0..7), 64ths of the pixels that draw
 //          the next coarser level (8..15), number of the part's levels (16..23), of distances (24..31)
@@ -28,8 +29,10 @@ uniform usampler2DArray kelp_pool;
 //          | index of the instance | part | outline of the bounds
 //          (draw.vert): six corners of three bits, x y z, set for the high side; 0: the eye is in or close to
 //          the bounds
-//   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment)
-//   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before
+//   13..   3 texels for each segment: p0, m0, p1, m1 in a row (spline.glsl, KelpSegment); of a swept part, 4
+//          for each arc and 2 for each joint, one joint more than arcs, as in kelp/formats/sweep.h
+//   then, with kelp_motion: 4 texels as 0..3 and the segments, of the frame before; of a swept part, a texel
+//          with the number of arcs, the arcs and the joints
 //   then, where distances shade: the record of the instance's next part; all parts of an instance are a ring
 #define KELP_RECORD 13
 uniform usampler2D kelp_records;
@@ -46,6 +49,7 @@ vec4 kelpRecord(int texel) { return uintBitsToFloat(kelpRecordBits(texel)); }
 // The record that this invocation works on. kelpLoadRecord sets these.
 int kelp_record;
 int kelp_segment_count;
+int kelp_arc_count;  // of a swept part, which has no segments
 vec3 kelp_bounds_min;
 vec3 kelp_bounds_max;
 
@@ -59,7 +63,9 @@ void kelpLoadRecord(int texel) {
   kelp_record = texel;
   uvec4 low = kelpRecordBits(texel + 9);
   kelp_bounds_min = uintBitsToFloat(low.xyz);
-  kelp_segment_count = int(low.w);
+  bool swept = low.w >= 0x80000000u;
+  kelp_segment_count = swept ? 0 : int(low.w);
+  kelp_arc_count = swept ? int(low.w & 0x7fffffffu) : 0;
   kelp_bounds_max = kelpRecord(texel + 10).xyz;
 }
 
@@ -150,11 +156,33 @@ vec3 kelpP1(int at, int i) { return vec3(kelpRecord(at + 3 * i + 1).zw, kelpReco
 vec3 kelpM1(int at, int i) { return kelpRecord(at + 3 * i + 2).yzw; }
 #define KELP_SEGMENT_AT(at, i) KelpSegment(kelpP0(at, i), kelpM0(at, i), kelpP1(at, i), kelpM1(at, i))
 
+// Where the record's arcs and its joints are.
+int kelpArcsAt() { return kelp_record + KELP_RECORD; }
+int kelpJointsAt() { return kelp_record + KELP_RECORD + 4 * kelp_arc_count; }
+// Texels of so many arcs and their joints.
+int kelpArcTexels(int arcs) { return 6 * arcs + 2; }
+// What follows the spline, and with kelp_motion that of the frame before.
+int kelpRecordEnd() {
+  int texels = kelp_arc_count > 0 ? kelpArcTexels(kelp_arc_count) : 3 * kelp_segment_count;
+  int end = kelp_record + KELP_RECORD + texels;
+  if (!kelp_motion) return end;
+  if (kelp_arc_count == 0) return end + 4 + texels;
+  return end + 5 + kelpArcTexels(int(kelpRecordBits(end + 4).x));
+}
+
 #define KELP_FN
 #define KELP_CONTEXT_
 #define KELP_CONTEXT
 #define KELP_SEGMENTS kelp_segment_count
 #define KELP_SEGMENT(i) KELP_SEGMENT_AT(kelp_record + KELP_RECORD, i)
+#ifndef KELP_SWEPT
+#define KELP_SWEPT (kelp_arc_count > 0)
+#endif
+#define KELP_ARCS kelp_arc_count
+#define KELP_ARC_BALL(i) kelpRecord(kelpArcsAt() + 4 * (i))
+#define KELP_ARC(i) kelpArcOf(kelpArcsAt(), i)
+#define KELP_JOINT_PLANE(i) kelpRecord(kelpJointsAt() + 2 * (i))
+#define KELP_JOINT(i) kelpJointOf(kelpJointsAt(), i)
 #define KELP_BOUNDS_MIN kelp_bounds_min
 #define KELP_BOUNDS_MAX kelp_bounds_max
 #define KELP_SIZE kelp_size

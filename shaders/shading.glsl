@@ -65,12 +65,27 @@ uint kelpInnerMaterial(ivec3 voxel) {
   return material;
 }
 
+// Height of the sheared part over that of its spline.
+float kelpStretch() { return kelp_size.y / (KELP_SEGMENT(KELP_SEGMENTS - 1).p1.y - KELP_SEGMENT(0).p0.y); }
+
 // The direction of the ray's image in the undeformed volume at the hit, up to length: the inverse of the
-// map's derivative, times S.y' >= 0.
-vec3 kelpRestDirection(KelpSegment g, float t, float stretch, vec3 ray) {
-  vec3 slope = kelpSplineSlope(g, clamp(t, 1e-4, 1.0 - 1e-4));
-  return normalize(
-      vec3(ray.x * slope.y - ray.y * slope.x, stretch * ray.y * slope.y, ray.z * slope.y - ray.y * slope.z));
+// map's derivative; of a shear times S.y' >= 0.
+vec3 kelpRestDirection(KelpHit hit, vec3 ray) {
+  vec3 middle = 0.5 * kelp_size;
+  if (KELP_SWEPT)
+    return normalize(kelpSweepRestDirection(KELP_ARC(hit.segment), hit.rest.x - middle.x, hit.rest.y,
+                                            hit.rest.z - middle.z, ray));
+  vec3 slope = kelpSplineSlope(KELP_SEGMENT(hit.segment), clamp(hit.t, 1e-4, 1.0 - 1e-4));
+  return normalize(vec3(ray.x * slope.y - ray.y * slope.x, kelpStretch() * ray.y * slope.y,
+                        ray.z * slope.y - ray.y * slope.z));
+}
+// The normal in part space, up to length, of a surface at the hit whose normal is n at rest.
+vec3 kelpBentNormal(KelpHit hit, vec3 n) {
+  vec3 middle = 0.5 * kelp_size;
+  if (KELP_SWEPT)
+    return kelpSweepNormal(KELP_ARC(hit.segment), KELP_JOINT(hit.segment), KELP_JOINT(hit.segment + 1),
+                           hit.rest.x - middle.x, hit.rest.y, hit.rest.z - middle.z, n);
+  return kelpDeformNormal(KELP_SEGMENT(hit.segment), hit.t, kelpStretch(), n);
 }
 
 // The outward normal, undeformed, of the face through which the ray entered the voxel's cube: back along
@@ -151,20 +166,15 @@ KelpSurface kelpSurfaceAt(KelpHit hit, vec3 position, vec3 ray) {
   if (kelpIsSurface(hit.code)) {
     uint bits = kelpAttribute(hit.brick, hit.voxel.z & 7, hit.code);
     entry = bits & 255u;
-    KelpSegment top = KELP_SEGMENT(KELP_SEGMENTS - 1);
-    KelpSegment bottom = KELP_SEGMENT(0);
-    KelpSegment g = KELP_SEGMENT(hit.segment);
-    float stretch = kelp_size.y / (top.p1.y - bottom.p0.y);
     vec3 rest_normal;
     if (kelp_shading == KELP_SHADING_SMOOTH) {
-      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(g, hit.t, stretch, ray), material);
+      rest_normal = kelpSmoothNormal(hit, kelpRestDirection(hit, ray), material);
     } else {
-      rest_normal = kelp_shading == KELP_SHADING_FACES
-                        ? kelpEntryFace(hit, kelpRestDirection(g, hit.t, stretch, ray))
-                        : kelpDecodeNormal(bits >> 8u);
+      rest_normal = kelp_shading == KELP_SHADING_FACES ? kelpEntryFace(hit, kelpRestDirection(hit, ray))
+                                                       : kelpDecodeNormal(bits >> 8u);
       material = kelpMaterial(int(entry));
     }
-    vec3 bent = kelpDeformNormal(g, hit.t, stretch, rest_normal);
+    vec3 bent = kelpBentNormal(hit, rest_normal);
     normal = dot(bent, bent) > 0.0 ? bent : normal;
   } else {
     entry = kelpInnerMaterial(hit.voxel);

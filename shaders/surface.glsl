@@ -134,9 +134,7 @@ uniform bool kelp_occlusion;
 // The record of the next part of the same instance; the same one where the view asks for neither of these.
 int kelpNextRecord() {
   if (!kelp_occlusion && kelp_sun_radius == 0.0) return kelp_record;
-  int end = kelp_record + KELP_RECORD + 3 * kelp_segment_count;
-  if (kelp_motion) end += 4 + 3 * kelp_segment_count;
-  return int(kelpRecordBits(end).x);
+  return int(kelpRecordBits(kelpRecordEnd()).x);
 }
 
 // World -> the space of the part of this record.

@@ -235,6 +235,7 @@ class ChainMaker {
     made.inward = glm::vec3(inward);
     made.bend = glm::vec2(c, s);
     made.curvature = static_cast<float>(curvature);
+    made.half_length = static_cast<float>(0.5 * length);
     // The slice is within the hull of its two sections and of the one where its ends' tangents meet.
     const double wider = std::sqrt(1 + tan22), apex = tan2 * arc.chord2 / (2 * (chord + arc.ahead));
     const double half2 = 0.25 * arc.chord2 * (1 + tan4 * tan4);

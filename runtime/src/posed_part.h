@@ -20,7 +20,7 @@ inline trace::KelpSegment asTrace(const Segment& segment) {
 }
 
 inline trace::KelpArc asTrace(const Arc& a) {
-  return {a.middle, a.along, a.inward, a.bend, a.curvature, a.y, a.rise, a.radius};
+  return {a.middle, a.radius, a.along, a.curvature, a.inward, a.y, a.bend, a.rise};
 }
 inline trace::KelpJoint asTrace(const ArcJoint& j) { return {j.plane, j.curvature, j.rise, j.y}; }
 

@@ -181,7 +181,7 @@ SweepTally runSweepTrial(const TrialVolume& volume, const SweepRig& rig, int ray
     joints.push_back({j.plane, j.curvature, j.rise, j.y});
     if (i == chain.count) break;
     const Arc& a = chain.arcs[i];
-    arcs.push_back({a.middle, a.along, a.inward, a.bend, a.curvature, a.y, a.rise, a.radius});
+    arcs.push_back({a.middle, a.radius, a.along, a.curvature, a.inward, a.y, a.bend, a.rise});
   }
   const tiled::Context context{volume,      nullptr,       0,          chain.bounds.min, chain.bounds.max,
                                arcs.data(), joints.data(), chain.count};

@@ -77,11 +77,11 @@ void worldToPart(RecordHead& head) {
   for (int row = 0; row < 4; ++row) head.to_clip[row] = inverse_rows[row];
 }
 
-// Ascends with a number, whatever its sign, below 2^31.
+// Ascends with a number, whatever its sign, below kSweptLast.
 std::uint32_t ascending(float number) {
   std::uint32_t bits;
   std::memcpy(&bits, &number, sizeof bits);
-  return (bits >> 31 ? ~bits : bits | 0x80000000u) >> 1;
+  return (bits >> 31 ? ~bits : bits | 0x80000000u) >> 2;
 }
 
 // How far along the view's direction a part's bounds begin, for orthographic views, where clip w is constant.
@@ -114,20 +114,41 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float he
   return out;
 }
 
-// Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments.
+float rollOf(const Part& part, const runtime::Pose* pose, int index) {
+  return part.roll + (pose ? pose->motion(index)->roll : 0.0f);
+}
+Result<void> makeChain(const Part& part, const runtime::Pose* pose, int index, float tolerance,
+                       ArcChain& chain) {
+  return makeArcs(pose ? pose->knots(index) : part.knots, part.size, rollOf(part, pose, index), tolerance,
+                  chain);
+}
+
+// Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments; of a swept part,
+// the number of its arcs, and these. `scratch`: for arcs.
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, glm::uvec4* out) {
+                        std::uint32_t part, ArcChain& scratch, glm::uvec4* out) {
   const int index = static_cast<int>(part);
   const Part& packed = instance.asset->pack().parts()[part];
+  const bool swept = packed.bend == Bend::kSweep;
   runtime::Instance before = instance;
   // A pose that could not be drawn was not seen in the frame before: then the part stands still.
-  if (instance.previous_pose && checkKnots(instance.previous_pose->knots(index)))
+  if (instance.previous_pose &&
+      (swept ? makeChain(packed, instance.previous_pose, index, kArcTolerance, scratch)
+             : checkKnots(instance.previous_pose->knots(index))))
     before.pose = instance.previous_pose;
+  else if (swept)
+    (void)makeChain(packed, instance.pose, index, kArcTolerance, scratch);
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
       glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
   std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
-  return writeSegments(out + kMotionTexels, before.pose ? before.pose->knots(index) : packed.knots,
+  out += kMotionTexels;
+  if (swept) {
+    *out++ = glm::uvec4(static_cast<std::uint32_t>(scratch.count), 0, 0, 0);
+    writeArcs(out, scratch);
+    return out + arcTexels(static_cast<std::uint32_t>(scratch.count));
+  }
+  return writeSegments(out, before.pose ? before.pose->knots(index) : packed.knots,
                        static_cast<float>(packed.size.y));
 }
 
@@ -138,7 +159,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
   const Frame frame{projection, view, kind, rays, kind == PartKind::kSolid && usesDistances(view.quality)};
   waiting_ = 0;
   ring_ = {};
-  count_ = 0;
+  count_ = sheared_ = 0;
   texels_ = 0;
   rows_ = 0;
   culled_ = 0;
@@ -156,7 +177,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
     if (asset) error = addInstance(frame, *asset, instances[i], static_cast<std::uint32_t>(i));
   }
   if (error && error->code == ErrorCode::kMisuse) {
-    count_ = 0;
+    count_ = sheared_ = 0;
     return Error{error->code, error->detail, i - 1, Error::Unit::kInstance};
   }
   if (!error) error = addBlock(frame);
@@ -165,7 +186,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
     error = writePalettes();
   }
   if (!error) return writeOrder(kind);
-  count_ = 0;
+  count_ = sheared_ = 0;
   return *error;
 }
 
@@ -187,7 +208,10 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     if (knots.size() != parts[part].knots.size()) return &kForeignPose;
     if (parts[part].kind != frame.kind) {
       // An instance is drawn with all its parts, of either kind, or not at all.
-      if (const Result<void> good = instance.pose ? checkKnots(knots) : Result<void>(); !good) {
+      const float roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
+      if (const Result<void> good =
+              instance.pose ? checkRig(parts[part].bend, knots, parts[part].size, roll) : Result<void>();
+          !good) {
         if (const Error* const error = leaveOut(asset, index, good.error().detail)) return error;
       }
       continue;
@@ -205,6 +229,8 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     candidate.part = part;
     candidate.palette = palette;
     candidate.sound = true;
+    candidate.roll = rollOf(parts[part], instance.pose, static_cast<int>(part));
+    candidate.arcs = 0;
     PosedParts& posed = posed_[i / 8];
     const std::size_t k = i % 8;
     posed.knots[k] = knots;
@@ -234,6 +260,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
     posed_[i / 8].repeat(i % 8);  // pad the last group to eight
   const auto countOf = [count](std::size_t eight) { return std::min<std::size_t>(count - 8 * eight, 8); };
   std::size_t segments = 0;
+  arc_texels_ = 0;
   for (std::size_t i = 0; i < eights; ++i) {
     for (const std::span<const Knot>& knots : posed_[i].knots) segments += knots.size() - 1;
     if (const Error* const error = boundEight(i, countOf(i))) return error;
@@ -242,9 +269,11 @@ const Error* DrawList::addBlock(const Frame& frame) {
     if (const Error* const error = place(frame, i, countOf(i))) return error;
   }
   for (std::size_t i = 0; i < eights; ++i) choose(frame, i, countOf(i));
+  // Parts that stood otherwise in the frame before may have had more arcs.
+  const std::size_t before = arc_texels_ > 0 && frame.movesPictures() ? count * (arcTexels(kMaxArcs) + 1) : 0;
   // One texel more, because writeSegments writes one number too many.
-  if (!grow(order_, count_ + count) ||
-      !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels + 1) + 2 * 3 * segments + 1))
+  if (!grow(order_, count_ + count) || !grow(records_, texels_ + count * (kHeadTexels + kMotionTexels + 1) +
+                                                           2 * 3 * segments + arc_texels_ + before + 1))
     return &kNoMemoryForFrame;
   for (std::size_t i = 0; i < eights; ++i) write(frame, i, countOf(i));
   return nullptr;
@@ -294,7 +323,7 @@ void DrawList::choose(const Frame& frame, std::size_t eight, std::size_t count) 
 
 void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   const PosedParts& posed = posed_[eight];
-  const bool motion = frame.rays == Rays::kView && frame.view.camera.previous_world_to_clip;
+  const bool motion = frame.movesPictures();
   RecordHead unused;
   RecordHead* heads[8];
   // Segments first, because each overwrites what follows it.
@@ -306,9 +335,16 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     if (k >= count || !candidate.recorded) continue;
     heads[k] = reinterpret_cast<RecordHead*>(out);
     const auto record = static_cast<std::uint32_t>(out - records_.data());
-    out = writeSegments(out + kHeadTexels, posed.knots[k], posed.extents[k]->y);
+    out += kHeadTexels;
+    if (candidate.arcs > 0) {
+      std::copy_n(&arcs_[candidate.arcs_at], arcTexels(candidate.arcs), out);
+      out += arcTexels(candidate.arcs);
+    } else {
+      out = writeSegments(out, posed.knots[k], posed.extents[k]->y);
+    }
     if (motion)
-      out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part, out);
+      out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part,
+                        chain_, out);
     if (frame.rings) link(candidate, record, static_cast<std::size_t>(out++ - records_.data()));
   }
   if (out == begin) return;
@@ -318,7 +354,8 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
   if (frame.rays == Rays::kView) outlineParts(frame.projection.eye.w == 0, placed_[eight], outlines);
   for (std::size_t k = 0; k < count; ++k) {
     if (heads[k] == &unused) continue;
-    heads[k]->segments = static_cast<std::uint32_t>(posed.knots[k].size() - 1);
+    const std::uint32_t arcs = block_[8 * eight + k].arcs;
+    heads[k]->segments = arcs > 0 ? kSwept | arcs : static_cast<std::uint32_t>(posed.knots[k].size() - 1);
     heads[k]->outline = outlines[k];
     finish(frame, block_[8 * eight + k], placed_[eight].nearest.of[k], *heads[k]);
   }
@@ -343,6 +380,10 @@ void DrawList::finish(const Frame& frame, const Candidate& candidate, float near
     Ordered& ordered = order_[count_++];
     ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
                                                         : std::max(nearest, 0.0f));
+    if (candidate.arcs > 0)
+      ordered.key |= kSweptLast;
+    else
+      ++sheared_;
     ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
   }
 

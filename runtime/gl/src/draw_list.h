@@ -4,6 +4,9 @@
 // it is blended.
 #pragma once
 
+#include <cstring>
+
+#include "kelp/formats/sweep.h"
 #include "placing.h"
 #include "program.h"
 #include "residency.h"
@@ -13,6 +16,16 @@ namespace kelp::gl {
 inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for the frame's draw list"};
 // A record's palette is that of its instance, and lies among the records.
 inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
+
+inline constexpr std::uint32_t kSweptLast = 1u << 30;  // in the key of a part's order
+
+// Arcs and joints, as in the records.
+inline std::size_t arcTexels(std::uint32_t arcs) { return 6 * std::size_t{arcs} + 2; }
+inline void writeArcs(glm::uvec4* out, const ArcChain& chain) {
+  const auto count = static_cast<std::size_t>(chain.count);
+  std::memcpy(static_cast<void*>(out), chain.arcs, count * sizeof(Arc));
+  std::memcpy(static_cast<void*>(out + 4 * count), chain.joints, (count + 1) * sizeof(ArcJoint));
+}
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
@@ -24,6 +37,7 @@ class DrawList {
         order_(allocator),
         sorted_(allocator),
         records_(allocator),
+        arcs_(allocator),
         left_out_(allocator),
         palettes_(allocator) {}
 
@@ -33,8 +47,9 @@ class DrawList {
                      std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid,
                      Rays rays = Rays::kView);
 
-  // Parts to draw, in order.
+  // Parts to draw, in order: the sheared ones, then the swept ones.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
+  std::uint32_t sheared() const { return static_cast<std::uint32_t>(sheared_); }
   // Rows of kRecordWidth texels.
   std::span<const glm::uvec4> records() const { return records_.span().first(rows_ * kRecordWidth); }
   // Where the numbers of the parts' records begin, four to a texel.
@@ -57,6 +72,8 @@ class DrawList {
     PartKind kind;
     Rays rays;
     bool rings;  // whether records lead to those of their instance's other parts
+    // Whether records say where the parts were in the frame before.
+    bool movesPictures() const { return rays == Rays::kView && view.camera.previous_world_to_clip; }
   };
   // A posed part before it is listed, without what the lanes compute with.
   struct Candidate {
@@ -68,8 +85,11 @@ class DrawList {
     std::uint32_t palette;  // as in the record
     Detail detail;
     bool drawn;
-    bool recorded;  // drawn, or it may shade other parts of its instance
-    bool sound;     // false: its instance is left out
+    bool recorded;        // drawn, or it may shade other parts of its instance
+    bool sound;           // false: its instance is left out
+    float roll;           // of a swept part
+    std::size_t arcs_at;  // of a swept part, in arcs_
+    std::uint32_t arcs;   // how many; 0: it is sheared
   };
   // The materials of an instance, which follow the records.
   struct Palette {
@@ -85,6 +105,7 @@ class DrawList {
                            std::uint32_t index);
   const Error* addBlock(const Frame& frame);
   const Error* boundEight(std::size_t eight, std::size_t count);
+  const Error* boundSwept(std::size_t eight, std::size_t k);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
   const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);
@@ -101,12 +122,15 @@ class DrawList {
   glm::mat4 moved_[kBlock];    // part -> world, of those that move as a whole
   PosedParts posed_[kEights];
   PlacedParts placed_[kEights]{};
+  ArcChain chain_;
   std::size_t waiting_ = 0;
   LogSink log_;
   Buffer<Ordered> order_;  // the first count_
   Buffer<Ordered> sorted_;
   Buffer<glm::uvec4> records_;  // the first texels_
-  std::size_t count_ = 0;
+  Buffer<glm::uvec4> arcs_;     // of the block's swept parts, as in the records; the first arc_texels_
+  std::size_t arc_texels_ = 0;
+  std::size_t count_ = 0, sheared_ = 0;
   std::size_t texels_ = 0;
   std::size_t rows_ = 0;
   // The ring of records that is being made: its instance, its first record, where its last record leads on.

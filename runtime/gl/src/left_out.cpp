@@ -35,22 +35,51 @@ const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, co
 // Bounds eight parts. Parts whose pose cannot be drawn are bounded at rest, and left out.
 const Error* DrawList::boundEight(std::size_t eight, std::size_t count) {
   PosedParts& posed = posed_[eight];
-  const unsigned good = boundParts(posed, placed_[eight]);
-  if (good == 255) return nullptr;
+  unsigned good = boundParts(posed, placed_[eight]);
+  bool again = false;
   for (std::size_t k = 0; k < 8; ++k) {
-    if (good >> k & 1) continue;
+    Candidate& candidate = block_[8 * eight + std::min(k, count - 1)];
+    const Part& part = candidate.asset->packed[candidate.part];
+    if (part.bend == Bend::kSweep || (good >> k & 1)) continue;
+    again = true;
     if (k >= count) {  // copies of the one before
       posed.knots[k] = posed.knots[k - 1];
       continue;
     }
-    Candidate& candidate = block_[8 * eight + k];
     candidate.sound = false;
     if (const Error* const error =
             leaveOut(*candidate.asset, candidate.index, checkKnots(posed.knots[k]).error().detail))
       return error;
-    posed.knots[k] = candidate.asset->packed[candidate.part].knots;
+    posed.knots[k] = part.knots;
   }
-  (void)boundParts(posed, placed_[eight]);
+  if (again) (void)boundParts(posed, placed_[eight]);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Candidate& candidate = block_[8 * eight + k];
+    if (candidate.asset->packed[candidate.part].bend != Bend::kSweep) continue;
+    if (const Error* const error = boundSwept(eight, k)) return error;
+  }
+  return nullptr;
+}
+
+// Makes the arcs of a swept part, and keeps them for its record.
+const Error* DrawList::boundSwept(std::size_t eight, std::size_t k) {
+  PosedParts& posed = posed_[eight];
+  Candidate& candidate = block_[8 * eight + k];
+  const Part& part = candidate.asset->packed[candidate.part];
+  Result<void> made = makeArcs(posed.knots[k], part.size, candidate.roll, kArcTolerance, chain_);
+  if (!made) {
+    candidate.sound = false;
+    if (const Error* const error = leaveOut(*candidate.asset, candidate.index, made.error().detail))
+      return error;
+    made = makeArcs(part.knots, part.size, part.roll, kArcTolerance, chain_);
+    if (!made) return nullptr;  // no pack has such a part
+  }
+  setBounds(chain_.bounds, posed, k, placed_[eight]);
+  candidate.arcs = static_cast<std::uint32_t>(chain_.count);
+  candidate.arcs_at = arc_texels_;
+  arc_texels_ += arcTexels(candidate.arcs);
+  if (!grow(arcs_, arc_texels_)) return &kNoMemoryForFrame;
+  writeArcs(&arcs_[candidate.arcs_at], chain_);
   return nullptr;
 }
 
@@ -63,6 +92,8 @@ void DrawList::dropLeftOut() {
   };
   const auto end = std::remove_if(order_.begin(), order_.begin() + count_, gone);
   count_ = static_cast<std::size_t>(end - order_.begin());
+  sheared_ = static_cast<std::size_t>(
+      std::count_if(order_.begin(), end, [](const Ordered& ordered) { return ordered.key < kSweptLast; }));
 }
 
 }  // namespace kelp::gl

@@ -53,6 +53,15 @@ unsigned boundParts(const PosedParts& parts, PlacedParts& placed) {
   return good;
 }
 
+void setBounds(const Box& box, const PosedParts& parts, std::size_t i, PlacedParts& placed) {
+  // placeParts() adds the base of the part.
+  const glm::vec3 base(parts.extents[i]->x, 0, parts.extents[i]->z);
+  for (int axis = 0; axis < 3; ++axis) {
+    placed.bounds.min[axis].of[i] = box.min[axis] - kMargin;
+    placed.bounds.max[axis].of[i] = box.max[axis] - base[axis] + kMargin;
+  }
+}
+
 namespace {
 
 // What lanes of floats do not settle: matrices of odd size, and that a direction has length 1.

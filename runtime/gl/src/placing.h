@@ -22,8 +22,8 @@ struct RecordHead {
   glm::vec4 to_world[3];  // rows: part space -> world
   glm::vec4 eye;          // part space; w as in Projection
   glm::vec4 tint;
-  glm::vec3 low;  // of the deformed bounds
-  std::uint32_t segments;
+  glm::vec3 low;           // of the deformed bounds
+  std::uint32_t segments;  // or arcs, and kSwept
   glm::vec3 high;
   std::uint32_t levels_at;
   glm::vec3 size;
@@ -31,6 +31,7 @@ struct RecordHead {
   std::uint32_t palette, instance, part, outline;
 };
 static_assert(sizeof(RecordHead) == 13 * 16);
+inline constexpr std::uint32_t kSwept = 0x80000000u;
 
 // Eight parts as the host poses them. The pointers must be valid while this is used.
 struct PosedParts {
@@ -68,8 +69,10 @@ struct JudgedParts {
 };
 
 // Computes the bounds of the parts' splines. Bit i of the result: the knots of part i are monotone and
-// finite.
+// finite. Of no use for swept parts: call setBounds() for them, before placeParts().
 unsigned boundParts(const PosedParts& parts, PlacedParts& placed);
+// Sets the bounds of the i-th part, which must contain it deformed.
+void setBounds(const Box& box, const PosedParts& parts, std::size_t i, PlacedParts& placed);
 
 // Computes the rest of `placed`, and the bounds of the parts from those of their splines.
 void placeParts(const Projection& projection, const PosedParts& parts, PlacedParts& placed);

@@ -26,7 +26,8 @@ constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kS
                kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
                kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
                kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n",
-               kDistanceLine[] = "#line 1 12\n";
+               kDistanceLine[] = "#line 1 12\n", kArcLine[] = "#line 1 13\n", kSweepLine[] = "#line 1 14\n";
+constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] = "#define KELP_SWEPT true\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
 template <class GetLog>
@@ -99,6 +100,9 @@ TraceStrings traceStrings(const Api& api, LookDefines defines) {
           shaders::kSpline,
           shaders::kCurve,
           shaders::kTrace,
+          shaders::kArc,
+          shaders::kSweepRecord,
+          shaders::kSweep,
           defines.distances ? shaders::kDistance : "",
           shaders::kSurface,
           shaders::kShading,
@@ -147,36 +151,23 @@ Result<Program> build(const Api& api, const char* const (&vertex_text)[kVertexCo
 
 }  // namespace
 
-Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, const LogSink& log) {
+Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, Bend bend,
+                             const LogSink& log) {
   const char* const look = surface ? "#define KELP_HOST_SURFACE\n" : defines.rays ? kRaysDefine : "";
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
   const char* const vertex_text[] = {prelude,         look, kInstanceLine, shaders::kInstance, kMainLine,
                                      shaders::kVertex};
-  const char* const fragment_text[] = {prelude,
-                                       look,
-                                       defines.distances ? kDistancesDefine : "",
-                                       kInstanceLine,
-                                       shaders::kInstance,
-                                       kSplineLine,
-                                       shaders::kSpline,
-                                       kCurveLine,
-                                       shaders::kCurve,
-                                       kTraceLine,
-                                       shaders::kTrace,
-                                       kDistanceLine,
-                                       defines.distances ? shaders::kDistance : "",
-                                       kSurfaceLine,
-                                       shaders::kSurface,
-                                       kHostLine,
-                                       surface ? surface : "",
-                                       kShadingLine,
-                                       shaders::kShading,
-                                       kPixelLine,
-                                       shaders::kPixel,
-                                       kOutputLine,
-                                       shaders::kOutput,
-                                       kMainLine,
-                                       shaders::kFragment};
+  const char* const fragment_text[] = {
+      prelude, look,
+      // Parts of either kind shade each other.
+      defines.distances      ? kDistancesDefine
+      : bend == Bend::kSweep ? kSweptDefine
+                             : kShearedDefine,
+      kInstanceLine, shaders::kInstance, kSplineLine, shaders::kSpline, kCurveLine, shaders::kCurve,
+      kTraceLine, shaders::kTrace, kArcLine, shaders::kArc, kSweepLine, shaders::kSweepRecord,
+      shaders::kSweep, kDistanceLine, defines.distances ? shaders::kDistance : "", kSurfaceLine,
+      shaders::kSurface, kHostLine, surface ? surface : "", kShadingLine, shaders::kShading, kPixelLine,
+      shaders::kPixel, kOutputLine, shaders::kOutput, kMainLine, shaders::kFragment};
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "gl_api.h"
+#include "kelp/formats/spline.h"
 
 namespace kelp::gl {
 
@@ -32,13 +33,14 @@ struct LookDefines {
 };
 
 // Compiles, links and binds the program, and sets the units of its samplers. `surface`: the host's
-// kelpSurface. Null: kelp's own.
-Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, const LogSink& log);
+// kelpSurface. Null: kelp's own. For parts that bend so; where distances shade, for all.
+Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, Bend bend,
+                             const LogSink& log);
 // A program for fog: for parts that have heat too, or with the sun's shadow of fog on itself.
 Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
-using TraceStrings = std::array<const char*, 11>;
+using TraceStrings = std::array<const char*, 14>;
 TraceStrings traceStrings(const Api& api, LookDefines defines);
 
 // The uniforms of a host's program that contains that text; -1: it does not use them.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -97,6 +98,8 @@ struct Renderer::Impl {
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
         distances(config.distances),
+        surface(config.allocator),
+        defines{config.secondary_rays, config.distances},
         store(config.allocator, config.distances),
         list(config.allocator, log),
         traced(config.allocator, log) {}
@@ -107,7 +110,10 @@ struct Renderer::Impl {
   bool look_is_plain;  // casts no rays
   bool distances;      // Config::distances
   bool abandoned = false;
-  Program program;
+  Buffer<char> surface;  // a copy of Config::surface_glsl; empty: kelp's own look
+  LookDefines defines;
+  Program program;             // for sheared parts; with distances, for all
+  Program swept_program;       // once there is a swept part, without distances
   Program fog_programs[2][2];  // [heat][shadow]; those that assets need
   Name vertex_array = 0;
   Name sampler = 0;
@@ -122,7 +128,9 @@ struct Renderer::Impl {
 
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
   Result<void> prepareFog(std::span<const Part> parts);
-  std::uint32_t drawBatches(const Program& used, std::uint32_t batches) const;
+  Result<void> prepareSweep(std::span<const Part> parts);
+  std::uint32_t drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
+                            std::uint32_t batches) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
@@ -165,12 +173,26 @@ Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
   return {};
 }
 
-// Draws near to far, in batches of equal size. Before each of several batches the depth so far is copied.
-std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t batches) const {
-  const std::uint64_t parts = list.parts();
+// Compiles the program that swept parts need. Within a DrawGuard.
+Result<void> Renderer::Impl::prepareSweep(std::span<const Part> parts) {
+  const bool any =
+      std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.bend == Bend::kSweep; });
+  if (!any || distances || swept_program.name != 0) return {};
+  const auto built = buildProgram(api, surface.data(), defines, Bend::kSweep, log);
+  if (!built) return built.error();
+  swept_program = *built;
+  return {};
+}
+
+// Draws parts of the list near to far, in batches of equal size. Before each of several batches the depth so
+// far is copied.
+std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
+                                          std::uint32_t batches) const {
+  const std::uint64_t parts = end - begin;
+  batches = std::min(batches, end - begin);
   for (std::uint32_t batch = 0; batch < batches; ++batch) {
-    const auto first = static_cast<std::uint32_t>(parts * batch / batches),
-               last = static_cast<std::uint32_t>(parts * (batch + 1) / batches);
+    const auto first = static_cast<std::uint32_t>(begin + parts * batch / batches),
+               last = static_cast<std::uint32_t>(begin + parts * (batch + 1) / batches);
     if (batches > 1) depth.copy(api);
     api.Uniform1i(used.first_instance, static_cast<std::int32_t>(list.firstNumber() + first));
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
@@ -193,12 +215,16 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const DebugGroup group(self.api, "kelp create");
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
+  if (config.surface_glsl) {
+    const std::size_t bytes = std::strlen(config.surface_glsl) + 1;
+    if (!self.surface.reset(bytes)) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+    std::memcpy(self.surface.data(), config.surface_glsl, bytes);
+  }
   if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
-  const LookDefines defines{config.secondary_rays, config.distances};
-  auto program = buildProgram(self.api, config.surface_glsl, defines, {config.log, config.user});
+  auto program = buildProgram(self.api, self.surface.data(), self.defines, Bend::kShear, self.log);
   if (!program) return program.error();
   self.program = *program;
-  self.trace_strings = traceStrings(self.api, defines);
+  self.trace_strings = traceStrings(self.api, self.defines);
   self.api.GenVertexArrays(1, &self.vertex_array);
   self.api.BindVertexArray(self.vertex_array);  // only then the name is an object that can be labelled
   label(self.api, kLabelVertexArray, self.vertex_array, "kelp without vertices");
@@ -225,6 +251,7 @@ Renderer::~Renderer() {
   self.api.DeleteSamplers(1, &self.sampler);
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
+  self.api.DeleteProgram(self.swept_program.name);
   for (const auto& programs : self.fog_programs) {
     for (const Program& program : programs) self.api.DeleteProgram(program.name);
   }
@@ -236,9 +263,11 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
   const std::span<const Part> parts = asset.pack().parts();
-  if (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.fog != nullptr; })) {
+  if (std::any_of(parts.begin(), parts.end(),
+                  [](const Part& part) { return part.fog || part.bend == Bend::kSweep; })) {
     const DrawGuard draw(self.api, self.restore);
     if (auto good = self.prepareFog(parts); !good) return good;
+    if (auto good = self.prepareSweep(parts); !good) return good;
   }
   return self.store.add(self.api, asset);
 }
@@ -300,14 +329,21 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  const Program& used = fog ? self.fog_programs[self.list.hasHeat()][view.quality.self_shadow] : self.program;
-  self.setState(used, view, pass, scene_depth);
+  const std::uint32_t all = self.list.parts(), sheared = self.distances ? all : self.list.sheared();
   if (fog) {
+    const Program& used = self.fog_programs[self.list.hasHeat()][view.quality.self_shadow];
+    self.setState(used, view, pass, scene_depth);
     const BlendGuard blend(self.api, self.restore);
-    stats.draws = self.drawBatches(used, 1);
+    stats.draws = self.drawBatches(used, 0, all, 1);
   } else {
-    if (view.bind) view.bind(view.bind_user, used.name);
-    stats.draws = self.drawBatches(used, batches);
+    const auto drawWith = [&](const Program& used, std::uint32_t begin, std::uint32_t end) {
+      if (begin == end) return;
+      self.setState(used, view, pass, scene_depth);
+      if (view.bind) view.bind(view.bind_user, used.name);
+      stats.draws += self.drawBatches(used, begin, end, batches);
+    };
+    drawWith(self.program, 0, sheared);
+    drawWith(self.swept_program, sheared, all);
   }
   // The host must not find the copy bound.
   if (scene_depth != view.scene_depth) bindUnit(self.api, kScene, 0);

@@ -16,23 +16,25 @@ namespace kelp {
 // planes. Its own coordinates are u towards the centre of curvature, v across, and the length along the arc.
 // Without initial values: hundreds of them are on the stack.
 struct Arc {
-  glm::vec3 middle;  // of the arc
-  glm::vec3 along;   // unit: its direction there
-  glm::vec3 inward;  // unit, perpendicular to it: from there to the centre of curvature
-  glm::vec2 bend;    // unit: a point of the section, x and z from the centre line, has u = dot(bend, (x, z))
-  float curvature;   // 1 / radius, at least 0
-  float y;           // height at rest of `middle`
-  float rise;        // height at rest for each length of the arc
-  float radius;      // of a ball around `middle` that contains the slice
+  glm::vec3 middle;   // of the arc
+  float radius;       // of a ball around it that contains the slice
+  glm::vec3 along;    // unit: the arc's direction at its middle
+  float curvature;    // 1 / the arc's radius, at least 0
+  glm::vec3 inward;   // unit, perpendicular to `along`: from the middle to the centre of curvature
+  float y;            // height at rest of the middle
+  glm::vec2 bend;     // unit: a point of the section, x and z from the centre line, has u = dot(bend, (x, z))
+  float rise;         // height at rest for each length of the arc
+  float half_length;  // of the arc
 };
 
 // Between two arcs, and at both ends.
 struct ArcJoint {
   glm::vec4 plane;      // of the section: dot(plane.xyz, p) + plane.w is 0 on it, positive farther along
-  glm::vec2 curvature;  // of the spline as normals see it: from arc to arc it changes gradually; in (x, z)
-  float rise;           // the same of Arc::rise
+  glm::vec2 curvature;  // as normals see it, in the section's x and z: it changes gradually from joint to joint
+  float rise;           // as normals see it: Arc::rise, gradually too
   float y;              // height at rest
 };
+static_assert(sizeof(Arc) == 64 && sizeof(ArcJoint) == 32);
 
 inline constexpr int kMaxArcs = 256;
 // u times curvature is at most this within the part: nearer to 1 its inner side folds.

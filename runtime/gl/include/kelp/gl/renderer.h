@@ -30,8 +30,9 @@ struct Config {
   std::uint64_t gpu_budget = std::uint64_t{256} << 20;
   State state = State::kRestore;
   // GLSL text that defines `vec4 kelpSurface(KelpSurface s)`, the colour of a hit. shaders/surface.glsl
-  // documents KelpSurface. Null: sun and sky. Compiled once, in create(). If it does not compile, create()
-  // returns kGraphics and `log` gets the compiler's message.
+  // documents KelpSurface. Null: sun and sky. Compiled in create(), and once more in add() for the first
+  // asset with swept parts. If it does not compile, create() returns kGraphics and `log` gets the compiler's
+  // message.
   const char* surface_glsl = nullptr;
   // Whether kelp's own look may cast rays, for Quality::self_shadow and Quality::occlusion_rays. The program
   // is then larger: on Mesa's llvmpipe, which also runs branches that are not taken, a frame takes 1.2 times
@@ -153,10 +154,11 @@ struct View {
   // the framebuffer drawn to; texel (x, y) belongs to the framebuffer's pixel (x, y). Rays end there, which
   // saves time, and replaces the depth test where no depth buffer is bound. 0: none.
   std::uint32_t scene_depth = 0;
-  // Called by draw() just before it draws, with its program in use, in every pass except kFog. Sets what
-  // surface_glsl needs: glUniform*, textures and samplers on units from kFirstHostUnit on, uniform buffers.
-  // These bindings stay. It may change the active unit, and no other state. Don't leave samplers of different
-  // types on one unit. Null: no callback.
+  // Called by draw() just before it draws, with its program in use, in every pass except kFog; twice, with
+  // two programs, if there are sheared parts and swept ones to draw. Sets what surface_glsl needs:
+  // glUniform*, textures and samplers on units from kFirstHostUnit on, uniform buffers. These bindings stay.
+  // It may change the active unit, and no other state. Don't leave samplers of different types on one unit.
+  // Null: no callback.
   void (*bind)(void* user, std::uint32_t program) = nullptr;
   void* bind_user = nullptr;
 };
