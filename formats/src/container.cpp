@@ -167,8 +167,9 @@ Result<void> readChunk(const Source& source, const ChunkInfo& chunk, const Limit
 Error inFile(const Error& error, const ChunkInfo& chunk) {
   const bool compressed = (chunk.flags & layout::kFlagZstd) != 0;
   const ErrorCode code =
-      // In a pack this is corruption; only a pose may turn back.
-      error.code == ErrorCode::kNotMonotone ? ErrorCode::kCorrupt : error.code;
+      // In a pack these are corruption; only a pose may turn back or fold.
+      error.code == ErrorCode::kNotMonotone || error.code == ErrorCode::kFolds ? ErrorCode::kCorrupt
+                                                                               : error.code;
   return {code, error.detail,
           chunk.offset + (compressed || error.offset == Error::kNoOffset ? 0 : error.offset)};
 }

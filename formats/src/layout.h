@@ -111,7 +111,8 @@ inline void storeIndexEntry(std::span<std::byte> bytes, std::size_t at, const Pa
 inline constexpr std::size_t kPartHeader = 8, kPartRecord = 120;
 inline constexpr std::size_t kMatlHeader = 4, kMatlRecord = 36;
 inline constexpr std::size_t kFogsHeader = 4, kFogRecord = 28, kRampRecord = 12;
-inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 16, kKnotRecord = 28;
+inline constexpr float kMaxRoll = 3.14159274f;  // pi
+inline constexpr std::size_t kRigsHeader = 8, kRigsPerPart = 24, kKnotRecord = 28;
 inline constexpr std::size_t kClipHeader = 20, kClipRecord = 16, kWaveRecord = 32, kTrackRecord = 16,
                              kKeyRecord = 52;
 inline constexpr std::size_t kSockHeader = 8, kSockRecord = 36;

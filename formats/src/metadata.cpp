@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kelp/formats/sweep.h"
 #include "record_reader.h"
 
 namespace kelp {
@@ -49,6 +50,21 @@ Result<void> readPart(RecordReader& in, std::uint32_t index, const Limits& limit
   if (!isInvertible(part.to_object))
     return corrupt("a part's transform to the object cannot be inverted", at + 20);
   if (!isInvertible(part.pivot)) return corrupt("a part's pivot cannot be inverted", at + 68);
+  return {};
+}
+
+Result<void> readBend(RecordReader& in, Part& part) {
+  const std::size_t at = in.at();
+  const std::uint32_t bend = in.u32();
+  part.roll = in.f32();
+  if (bend > static_cast<std::uint32_t>(Bend::kSweep))
+    return Error{ErrorCode::kUnsupportedFeature, "a part bends in a way that this version does not know", at};
+  part.bend = static_cast<Bend>(bend);
+  if (part.bend == Bend::kSweep && part.kind == PartKind::kFog)
+    return corrupt("a fog part is swept: only solid parts may be", at);
+  if (!(std::abs(part.roll) <= layout::kMaxRoll)) return corrupt("a part's roll is not -pi to pi", at + 4);
+  if (part.bend == Bend::kShear && part.roll != 0.0f)
+    return corrupt("a sheared part has a roll: only swept parts may", at + 4);
   return {};
 }
 
@@ -222,6 +238,7 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     const bool on_spline = part.parent_at >= 0 && part.parent_at <= 1 && part.parent >= 0;
     if (part.parent_at != Part::kNotOnSpline && !on_spline)
       return corrupt("a part's place on its parent's spline is not 0 to 1, or it has no parent", at + 12);
+    if (const Result<void> read = readBend(in, part); !read) return read;
     part.knots = out.knots.span().subspan(static_cast<std::size_t>(used), count);
     used += count;
   }
@@ -232,12 +249,13 @@ Result<void> parseRigs(std::span<const std::byte> chunk, Metadata& out) {
     knot.tangent = in.vec3();
   }
   for (const Part& part : out.parts) {
-    const Result<void> checked = checkKnots(part.knots);
+    const Result<void> checked = checkRig(part.bend, part.knots, part.size, part.roll);
     if (checked) continue;
     const std::uint64_t knot =
         static_cast<std::uint64_t>(part.knots.data() - out.knots.data()) + checked.error().offset;
-    const bool turns = checked.error().code == ErrorCode::kNotMonotone;
-    return Error{turns ? ErrorCode::kNotMonotone : ErrorCode::kCorrupt, checked.error().detail,
+    const ErrorCode code = checked.error().code;
+    const bool misshapen = code == ErrorCode::kNotMonotone || code == ErrorCode::kFolds;
+    return Error{misshapen ? code : ErrorCode::kCorrupt, checked.error().detail,
                  knots_at + knot * layout::kKnotRecord};
   }
   return {};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The metadata chunks as tables in memory. Each function reads one decoded chunk and checks every rule of
 // SPEC.md. Safe for hostile chunks. The writer calls them too, on what it is about to write. The offset of
-// an error counts from the start of the chunk. Codes: kCorrupt, kNotMonotone (rigs), kLimit,
-// kUnsupportedFeature (parts), kOutOfMemory.
+// an error counts from the start of the chunk. Codes: kCorrupt, kNotMonotone and kFolds (rigs),
+// kLimit, kUnsupportedFeature (parts, rigs), kOutOfMemory.
 #pragma once
 
 #include <cstddef>

@@ -114,6 +114,8 @@ bool buildRigs(const RawPack& pack, Buffer<std::byte>& out) {
     to.count(part.knots.size());
     to.put(part.automatic_tangents);
     to.put(part.parent_at);
+    to.put(static_cast<std::uint32_t>(part.bend));
+    to.put(part.roll);
   }
   for (const RawPart& part : pack.parts) {
     for (const Knot& knot : part.knots) {

@@ -103,6 +103,8 @@ class RigWriter {
       pack.parts[i].knots = rigs_.parts[i].knots;
       pack.parts[i].automatic_tangents = rigs_.parts[i].automatic_tangents;
       pack.parts[i].parent_at = rigs_.parts[i].parent_at;
+      pack.parts[i].bend = rigs_.parts[i].bend;
+      pack.parts[i].roll = rigs_.parts[i].roll;
     }
     pack.clips = rigs_.clips;
     pack.sockets = rigs_.sockets;

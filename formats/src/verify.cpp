@@ -55,6 +55,7 @@ class Verifier {
     found.part = part_;
     found.level = level_;
     found.page = page;
+    found.knot = knot_;
     if (found.severity == Severity::kError) ++errors_;
     if (report_) report_(user_, found);
   }
@@ -99,7 +100,13 @@ class Verifier {
       parts_good_ = checkTable(chunk, [&](Bytes b) { return parseFogs(b, model_); });
       levels_good_ = levels_good_ && parts_good_;
     } else if (index == metadata.rigs && parts_good_) {
-      rigs_good_ = checkTable(chunk, [&](Bytes b) { return parseRigs(b, model_); });
+      rigs_good_ = checkTable(chunk, [&](Bytes b) {
+        const Result<void> parsed = parseRigs(b, model_);
+        if (!parsed && idOf(parsed.error(), IssueId::kMetadata) != IssueId::kMetadata)
+          findKnot(parsed.error().offset);
+        return parsed;
+      });
+      part_ = knot_ = -1;
     } else if (index == metadata.clip && rigs_good_) {
       checkTable(chunk, [&](Bytes b) { return parseClips(b, model_); });
     } else if (index == metadata.sock && parts_good_) {
@@ -145,6 +152,18 @@ class Verifier {
     return static_cast<bool>(parsed);
   }
 
+  // Whose knot is at this place of RIGS, which was read.
+  void findKnot(std::uint64_t offset) {
+    const std::uint64_t knots_at = layout::kRigsHeader + model_.parts.size() * layout::kRigsPerPart;
+    const Knot* const knot = model_.knots.data() + (offset - knots_at) / layout::kKnotRecord;
+    for (std::size_t i = 0; i < model_.parts.size(); ++i) {
+      const std::span<const Knot> knots = model_.parts[i].knots;
+      if (knot < knots.data() || knot >= knots.data() + knots.size()) continue;
+      part_ = static_cast<int>(i);
+      knot_ = static_cast<int>(knot - knots.data());
+    }
+  }
+
   // The file has no FOGS: no part may be fog.
   bool checkNoFog(const ChunkInfo& parts) {
     const Result<void> parsed = parseFogs({}, model_);
@@ -156,6 +175,7 @@ class Verifier {
     if (error.code == ErrorCode::kIo) return IssueId::kUnreadable;
     if (error.code == ErrorCode::kChecksum) return IssueId::kChunkChecksum;
     if (error.code == ErrorCode::kNotMonotone) return IssueId::kNotMonotone;
+    if (error.code == ErrorCode::kFolds) return IssueId::kFolds;
     return otherwise;
   }
 
@@ -249,6 +269,7 @@ class Verifier {
   const Allocator& allocator_;
   std::uint64_t errors_ = 0;
   int part_ = -1, level_ = -1;  // of the current chunk
+  int knot_ = -1;
   Container container_{allocator_};
   Metadata model_{allocator_, limits_.max_metadata_bytes};
   LevelChunks levels_{allocator_};
@@ -292,6 +313,9 @@ const char* toString(IssueId id) {
     case IssueId::kNotMonotone:
       return "The rest rig of a part turns back along its axis. Shorten the tangents of its knots and bake "
              "again.";
+    case IssueId::kFolds:
+      return "The rest rig of a swept part bends too sharply for its thickness. Lengthen the tangents of its "
+             "knots and bake again.";
     case IssueId::kGrid:
       return "The grid of a level cannot be read. Copy or bake the pack again.";
     case IssueId::kPage:

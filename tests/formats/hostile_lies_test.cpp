@@ -146,22 +146,35 @@ const Lie kPaletteAndRigLies[] = {
     {"endless light", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 28, test::kInfinity); }},
     {"metallic 2", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 32, 2.0f); }},
     {"roughness -1", kCorrupt, [](PackSurgeon& s) { set(s.content("MATL"), 36, -1.0f); }},
-    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(39); }},
+    {"rigs too short", kCorrupt, [](PackSurgeon& s) { s.content("RIGS").resize(55); }},
     {"rigs of 3 parts", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 0, 3u); }},
     {"2^32 - 1 knots", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 4, 0xffffffffu); }},
     {"rig of 1 knot", kCorrupt,
      [](PackSurgeon& s) {
        set(s.content("RIGS"), 8, 4u);
-       set(s.content("RIGS"), 24, 1u);
+       set(s.content("RIGS"), 32, 1u);
      }},
-    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 24, 3u); }},
+    {"rig beyond the table", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 32, 3u); }},
     {"knots left over", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8, 2u); }},
     {"automatic tangent of a knot that is not there", kCorrupt,
      [](PackSurgeon& s) { set(s.content("RIGS"), 12, 1u << 3); }},
-    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40, 0.1f); }},
-    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 28, 0.0f); }},
-    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 4, test::kInfinity); }},
-    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 40 + 20, -20.0f); }},
+    {"first knot not at 0", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 56, 0.1f); }},
+    {"knot not ascending", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 56 + 28, 0.0f); }},
+    {"knot not finite", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 56 + 4, test::kInfinity); }},
+    // The first part is sheared, the second swept: how they bend at 24 and 48, their rolls at 28 and 52,
+    // their knots at 56 and 140.
+    {"another way to bend", ErrorCode::kUnsupportedFeature,
+     [](PackSurgeon& s) { set(s.content("RIGS"), 48, 2u); }},
+    {"way to bend 2^32 - 1", ErrorCode::kUnsupportedFeature,
+     [](PackSurgeon& s) { set(s.content("RIGS"), 24, 0xffffffffu); }},
+    {"roll of a sheared part", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 28, 0.5f); }},
+    {"roll above pi", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 52, 3.1415930f); }},
+    {"roll below -pi", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 52, -3.1415930f); }},
+    {"roll not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 52, test::kNan); }},
+    {"swept part folds", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 140 + 16, 9.0f); }},
+    {"swept part's knot not finite", kCorrupt,
+     [](PackSurgeon& s) { set(s.content("RIGS"), 140 + 28 + 4, test::kNan); }},
+    {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 56 + 20, -20.0f); }},
 };
 
 const Lie kClipLies[] = {

@@ -96,7 +96,8 @@ inline Comparison compare(const Pack& pack, const RawPack& raw, const Allocator&
     const Part& a = pack.parts()[p];
     const RawPart b = p < raw.parts.size() ? raw.parts[p] : RawPart();
     check(a.name == b.name && a.parent == b.parent && a.kind == (b.fog ? PartKind::kFog : PartKind::kSolid) &&
-          a.size == b.size && a.automatic_tangents == b.automatic_tangents && a.parent_at == b.parent_at);
+          a.size == b.size && a.automatic_tangents == b.automatic_tangents && a.parent_at == b.parent_at &&
+          a.bend == b.bend && a.roll == b.roll);
     check((a.fog != nullptr) == b.fog.has_value());
     if (a.fog && b.fog) {
       check(a.fog->color == b.fog->color && a.fog->anisotropy == b.fog->anisotropy &&

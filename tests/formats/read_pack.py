@@ -91,6 +91,7 @@ class Table:
         need(self.at == len(self.data), self.what + " is longer than its counts say")
 
 
+PI = struct.unpack("<f", struct.pack("<f", math.pi))[0]
 METADATA = ["INFO", "PART", "MATL", "FOGS", "RIGS", "CLIP", "SOCK"]
 REQUIRED = {"INFO": 0, "PART": 1, "MATL": 1, "FOGS": 1, "RIGS": 1, "CLIP": 0, "SOCK": 0, "GRID": 1, "BRCK": 1,
         "FOGB": 1, "DGRD": 0, "DIST": 0}
@@ -226,18 +227,23 @@ class Pack:
     def read_rigs(self, table):
         count, total = table.take("II")
         need(count == len(self.parts), "rigs of another number of parts")
-        heads = [table.take("IQf") for _ in range(count)]
+        heads = [table.take("IQfIf") for _ in range(count)]
         need(all(2 <= h[0] <= 64 for h in heads) and sum(h[0] for h in heads) == total, "number of knots")
-        for part, (n, automatic, place) in zip(self.parts, heads):
+        for part, (n, automatic, place, bend, roll) in zip(self.parts, heads):
             need(automatic >> n == 0, "automatic tangents of knots that are not there")
             part["automatic"] = automatic
             need(place == -1 or (0 <= place <= 1 and part["parent"] >= 0), "place on the parent's spline")
             part["parent_at"] = place
+            need(bend <= 1, "another way to bend")
+            need(bend == 0 or part["kind"] == 0, "fog that is swept")
+            need(-PI <= roll <= PI and (bend == 1 or roll == 0), "roll")
+            part["bend"], part["roll"] = bend, roll
             knots = part["knots"] = [table.take("7f") for _ in range(n)]
             need(knots[0][0] == 0 and knots[-1][0] == 1, "ends of a rig")
             for a, b in zip(knots, knots[1:]):
                 need(b[0] > a[0], "knots do not ascend")
-                self.check_monotone(a, b)
+                if bend == 0:
+                    self.check_monotone(a, b)
         table.end()
 
     @staticmethod
@@ -519,6 +525,7 @@ def dump(pack):
         out += ["object " + bits(part["to_object"]), "pivot " + bits(part["pivot"])]
         out += ["knot " + bits(knot) for knot in part["knots"]]
         out.append("automatic %x parent at %s" % (part["automatic"], bits([part["parent_at"]])))
+        out.append("bend %d roll %s" % (part["bend"], bits([part["roll"]])))
         if part["kind"]:
             out += ["fog " + bits(part["fog"])] + ["colour " + bits(colour) for colour in part["ramp"]]
             for level, extinction in zip(part["level"], part["extinction"]):

@@ -5,6 +5,7 @@
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/raw_pack.h"
+#include "kelp/formats/sweep.h"
 #include "pack_compare.h"
 #include "pack_surgeon.h"
 #include "support/random_pack.h"
@@ -22,7 +23,7 @@ RawRigs rigsOf(const RawPack& pack) {
   rigs.clips = pack.clips;
   rigs.sockets = pack.sockets;
   for (const RawPart& part : pack.parts)
-    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at});
+    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
   return rigs;
 }
 
@@ -47,6 +48,9 @@ RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
                   {1, {0.2f, 1, 0}, {0, 1, 0.1f}}};
     part.automatic_tangents = 4;
     part.parent_at = part.parent < 0 || part.parent_at == 0.5f ? Part::kNotOnSpline : 0.5f;
+    const bool sweeps = !part.fog && part.bend == Bend::kShear && checkSweep(part.knots, part.size, 0.25f);
+    part.bend = sweeps ? Bend::kSweep : Bend::kShear;
+    part.roll = sweeps ? 0.25f : 0.0f;
   }
   other.clips.clear();
   if (seed % 2 == 0) other.clips = {{"nod", 2, {{0, 2, Target::kKnotOffset, {1, 0, 0}, 2, 0}}, {}}};
@@ -121,6 +125,10 @@ TEST(RigWriter, RefusesWhatNoReaderWouldTake) {
   EXPECT_EQ(code([](RawRigs& r) { r.info_json = "\xff"; }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.parts[0].parent_at = 0.5f; }), ErrorCode::kMisuse);  // has no parent
   EXPECT_EQ(code([](RawRigs& r) { r.parts[1].parent_at = 2; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[0].roll = 0.5f; }), ErrorCode::kMisuse);  // is sheared
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[1].roll = 3.2f; }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[1].bend = static_cast<Bend>(2); }), ErrorCode::kMisuse);
+  EXPECT_EQ(code([](RawRigs& r) { r.parts[1].knots[1].tangent = {0, -1, 0}; }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.sockets[0].part = 2; }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].name.clear(); }), ErrorCode::kMisuse);
   EXPECT_EQ(code([](RawRigs& r) { r.sockets[1].name = std::string(256, 'a'); }), ErrorCode::kMisuse);

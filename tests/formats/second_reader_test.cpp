@@ -105,7 +105,8 @@ std::string dump(const RawPack& pack) {
     out += "object " + bits(part.to_object) + "\npivot " + bits(part.pivot) + "\n";
     for (const Knot& knot : part.knots) out += "knot " + bits(knot) + "\n";
     out += format("automatic %llx parent at ", static_cast<unsigned long long>(part.automatic_tangents)) +
-           bits(part.parent_at) + "\n";
+           bits(part.parent_at) + format("\nbend %d roll ", static_cast<int>(part.bend)) + bits(part.roll) +
+           "\n";
     if (part.fog) {
       out += "fog " + bits(part.fog->color) + " " + bits(part.fog->anisotropy) + " " + bits(part.fog->glow) +
              "\n";

@@ -6,14 +6,14 @@
 
 namespace kelp::test {
 
-// Places on the parent's spline: of the first part, which has no parent, at 20, of its child at 36. Two
+// Places on the parent's spline: of the first part, which has no parent, at 20, of its child at 44. Two
 // sockets, "tip" of part 0 and "Blüte" of part 1: records at 8 and 44, names at 80.
 inline const Lie kSocketLies[] = {
     {"place on the spline of no parent", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 20, 0.5f); }},
     {"place beyond the parent's spline", kCorrupt,
-     [](PackSurgeon& s) { set(s.content("RIGS"), 36, 1.001f); }},
-    {"place before the parent's spline", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 36, -0.5f); }},
-    {"place not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 36, kNan); }},
+     [](PackSurgeon& s) { set(s.content("RIGS"), 44, 1.001f); }},
+    {"place before the parent's spline", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 44, -0.5f); }},
+    {"place not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 44, kNan); }},
     {"too short", kCorrupt, [](PackSurgeon& s) { s.content("SOCK").resize(7); }},
     {"counts of 2^32 - 1", kCorrupt,
      [](PackSurgeon& s) {

@@ -44,6 +44,8 @@ inline RawPack makeTinyPack() {
   leaf.name = "Bl\xc3\xa4tt";
   leaf.parent = 0;
   leaf.parent_at = 0.75f;
+  leaf.bend = Bend::kSweep;
+  leaf.roll = -0.5f;
   leaf.size = {2, 1, 1};
   leaf.pivot[3] = {1, 2, 3};
   leaf.knots.resize(2);

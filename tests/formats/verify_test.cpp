@@ -98,8 +98,18 @@ TEST(Verify, TablesThatContradictThemselvesAreNamed) {
   set(surgeon.content("MATL"), 4, 7.0f);
   EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
   surgeon = tiny();
-  set(surgeon.content("RIGS"), 40 + 20, -20.0f);
-  EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kNotMonotone});
+  set(surgeon.content("RIGS"), 56 + 20, -20.0f);
+  const std::vector<Issue> turns = issuesOf(surgeon.build());
+  ASSERT_EQ(idsOf(turns), Ids{IssueId::kNotMonotone});
+  EXPECT_EQ(turns[0].part, 0);
+  EXPECT_EQ(turns[0].knot, 0);
+  surgeon = tiny();
+  set(surgeon.content("RIGS"), 140 + 28 + 20, -1.0f);  // the swept part's last tangent points back
+  const std::vector<Issue> folds = issuesOf(surgeon.build());
+  ASSERT_EQ(idsOf(folds), Ids{IssueId::kFolds});
+  EXPECT_EQ(folds[0].error.code, ErrorCode::kCorrupt);
+  EXPECT_EQ(folds[0].part, 1);
+  EXPECT_EQ(folds[0].knot, 0);
   surgeon = tiny();
   set(surgeon.content("PART"), 132, std::int32_t{1});
   EXPECT_EQ(idsOf(issuesOf(surgeon.build())), Ids{IssueId::kMetadata});
@@ -149,7 +159,7 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
   set(surgeon.content("INFO"), 0, '\xff');
   set(surgeon.content("MATL"), 4, 7.0f);
   surgeon.editPage([](Bytes& page) { page[512] = std::byte{9}; });  // cannot be judged without the palette
-  set(surgeon.content("RIGS"), 40 + 20, -20.0f);
+  set(surgeon.content("RIGS"), 56 + 20, -20.0f);
   Bytes bytes = surgeon.build();
   bytes.back() ^= std::byte{1};  // in the last page
   const std::vector<Issue> issues = issuesOf(bytes);

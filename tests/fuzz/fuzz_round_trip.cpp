@@ -11,6 +11,7 @@
 #include "exercise_pack.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/fog.h"
+#include "kelp/formats/sweep.h"
 #include "kelp/formats/verify.h"
 #include "raw_of_pack.h"
 
@@ -194,6 +195,11 @@ RawPack makePack(Numbers& in) {
   for (RawPart& part : pack.parts) {
     part.automatic_tangents = in.byte() & ((1u << part.knots.size()) - 1);
     if (part.parent >= 0 && in.byte() % 2 == 1) part.parent_at = in.unit();
+    const float roll = in.unit();
+    if (!part.fog && in.byte() % 2 == 1 && checkSweep(part.knots, part.size, roll)) {
+      part.bend = Bend::kSweep;
+      part.roll = roll;
+    }
   }
   return pack;
 }
@@ -220,7 +226,7 @@ void change(Numbers& in, RawPack& pack) {
   RawClip* const clip = pack.clips.empty() ? nullptr : &pack.clips[which % pack.clips.size()];
   Knot* const knot = part.knots.empty() ? nullptr : &part.knots[at % part.knots.size()];
   RawSocket* const socket = pack.sockets.empty() ? nullptr : &pack.sockets[which % pack.sockets.size()];
-  switch (what % 25) {
+  switch (what % 27) {
     case 0:
       if (level) changeOne(level->cells, at, number);
       break;
@@ -282,6 +288,12 @@ void change(Numbers& in, RawPack& pack) {
     case 19:
       part.parent_at = real;
       break;
+    case 25:
+      part.bend = static_cast<Bend>(number % 3);
+      break;
+    case 26:
+      part.roll = real;
+      break;
     case 20:
       if (socket) socket->name.assign(at % 300, static_cast<char>(number));
       break;
@@ -333,7 +345,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   RawRigs rigs{pack.info_json, {}, pack.clips, pack.sockets};
   for (const RawPart& part : pack.parts)
-    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at});
+    rigs.parts.push_back({part.knots, part.automatic_tangents, part.parent_at, part.bend, part.roll});
   std::vector<std::byte> again;
   if (const Result<void> rewritten = writeRigs(memory.source(), rigs, {append, &again}, limits); !rewritten)
     fail("its own rigs are refused", rewritten.error().detail);

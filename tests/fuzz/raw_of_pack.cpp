@@ -78,6 +78,7 @@ const char* differenceOfParts(const RawPart& a, const RawPart& b) {
   if (!same(a.knots, b.knots)) return "a part's knots";
   if (a.automatic_tangents != b.automatic_tangents) return "a part's automatic tangents";
   if (!same(a.parent_at, b.parent_at)) return "a part's place on its parent's spline";
+  if (a.bend != b.bend || !same(a.roll, b.roll)) return "a part's way to bend";
   if (a.fog.has_value() != b.fog.has_value()) return "a part's kind";
   if (a.fog && !(same(a.fog->color, b.fog->color) && same(a.fog->anisotropy, b.fog->anisotropy) &&
                  same(a.fog->glow, b.fog->glow) && same(a.fog->ramp, b.fog->ramp)))
@@ -110,6 +111,8 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
     raw.knots = listOf<Knot>(part.knots);
     raw.automatic_tangents = part.automatic_tangents;
     raw.parent_at = part.parent_at;
+    raw.bend = part.bend;
+    raw.roll = part.roll;
     if (part.fog)
       raw.fog =
           RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};

@@ -113,8 +113,8 @@ struct PageData {
 // call any const function at any time.
 class Pack {
  public:
-  // Reads and checks header, index and metadata. Any error except kNotMonotone (a rest rig that turns back is
-  // kCorrupt) and kGraphics. kNotYet: open it again later. Safe for hostile files.
+  // Reads and checks header, index and metadata. Any error except kNotMonotone and kFolds (a rest rig that
+  // turns back or folds is kCorrupt) and kGraphics. kNotYet: open it again later. Safe for hostile files.
   static Result<Pack> open(const Source& source, const Limits& limits = {}, const Allocator& allocator = {});
   Pack(Pack&&) noexcept;
   Pack& operator=(Pack&&) noexcept;

@@ -54,6 +54,8 @@ struct RawPart {
   std::vector<Knot> knots;
   std::uint64_t automatic_tangents = 0;  // as in Part
   float parent_at = Part::kNotOnSpline;  // as in Part
+  Bend bend = Bend::kShear;              // as in Part
+  float roll = 0;                        // as in Part
   std::vector<RawLevel> levels;          // finest first, at least one
   // Finest first: distanceLevels() of them for every solid part of the pack, or none for any.
   std::vector<RawDistances> distances;
@@ -107,6 +109,8 @@ struct RawRig {
   std::vector<Knot> knots;
   std::uint64_t automatic_tangents = 0;
   float parent_at = Part::kNotOnSpline;
+  Bend bend = Bend::kShear;
+  float roll = 0;
 };
 
 // What writeRigs replaces in a pack.

@@ -20,6 +20,7 @@ enum class IssueId : std::uint16_t {
   kUnknownChunk = 202,       // warning: an optional chunk that this version does not know
   kMetadata = 300,           // PART, MATL, FOGS, RIGS, CLIP, SOCK or INFO breaks a rule
   kNotMonotone = 301,        // the rest rig of a part turns back
+  kFolds = 302,              // the rest rig of a swept part bends too sharply for its thickness
   kGrid = 400,               // a grid cannot be read
   kPage = 401,               // a page cannot be read
   kBrickWithoutSolid = 402,  // a stored brick holds no solid voxel, or no fog
@@ -33,9 +34,10 @@ struct Issue {
   IssueId id = IssueId::kUnreadable;
   Severity severity = Severity::kError;
   Error error;    // code, byte offset and text
-  int part = -1;  // -1: not of one part; so for level and page
+  int part = -1;  // -1: not of one part; so for level, page and knot
   int level = -1;
   std::int64_t page = -1;
+  int knot = -1;
 };
 
 // Reads the whole pack and calls `report` (may be null) for every issue, in file order. Returns the number of

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "kelp/formats/raw_pack.h"
+#include "kelp/formats/sweep.h"
 
 namespace kelp::test {
 
@@ -136,6 +137,11 @@ class RandomPack {
     }
     part.automatic_tangents = 2;
     if (part.parent >= 0 && index % 2 == 0) part.parent_at = unit();
+    const float roll = 3 * unit() - 1.5f;
+    if (index % 3 == 2 && checkSweep(part.knots, part.size, roll)) {
+      part.bend = Bend::kSweep;
+      part.roll = roll;
+    }
     const int levels = between(1, options_.max_levels);
     for (int level = 0; level < levels; ++level) {
       part.levels.push_back(makeLevel(levelSize(part.size, level), palette_size, unit()));
