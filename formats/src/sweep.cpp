@@ -202,7 +202,10 @@ class ChainMaker {
     if (straight && arc.ahead <= 0) return kFolding;
     const dvec3 out = straight ? at_.x : arc.side / side;
     // Where it is farthest from its chord: there it is parallel to the chord.
-    const dvec3 inward = straight ? out : (arc.ahead * out - side * at_.along) / chord;
+    // Of a nearly straight arc it is the rest of a difference: made perpendicular once more.
+    const dvec3 turned = straight ? out : (arc.ahead * out - side * at_.along) / chord;
+    const dvec3 rest = turned - (dot(turned, arc.chord) / arc.chord2) * arc.chord;
+    const dvec3 inward = rest / std::sqrt(dot(rest, rest));
     const dvec3 middle = at_.at + 0.5 * arc.chord - (straight ? 0.0 : 0.5 * chord * tan4) * inward;
     if (!straight && !(arc.ahead > 0 && tan2 * tan2 <= kTan30Squared * (1 + 1e-9))) {
       if (!(arc.chord2 > 1e-18 * chord_scale())) return kFolding;
@@ -218,8 +221,9 @@ class ChainMaker {
     if (chain_.count == kMaxArcs) return "the spline winds too often: a part has at most 256 arcs";
     const dvec3 z = glm::cross(at_.x, at_.along);
     double c = dot(out, at_.x), s = dot(out, z);
-    if (std::abs(c) < 1e-9) c = 0;
-    if (std::abs(s) < 1e-9) s = 0;
+    const double norm = std::sqrt(c * c + s * s);
+    c = std::abs(c) < 1e-9 ? 0 : c / norm;
+    s = std::abs(s) < 1e-9 ? 0 : s / norm;
     const double curvature = 2 * tan2 * arc.ahead / arc.chord2;
     if (!(curvature * (std::abs(c) * half_x_ + std::abs(s) * half_z_) <= kMostCurved)) return kFolding;
     const double tan22 = tan2 * tan2;

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "reference/sweep_trials.h"
 #include "support/voxel_knots.h"
 #include "support/voxel_points.h"
 
@@ -136,6 +137,58 @@ TEST_P(PictureTest, AgreesInOrthographicViews) {
   above.camera.world_to_eye = glm::rotate(glm::mat4(1), glm::radians(90.0f), glm::vec3(1, 0, 0)) *
                               glm::translate(glm::mat4(1), glm::vec3(0, -5, 0));
   expectAgreement(compare(*renderer, canvas, above, {&instance, 1}), "along the spline");
+}
+
+RawPack sweptPackOf(const fields::Occupancy& volume, const reference::SweepRig& rig) {
+  RawPack pack = packOf(volume, rig.knots);
+  pack.parts[0].bend = Bend::kSweep;
+  pack.parts[0].roll = rig.roll;
+  return pack;
+}
+
+TEST_P(PictureTest, AgreesWithTheCpuInEverySweptPose) {
+  const Canvas canvas({160, 120});
+  const fields::Occupancy column = ballClump({36, 128, 32}, 12, 3);
+  for (const reference::SweepRig& rig : reference::namedSweeps(column.size)) {
+    const LoadedAsset swept(sweptPackOf(column, rig));
+    const auto renderer = makeRenderer(*swept.asset, kVoxelSurface);
+    Instance instance{swept.asset.get()};
+    instance.to_world = glm::rotate(glm::mat4(1), 0.4f, glm::vec3(1, 2, 3)) *
+                        glm::scale(glm::mat4(1), glm::vec3(-1, 1.2f, 0.8f));
+    const Box box = bounds(instance);
+    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    const float reach = glm::distance(box.min, box.max);
+    const gl::View view = lookAt(canvas, centre + reach * glm::vec3(0.5f, 0.3f, 0.8f), centre);
+    expectAgreement(compare(*renderer, canvas, view, {&instance, 1}), rig.name.c_str());
+    expectAgreement(
+        compare(*renderer, canvas,
+                orthographic(canvas, centre + reach * glm::vec3(-1, 0.2f, 0.3f), centre, 0.4f * reach),
+                {&instance, 1}),
+        rig.name.c_str());
+    const glm::vec3 eye = voxelToWorld(instance, 0, {18, 64, 16}),
+                    along = voxelToWorld(instance, 0, {20, 84, 15});
+    expectAgreement(compare(*renderer, canvas, lookAt(canvas, eye, along, 0.01f), {&instance, 1}),
+                    rig.name.c_str());
+  }
+}
+
+TEST_P(PictureTest, ShearedAndSweptInstancesInOneCall) {
+  const Canvas canvas({160, 120});
+  const fields::Occupancy column = ballClump({36, 128, 32}, 12, 3);
+  const LoadedAsset swept(sweptPackOf(column, reference::namedSweeps(column.size)[5]));
+  const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
+  ASSERT_TRUE(renderer->add(*swept.asset));
+  ASSERT_TRUE(renderer->upload(~std::uint64_t{0}));
+  take(kFigure6[1]);
+  Instance instances[3] = {{swept.asset.get()}, {loaded_.asset.get(), &pose_}, {swept.asset.get()}};
+  instances[0].to_world = glm::translate(glm::mat4(1), glm::vec3(-0.5f, 0.1f, 0.3f));
+  instances[2].to_world = glm::translate(glm::mat4(1), glm::vec3(0.5f, 0.2f, -0.3f));
+  const gl::View view = lookAt(canvas, {0.5f, 1.0f, 2.4f}, {0.1f, 0.5f, 0});
+  const auto drawn = renderer->draw(view, instances);
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->draws, 2u);
+  EXPECT_EQ(drawn->instances, 3u);
+  expectAgreement(compare(*renderer, canvas, view, instances), "of both kinds");
 }
 
 TEST_P(PictureTest, MirroredAndStretchedInstancesInOneDraw) {
