@@ -89,13 +89,6 @@ KELP_FN vec3 kelpSweepRestDirection(KelpArc g, float x, float y, float z, vec3 r
               g.bend.y * inward + g.bend.x * across);
 }
 
-// Narrows s to where value + s * slope >= 0.
-KELP_FN vec2 kelpClip(vec2 s, float value, float slope) {
-  if (slope > 0.0f) return vec2(max(s.x, -value / slope), s.y);
-  if (slope < 0.0f) return vec2(s.x, min(s.y, -value / slope));
-  return value < 0.0f ? vec2(1.0f, 0.0f) : s;
-}
-
 // Narrows s to where o + s r may be in a slice: between its joint planes and within a box and a cylinder
 // around its section. half_size: half of the part's box. Empty (x > y): it misses it.
 KELP_FN vec2 kelpArcRange(KelpArc g, vec4 from, vec4 to, vec3 half_size, vec3 o, vec3 r, vec2 range) {

@@ -83,3 +83,10 @@ KELP_FN vec3 kelpDecodeNormal(uint bits) {
   float fold = max(-y, 0.0f);
   return normalize(vec3(x + (x >= 0.0f ? -fold : fold), y, z + (z >= 0.0f ? -fold : fold)));
 }
+
+// For rays, whichever way a part bends: narrows s to where value + s * slope >= 0.
+KELP_FN vec2 kelpClip(vec2 s, float value, float slope) {
+  if (slope > 0.0f) return vec2(max(s.x, -value / slope), s.y);
+  if (slope < 0.0f) return vec2(s.x, min(s.y, -value / slope));
+  return value < 0.0f ? vec2(1.0f, 0.0f) : s;
+}
