@@ -14,10 +14,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!(parseRig(printRig(rig)) == rig)) std::abort();
     constexpr glm::ivec3 kSizes[] = {{32, 64, 32}, {1, 1, 1}, {8192, 8192, 8192}, {3, 8192, 1}};
     const glm::ivec3 voxels = kSizes[size % 4];
-    const RawRig rest{realizeKnots(rig), automaticTangents(rig), rig.parent_at};
+    const RawRig rest = realizeRig(rig);
     const std::vector<RawSocket> sockets = realizeSockets(rig, 0);
     const RigDescription back = describeRig(rest, {}, 0, rig.axis.value_or(Axis::kPlusY), sockets);
     if (back.parent_at != rig.parent_at || back.sockets.size() != rig.sockets.size()) std::abort();
+    if (back.bend != rest.bend || back.roll != rest.roll) std::abort();
     if (!(parseRig(printRig(back)) == back)) std::abort();
     for (const RawClip& clip : realizeClips(rig, 0)) proveClip(clip, 0, rest, voxels);
   } catch (const RigError&) {

@@ -95,6 +95,15 @@ TEST(ParseRig, SocketsOfTheReadme) {
   EXPECT_EQ(parseRig(R"({"kelp": 1})").parent_at, -1.0f);
 }
 
+TEST(ParseRig, ARigSaysHowItsPartBends) {
+  EXPECT_EQ(parseRig(R"({"kelp": 1})").bend, std::nullopt);
+  EXPECT_EQ(parseRig(R"({"kelp": 1, "bend": "shear"})").bend, Bend::kShear);
+  const RigDescription rig = parseRig(R"({"kelp": 1, "roll": -90, "bend": "sweep"})");
+  EXPECT_EQ(rig.bend, Bend::kSweep);
+  EXPECT_FLOAT_EQ(rig.roll, -1.57079633f);
+  EXPECT_EQ(parseRig(R"({"kelp": 1, "bend": "sweep", "roll": 180})").roll, 3.14159274f);
+}
+
 TEST(ParseRig, ARigHas1024SocketsAtMost) {
   const auto withSockets = [](int count) {
     std::string text = R"({"kelp": 1, "sockets": {)";
@@ -131,7 +140,9 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "Clips": {}})", {"/Clips", "unknown key", "did you mean 'clips'?"}},
       {R"({"kelp": 1, "kelp": 1})", {"'kelp'", "twice"}},
       {R"({"kelp": 1, "a/b~c": 1})",
-       {"/a~1b~0c", "known are 'kelp', 'axis', 'knots', 'clips', 'sockets', 'parent_at'"}},
+       {"/a~1b~0c",
+        "known are 'kelp', 'axis', 'knots', 'clips', 'sockets', 'parent_at', 'bend', "
+        "'roll'"}},
       {R"({"kelp": 1, "axis": "up"})", {"/axis", "\"up\"", "\"+x\""}},
       {R"({"kelp": 1, "axis": 1})", {"/axis", "not 1"}},
       {R"({"kelp": 1, "knots": {}})", {"/knots", "must be an array"}},
@@ -172,6 +183,12 @@ TEST(ParseRig, EveryErrorNamesThePlaceAndTheRemedy) {
       {R"({"kelp": 1, "parent_at": 1.5})", {"/parent_at", "1.5 is no place", "between 0 and 1"}},
       {R"({"kelp": 1, "parent_at": -0.5})", {"/parent_at", "-0.5 is no place"}},
       {R"({"kelp": 1, "parent_at": "0.5"})", {"/parent_at", "must be a number"}},
+      {R"({"kelp": 1, "bend": "twist"})", {"/bend", "\"sweep\" or \"shear\", not \"twist\""}},
+      {R"({"kelp": 1, "bend": 1})", {"/bend", "not 1"}},
+      {R"({"kelp": 1, "bend": "sweep", "roll": 181})", {"/roll", "181"}},
+      {R"({"kelp": 1, "bend": "sweep", "roll": "90"})", {"/roll", "must be a number"}},
+      {R"({"kelp": 1, "bend": "shear", "roll": 90})", {"/roll", "only a swept part", "take \"roll\" out"}},
+      {R"({"kelp": 1, "roll": 0})", {"/roll", "write \"bend\": \"sweep\""}},
       {R"({"kelp": 1, "parents_at": 1})", {"/parents_at", "did you mean 'parent_at'?"}},
       {R"({"kelp": 1, "clips": []})", {"/clips", "maps names to clips"}},
       {R"({"kelp": 1, "clips": {"": {"waves": [{)" + wave + "}]}}}", {"/clips/", "name", "0"}},
@@ -259,7 +276,7 @@ TEST(ParseRig, HostileTextIsBounded) {
 
 TEST(ParseRig, EveryPrefixAndEveryFlippedByteIsAnswered) {
   const std::string text =
-      R"({"kelp": 1, "axis": "-x", "parent_at": 0.5, "sockets": {"h": {"at": 1, "offset": [0, 1, 2]}}, "knots": [{"at": 0}, {"at": 0.5, "tangent": [1, 0, 2]}, {"at": 1}], "clips": {"a": {"keys": [
+      R"({"kelp": 1, "axis": "-x", "bend": "sweep", "roll": 9, "parent_at": 0.5, "sockets": {"h": {"at": 1, "offset": [0, 1, 2]}}, "knots": [{"at": 0}, {"at": 0.5, "tangent": [1, 0, 2]}, {"at": 1}], "clips": {"a": {"keys": [
     {"time": 0, "knot": 1, "offset": [0, 0.1, 0]}, {"time": 1.5, "rotation": [0, 0, 0, 1]}], "waves": [{"knot": 2, "offset": [1, 2, 3], "period": 2}]}}})";
   ASSERT_EQ(errorOf(text), "");
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -330,6 +347,8 @@ RigDescription randomRig(std::mt19937& random) {
     rig.sockets.push_back(socket);
   }
   if (below(2)) rig.parent_at = below(3) ? uniform(0, 1) : 0.0f;
+  if (below(3)) rig.bend = below(2) ? Bend::kSweep : Bend::kShear;
+  if (rig.bend == Bend::kSweep) rig.roll = below(4) ? uniform(-3.14159265f, 3.14159265f) : 3.14159274f;
   return rig;
 }
 
@@ -346,7 +365,7 @@ TEST(PrintRig, IsTheInverseOfParseRig) {
 
 TEST(PrintRig, ReadsLikeAHandWroteIt) {
   const std::string text = printRig(parseRig(
-      R"({"kelp":1,"parent_at":0.25,"sockets":{"hand":{"at":0.9,"offset":[0.1,0,0.05]},"tip":{"rotation":[0,0.6,0,0.8],"at":1}},"knots":[{"at":0},{"at":1,"tangent":[3,0,2]}],"clips":{"sway":{"waves":[{"knot":1,"offset":[0.15,0,0.04],"period":3.2}]}}})"));
+      R"({"kelp":1,"roll":22.5,"bend":"sweep","parent_at":0.25,"sockets":{"hand":{"at":0.9,"offset":[0.1,0,0.05]},"tip":{"rotation":[0,0.6,0,0.8],"at":1}},"knots":[{"at":0},{"at":1,"tangent":[3,0,2]}],"clips":{"sway":{"waves":[{"knot":1,"offset":[0.15,0,0.04],"period":3.2}]}}})"));
   EXPECT_EQ(text, R"({
   "kelp": 1,
   "knots": [
@@ -359,7 +378,9 @@ TEST(PrintRig, ReadsLikeAHandWroteIt) {
   "sockets": {
     "hand": {"at": 0.9, "offset": [0.1, 0, 0.05]},
     "tip": {"at": 1, "rotation": [0, 0.6, 0, 0.8]}},
-  "parent_at": 0.25}
+  "parent_at": 0.25,
+  "bend": "sweep",
+  "roll": 22.5}
 )");
 }
 

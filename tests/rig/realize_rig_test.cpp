@@ -245,6 +245,39 @@ TEST(DescribeRig, NamesThatAPackMayRepeatBecomeKeys) {
 
 // What an artist means: the place, and the directions that the rotation turns x, y and z to, are the same in
 // either axes.
+TEST(RealizeRig, BendsAsItSaysOrElseByDefault) {
+  RigDescription rig;
+  EXPECT_EQ(realizeRig(rig).bend, kDefaultBend);
+  EXPECT_EQ(realizeRig(rig, Bend::kSweep).bend, Bend::kSweep);
+  rig.bend = Bend::kShear;
+  EXPECT_EQ(realizeRig(rig, Bend::kSweep).bend, Bend::kShear);
+  EXPECT_EQ(describeRig(realizeRig(rig), {}, 0).bend, Bend::kShear);
+}
+
+TEST(CheckRest, AShearedPartMayNotTurnBackASweptOneMayNotFold) {
+  const auto errorOf = [](const RawRig& rest, const glm::ivec3& size) -> std::string {
+    try {
+      checkRest(rest, size);
+    } catch (const RigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  // A hook: up, over and down again.
+  RawRig rest;
+  rest.knots = {{0, {0, 0, 0}, {0, 1, 0}}, {0.5f, {0.3f, 0.4f, 0}, {1, 0, 0}}, {1, {0.6f, 0, 0}, {0, -1, 0}}};
+  EXPECT_NE(errorOf(rest, {16, 128, 16}).find("knot 1: "), std::string::npos);
+  EXPECT_NE(errorOf(rest, {16, 128, 16}).find("\"bend\": \"sweep\""), std::string::npos);
+  rest.bend = Bend::kSweep;
+  EXPECT_EQ(errorOf(rest, {16, 128, 16}), "");
+  EXPECT_NE(errorOf(rest, {128, 128, 128}).find("knot 0: "), std::string::npos);
+  EXPECT_NE(errorOf(rest, {128, 128, 128}).find("may not fold"), std::string::npos);
+  // A board that is flat across the bend, and one that stands on its edge.
+  EXPECT_EQ(errorOf(rest, {2, 128, 128}), "");
+  rest.roll = 1.5708f;
+  EXPECT_NE(errorOf(rest, {2, 128, 128}), "");
+}
+
 TEST(RealizeSockets, ThePlaceAndTheTurnAreTheArtists) {
   for (const Axis axis :
        {Axis::kPlusX, Axis::kMinusX, Axis::kPlusY, Axis::kMinusY, Axis::kPlusZ, Axis::kMinusZ}) {
@@ -272,8 +305,11 @@ TEST(RealizeSockets, ThePlaceAndTheTurnAreTheArtists) {
 
     // And back, to the bit.
     rig.parent_at = 0.5f;
-    const RigDescription back = parseRig(printRig(
-        describeRig({realizeKnots(rig), automaticTangents(rig), rig.parent_at}, {}, 3, axis, sockets)));
+    rig.bend = Bend::kSweep;
+    rig.roll = 0.7f;
+    const RigDescription back = parseRig(printRig(describeRig(realizeRig(rig), {}, 3, axis, sockets)));
+    EXPECT_EQ(back.bend, Bend::kSweep);
+    EXPECT_EQ(back.roll, 0.7f);
     EXPECT_EQ(back.sockets, rig.sockets);
     EXPECT_EQ(back.parent_at, 0.5f);
     EXPECT_TRUE(describeRig({realizeKnots(rig), 0}, {}, 2, axis, sockets).sockets.empty())

@@ -32,12 +32,13 @@ TEST(RigSchema, AcceptsTheExamplesOfTheReadme) {
     const RigDescription rig = parseRig(text);
     EXPECT_EQ(schema.check(nlohmann::json::parse(text)), "") << text;
     EXPECT_EQ(schema.check(nlohmann::json::parse(printRig(rig))), "") << text;
-    const RawRig rest{realizeKnots(rig), automaticTangents(rig)};
+    const RawRig rest = realizeRig(rig);
+    EXPECT_NO_THROW(checkRest(rest, {32, 256, 32}));
     EXPECT_NO_THROW(realizeSockets(rig, 0));
     for (const RawClip& clip : realizeClips(rig, 0)) EXPECT_NO_THROW(proveClip(clip, 0, rest, {64, 128, 64}));
     ++examples;
   }
-  EXPECT_EQ(examples, 5);
+  EXPECT_EQ(examples, 6);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
@@ -59,6 +60,10 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "sockets": {"hand": {"at": 1, "rotation": [0, 0, 1]}}})",
       R"({"kelp": 1, "parent_at": 1.5})",
       R"({"kelp": 1, "parent_at": -0.5})",
+      R"({"kelp": 1, "bend": "twist"})",
+      R"({"kelp": 1, "bend": "sweep", "roll": 181})",
+      R"({"kelp": 1, "bend": "shear", "roll": 1})",
+      R"({"kelp": 1, "roll": 1})",
       R"({"kelp": 1, "clips": {"": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "tangent": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 0}]}}})",

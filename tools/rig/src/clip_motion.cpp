@@ -46,6 +46,19 @@ Cubic trackCubic(const RawTrack& track, int axis, double time) {
   return shifted(cubic, time - static_cast<double>(from.time));
 }
 
+// The piece of a motion at `time`, which is `local` seconds after its start. Null if there are none.
+const Piece* findPiece(const std::vector<Piece>& pieces, double duration, double time, double& local) {
+  if (pieces.empty()) return nullptr;
+  const double wrapped = time - duration * std::floor(time / duration);
+  auto next = std::upper_bound(pieces.begin(), pieces.end(), wrapped,
+                               [](double t, const Piece& piece) { return t < piece.start; });
+  if (next != pieces.begin()) --next;
+  local = std::clamp(wrapped - next->start, 0.0, next->end - next->start);
+  return &*next;
+}
+
+double valueOf(const Cubic& c, double u) { return c[0] + u * (c[1] + u * (c[2] + u * c[3])); }
+
 void addHarmonic(std::vector<Harmonic>& harmonics, const Wave& wave, double amplitude) {
   const double phase = kTau * static_cast<double>(wave.phase);
   const double period = wave.period;
@@ -99,6 +112,16 @@ Range Motion::range() const {
     range.high += std::hypot(h.a, h.b);
   }
   return range;
+}
+
+double Motion::at(double time) const {
+  double value = 0, local = 0;
+  for (const Harmonic& h : harmonics) {
+    const double angle = kTau * time / h.period;
+    value += h.a * std::sin(angle) + h.b * std::cos(angle);
+  }
+  if (const Piece* piece = findPiece(pieces, duration, time, local)) value += valueOf(piece->cubic, local);
+  return value;
 }
 
 PartMotions::PartMotions(const RawClip& clip, std::uint32_t part, const RawRig& rest)
@@ -274,23 +297,14 @@ std::vector<ClockedMotion> shareOut(const Motion& motion, std::span<const Clock>
 }
 
 const Piece* ClockedMotion::pieceAt(double time, double& local) const {
-  if (pieces_.empty()) return nullptr;
-  const double wrapped = time - duration_ * std::floor(time / duration_);
-  auto next = std::upper_bound(pieces_.begin(), pieces_.end(), wrapped,
-                               [](double t, const Piece& piece) { return t < piece.start; });
-  if (next != pieces_.begin()) --next;
-  local = std::clamp(wrapped - next->start, 0.0, next->end - next->start);
-  return &*next;
+  return findPiece(pieces_, duration_, time, local);
 }
 
 double ClockedMotion::at(double time) const {
   double value = 0;
   for (const Wave& wave : waves_) value += wave.amplitude * std::sin(wave.omega * time + wave.phase);
   double local = 0;
-  if (const Piece* piece = pieceAt(time, local)) {
-    const Cubic& c = piece->cubic;
-    value += c[0] + local * (c[1] + local * (c[2] + local * c[3]));
-  }
+  if (const Piece* piece = pieceAt(time, local)) value += valueOf(piece->cubic, local);
   return value;
 }
 

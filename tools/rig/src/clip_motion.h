@@ -56,6 +56,7 @@ struct Motion {
   double duration = 0;              // after which the pieces repeat
 
   bool still() const { return harmonics.empty() && pieces.empty(); }
+  double at(double time) const;
   // Bounds over all time. Ignores the correlation between terms of different periods.
   Range range() const;
 };

@@ -2,6 +2,7 @@
 // JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp.
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -204,9 +205,25 @@ RigDescription::Clip readClip(const Place& place, const std::string& name, std::
   return clip;
 }
 
+void readBend(const Place& place, RigDescription& rig) {
+  if (place.has("bend")) {
+    const Place bend = place.at("bend");
+    if (bend.json.is_string()) rig.bend = parseBend(bend.json.get_ref<const std::string&>());
+    if (!rig.bend)
+      fail(bend, "must be \"sweep\" or \"shear\", not " +
+                     printable(bend.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  }
+  if (!place.has("roll")) return;
+  const Place roll = place.at("roll");
+  const double degrees = readNumber(roll, -180, 180);
+  if (rig.bend != Bend::kSweep)
+    fail(roll, "only a swept part turns about its spline; write \"bend\": \"sweep\", or take \"roll\" out");
+  rig.roll = static_cast<float>(degrees * std::numbers::pi / 180);
+}
+
 RigDescription readRig(const Place& place) {
-  static constexpr std::array<std::string_view, 6> kKeys{"kelp",  "axis",    "knots",
-                                                         "clips", "sockets", "parent_at"};
+  static constexpr std::array<std::string_view, 8> kKeys{"kelp",    "axis",      "knots", "clips",
+                                                         "sockets", "parent_at", "bend",  "roll"};
   requireObject(place, kKeys);
   const Place version =
       required(place, "kelp", "a rig begins with \"kelp\": 1, the version of the rig language");
@@ -239,6 +256,7 @@ RigDescription readRig(const Place& place) {
                           " is no place on the parent's spline; it must lie between 0 and 1 (-1 is the same "
                           "as leaving it out)");
   }
+  readBend(place, rig);
   return rig;
 }
 

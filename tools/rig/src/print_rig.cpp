@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // RigDescription -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
 #include <locale>
+#include <numbers>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -11,22 +12,34 @@
 namespace kelp {
 namespace {
 
-// `value` as the shortest decimal d for which float(d - rest) is `value` again.
-std::string number(float value, double rest = 0) {
+// `wanted` as the shortest decimal that `means` what it does.
+template <class Means>
+std::string shortest(double wanted, const Means& means) {
   std::string text;
   for (int digits = 6; digits <= 17; ++digits) {
     std::ostringstream out;
     out.imbue(std::locale::classic());
     out.precision(digits);
-    out << static_cast<double>(value) + rest;
+    out << wanted;
     text = out.str();
     std::istringstream in(text);
     in.imbue(std::locale::classic());
     double back = 0;
     in >> back;
-    if (static_cast<float>(back - rest) == value) break;
+    if (means(back)) break;
   }
   return text == "-0" ? "0" : text;
+}
+
+// `value` as the shortest decimal d for which float(d - rest) is `value` again.
+std::string number(float value, double rest = 0) {
+  return shortest(static_cast<double>(value) + rest,
+                  [&](double back) { return static_cast<float>(back - rest) == value; });
+}
+
+std::string degrees(float roll) {
+  return shortest(rollInDegrees(roll),
+                  [&](double back) { return static_cast<float>(back * std::numbers::pi / 180) == roll; });
 }
 
 template <class V>
@@ -144,6 +157,8 @@ std::string printRig(const RigDescription& rig) {
     members.push_back("\"sockets\": {" + join(lines, "    ") + "}");
   }
   if (rig.parent_at != Part::kNotOnSpline) members.push_back("\"parent_at\": " + number(rig.parent_at));
+  if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend) + "\"");
+  if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
   return "{" + join(members, "  ") + "}\n";
 }
 

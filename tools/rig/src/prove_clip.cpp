@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Proof that a spline stays monotone while a clip moves it.
+// Proof that the spline of a sheared part stays monotone while a clip moves it.
 //
 // A segment's slope Sy'(t) is a quadratic with the Bernstein coefficients d0 = m0, d1 = 3 (p1 - p0) - m0 -
 // m1, d2 = m1 (p: heights of its knots, m: their tangents' y times the segment's share of the axis). It is
@@ -15,6 +15,7 @@
 
 #include "clip_motion.h"
 #include "kelp/rig/rig.h"
+#include "sample_clip.h"
 #include "words.h"
 
 namespace kelp {
@@ -256,6 +257,7 @@ Range boundSegment(const PartMotions& moved, std::span<const Knot> knots, std::s
 }  // namespace
 
 ClipReport proveClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size) {
+  if (rest.bend == Bend::kSweep) return rig::sampleClip(clip, part, rest, size);
   const std::span<const Knot> knots = rest.knots;
   const PartMotions moved(clip, part, rest);
   std::size_t work = kMostWork;

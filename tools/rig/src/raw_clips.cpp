@@ -19,7 +19,8 @@ float lengthOf(const RawClip& clip) {
 }  // namespace
 
 RawRig rawRig(const Part& part) {
-  return {{part.knots.begin(), part.knots.end()}, part.automatic_tangents, part.parent_at};
+  return {
+      {part.knots.begin(), part.knots.end()}, part.automatic_tangents, part.parent_at, part.bend, part.roll};
 }
 
 std::vector<RawSocket> rawSockets(const Pack& pack) {

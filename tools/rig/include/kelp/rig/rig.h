@@ -80,9 +80,17 @@ struct RigDescription {
   std::vector<Clip> clips;
   std::vector<Socket> sockets;           // at most kMaxSockets, each with a name of its own
   float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
+  std::optional<Bend> bend;              // kDefaultBend if absent
+  float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
   bool operator==(const RigDescription&) const = default;
 };
 inline constexpr std::size_t kMaxSockets = 1024;
+// How a part bends whose rig does not say.
+inline constexpr Bend kDefaultBend = Bend::kShear;
+std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"
+const char* toString(Bend bend);
+// The roll of a part in degrees, as the rig language has it.
+double rollInDegrees(float roll);
 
 // What parseRig, printRig and proveClip throw. what() is one line: the place (a JSON pointer, or clip and
 // knot), what is wrong, what to do.
@@ -109,6 +117,11 @@ std::vector<std::string> presetNames();
 std::vector<Knot> realizeKnots(const RigDescription& rig);
 // Which of them have an automatic tangent, as Part::automatic_tangents.
 std::uint64_t automaticTangents(const RigDescription& rig);
+// The rest rig: both of them, and how the part bends. A rig that does not say bends as `by_default`.
+RawRig realizeRig(const RigDescription& rig, Bend by_default = kDefaultBend);
+// Refuses the rest rig of a part of `size` voxels that cannot be drawn. RigError names the knot and says what
+// to do.
+void checkRest(const RawRig& rest, const glm::ivec3& size);
 // The clips, in the axes of the part; their waves and tracks name part `part`. mergeClips joins clips of
 // several parts that have the same name.
 std::vector<RawClip> realizeClips(const RigDescription& rig, std::uint32_t part);
@@ -118,20 +131,24 @@ std::vector<RawSocket> realizeSockets(const RigDescription& rig, std::uint32_t p
 // The pairs (part, what the clip does to it) for all parts that the clip moves, ascending; each has the
 // clip's name and duration.
 std::vector<std::pair<std::uint32_t, RawClip>> splitByPart(const RawClip& clip);
-// The inverse of realizeKnots, automaticTangents, realizeClips and realizeSockets, for `kelp-dump rig`;
+// The inverse of realizeRig, realizeClips and realizeSockets, for `kelp-dump rig`;
 // `axis` is the part's axis in the artist's axes.
 RigDescription describeRig(const RawRig& rest, std::span<const RawClip> clips, std::uint32_t part,
                            Axis axis = Axis::kPlusY, std::span<const RawSocket> sockets = {});
 
 // The motion of one part over the whole clip.
 struct ClipReport {
-  Box bounds;            // voxels; contains the deformed box at every time (conservative)
+  // Voxels; contains the deformed box at every time (conservative). Of a swept part: at the moments looked
+  // at.
+  Box bounds;
   float leaves_box = 0;  // how far the deformed box goes beyond the box at rest, in units of size.y
 };
 
-// Proves that the part's spline stays monotone at every time of the clip, and bounds the motion (interval
-// arithmetic over subdivided time; waves with unrelated periods are assumed to meet in the worst way).
-// RigError names the clip, the segment and a time at which it turns back.
+// A sheared part: proves that its spline stays monotone at every time of the clip, and bounds the motion
+// (interval arithmetic over subdivided time; waves with unrelated periods are assumed to meet in the worst
+// way). RigError names the clip, the segment and a time at which it turns back.
+// A swept part: looks at many moments of the clip, which is no proof (README.md, "Swept parts"). RigError
+// names the clip, the knot and the first of these moments at which it folds.
 ClipReport proveClip(const RawClip& clip, std::uint32_t part, const RawRig& rest, const glm::ivec3& size);
 
 }  // namespace kelp

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// How a part bends: the words for it, and the rest rig.
+#include <numbers>
+#include <string>
+
+#include "kelp/formats/sweep.h"
+#include "kelp/rig/rig.h"
+
+namespace kelp {
+
+std::optional<Bend> parseBend(std::string_view text) {
+  for (const Bend bend : {Bend::kShear, Bend::kSweep})
+    if (text == toString(bend)) return bend;
+  return std::nullopt;
+}
+
+const char* toString(Bend bend) { return bend == Bend::kSweep ? "sweep" : "shear"; }
+
+double rollInDegrees(float roll) { return static_cast<double>(roll) * 180 / std::numbers::pi; }
+
+RawRig realizeRig(const RigDescription& rig, Bend by_default) {
+  RawRig rest{realizeKnots(rig), automaticTangents(rig), rig.parent_at};
+  rest.bend = rig.bend.value_or(by_default);
+  rest.roll = rig.roll;
+  return rest;
+}
+
+void checkRest(const RawRig& rest, const glm::ivec3& size) {
+  const Result<void> sound = checkRig(rest.bend, rest.knots, size, rest.roll);
+  if (sound) return;
+  const char* const remedy =
+      rest.bend == Bend::kShear
+          ? "the spline may not turn back along its axis: give the knot a shorter tangent or a smaller "
+            "offset, "
+            "or write \"bend\": \"sweep\""
+          : "a swept part may not fold: let it turn over a greater length, or make it thinner";
+  throw RigError("knot " + std::to_string(sound.error().offset) + ": " + sound.error().detail + "; " +
+                 remedy);
+}
+
+}  // namespace kelp
