@@ -90,7 +90,8 @@ bool alike(const PackRig& a, const PackRig& b) {
     return false;
   for (std::size_t part = 0; part < a.parts.size(); ++part) {
     const RawRig &r = a.parts[part], &s = b.parts[part];
-    if (r.automatic_tangents != s.automatic_tangents || !near(r.parent_at, s.parent_at) ||
+    if (r.automatic_tangents != s.automatic_tangents || !near(r.parent_at, s.parent_at) || r.bend != s.bend ||
+        !near(r.roll, s.roll) ||
         !std::equal(r.knots.begin(), r.knots.end(), s.knots.begin(), s.knots.end(),
                     [&](const Knot& k, const Knot& l) {
                       return near(k.at, l.at) && near(k.position, l.position, kAlike) &&
@@ -177,7 +178,7 @@ RigDescription describe(const PackRig& rig, int index, const RigAxes& axes) {
 PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAxes>& axes) {
   PackRig rig;
   for (std::size_t part = 0; part < rigs.size(); ++part) {
-    RawRig rest{realizeKnots(rigs[part]), automaticTangents(rigs[part]), rigs[part].parent_at};
+    RawRig rest = realizeRig(rigs[part]);
     std::vector<RawSocket> sockets = realizeSockets(rigs[part], static_cast<std::uint32_t>(part));
     std::vector<RawClip> clips = realizeClips(rigs[part], static_cast<std::uint32_t>(part));
     if (axes[part].turn != glm::mat3(1)) {
@@ -194,9 +195,7 @@ PackRig realize(const std::vector<RigDescription>& rigs, const std::vector<RigAx
 
 void prove(const PackRig& rig, const Sizes& sizes) {
   for (std::size_t part = 0; part < rig.parts.size(); ++part) {
-    if (const auto sound = checkKnots(rig.parts[part].knots); !sound)
-      throw RigError("knot " + std::to_string(sound.error().offset) + ": " + sound.error().detail +
-                     "; the spline may not turn back along its axis");
+    checkRest(rig.parts[part], sizes[part]);
     for (const RawClip& clip : rig.clips) {
       if (moves(clip, static_cast<std::uint32_t>(part)))
         (void)proveClip(clip, static_cast<std::uint32_t>(part), rig.parts[part], sizes[part]);

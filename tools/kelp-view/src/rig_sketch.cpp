@@ -4,12 +4,17 @@
 namespace kelp::view {
 namespace {
 
-RawLevel oneVoxel() {
+// Tall and thin: a swept part that bends too sharply for such a stick is refused, all others are not.
+constexpr glm::ivec3 kStick(1, 256, 1);
+
+RawLevel stick() {
   RawLevel level;
-  level.cells = {kCellSolid};
-  level.codes.assign(kBrickVoxels, 0);
-  level.codes[0] = kSurfaceCode;
-  level.attributes = {0};
+  for (std::uint32_t brick = 0; brick < kStick.y / kBrickSide; ++brick) {
+    level.cells.push_back(kCellSolid | brick);
+    level.codes.push_back(kSurfaceCode);
+    level.codes.resize(level.cells.size() * kBrickVoxels);
+    level.attributes.push_back(0);
+  }
   return level;
 }
 
@@ -21,12 +26,14 @@ Result<std::unique_ptr<RigSketch>> RigSketch::make(const PackRig& rig) {
   pack.palette.emplace_back();
   for (const RawRig& rest : rig.parts) {
     RawPart& part = pack.parts.emplace_back();
-    part.size = glm::ivec3(1);
+    part.size = kStick;
     part.knots = rest.knots;
     part.automatic_tangents = rest.automatic_tangents;
     part.parent_at = rest.parent_at;
+    part.bend = rest.bend;
+    part.roll = rest.roll;
     if (rest.parent_at != Part::kNotOnSpline && pack.parts.size() > 1) part.parent = 0;  // whichever it is
-    part.levels.push_back(oneVoxel());
+    part.levels.push_back(stick());
   }
   pack.clips = rig.clips;
   pack.sockets = rig.sockets;

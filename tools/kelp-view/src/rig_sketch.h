@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rigs without a model: a pack in memory with one voxel for each part. The runtime plays its clips. Its
-// RIGS, CLIP and SOCK chunks replace those of the real pack (see rerigged.h).
+// Rigs without a model: a pack in memory with a stick of voxels for each part. The runtime plays its clips.
+// Its RIGS, CLIP and SOCK chunks replace those of the real pack (see rerigged.h).
 #pragma once
 
 #include <cstddef>

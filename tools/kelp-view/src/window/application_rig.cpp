@@ -17,12 +17,13 @@ namespace kelp::view {
 namespace {
 
 // Whether the model can play the rig as it is drawn: it has as many knots, and its parts hang at the same
-// places.
+// places and bend in the same way.
 bool fits(const PackRig& rig, const Model& model) {
   const std::span<const Part> parts = model.asset().pack().parts();
   return std::equal(rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
                     [](const RawRig& rest, const Part& part) {
-                      return rest.knots.size() == part.knots.size() && rest.parent_at == part.parent_at;
+                      return rest.knots.size() == part.knots.size() && rest.parent_at == part.parent_at &&
+                             rest.bend == part.bend && rest.roll == part.roll;
                     });
 }
 
