@@ -30,7 +30,7 @@ KELP_FN float kelpFaceAt(int face, int count, float half_extent) {
 // Follows the ray through the slice of arc `number`, for s in range, to the first solid voxel. An exact walk:
 // each step leaves an empty box of voxels, through the face that the root of a quadratic tells. The number of
 // the voxel behind that face is set, not computed; the others never go back. So the walk ends, whatever
-// rounding does. Lengths are voxels of the level.
+// rounding does. Lengths are voxels of the level. Long: steps share the ray, the voxel and the box.
 KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, float to_y, vec3 o, vec3 r,
                              vec2 range, KelpHit before) {
   KelpHit hit = before;
@@ -211,29 +211,82 @@ KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, 
   return hit;
 }
 
+// Four slices in the order in which a ray enters them: where, and their numbers.
+struct KelpNext {
+  float s0;
+  float s1;
+  float s2;
+  float s3;
+  int arc0;
+  int arc1;
+  int arc2;
+  int arc3;
+};
+KELP_FN KelpNext kelpNoSlices() {
+  KelpNext n;
+  n.s0 = KELP_NEVER;
+  n.s1 = KELP_NEVER;
+  n.s2 = KELP_NEVER;
+  n.s3 = KELP_NEVER;
+  n.arc0 = 0;
+  n.arc1 = 0;
+  n.arc2 = 0;
+  n.arc3 = 0;
+  return n;
+}
+// Without the first.
+KELP_FN KelpNext kelpBehindFirst(KelpNext before) {
+  KelpNext n = before;
+  n.s0 = before.s1;
+  n.s1 = before.s2;
+  n.s2 = before.s3;
+  n.s3 = KELP_NEVER;
+  n.arc0 = before.arc1;
+  n.arc1 = before.arc2;
+  n.arc2 = before.arc3;
+  return n;
+}
+// With one more; the last falls out.
+KELP_FN KelpNext kelpPutInOrder(KelpNext before, float s, int arc) {
+  KelpNext n = before;
+  bool first = s < n.s0;
+  bool second = s < n.s1;
+  bool third = s < n.s2;
+  if (s < n.s3) {
+    n.s3 = third ? before.s2 : s;
+    n.arc3 = third ? before.arc2 : arc;
+  }
+  if (third) {
+    n.s2 = second ? before.s1 : s;
+    n.arc2 = second ? before.arc1 : arc;
+  }
+  if (second) {
+    n.s1 = first ? before.s0 : s;
+    n.arc1 = first ? before.arc0 : arc;
+  }
+  if (first) {
+    n.s0 = s;
+    n.arc0 = arc;
+  }
+  return n;
+}
+
 // The first solid voxel along o + s r of a swept part. The slices that the ray meets are walked in the order
 // in which it enters them, four at a time.
 KELP_FN KelpHit kelpTraceSwept(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   KelpHit hit = kelpNoHit(s_max);
   vec3 half_size = 0.5f * KELP_SIZE;
-  vec2 range = vec2(s_min, s_max);
   vec3 low = KELP_BOUNDS_MIN;
   vec3 high = KELP_BOUNDS_MAX;
+  vec2 range = vec2(s_min, s_max);
   range = kelpClip(kelpClip(range, o.x - low.x, r.x), high.x - o.x, -r.x);
   range = kelpClip(kelpClip(range, o.y - low.y, r.y), high.y - o.y, -r.y);
   range = kelpClip(kelpClip(range, o.z - low.z, r.z), high.z - o.z, -r.z);
-  float after = -KELP_NEVER;  // the slice walked last: where the ray enters it, and its number
-  int after_arc = -1;
+  float walked = -KELP_NEVER;  // where the ray entered the slice that was walked last, and its number
+  int walked_arc = -1;
   bool more = range.x <= range.y;
   while (more) {
-    float e0 = KELP_NEVER;
-    float e1 = KELP_NEVER;
-    float e2 = KELP_NEVER;
-    float e3 = KELP_NEVER;
-    int i0 = 0;
-    int i1 = 0;
-    int i2 = 0;
-    int i3 = 0;
+    KelpNext next = kelpNoSlices();
     for (int i = 0; i < KELP_ARCS; ++i) {
       // Culled by the ball around the slice, then clipped.
       vec4 ball = KELP_ARC_BALL(i);
@@ -244,53 +297,26 @@ KELP_FN KelpHit kelpTraceSwept(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
       ++hit.clips;
       vec2 in_slice =
           kelpArcRange(KELP_ARC(i), KELP_JOINT_PLANE(i), KELP_JOINT_PLANE(i + 1), half_size, o, r, range);
-      float t = in_slice.x;
-      if (!(t <= in_slice.y) || t < after || (t == after && i <= after_arc) || !(t < e3)) continue;
-      if (t < e2) {
-        e3 = e2;
-        i3 = i2;
-        if (t < e1) {
-          e2 = e1;
-          i2 = i1;
-          if (t < e0) {
-            e1 = e0;
-            i1 = i0;
-            e0 = t;
-            i0 = i;
-          } else {
-            e1 = t;
-            i1 = i;
-          }
-        } else {
-          e2 = t;
-          i2 = i;
-        }
-      } else {
-        e3 = t;
-        i3 = i;
-      }
+      float s = in_slice.x;
+      if (s <= in_slice.y && (s > walked || (s == walked && i > walked_arc)))
+        next = kelpPutInOrder(next, s, i);
     }
-    more = e3 < KELP_NEVER;
-    after = e3;
-    after_arc = i3;
+    more = next.s3 < KELP_NEVER;
+    walked = next.s3;
+    walked_arc = next.arc3;
     for (int n = 0; n < 4; ++n) {
-      if (!(e0 < hit.s)) {
+      if (!(next.s0 < range.y)) {
         more = false;
         break;
       }
-      KelpArc g = KELP_ARC(i0);
-      KelpJoint from = KELP_JOINT(i0);
-      KelpJoint to = KELP_JOINT(i0 + 1);
-      vec2 in_slice =
-          kelpArcRange(g, from.plane, to.plane, half_size, o, r, vec2(range.x, min(range.y, hit.s)));
-      hit = kelpMarchArc(KELP_CONTEXT g, i0, from.y, to.y, o, r, vec2(e0, max(in_slice.y, e0)), hit);
-      e0 = e1;
-      i0 = i1;
-      e1 = e2;
-      i1 = i2;
-      e2 = e3;
-      i2 = i3;
-      e3 = KELP_NEVER;
+      KelpArc g = KELP_ARC(next.arc0);
+      KelpJoint from = KELP_JOINT(next.arc0);
+      KelpJoint to = KELP_JOINT(next.arc0 + 1);
+      vec2 in_slice = kelpArcRange(g, from.plane, to.plane, half_size, o, r, range);
+      in_slice = vec2(next.s0, max(in_slice.y, next.s0));
+      hit = kelpMarchArc(KELP_CONTEXT g, next.arc0, from.y, to.y, o, r, in_slice, hit);
+      if (hit.found) range.y = hit.s;
+      next = kelpBehindFirst(next);
     }
   }
   return hit;

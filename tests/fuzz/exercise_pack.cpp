@@ -69,8 +69,7 @@ void playAndAsk(runtime::Asset& asset, std::uint64_t choice) {
   if (!rest || !pose) return;
   const double moment = kMoments[choice % 8];
   for (int clip = 0; clip < static_cast<int>(asset.pack().clips().size()); ++clip) {
-    if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose))
-      pose->clamp();
+    if (runtime::addClip(asset, clip, moment, choice / 8 % 2 == 0 ? 1.0f : 0.3f, *pose)) pose->clamp();
   }
   if (choice / 16 % 4 == 0 && !pose->blend(*rest, 0.5f)) std::abort();
   if (choice / 64 % 4 == 0) {

@@ -12,12 +12,12 @@
 #include <glm/matrix.hpp>
 
 #include "grow.h"
+#include "record_spline.h"
 
 namespace kelp::gl {
 namespace {
 
-// Texels of a record: its head, and what precedes the segments of the frame before.
-constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4), kMotionTexels = 4;
+constexpr std::size_t kHeadTexels = sizeof(RecordHead) / sizeof(glm::uvec4);  // of a record
 
 constexpr Error kUnknownAsset{ErrorCode::kMisuse, "an instance's asset was not added to the renderer"};
 constexpr Error kGoneAsset{ErrorCode::kMisuse, "an instance's asset was destroyed"};
@@ -90,66 +90,6 @@ float alongView(const glm::dvec4& direction, const RecordHead& head) {
   for (int row = 0; row < 3; ++row) along += static_cast<float>(direction[row]) * head.to_world[row];
   const glm::vec3 slope(along), middle = 0.5f * (head.low + head.high);
   return glm::dot(slope, middle) + along.w - glm::dot(glm::abs(slope), head.high - middle);
-}
-
-// As makeSegment. Writes one number too many, which the next write covers.
-glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float height) {
-  static_assert(sizeof(Segment) == 3 * sizeof *out && offsetof(Segment, m0) == 12 &&
-                offsetof(Segment, p1) == 24 && offsetof(Segment, m1) == 36);
-  static_assert(offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    const Knot& k0 = knots[i];
-    const Knot& k1 = knots[i + 1];
-    const float share = height * (k1.at - k0.at);
-    const auto tangentOf = [share](const Knot& knot) {
-      return share * Lanes::load(&knot.position.z).rotated();
-    };
-    float* const numbers = reinterpret_cast<float*>(out);
-    (height * Lanes::load(&k0.position.x)).store(numbers);
-    tangentOf(k0).store(numbers + 3);
-    (height * Lanes::load(&k1.position.x)).store(numbers + 6);
-    tangentOf(k1).store(numbers + 9);
-    out += 3;
-  }
-  return out;
-}
-
-float rollOf(const Part& part, const runtime::Pose* pose, int index) {
-  return part.roll + (pose ? pose->motion(index)->roll : 0.0f);
-}
-Result<void> makeChain(const Part& part, const runtime::Pose* pose, int index, float tolerance,
-                       ArcChain& chain) {
-  return makeArcs(pose ? pose->knots(index) : part.knots, part.size, rollOf(part, pose, index), tolerance,
-                  chain);
-}
-
-// Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments; of a swept part,
-// the number of its arcs, and these. `scratch`: for arcs.
-glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, ArcChain& scratch, glm::uvec4* out) {
-  const int index = static_cast<int>(part);
-  const Part& packed = instance.asset->pack().parts()[part];
-  const bool swept = packed.bend == Bend::kSweep;
-  runtime::Instance before = instance;
-  // A pose that could not be drawn was not seen in the frame before: then the part stands still.
-  if (instance.previous_pose &&
-      (swept ? makeChain(packed, instance.previous_pose, index, kArcTolerance, scratch)
-             : checkKnots(instance.previous_pose->knots(index))))
-    before.pose = instance.previous_pose;
-  else if (swept)
-    (void)makeChain(packed, instance.pose, index, kArcTolerance, scratch);
-  if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
-  const glm::mat4 rows(
-      glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
-  std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
-  out += kMotionTexels;
-  if (swept) {
-    *out++ = glm::uvec4(static_cast<std::uint32_t>(scratch.count), 0, 0, 0);
-    writeArcs(out, scratch);
-    return out + arcTexels(static_cast<std::uint32_t>(scratch.count));
-  }
-  return writeSegments(out, before.pose ? before.pose->knots(index) : packed.knots,
-                       static_cast<float>(packed.size.y));
 }
 
 }  // namespace

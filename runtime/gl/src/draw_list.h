@@ -4,8 +4,6 @@
 // it is blended.
 #pragma once
 
-#include <cstring>
-
 #include "kelp/formats/sweep.h"
 #include "placing.h"
 #include "program.h"
@@ -18,14 +16,6 @@ inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for
 inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 
 inline constexpr std::uint32_t kSweptLast = 1u << 30;  // in the key of a part's order
-
-// Arcs and joints, as in the records.
-inline std::size_t arcTexels(std::uint32_t arcs) { return 6 * std::size_t{arcs} + 2; }
-inline void writeArcs(glm::uvec4* out, const ArcChain& chain) {
-  const auto count = static_cast<std::size_t>(chain.count);
-  std::memcpy(static_cast<void*>(out), chain.arcs, count * sizeof(Arc));
-  std::memcpy(static_cast<void*>(out + 4 * count), chain.joints, (count + 1) * sizeof(ArcJoint));
-}
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {

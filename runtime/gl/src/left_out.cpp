@@ -5,6 +5,7 @@
 
 #include "draw_list.h"
 #include "grow.h"
+#include "record_spline.h"
 
 namespace kelp::gl {
 

@@ -97,7 +97,6 @@ struct Renderer::Impl {
         log{config.log, config.user},
         restore(config.state == State::kRestore),
         look_is_plain(!config.surface_glsl && !config.secondary_rays),
-        distances(config.distances),
         surface(config.allocator),
         defines{config.secondary_rays, config.distances},
         store(config.allocator, config.distances),
@@ -108,7 +107,6 @@ struct Renderer::Impl {
   LogSink log;
   bool restore;
   bool look_is_plain;  // casts no rays
-  bool distances;      // Config::distances
   bool abandoned = false;
   Buffer<char> surface;  // a copy of Config::surface_glsl; empty: kelp's own look
   LookDefines defines;
@@ -127,8 +125,7 @@ struct Renderer::Impl {
   TraceStrings trace_strings{};
 
   void setState(const Program& used, const View& view, Pass pass, Name scene_depth) const;
-  Result<void> prepareFog(std::span<const Part> parts);
-  Result<void> prepareSweep(std::span<const Part> parts);
+  Result<void> prepare(std::span<const Part> parts);
   std::uint32_t drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
                             std::uint32_t batches) const;
 };
@@ -157,9 +154,14 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
   api.Uniform1i(used.scene, scene_depth == 0 ? 0 : view.camera.reversed_depth ? 2 : 1);
 }
 
-// Compiles the programs that fog among the parts needs. Within a DrawGuard.
-Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
+// Compiles the programs that fog and swept parts need. Within a DrawGuard.
+Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
   for (const Part& part : parts) {
+    if (part.bend == Bend::kSweep && !defines.distances && swept_program.name == 0) {
+      const auto built = buildProgram(api, surface.data(), defines, Bend::kSweep, log);
+      if (!built) return built.error();
+      swept_program = *built;
+    }
     if (!part.fog) continue;
     const bool heat = part.fog->channels() > 1;
     for (const bool shadow : {false, true}) {
@@ -170,17 +172,6 @@ Result<void> Renderer::Impl::prepareFog(std::span<const Part> parts) {
       fog_program = *built;
     }
   }
-  return {};
-}
-
-// Compiles the program that swept parts need. Within a DrawGuard.
-Result<void> Renderer::Impl::prepareSweep(std::span<const Part> parts) {
-  const bool any =
-      std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.bend == Bend::kSweep; });
-  if (!any || distances || swept_program.name != 0) return {};
-  const auto built = buildProgram(api, surface.data(), defines, Bend::kSweep, log);
-  if (!built) return built.error();
-  swept_program = *built;
   return {};
 }
 
@@ -215,10 +206,10 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Config& config) {
   const DebugGroup group(self.api, "kelp create");
   const UploadGuard upload(self.api, self.restore);
   const DrawGuard guard(self.api, self.restore);
-  if (config.surface_glsl) {
-    const std::size_t bytes = std::strlen(config.surface_glsl) + 1;
-    if (!self.surface.reset(bytes)) return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
-    std::memcpy(self.surface.data(), config.surface_glsl, bytes);
+  if (const char* const text = config.surface_glsl) {
+    if (!self.surface.reset(std::strlen(text) + 1))
+      return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+    std::memcpy(self.surface.data(), text, self.surface.size());
   }
   if (auto good = self.store.create(self.api, config.gpu_budget); !good) return good.error();
   auto program = buildProgram(self.api, self.surface.data(), self.defines, Bend::kShear, self.log);
@@ -262,13 +253,8 @@ Result<void> Renderer::add(const runtime::Asset& asset) {
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
   const DebugGroup group(self.api, "kelp add");
   const UploadGuard guard(self.api, self.restore);
-  const std::span<const Part> parts = asset.pack().parts();
-  if (std::any_of(parts.begin(), parts.end(),
-                  [](const Part& part) { return part.fog || part.bend == Bend::kSweep; })) {
-    const DrawGuard draw(self.api, self.restore);
-    if (auto good = self.prepareFog(parts); !good) return good;
-    if (auto good = self.prepareSweep(parts); !good) return good;
-  }
+  const DrawGuard draw(self.api, self.restore);
+  if (auto good = self.prepare(asset.pack().parts()); !good) return good;
   return self.store.add(self.api, asset);
 }
 
@@ -300,7 +286,7 @@ Result<Stats> Renderer::upload(std::uint64_t max_bytes) {
 Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance> instances, Pass pass) {
   Impl& self = *impl_;
   if (self.abandoned) return Error{ErrorCode::kMisuse, "the renderer was abandoned"};
-  if (auto good = checkView(view, self.look_is_plain, self.distances); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain, self.defines.distances); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;
@@ -329,7 +315,7 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
     if (auto good = uploadRecords(self.api, self.records, self.list.records()); !good) return good.error();
   }
   const DrawGuard guard(self.api, self.restore);
-  const std::uint32_t all = self.list.parts(), sheared = self.distances ? all : self.list.sheared();
+  const std::uint32_t all = self.list.parts(), sheared = self.defines.distances ? all : self.list.sheared();
   if (fog) {
     const Program& used = self.fog_programs[self.list.hasHeat()][view.quality.self_shadow];
     self.setState(used, view, pass, scene_depth);
@@ -362,7 +348,7 @@ Result<Stats> Renderer::bindTrace(std::uint32_t program, const View& view,
   if (!linked) return Error{ErrorCode::kMisuse, "`program` is not a linked program of this context"};
   if (first_unit < 0 || first_unit > api.max_texture_units - 2)
     return Error{ErrorCode::kMisuse, "first_unit or the next is not a texture unit of this context"};
-  if (auto good = checkView(view, self.look_is_plain, self.distances); !good) return good.error();
+  if (auto good = checkView(view, self.look_is_plain, self.defines.distances); !good) return good.error();
   Stats stats;
   stats.gpu_bytes = self.store.pool().usedBytes();
   stats.pending = self.pending;

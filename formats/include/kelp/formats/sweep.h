@@ -29,9 +29,10 @@ struct Arc {
 
 // Between two arcs, and at both ends.
 struct ArcJoint {
-  glm::vec4 plane;      // of the section: dot(plane.xyz, p) + plane.w is 0 on it, positive farther along
-  glm::vec2 curvature;  // as normals see it, in the section's x and z: it changes gradually from joint to joint
-  float rise;           // as normals see it: Arc::rise, gradually too
+  glm::vec4 plane;  // of the section: dot(plane.xyz, p) + plane.w is 0 on it, positive farther along
+  // What normals see: these change gradually from joint to joint.
+  glm::vec2 curvature;  // in the section's x and z
+  float rise;           // as Arc::rise
   float y;              // height at rest
 };
 static_assert(sizeof(Arc) == 64 && sizeof(ArcJoint) == 32);

@@ -5,11 +5,11 @@
 namespace kelp::shaders {
 
 // The tracing core, in this order.
-extern const char* const kSpline;    // spline.glsl: a segment of a part's spline, and normals
-extern const char* const kCurve;     // curve.glsl: a ray as a curve in the volume, and its steps
-extern const char* const kTrace;     // trace.glsl: where a ray first meets a solid voxel
-extern const char* const kArc;       // arc.glsl: a ray in one arc of a swept part
-extern const char* const kSweep;     // sweep.glsl: rays through swept parts, and kelpTrace for all
+extern const char* const kSpline;  // spline.glsl: a segment of a part's spline, and normals
+extern const char* const kCurve;   // curve.glsl: a ray as a curve in the volume, and its steps
+extern const char* const kTrace;   // trace.glsl: where a ray first meets a solid voxel
+extern const char* const kArc;     // arc.glsl: a ray in one arc of a swept part
+extern const char* const kSweep;   // sweep.glsl: rays through swept parts, and kelpTrace for all
 // sweep_record.glsl: where arcs come from on the GPU; between the two
 extern const char* const kSweepRecord;
 extern const char* const kDistance;  // distance.glsl: how far a point is from a part

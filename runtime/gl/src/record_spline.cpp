@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "record_spline.h"
+
+#include <cstddef>
+
+#include <glm/matrix.hpp>
+
+#include "placing.h"
+
+namespace kelp::gl {
+namespace {
+
+Result<void> makeChain(const Part& part, const runtime::Pose* pose, int index, float tolerance,
+                       ArcChain& chain) {
+  return makeArcs(pose ? pose->knots(index) : part.knots, part.size, rollOf(part, pose, index), tolerance,
+                  chain);
+}
+
+}  // namespace
+
+glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float height) {
+  static_assert(sizeof(Segment) == 3 * sizeof *out && offsetof(Segment, m0) == 12 &&
+                offsetof(Segment, p1) == 24 && offsetof(Segment, m1) == 36);
+  static_assert(offsetof(Knot, position) == 4 && offsetof(Knot, tangent) == 16);
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Knot& k0 = knots[i];
+    const Knot& k1 = knots[i + 1];
+    const float share = height * (k1.at - k0.at);
+    const auto tangentOf = [share](const Knot& knot) {
+      return share * Lanes::load(&knot.position.z).rotated();
+    };
+    float* const numbers = reinterpret_cast<float*>(out);
+    (height * Lanes::load(&k0.position.x)).store(numbers);
+    tangentOf(k0).store(numbers + 3);
+    (height * Lanes::load(&k1.position.x)).store(numbers + 6);
+    tangentOf(k1).store(numbers + 9);
+    out += 3;
+  }
+  return out;
+}
+
+glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
+                        std::uint32_t part, ArcChain& scratch, glm::uvec4* out) {
+  const int index = static_cast<int>(part);
+  const Part& packed = instance.asset->pack().parts()[part];
+  const bool swept = packed.bend == Bend::kSweep;
+  runtime::Instance before = instance;
+  // A pose that could not be drawn was not seen in the frame before: then the part stands still.
+  if (instance.previous_pose &&
+      (swept ? makeChain(packed, instance.previous_pose, index, kArcTolerance, scratch)
+             : checkKnots(instance.previous_pose->knots(index))))
+    before.pose = instance.previous_pose;
+  else if (swept)
+    (void)makeChain(packed, instance.pose, index, kArcTolerance, scratch);
+  if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
+  const glm::mat4 rows(
+      glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));
+  std::memcpy(static_cast<void*>(out), &rows, sizeof rows);
+  out += kMotionTexels;
+  if (swept) {
+    *out++ = glm::uvec4(static_cast<std::uint32_t>(scratch.count), 0, 0, 0);
+    writeArcs(out, scratch);
+    return out + arcTexels(static_cast<std::uint32_t>(scratch.count));
+  }
+  return writeSegments(out, before.pose ? before.pose->knots(index) : packed.knots,
+                       static_cast<float>(packed.size.y));
+}
+
+}  // namespace kelp::gl
