@@ -318,6 +318,36 @@ TEST_F(Diff, SocketsAndWherePartsHang) {
           R"({"name": "tip", "part": 1, "at": 1.0, "offset": [0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0]})"));
 }
 
+TEST_F(Diff, HowPartsBend) {
+  RawPack before = ballPack();
+  before.parts[1].bend = Bend::kSweep;
+  const std::string a = file("a.kelp", before);
+  RawPack after = before;
+  after.parts[0].bend = Bend::kSweep;
+  after.parts[1].roll = 0.785398163f;
+  const json differences = diff(a, file("b.kelp", after));
+  ASSERT_EQ(differences.size(), 2u) << differences;
+  for (const json& difference : differences) EXPECT_EQ(difference.at("kind"), "rig");
+  EXPECT_EQ(differences[0].at("a"), "shear");
+  EXPECT_EQ(differences[0].at("b"), "sweep");
+  EXPECT_EQ(differences[1].at("name"), "twin");
+  EXPECT_NEAR(differences[1].at("largest").get<double>(), 0.25, 1e-6);
+  EXPECT_NE(differences[1].dump().find("rolls of 0 and 45 degrees"), std::string::npos);
+  EXPECT_EQ(diff(a, file("b.kelp", after), {"--tolerance", "0.3"}).size(), 1u);
+
+  const json info = json::parse(test::dump({"info", file("b.kelp", after), "--format", "json"}).out);
+  EXPECT_EQ(info.at("parts")[0].at("bend"), "sweep");
+  EXPECT_EQ(info.at("parts")[0].at("roll"), 0);
+  EXPECT_NEAR(info.at("parts")[1].at("roll").get<double>(), 45, 1e-5);
+  EXPECT_EQ(json::parse(test::dump({"info", file("c.kelp", ballPack()), "--format", "json"}).out)
+                .at("parts")[0]
+                .at("bend"),
+            "shear");
+  const std::string text = test::dump({"info", file("b.kelp", after)}).out;
+  EXPECT_NE(text.find("; swept\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("; swept, turned by 45 degrees"), std::string::npos) << text;
+}
+
 TEST_F(Diff, ToleranceIsAShareOfTheRange) {
   const auto within = [&](const RawPack& b, const std::string& kind, const char* too_little,
                           const char* enough) {

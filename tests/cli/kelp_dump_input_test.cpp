@@ -138,7 +138,13 @@ TEST_F(Input, EachSmallFault) {
       {"a name that is not UTF-8", [](auto& s) { s.content("PART").back() = std::byte{0xff}; }},
       {"a colour above 1", [&](auto& s) { set(s.content("MATL"), 4, 2.0f); }},
       {"65 knots", [&](auto& s) { set(s.content("RIGS"), 8, std::uint32_t{65}); }},
-      {"knots that turn back", [&](auto& s) { set(s.content("RIGS"), 8 + 2 * 16 + 28 + 8, -90.0f); }},
+      {"knots that turn back", [&](auto& s) { set(s.content("RIGS"), 8 + 2 * 24 + 28 + 8, -90.0f); }},
+      {"a swept part that folds",
+       [&](auto& s) {
+         set(s.content("RIGS"), 8 + 16, std::uint32_t{1});
+         set(s.content("RIGS"), 8 + 2 * 24 + 16, 900.0f);
+       }},
+      {"a roll of a sheared part", [&](auto& s) { set(s.content("RIGS"), 8 + 20, 1.0f); }},
       {"a clip of no length", [&](auto& s) { set(s.content("CLIP"), 24, 0.0f); }},
       {"a wave of a part that is not there", [&](auto& s) { set(s.content("CLIP"), 36, std::uint32_t{7}); }},
       {"a raw size of 4 GiB", [](auto& s) { s.chunks[s.find("GRID")].raw_lie = std::uint64_t{4} << 30; }},

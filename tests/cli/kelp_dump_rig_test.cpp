@@ -37,8 +37,11 @@ class SetRig : public testing::Test {
     for (std::uint32_t i = 0; i < rigs.size(); ++i) {
       raw.parts.push_back(test::rawPart(test::ball(test::scaled(0.01f), 3), "part " + std::to_string(i)));
       const RigDescription rig = parseRig(rigs[i]);
-      raw.parts[i].knots = realizeKnots(rig);
-      raw.parts[i].automatic_tangents = automaticTangents(rig);
+      const RawRig rest = realizeRig(rig);
+      raw.parts[i].knots = rest.knots;
+      raw.parts[i].automatic_tangents = rest.automatic_tangents;
+      raw.parts[i].bend = rest.bend;
+      raw.parts[i].roll = rest.roll;
       mergeClips(raw.clips, realizeClips(rig, i));
       for (RawSocket& socket : realizeSockets(rig, i)) raw.sockets.push_back(std::move(socket));
     }
@@ -82,6 +85,22 @@ TEST_F(SetRig, IsThePackBakedWithThatRig) {
   EXPECT_EQ(info["options"]["rig"]["xxh3"].get<std::string>().size(), 16u);
   EXPECT_EQ(info["options"]["resolution"], 32);
   EXPECT_EQ(test::dump({"verify", folder_ / "out.kelp", "--format", "json"}).exit, 0);
+}
+
+// The roll, which is not one of whole degrees, to the bit.
+TEST_F(SetRig, KeepsHowAPartBends) {
+  const std::string swept =
+      R"({"kelp": 1, "bend": "sweep", "roll": 12.3456789, "knots": [{"at": 0}, {"at": 1, "tangent": [0.1, 1, 0]}]})";
+  const std::string path = write(pack({kSway}));
+  const std::string expected =
+      folder_.write("expected.kelp", std::span<const std::byte>(test::writeToMemory(pack({swept}))));
+  const std::string described = test::dump({"rig", expected}).out;
+  EXPECT_EQ(parseRig(described).bend, Bend::kSweep);
+  EXPECT_EQ(parseRig(described).roll, parseRig(swept).roll);
+  EXPECT_EQ(set(path, writeRig(described), {"-o", folder_ / "out.kelp"}).exit, 0);
+  EXPECT_TRUE(same(folder_ / "out.kelp", expected));
+  EXPECT_EQ(set(folder_ / "out.kelp", writeRig(test::dump({"rig", path}).out)).exit, 0);
+  EXPECT_TRUE(same(folder_ / "out.kelp", path));
 }
 
 TEST_F(SetRig, OnePartOfSeveral) {

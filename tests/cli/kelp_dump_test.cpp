@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "../formats/pack_surgeon.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
 #include "kelp/rig/rig.h"
@@ -432,6 +433,21 @@ TEST_F(KelpDump, DeepFindsWrongSurfaces) {
     EXPECT_EQ(second["issues"][0]["id"], 505);
     EXPECT_EQ(second["issues"][0]["level"], level);
   }
+}
+
+TEST_F(KelpDump, VerifySaysWhichKnotFolds) {
+  test::PackSurgeon surgeon(test::writeToMemory(packOf(levelsOf(blob(), 2))));
+  test::Bytes& rigs = surgeon.content("RIGS");
+  test::set(rigs, 8 + 24 + 16, std::uint32_t{1});            // the second part is swept,
+  test::set(rigs, 8 + 2 * 24 + 3 * 28 + 12 + 4 + 4, -1.0f);  // and its second tangent points back
+  write(path(), surgeon.build());
+  const json issue = verify(false, 3)["issues"][0];
+  EXPECT_EQ(issue["id"], 302);
+  EXPECT_EQ(issue["part"], 1);
+  EXPECT_EQ(issue["knot"], 0);
+  const ProcessResult text = dump({"verify", path()});
+  EXPECT_NE(text.out.find("part 1, knot 0: "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("too sharply"), std::string::npos) << text.out;
 }
 
 TEST_F(KelpDump, EveryFlippedByteIsFound) {

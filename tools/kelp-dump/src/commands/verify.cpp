@@ -32,6 +32,7 @@ Finding findingOf(const Issue& issue) {
   finding.code = issue.error.code;
   if (issue.error.offset != Error::kNoOffset) finding.offset = issue.error.offset;
   finding.part = issue.part;
+  finding.knot = issue.knot;
   finding.level = issue.level;
   finding.page = issue.page;
   return finding;

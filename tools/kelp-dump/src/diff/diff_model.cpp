@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "diff/diff.h"
+#include "kelp/rig/rig.h"
 #include "text/safe_json.h"
 #include "text/text.h"
 
@@ -112,6 +113,14 @@ class PartDiff {
   void rig() {
     if (!tolerance_.allows(std::abs(double{a_.parent_at} - double{b_.parent_at}), 1))
       add("rig", "hangs at another place of its parent's spline");
+    if (a_.bend != b_.bend)
+      add("rig", fmt::format("bends by {} and {}", toString(a_.bend), toString(b_.bend)), toString(a_.bend),
+          toString(b_.bend));
+    const double turned = std::abs(rollInDegrees(a_.roll) - rollInDegrees(b_.roll)) / 180;
+    if (!tolerance_.allows(turned, 1))
+      add("rig",
+          fmt::format("rolls of {:.4g} and {:.4g} degrees", rollInDegrees(a_.roll), rollInDegrees(b_.roll)))
+          .largest = turned;
     if (a_.knots.size() != b_.knots.size()) {
       add("rig", fmt::format("{} and {} knots", a_.knots.size(), b_.knots.size()),
           std::to_string(a_.knots.size()), std::to_string(b_.knots.size()));

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "kelp/rig/rig.h"
 #include "text/json.h"
 #include "text/safe_json.h"
 #include "text/text.h"
@@ -44,6 +45,8 @@ Json partJson(const PartSummary& p) {
                {"size", array3(part.size)},
                {"voxel_metres", array3(p.voxel)},
                {"to_object", to_object},
+               {"bend", toString(part.bend)},
+               {"roll", rollInDegrees(part.roll)},
                {"knots", knots},
                {"levels", levels}};
   if (p.distances)

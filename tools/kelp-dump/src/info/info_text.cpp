@@ -10,6 +10,7 @@
 
 #include "info/info_document.h"
 #include "info/summary.h"
+#include "kelp/rig/rig.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -95,6 +96,8 @@ std::string partText(const Summary& summary, std::size_t index) {
   for (std::size_t k = 0; k < part.knots.size() && k < 8; ++k)
     text += fmt::format(" {:.3g}", part.knots[k].at);
   if (part.knots.size() > 8) text += " ...";
+  if (part.bend == Bend::kSweep) text += "; swept";
+  if (part.roll != 0) text += fmt::format(", turned by {:.4g} degrees", rollInDegrees(part.roll));
   if (part.parent >= 0) text += fmt::format("; follows part {}", part.parent);
   if (part.parent_at >= 0) text += fmt::format(" at {:.4g} of its spline", part.parent_at);
   return text + "\n" + (part.fog ? fogText(*part.fog) : "") + levelsText(summary, p);

@@ -132,6 +132,9 @@ class RigSetter {
                                   file_.path(), wanted));
     const BakeOptions& options = *read;
     new_ = readRig(wanted, given ? given : options.axis, options.up);
+    if (part().fog && new_.rig.bend == Bend::kSweep)
+      refuse("/bend: fog cannot be swept; write \"shear\" or take it out");
+    by_default_ = part().fog ? Bend::kShear : options.bend.value_or(kDefaultBend);
     if (given && new_.rig.axis && *given != *new_.rig.axis)
       throw ToolError(
           Exit::kUsage,
@@ -154,7 +157,8 @@ class RigSetter {
     RawRigs rigs;
     for (const Part& each : pack_.parts()) rigs.parts.push_back(rawRig(each));
     try {
-      rigs.parts[part_] = {realizeKnots(new_.rig), automaticTangents(new_.rig), new_.rig.parent_at};
+      rigs.parts[part_] = realizeRig(new_.rig, by_default_);
+      checkRest(rigs.parts[part_], part().size);
       // A rig without sockets leaves those that are there: they may come from the model's own empties.
       for (const RawSocket& socket : rawSockets(pack_))
         if (socket.part != part_ || new_.rig.sockets.empty()) rigs.sockets.push_back(socket);
@@ -171,11 +175,6 @@ class RigSetter {
     }
     if (new_.rig.parent_at != Part::kNotOnSpline && part().parent < 0)
       refuse("/parent_at: the part has no parent part to hang on; leave parent_at out");
-    if (const Result<void> sound = checkKnots(rigs.parts[part_].knots); !sound)
-      refuse(
-          fmt::format("knot {}: {}; the spline may not turn back along its axis: give the knot a shorter "
-                      "tangent or a smaller offset",
-                      sound.error().offset, sound.error().detail));
     for (const RawClip& clip : rigs.clips) prove(clip, rigs);
     for (RawClip& clip : rigs.clips) clip.name.resize(nameOf(clip).size());
     const std::string of_several = pack_.parts().size() > 1 ? std::string(part().name) : "";
@@ -249,6 +248,7 @@ class RigSetter {
   const std::vector<RawClip> old_clips_;
   std::unordered_map<std::string_view, float> old_durations_;
   NewRig new_;
+  Bend by_default_ = kDefaultBend;
   std::optional<Axis> given_axis_;
 };
 

@@ -56,6 +56,8 @@ std::optional<BakeOptions> bakeOptions(std::string_view text) {
   };
   read.axis = axis("axis");
   read.up = axis("up");
+  if (options->contains("bend") && options->at("bend").is_string())
+    read.bend = parseBend(options->at("bend").get_ref<const std::string&>());
   // MagicaVoxel's files have z up, unless the user said otherwise.
   const Json* const source =
       info->contains("source") && info->at("source").is_object() ? &info->at("source") : nullptr;

@@ -14,6 +14,7 @@ namespace kelp::dump {
 // The options of kelp-bake that a rig depends on.
 struct BakeOptions {
   std::optional<Axis> axis, up;
+  std::optional<Bend> bend;
   // Empty layers around the part. At the ends of the spline too, if the rig does not bend.
   std::int64_t pad = 0;
 };

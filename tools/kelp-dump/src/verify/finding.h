@@ -41,6 +41,7 @@ struct Finding {
   int part = -1;
   int level = -1;
   std::int64_t page = -1;
+  int knot = -1;
   std::optional<glm::ivec3> brick;  // position in the grid, of the first place
   std::optional<glm::ivec3> voxel;  // of the first place; of fog, the sample
   std::uint64_t count = 1;          // how many places of this kind in this level

@@ -28,6 +28,7 @@ Json findingJson(const Finding& f, const VerifyReport& report) {
   }
   if (f.level >= 0) json["level"] = f.level;
   if (f.page >= 0) json["page"] = f.page;
+  if (f.knot >= 0) json["knot"] = f.knot;
   if (f.brick) json["brick"] = array3(*f.brick);
   if (f.voxel) json["voxel"] = array3(*f.voxel);
   return json;
@@ -47,6 +48,7 @@ std::string findingText(const Finding& f, const VerifyReport& report) {
   }
   if (f.level >= 0) add(fmt::format("level {}", f.level));
   if (f.page >= 0) add(fmt::format("page {}", f.page));
+  if (f.knot >= 0) add(fmt::format("knot {}", f.knot));
   if (f.brick) add(fmt::format("brick ({}, {}, {})", f.brick->x, f.brick->y, f.brick->z));
   if (f.voxel) add(fmt::format("voxel ({}, {}, {})", f.voxel->x, f.voxel->y, f.voxel->z));
   std::string what = f.code ? toString(*f.code) : "";
