@@ -162,6 +162,34 @@ TEST(ImportSockets, AChildHangsOnItsParentsSpline) {
   EXPECT_EQ(pack.parts[2].parent_at, Part::kNotOnSpline);
 }
 
+// extras.kelp says it for its node; Settings::bend for all that do not.
+TEST(ImportSockets, PartsBendAsTheirNodesSay) {
+  const Scratch scratch;
+  GltfMaker maker;
+  maker.addBox();
+  const std::string text = maker.text(GltfMaker::boxMesh() + R"(,"scenes":[{"nodes":[0,1,2]}],"nodes":[
+      {"name":"a","mesh":0,"extras":{"kelp":{"kelp":1,"bend":"sweep","roll":90}}},
+      {"name":"b","mesh":0,"translation":[3,0,0],"extras":{"kelp":{"kelp":1,"bend":"shear"}}},
+      {"name":"c","mesh":0,"translation":[6,0,0],"extras":{"kelp":{"kelp":1}}}])");
+  for (const std::optional<Bend> asked : {std::optional<Bend>(), std::optional(Bend::kSweep)}) {
+    Report report;
+    const RawPack pack = baked(scratch, text, with([&](Settings& s) {
+                                 s.parts = Parts::kNodes;
+                                 s.bend = asked;
+                               }),
+                               report);
+    ASSERT_EQ(pack.parts.size(), 3u);
+    EXPECT_EQ(pack.parts[0].bend, Bend::kSweep);
+    EXPECT_FLOAT_EQ(pack.parts[0].roll, 1.57079633f);
+    EXPECT_EQ(pack.parts[1].bend, Bend::kShear);
+    EXPECT_EQ(pack.parts[2].bend, asked.value_or(kDefaultBend));
+    EXPECT_TRUE(report.parts[0].swept);
+    EXPECT_FLOAT_EQ(report.parts[0].roll, 1.57079633f);
+    EXPECT_EQ(report.parts[2].swept, pack.parts[2].bend == Bend::kSweep);
+    EXPECT_EQ(pack.info_json.find("\"bend\":\"sweep\"") != std::string::npos, asked == Bend::kSweep);
+  }
+}
+
 TEST(ImportSockets, NothingHangsOnAParentThatIsNotThere) {
   const Scratch scratch;
   const std::string text = post(R"([{"name":"Post","mesh":0,"extras":{"kelp":{"kelp":1,"parent_at":0.5}}}])");

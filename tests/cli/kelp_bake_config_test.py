@@ -13,8 +13,9 @@ from kelp_bake_case import Case, box
 
 # Every option of --print-config, with a value that is not the default and agrees with the others.
 GIVEN = [
-    ("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("up", "+z"), ("unit", "mm"), ("pad", 2),
-    ("scene", "1"), ("fill", "solid"), ("parts", "nodes"), ("at", "Wal\"k\\\\#:0.3"), ("frame", 3),
+    ("resolution", 24), ("rig", "r/own.rig.json"), ("axis", "-x"), ("bend", "sweep"), ("up", "+z"),
+    ("unit", "mm"), ("pad", 2), ("scene", "1"), ("fill", "solid"), ("parts", "nodes"),
+    ("at", "Wal\"k\\\\#:0.3"), ("frame", 3),
     ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25),
     ("color-grid", "Cd"), ("heat-grid", "none"), ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2),
     ("no-distance", True), ("threads", 1), ("max-memory", "1.5 GiB"), ("max-import-time", 60),

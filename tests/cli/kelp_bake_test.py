@@ -209,6 +209,7 @@ class KelpBake(unittest.TestCase):
         self.fails(1, self.cube, "-o", self.out, "--threads", "0", says=["--threads"])
         self.fails(1, self.cube, "-o", self.out, "--fill", "half", says=["half"])
         self.fails(1, self.cube, "-o", self.out, "--axis", "up", says=["up"])
+        self.fails(1, self.cube, "-o", self.out, "--bend", "twist", says=["--bend twist", "shear or sweep"])
         for size in ("lots", "0", "-1", "nan", "inf", "-4G", "1e300G", "4X", "NaNG"):
             self.fails(1, self.cube, "-o", self.out, "--max-memory", size, says=["--max-memory " + size])
         for number in (
@@ -216,6 +217,33 @@ class KelpBake(unittest.TestCase):
             self.fails(1, self.cube, "-o", self.out, "--resolution", number, says=["--resolution " + number])
         for number in ("-1", "inf", "-inf", "1e-300", "1e999", "-0"):
             self.fails(1, self.cube, "-o", self.out, "--voxel-size", number, says=["--voxel-size"])
+
+    def test_how_parts_bend(self):
+        def baked(*arguments):
+            result = self.bake(self.cube, "-o", self.out, "--resolution", "16", "--report",
+                               self.path("report.json"), *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr.decode())
+            part = json.loads(self.read(self.path("report.json")))["parts"][0]
+            return part["bend"], round(part["roll"], 4)
+
+        self.assertEqual(baked(), ("shear", 0))
+        self.assertEqual(baked("--bend", "sweep"), ("sweep", 0))
+        self.assertEqual(baked("--bend", "sweep", "--rig", "sway"), ("sweep", 0))
+        rig = self.write("r.rig.json", '{"kelp": 1, "bend": "sweep", "roll": 30}')
+        self.assertEqual(baked("--rig", rig), ("sweep", 30))
+        self.assertEqual(baked("--rig", rig, "--bend", "shear"), ("sweep", 30), "the rig says it")
+        rig = self.write("r.rig.json", '{"kelp": 1, "bend": "shear"}')
+        self.assertEqual(baked("--rig", rig, "--bend", "sweep"), ("shear", 0), "the rig says it")
+        # The cube is half as wide as it is tall.
+        turns = '{"kelp": 1, "bend": "sweep", "knots": [{"at": 0}, {"at": 1, "tangent": [9, -9, 0]}]}'
+        self.fails(3, self.cube, "-o", self.out, "--rig", self.write("r.rig.json", turns),
+                   says=["knot 0", "r.rig.json", "may not fold"])
+        folds = ('{"kelp": 1, "clips": {"nod": {"waves": ['
+                 '{"knot": 1, "tangent": [0, 1.5, 0], "period": 2}]}}}')
+        self.fails(3, self.cube, "-o", self.out, "--bend", "sweep", "--rig", self.write("r.rig.json", folds),
+                   says=["clip 'nod'", "knot 0", "may not fold"])
+        self.fails(3, self.cube, "-o", self.out, "--rig",
+                   self.write("r.rig.json", '{"kelp": 1, "roll": 30}'), says=["/roll", "sweep"])
 
     def test_nothing_that_is_read_is_overwritten(self):
         material = self.write("cube.mtl", "newmtl red\nKd 1 0 0\n")

@@ -111,6 +111,12 @@ class Volumes(unittest.TestCase):
             part, _ = self.bakes(fog)
             self.assertEqual((part["fill"], part["solid_voxels"]), ("fog", 0))
             plain = self.pack
+            part, _ = self.bakes(fog, "--bend", "sweep")
+            self.assertEqual(part["bend"], "shear")
+            rig = self.write("swept.rig.json", '{"kelp": 1, "bend": "sweep"}')
+            self.refused(3, fog, "--rig", rig, says=["swept.rig.json", "/bend", "fog cannot be swept"])
+            part, _ = self.bakes(solid, "--bend", "sweep")
+            self.assertEqual(part["bend"], "sweep")
             self.bakes(fog, "--volume", "fog", "--density", "1")
             self.assertEqual(self.pack, plain)
             self.bakes(fog, "--density", "2.5")

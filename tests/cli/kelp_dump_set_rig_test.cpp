@@ -18,6 +18,10 @@ constexpr const char* kBend =
 constexpr const char* kBendAlongX =
     R"({"kelp": 1, "axis": "-x", "knots": [{"at": 0}, {"at": 0.45}, {"at": 1}], "clips": {"swim": {"waves": [{"knot": 2, "offset": [0, 0, 0.1], "period": 0.8}]}}})";
 
+constexpr const char* kCurl =
+    R"({"kelp": 1, "bend": "sweep", "roll": 30, "knots": [{"at": 0, "tangent": [0, 1.6, 0]}, {"at": 0.5, "offset": [0.5, 0, 0], "tangent": [1.6, 0, 0]}, {"at": 1, "offset": [1, -0.95, 0], "tangent": [0, -1.6, 0]}],
+        "clips": {"nod": {"waves": [{"knot": 2, "offset": [0.1, 0, 0], "period": 2}]}}})";
+
 class SetRigAgainstBake : public testing::Test {
  protected:
   void run(const std::vector<std::string>& command) {
@@ -49,7 +53,8 @@ class SetRigAgainstBake : public testing::Test {
 
   Scratch folder_;
   const std::string bend_ = folder_.write("bend.rig.json", kBend),
-                    along_x_ = folder_.write("along_x.rig.json", kBendAlongX);
+                    along_x_ = folder_.write("along_x.rig.json", kBendAlongX),
+                    curl_ = folder_.write("curl.rig.json", kCurl);
 };
 
 TEST_F(SetRigAgainstBake, AMesh) {
@@ -63,6 +68,16 @@ TEST_F(SetRigAgainstBake, AMesh) {
   check(cube, {"--resolution", "24"}, {"--rig", along_x_}, {"--rig", "swim", "--axis", "-x"});
   check(cube, {"--voxel-size", "0.123", "--up", "+z", "--unit", "0.01"}, {"--rig", bend_}, {"--rig", "none"});
   check(cube, {"--resolution", "24", "--up", "-x"}, {"--rig", "none"}, {"--rig", along_x_});
+  const std::string post = folder_.write(
+      "post.obj",
+      "v 0 0 0\nv .4 0 0\nv .4 3 0\nv 0 3 0\nv 0 0 .3\nv .4 0 .3\nv .4 3 .3\nv 0 3 .3\nf 1 4 3 2\nf 5 "
+      "6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n");
+  check(post, {"--resolution", "24"}, {"--rig", bend_}, {"--rig", curl_});
+  check(post, {"--resolution", "24"}, {"--rig", curl_}, {"--rig", bend_});
+  // What kelp-bake was told of rigs that do not say how they bend still holds.
+  check(post, {"--resolution", "24", "--bend", "sweep"}, {"--rig", "none"}, {"--rig", bend_});
+  EXPECT_NE(runProcess({KELP_DUMP, "rig", folder_ / "set.kelp"}).out.find("\"bend\": \"sweep\""),
+            std::string::npos);
   // Another axis would be other voxels.
   run({KELP_BAKE, cube, "-o", folder_ / "a.kelp", "--rig", bend_});
   const ProcessResult other = runProcess({KELP_DUMP, "rig", folder_ / "a.kelp", "--set", along_x_});
@@ -78,11 +93,15 @@ TEST_F(SetRigAgainstBake, TheSameRefusals) {
                     "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 0 0 1\nv 2 0 1\nv 2 3 1\nv 0 3 1\nf 1 4 3 2\nf 5 "
                     "6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n");
   run({KELP_BAKE, cube, "-o", folder_ / "a.kelp", "--resolution", "24"});
-  for (const std::string text :
-       {"", "[1]", R"({"kelp": 2})", R"({"kelp": 1, "axes": "+y"})", R"({"kelp": 1, "knots": [{"at": 0}]})",
-        R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.5, "offset": [0, 0.9, 0]}, {"at": 1}]})",
-        R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 1, "offset": [0, 1.5, 0], "period": 1}]}}})",
-        R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 7, "offset": [0, 1, 0], "period": 1}]}}})"}) {
+  for (
+      const std::string text :
+      {"", "[1]", R"({"kelp": 2})", R"({"kelp": 1, "axes": "+y"})", R"({"kelp": 1, "knots": [{"at": 0}]})",
+       R"({"kelp": 1, "knots": [{"at": 0}, {"at": 0.5, "offset": [0, 0.9, 0]}, {"at": 1}]})",
+       R"({"kelp": 1, "bend": "sweep", "knots": [{"at": 0}, {"at": 1, "tangent": [0, -1, 0]}]})",
+       R"({"kelp": 1, "bend": "sweep", "clips": {"hop": {"waves": [{"knot": 1, "tangent": [0, 1.5, 0], "period": 1}]}}})",
+       R"({"kelp": 1, "roll": 5})", R"({"kelp": 1, "bend": "fold"})",
+       R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 1, "offset": [0, 1.5, 0], "period": 1}]}}})",
+       R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 7, "offset": [0, 1, 0], "period": 1}]}}})"}) {
     const std::string rig = folder_.write("bad.rig.json", text);
     const ProcessResult baked = runProcess(
                             {KELP_BAKE, cube, "-o", folder_ / "b.kelp", "--resolution", "24", "--rig", rig}),

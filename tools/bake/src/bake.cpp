@@ -124,6 +124,8 @@ void importModel(Job& job) {
   report.materials = usedMaterials(job.model);
   report.images = job.model.images.size();
   checkFormat(job);
+  for (SourcePart& part : job.model.parts)
+    if (!part.rig.bend) part.rig.bend = part.fog ? Bend::kShear : settings.bend.value_or(kDefaultBend);
   for (const SourcePart& part : job.model.parts)
     if (part.parent >= 0 && part.rig.parent_at != Part::kNotOnSpline)
       job.model.parts[static_cast<std::size_t>(part.parent)].carries = true;
@@ -231,6 +233,8 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   line.mesh = countMesh(part.soup);
   for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
   line.parent_at = part.rig.parent_at;
+  line.swept = part.rig.bend == Bend::kSweep;
+  line.roll = part.rig.roll;
   if (part.parent >= 0) line.parent = job.model.parts[static_cast<std::size_t>(part.parent)].name;
   if (part.fog) return reportFog(part, line);
   bool cut_out = false;

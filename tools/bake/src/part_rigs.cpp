@@ -59,15 +59,26 @@ void checkTracks(const SourceModel& model, const RawPack& pack, const std::files
                           partPlace(input, model.parts[track.part]), clip.name, key.time));
 }
 
+void give(const RawRig& rest, RawPart& part) {
+  part.knots = rest.knots;
+  part.automatic_tangents = rest.automatic_tangents;
+  part.parent_at = rest.parent_at;
+  part.bend = rest.bend;
+  part.roll = rest.roll;
+}
+
 }  // namespace
 
 void rigParts(const SourceModel& model, const std::filesystem::path& input, RawPack& pack, Report& report) {
   std::vector<RawClip> clips;
+  std::vector<RawRig> rests;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     try {
-      pack.parts[i].knots = realizeKnots(model.parts[i].rig);
-      pack.parts[i].automatic_tangents = automaticTangents(model.parts[i].rig);
-      pack.parts[i].parent_at = model.parts[i].rig.parent_at;
+      const RawRig& rest = rests.emplace_back(realizeRig(model.parts[i].rig));
+      if (model.parts[i].fog && rest.bend == Bend::kSweep)
+        throw RigError("/bend: fog cannot be swept; write \"shear\" or take it out");
+      checkRest(rest, pack.parts[i].size);
+      give(rest, pack.parts[i]);
       std::ranges::move(realizeSockets(model.parts[i].rig, static_cast<std::uint32_t>(i)),
                         std::back_inserter(pack.sockets));
       std::ranges::move(realizeClips(model.parts[i].rig, static_cast<std::uint32_t>(i)),
@@ -81,13 +92,6 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
                       fmt::format("{} ({}): /parent_at: the part has no parent part to hang on; take it out, "
                                   "or put the part's node below that of another part",
                                   partPlace(input, model.parts[i]), model.parts[i].rig_origin));
-    if (const Result<void> sound = checkKnots(pack.parts[i].knots); !sound) {
-      throw ToolError(Exit::kInvalid,
-                      fmt::format("{} ({}): knot {}: {}; the spline may not turn back along its axis: give "
-                                  "the knot a shorter tangent or a smaller offset",
-                                  partPlace(input, model.parts[i]), model.parts[i].rig_origin,
-                                  sound.error().offset, sound.error().detail));
-    }
   }
   mergeClips(pack.clips, std::move(clips));
   checkClips(pack, input);
@@ -96,10 +100,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
     for (const auto& [part, share] : splitByPart(clip)) {
       const SourcePart& source = model.parts[part];
       try {
-        const ClipReport proof = proveClip(
-            share, part,
-            {pack.parts[part].knots, pack.parts[part].automatic_tangents, pack.parts[part].parent_at},
-            pack.parts[part].size);
+        const ClipReport proof = proveClip(share, part, rests[part], pack.parts[part].size);
         report.clips.push_back(
             {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
       } catch (const RigError& error) {

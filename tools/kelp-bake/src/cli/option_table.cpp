@@ -20,6 +20,9 @@ constexpr OptionInfo kOptions[] = {
      "the rig in the file)"},
     {"axis", "AXIS", T::kText, S::kPack, P::kNone, false, "\"+y\"",
      "the axis to bend along if the rig has none, in the file's axes: +x -x +y -y +z -z (default: --up)"},
+    {"bend", "shear|sweep", T::kText, S::kPack, P::kNone, false, "\"sweep\"",
+     "how solid parts bend whose rig does not say; sweep: sections stay perpendicular to the spline, which "
+     "may curl; shear: they stay level (default)"},
     {"up", "AXIS", T::kText, S::kPack, P::kNone, false, "\"+z\"",
      "the file's axis that points up: +x -x +y -y +z -z (default +y; of .vox +z)"},
     {"unit", "UNIT", T::kTextOrNumber, S::kPack, P::kNone, true, "\"m\"",

@@ -66,6 +66,12 @@ class Reader {
     out = parseAxis(*given);
     if (!out) fail(name, "not an axis; use one of +x -x +y -y +z -z");
   }
+  void bend(const char* name, std::optional<Bend>& out) const {
+    const std::string* given = find(name);
+    if (!given) return;
+    out = parseBend(*given);
+    if (!out) fail(name, "unknown; use shear or sweep");
+  }
   // `names`: "auto, solid or surface".
   template <class Choice>
   void choice(const char* name, Choice& out, const std::map<std::string, Choice>& choices,
@@ -182,6 +188,7 @@ Options readOptions(const Values& values, Faults& faults) {
   read.finiteNumber("voxel-size", settings.voxel_size);
   readRig(read, settings);
   read.axis("axis", settings.axis);
+  read.bend("bend", settings.bend);
   read.axis("up", settings.up);
   options.unit_given = read.unit("unit", settings.unit);
   read.wholeNumber("pad", settings.pad);

@@ -29,8 +29,9 @@ struct Settings : ImportSettings {
   std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  int levels = 0;        // how many; 0: until a level is a single brick
-  bool distance = true;  // whether the pack holds distances
+  std::optional<Bend> bend;  // of solid parts whose rig does not say; kDefaultBend if absent
+  int levels = 0;            // how many; 0: until a level is a single brick
+  bool distance = true;      // whether the pack holds distances
 };
 
 // Numbers of a bake, for --report and the closing lines.
@@ -53,6 +54,8 @@ struct Report {
     FillCounts repairs;
     std::string parent;                          // the part it follows; empty: none
     float parent_at = kelp::Part::kNotOnSpline;  // where on that part's spline it hangs
+    bool swept = false;
+    float roll = 0;  // radians, as in RawRig
     std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes
   };
