@@ -52,15 +52,28 @@ double leastScale(const glm::dmat3& matrix) {
   const double diagonal = std::min({g[0][0], g[1][1], g[2][2]});
   const double disks = std::min({g[0][0] - xy - xz, g[1][1] - xy - yz, g[2][2] - xz - yz});
   if (disks > 0.98 * diagonal) return std::sqrt(disks);
-  // The least eigenvalue of a symmetric matrix in closed form.
-  const double mean = (g[0][0] + g[1][1] + g[2][2]) / 3;
-  const glm::dmat3 d = g - mean * glm::dmat3(1);
-  const double spread = std::sqrt(
-      (d[0][0] * d[0][0] + d[1][1] * d[1][1] + d[2][2] * d[2][2] + 2 * (xy * xy + xz * xz + yz * yz)) / 6);
-  if (!(spread > 0)) return std::sqrt(std::max(mean, 0.0));
-  const double turn = std::acos(std::clamp(glm::determinant(d / spread) / 2, -1.0, 1.0)) / 3;
-  const double least = mean + 2 * spread * std::cos(turn + 2.0943951023931953);
-  return std::sqrt(std::max(least - 1e-12 * mean, 0.0));
+  // Else the volume over the greatest area, which is the product of the other two singular values. The
+  // greatest eigenvalue in closed form errs by some 1e-8 of itself; the least one would, too, of the
+  // greatest.
+  const double size = std::sqrt(g[0][0] + g[1][1] + g[2][2]);
+  if (!(size > 0)) return 0;
+  const glm::dmat3 m = matrix / size;
+  const glm::dmat3 areas(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  const glm::dmat3 a = glm::transpose(areas) * areas;
+  const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3;
+  const glm::dmat3 d = a - mean * glm::dmat3(1);
+  const double spread = std::sqrt((d[0][0] * d[0][0] + d[1][1] * d[1][1] + d[2][2] * d[2][2] +
+                                   2 * (a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2])) /
+                                  6);
+  double greatest = mean;
+  if (spread > 0) {
+    const double turn = std::acos(std::clamp(glm::determinant(d / spread) / 2, -1.0, 1.0)) / 3;
+    greatest += 2 * spread * std::cos(turn);
+  }
+  // What rounding may do to volume and areas, with a size of 1.
+  constexpr double kRounding = 1e-15, kClosedForm = 1e-7;
+  const double volume = std::abs(glm::dot(m[0], areas[0])) - kRounding;
+  return size * std::max(volume, 0.0) / (std::sqrt(greatest * (1 + kClosedForm)) + kRounding);
 }
 
 namespace {

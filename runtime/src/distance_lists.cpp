@@ -134,7 +134,8 @@ Result<ClosestPoint> closestPoint(std::span<const Instance> instances, const glm
         found.part = -1;
         findClosest(instances[static_cast<std::size_t>(i)], glm::dvec3(point), found);
         found.instance = i;
-        if (found.part >= 0) nearest = found;
+        nearest.ran_out |= found.ran_out;
+        if (found.part >= 0 && (nearest.part < 0 || found.distance < nearest.distance)) nearest = found;
         return nearest.distance > 0;
       });
   if (!done) return done.error();

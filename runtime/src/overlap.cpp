@@ -15,27 +15,42 @@ struct ClosestGoal {
   const PosedSolid& solid;
   const SearchFrame& frame;
   glm::dvec3 at;  // part space
-  double best;    // world
+  double reach;   // world
+  double best = INFINITY;
   glm::dvec3 found{0};
-  bool any = false;
+  bool any = false, ran_out = false;
 
   double key(const FrameBox& box) const { return glm::length(beyond(box)); }
-  double limit() const { return best; }
+  double limit() const { return std::min(best, reach); }
+  // Any leaf within reach is taken, although its point that is found may be beyond.
   void visit(const SearchLeaf& leaf, double) {
     const double y = std::clamp(at.y, leaf.from->at.y, leaf.to->at.y);
-    const SplineMap::Cut cut = y == leaf.from->at.y ? *leaf.from
-                               : y == leaf.to->at.y ? *leaf.to
-                                                    : solid.map.cut(y);
-    const glm::dvec3 p(cut.at.x + std::clamp(at.x - cut.at.x, leaf.low.x, leaf.high.x), cut.at.y,
-                       cut.at.z + std::clamp(at.z - cut.at.z, leaf.low.z, leaf.high.z));
-    const glm::dvec3 in_frame = frame.place(p);
+    SplineMap::Cut cut = y == leaf.from->at.y ? *leaf.from : y == leaf.to->at.y ? *leaf.to : solid.map.cut(y);
+    glm::dvec3 p(cut.at.x + std::clamp(at.x - cut.at.x, leaf.low.x, leaf.high.x), cut.at.y,
+                 cut.at.z + std::clamp(at.z - cut.at.z, leaf.low.z, leaf.high.z));
+    glm::dvec3 in_frame = frame.place(p);
+    if (frame.shears) {
+      // Along one axis after the other, each time to the nearest point, as if the leaf were not bent.
+      const glm::dvec3 low(cut.at.x + leaf.low.x, leaf.from->at.y, cut.at.z + leaf.low.z),
+          high(cut.at.x + leaf.high.x, leaf.to->at.y, cut.at.z + leaf.high.z);
+      constexpr int kSweeps = 32;
+      for (int i = 0; i < 3 * kSweeps; ++i) {
+        const glm::dvec3& axis = frame.to_frame[i % 3];
+        const double to =
+            std::clamp(p[i % 3] - glm::dot(axis, in_frame) / glm::dot(axis, axis), low[i % 3], high[i % 3]);
+        in_frame += (to - p[i % 3]) * axis;
+        p[i % 3] = to;
+      }
+      const SplineMap::Cut there = solid.map.cut(p.y);
+      in_frame = frame.place({p.x - cut.at.x + there.at.x, there.at.y, p.z - cut.at.z + there.at.z});
+    }
     const double length = glm::length(in_frame);
     if (length >= best) return;
     best = length;
     found = in_frame;
     any = true;
   }
-  void giveUp(double) {}
+  void giveUp(double) { ran_out = true; }
 };
 
 // The goals below look for anything that touches a shape. apart(box): whether the box surely does not;
@@ -113,18 +128,21 @@ struct CastGoal {
   bool hit = false, ran_out = false;
 
   // When the sphere first touches the box at the earliest: both the box grown by the radius, and the ball
-  // around it, contain all centres of spheres that touch it.
+  // around it, contain all centres of spheres that touch it. From the place of the way that is nearest to the
+  // centre, and with room for rounding, because the way may be much longer than the box.
   double key(const FrameBox& box) const {
+    const glm::dvec3 size = glm::abs(box.centre);
+    const double grown = radius + 1e-15 * (size.x + size.y + size.z);
     double from = 0;
-    if (!clipWay(way, box.centre, box.half + radius, from)) return INFINITY;
-    const double reach = radius + glm::length(box.half);
-    const double a = glm::dot(way, way), b = glm::dot(way, box.centre),
-                 c = glm::dot(box.centre, box.centre) - reach * reach;
-    if (c <= 0) return from;
-    const double root2 = b * b - a * c;
-    if (root2 < 0 || b <= 0) return INFINITY;
-    const double t = c / (b + std::sqrt(root2));
-    return t > 1 ? INFINITY : std::max(from, t);
+    if (!clipWay(way, box.centre, box.half + grown, from)) return INFINITY;
+    const double reach = grown + glm::length(box.half), way2 = glm::dot(way, way);
+    const double nearest = glm::dot(way, box.centre) / way2;
+    const glm::dvec3 off = box.centre - nearest * way;
+    const double half2 = (reach * reach - glm::dot(off, off)) / way2;
+    if (half2 < 0) return INFINITY;
+    const double half = std::sqrt(half2);
+    if (nearest + half < 0 || nearest - half > 1) return INFINITY;
+    return std::max(from, nearest - half);
   }
   double limit() const { return hit ? best : INFINITY; }
   void visit(const SearchLeaf&, double key) {
@@ -173,8 +191,10 @@ void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint
     ClosestGoal goal{solid, frame, glm::inverse(solid.to_world) * (point - solid.origin),
                      double{nearest.distance}};
     search(solid, frame, goal);
-    if (!goal.any) return true;
-    nearest.distance = static_cast<float>(goal.best);
+    nearest.ran_out |= goal.ran_out;
+    const float length = static_cast<float>(goal.best);
+    if (!goal.any || (nearest.part >= 0 && !(length < nearest.distance))) return true;
+    nearest.distance = length;
     nearest.point = glm::vec3(frame.toWorld(goal.found));
     nearest.part = solid.part;
     return nearest.distance > 0;

@@ -14,6 +14,7 @@ SearchFrame::SearchFrame(const PosedSolid& solid, const glm::dvec3& from) : eye(
     // A rotation although the part may be mirrored, and exactly one although the matrix is rounded.
     const glm::dvec3 across = glm::normalize(glm::cross(x, y));
     from_world = glm::transpose(glm::dmat3(x, glm::cross(across, x), across));
+    shears = false;
   }
   to_frame = from_world * m;
   for (int i = 0; i < 3; ++i) grow[i] = (1 + 1e-9) * glm::abs(to_frame[i]);

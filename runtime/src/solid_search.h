@@ -34,6 +34,7 @@ struct SearchFrame {
   glm::dmat3 to_frame{1};    // of part space
   glm::dmat3 grow{1};        // its absolute values, and a little for rounding
   glm::dvec3 offset{0};
+  bool shears = true;  // the part's axes are not perpendicular
 };
 
 // What a search finds at its leaves: a voxel between two cuts.

@@ -31,6 +31,13 @@ inline glm::mat4 turned(float angle, const glm::vec3& scale, const glm::vec3& at
   return m;
 }
 
+// Four segments at rest.
+inline std::vector<Knot> straightStem() {
+  std::vector<Knot> knots;
+  for (const float t : {0.0f, 0.2f, 0.5f, 0.8f, 1.0f}) knots.push_back({t, {0, t, 0}, {0, 1, 0}});
+  return knots;
+}
+
 // Four segments that lean, stretch and come back.
 inline std::vector<Knot> bentStem() {
   return {{0, {0, 0, 0}, {0, 1, 0}},

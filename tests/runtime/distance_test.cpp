@@ -89,11 +89,7 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthInThePosesOfFigure6) {
 
 TEST_F(DistanceQuery, NeverExceedsTheTruthWithSeveralSegmentsAndOtherMatrices) {
   const fields::Occupancy reed = test::dust({24, 90, 30}, 60, 3);
-  const std::vector<Knot> rest = {{0, {0, 0, 0}, {0, 1, 0}},
-                                  {0.2f, {0, 0.2f, 0}, {0, 1, 0}},
-                                  {0.5f, {0, 0.5f, 0}, {0, 1, 0}},
-                                  {0.8f, {0, 0.8f, 0}, {0, 1, 0}},
-                                  {1, {0, 1, 0}, {0, 1, 0}}};
+  const std::vector<Knot> rest = test::straightStem();
   const std::vector<std::byte> reed_bytes = test::bytesOf(test::distancePackOf(reed, rest));
   const MemorySource reed_source(reed_bytes);
   const test::Layers reed_layers(reed);
@@ -112,6 +108,47 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthWithSeveralSegmentsAndOtherMatrices) {
       test::BentInstance bent(*loaded, reed_layers, knots, matrix, seed++);
       expectBounds(bent, queries());
     }
+  }
+}
+
+// Matrices that squeeze two axes to a k-th, by the same factor or nearly. The point lies off a corner in the
+// direction that is squeezed most, where nothing is to spare.
+TEST_F(DistanceQuery, NeverExceedsTheTruthOfNeedles) {
+  const glm::ivec3 size(16);
+  const std::vector<std::byte> full_bytes = test::bytesOf(test::distancePackOf(test::dust(size, 1, 1)));
+  const MemorySource full_source(full_bytes);
+  const auto loaded = test::loadDistances(full_source);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const auto turn = [&] {
+    return glm::mat3_cast(
+        glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random))));
+  };
+  for (const double thin : {1.0, 3.0, 30.0, 100.0, 1e3, 1e4}) {
+    double worst = 0, loosest = 1;
+    for (int i = 0; i < 600; ++i) {
+      glm::dmat3 squeeze(1);
+      squeeze[1][1] = 1 / thin;
+      squeeze[2][2] = 1 / (thin * (i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1.0001 : 0.7));
+      const glm::dmat3 after = i % 2 == 0 ? glm::dmat3(1) : turn();
+      Instance instance{loaded.get()};
+      instance.to_world = glm::mat4(glm::mat3(std::pow(10.0, i % 7 - 3) * after * squeeze * turn()));
+      const glm::dmat4 matrix(partToWorld(instance, 0));
+      const glm::dmat3 linear(matrix);
+      glm::dmat3 power = glm::inverse(glm::transpose(linear) * linear);
+      for (int step = 0; step < 24; ++step) {
+        power /= power[0][0] + power[1][1] + power[2][2];
+        power = power * power;
+      }
+      const glm::dvec3 least = glm::normalize(power * glm::dvec3(1, 0.3, 0.2));
+      const glm::dvec3 corner = glm::dvec3(size) * glm::step(glm::dvec3(0), least);
+      const glm::vec3 point(matrix * glm::dvec4(corner + 3000.0 * least, 1));
+      const double truth = glm::distance(glm::dvec3(point), glm::dvec3(matrix * glm::dvec4(corner, 1)));
+      const double ratio = double{distance(instance, point)->bound} / truth;
+      worst = std::max(worst, ratio), loosest = std::min(loosest, ratio);
+    }
+    EXPECT_LE(worst, 1) << thin;
+    EXPECT_GT(loosest, 0.99) << thin;
   }
 }
 

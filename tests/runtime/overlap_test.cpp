@@ -11,11 +11,28 @@
 namespace kelp::runtime {
 namespace {
 
-int shapes() { return test::allTests() ? 20'000 : test::shareOf(400); }
-int casts() { return test::allTests() ? 60'000 : test::shareOf(600); }
+int shapes() { return test::allTests() ? 20'000 : test::shareOf(200); }
+// Of each case; a million in all, or some seconds' worth.
+int casts() { return test::allTests() ? 67'000 : test::shareOf(400); }
 
 // What the truth itself may be too far, in voxels.
 constexpr double kStep = 0.25;
+
+// The solid of a level: whole blocks of 2^level voxels in which any is solid.
+fields::Occupancy blocksOf(const fields::Occupancy& volume, int level) {
+  fields::Occupancy blocks{volume.size, std::vector<std::uint8_t>(volume.solid.size())};
+  const auto each = [&](const auto& use) {
+    glm::ivec3 v;
+    for (v.z = 0; v.z < volume.size.z; ++v.z)
+      for (v.y = 0; v.y < volume.size.y; ++v.y)
+        for (v.x = 0; v.x < volume.size.x; ++v.x) use(v);
+  };
+  // Of a block, its first voxel says whether any is solid.
+  const auto first = [&](const glm::ivec3& v) { return blocks.index(v >> level << level); };
+  each([&](const glm::ivec3& v) { blocks.solid[first(v)] |= volume.solid[volume.index(v)]; });
+  each([&](const glm::ivec3& v) { blocks.solid[blocks.index(v)] = blocks.solid[first(v)]; });
+  return blocks;
+}
 
 struct ShapeQuery : testing::Test {
   fields::Occupancy volume = test::ballClump({60, 80, 50}, 20, 2);
@@ -24,7 +41,7 @@ struct ShapeQuery : testing::Test {
   MemorySource source{bytes};
   std::unique_ptr<Asset> asset = test::loadDistances(source);
 
-  // In all poses of Figure 6, turned, scaled, mirrored.
+  // In all poses of Figure 6, turned, scaled, mirrored; with several segments; with coarser levels only.
   void inAllPoses(const std::function<void(test::BentInstance&)>& check) const {
     unsigned seed = 1;
     for (const test::FigurePose& figure : test::kFigure6) {
@@ -34,6 +51,28 @@ struct ShapeQuery : testing::Test {
                               test::turned(static_cast<float>(seed), scale, {10, -20, 3}), seed);
       ++seed;
       check(bent);
+    }
+    const fields::Occupancy reed = test::dust({24, 90, 30}, 60, 3);
+    const test::Layers reed_layers(reed);
+    const std::vector<std::byte> reed_bytes = test::bytesOf(test::distancePackOf(reed, test::straightStem()));
+    const MemorySource reed_source(reed_bytes);
+    const auto stem = test::loadDistances(reed_source);
+    for (const std::vector<Knot>& knots : {test::straightStem(), test::bentStem()}) {
+      SCOPED_TRACE("several segments");
+      test::BentInstance bent(*stem, reed_layers, knots, test::turned(4, {-1, 2, 1}, {7, 1, 0}), seed++);
+      check(bent);
+    }
+    for (const int finest : {1, 2}) {
+      const auto coarse = test::loadDistances(source, finest);
+      const test::Layers blocks(blocksOf(volume, finest));
+      for (const int figure : {0, 1, 4}) {
+        SCOPED_TRACE(finest);
+        test::BentInstance bent(*coarse, blocks,
+                                test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
+                                test::turned(3, glm::vec3(2, 2, 2), {1, 2, 3}), seed++);
+        bent.voxel *= 1 << finest;
+        check(bent);
+      }
     }
   }
 };
@@ -47,9 +86,16 @@ TEST_F(ShapeQuery, ClosestPointIsOfTheSolidAndNearest) {
       ASSERT_NEAR(glm::distance(found.point, point), found.distance, 1e-4 * bent.voxel + 1e-5 * truth);
       ASSERT_LE(bent.distanceOf(glm::dvec3(found.point)), kStep * bent.voxel) << "not of the solid";
       ASSERT_LE(double{found.distance}, truth + bent.voxel);
+      ASSERT_FALSE(found.ran_out);
       const float reach = static_cast<float>(0.99 * truth);
       if (truth > 2 * bent.voxel) {
         ASSERT_EQ(closestPoint(bent.instance, point, 0.7f * reach)->part, -1);
+      }
+      if (truth > 0.01 * bent.voxel) {  // the truth is within this reach, so something must be found
+        const ClosestPoint near =
+            closestPoint(bent.instance, point, static_cast<float>(1.0001 * truth)).value();
+        ASSERT_EQ(near.part, 0) << truth / bent.voxel;
+        ASSERT_LE(double{near.distance}, truth + bent.voxel);
       }
     }
   });
@@ -147,6 +193,139 @@ TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
     EXPECT_GT(hits, casts() / 4);
     EXPECT_GE(near, hits * 99 / 100);
   });
+}
+
+// Parallelepipeds: the voxels of the undeformed part in a world that shears. Exact.
+class ShearedVoxels {
+ public:
+  ShearedVoxels(const fields::Occupancy& volume, const glm::dmat4& to_world) : to_world_(to_world) {
+    for (int i = 0; i < volume.size.x * volume.size.y * volume.size.z; ++i) {
+      const glm::ivec3 v(i % volume.size.x, i / volume.size.x % volume.size.y,
+                         i / volume.size.x / volume.size.y);
+      if (volume.solid[volume.index(v)]) voxels_.emplace_back(v);
+    }
+  }
+  double distanceOf(const glm::dvec3& world) const {
+    double least = INFINITY;
+    for (const glm::dvec3& voxel : voxels_)
+      least = std::min(least, toVoxel(world - glm::dvec3(to_world_ * glm::dvec4(voxel, 1))));
+    return least;
+  }
+
+ private:
+  // The nearest point lies within a corner, an edge, a face or the inside: tries all 27, by the normal
+  // equations of the coordinates that are free there.
+  double toVoxel(const glm::dvec3& world) const {
+    double least = INFINITY;
+    for (int place = 0; place < 27; ++place) {
+      const glm::ivec3 at(place % 3, place / 3 % 3, place / 9);  // 0, 1, or 2: free
+      glm::dmat3 squares(1);
+      glm::dvec3 right(0);
+      glm::dvec3 rest = world;
+      for (int i = 0; i < 3; ++i) rest -= at[i] == 1 ? glm::dvec3(to_world_[i]) : glm::dvec3(0);
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j)
+          if (at[i] == 2 && at[j] == 2) squares[j][i] = glm::dot(to_world_[i], to_world_[j]);
+        if (at[i] == 2) right[i] = glm::dot(glm::dvec3(to_world_[i]), rest);
+      }
+      const glm::dvec3 share = glm::inverse(squares) * right;
+      if (glm::any(glm::lessThan(share, glm::dvec3(0))) || glm::any(glm::greaterThan(share, glm::dvec3(1))))
+        continue;
+      least = std::min(least, glm::length(rest - glm::dmat3(to_world_) * share));
+    }
+    return least;
+  }
+
+  glm::dmat4 to_world_;
+  std::vector<glm::dvec3> voxels_;
+};
+
+TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
+  const fields::Occupancy grains = test::dust({12, 16, 9}, 30, 6);
+  const std::vector<std::byte> grain_bytes = test::bytesOf(test::distancePackOf(grains));
+  const MemorySource grain_source(grain_bytes);
+  const auto loaded = test::loadDistances(grain_source);
+  for (const float shear : {0.3f, 1.0f, 3.0f, 8.0f}) {
+    SCOPED_TRACE(shear);
+    std::mt19937 random(7);
+    std::normal_distribution<float> normal;
+    for (int k = 0; k < 12; ++k) {
+      glm::mat4 matrix = test::turned(static_cast<float>(k), {1, k % 2 == 0 ? 1.0f : -0.7f, 1}, {3, 2, 1});
+      matrix[0] += shear * normal(random) * matrix[1] + shear * normal(random) * matrix[2];
+      matrix[1] += shear * normal(random) * matrix[2];
+      const Instance instance{loaded.get(), nullptr, matrix};
+      const glm::dmat4 to_world(partToWorld(instance, 0));
+      const ShearedVoxels truth(grains, to_world);
+      double voxel = 0;
+      for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world[i])));
+      int touched = 0, hits = 0;
+      const int count = shapes() / 8;
+      for (int i = 0; i < count; ++i) {
+        const auto unit = [&] { return std::uniform_real_distribution<double>(-0.3, 1.3)(random); };
+        const auto anywhere = [&] {
+          return glm::vec3(to_world *
+                           glm::dvec4(glm::dvec3(grains.size) * glm::dvec3(unit(), unit(), unit()), 1));
+        };
+        const glm::vec3 point = anywhere(), to = anywhere();
+        const double apart = truth.distanceOf(glm::dvec3(point));
+        const ClosestPoint found = closestPoint(instance, point).value();
+        ASSERT_NEAR(found.distance, apart, 0.01 * voxel);
+        ASSERT_LE(truth.distanceOf(glm::dvec3(found.point)), 1e-4 * voxel) << "not of the solid";
+        if (apart > 0.01 * voxel) {
+          ASSERT_EQ(closestPoint(instance, point, static_cast<float>(1.001 * apart))->part, 0);
+        }
+        const float radius = static_cast<float>(std::max(apart + 3 * voxel * (unit() - 0.5), 0.0));
+        const bool touches = overlaps(instance, Sphere{point, radius}).value();
+        touched += touches;
+        ASSERT_TRUE(touches || apart > double{radius} * (1 - 1e-6));
+        ASSERT_TRUE(!touches || apart <= double{radius} + 2 * voxel);
+        const SphereCast cast = sphereCast(instance, point, to, 0.3f * radius).value();
+        ASSERT_FALSE(cast.ran_out);
+        hits += cast.hit;
+        for (double t = 0; t < 1; t += 1.0 / 32) {
+          const glm::dvec3 centre = glm::mix(glm::dvec3(point), glm::dvec3(to), t * double{cast.t});
+          ASSERT_GE(truth.distanceOf(centre), double{0.3f * radius} * (1 - 1e-6) * (t * double{cast.t} > 0));
+        }
+        if (cast.hit) {
+          ASSERT_LE(truth.distanceOf(glm::dvec3(cast.centre)), double{0.3f * radius} + 2 * voxel);
+        }
+      }
+      EXPECT_GT(touched, count / 8);
+      EXPECT_GT(hits, count / 8);
+    }
+  }
+}
+
+// A way as long as floats can tell, right through the middle of a box that is a metre high.
+TEST_F(ShapeQuery, LongWaysDoNotTunnel) {
+  const std::vector<std::byte> box_bytes =
+      test::bytesOf(test::distancePackOf(test::dust({64, 64, 64}, 1, 1)));
+  const MemorySource box_source(box_bytes);
+  const auto loaded = test::loadDistances(box_source);
+  Instance instance{loaded.get()};
+  const Box box = bounds(instance);
+  instance.to_world = glm::translate(glm::mat4(1), -0.5f * (box.min + box.max));
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  for (const float length : {1e2f, 1e4f, 1e6f, 1e7f, 1e8f, 1e9f, 1e12f}) {
+    SCOPED_TRACE(length);
+    for (int i = 0; i < 300; ++i) {
+      const glm::vec3 from =
+          length * glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+      const SphereCast cast = sphereCast(instance, from, -from, i % 2 == 0 ? 0.0f : 0.01f).value();
+      ASSERT_TRUE(cast.hit && !cast.ran_out);
+      ASSERT_LE(cast.t, 0.5f);
+      ASSERT_GT(double{cast.t}, 0.5 - 2e-6 - 1.0 / double{length});
+      EXPECT_TRUE(*overlaps(instance, Capsule{from, -from, 0.01f}));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::vec3 from(0);
+      from[axis] = length;
+      glm::vec3 beside(0);
+      beside[(axis + 1) % 3] = 2;
+      EXPECT_FALSE(sphereCast(instance, from + beside, beside - from, 0.01f)->hit);
+    }
+  }
 }
 
 // A list answers what the best of its instances answers, with boxes or without.

@@ -40,11 +40,13 @@ struct ClosestPoint {
   float distance = kFarAway;  // to it; kFarAway: there is no solid within reach
   int instance = 0;           // index in the list that was given
   int part = -1;
+  bool ran_out = false;  // the search took too long: nearer solid may exist
 };
-// A point of the solid that is nearest to `point`, to a voxel; `point` itself inside. Only solid nearer than
-// `reach` (above 0; may be kFarAway) is looked for. Where the finest levels are not in memory, the point
-// belongs to a coarser voxel. A search that would take too long (some milliseconds) ends early: the point
-// still belongs to the solid, but a nearer one may exist.
+// A point of the solid that is nearest to `point`, to a voxel; `point` itself inside. Solid nearer than
+// `reach` (above 0; may be kFarAway) is found, and solid that is farther by less than a voxel may be found,
+// too. Where the finest levels are not in memory, the point belongs to a coarser voxel. A search that would
+// take too long (some milliseconds) ends early and sets ran_out. What it found belongs to the solid; if it
+// found nothing, it answers kFarAway.
 Result<ClosestPoint> closestPoint(const Instance& instance, const glm::vec3& point, float reach = kFarAway);
 
 struct Sphere {
@@ -78,7 +80,7 @@ struct SphereCast {
 };
 // Moves a sphere (radius at least 0) from one point to another one, and stops it before it touches the solid:
 // it never passes through, and the solid is then within a voxel of it; within two where the instance's matrix
-// shears. t is 0 if it starts so near.
+// shears; and two millionths of the way more, as `t` is rounded. t is 0 if it starts so near.
 Result<SphereCast> sphereCast(const Instance& instance, const glm::vec3& from, const glm::vec3& to,
                               float radius);
 
