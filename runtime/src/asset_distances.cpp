@@ -127,6 +127,8 @@ Result<Asset::Impl::Step> Asset::Impl::loadDistances() {
   const bool postponed = !done && done.error().code == ErrorCode::kNotYet;
   setStage(task, done ? Stage::kResident : postponed ? Stage::kWaiting : Stage::kFailed);
   waiting += postponed ? 1 : 0;
+  if (!done && !postponed)
+    level.failure.store(static_cast<std::uint16_t>(done.error().code), std::memory_order_relaxed);
   if (task.page == Task::kGrid) {
     used_bytes.fetch_sub(done ? reserved - std::min(reserved, level.bytes()) : reserved,
                          std::memory_order_relaxed);
@@ -151,6 +153,7 @@ std::uint32_t Asset::Impl::reopenDistances(Stage from) {
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < distance_count; ++i) {
     DistanceState& level = distances[i];
+    if (from == Stage::kFailed) level.failure.store(0, std::memory_order_relaxed);
     if (level.stage == from) {
       setStage({&level, Task::kGrid}, Stage::kAbsent);
       ++count;

@@ -195,6 +195,20 @@ struct DistanceReader {
     const DistanceState& state = impl.distances[at];
     return state.ready.load(std::memory_order_acquire) ? &state.data : nullptr;
   }
+  // Why none of the part's levels will be in memory before Asset::retry(): the coarsest one's failure. 0:
+  // one may still come.
+  static std::uint16_t failure(const Asset& asset, int part) {
+    const Asset::Impl& impl = *asset.impl_;
+    const auto i = static_cast<std::size_t>(part);
+    std::uint16_t failure = 0;
+    for (std::uint32_t at = impl.first_distances[i]; at < impl.first_distances[i + 1]; ++at) {
+      const std::uint32_t place = impl.distance_place[at];
+      if (place == Asset::Impl::kNoPlace) continue;
+      failure = impl.distances[place].failure.load(std::memory_order_relaxed);
+      if (failure == 0) return 0;
+    }
+    return failure;
+  }
   // How many levels there may be; 0: none of them is loaded.
   static int levels(const Asset& asset, int part) {
     const Asset::Impl& impl = *asset.impl_;

@@ -25,9 +25,13 @@ Result<bool> checkInstance(const Instance& instance) {
     const int levels = DistanceReader::levels(asset, part);
     int level = levels - 1;
     while (level >= 0 && !DistanceReader::level(asset, part, level)) --level;
-    if (levels > 0 && level < 0)
-      return Error{ErrorCode::kNotYet, "no distances of a part are in memory yet",
-                   static_cast<std::uint64_t>(part), Error::Unit::kPart};
+    if (levels == 0 || level >= 0) continue;
+    const std::uint16_t failure = DistanceReader::failure(asset, part);
+    const Error none{ErrorCode::kNotYet, "no distances of a part are in memory yet",
+                     static_cast<std::uint64_t>(part), Error::Unit::kPart};
+    const Error failed{static_cast<ErrorCode>(failure), "all distances of a part failed to load", none.offset,
+                       none.unit};
+    return failure != 0 ? failed : none;
   }
   if (instance.pose && (instance.pose->parts() != parts || !instance.pose->check())) return false;
   return true;

@@ -24,7 +24,8 @@ Box grown(Box box, float by) {
 Box boxOf(const Sphere& s) { return grown({s.centre, s.centre}, s.radius); }
 Box boxOf(const Capsule& s) { return grown({glm::min(s.a, s.b), glm::max(s.a, s.b)}, s.radius); }
 Box boxOf(const OrientedBox& s) {
-  const glm::mat3 axes = glm::mat3_cast(glm::normalize(s.rotation));
+  // In double: the square of a tiny length may be no float.
+  const glm::mat3 axes(glm::mat3_cast(glm::normalize(glm::dquat(s.rotation))));
   const glm::vec3 half = glm::abs(axes[0]) * s.half_size.x + glm::abs(axes[1]) * s.half_size.y +
                          glm::abs(axes[2]) * s.half_size.z;
   return grown({s.centre - half, s.centre + half}, 0);
@@ -43,7 +44,7 @@ const char* faultOf(const Capsule& s) {
   return isWay(s.a, s.b) && isRadius(s.radius) ? nullptr : "a capsule that is not finite or has no length";
 }
 const char* faultOf(const OrientedBox& s) {
-  const float turn2 = glm::dot(s.rotation, s.rotation);
+  const double turn2 = glm::dot(glm::dquat(s.rotation), glm::dquat(s.rotation));
   const bool fine = allFinite(s.centre) && allFinite(s.half_size) && std::isfinite(turn2) && turn2 > 0 &&
                     s.half_size.x > 0 && s.half_size.y > 0 && s.half_size.z > 0;
   return fine ? nullptr : "a box that is not finite or has no size";

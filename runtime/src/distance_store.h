@@ -23,6 +23,7 @@ struct DistanceState {
   Buffer<std::uint8_t> codes;
   DistanceLevel data;
   std::atomic<bool> ready{false};
+  std::atomic<std::uint16_t> failure{0};  // the ErrorCode why it is not and won't be; 0: none
 
   bool open() const { return stage == Stage::kAbsent || (stage == Stage::kResident && absent > 0); }
   // Estimates the bytes of all of the level before its grid is read: at least as many as it takes.

@@ -247,6 +247,60 @@ TEST_F(DistanceQuery, SaysWhatIsMissing) {
   EXPECT_EQ(distance(Instance{without.get()}, point).error().code, ErrorCode::kUnsupportedFeature);
 }
 
+// The first byte of every distance chunk is wrong: waiting would not help, and the answer says why.
+TEST_F(DistanceQuery, SaysWhyDistancesDidNotLoad) {
+  const Pack pack = Pack::open(source.source()).value();
+  std::vector<std::byte> damaged = bytes;
+  for (const Pack::ChunkInfo& chunk : pack.chunks()) {
+    if (chunk.fourcc == ('D' | 'G' << 8 | 'R' << 16 | std::uint32_t{'D'} << 24))
+      damaged[chunk.offset] ^= std::byte{1};
+  }
+  MemorySource damaged_source(damaged);
+  Options options;
+  options.distance_level = 0;
+  const auto loaded = Asset::open(damaged_source.source(), options).value();
+  EXPECT_EQ(distance(Instance{loaded.get()}, glm::vec3(0)).error().code, ErrorCode::kNotYet);
+  const ErrorCode why = loaded->loadAll().error().code;
+  const Error error = distance(Instance{loaded.get()}, glm::vec3(0)).error();
+  EXPECT_EQ(error.code, why) << error.detail;
+  EXPECT_NE(error.code, ErrorCode::kNotYet);
+  EXPECT_EQ(error.unit, Error::Unit::kPart);
+  loaded->retry();
+  EXPECT_EQ(distance(Instance{loaded.get()}, glm::vec3(0)).error().code, ErrorCode::kNotYet);
+}
+
+// Boxes spare an instance that is far the questions, so nothing is said of it.
+TEST_F(DistanceQuery, ErrorsOfWhatIsFarAreFoundWithoutBoxesOnly) {
+  const std::vector<Instance> list = {Instance{asset.get()}, Instance{}};
+  const std::vector<Box> boxes = {bounds(list[0]), Box{glm::vec3(1000), glm::vec3(1001)}};
+  const Sphere shape{glm::vec3(5), 1};
+  EXPECT_EQ(overlaps(list, shape, boxes).value(), -1);
+  EXPECT_EQ(overlaps(list, shape).error().offset, 1u);
+}
+
+// The same box, whatever the length of its quaternion.
+TEST_F(DistanceQuery, ABoxMayHaveAnyQuaternion) {
+  const Box around = bounds(Instance{asset.get()});
+  const std::vector<Instance> list = {Instance{asset.get()}};
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> unit(0, 1);
+  int touched = 0;
+  for (int i = 0; i < 300; ++i) {
+    const glm::quat turn =
+        glm::normalize(glm::quat(normal(random), normal(random), normal(random), normal(random)));
+    const glm::vec3 at(0.9f + 0.3f * unit(random), unit(random), unit(random));
+    const glm::vec3 centre = glm::mix(around.min, around.max, at);
+    const OrientedBox box{centre, glm::vec3(0.1f, 0.2f, 0.3f), turn};
+    const int truth = overlaps(list, box).value();
+    touched += truth == 0;
+    for (const float length : {1e-30f, 5e-23f, 1e-21f, 1e18f, 1e30f})
+      EXPECT_EQ(overlaps(list, OrientedBox{centre, box.half_size, turn * length}).value(), truth) << length;
+  }
+  EXPECT_GT(touched, 50);
+  EXPECT_LT(touched, 250);
+}
+
 TEST_F(DistanceQuery, WhatIsNotDrawnHasNoSolid) {
   const glm::vec3 point(0, 0.5f, 0);
   Instance instance{asset.get()};

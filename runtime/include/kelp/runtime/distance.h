@@ -11,8 +11,10 @@
 //
 // Errors of all functions: kMisuse for numbers that are not finite, for lengths that must be above 0 and are
 // not, for an instance without an asset, and if the asset was opened without Options::distance_level;
-// kUnsupportedFeature if the pack has no distances; kNotYet if some solid part has none in memory yet. With a
-// list of instances, `offset` is the index of the instance.
+// kUnsupportedFeature if the pack has no distances; kNotYet if some solid part has none in memory yet (if the
+// memory budget has no room for its coarsest ones, that stays so); why they failed to load (kCorrupt, kIo),
+// if none of a part's could be loaded: until Asset::retry(). With a list of instances, `offset` is the index
+// of the instance.
 #pragma once
 
 #include <limits>
@@ -86,6 +88,8 @@ Result<SphereCast> sphereCast(const Instance& instance, const glm::vec3& from, c
 
 // The same for a list. `boxes`: bounds() of each instance, if the caller has them; a caller that asks often
 // makes them once a frame. Empty: they are made here, for every call. kMisuse for any other number of them.
+// With boxes, an instance whose box is too far to matter is not asked, so its errors are not found; without,
+// the first error of any instance is the answer, unless the query ended before.
 Result<Distance> distance(std::span<const Instance> instances, const glm::vec3& point,
                           std::span<const Box> boxes = {});
 Result<ClosestPoint> closestPoint(std::span<const Instance> instances, const glm::vec3& point,
