@@ -20,6 +20,15 @@ import tempfile
 import unittest
 from pathlib import Path
 
+try:
+    import numpy
+    from scipy.ndimage import distance_transform_edt
+
+    SCIPY = True
+except ImportError:
+    SCIPY = False
+
+ALL_TESTS = "KELP_ALL_TESTS" in os.environ
 OUTSIDE, INSIDE = 36, 9  # squared; of all levels but the last
 FAR = 1 << 30
 
@@ -161,12 +170,29 @@ class Distance(Case):
         self.assertEqual(len(levels), 4)
         for level in range(4):
             self.check_level(pack, "ball", level, (225, 28) if level == 3 else (OUTSIDE, INSIDE))
-        self.run_program(DUMP, "verify", "--deep", pack)
+        said = self.run_program(DUMP, "verify", "--deep", pack).stdout
+        self.assertIn("sound (1 part, 4 levels, empty boxes, levels and distances recomputed)", said)
+        said = self.run_program(DUMP, "verify", pack).stdout
+        self.assertIn("--deep recomputes empty boxes, levels and distances as well", said)
 
     def test_levels_go_on_beyond_those_of_the_voxels(self):
         pack = self.bake(self.write_ball(), "--resolution", 40, "--levels", 1)
         part = self.info(pack)["parts"][0]
         self.assertEqual((len(part["levels"]), part["distances"]["levels"]), (1, 4))
+        for level in range(4):
+            self.check_level(pack, "ball", level, (225, 28) if level == 3 else (OUTSIDE, INSIDE))
+        # They are solid where any of the eight voxels below is.
+        for level in range(1, 4):
+            fine_shape, _, fine = read_npy(self.folder / ("arrays%d" % (level - 1)) / "ball.occupancy.npy")
+            shape, _, occupancy = read_npy(self.folder / ("arrays%d" % level) / "ball.occupancy.npy")
+            expected = bytearray(math.prod(shape))
+            for at, solid in enumerate(fine):
+                z, y, x = (at // fine_shape[2] // fine_shape[1], at // fine_shape[2] % fine_shape[1],
+                           at % fine_shape[2])
+                expected[x // 2 + shape[2] * (y // 2 + shape[1] * (z // 2))] |= solid
+            self.assertEqual(bytes(occupancy), bytes(expected))
+        self.run_program(DUMP, "extract", pack, "--npy", self.folder / "x", "--level", 4, code=1)
+        self.run_program(DUMP, "extract", pack, "--ply", self.folder / "x", "--level", 1, code=1)
         self.run_program(DUMP, "verify", "--deep", pack)
 
     def test_they_can_be_left_out(self):
@@ -235,55 +261,77 @@ def mixed(voxels, distances):
 
 
 class RealFiles(Case):
-    """Packs of shared assets against scipy.ndimage, padded by one empty voxel, at every level."""
+    """Packs of the shared assets against scipy.ndimage, padded by one empty voxel, at every level: some files
+    of each kind, or with KELP_ALL_TESTS all of them."""
 
-    FILES = ["mesh/common3d/stanford-bunny.obj", "mesh/stanford/dragon_vrip_res3.ply", "gltf/khronos/Fox",
-            "mesh/converted/armadillo.obj", "vox", "vdb"]
+    KINDS = ("glb", "gltf", "obj", "ply", "vox", "vdb")
+    EACH = 2  # of each kind, that bake to something solid
+    LARGEST = 3_000_000  # bytes, unless all are asked for
+
+    def files(self, assets, kind):
+        """All of the kind, in an order that mixes the folders."""
+        found = [p for p in assets.rglob("*." + kind) if "hostile" not in p.parts]
+        if not ALL_TESTS:
+            found = [p for p in found if p.stat().st_size < self.LARGEST]
+        return sorted(found, key=lambda p: (p.stat().st_size % 97, p))
+
+    def check_array(self, path, reached):
+        """The arrays of a part at a level. Adds the part to `reached` if its band holds every voxel."""
+        solid = numpy.pad(numpy.load(path).astype(bool), 1)
+        middle = (slice(1, -1),) * 3
+        self.assertTrue(solid.any(), path)
+        out = numpy.rint(distance_transform_edt(~solid)[middle] ** 2).astype(int)
+        inside = numpy.rint(distance_transform_edt(solid)[middle] ** 2).astype(int)
+        distance = numpy.load(str(path).replace("occupancy", "distance")).astype(float)
+        solid = solid[middle]
+        known = numpy.isfinite(distance)
+        squared = numpy.rint((numpy.abs(numpy.where(known, distance, 0)) + 0.5) ** 2).astype(int)
+        right = numpy.where(solid, inside, out)
+        self.assertTrue((squared == right)[known].all(), path)
+        self.assertTrue(((distance < 0) == solid).all(), path)
+        # All that is unknown is farther than the band of every level.
+        self.assertGreater(right[~known].min(initial=10**9, where=~solid[~known]), OUTSIDE, path)
+        self.assertGreater(right[~known].min(initial=10**9, where=solid[~known]), INSIDE, path)
+        if known.all():
+            reached.add(path.name)
+
+    def check_file(self, source, resolution):
+        """Whether the file bakes to something solid."""
+        pack = self.folder / "real.kelp"
+        size = [] if source.suffix == ".vox" else ["--resolution", str(resolution)]  # voxel by voxel
+        done = subprocess.run([BAKE, source, "-o", pack, *size], capture_output=True, text=True)
+        self.assertIn(done.returncode, (0, 3, 5), done.stderr)  # of several grids, of points alone, damaged
+        if done.returncode != 0:
+            return False
+        solid = [part for part in self.info(pack)["parts"] if part["kind"] != "fog"]
+        if not solid:
+            return False
+        reached = set()
+        for level in range(max(part["distances"]["levels"] for part in solid)):
+            folder = self.extract(pack, level)
+            arrays = sorted(folder.glob("*.occupancy.npy"))
+            self.assertEqual(len(arrays), len(solid), source)
+            for path in arrays:
+                self.check_array(path, reached)
+            shutil.rmtree(folder)
+        self.assertEqual(len(reached), len(solid), "%s: no band reaches every voxel of some part" % source)
+        return True
 
     def test_every_level_is_scipys(self):
-        try:
-            import numpy
-            from scipy.ndimage import distance_transform_edt
-        except ImportError:
+        if not SCIPY:
             self.skipTest("no SciPy here (install python3-scipy)")
         assets = Path(os.environ.get("KELP_ASSETS", SOURCE / "../shared/assets"))
-        found = []
-        for name in self.FILES:
-            path = assets / name
-            ends = (".glb", ".gltf", ".vox", ".vdb", ".obj", ".ply")
-            found += [path] if path.is_file() else sorted(
-                    p for p in path.rglob("*") if p.suffix in ends and p.stat().st_size < 3e6)[:3]
-        if not found:
+        found = {kind: self.files(assets, kind) for kind in self.KINDS}
+        if not any(found.values()):
             self.skipTest("no real files here")
-        checked = 0
-        for source in found:
-            pack = self.folder / "real.kelp"
-            done = subprocess.run([BAKE, source, "-o", pack, "--resolution", "96"], capture_output=True)
-            if done.returncode != 0:
-                continue  # of several grids, or hostile
-            parts = self.info(pack)["parts"]
-            if all(part["kind"] == "fog" for part in parts):
-                continue
-            for level in range(max(len(part["levels"]) for part in parts)):
-                folder = self.extract(pack, level)
-                for path in folder.glob("*.occupancy.npy"):
-                    solid = numpy.pad(numpy.load(path).astype(bool), 1)
-                    middle = (slice(1, -1),) * 3
-                    out = numpy.rint(distance_transform_edt(~solid)[middle] ** 2).astype(int)
-                    inside = numpy.rint(distance_transform_edt(solid)[middle] ** 2).astype(int)
-                    distance = numpy.load(str(path).replace("occupancy", "distance")).astype(float)
-                    solid = solid[middle]
-                    known = numpy.isfinite(distance)
-                    squared = numpy.rint((numpy.abs(numpy.where(known, distance, 0)) + 0.5) ** 2).astype(int)
-                    right = numpy.where(solid, inside, out)
-                    self.assertTrue((squared == right)[known].all(), source)
-                    self.assertTrue(((distance < 0) == solid).all(), source)
-                    limit = right[~known].min(initial=10**9, where=~solid[~known])
-                    self.assertGreater(limit, OUTSIDE, source)
-                    self.assertGreater(right[~known].min(initial=10**9, where=solid[~known]), INSIDE, source)
-                    checked += 1
-                shutil.rmtree(folder)
-        self.assertGreater(checked, 10)
+        resolutions = (64, 97, 128, 192, 71) if ALL_TESTS else (48, 64)
+        for kind, sources in found.items():
+            checked = 0
+            for i, source in enumerate(sources):
+                if checked < self.EACH or ALL_TESTS:
+                    checked += self.check_file(source, resolutions[i % len(resolutions)])
+            print("%s: %d of %d files checked" % (kind, checked, len(sources)), file=sys.stderr)
+            self.assertGreaterEqual(checked, 1 if kind == "vdb" else min(self.EACH, len(sources)), kind)
 
 
 if __name__ == "__main__":

@@ -72,7 +72,8 @@ const Format& formatOf(const CLI::App& command) {
   return *wanted;
 }
 
-ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const std::string& output) {
+ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const std::string& output,
+                         bool with_distances) {
   const std::span<const Part> parts = file.pack().parts();
   ExtractRequest request{file, {}, options.level, output, options.error};
   if (options.part.empty()) {
@@ -81,7 +82,10 @@ ExtractRequest requestOf(PackFile& file, const ExtractOptions& options, const st
     request.parts.push_back(file.findPart(options.part));
   }
   int levels = 0;
-  for (const std::uint32_t part : request.parts) levels = std::max(levels, parts[part].levels);
+  for (const std::uint32_t part : request.parts) {
+    levels = std::max(levels, parts[part].levels);
+    if (with_distances) levels = std::max(levels, file.pack().distanceLevels(static_cast<int>(part)));
+  }
   if (options.level < 0 || options.level >= levels)
     throw ToolError(Exit::kUsage, fmt::format("{}: --level {}: there are levels 0 to {}; choose one of them",
                                               options.path, options.level, levels - 1));
@@ -109,7 +113,7 @@ Exit runExtract(const CLI::App& command, const ExtractOptions& options) {
     writer.handOver(std::move(arguments));
   }
   PackFile file(options.path);
-  writer.write(requestOf(file, options, output));
+  writer.write(requestOf(file, options, output, &writer == &kNpyWriter));
   return Exit::kOk;
 }
 

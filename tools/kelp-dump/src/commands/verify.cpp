@@ -69,6 +69,7 @@ Exit runVerify(const VerifyOptions& options) {
       report.part_names.emplace_back(part.name);
       report.levels += static_cast<std::uint64_t>(part.levels);
     }
+    report.distances = pack->hasDistances();
     if (options.deep) checkDeeply(file, report);
   }
   print(json ? verifyJson(report) : verifyText(report));
@@ -86,7 +87,7 @@ Command addVerify(CLI::App& app) {
                  "  ssh farm cat reed.kelp | kelp-dump verify -\n");
   addPack(command, options->path);
   command->add_flag("--deep", options->deep,
-                    "also recompute empty boxes, levels and surface from the voxels, and compare");
+                    "also recompute empty boxes, levels, surface and distances from the voxels, and compare");
   addFormat(command, options->format);
   return {command, [options] { return runVerify(*options); }};
 }

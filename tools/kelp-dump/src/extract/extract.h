@@ -18,7 +18,8 @@ namespace kelp::dump {
 struct ExtractRequest {
   PackFile& file;
   std::vector<std::uint32_t> parts;  // at least one
-  int level = 0;                     // of parts that have fewer: their coarsest
+  // Of parts that have fewer: their coarsest. For --npy, also one of those that only the distances have.
+  int level = 0;
   std::string output;
   double error = kProxyError;  // of proxies, in voxels
 

@@ -85,13 +85,23 @@ void extractNpy(const ExtractRequest& request) {
   std::set<std::string> taken;
   for (const std::uint32_t part : parts) {
     const fs::path stem = folder / partFileName(request.part(part).name, part, nullptr, taken);
-    const LevelVoxels voxels = request.read(part);
-    writeArray<std::uint8_t>(
-        fileOf(stem, "occupancy"), "|u1", voxels.size(), 1,
-        [&](const glm::ivec3& v, std::vector<std::uint8_t>& out) { out.push_back(voxels.solid(v) ? 1 : 0); });
+    const int levels = request.part(part).levels;
+    const int level = std::min(
+        request.level, std::max(levels, request.file.pack().distanceLevels(static_cast<int>(part))) - 1);
+    const auto writeOccupancy = [&](const glm::ivec3& size, const auto& solid) {
+      writeArray<std::uint8_t>(
+          fileOf(stem, "occupancy"), "|u1", size, 1,
+          [&](const glm::ivec3& v, std::vector<std::uint8_t>& out) { out.push_back(solid(v) ? 1 : 0); });
+    };
+    if (level < levels) {
+      const LevelVoxels voxels = request.read(part);
+      writeOccupancy(voxels.size(), [&](const glm::ivec3& v) { return voxels.solid(v); });
+    }
     if (!request.file.pack().hasDistances()) continue;
-    const LevelDistances distances(request.file, part,
-                                   std::min(request.level, request.part(part).levels - 1));
+    const LevelDistances distances(request.file, part, level);
+    // Levels of distances go on beyond those of the voxels. Their signs say what is solid.
+    if (level >= levels)
+      writeOccupancy(distances.size(), [&](const glm::ivec3& v) { return isInside(distances.code(v)); });
     writeArray<float>(fileOf(stem, "distance"), "<f4", distances.size(), 1,
                       [&](const glm::ivec3& v, std::vector<float>& out) {
                         out.push_back(signedDistanceOf(distances.code(v)));

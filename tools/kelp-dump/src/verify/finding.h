@@ -50,6 +50,7 @@ struct Finding {
 struct VerifyReport {
   std::string path;
   bool deep = false;
+  bool distances = false;               // whether the pack has them
   std::vector<std::string> part_names;  // empty if the pack could not be opened
   std::uint64_t levels = 0;             // in all parts
   std::vector<Finding> findings;

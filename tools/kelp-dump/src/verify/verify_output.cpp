@@ -73,10 +73,12 @@ std::uint64_t VerifyReport::errors() const {
 std::string verifyText(const VerifyReport& report) {
   std::string text;
   for (const Finding& finding : report.findings) text += findingText(finding, report);
+  const char* const deeper =
+      report.distances ? "empty boxes, levels and distances" : "empty boxes and levels";
   const std::string checked =
-      fmt::format("{}, {}{}", plural(report.part_names.size(), "part"), plural(report.levels, "level"),
-                  report.deep ? ", empty boxes and levels recomputed"
-                              : "; --deep recomputes empty boxes and levels as well");
+      fmt::format("{}, {}", plural(report.part_names.size(), "part"), plural(report.levels, "level")) +
+      (report.deep ? fmt::format(", {} recomputed", deeper)
+                   : fmt::format("; --deep recomputes {} as well", deeper));
   if (report.errors() == 0)
     text += fmt::format("{}: sound ({})", nameText(report.path, 4096), checked);
   else
