@@ -5,6 +5,7 @@
 
 #include "render_fixture.h"
 #include "support/distance_pack.h"
+#include "support/fog_pack.h"
 
 namespace kelp {
 namespace {
@@ -66,12 +67,21 @@ TEST_F(KelpRender, ViewsShowWhatTheySay) {
             picture({"--view", "level", "--level", "2"}).at(60, 60));
 }
 
+fields::Occupancy boxVolume() { return {{24, 48, 16}, std::vector<std::uint8_t>(24 * 48 * 16, 1)}; }
+
+long sumOf(const Picture& p) {
+  long all = 0;
+  for (int y = 0; y < p.height; ++y) {
+    for (int x = 0; x < p.width; ++x) all += p.at(x, y).r + p.at(x, y).g + p.at(x, y).b;
+  }
+  return all;
+}
+
 // Through the middle of the box: orange inside, blue outside, the surface black, a contour for each 32nd of
 // the height.
 TEST_F(KelpRender, DistancesAreShownOnASlice) {
   RawPack pack = boxPack();
-  const fields::Occupancy box{pack.parts[0].size, std::vector<std::uint8_t>(24 * 48 * 16, 1)};
-  pack.parts[0].distances = distancesOf(box, static_cast<int>(pack.parts[0].levels.size()));
+  pack.parts[0].distances = distancesOf(boxVolume(), static_cast<int>(pack.parts[0].levels.size()));
   const std::string without = folder_ / "without.kelp";
   std::filesystem::rename(pack_, without);
   write(pack_, bytesOf(pack));
@@ -92,8 +102,13 @@ TEST_F(KelpRender, DistancesAreShownOnASlice) {
   }
   EXPECT_NEAR(contours, 4, 1);
   const ProcessResult refused = render({without, "-o", out_, "--view", "distance"});
-  EXPECT_EQ(refused.exit, 3);
+  EXPECT_EQ(refused.exit, 5);
   EXPECT_NE(refused.err.find("--no-distance"), std::string::npos) << refused.err;
+  write(without, bytesOf(fogPack(fogOf(glm::ivec3(8), puffs), 1)));
+  const ProcessResult of_fog = render({without, "-o", out_, "--view", "distance"});
+  EXPECT_EQ(of_fog.exit, 5);
+  EXPECT_EQ(of_fog.err.find("--no-distance"), std::string::npos) << of_fog.err;
+  EXPECT_NE(of_fog.err.find("is fog"), std::string::npos) << of_fog.err;
   EXPECT_EQ(render({pack_, "-o", out_, "--view", "distance", "--method", "paper"}).exit, 1);
 }
 
@@ -123,23 +138,52 @@ TEST_F(KelpRender, ShadingIsWhatWasAsked) {
 }
 
 TEST_F(KelpRender, ShadowsAndOcclusionAreSwitches) {
-  const auto sum = [&](const std::vector<std::string>& arguments) {
-    const Picture p = picture(arguments);
-    long all = 0;
-    for (int y = 0; y < 120; ++y) {
-      for (int x = 0; x < 120; ++x) all += p.at(x, y).r + p.at(x, y).g + p.at(x, y).b;
-    }
-    return all;
-  };
   const std::vector<std::string> bent = {"--tangent", "0=2,1,0", "--tangent", "1=-2,1,0"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.end(), bent.begin(), bent.end());
-    return sum(more);
+    return sumOf(picture(more));
   };
   const long plain = with({"--shadows", "off"});
   EXPECT_LT(with({}), plain);
   EXPECT_EQ(with({"--shadows", "on"}), with({}));
   EXPECT_LT(with({"--occlusion", "8"}), with({}));
+}
+
+// The bent box shades itself about as much by distances as by rays.
+TEST_F(KelpRender, ShadowsAndOcclusionMayComeFromDistances) {
+  const std::vector<std::string> bent = {"--tangent", "0=2,1,0", "--tangent", "1=-2,1,0", "--pitch", "40"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), bent.begin(), bent.end());
+    return sumOf(picture(more));
+  };
+  const std::string without = folder_ / "without.kelp";
+  std::filesystem::copy_file(pack_, without);
+  RawPack pack = boxPack();
+  pack.parts[0].distances = distancesOf(boxVolume(), static_cast<int>(pack.parts[0].levels.size()));
+  write(pack_, bytesOf(pack));
+  const long plain = with({"--shadows", "off"});
+  const long hard = plain - with({}), soft = plain - with({"--soft-shadows", "1"});
+  EXPECT_GT(hard, 0);
+  EXPECT_GT(soft, hard / 2);
+  EXPECT_LT(soft, hard * 2);
+  EXPECT_NE(with({"--soft-shadows", "8"}), with({"--soft-shadows", "1"}));
+  EXPECT_EQ(with({"--soft-shadows", "0"}), with({}));
+  const long rays = plain - with({"--shadows", "off", "--occlusion", "16"});
+  const long distances = plain - with({"--shadows", "off", "--occlusion", "distances"});
+  EXPECT_GT(distances, rays / 2);
+  EXPECT_LT(distances, rays * 2);
+  EXPECT_LT(with({"--soft-shadows", "1", "--occlusion", "distances"}), plain - soft);
+
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--soft-shadows", "1"},
+                                                 std::vector<std::string>{"--occlusion", "distances"}}) {
+    std::vector<std::string> arguments = {without, "-o", out_};
+    arguments.insert(arguments.end(), option.begin(), option.end());
+    const ProcessResult refused = render(arguments);
+    EXPECT_EQ(refused.exit, 5);
+    EXPECT_NE(refused.err.find("--no-distance"), std::string::npos) << refused.err;
+    arguments.insert(arguments.end(), {"--method", "paper"});
+    EXPECT_EQ(render(arguments).exit, 1);
+  }
 }
 
 // The box is 0.5 m wide and 1 m high.
@@ -270,6 +314,10 @@ TEST_F(KelpRender, ExplainsMistakesInOneLineAndLeavesTheOutputAlone) {
       {{pack_, "-o", out_, "--samples", "3"}, 1, "samples"},
       {{pack_, "-o", out_, "--shadows", "maybe"}, 1, "shadows"},
       {{pack_, "-o", out_, "--occlusion", "17"}, 1, "occlusion"},
+      {{pack_, "-o", out_, "--occlusion", "2x"}, 1, "from 0 to 16, or distances"},
+      {{pack_, "-o", out_, "--soft-shadows", "21"}, 1, "soft-shadows"},
+      {{pack_, "-o", out_, "--soft-shadows", "nan"}, 1, "finite"},
+      {{pack_, "-o", out_, "--soft-shadows", "1", "--shadows", "off"}, 1, "leave one"},
       {{pack_, "-o", out_, "--frames", "0"}, 1, "frames"},
       {{pack_, "-o", out_, "--view", "inside"},
        1,

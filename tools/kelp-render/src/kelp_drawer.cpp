@@ -19,12 +19,13 @@ class KelpDrawer final : public Drawer {
     gl::Config config;
     config.getProcAddress = HeadlessContext::getProcAddress;
     config.surface_glsl = style.surface.empty() ? nullptr : style.surface.c_str();
-    config.secondary_rays = options.shadows || options.occlusion > 0;
-    config.distances = slice_;
+    config.secondary_rays = (options.shadows && options.soft_shadows == 0) || options.occlusion > 0;
+    config.distances = slice_ || options.shadesByDistances();
     config.log = [](void*, const char* text) { std::fputs(text, stderr); };
     // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
     config.gpu_budget = std::uint64_t{8} << 20;
-    for (const auto& [path, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack, slice_);
+    for (const auto& [path, pack] : scene.packs())
+      config.gpu_budget += gl::poolBytes(*pack, config.distances);
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));

@@ -69,6 +69,10 @@ void run(const Options& options) {
   view.quality.shading = options.shading;
   view.quality.self_shadow = options.shadows;
   view.quality.occlusion_rays = options.occlusion;
+  if (options.shadesByDistances()) {
+    view.quality.soft_shadows = static_cast<float>(options.soft_shadows);
+    view.quality.occlusion = options.occlusion_by_distances;
+  }
   if (options.level) {
     view.quality.finest_level = *options.level;
     view.quality.pixels_per_voxel = 0;

@@ -132,6 +132,10 @@ void checkPaperOptions(const Options& options, int level) {
     throw ToolError(Exit::kUsage, fmt::format("--shading: --method {} has one normal for each voxel; leave "
                                               "--shading out",
                                               method));
+  if (options.soft_shadows > 0 || options.occlusion_by_distances)
+    throw ToolError(Exit::kUsage,
+                    fmt::format("--method {} shades by rays; leave {} out", method,
+                                options.soft_shadows > 0 ? "--soft-shadows" : "--occlusion distances"));
 }
 
 // The options of one pack, the same before and after --and.
@@ -204,7 +208,7 @@ bool parse(CLI::App& app, std::vector<std::string> arguments) {
 
 // The options of the whole picture that are checked after parsing.
 struct PictureText {
-  std::string view, method, shading, shadows, size, background;
+  std::string view, method, shading, shadows, occlusion, size, background;
   int level = 0;
   CLI::Option* level_option = nullptr;
 };
@@ -226,10 +230,16 @@ void addPictureOptions(CLI::App& app, Options& options, PictureText& text) {
   app.add_option("--shadows", text.shadows, "whether parts cast shadows on themselves")
       ->check(CLI::IsMember({"on", "off"}))
       ->option_text("on|off [on]");
-  app.add_option("--occlusion", options.occlusion,
-                 "rays for each sample that measure how much of the sky it sees")
-      ->check(CLI::Range(0, 16))
-      ->option_text("N [0]");
+  app.add_option(
+         "--soft-shadows", options.soft_shadows,
+         "shadows with a penumbra, also between the parts of a model: how large the sun is; needs packs "
+         "with distances")
+      ->check(CLI::Range(0.0, 20.0))
+      ->option_text("DEGREES [0]");
+  app.add_option("--occlusion", text.occlusion,
+                 "how to measure how much of the sky a sample sees: by so many rays (0 to 16), or by the "
+                 "distances in the packs")
+      ->option_text("N|distances [0]");
   app.add_option("--size", text.size, "pixels")->option_text("WxH [800x600]");
   app.add_option("--samples", options.samples, "samples along each side of a pixel")
       ->check(CLI::IsMember({1, 2, 4}))
@@ -260,6 +270,14 @@ void finishPicture(const PictureText& text, Options& options) {
     throw ToolError(Exit::kUsage, "--yaw takes a finite number; see kelp-render --help");
   if (!text.view.empty()) options.view = parseView(text.view);
   if (!text.shading.empty()) options.shading = parseShading(text.shading);
+  options.occlusion_by_distances = text.occlusion == "distances";
+  if (!text.occlusion.empty() && !options.occlusion_by_distances &&
+      (!parseNumber(text.occlusion, options.occlusion) || options.occlusion < 0 || options.occlusion > 16))
+    refuse("--occlusion", text.occlusion, "a number of rays from 0 to 16, or distances");
+  if (!std::isfinite(options.soft_shadows))
+    throw ToolError(Exit::kUsage, "--soft-shadows takes a finite number; see kelp-render --help");
+  if (options.soft_shadows > 0 && text.shadows == "off")
+    throw ToolError(Exit::kUsage, "--soft-shadows and --shadows off: leave one of them out");
   options.report = !text.method.empty();
   if (options.report) options.method = parseMethod(text.method);
   if (options.method != Method::kKelp) checkPaperOptions(options, *text.level_option ? text.level : 0);
@@ -278,6 +296,7 @@ constexpr char kFooter[] =
     "  kelp-render reed.kelp -o turn.png --frames 36                         a turntable\n"
     "  kelp-render reed.kelp -o cost.png --view steps                        steps of each ray: blue 0, "
     "red 64 and more\n"
+    "  kelp-render reed.kelp -o soft.png --soft-shadows 2 --occlusion distances\n"
     "  kelp-render orange.kelp -o paper.png --method paper-df                the paper's method as "
     "published, "
     "with its steps and time\n"

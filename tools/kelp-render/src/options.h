@@ -51,7 +51,9 @@ struct Options {
   bool report = false;  // print steps and time
   gl::Shading shading = gl::Shading::kGradient;
   bool shadows = true;
-  int occlusion = 0;  // rays a sample
+  double soft_shadows = 0;  // degrees across the sun; 0: shadows by rays
+  int occlusion = 0;        // rays a sample
+  bool occlusion_by_distances = false;
   glm::ivec2 size{800, 600};
   int samples = 2;  // along each side of a pixel
   int frames = 1;
@@ -59,6 +61,11 @@ struct Options {
   double pitch = 15;  // degrees, downwards
   std::optional<int> level;
   std::optional<Background> background;
+
+  // Whether the picture is shaded by distances.
+  bool shadesByDistances() const {
+    return view == ViewKind::kShaded && (soft_shadows > 0 || occlusion_by_distances);
+  }
 };
 
 const char* toString(Method method);

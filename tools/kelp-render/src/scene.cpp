@@ -49,6 +49,18 @@ glm::mat4 placeOf(const Item& item) {
                     glm::vec3(static_cast<float>(item.scale)));
 }
 
+// Fog has no distances. It can be shaded all the same, but there is nothing to show of it.
+void checkDistances(const Options& options, const std::string& path, const runtime::Asset& pack) {
+  if (pack.loadsDistances()) return;
+  const bool fog =
+      std::ranges::all_of(pack.pack().parts(), [](const Part& part) { return part.kind == PartKind::kFog; });
+  if (!fog)
+    throw ToolError(Exit::kUnsupported, path + ": holds no distances; bake it again without --no-distance");
+  if (options.view == ViewKind::kDistance)
+    throw ToolError(Exit::kUnsupported,
+                    path + ": is fog, which has no distances; leave it out, or choose another --view");
+}
+
 }  // namespace
 
 std::uint64_t mostMemory() { return physicalMemory() / 5 * 2; }
@@ -61,12 +73,10 @@ Scene::Scene(const Options& options) {
       const FileSource file = openFile(item.pack);
       runtime::Options whole;
       whole.memory_budget = mostMemory();
-      if (options.view == ViewKind::kDistance) whole.distance_level = 0;
+      if (options.view == ViewKind::kDistance || options.shadesByDistances()) whole.distance_level = 0;
       pack = checkPack(item.pack, runtime::Asset::open(file.source(), whole));
       checkLevel(options, item.pack, pack->pack());
-      if (options.view == ViewKind::kDistance && !pack->loadsDistances())
-        throw ToolError(Exit::kInvalid,
-                        item.pack + ": holds no distances to show; bake it again without --no-distance");
+      if (whole.distance_level == 0) checkDistances(options, item.pack, *pack);
     }
     poses_.push_back(checkPack(item.pack, runtime::Pose::create(*pack)));
     posings_.emplace_back(*pack, item);
