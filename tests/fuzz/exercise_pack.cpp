@@ -9,6 +9,7 @@
 #include "exercise_renderer.h"
 #include "input_folder.h"
 #include "kelp/formats/verify.h"
+#include "kelp/runtime/distance.h"
 #include "kelp/runtime/instance.h"
 #include "kelp/runtime/spring.h"
 #include "raw_of_pack.h"
@@ -40,6 +41,27 @@ void report(void*, const Issue& issue) {
     std::abort();
 }
 
+// Every query of distances, at two places. An answer is a number, or an error where it may be one.
+void askDistances(const runtime::Instance& instance) {
+  const Box box = runtime::bounds(instance);
+  const glm::vec3 size = box.max - box.min, middle = 0.5f * (box.min + box.max);
+  const float radius = 0.1f * glm::length(size);
+  const std::span<const runtime::Instance> list(&instance, 1);
+  for (const float away : {0.2f, 1.5f}) {
+    const glm::vec3 point = middle + away * size;
+    const auto found = runtime::distance(instance, point);
+    if (found && (std::isnan(found->bound) || std::isnan(found->away.x))) std::abort();
+    const auto closest = runtime::closestPoint(instance, point, away > 1 ? runtime::kFarAway : radius);
+    if (closest && std::isnan(closest->distance)) std::abort();
+    static_cast<void>(runtime::overlaps(instance, runtime::Sphere{point, radius}));
+    static_cast<void>(runtime::overlaps(instance, runtime::Capsule{point, middle, radius}));
+    static_cast<void>(
+        runtime::overlaps(list, runtime::OrientedBox{middle, 0.2f * size, {1, 2, 3, 4}}, {&box, 1}));
+    const auto cast = runtime::sphereCast(list, point, middle - size, 0.1f * radius);
+    if (cast && !(cast->t >= 0 && cast->t <= 1)) std::abort();
+  }
+}
+
 // Questions that a game asks each frame.
 void ask(const runtime::Instance& instance) {
   const Box box = runtime::bounds(instance);
@@ -56,6 +78,8 @@ void ask(const runtime::Instance& instance) {
     runtime::frameAt(instance, part, rest);
     runtime::toRest(instance, part, runtime::toWorld(instance, part, rest));
   }
+  constexpr std::size_t kMostParts = 4;  // a search that gives up takes some milliseconds a part
+  if (parts.size() <= kMostParts) askDistances(instance);
 }
 
 // At rest; then all clips at a moment, also one beyond their ends, half way back to rest, pushed and blown;
@@ -138,7 +162,10 @@ void exercisePack(std::span<const std::byte> bytes) {
   const bool is_drawn = (choice >> 22) % 4 == 0, is_streamed = is_drawn && (choice >> 24) % 2 == 0;
   runtime::Options options{limits, allocator};
   if (is_drawn && (choice >> 25) % 4 == 0) options.memory_budget = 2048 * (1 + (choice >> 27) % 8);
+  options.distance_level = static_cast<int>((choice >> 32) % 4) - 1;  // none, all, or without the finest
   auto asset = runtime::Asset::open(source, options);
-  if (asset && !is_streamed && (*asset)->loadAll()) playAndAsk(**asset, choice >> 26);
+  // Where something did not load, the rest answers.
+  if (asset && !is_streamed && ((*asset)->loadAll() || (choice >> 34) % 4 == 0))
+    playAndAsk(**asset, choice >> 26);
   if (asset && is_drawn) exerciseRenderer(*std::move(asset), choice >> 30, allocator);
 }

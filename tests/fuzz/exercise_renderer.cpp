@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <vector>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -23,7 +24,7 @@ namespace {
 
 // What lies in the pool, as shaders/instance.glsl has it, of the only asset of a renderer: from the first row
 // on that is somebody's.
-void checkPool(const test::FakeGl& fake, const runtime::Asset& asset) {
+void checkPool(const test::FakeGl& fake, const runtime::Asset& asset, bool distances) {
   const std::vector<std::uint32_t>& words = fake.pool().words;
   const auto holds = [&words](std::uint64_t at, std::span<const std::uint32_t> wanted) {
     return at <= words.size() && wanted.size() <= words.size() - at &&
@@ -46,6 +47,23 @@ void checkPool(const test::FakeGl& fake, const runtime::Asset& asset) {
         if (at == 0) continue;
         const runtime::PinnedPage pinned = runtime::PageAccess::pin(asset, p, l, page, 0);
         if (pinned && !holds(at, pinned.words())) fault("the pool holds another page");
+      }
+    }
+    const int fields = distances && asset.loadsDistances() ? asset.pack().distanceLevels(p) : 0;
+    for (int l = 0; l < fields; ++l, table += 3) {
+      if (table + 3 > words.size()) fault("the tables of distances lie beyond the pool");
+      if (words[table] == 0) continue;
+      const runtime::DistanceLevel* level = asset.distances(p, l);
+      if (!level) fault("the pool holds distances that are not in memory");
+      if (!holds(words[table], level->cells)) fault("the pool holds other cells of distances");
+      std::vector<std::uint32_t> codes(level->codes.size() / 4);
+      std::memcpy(codes.data(), level->codes.data(), level->codes.size());
+      constexpr std::size_t kPage = 128 * 128;  // words
+      for (std::size_t page = 0; page * kPage < codes.size(); ++page) {
+        const std::uint64_t entry = words[table + 1] + page, at = entry < words.size() ? words[entry] : 0;
+        const auto content = std::span(codes).subspan(page * kPage);
+        if (at != 0 && !holds(at, content.first(std::min(kPage, content.size()))))
+          fault("the pool holds other distances");
       }
     }
     if (part.fog) table += 6 + static_cast<std::uint64_t>(part.levels) + 3 * part.fog->ramp.size();
@@ -89,6 +107,7 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
   config.getProcAddress = &test::FakeGl::getProcAddress;
   config.gpu_budget = choice / 128 % 2 ? 64 * 4096 : 96 * 4096;
   config.secondary_rays = choice / 256 % 2;
+  config.distances = choice / 4096 % 2;
   config.allocator = allocator;
   auto created = gl::Renderer::create(config);
   if (!created || !(*created)->add(*asset)) return;
@@ -107,10 +126,12 @@ void exerciseRenderer(std::unique_ptr<runtime::Asset> asset, std::uint64_t choic
       if (stats->bytes_uploaded > max_bytes) fault("an upload of more than its budget");
       if (stats->gpu_bytes > config.gpu_budget) fault("more than gpu_budget");
     }
-    checkPool(fake, *asset);
+    checkPool(fake, *asset, config.distances);
     gl::View view = viewOf(straight, frame < 3 ? 0.6f : 40.0f);
     view.quality.depth_batches = 1 + frame % 3;
     view.quality.shading = static_cast<gl::Shading>(frame % 3);
+    view.quality.soft_shadows = config.distances && frame % 2 ? 1.0f : 0.0f;
+    view.quality.occlusion = config.distances && frame % 3 == 0;
     static_cast<void>(renderer.draw(view, std::span(both).first(static_cast<std::size_t>(1 + frame % 2))));
     static_cast<void>(renderer.draw(view, both, frame % 2 ? gl::Pass::kFog : gl::Pass::kDepth));
     static_cast<void>(renderer.bindTrace(1, view, both));

@@ -62,8 +62,9 @@ void apply(PackSurgeon& surgeon, const Record& record) {
   PackSurgeon::Chunk& chunk = surgeon.chunks[c];
   if (!(record.what_and_chunk & 4)) return change(chunk.content, record);
   // Inside a page, below zstd: where a grid and its one page stand one after the other.
-  const bool has_page = c + 1 < surgeon.chunks.size() && chunk.fourcc == PackSurgeon::fourcc("GRID") &&
-                        chunk.content.size() >= 32 &&
+  const bool is_grid =
+      chunk.fourcc == PackSurgeon::fourcc("GRID") || chunk.fourcc == PackSurgeon::fourcc("DGRD");
+  const bool has_page = c + 1 < surgeon.chunks.size() && is_grid && chunk.content.size() >= 32 &&
                         kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) ==
                             surgeon.chunks[c + 1].content.size() &&
                         kelp::test::isFrame(surgeon.chunks[c + 1].content);
@@ -117,10 +118,11 @@ void apply(PackSurgeon& surgeon, const Record& record) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const PackSurgeon sound[2] = {PackSurgeon(readGolden("solid.kelp")),
-                                       PackSurgeon(readGolden("fog.kelp"))};
+  static const PackSurgeon sound[] = {PackSurgeon(readGolden("solid.kelp")),
+                                      PackSurgeon(readGolden("fog.kelp")),
+                                      PackSurgeon(readGolden("distance.kelp"))};
   if (size == 0) return 0;
-  PackSurgeon surgeon = sound[data[0] & 1];
+  PackSurgeon surgeon = sound[data[0] % std::size(sound)];
   for (std::size_t at = 1; at + sizeof(Record) <= std::min<std::size_t>(size, 1 + 32 * sizeof(Record));
        at += sizeof(Record)) {
     Record record;

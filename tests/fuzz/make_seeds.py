@@ -345,8 +345,9 @@ def record(chunk, at, number, what=1):
 
 def restamped_seeds():
     # Chunks of the first: INFO PART MATL RIGS CLIP SOCK, then GRID BRCK three times. Of the second: INFO PART
-    # MATL FOGS RIGS, then GRID and BRCK or FOGB four times.
-    tiny, fog = b"\0", b"\1"
+    # MATL FOGS RIGS, then GRID and BRCK or FOGB four times. Of the third: those of the first, then DGRD DIST
+    # four times.
+    tiny, fog, distance = b"\0", b"\1", b"\2"
     nan, two = 0x7fc00000, 0x40000000
     for sound, name, kinds in (
             (tiny, "tiny", ("info", "part", "matl", "rigs", "clip", "sock")),
@@ -369,6 +370,15 @@ def restamped_seeds():
     yield "page_raw.bin", tiny + record(10, 20, 520)
     for chunk in (5, 7, 9, 11):
         yield "fog_page_%d.bin" % chunk, fog + record(chunk, 12, 0x40 << 16 | 100, 4)
+    yield "distance_hosts.bin", distance + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
+    for chunk in (12, 14, 16, 18):
+        yield "distance_band_%d.bin" % chunk, distance + record(chunk, 0, 225, 0)
+        yield "distance_cell_%d.bin" % chunk, distance + record(chunk, 8, 255, 0)
+        yield "distance_none_%d.bin" % chunk, distance + record(chunk, 6, 0, 4)
+        # Codes of a page: another distance, solid where nothing is, empty where something is.
+        for number, code in enumerate((5, 200, 0)):
+            yield ("distance_code_%d_%d.bin" % (chunk, number),
+                   distance + record(chunk, 12, code << 16 | 77 + 100 * number, 4))
 
 
 def main():
