@@ -33,20 +33,23 @@ Result<bool> checkInstance(const Instance& instance) {
                        none.unit};
     return failure != 0 ? failed : none;
   }
-  if (instance.pose && (instance.pose->parts() != parts || !instance.pose->check())) return false;
+  if (!instance.pose) return true;
+  if (instance.pose->parts() != parts) return false;
+  for (int part = 0; part < parts; ++part) {
+    const PosedPart posed = posedPart(instance, part);
+    if (!posed.isSwept() && !posed.check()) return false;
+  }
   return true;
 }
 
-std::optional<PosedSolid> posedSolid(const Instance& instance, int part) {
+std::optional<SolidPlace> solidPlace(const Instance& instance, int part) {
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
-  const std::span<const Knot> knots = knotsOf(instance, part);
-  if (of.kind != PartKind::kSolid || knots.size() < 2) return std::nullopt;
+  if (of.kind != PartKind::kSolid || knotsOf(instance, part).size() < 2) return std::nullopt;
   const glm::dmat4 to_world(partToWorld(instance, part));
   const glm::dmat3 linear(to_world);
   const double volume = glm::determinant(linear), away = glm::dot(to_world[3], glm::dvec4(1));
   if (!(std::abs(volume) > 0) || !std::isfinite(volume) || !std::isfinite(away)) return std::nullopt;
-  return PosedSolid{instance.asset,         part, knots, SplineMap(knots, of.size), of.size, linear,
-                    glm::dvec3(to_world[3])};
+  return SolidPlace{instance.asset, part, of.size, linear, glm::dvec3(to_world[3])};
 }
 
 double leastScale(const glm::dmat3& matrix) {
@@ -90,7 +93,7 @@ struct Projected {
   glm::dvec3 rest{0};      // within the part's box
   glm::dvec3 rest_off{0};  // from there to the rest point
 };
-Projected project(const PosedSolid& solid, const glm::dvec3& point) {
+Projected project(const PosedSolid<SplineMap>& solid, const glm::dvec3& point) {
   Projected at;
   const glm::dvec3 size(solid.size);
   const auto place = [&](const glm::dvec3& p) {
@@ -106,7 +109,7 @@ Projected project(const PosedSolid& solid, const glm::dvec3& point) {
   // Bounds cost time, and tell little that is new of a point nearly within the part's box at rest.
   constexpr double kNearly2 = 64;
   if (at.off.y == 0 && glm::dot(at.rest_off, at.rest_off) < kNearly2) return at;
-  const Box box = simd::boundKnots(solid.knots, solid.size);
+  const Box box = simd::boundKnots(solid.map.knots(), solid.size);
   const glm::dvec3 inside = glm::clamp(point, glm::dvec3(box.min), glm::dvec3(box.max));
   if (inside.x != point.x || inside.z != point.z) place({inside.x, y, inside.z});
   return at;
@@ -114,7 +117,7 @@ Projected project(const PosedSolid& solid, const glm::dvec3& point) {
 
 // Where the line along y through a point is at rest, and how far the solid is there.
 struct AlongY {
-  const PosedSolid* solid;
+  const PosedSolid<SplineMap>* solid;
   glm::dvec3 point;
 
   SplineMap::RestAt ask() const {
@@ -132,7 +135,17 @@ struct AlongY {
 
 }  // namespace
 
-std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3& world) {
+Distance answerOf(const SolidPlace& solid, const glm::dmat3& to_part, double bound, const glm::dvec3& away) {
+  Distance found;
+  found.bound = static_cast<float>(bound * leastScale(solid.to_world) * (1 - 1e-6));
+  found.part = solid.part;
+  const glm::dvec3 in_world = glm::transpose(to_part) * away;
+  const double length2 = glm::dot(in_world, in_world);
+  if (length2 > 0 && std::isfinite(length2)) found.away = glm::vec3(in_world / std::sqrt(length2));
+  return found;
+}
+
+std::optional<Distance> distanceToPart(const PosedSolid<SplineMap>& solid, const glm::vec3& world) {
   const glm::dmat3 to_part = glm::inverse(solid.to_world);
   const glm::dvec3 point = to_part * (glm::dvec3(world) - solid.origin);
   const Projected at = project(solid, point);
@@ -144,34 +157,28 @@ std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3&
   const AlongY line{&solid, point - at.off};
   const double bent = std::max(
       solid.map.bound(at.cut, rest_bound, inside ? SplineMap::RestAt{} : line.ask()) - at.slack, 0.0);
-  constexpr double kLeastDepth = 1e-3;  // voxels: the sign says that it is inside
   // The nearest point within the bounds sees the solid at an obtuse angle to the point.
   const double bound = inside ? std::max(bent, kLeastDepth) : std::sqrt(off2 + bent * bent);
 
-  Distance found;
-  found.bound = static_cast<float>(bound * leastScale(solid.to_world) * (1 - 1e-6) * (inside ? -1 : 1));
-  found.part = solid.part;
-  found.level = rest->level;
   const double gradient2 = glm::dot(glm::dvec3(rest->gradient), glm::dvec3(rest->gradient));
   const glm::dvec3 stored = gradient2 > 0 ? glm::dvec3(rest->gradient) / std::sqrt(gradient2) : glm::dvec3(0);
   glm::dvec3 away =
       solid.map.gradient(at.cut, at.rest_off + rest->bound * stored + (inside ? stored : glm::dvec3(0)));
   const double length2 = glm::dot(away, away);
   away = at.off + (length2 > 0 ? std::max(bent, 1e-3) / std::sqrt(length2) * away : glm::dvec3(0));
-  away = glm::transpose(to_part) * away;
-  const double world2 = glm::dot(away, away);
-  if (world2 > 0 && std::isfinite(world2)) found.away = glm::vec3(away / std::sqrt(world2));
+  Distance found = answerOf(solid, to_part, inside ? -bound : bound, away);
+  found.level = rest->level;
   return found;
 }
 
 void findNearest(const Instance& instance, const glm::vec3& point, Distance& nearest) {
-  const auto parts = static_cast<int>(instance.asset->pack().parts().size());
-  for (int part = 0; part < parts; ++part) {
-    const std::optional<PosedSolid> solid = posedSolid(instance, part);
-    if (!solid) continue;
-    const std::optional<Distance> found = distanceToPart(*solid, point);
-    if (found && (nearest.part < 0 || found->bound < nearest.bound)) nearest = *found;
-  }
+  Distance best = nearest;
+  const bool drawn = eachSolid(instance, [&](const auto& solid) {
+    const std::optional<Distance> found = distanceToPart(solid, point);
+    if (found && (best.part < 0 || found->bound < best.bound)) best = *found;
+    return true;
+  });
+  if (drawn) nearest = best;
 }
 
 }  // namespace kelp::runtime

@@ -11,8 +11,34 @@ namespace {
 
 glm::dvec3 beyond(const FrameBox& box) { return glm::max(glm::abs(box.centre) - box.half, glm::dvec3(0)); }
 
+// The point of a leaf that is nearest to `at`, as far as its bending tells; in the frame.
+glm::dvec3 placeNearest(const SweepMap& map, const SearchFrame& frame, const SearchLeaf<SweepMap>& leaf,
+                        const glm::dvec3& at) {
+  return frame.place(map.nearest(*leaf.from, *leaf.to, leaf.low, leaf.high, at));
+}
+glm::dvec3 placeNearest(const SplineMap& map, const SearchFrame& frame, const SearchLeaf<SplineMap>& leaf,
+                        const glm::dvec3& at) {
+  glm::dvec3 p = map.nearest(*leaf.from, *leaf.to, leaf.low, leaf.high, at), in_frame = frame.place(p);
+  if (!frame.shears) return in_frame;
+  // Along one axis after the other, each time to the nearest point, as if the leaf were not bent.
+  const SplineMap::Cut cut = map.cut(p.y);
+  const glm::dvec3 low(cut.at.x + leaf.low.x, leaf.from->at.y, cut.at.z + leaf.low.z),
+      high(cut.at.x + leaf.high.x, leaf.to->at.y, cut.at.z + leaf.high.z);
+  constexpr int kSweeps = 32;
+  for (int i = 0; i < 3 * kSweeps; ++i) {
+    const glm::dvec3& axis = frame.to_frame[i % 3];
+    const double to =
+        std::clamp(p[i % 3] - glm::dot(axis, in_frame) / glm::dot(axis, axis), low[i % 3], high[i % 3]);
+    in_frame += (to - p[i % 3]) * axis;
+    p[i % 3] = to;
+  }
+  const SplineMap::Cut there = map.cut(p.y);
+  return frame.place({p.x - cut.at.x + there.at.x, there.at.y, p.z - cut.at.z + there.at.z});
+}
+
+template <class Map>
 struct ClosestGoal {
-  const PosedSolid& solid;
+  const PosedSolid<Map>& solid;
   const SearchFrame& frame;
   glm::dvec3 at;  // part space
   double reach;   // world
@@ -23,27 +49,8 @@ struct ClosestGoal {
   double key(const FrameBox& box) const { return glm::length(beyond(box)); }
   double limit() const { return std::min(best, reach); }
   // Any leaf within reach is taken, although its point that is found may be beyond.
-  void visit(const SearchLeaf& leaf, double) {
-    const double y = std::clamp(at.y, leaf.from->at.y, leaf.to->at.y);
-    SplineMap::Cut cut = y == leaf.from->at.y ? *leaf.from : y == leaf.to->at.y ? *leaf.to : solid.map.cut(y);
-    glm::dvec3 p(cut.at.x + std::clamp(at.x - cut.at.x, leaf.low.x, leaf.high.x), cut.at.y,
-                 cut.at.z + std::clamp(at.z - cut.at.z, leaf.low.z, leaf.high.z));
-    glm::dvec3 in_frame = frame.place(p);
-    if (frame.shears) {
-      // Along one axis after the other, each time to the nearest point, as if the leaf were not bent.
-      const glm::dvec3 low(cut.at.x + leaf.low.x, leaf.from->at.y, cut.at.z + leaf.low.z),
-          high(cut.at.x + leaf.high.x, leaf.to->at.y, cut.at.z + leaf.high.z);
-      constexpr int kSweeps = 32;
-      for (int i = 0; i < 3 * kSweeps; ++i) {
-        const glm::dvec3& axis = frame.to_frame[i % 3];
-        const double to =
-            std::clamp(p[i % 3] - glm::dot(axis, in_frame) / glm::dot(axis, axis), low[i % 3], high[i % 3]);
-        in_frame += (to - p[i % 3]) * axis;
-        p[i % 3] = to;
-      }
-      const SplineMap::Cut there = solid.map.cut(p.y);
-      in_frame = frame.place({p.x - cut.at.x + there.at.x, there.at.y, p.z - cut.at.z + there.at.z});
-    }
+  void visit(const SearchLeaf<Map>& leaf, double) {
+    const glm::dvec3 in_frame = placeNearest(solid.map, frame, leaf, at);
     const double length = glm::length(in_frame);
     if (length >= best) return;
     best = length;
@@ -62,7 +69,10 @@ struct TouchGoal {
 
   double key(const FrameBox& box) const { return shape.apart(box) ? INFINITY : shape.towards(box); }
   double limit() const { return touches ? -1.0 : INFINITY; }
-  void visit(const SearchLeaf&, double) { touches = true; }
+  template <class Map>
+  void visit(const SearchLeaf<Map>&, double) {
+    touches = true;
+  }
   void giveUp(double) { touches = true; }
 };
 
@@ -145,7 +155,8 @@ struct CastGoal {
     return std::max(from, nearest - half);
   }
   double limit() const { return hit ? best : INFINITY; }
-  void visit(const SearchLeaf&, double key) {
+  template <class Map>
+  void visit(const SearchLeaf<Map>&, double key) {
     best = std::min(best, key);
     hit = true;
   }
@@ -155,65 +166,58 @@ struct CastGoal {
   }
 };
 
-template <class Goal>
-void search(const PosedSolid& solid, const SearchFrame& frame, Goal& goal) {
-  SolidSearch<Goal>(solid, frame, goal).run();
+template <class Map, class Goal>
+void search(const PosedSolid<Map>& solid, const SearchFrame& frame, Goal& goal) {
+  SolidSearch<Map, Goal>(solid, frame, goal).run();
 }
 
 // Whether all of the part is farther than `reach` from a point, so far as its distances say.
-bool isBeyond(const PosedSolid& solid, const glm::vec3& point, float reach) {
+template <class Map>
+bool isBeyond(const PosedSolid<Map>& solid, const glm::vec3& point, float reach) {
   const std::optional<Distance> found = distanceToPart(solid, point);
   return found && found->bound > reach;
 }
 
-template <class Shape>
-bool touches(const PosedSolid& solid, const SearchFrame& frame, const Shape& shape) {
+template <class Map, class Shape>
+bool touches(const PosedSolid<Map>& solid, const SearchFrame& frame, const Shape& shape) {
   TouchGoal<Shape> goal{shape};
   search(solid, frame, goal);
   return goal.touches;
 }
 
-// Calls use(solid) for each solid part until it returns false.
-template <class Use>
-void eachSolid(const Instance& instance, const Use& use) {
-  const auto parts = static_cast<int>(instance.asset->pack().parts().size());
-  for (int part = 0; part < parts; ++part) {
-    const std::optional<PosedSolid> solid = posedSolid(instance, part);
-    if (solid && !use(*solid)) return;
-  }
-}
-
 }  // namespace
 
 void findClosest(const Instance& instance, const glm::dvec3& point, ClosestPoint& nearest) {
-  eachSolid(instance, [&](const PosedSolid& solid) {
+  ClosestPoint best = nearest;
+  const bool drawn = eachSolid(instance, [&]<class Map>(const PosedSolid<Map>& solid) {
     const SearchFrame frame(solid, point);
-    ClosestGoal goal{solid, frame, glm::inverse(solid.to_world) * (point - solid.origin),
-                     double{nearest.distance}};
+    ClosestGoal<Map> goal{solid, frame, glm::inverse(solid.to_world) * (point - solid.origin),
+                          double{best.distance}};
     search(solid, frame, goal);
-    nearest.ran_out |= goal.ran_out;
+    best.ran_out |= goal.ran_out;
     const float length = static_cast<float>(goal.best);
-    if (!goal.any || (nearest.part >= 0 && !(length < nearest.distance))) return true;
-    nearest.distance = length;
-    nearest.point = glm::vec3(frame.toWorld(goal.found));
-    nearest.part = solid.part;
-    return nearest.distance > 0;
+    if (!goal.any || (best.part >= 0 && !(length < best.distance))) return true;
+    best.distance = length;
+    best.point = glm::vec3(frame.toWorld(goal.found));
+    best.part = solid.part;
+    return best.distance > 0;
   });
+  if (drawn) nearest = best;
 }
 
 bool touches(const Instance& instance, const Sphere& shape) {
   bool found = false;
-  eachSolid(instance, [&](const PosedSolid& solid) {
+  const bool drawn = eachSolid(instance, [&](const auto& solid) {
     if (isBeyond(solid, shape.centre, shape.radius)) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.centre));
     found = touches(solid, frame, FrameSphere{double{shape.radius}});
     return !found;
   });
-  return found;
+  return drawn && found;
 }
 bool touches(const Instance& instance, const Capsule& shape) {
   bool found = false;
-  eachSolid(instance, [&](const PosedSolid& solid) {
+  const bool drawn = eachSolid(instance, [&](const auto& solid) {
     const float reach = shape.radius + glm::distance(shape.a, shape.b);
     if (isBeyond(solid, shape.a, 1.000001f * reach)) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.a));
@@ -221,36 +225,38 @@ bool touches(const Instance& instance, const Capsule& shape) {
     found = touches(solid, frame, FrameCapsule{frame.turn(way), double{shape.radius}});
     return !found;
   });
-  return found;
+  return drawn && found;
 }
 bool touches(const Instance& instance, const OrientedBox& shape) {
   bool found = false;
-  eachSolid(instance, [&](const PosedSolid& solid) {
+  const bool drawn = eachSolid(instance, [&](const auto& solid) {
     if (isBeyond(solid, shape.centre, 1.000001f * glm::length(shape.half_size))) return true;
     const SearchFrame frame(solid, glm::dvec3(shape.centre));
     const glm::dmat3 axes = frame.from_world * glm::mat3_cast(glm::normalize(glm::dquat(shape.rotation)));
     found = touches(solid, frame, FrameOrientedBox{axes, glm::dvec3(shape.half_size)});
     return !found;
   });
-  return found;
+  return drawn && found;
 }
 
 void cast(const Instance& instance, const glm::dvec3& from, const glm::dvec3& way, double radius,
           SphereCast& nearest) {
-  eachSolid(instance, [&](const PosedSolid& solid) {
+  SphereCast best = nearest;
+  const bool drawn = eachSolid(instance, [&](const auto& solid) {
     const SearchFrame frame(solid, from);
     CastGoal goal{frame.turn(way), radius};
-    goal.best = double{nearest.t};
-    goal.hit = nearest.hit || nearest.ran_out;
+    goal.best = double{best.t};
+    goal.hit = best.hit || best.ran_out;
     search(solid, frame, goal);
-    if (!(goal.best < double{nearest.t}) && !(goal.hit && nearest.part < 0)) return true;
+    if (!(goal.best < double{best.t}) && !(goal.hit && best.part < 0)) return true;
     // Rounded towards 0, so that the sphere does not touch.
-    nearest.t = std::max(static_cast<float>(goal.best) * (1 - 1e-6f), 0.0f);
-    nearest.part = solid.part;
-    nearest.ran_out = goal.ran_out;
-    nearest.hit = !goal.ran_out;
-    return nearest.t > 0;
+    best.t = std::max(static_cast<float>(goal.best) * (1 - 1e-6f), 0.0f);
+    best.part = solid.part;
+    best.ran_out = goal.ran_out;
+    best.hit = !goal.ran_out;
+    return best.t > 0;
   });
+  if (drawn) nearest = best;
 }
 
 }  // namespace kelp::runtime

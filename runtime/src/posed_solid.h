@@ -3,32 +3,63 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "kelp/runtime/distance.h"
+#include "posed_part.h"
 #include "spline_map.h"
+#include "sweep_map.h"
 
 namespace kelp::runtime {
 
-struct PosedSolid {
+struct SolidPlace {
   const Asset* asset = nullptr;
   int part = 0;
-  std::span<const Knot> knots;
-  SplineMap map;
   glm::ivec3 size{0};      // voxels of level 0
   glm::dmat3 to_world{1};  // part space -> world, without the translation
   glm::dvec3 origin{0};    // of part space, in the world
 };
+// Map: how the part bends, a SplineMap or a SweepMap.
+template <class Map>
+struct PosedSolid : SolidPlace {
+  Map map;
+};
 
 bool allFinite(const glm::vec3& v);
 
-// What all queries refuse of an instance. False: it is not drawn, so it has no solid.
+// What all queries refuse of an instance. False: it is not drawn, so it has no solid. Of swept solid parts,
+// eachSolid() says whether they are drawn: it makes their arcs anyway.
 Result<bool> checkInstance(const Instance& instance);
-// The part, if it is solid and its matrix is finite. The instance must have passed checkInstance().
-std::optional<PosedSolid> posedSolid(const Instance& instance, int part);
+// Where the part is, if it is solid and its matrix is finite.
+std::optional<SolidPlace> solidPlace(const Instance& instance, int part);
 // distance() with one part. nullopt: none of its distances is in memory.
-std::optional<Distance> distanceToPart(const PosedSolid& solid, const glm::vec3& point);
+std::optional<Distance> distanceToPart(const PosedSolid<SplineMap>& solid, const glm::vec3& point);
+std::optional<Distance> distanceToPart(const PosedSolid<SweepMap>& solid, const glm::vec3& point);
+// The answer for a part from what is known in part space: a bound, below 0 inside, and the way away.
+Distance answerOf(const SolidPlace& solid, const glm::dmat3& to_part, double bound, const glm::dvec3& away);
+inline constexpr double kLeastDepth = 1e-3;  // voxels: the sign says that a point is inside
 // The least factor by which the matrix lengthens a vector, or a little less; 0 for a singular one.
 double leastScale(const glm::dmat3& matrix);
+
+// Calls use(solid) for each solid part until it returns false. The instance must have passed
+// checkInstance(). False: a swept part cannot be drawn, so the instance has no solid, whatever use() saw.
+template <class Use>
+bool eachSolid(const Instance& instance, const Use& use) {
+  bool wanted = true;
+  const auto parts = static_cast<int>(instance.asset->pack().parts().size());
+  for (int part = 0; part < parts; ++part) {
+    const PosedPart posed = posedPart(instance, part);
+    if (posed.isSwept()) {
+      ArcChain chain;
+      if (!posed.arcs(chain)) return false;
+      if (!wanted) continue;
+      const std::optional<SolidPlace> place = solidPlace(instance, part);
+      if (place) wanted = use(PosedSolid<SweepMap>{*place, SweepMap(chain, place->size)});
+    } else if (wanted) {
+      const std::optional<SolidPlace> place = solidPlace(instance, part);
+      if (place) wanted = use(PosedSolid<SplineMap>{*place, SplineMap(posed.knots, place->size)});
+    }
+  }
+  return true;
+}
 
 }  // namespace kelp::runtime

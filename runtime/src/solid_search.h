@@ -19,7 +19,7 @@ struct FrameBox {
 // A search sees the world from `eye`, turned so that the part's axes are the frame's, if they are
 // perpendicular; then boxes fit best. Lengths are those of the world.
 struct SearchFrame {
-  SearchFrame(const PosedSolid& solid, const glm::dvec3& eye);
+  SearchFrame(const SolidPlace& solid, const glm::dvec3& eye);
 
   FrameBox place(const glm::dvec3& low, const glm::dvec3& high) const {
     const glm::dvec3 half = 0.5 * (high - low);
@@ -37,19 +37,26 @@ struct SearchFrame {
   bool shears = true;  // the part's axes are not perpendicular
 };
 
+// Contains a voxel (low to high at rest) between two cuts in ascending order, deformed.
+FrameBox boxOf(const SearchFrame& frame, const SplineMap& map, const SplineMap::Cut& from,
+               const SplineMap::Cut& to, const glm::dvec3& low, const glm::dvec3& high);
+FrameBox boxOf(const SearchFrame& frame, const SweepMap& map, const SweepMap::Cut& from,
+               const SweepMap::Cut& to, const glm::dvec3& low, const glm::dvec3& high);
+
 // What a search finds at its leaves: a voxel between two cuts.
+template <class Map>
 struct SearchLeaf {
-  FrameBox box;
   glm::dvec3 low{0}, high{0};  // the voxel at rest, level-0 voxels
-  const SplineMap::Cut* from = nullptr;
-  const SplineMap::Cut* to = nullptr;
+  const typename Map::Cut* from = nullptr;
+  const typename Map::Cut* to = nullptr;
 };
 
 // Without initial values, as many are on the stack.
+template <class Map>
 struct SearchNode {
   int level;  // of its voxel
   glm::ivec3 voxel;
-  SplineMap::Cut from, to;  // its lowest and its highest
+  typename Map::Cut from, to;  // its lowest and its highest
   double key;
 };
 
@@ -58,10 +65,10 @@ inline constexpr int kMostSearchNodes = 1 << 15;
 // Goes through the part's solid voxels. goal.key(box): a lower bound of what is sought for all that is in the
 // box; goal.limit(): boxes with such a key or a greater one are of no interest; goal.visit(leaf, key);
 // goal.giveUp(key): the search was too long, and what it has not seen has no lesser key.
-template <class Goal>
+template <class Map, class Goal>
 class SolidSearch {
  public:
-  SolidSearch(const PosedSolid& solid, const SearchFrame& frame, Goal& goal)
+  SolidSearch(const PosedSolid<Map>& solid, const SearchFrame& frame, Goal& goal)
       : solid_(solid), frame_(frame), goal_(goal) {}
 
   void run() {
@@ -73,7 +80,7 @@ class SolidSearch {
     while ((1 << root) < std::max({solid_.size.x, solid_.size.y, solid_.size.z})) ++root;
     add({root, glm::ivec3(0), solid_.map.cutOfRest(0), solid_.map.cutOfRest(solid_.size.y), 0});
     for (int visited = 0; count_ > 0; ++visited) {
-      const SearchNode node = stack_[--count_];
+      const Node node = stack_[--count_];
       if (!(node.key < goal_.limit())) continue;
       if (visited == kMostSearchNodes) {
         double least = node.key;
@@ -88,41 +95,34 @@ class SolidSearch {
   }
 
  private:
-  // What the spline may move in a leaf, in voxels of its level.
-  static constexpr double kFineEnough = 0.25;
+  using Node = SearchNode<Map>;
+  using Cut = typename Map::Cut;
   // A node makes room for at most eight; below the levels, for two.
   static constexpr int kStack = 7 * (kMaxLevels + 1) + 64;
 
-  glm::dvec3 low(const SearchNode& node) const {
+  glm::dvec3 low(const Node& node) const {
     return static_cast<double>(1 << node.level) * glm::dvec3(node.voxel);
   }
-  glm::dvec3 high(const SearchNode& node) const {
+  glm::dvec3 high(const Node& node) const {
     return glm::min(static_cast<double>(1 << node.level) * glm::dvec3(node.voxel + 1),
                     glm::dvec3(solid_.size));
   }
-  FrameBox boxOf(const SearchNode& node, const SplineMap::Box& sweep) const {
-    constexpr double kRounding = 1e-6;
-    const glm::dvec3 a = low(node), b = high(node);
-    return frame_.place(
-        {a.x + sweep.min.x - kRounding, sweep.min.y - kRounding, a.z + sweep.min.z - kRounding},
-        {b.x + sweep.max.x + kRounding, sweep.max.y + kRounding, b.z + sweep.max.z + kRounding});
-  }
   // Adds a node behind those of its siblings (from `begin` on) that are less promising.
-  void add(SearchNode node, int begin = 0) {
-    node.key = goal_.key(boxOf(node, solid_.map.sweep(node.from, node.to)));
+  void add(Node node, int begin = 0) {
+    node.key = goal_.key(boxOf(frame_, solid_.map, node.from, node.to, low(node), high(node)));
     if (!(node.key < goal_.limit())) return;
     int at = count_++;
     for (; at > begin && stack_[at - 1].key < node.key; --at) stack_[at] = stack_[at - 1];
     stack_[at] = node;
   }
-  void descend(const SearchNode& node) {
+  void descend(const Node& node) {
     const int level = node.level - 1, begin = count_;
     const DistanceLevel* known = levels_[level];  // null: not in memory, so anything may be solid
     const glm::ivec3 first = 2 * node.voxel;
     const double middle_y = static_cast<double>(1 << level) * (first.y + 1);
     const glm::ivec3 end = levelSize(solid_.size, level);
     const bool two = middle_y < solid_.size.y;
-    const SplineMap::Cut middle = two ? solid_.map.cutOfRest(middle_y) : node.to;
+    const Cut middle = two ? solid_.map.cutOfRest(middle_y) : node.to;
     for (int i = 0; i < 8; ++i) {
       const glm::ivec3 voxel = first + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
       if (voxel.x >= end.x || voxel.y >= end.y || voxel.z >= end.z ||
@@ -132,27 +132,25 @@ class SolidSearch {
       add({level, voxel, upper ? middle : node.from, upper ? node.to : middle, 0}, begin);
     }
   }
-  // A voxel of the finest level: cuts it until the spline hardly moves within it.
-  void split(const SearchNode& node) {
-    const SplineMap::Box sweep = solid_.map.sweep(node.from, node.to);
-    const double least = kFineEnough * static_cast<double>(1 << node.level);
-    const SplineMap::Cut middle = solid_.map.between(node.from, node.to);
-    const bool whole = (middle.segment == node.from.segment && middle.t <= node.from.t) ||
-                       (middle.segment == node.to.segment && middle.t >= node.to.t);
-    if (whole || count_ + 2 > kStack ||
-        (sweep.max.x - sweep.min.x <= least && sweep.max.z - sweep.min.z <= least))
-      return goal_.visit({boxOf(node, sweep), low(node), high(node), &node.from, &node.to}, node.key);
+  // A voxel of the finest level: cuts it until its box tells enough.
+  void split(const Node& node) {
+    const double side = static_cast<double>(1 << node.level);
+    const glm::dvec3 least = low(node), most = high(node);
+    Cut middle;
+    if (count_ + 2 > kStack || solid_.map.isFine(node.from, node.to, least, most, side) ||
+        !solid_.map.between(node.from, node.to, middle))
+      return goal_.visit(SearchLeaf<Map>{least, most, &node.from, &node.to}, node.key);
     const int begin = count_;
     add({node.level, node.voxel, node.from, middle, 0}, begin);
     add({node.level, node.voxel, middle, node.to, 0}, begin);
   }
 
-  const PosedSolid& solid_;
+  const PosedSolid<Map>& solid_;
   const SearchFrame& frame_;
   Goal& goal_;
   const DistanceLevel* levels_[kMaxLevels + 1] = {};
   int finest_ = 0;
-  SearchNode stack_[kStack];
+  Node stack_[kStack];
   int count_ = 0;
 };
 

@@ -61,10 +61,30 @@ SplineMap::Cut SplineMap::cut(double y) const {
   return std::abs(fine.at.y - y) < std::abs(rough.at.y - y) ? fine : rough;
 }
 
-SplineMap::Cut SplineMap::between(const Cut& a, const Cut& b) const {
-  if (a.segment == b.segment) return cutAt(a.segment, 0.5 * (a.t + b.t));
-  if (b.segment > a.segment + 1) return cutAt((a.segment + b.segment + 1) / 2, 0);
-  return a.t < 1 ? cutAt(a.segment, 1) : cutAt(b.segment, 0.5 * b.t);
+bool SplineMap::between(const Cut& a, const Cut& b, Cut& middle) const {
+  if (a.segment == b.segment) {
+    middle = cutAt(a.segment, 0.5 * (a.t + b.t));
+  } else if (b.segment > a.segment + 1) {
+    middle = cutAt((a.segment + b.segment + 1) / 2, 0);
+  } else {
+    middle = a.t < 1 ? cutAt(a.segment, 1) : cutAt(b.segment, 0.5 * b.t);
+  }
+  return (middle.segment != a.segment || middle.t > a.t) && (middle.segment != b.segment || middle.t < b.t);
+}
+
+bool SplineMap::isFine(const Cut& from, const Cut& to, const glm::dvec3&, const glm::dvec3&,
+                       double side) const {
+  constexpr double kFineEnough = 0.25;
+  const Box box = sweep(from, to);
+  return std::max(box.max.x - box.min.x, box.max.z - box.min.z) <= kFineEnough * side;
+}
+
+glm::dvec3 SplineMap::nearest(const Cut& from, const Cut& to, const glm::dvec3& low, const glm::dvec3& high,
+                              const glm::dvec3& point) const {
+  const double y = std::clamp(point.y, from.at.y, to.at.y);
+  const Cut at = y == from.at.y ? from : y == to.at.y ? to : cut(y);
+  return {at.at.x + std::clamp(point.x - at.at.x, low.x, high.x), at.at.y,
+          at.at.z + std::clamp(point.z - at.at.z, low.z, high.z)};
 }
 
 glm::dvec3 SplineMap::gradient(const Cut& cut, const glm::dvec3& g) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The map of space of section 3.1 of the paper as distances need it, in double precision. Another map brings
-// another class with these functions; nothing else of the distances knows how space is bent.
+// The map of space of section 3.1 of the paper as distances need it, in double precision. sweep_map.h has
+// that of swept parts; searches know nothing else of how space is bent.
 //
 // A deformed point (x, y, z) is at rest at (x - Sx, stretch (y - low), z - Sz), where the spline S has height
 // y. Part space, voxels of level 0.
@@ -30,14 +30,15 @@ class SplineMap {
   // The knots must be in order (checkKnots), and live as long as the map.
   SplineMap(std::span<const Knot> knots, const glm::ivec3& size);
 
+  std::span<const Knot> knots() const { return knots_; }
   double low() const { return low_; }
   double high() const { return high_; }
   // The cut at a height from low() to high(), to some billionths of a voxel: its own height says which.
   Cut cut(double y) const;
   // The cut that has a point at rest at this height.
   Cut cutOfRest(double y) const { return cut(glm::clamp(low_ + y / stretch_, low_, high_)); }
-  // A cut between two others, in ascending order, halfway in t. The same as one of them: there is none.
-  Cut between(const Cut& a, const Cut& b) const;
+  // A cut between two others, in ascending order, halfway in t. False: there is none.
+  bool between(const Cut& a, const Cut& b, Cut& middle) const;
 
   glm::dvec3 toRest(const Cut& cut, const glm::dvec3& p) const {
     return {p.x - cut.at.x, stretch_ * (cut.at.y - low_), p.z - cut.at.z};
@@ -55,6 +56,13 @@ class SplineMap {
   double bound(const Cut& cut, double rest, const RestAt& rest_at) const;
   // Contains all of the spline between two cuts in ascending order.
   Box sweep(const Cut& a, const Cut& b) const;
+  // Whether a voxel between two cuts is as good as its box: the spline hardly moves there. side: of voxels.
+  bool isFine(const Cut& from, const Cut& to, const glm::dvec3& low, const glm::dvec3& high,
+              double side) const;
+  // The point of a voxel (low to high at rest) between two cuts that is nearest to a point, as far as its
+  // own height tells.
+  glm::dvec3 nearest(const Cut& from, const Cut& to, const glm::dvec3& low, const glm::dvec3& high,
+                     const glm::dvec3& point) const;
 
  private:
   // A segment: S(t) = p0 + t (m0 + t (b + t a)).

@@ -6,7 +6,9 @@
 #include <functional>
 #include <random>
 
+#include "kelp/formats/sweep.h"
 #include "kelp/runtime/distance.h"
+#include "reference/sweep_trials.h"
 #include "support/distance_pack.h"
 
 namespace kelp::runtime {
@@ -29,6 +31,7 @@ struct Bench {
   MemorySource source{bytes};
   std::unique_ptr<Asset> asset;
   std::mt19937 random{1};
+  float sum = 0;  // so that nothing is left out
 
   Bench() {
     Options options;
@@ -57,37 +60,66 @@ struct Bench {
     std::printf("GLM mat4 product: %.1f ns\n", ns);
   }
 
-  void poses() {
+  void row(const char* name, const Instance& instance) {
     constexpr int kPoints = 1024;
+    const Box box = bounds(instance);
+    const std::vector<glm::vec3> near = around(box, 0.05f, kPoints), far = around(box, 3, kPoints);
+    const auto ask = [&](const std::vector<glm::vec3>& points) {
+      return nanoseconds(
+          kPoints, [&](int i) { sum += distance(instance, points[static_cast<std::size_t>(i)])->bound; });
+    };
+    // As things ask that swim together: each point is near the one before.
+    std::vector<glm::vec3> swarm = near;
+    for (std::size_t i = 1; i < swarm.size(); ++i)
+      swarm[i] = glm::clamp(swarm[i - 1] + 0.02f * (near[i] - near[i - 1]) / (box.max - box.min),
+                            box.min - 0.05f, box.max + 0.05f);
+    const auto cast = [&](const std::vector<glm::vec3>& points) {
+      return nanoseconds(kPoints, [&](int i) {
+        const glm::vec3& p = points[static_cast<std::size_t>(i)];
+        const auto hit = raycast(instance, {p + glm::vec3(1, 0.5f, 0.7f), glm::vec3(-1, -0.5f, -0.7f)});
+        sum += hit ? hit->t : 0.0f;
+      });
+    };
+    std::printf("%-22s %10.0f %10.0f %10.0f %10.0f %10.0f", name, ask(near), ask(swarm), ask(far), cast(near),
+                cast(swarm));
+  }
+
+  void poses() {
     std::printf("%-22s %10s %10s %10s %10s %10s\n", "ns a call, pose", "distance", "a swarm's", "far away",
                 "raycast", "a swarm's");
     Pose pose = *Pose::create(*asset);
-    float sum = 0;
     for (const test::FigurePose& figure : test::kFigure6) {
       pose.setKnots(0, test::figureKnots(figure)).value();
-      const Instance instance{asset.get(), &pose};
-      const Box box = bounds(instance);
-      const std::vector<glm::vec3> near = around(box, 0.05f, kPoints), far = around(box, 3, kPoints);
-      const auto ask = [&](const std::vector<glm::vec3>& points) {
-        return nanoseconds(
-            kPoints, [&](int i) { sum += distance(instance, points[static_cast<std::size_t>(i)])->bound; });
-      };
-      // As things ask that swim together: each point is near the one before.
-      std::vector<glm::vec3> swarm = near;
-      for (std::size_t i = 1; i < swarm.size(); ++i)
-        swarm[i] = glm::clamp(swarm[i - 1] + 0.02f * (near[i] - near[i - 1]) / (box.max - box.min),
-                              box.min - 0.05f, box.max + 0.05f);
-      const auto cast = [&](const std::vector<glm::vec3>& points) {
-        return nanoseconds(kPoints, [&](int i) {
-          const glm::vec3& p = points[static_cast<std::size_t>(i)];
-          const auto hit = raycast(instance, {p + glm::vec3(1, 0.5f, 0.7f), glm::vec3(-1, -0.5f, -0.7f)});
-          sum += hit ? hit->t : 0.0f;
-        });
-      };
-      std::printf("%-22s %10.0f %10.0f %10.0f %10.0f %10.0f\n", figure.name, ask(near), ask(swarm), ask(far),
-                  cast(near), cast(swarm));
+      row(figure.name, {asset.get(), &pose});
+      std::printf("\n");
     }
-    std::printf("(%g)\n", static_cast<double>(sum));
+  }
+
+  // A slender part, so that it can curl. Every query makes the arcs of the pose.
+  void sweptPoses() {
+    const glm::ivec3 size(60, 200, 56);
+    RawPack pack = test::distancePackOf(test::ballClump(size, 40, 2));
+    pack.parts[0].bend = Bend::kSweep;
+    std::printf("%-22s %10s %10s %10s %10s %10s %10s %10s\n", "swept", "distance", "a swarm's", "far away",
+                "raycast", "a swarm's", "arcs", "make them");
+    for (const reference::SweepRig& rig : reference::namedSweeps(size)) {
+      pack.parts[0].knots = rig.knots;
+      pack.parts[0].roll = rig.roll;
+      const std::vector<std::byte> swept_bytes = test::bytesOf(pack);
+      const MemorySource swept_source(swept_bytes);
+      Options options;
+      options.distance_level = 0;
+      const std::unique_ptr<Asset> swept = Asset::open(swept_source.source(), options).value();
+      swept->loadAll().value();
+      const Pose pose = *Pose::create(*swept);
+      row(rig.name.c_str(), {swept.get(), &pose});
+      ArcChain chain;
+      const double make = nanoseconds(1024, [&](int) {
+        makeArcs(rig.knots, size, rig.roll, kArcTolerance, chain).value();
+        sum += chain.bounds.max.x;
+      });
+      std::printf(" %10d %10.0f\n", chain.count, make);
+    }
   }
 
   // 100 spheres among 400 instances, as in a frame: the boxes are made once.
@@ -142,5 +174,7 @@ int main() {
   kelp::runtime::Bench bench;
   bench.yardstick();
   bench.poses();
+  bench.sweptPoses();
   bench.crowd();
+  std::printf("(%g)\n", static_cast<double>(bench.sum));
 }

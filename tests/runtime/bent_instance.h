@@ -12,6 +12,7 @@
 #include "kelp/runtime/distance.h"
 #include "support/all_tests.h"
 #include "support/distance_pack.h"
+#include "swept_truth.h"
 
 namespace kelp::test {
 
@@ -48,19 +49,24 @@ inline std::vector<Knot> bentStem() {
 }
 
 // What the tests ask: random numbers of the world of one instance of one part. The truth is exact if the
-// matrix scales x and z alike, and else still a distance to a point of the solid.
+// matrix scales x and z alike, for a swept part all three, and else still a distance to a point of the solid.
 class BentInstance {
  public:
   BentInstance(const runtime::Asset& asset, const Layers& layers, std::span<const Knot> knots,
-               const glm::mat4& to_world, unsigned seed)
-      : pose_(*runtime::Pose::create(asset)),
-        truth_(layers, knots, double{glm::length(to_world[1]) / glm::length(to_world[0])}),
-        random_(seed) {
+               const glm::mat4& to_world, unsigned seed, float roll = 0)
+      : pose_(*runtime::Pose::create(asset)), random_(seed) {
+    if (asset.pack().parts()[0].bend == Bend::kSweep) {
+      truth_ = std::make_unique<SweptTruth>(layers, knots, roll);
+    } else {
+      const double tall{glm::length(to_world[1]) / glm::length(to_world[0])};
+      truth_ = std::make_unique<BentTruth>(layers, knots, tall);
+    }
     EXPECT_TRUE(pose_.setKnots(0, knots));
+    pose_.motion(0)->roll = roll;
     instance = {&asset, &pose_, to_world};
     to_world_ = glm::dmat4(partToWorld(instance, 0));
     to_part_ = glm::inverse(to_world_);
-    const Box box = deformedBounds(knots, layers.size());
+    const Box box = truth_->bounds();
     low_ = glm::dvec3(box.min), high_ = glm::dvec3(box.max);
     for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world_[i])));
   }
@@ -82,12 +88,12 @@ class BentInstance {
     return glm::vec3(near + voxel * std::exp(glm::mix(-3.0, most, unit())) * direction());
   }
   glm::dvec3 nearest(const glm::dvec3& world) const {
-    return glm::dvec3(to_world_ * glm::dvec4(truth_.nearest(toPart(world)), 1));
+    return glm::dvec3(to_world_ * glm::dvec4(truth_->nearest(toPart(world)), 1));
   }
   double distanceOf(const glm::dvec3& world) const {
-    return truth_.inside(toPart(world)) ? 0.0 : glm::distance(world, nearest(world));
+    return truth_->inside(toPart(world)) ? 0.0 : glm::distance(world, nearest(world));
   }
-  bool inside(const glm::dvec3& world) const { return truth_.inside(toPart(world)); }
+  bool inside(const glm::dvec3& world) const { return truth_->inside(toPart(world)); }
 
   runtime::Instance instance;
   double voxel = 0;  // the longest side of a level-0 voxel, in the world
@@ -96,7 +102,7 @@ class BentInstance {
   glm::dvec3 toPart(const glm::dvec3& world) const { return glm::dvec3(to_part_ * glm::dvec4(world, 1)); }
 
   runtime::Pose pose_;
-  BentTruth truth_;
+  std::unique_ptr<SolidTruth> truth_;
   std::mt19937 random_;
   glm::dmat4 to_world_{1}, to_part_{1};
   glm::dvec3 low_{0}, high_{0};

@@ -79,11 +79,23 @@ class Layers {
   std::vector<Layer> layers_;
 };
 
-class BentTruth {
+// A deformed solid in part space.
+struct SolidTruth {
+  virtual ~SolidTruth() = default;
+  virtual Box bounds() const = 0;
+  virtual bool inside(const glm::dvec3& p) const = 0;
+  // The nearest point that is found; the point itself inside.
+  virtual glm::dvec3 nearest(const glm::dvec3& p) const = 0;
+};
+
+class BentTruth : public SolidTruth {
  public:
   // `layers` must live as long. tall: a voxel's height over its width, where distances are measured.
   BentTruth(const Layers& layers, std::span<const Knot> knots, double tall = 1, double step = 0.2)
-      : layers_(layers), map_(knots, layers.size()), tall_(tall) {
+      : layers_(layers),
+        bounds_(deformedBounds(knots, layers.size())),
+        map_(knots, layers.size()),
+        tall_(tall) {
     for (int y = 0; y < layers.size().y; ++y) {
       if (layers.empty(y)) continue;
       add(y, y);
@@ -92,12 +104,11 @@ class BentTruth {
     }
   }
   const reference::SplineMap& map() const { return map_; }
-  // Whether a point of part space is in the solid.
-  bool inside(const glm::dvec3& p) const {
+  Box bounds() const override { return bounds_; }
+  bool inside(const glm::dvec3& p) const override {
     return p.y >= map_.low() && p.y <= map_.high() && layers_.solid(glm::ivec3(glm::floor(map_.toRest(p))));
   }
-  // The nearest point that is found; part space.
-  glm::dvec3 nearest(const glm::dvec3& p) const {
+  glm::dvec3 nearest(const glm::dvec3& p) const override {
     if (inside(p)) return p;
     double best = std::numeric_limits<double>::infinity();
     glm::dvec3 found(0);
@@ -134,6 +145,7 @@ class BentTruth {
   }
 
   const Layers& layers_;
+  Box bounds_;
   reference::SplineMap map_;
   double tall_ = 1;
   std::vector<Cut> cuts_;  // ascending

@@ -2,10 +2,7 @@
 // distance() never exceeds the distance to the bent solid, and is not much less.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "bent_instance.h"
+#include "expect_bounds.h"
 
 namespace kelp::runtime {
 namespace {
@@ -13,60 +10,7 @@ namespace {
 // Queries of each case: 10 million in all, or some seconds' worth.
 int queries() { return test::allTests() ? 400'000 : test::shareOf(12'000); }
 
-// bound / truth near three distances.
-class Quality {
- public:
-  void add(double truth, double bound) {
-    for (int i = 0; i < 3; ++i) {
-      if (truth > 0.75 * kNear[i] && truth < 1.33 * kNear[i]) ratios_[i].push_back(bound / truth);
-    }
-  }
-  void expectAtLeast(const char* name, const double (&least)[3]) {
-    for (int i = 0; i < 3; ++i) {
-      std::vector<double>& ratios = ratios_[i];
-      ASSERT_GT(ratios.size(), 50u) << name;
-      std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
-      EXPECT_GE(ratios[ratios.size() / 2], least[i]) << name << ", " << kNear[i] << " voxels";
-    }
-  }
-
- private:
-  static constexpr double kNear[3] = {2, 8, 32};
-  std::vector<double> ratios_[3];
-};
 constexpr double kAtRest[3] = {0.5, 0.8, 0.6}, kBent[3] = {0.25, 0.4, 0.3};
-
-// Compares distance() with the truth.
-void expectBounds(test::BentInstance& bent, int count, Quality* quality = nullptr) {
-  int over = 0;
-  for (int i = 0; i < count && over < 3; ++i) {
-    const glm::vec3 point = i % 4 == 0 ? bent.anywhere() : bent.beside();
-    const double truth = bent.distanceOf(glm::dvec3(point));
-    const Result<Distance> found = distance(bent.instance, point);
-    ASSERT_TRUE(found) << found.error().detail;
-    ASSERT_NEAR(glm::length(found->away), 1, 1e-5);
-    ASSERT_EQ(found->part, 0);
-    const double bound{found->bound};
-    bool fine = bound <= truth && (bound >= 0 || truth < 1e-5 * bent.voxel);
-    if (truth == 0 && bent.instance.asset->distances(0, 0)) {
-      bool on_surface = false;  // or as good as
-      for (int k = 0; k < 6; ++k) {
-        glm::dvec3 beside(point);
-        beside[k % 3] += (k < 3 ? 1e-5 : -1e-5) * bent.voxel;
-        on_surface |= !bent.inside(beside);
-      }
-      fine &= bound < 0 || on_surface;
-      for (int k = 0; k < 4 && -bound > 0.002 * bent.voxel; ++k)
-        fine &= bent.inside(glm::dvec3(point) - 0.9999 * bound * bent.direction());
-    }
-    if (!fine) {
-      ++over;
-      ADD_FAILURE() << bound / bent.voxel << " for " << truth / bent.voxel << " voxels, level "
-                    << found->level;
-    }
-    if (quality) quality->add(truth / bent.voxel, bound / bent.voxel);
-  }
-}
 
 struct DistanceQuery : testing::Test {
   fields::Occupancy volume = test::ballClump({60, 80, 50}, 20, 2);
@@ -81,8 +25,8 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthInThePosesOfFigure6) {
     SCOPED_TRACE(figure.name);
     test::BentInstance bent(*asset, layers, test::figureKnots(figure),
                             test::turned(1, glm::vec3(2, 2, -2), {100, -20, 3}), 1);
-    Quality quality;
-    expectBounds(bent, queries(), &quality);
+    test::Quality quality;
+    test::expectBounds(bent, queries(), &quality);
     quality.expectAtLeast(figure.name, &figure == &test::kFigure6[0] ? kAtRest : kBent);
   }
 }
@@ -106,7 +50,7 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthWithSeveralSegmentsAndOtherMatrices) {
     for (const glm::mat4& matrix : matrices) {
       SCOPED_TRACE(seed);
       test::BentInstance bent(*loaded, reed_layers, knots, matrix, seed++);
-      expectBounds(bent, queries());
+      test::expectBounds(bent, queries());
     }
   }
 }
@@ -160,7 +104,7 @@ TEST_F(DistanceQuery, NeverExceedsTheTruthWithCoarserLevelsOnly) {
       test::BentInstance bent(*coarse, layers,
                               test::figureKnots(test::kFigure6[static_cast<std::size_t>(figure)]),
                               test::turned(3, glm::vec3(2, 2, 2), {1, 2, 3}), 77);
-      expectBounds(bent, queries());
+      test::expectBounds(bent, queries());
     }
   }
 }

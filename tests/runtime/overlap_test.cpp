@@ -4,16 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "bent_instance.h"
+#include "swept_instance.h"
 
 namespace kelp::runtime {
 namespace {
 
-int shapes() { return test::allTests() ? 20'000 : test::shareOf(200); }
-// Of each case; a million in all, or some seconds' worth.
-int casts() { return test::allTests() ? 67'000 : test::shareOf(400); }
+// Of each case; a million in all, or some seconds' worth. Brute force over a swept solid takes several times
+// as long.
+int shareOf(const test::BentInstance& bent, int cases) {
+  return bent.instance.asset->pack().parts()[0].bend == Bend::kSweep ? cases / 4 : cases;
+}
+int shapes(const test::BentInstance& bent) {
+  return shareOf(bent, test::allTests() ? 20'000 : test::shareOf(200));
+}
+int casts(const test::BentInstance& bent) {
+  return shareOf(bent, test::allTests() ? 67'000 : test::shareOf(400));
+}
 
 // What the truth itself may be too far, in voxels.
 constexpr double kStep = 0.25;
@@ -41,7 +48,10 @@ struct ShapeQuery : testing::Test {
   MemorySource source{bytes};
   std::unique_ptr<Asset> asset = test::loadDistances(source);
 
-  // In all poses of Figure 6, turned, scaled, mirrored; with several segments; with coarser levels only.
+  test::SweptVolume swept;
+
+  // In all poses of Figure 6, turned, scaled, mirrored; with several segments; with coarser levels only; and
+  // swept.
   void inAllPoses(const std::function<void(test::BentInstance&)>& check) const {
     unsigned seed = 1;
     for (const test::FigurePose& figure : test::kFigure6) {
@@ -74,12 +84,13 @@ struct ShapeQuery : testing::Test {
         check(bent);
       }
     }
+    swept.inPoses(2, [&](const std::string&, test::BentInstance& bent) { check(bent); });
   }
 };
 
 TEST_F(ShapeQuery, ClosestPointIsOfTheSolidAndNearest) {
   inAllPoses([](test::BentInstance& bent) {
-    for (int i = 0; i < shapes(); ++i) {
+    for (int i = 0; i < shapes(bent); ++i) {
       const glm::vec3 point = i % 2 == 0 ? bent.anywhere() : bent.beside();
       const double truth = bent.distanceOf(glm::dvec3(point));
       const ClosestPoint found = closestPoint(bent.instance, point).value();
@@ -103,7 +114,7 @@ TEST_F(ShapeQuery, ClosestPointIsOfTheSolidAndNearest) {
 
 TEST_F(ShapeQuery, SpheresOverlapAsTheyShould) {
   inAllPoses([](test::BentInstance& bent) {
-    int touched = 0, count = 4 * shapes();
+    int touched = 0, count = 4 * shapes(bent);
     for (int i = 0; i < count; ++i) {
       const Sphere sphere{bent.beside(3), static_cast<float>(bent.voxel * std::exp(3 * bent.unit()))};
       const double truth = bent.distanceOf(glm::dvec3(sphere.centre));
@@ -120,7 +131,7 @@ TEST_F(ShapeQuery, SpheresOverlapAsTheyShould) {
 
 TEST_F(ShapeQuery, CapsulesOverlapAsTheyShould) {
   inAllPoses([](test::BentInstance& bent) {
-    for (int i = 0; i < shapes(); ++i) {
+    for (int i = 0; i < shapes(bent); ++i) {
       const glm::vec3 a = bent.beside(3);
       const glm::vec3 b = a + glm::vec3(bent.voxel * 20 * bent.unit() * bent.direction());
       const Capsule capsule{a, b, static_cast<float>(bent.voxel * 4 * bent.unit())};
@@ -136,7 +147,7 @@ TEST_F(ShapeQuery, CapsulesOverlapAsTheyShould) {
 
 TEST_F(ShapeQuery, BoxesOverlapAsTheyShould) {
   inAllPoses([](test::BentInstance& bent) {
-    for (int i = 0; i < shapes() / 2; ++i) {
+    for (int i = 0; i < shapes(bent) / 2; ++i) {
       const glm::dvec3 half = bent.voxel * (0.5 + 6.0 * glm::dvec3(bent.unit(), bent.unit(), bent.unit()));
       const OrientedBox box{bent.beside(2.5), glm::vec3(half),
                             glm::angleAxis(static_cast<float>(6 * bent.unit()), glm::vec3(bent.direction()))};
@@ -164,7 +175,7 @@ TEST_F(ShapeQuery, BoxesOverlapAsTheyShould) {
 TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
   inAllPoses([](test::BentInstance& bent) {
     int hits = 0, near = 0, tunnels = 0, ran_out = 0;
-    for (int i = 0; i < casts(); ++i) {
+    for (int i = 0; i < casts(bent); ++i) {
       const glm::vec3 from = bent.anywhere();
       const glm::vec3 to = i % 3 == 0 ? bent.anywhere() : from + 2.0f * (bent.beside(2) - from);
       const double radius = i % 5 == 0 ? 0.0 : bent.voxel * std::exp(glm::mix(-3.0, 2.5, bent.unit()));
@@ -190,7 +201,7 @@ TEST_F(ShapeQuery, SphereCastsStopBeforeContactAndNeverTunnel) {
     }
     EXPECT_EQ(tunnels, 0);
     EXPECT_EQ(ran_out, 0);
-    EXPECT_GT(hits, casts() / 4);
+    EXPECT_GT(hits, casts(bent) / 4);
     EXPECT_GE(near, hits * 99 / 100);
   });
 }
@@ -259,7 +270,7 @@ TEST_F(ShapeQuery, AnswersWithinTwoVoxelsWhereTheMatrixShears) {
       double voxel = 0;
       for (int i = 0; i < 3; ++i) voxel = std::max(voxel, glm::length(glm::dvec3(to_world[i])));
       int touched = 0, hits = 0;
-      const int count = shapes() / 8;
+      const int count = (test::allTests() ? 20'000 : test::shareOf(200)) / 8;
       for (int i = 0; i < count; ++i) {
         const auto unit = [&] { return std::uniform_real_distribution<double>(-0.3, 1.3)(random); };
         const auto anywhere = [&] {

@@ -61,9 +61,9 @@ Result<void> makeArcs(std::span<const Knot> knots, const glm::ivec3& size, float
                       ArcChain& chain);
 
 // What makeArcs() says of the knots, at the default tolerance.
-Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size, float roll);
+Result<void> checkSweep(std::span<const Knot> knots, const glm::ivec3& size, float roll = 0);
 // Whether a part that bends so can be drawn with these knots: checkKnots() or checkSweep().
-Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size, float roll);
+Result<void> checkRig(Bend bend, std::span<const Knot> knots, const glm::ivec3& size, float roll = 0);
 
 // The axes and the place of the section at rest height y, from 0 to size.y: columns x, y (along the centre
 // line), z, origin. Orthonormal, right-handed.
