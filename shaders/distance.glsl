@@ -2,9 +2,10 @@
 // How far a point is from the solid voxels of a posed part, by the distances of its pack (formats/SPEC.md,
 // 5.4). Comes after trace.glsl, with Config::distances only.
 //
-// Estimates, not bounds (those are in runtime/include/kelp/runtime/distance.h). At rest they are less than a
-// voxel off. In a bent part the distance at rest counts as many world units as space is wide there, which is
-// right near a surface, and too much or too little far away from it.
+// Estimates, not bounds (those are in runtime/include/kelp/runtime/distance.h). Within 3 voxels of a surface
+// they are less than a voxel off at rest, and less than 2.5 in a bent part. Farther away, coarser voxels
+// answer: 96 of 100 points get 0.5 to 1.1 of the truth at rest, 0.2 to 1.6 of it in a bent part, where the
+// distance at rest counts as many world units as space is wide there (tests/gl/distance_shading_test.cpp).
 
 const float kKelpFar = 1e9;
 

@@ -36,7 +36,9 @@ std::optional<Distance> distanceToPart(const PosedSolid<SplineMap>& solid, const
 std::optional<Distance> distanceToPart(const PosedSolid<SweepMap>& solid, const glm::vec3& point);
 // The answer for a part from what is known in part space: a bound, below 0 inside, and the way away.
 Distance answerOf(const SolidPlace& solid, const glm::dmat3& to_part, double bound, const glm::dvec3& away);
-inline constexpr double kLeastDepth = 1e-3;  // voxels: the sign says that a point is inside
+// Voxels: less than rounding, so that it promises nothing on the surface itself, but its sign says that a
+// point is inside.
+inline constexpr double kLeastDepth = 1e-30;
 // The least factor by which the matrix lengthens a vector, or a little less; 0 for a singular one.
 double leastScale(const glm::dmat3& matrix);
 
