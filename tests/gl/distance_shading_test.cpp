@@ -62,41 +62,77 @@ class DistanceShadingTest : public GlTest {
   }
 };
 
-TEST_P(DistanceShadingTest, ShadowsErrNoMoreThanEightRaysAndOcclusionLittleMore) {
-  const fields::Occupancy volume = ballClump({144, 192, 120}, 16, 5);
+// A clump of balls in some poses of Figure 6, with the sun high to the right.
+struct Clump {
+  explicit Clump(const FigurePose& figure, const runtime::Asset& asset, const Canvas& canvas)
+      : pose(*runtime::Pose::create(asset)), instance{&asset, &pose} {
+    EXPECT_TRUE(pose.setKnots(0, figureKnots(figure)));
+    instance.to_world = glm::rotate(glm::scale(glm::mat4(1), glm::vec3(1.5f)), 0.7f, glm::vec3(0, 1, 0));
+    const Box box = bounds(instance);
+    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    view =
+        lookAt(canvas, centre + 0.7f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
+    view.light.sun_direction = {0.1f, 0.9f, 0.3f};
+    view.quality.occlusion_reach = kReach;
+  }
+  runtime::Pose pose;
+  Instance instance;
+  gl::View view;
+};
+fields::Occupancy clump() { return ballClump({144, 192, 120}, 16, 5); }
+constexpr std::size_t kClumpPoses[] = {0, 1, 3};
+
+TEST_P(DistanceShadingTest, OcclusionErrsLittleMoreThanEightRays) {
+  const fields::Occupancy volume = clump();
   const LoadedAsset loaded(distancePackOf(volume), loadDistances());
   const auto renderer = makeRenderer(*loaded.asset, kVisible, withDistances());
   const auto eight = makeRenderer(*loaded.asset, kEightSunRays, withDistances());
   const Canvas canvas({192, 160});
-  for (const std::size_t i : {0u, 1u, 3u}) {
+  for (const std::size_t i : kClumpPoses) {
     const FigurePose& figure = kFigure6[i];
-    runtime::Pose pose = *runtime::Pose::create(*loaded.asset);
-    ASSERT_TRUE(pose.setKnots(0, figureKnots(figure)));
-    Instance instance{loaded.asset.get(), &pose};
-    instance.to_world = glm::rotate(glm::scale(glm::mat4(1), glm::vec3(1.5f)), 0.7f, glm::vec3(0, 1, 0));
-    const Box box = bounds(instance);
-    const glm::vec3 centre = 0.5f * (box.min + box.max);
-    gl::View view =
-        lookAt(canvas, centre + 0.7f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.4f, 0.7f), centre);
-    view.light.sun_direction = {0.1f, 0.9f, 0.3f};
-    view.quality.occlusion_reach = kReach;
+    Clump posed(figure, *loaded.asset, canvas);
+    gl::View& view = posed.view;
     view.quality.occlusion_rays = 8;
     LightPictures pictures;
-    pictures.rays = draw(*renderer, canvas, view, instance);
-    pictures.sun_rays = draw(*eight, canvas, view, instance);
+    pictures.rays = draw(*renderer, canvas, view, posed.instance);
+    pictures.sun_rays = draw(*eight, canvas, view, posed.instance);
     view.quality.occlusion = true;
     view.quality.soft_shadows = kSunDegrees;
-    pictures.distances = draw(*renderer, canvas, view, instance);
+    pictures.distances = draw(*renderer, canvas, view, posed.instance);
     const LightErrors errors =
-        measureLight(volume, instance, view, pictures, allTests() ? 20000 : shareOf(900));
+        measureLight(volume, posed.instance, view, pictures, allTests() ? 20000 : shareOf(900));
     EXPECT_GT(errors.sun.count, 30) << figure.name;
     EXPECT_GT(errors.sun.shade, 0.03) << figure.name;
-    EXPECT_LE(errors.sun.distances, errors.sun.rays + 0.001) << figure.name;
+    EXPECT_LT(errors.sun.distances, 0.1 * errors.sun.shade) << figure.name;
     if (i == 0) {
       EXPECT_LE(errors.sky.distances, 1.5 * errors.sky.rays);
     }
     EXPECT_LE(errors.sky.distances, 0.5 * errors.sky.shade) << figure.name;  // all of it without occlusion
   }
+}
+
+// In the penumbrae alone, which are few pixels: elsewhere every method is right.
+TEST_P(DistanceShadingTest, PenumbraeErrNoMoreThanThoseOfEightRays) {
+  const fields::Occupancy volume = clump();
+  const LoadedAsset loaded(distancePackOf(volume), loadDistances());
+  const auto renderer = makeRenderer(*loaded.asset, kVisible, withDistances());
+  const auto eight = makeRenderer(*loaded.asset, kEightSunRays, withDistances());
+  const Canvas canvas({768, 640});
+  double by_rays = 0, by_distances = 0;
+  for (const std::size_t i : kClumpPoses) {
+    const FigurePose& figure = kFigure6[i];
+    Clump posed(figure, *loaded.asset, canvas);
+    const std::vector<Pixel> rays = draw(*eight, canvas, posed.view, posed.instance);
+    posed.view.quality.soft_shadows = kSunDegrees;
+    const std::vector<Pixel> distances = draw(*renderer, canvas, posed.view, posed.instance);
+    const LightErrors::Of errors = measurePenumbra(volume, posed.instance, posed.view, rays, distances);
+    EXPECT_GT(errors.count, 30) << figure.name;
+    EXPECT_GT(errors.shade, 0.3) << figure.name;  // the mean of penumbrae is about a half
+    EXPECT_LE(errors.distances, 1.1 * errors.rays) << figure.name;
+    by_rays += errors.count * errors.rays;
+    by_distances += errors.count * errors.distances;
+  }
+  EXPECT_LE(by_distances, by_rays);
 }
 
 // As SelfShadowTest.AWallHidesItsFormFactorOfTheSky; a wall 32 voxels wide on a floor, seen from above.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <span>
 #include <vector>
@@ -117,31 +118,77 @@ struct LightErrors {
 struct LightPictures {
   std::vector<Pixel> rays, sun_rays, distances;
 };
+// The surfaces of one part that pixels show, where their rays start.
+class LightSurfaces {
+ public:
+  LightSurfaces(const fields::Occupancy& volume, const runtime::Instance& instance, const gl::View& view,
+                const std::vector<Pixel>& picture)
+      : instance_(instance),
+        view_(view),
+        picture_(picture),
+        truth_(volume, instance.pose->knots(0), runtime::partToWorld(instance, 0)),
+        voxel_(glm::length(glm::dvec3(runtime::partToWorld(instance, 0)[0]))),
+        reach_(double{kReach} * std::max({volume.size.x, volume.size.y, volume.size.z}) * voxel_),
+        towards_(glm::normalize(glm::dvec3(view.light.sun_direction))) {}
+
+  struct Surface {
+    glm::dvec3 normal{0}, from{0};
+  };
+  std::optional<Surface> at(std::size_t i) const {
+    const int width = view_.camera.viewport.x;
+    const auto hit =
+        raycast(instance_, pixelRay(view_, static_cast<int>(i) % width, static_cast<int>(i) / width));
+    if (!hit || picture_[i][3] == 0) return std::nullopt;
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(hit->normal)),
+                     from = glm::dvec3(hit->position) + 1.75 * voxel_ * normal;
+    if (truth_.hit(from, normal, 1e-9) <= 0) return std::nullopt;  // rays start nearer there
+    return Surface{normal, from};
+  }
+  double sky(const Surface& surface) const { return truth_.sky(surface.from, surface.normal, reach_); }
+  bool facesSun(const Surface& surface) const { return glm::dot(surface.normal, towards_) > 0; }
+  double sun(const Surface& surface) const { return truth_.sun(surface.from, towards_, 1000 * voxel_); }
+
+ private:
+  const runtime::Instance& instance_;
+  const gl::View& view_;
+  const std::vector<Pixel>& picture_;
+  Truth truth_;
+  double voxel_, reach_;
+  glm::dvec3 towards_;
+};
+
 inline LightErrors measureLight(const fields::Occupancy& volume, const runtime::Instance& instance,
                                 const gl::View& view, const LightPictures& pictures, int tries) {
-  const glm::mat4 to_world = runtime::partToWorld(instance, 0);
-  const Truth truth(volume, instance.pose->knots(0), to_world);
-  const double voxel = glm::length(glm::dvec3(to_world[0]));
-  const double reach = double{kReach} * std::max({volume.size.x, volume.size.y, volume.size.z}) * voxel;
-  const glm::dvec3 towards = glm::normalize(glm::dvec3(view.light.sun_direction));
-  const int width = view.camera.viewport.x;
+  const LightSurfaces surfaces(volume, instance, view, pictures.distances);
   std::mt19937 random(7);
   LightErrors errors;
   for (int n = 0; n < tries; ++n) {
     const auto i = static_cast<std::size_t>(random() % pictures.rays.size());
-    const auto hit =
-        raycast(instance, pixelRay(view, static_cast<int>(i) % width, static_cast<int>(i) / width));
-    if (!hit || pictures.distances[i][3] == 0) continue;
-    const glm::dvec3 normal = glm::normalize(glm::dvec3(hit->normal)),
-                     from = glm::dvec3(hit->position) + 1.75 * voxel * normal;
-    if (truth.hit(from, normal, 1e-9) <= 0) continue;  // rays start nearer there
-    errors.sky.add(truth.sky(from, normal, reach), pictures.rays[i][1], pictures.distances[i][1]);
-    if (glm::dot(normal, towards) > 0)
-      errors.sun.add(truth.sun(from, towards, 1000 * voxel), pictures.sun_rays[i][0],
-                     pictures.distances[i][0]);
+    const auto surface = surfaces.at(i);
+    if (!surface) continue;
+    errors.sky.add(surfaces.sky(*surface), pictures.rays[i][1], pictures.distances[i][1]);
+    if (surfaces.facesSun(*surface))
+      errors.sun.add(surfaces.sun(*surface), pictures.sun_rays[i][0], pictures.distances[i][0]);
   }
   errors.sky.finish();
   errors.sun.finish();
+  return errors;
+}
+
+// Of the sun, over all pixels of two pictures that tell the two apart, or of which one says that some of the
+// sun is seen. In all others both are right, or wrong by the same.
+inline LightErrors::Of measurePenumbra(const fields::Occupancy& volume, const runtime::Instance& instance,
+                                       const gl::View& view, const std::vector<Pixel>& sun_rays,
+                                       const std::vector<Pixel>& distances) {
+  const LightSurfaces surfaces(volume, instance, view, distances);
+  LightErrors::Of errors;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const std::uint8_t a = sun_rays[i][0], b = distances[i][0];
+    if (a == b && (a == 0 || a == 255)) continue;
+    const auto surface = surfaces.at(i);
+    if (surface && surfaces.facesSun(*surface)) errors.add(surfaces.sun(*surface), a, b);
+  }
+  errors.finish();
   return errors;
 }
 
