@@ -55,7 +55,7 @@ inline void expectBounds(BentInstance& bent, int count, Quality* quality = nullp
         on_surface |= !bent.inside(beside);
       }
       fine &= bound < 0 || on_surface;
-      for (int k = 0; k < 4 && -bound > 0.002 * bent.voxel; ++k)
+      for (int k = 0; k < 4 && -bound > 1e-5 * bent.voxel; ++k)
         fine &= bent.inside(glm::dvec3(point) - 0.9999 * bound * bent.direction());
     }
     if (!fine) {

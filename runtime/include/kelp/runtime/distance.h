@@ -28,8 +28,8 @@ inline constexpr float kFarAway = std::numeric_limits<float>::infinity();
 
 struct Distance {
   // Never more than the distance to the solid; 0 where that is not known to be above 0. Inside of the solid:
-  // below 0, and the surface is at least so far away; the greatest number below 0 (about -1e-38) where no
-  // depth is known, as on the surface itself. kFarAway: there is no solid.
+  // below 0, and the surface is at least so far away; by a hair (1e-30 voxels) where no depth is known, as
+  // on the surface itself. kFarAway: there is no solid.
   float bound = kFarAway;
   glm::vec3 away{0, 1, 0};  // unit; where the distance grows fastest, as far as the stored distances tell
   int instance = 0;         // index in the list that was given
