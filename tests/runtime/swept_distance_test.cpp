@@ -12,6 +12,8 @@ constexpr unsigned kRandomRigs = 17;
 // Queries of each of the 25 poses: a million in all, or some seconds' worth.
 int sweptQueries() { return test::allTests() ? 40'000 : test::shareOf(2'000); }
 
+constexpr double kLittle = 0.002;  // voxels: what inside is at least
+
 struct SweptDistanceQuery : testing::Test {
   test::SweptVolume swept;
 };
@@ -63,7 +65,55 @@ TEST_F(SweptDistanceQuery, NeverExceedsTheDepthOfAPorousStem) {
   }
   const test::SweptAsset asset(test::distancePackOf(porous), rig);
   test::BentInstance bent(*asset, layers, rig.knots, glm::mat4(1), 4);
-  test::expectBounds(bent, 10 * sweptQueries());
+  test::expectBounds(bent, sweptQueries());
+  // The holes are a solid whose distance is known.
+  for (std::uint8_t& solid : porous.solid) solid = !solid;
+  const test::Layers hole_layers(porous);
+  const test::SweptTruth holes(hole_layers, rig.knots, 0);
+  const glm::dmat4 to_world(partToWorld(bent.instance, 0)), to_part = glm::inverse(to_world);
+  double deepest = 0;
+  for (int i = 0; i < 5 * sweptQueries(); ++i) {
+    const glm::vec3 rest(glm::dvec3(40 * bent.unit(), 56 + 8 * bent.unit(), 40 * bent.unit()) -
+                         glm::dvec3(20, 0, 20));
+    const glm::vec3 point = toWorld(bent.instance, 0, rest / 120.0f);
+    const double depth = -double{distance(bent.instance, point)->bound} / bent.voxel;
+    const glm::dvec3 in_part(to_part * glm::dvec4(point, 1));
+    if (depth > kLittle) {
+      ASSERT_LE(depth, glm::distance(in_part, holes.nearest(in_part)))
+          << rest.x << " " << rest.y << " " << rest.z;
+    }
+    deepest = std::max(deepest, depth);
+  }
+  EXPECT_GT(deepest, 2);
+}
+
+// A thread one voxel wide, of which the lowest voxel is solid. Along it, stored distances are known to some
+// percent, and arcs of up to 57 degrees shorten lengths by more to their chords.
+TEST_F(SweptDistanceQuery, NeverExceedsAChord) {
+  for (const int height : {8, 16, 30, 60}) {
+    SCOPED_TRACE(height);
+    fields::Occupancy thread{{1, height, 1}, std::vector<std::uint8_t>(static_cast<std::size_t>(height))};
+    thread.solid[0] = 1;
+    const test::Layers layers(thread);
+    for (const double turn : {1.0, 1.57, 2.0}) {
+      // A cubic that is nearly a circle.
+      const double radius = 1 / turn, share = 4 * radius * std::tan(turn / 4);
+      const glm::dvec3 top(radius * (1 - std::cos(turn)), radius * std::sin(turn), 0),
+          end(std::sin(turn), std::cos(turn), 0);
+      const reference::SweepRig rig{"thread",
+                                    {{0, glm::vec3(0), glm::vec3(glm::dvec3(0, share, 0))},
+                                     {1, glm::vec3(top), glm::vec3(share * end)}}};
+      RawPack pack = test::distancePackOf(thread);
+      pack.parts[0].distances[0] = fields::buildDistances(thread, kWidestBand, 1);
+      const test::SweptAsset asset(pack, rig);
+      test::BentInstance bent(*asset, layers, rig.knots, glm::mat4(1), 1);
+      for (int y = 1; y < height; ++y) {
+        const auto rest_y = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
+        const glm::vec3 point = toWorld(bent.instance, 0, {0, rest_y, 0});
+        EXPECT_LE(double{distance(bent.instance, point)->bound}, bent.distanceOf(glm::dvec3(point))) << y;
+      }
+    }
+  }
 }
 
 // A step along `away` grows the distance, a step back makes it less.
