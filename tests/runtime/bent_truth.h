@@ -34,18 +34,25 @@ class Layers {
     const glm::dvec2 off = q - glm::clamp(q, layer.low, layer.high);
     return glm::dot(off, off);
   }
-  // The nearest point of the layer's squares: of those that are nearest to the four centres around q.
+  // The nearest point of the layer's squares: of those that are nearest to the four centres around q, or of
+  // all, if q is beside the volume.
   glm::dvec2 nearest(int y, const glm::dvec2& q) const {
     const Layer& layer = layers_[static_cast<std::size_t>(y)];
     const glm::ivec2 last(volume_.size.x - 1, volume_.size.z - 1);
-    const glm::ivec2 low = glm::ivec2(glm::floor(glm::clamp(q, glm::dvec2(-2), glm::dvec2(last + 3)) - 0.5));
     glm::dvec2 found(0);
     double best = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 4; ++i) {
-      const glm::ivec2 cell = glm::clamp(low + glm::ivec2(i & 1, i >> 1), glm::ivec2(0), last);
-      const glm::dvec2 square(layer.nearest[static_cast<std::size_t>(cell.x + (last.x + 1) * cell.y)]);
+    const auto look = [&](const glm::dvec2& square) {
       const glm::dvec2 at = glm::clamp(q, square, square + 1.0);
       if (const double d2 = glm::dot(q - at, q - at); d2 < best) best = d2, found = at;
+    };
+    if (q.x < 0 || q.y < 0 || q.x > last.x + 1 || q.y > last.y + 1) {
+      for (const glm::ivec2& square : layer.rim) look(glm::dvec2(square));
+      return found;
+    }
+    const glm::ivec2 low(glm::floor(q - 0.5));
+    for (int i = 0; i < 4; ++i) {
+      const glm::ivec2 cell = glm::clamp(low + glm::ivec2(i & 1, i >> 1), glm::ivec2(0), last);
+      look(glm::dvec2(layer.nearest[static_cast<std::size_t>(cell.x + (last.x + 1) * cell.y)]));
     }
     return found;
   }
@@ -53,6 +60,7 @@ class Layers {
  private:
   struct Layer {
     std::vector<glm::ivec2> nearest;  // of each cell, x fastest; empty: no square
+    std::vector<glm::ivec2> rim;      // the squares that are not between others
     glm::dvec2 low{1e30}, high{-1e30};
   };
   Layer layerOf(int y) const {
@@ -62,6 +70,8 @@ class Layers {
       for (int x = 0; x < volume_.size.x; ++x) {
         if (!solid({x, y, z})) continue;
         squares.emplace_back(x, z);
+        if (!solid({x - 1, y, z}) || !solid({x + 1, y, z}) || !solid({x, y, z - 1}) || !solid({x, y, z + 1}))
+          layer.rim.emplace_back(x, z);
         layer.low = glm::min(layer.low, glm::dvec2(x, z));
         layer.high = glm::max(layer.high, glm::dvec2(x + 1, z + 1));
       }

@@ -13,7 +13,7 @@ namespace {
 // Of each case; a million in all, or some seconds' worth. Brute force over a swept solid takes several times
 // as long.
 int shareOf(const test::BentInstance& bent, int cases) {
-  return bent.instance.asset->pack().parts()[0].bend == Bend::kSweep ? cases / 4 : cases;
+  return bent.instance.asset->pack().parts()[0].bend == Bend::kSweep ? cases / 8 : cases;
 }
 int shapes(const test::BentInstance& bent) {
   return shareOf(bent, test::allTests() ? 20'000 : test::shareOf(200));
