@@ -8,7 +8,7 @@ namespace kelp::runtime {
 namespace {
 
 // Queries of each case: 10 million in all, or some seconds' worth.
-int queries() { return test::allTests() ? 400'000 : test::shareOf(12'000); }
+int queries() { return test::allTests() ? 400'000 : test::shareOf(6'000); }
 
 constexpr double kAtRest[3] = {0.5, 0.8, 0.6}, kBent[3] = {0.25, 0.4, 0.3};
 

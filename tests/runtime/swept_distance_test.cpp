@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned kRandomRigs = 17;
 // Queries of each of the 25 poses: a million in all, or some seconds' worth.
-int sweptQueries() { return test::allTests() ? 40'000 : test::shareOf(2'000); }
+int sweptQueries() { return test::allTests() ? 40'000 : test::shareOf(700); }
 
 constexpr double kLittle = 0.002;  // voxels: what inside is at least
 

@@ -110,9 +110,8 @@ struct Renderer::Impl {
   bool abandoned = false;
   Buffer<char> surface;  // a copy of Config::surface_glsl; empty: kelp's own look
   LookDefines defines;
-  Program program;             // for sheared parts; with distances, for all
-  Program swept_program;       // once there is a swept part, without distances
-  Program fog_programs[2][2];  // [heat][shadow]; those that assets need
+  Program program, swept_program;  // the latter once a part is swept; with distances one is for all
+  Program fog_programs[2][2];      // [heat][shadow]; those that assets need
   Name vertex_array = 0;
   Name sampler = 0;
   RecordTextures records;
