@@ -67,7 +67,7 @@ void run(const Options& options) {
   gl::View view;
   view.camera.viewport = options.samples * options.size;
   view.quality.shading = options.shading;
-  view.quality.self_shadow = options.shadows;
+  view.quality.self_shadow = options.shadows && options.soft_shadows == 0;
   view.quality.occlusion_rays = options.occlusion;
   if (options.shadesByDistances()) {
     view.quality.soft_shadows = static_cast<float>(options.soft_shadows);
