@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -35,18 +36,42 @@ class Layers {
     return glm::dot(off, off);
   }
   // The nearest point of the layer's squares: of those that are nearest to the four centres around q, or of
-  // all, if q is beside the volume.
-  glm::dvec2 nearest(int y, const glm::dvec2& q) const {
+  // all, if q is beside the volume. Far away if none is nearer than the root of `enough`.
+  glm::dvec2 nearest(int y, const glm::dvec2& q,
+                     double enough = std::numeric_limits<double>::infinity()) const {
     const Layer& layer = layers_[static_cast<std::size_t>(y)];
     const glm::ivec2 last(volume_.size.x - 1, volume_.size.z - 1);
-    glm::dvec2 found(0);
-    double best = std::numeric_limits<double>::infinity();
+    glm::dvec2 found(1e30);
+    double best = enough;
     const auto look = [&](const glm::dvec2& square) {
       const glm::dvec2 at = glm::clamp(q, square, square + 1.0);
       if (const double d2 = glm::dot(q - at, q - at); d2 < best) best = d2, found = at;
     };
     if (q.x < 0 || q.y < 0 || q.x > last.x + 1 || q.y > last.y + 1) {
-      for (const glm::ivec2& square : layer.rim) look(glm::dvec2(square));
+      // The outermost square of each row, from the nearest row on.
+      const bool rows = q.x < 0 || q.x > last.x + 1;
+      const double towards = rows ? q.x : q.y, along = rows ? q.y : q.x;
+      const std::vector<int>& ends = layer.ends[(rows ? 0 : 2) + (towards > 0 ? 1 : 0)];
+      const int count = static_cast<int>(ends.size());
+      const double off = towards > 0 ? towards - (rows ? last.x : last.y) - 1 : -towards;
+      int nearest = -1;
+      const auto lookAt = [&](int row) {
+        const int end = ends[static_cast<std::size_t>(row)];
+        if (end < 0) return;
+        const double there = towards > 0 ? towards - end - 1 : end - towards,
+                     beside = along < row       ? row - along
+                              : along > row + 1 ? along - row - 1
+                                                : 0.0;
+        if (const double d2 = there * there + beside * beside; d2 < best) best = d2, nearest = row;
+      };
+      const int start = along < 0 ? 0 : along >= count ? count - 1 : static_cast<int>(along);
+      const auto mayBeNearer = [&](int d) { return d < 2 || (d - 1.0) * (d - 1.0) + off * off < best; };
+      for (int i = start; i < count && mayBeNearer(i - start); ++i) lookAt(i);
+      for (int i = start - 1; i >= 0 && mayBeNearer(start - i); --i) lookAt(i);
+      if (nearest < 0) return found;
+      best = enough;
+      const int end = ends[static_cast<std::size_t>(nearest)];
+      look(rows ? glm::dvec2(end, nearest) : glm::dvec2(nearest, end));
       return found;
     }
     const glm::ivec2 low(glm::floor(q - 0.5));
@@ -60,18 +85,27 @@ class Layers {
  private:
   struct Layer {
     std::vector<glm::ivec2> nearest;  // of each cell, x fastest; empty: no square
-    std::vector<glm::ivec2> rim;      // the squares that are not between others
+    // Of each z the least x of a square and the greatest, of each x the least z and the greatest; -1: none.
+    std::array<std::vector<int>, 4> ends;
     glm::dvec2 low{1e30}, high{-1e30};
   };
   Layer layerOf(int y) const {
     Layer layer;
+    for (std::size_t i = 0; i < 4; ++i)
+      layer.ends[i].assign(static_cast<std::size_t>(i < 2 ? volume_.size.z : volume_.size.x), -1);
     std::vector<glm::ivec2> squares;
     for (int z = 0; z < volume_.size.z; ++z)
       for (int x = 0; x < volume_.size.x; ++x) {
         if (!solid({x, y, z})) continue;
         squares.emplace_back(x, z);
-        if (!solid({x - 1, y, z}) || !solid({x + 1, y, z}) || !solid({x, y, z - 1}) || !solid({x, y, z + 1}))
-          layer.rim.emplace_back(x, z);
+        for (const int axis : {0, 1}) {
+          const auto row = static_cast<std::size_t>(axis == 0 ? z : x);
+          const int at = axis == 0 ? x : z;
+          int &least = layer.ends[static_cast<std::size_t>(2 * axis)][row],
+              &greatest = layer.ends[static_cast<std::size_t>(2 * axis + 1)][row];
+          if (least < 0 || at < least) least = at;
+          greatest = std::max(greatest, at);
+        }
         layer.low = glm::min(layer.low, glm::dvec2(x, z));
         layer.high = glm::max(layer.high, glm::dvec2(x + 1, z + 1));
       }
@@ -127,7 +161,7 @@ class BentTruth : public SolidTruth {
       if (up2 >= best) return false;
       const glm::dvec2 q(p.x - cut.at.x, p.z - cut.at.z);
       if (up2 + layers_.toBox2(cut.layer, q) >= best) return true;
-      const glm::dvec2 at = layers_.nearest(cut.layer, q);
+      const glm::dvec2 at = layers_.nearest(cut.layer, q, best - up2);
       if (const double d2 = up2 + glm::dot(q - at, q - at); d2 < best)
         best = d2, found = {at.x + cut.at.x, cut.at.y, at.y + cut.at.z};
       return true;

@@ -91,7 +91,7 @@ class SweptTruth : public SolidTruth {
       const double h = glm::dot(p - at, up);
       const glm::dvec2 q(glm::dot(p - at, x), glm::dot(p - at, z));
       if (h * h >= enough || h * h + layers.toBox2(layer, q) >= enough) return enough;
-      const glm::dvec2 off = q - layers.nearest(layer, q);
+      const glm::dvec2 off = q - layers.nearest(layer, q, enough - h * h);
       return h * h + glm::dot(off, off);
     }
     // To the farthest corner of the part's section.
