@@ -36,7 +36,8 @@ constexpr char kUsage[] =
     "usage: bench_trace [--scenes A,B] [--poses A;B] [--views A,B] [--size WxH] [--frames N] [--truth N] "
     "[--threads N] [--json FILE]\n"
     "       bench_trace --long RAYS [--scenes A,B] [--threads N]\n"
-    "  --scenes   of: orange spot bunny256 bunny512 underwater\n"
+    "  --scenes   of: orange spot bunny256 bunny512 underwater; column bunny fish tentacle, and these swept: "
+    "'column swept' and so on\n"
     "  --poses    by name as the table prints them, separated by semicolons\n"
     "  --views    of: front side above below level inside along horizontal\n"
     "  --frames   timed frames of each method and view, interleaved; the median counts; 0: no times (default "
@@ -168,10 +169,14 @@ void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::stri
   for (std::size_t i = 0; i < items.size(); ++i)
     checks.push_back(checkRays(items[i], view.rays[i], options.truth, options.threads));
 
+  std::vector<Method> methods;
+  std::ranges::copy_if(kMethods, std::back_inserter(methods),
+                       [&](Method method) { return draws(method, scene.bend); });
   std::vector<Record> found;
-  for (const Method method : kMethods) {
+  for (const Method method : methods) {
     Record record;
     record.scene = scene.name;
+    record.bend = scene.bend;
     record.size = scene.size;
     record.pose = pose.name;
     record.moderate = pose.moderate;
@@ -184,11 +189,11 @@ void measureView(Gpu& gpu, const Scene& scene, const Pose& pose, const std::stri
     found.push_back(record);
   }
 
-  std::vector<std::vector<double>> times(kMethods.size());
+  std::vector<std::vector<double>> times(methods.size());
   for (int frame = 0; frame < options.frames; ++frame) {  // counting has warmed everything up
-    for (std::size_t m = 0; m < kMethods.size(); ++m) times[m].push_back(gpu.frame(kMethods[m]));
+    for (std::size_t m = 0; m < methods.size(); ++m) times[m].push_back(gpu.frame(methods[m]));
   }
-  for (std::size_t m = 0; m < kMethods.size(); ++m) {
+  for (std::size_t m = 0; m < methods.size(); ++m) {
     std::sort(times[m].begin(), times[m].end());
     if (!times[m].empty()) found[m].frame_ms = times[m][times[m].size() / 2];
     records.push_back(found[m]);

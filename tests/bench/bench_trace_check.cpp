@@ -4,6 +4,8 @@
 #include <atomic>
 #include <thread>
 
+#include "reference/sweep_trials.h"
+#include "reference/sweep_truth.h"
 #include "support/traced_level.h"
 #include "trace_cpp.h"
 
@@ -23,9 +25,19 @@ void parallelFor(std::size_t count, int threads, const std::function<void(std::s
 std::vector<RayCheck> checkRays(const PosedItem& item, const Rays& rays, int nth, int threads) {
   const fields::Occupancy& volume = item.item->volume;
   const trace::KelpSegment segment{item.segment.p0, item.segment.m0, item.segment.p1, item.segment.m1};
+  std::vector<trace::KelpArc> arcs;
+  std::vector<trace::KelpJoint> joints;
   trace::Context context;
-  context.segments = &segment;
-  context.segment_count = 1;
+  if (item.chain) {
+    arcs = reference::arcsAs<trace::KelpArc>(*item.chain);
+    joints = reference::jointsAs<trace::KelpJoint>(*item.chain);
+    context.arcs = arcs.data();
+    context.joints = joints.data();
+    context.arc_count = item.chain->count;
+  } else {
+    context.segments = &segment;
+    context.segment_count = 1;
+  }
   context.bounds_min = item.bounds.min;
   context.bounds_max = item.bounds.max;
   context.size = glm::vec3(volume.size);
@@ -50,10 +62,14 @@ std::vector<RayCheck> checkRays(const PosedItem& item, const Rays& rays, int nth
       check.cpp = {hit.found ? hit.s : -1, static_cast<float>(hit.steps), static_cast<float>(hit.fetches),
                    static_cast<float>(hit.outside)};
       const glm::dvec3 from(o), along(r);
+      const double far{o.w};
       check.meets_box =
-          hit.found || reference::firstTouch(box, item.knots, from, along, 0, double{o.w}, 0.0).has_value();
+          hit.found || (item.chain ? reference::firstTouch(box, *item.chain, from, along, 0, far, 0.0)
+                                   : reference::firstTouch(box, item.knots, from, along, 0, far, 0.0))
+                           .has_value();
       if (nth > 0 && i % static_cast<std::size_t>(nth) == 0)
-        check.truth = reference::truthOf(solid, item.knots, from, along, double{o.w});
+        check.truth = item.chain ? reference::truthOf(solid, *item.chain, from, along, far)
+                                 : reference::truthOf(solid, item.knots, from, along, far);
     }
   });
   return checks;

@@ -8,148 +8,16 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <glm/gtc/packing.hpp>
-#include <sstream>
 #include <stdexcept>
 
+#include "bench_trace_programs.h"
 #include "kelp/formats/brick.h"
 #include "kelp/runtime/page.h"
-#include "kelp/shaders/shaders.h"
 #include "support/egl_context.h"
 
 namespace kelp::bench {
 namespace {
-
-constexpr char kVertexText[] = R"(#version 330 core
-void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
-)";
-
-// What all methods share, and what trace.glsl and paper.glsl want defined. The number of segments is a
-// uniform, as it is data in the product.
-constexpr char kPrelude[] = R"(#version 330 core
-uniform sampler2D bench_origin;
-uniform sampler2D bench_direction;
-uniform float bench_per_far;
-uniform int bench_segments;
-uniform vec3 bench_segment[4];
-uniform vec3 bench_low;
-uniform vec3 bench_high;
-uniform ivec3 bench_size;
-uniform float bench_step;
-uniform usampler2DArray bench_pool;
-uniform int bench_pages_at;
-uniform ivec2 bench_grid;
-uniform usampler3D bench_empty;
-uniform sampler3D bench_distance;
-out vec4 bench_count;
-
-#define KELP_FN
-#define KELP_CONTEXT_
-#define KELP_CONTEXT
-#define KELP_SEGMENTS bench_segments
-#define KELP_SEGMENT(i) KelpSegment(bench_segment[0], bench_segment[1], bench_segment[2], bench_segment[3])
-#define KELP_BOUNDS_MIN bench_low
-#define KELP_BOUNDS_MAX bench_high
-#define KELP_SIZE vec3(bench_size)
-#define KELP_LEVEL_SIZE bench_size
-#define KELP_LEVEL_SCALE 1.0
-#define KELP_COMPLETE true
-#define KELP_COARSER 0
-#define KELP_CELL(v) benchCell(v)
-#define KELP_BRICK(k, cell) benchBrick(cell)
-#define KELP_BRICK_ABOVE(k, v) 0u
-#define KELP_CODE(k, brick, v) benchCode(brick, v)
-
-// As shaders/instance.glsl has it.
-uint benchWord(uint at) { return texelFetch(bench_pool, ivec3(int(at & 1023u), int((at >> 10u) & 1023u), int(at >> 20u)), 0).r; }
-uint benchCell(ivec3 brick) { return benchWord(uint(1024 + brick.x + bench_grid.x * (brick.y + bench_grid.y * brick.z))); }
-uint benchBrick(uint cell) {
-  uint page = benchWord(uint(bench_pages_at) + ((cell >> 7u) & 0x1ffffu));
-  return page == 0u ? 0u : page + 132u * (cell & 127u);
-}
-uint benchCode(uint brick, ivec3 voxel) {
-  int i = (voxel.x & 7) | ((voxel.y & 7) << 3) | ((voxel.z & 7) << 6);
-  return (benchWord(brick + 4u + uint(i >> 2)) >> uint(8 * (i & 3))) & 255u;
-}
-#define PAPER_STEP bench_step
-)";
-
-constexpr char kMain[] = R"(
-void main() {
-  vec4 from = texelFetch(bench_origin, ivec2(gl_FragCoord.xy), 0);
-  vec4 along = texelFetch(bench_direction, ivec2(gl_FragCoord.xy), 0);
-  if (along.w < 0.0) discard;
-  BENCH_TRACE
-  bench_count = vec4(hit.found ? hit.s : -1.0, float(hit.steps), float(hit.fetches), outside);
-  gl_FragDepth = hit.found ? (along.w + hit.s) * bench_per_far : 1.0;
-}
-)";
-
-// What each method fetches from, and its call. Macros, so that the programs have no branch that another
-// method needs.
-std::string definesOf(Method method) {
-  const auto call = [&](const char* function, const char* more) {
-    return std::string("#define BENCH_TRACE PaperHit hit = ") + function +
-           "(from.xyz, along.xyz, 0.0, from.w" + more + "); float outside = 0.0;\n";
-  };
-  const std::string occupancy = "#define PAPER_FETCH(v) float(texelFetch(bench_empty, v, 0).r)\n",
-                    distance = "#define PAPER_FETCH(v) texelFetch(bench_distance, v, 0).r\n";
-  switch (method) {
-    case Method::kStandard:
-      return occupancy + call("paperStandard", "");
-    case Method::kStandardArcsine:
-      return "#define PAPER_ARCSINE\n" + occupancy + call("paperStandard", "");
-    case Method::kDf:
-      return distance + call("paperDistanceField", ", true");
-    case Method::kDfWorld:
-      return distance + call("paperDistanceField", ", false");
-    case Method::kKelp:
-      break;
-  }
-  return "#define BENCH_TRACE KelpHit hit = kelpTrace(from.xyz, along.xyz, 0.0, from.w); float outside = "
-         "float(hit.outside);\n";
-}
-
-std::string readText(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be read; run the benchmark where its source tree is");
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-GLuint compile(GLenum kind, const std::string& text) {
-  const GLuint shader = glCreateShader(kind);
-  const char* string = text.c_str();
-  glShaderSource(shader, 1, &string, nullptr);
-  glCompileShader(shader);
-  GLint good = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-  if (!good) {
-    char log[2000] = "";
-    glGetShaderInfoLog(shader, sizeof log, nullptr, log);
-    throw std::runtime_error(std::string("a shader does not compile: ") + log);
-  }
-  return shader;
-}
-
-GLuint link(Method method) {
-  std::string text = kPrelude + definesOf(method) + shaders::kSpline + shaders::kCurve + shaders::kTrace;
-  if (method != Method::kKelp) text += readText(KELP_SOURCE_DIR "/shaders/reference/paper.glsl");
-  const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexText),
-               fragment = compile(GL_FRAGMENT_SHADER, text + kMain);
-  const GLuint program = glCreateProgram();
-  glAttachShader(program, vertex);
-  glAttachShader(program, fragment);
-  glLinkProgram(program);
-  GLint good = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &good);
-  if (!good) throw std::runtime_error(std::string("the program of ") + toString(method) + " does not link");
-  glDeleteShader(vertex);
-  glDeleteShader(fragment);
-  return program;
-}
 
 GLuint makeTexture(GLenum target) {
   GLuint name = 0;
@@ -168,7 +36,7 @@ GLuint makeVolume(const glm::ivec3& size, GLint internal, GLenum format, GLenum 
 }
 
 struct ItemTextures {
-  GLuint pool = 0, empty = 0, distance = 0;
+  GLuint pool = 0, empty = 0, distance = 0, arcs = 0;
   int pages_at = 0;
 };
 
@@ -219,39 +87,37 @@ void uploadDense(const Item& item, ItemTextures& textures) {
   textures.distance = makeVolume(size, GL_R16F, GL_RED, GL_HALF_FLOAT, distance.data());
 }
 
-}  // namespace
-
-const char* toString(Method method) {
-  switch (method) {
-    case Method::kStandard:
-      return "standard";
-    case Method::kStandardArcsine:
-      return "standard_arcsine";
-    case Method::kDf:
-      return "df";
-    case Method::kDfWorld:
-      return "df_world";
-    case Method::kKelp:
-      break;
-  }
-  return "kelp";
+// As runtime/gl has them in its records: rows of 1024 texels, the arcs before the joints.
+void uploadArcs(const ArcChain& chain, GLuint texture) {
+  const auto count = static_cast<std::size_t>(chain.count);
+  std::vector<glm::vec4> texels(2048);
+  std::memcpy(static_cast<void*>(texels.data()), chain.arcs, count * sizeof(Arc));
+  std::memcpy(static_cast<void*>(texels.data() + 4 * count), chain.joints, (count + 1) * sizeof(ArcJoint));
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 1024, 2, 0, GL_RGBA, GL_FLOAT, texels.data());
 }
+
+}  // namespace
 
 struct Gpu::Impl {
   explicit Impl(const glm::ivec2& size_) : context(test::GlApi::kDesktop33), size(size_) {}
 
   void deleteItems() {
     for (const ItemTextures& item : items) {
-      const GLuint names[] = {item.pool, item.empty, item.distance};
-      glDeleteTextures(3, names);
+      const GLuint names[] = {item.pool, item.empty, item.distance, item.arcs};
+      glDeleteTextures(4, names);
     }
     items.clear();
     for (const auto& pair : rays) glDeleteTextures(2, pair.data());
     rays.clear();
   }
 
+  GLuint programOf(Method method) const {
+    return programs[static_cast<std::size_t>(scene->bend)][static_cast<std::size_t>(method)];
+  }
+
   void draw(Method method, std::size_t i) {
-    const GLuint program = programs[static_cast<std::size_t>(method)];
+    const GLuint program = programOf(method);
     glUseProgram(program);
     const auto at = [&](const char* uniform) { return glGetUniformLocation(program, uniform); };
     const PosedItem& item = (*posed)[i];
@@ -261,6 +127,7 @@ struct Gpu::Impl {
     glUniform1f(at("bench_per_far"), static_cast<float>(1 / far));
     glUniform1i(at("bench_segments"), 1);
     glUniform3fv(at("bench_segment"), 4, &terms[0].x);
+    glUniform1i(at("bench_arc_count"), item.chain ? item.chain->count : 0);
     glUniform3fv(at("bench_low"), 1, &item.bounds.min.x);
     glUniform3fv(at("bench_high"), 1, &item.bounds.max.x);
     glUniform3i(at("bench_size"), voxels.x, voxels.y, voxels.z);
@@ -279,6 +146,7 @@ struct Gpu::Impl {
     bind("bench_pool", GL_TEXTURE_2D_ARRAY, items[i].pool);
     bind("bench_empty", GL_TEXTURE_3D, items[i].empty);
     bind("bench_distance", GL_TEXTURE_3D, items[i].distance);
+    bind("bench_arcs", GL_TEXTURE_2D, items[i].arcs);
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
@@ -291,7 +159,8 @@ struct Gpu::Impl {
   test::EglContext context;
   glm::ivec2 size;
   GLuint framebuffer = 0, buffers[2] = {}, array = 0;
-  std::array<GLuint, kMethods.size()> programs{};
+  std::array<std::array<GLuint, kMethods.size()>, 2> programs{};  // sheared, swept
+  const Scene* scene = nullptr;
   std::vector<ItemTextures> items;
   std::vector<std::array<GLuint, 2>> rays;
   const std::vector<PosedItem>* posed = nullptr;
@@ -318,12 +187,17 @@ Gpu::Gpu(const glm::ivec2& size) : impl_(std::make_unique<Impl>(size)) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);  // a ray without a hit has depth 1: counted, but never over a hit
-  for (const Method method : kMethods) impl_->programs[static_cast<std::size_t>(method)] = link(method);
+  for (const Bend bend : {Bend::kShear, Bend::kSweep})
+    for (const Method method : kMethods)
+      if (draws(method, bend))
+        impl_->programs[static_cast<std::size_t>(bend)][static_cast<std::size_t>(method)] =
+            linkProgram(method, bend);
 }
 
 Gpu::~Gpu() {
   impl_->deleteItems();
-  for (const GLuint program : impl_->programs) glDeleteProgram(program);
+  for (const auto& of_bend : impl_->programs)
+    for (const GLuint program : of_bend) glDeleteProgram(program);
   glDeleteVertexArrays(1, &impl_->array);
   glDeleteRenderbuffers(2, impl_->buffers);
   glDeleteFramebuffers(1, &impl_->framebuffer);
@@ -333,8 +207,10 @@ std::string Gpu::renderer() const { return reinterpret_cast<const char*>(glGetSt
 
 void Gpu::setScene(const Scene& scene) {
   impl_->deleteItems();
+  impl_->scene = &scene;
   for (const Item& item : scene.items) {
-    uploadBricks(item, impl_->items.emplace_back());
+    impl_->items.emplace_back().arcs = makeTexture(GL_TEXTURE_2D);
+    uploadBricks(item, impl_->items.back());
     uploadDense(item, impl_->items.back());
     impl_->rays.push_back({makeTexture(GL_TEXTURE_2D), makeTexture(GL_TEXTURE_2D)});
   }
@@ -352,6 +228,7 @@ void Gpu::setView(const std::vector<PosedItem>& items, const View& view) {
       glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, view.size.x, view.size.y, 0, GL_RGBA, GL_FLOAT,
                    data[k]->data());
     }
+    if (items[i].chain) uploadArcs(*items[i].chain, impl_->items[i].arcs);
   }
 }
 

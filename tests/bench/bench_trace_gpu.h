@@ -16,6 +16,10 @@ enum class Method { kStandard, kStandardArcsine, kDf, kDfWorld, kKelp };
 inline constexpr std::array<Method, 5> kMethods{Method::kStandard, Method::kStandardArcsine, Method::kDf,
                                                 Method::kDfWorld, Method::kKelp};
 const char* toString(Method method);
+// Whether parts that bend so are drawn by it.
+inline bool draws(Method method, Bend bend) {
+  return bend == Bend::kShear || method == Method::kStandard || method == Method::kKelp;
+}
 
 // What one ray did; all zero and s = -1 where the ray misses the bounds.
 struct Count {
@@ -34,7 +38,7 @@ class Gpu {
   Gpu& operator=(const Gpu&) = delete;
 
   std::string renderer() const;
-  void setScene(const Scene& scene);
+  void setScene(const Scene& scene);  // which must outlive its drawing
   void setView(const std::vector<PosedItem>& items, const View& view);
 
   // The rays of one item alone.

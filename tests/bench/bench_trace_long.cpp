@@ -6,12 +6,14 @@
 #include <random>
 
 #include "bench_trace_check.h"
+#include "reference/sweep_trials.h"
 #include "reference/trials.h"
 #include "support/poses.h"
 
 namespace kelp::bench {
 namespace {
 
+using reference::SweepTally;
 using reference::TrialTally;
 using reference::TrialVolume;
 
@@ -32,48 +34,84 @@ fields::Occupancy makeTile() {
   return tile;
 }
 
-}  // namespace
+// Random rays through a volume in these rigs, in trials small enough to keep all threads busy.
+template <class Tally, class Trial>
+Tally runVolume(const TrialVolume& volume, std::size_t rigs, std::uint64_t rays, int threads, Trial&& trial) {
+  constexpr std::uint64_t kTrial = 4000;
+  const std::uint64_t rounds = std::max<std::uint64_t>(1, rays / (rigs * kTrial));
+  Tally tally;
+  std::mutex mutex;
+  parallelFor(static_cast<std::size_t>(rounds) * rigs, threads, [&](std::size_t i) {
+    const Tally one = trial(i % rigs, static_cast<int>(kTrial), static_cast<unsigned>(1000 + i));
+    const std::lock_guard lock(mutex);
+    tally.add(one);
+  });
+  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf(
+      "%-28s %4dx%4dx%4d %9llu rays %9llu owed %6llu missed %4llu false %7llu grazing %5llu depth off, "
+      "steps %6.2f max %d\n",
+      volume.name.c_str(), volume.size.x, volume.size.y, volume.size.z, n(tally.rays), n(tally.owed),
+      n(tally.missed), n(tally.invented), n(tally.grazing), n(tally.depth_off),
+      static_cast<double>(tally.steps) / static_cast<double>(tally.rays), tally.steps_max);
+  if (!tally.first_failure.empty()) std::printf("  %s\n", tally.first_failure.c_str());
+  std::fflush(stdout);
+  return tally;
+}
 
-bool runLong(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) {
+std::vector<TrialVolume> volumesOf(const std::vector<Scene>& scenes, Bend bend) {
   std::vector<TrialVolume> volumes;
   for (const Scene& scene : scenes) {
+    if (scene.bend != bend) continue;
     for (const Item& item : scene.items)
       volumes.push_back(reference::wholeVolume(scene.name + ": " + item.name, item.volume));
   }
-  volumes.push_back(reference::wholeVolume("clump", test::ballClump({256, 249, 195}, 30, 7)));
-  volumes.push_back(reference::wholeVolume("noise", test::dust({512, 361, 512}, 30000, 8)));
+  const bool swept = bend == Bend::kSweep;  // these are slender
+  const auto slender = [&](const glm::ivec3& wide, const glm::ivec3& high) { return swept ? high : wide; };
+  volumes.push_back(reference::wholeVolume(swept ? "clump swept" : "clump",
+                                           test::ballClump(slender({256, 249, 195}, {72, 256, 64}), 30, 7)));
+  volumes.push_back(
+      reference::wholeVolume(swept ? "noise swept" : "noise",
+                             test::dust(slender({512, 361, 512}, {140, 512, 101}), swept ? 300 : 30000, 8)));
   const fields::Occupancy tile = makeTile();
-  for (const int side : {512, 1024, 2048, 4096})
-    volumes.push_back(reference::tiledVolume("virtual", tile, glm::ivec3(side, side, side / 2)));
+  for (const int side : {512, 1024, 2048, 4096}) {
+    if (swept && side > 2048) continue;
+    volumes.push_back(reference::tiledVolume(swept ? "virtual swept" : "virtual", tile,
+                                             slender({side, side, side / 2}, {side / 4, side, side / 4})));
+  }
+  return volumes;
+}
 
+}  // namespace
+
+bool runLong(const std::vector<Scene>& scenes, std::uint64_t rays, int threads) {
   TrialTally total;
-  for (const TrialVolume& volume : volumes) {
+  const std::vector<TrialVolume> sheared = volumesOf(scenes, Bend::kShear);
+  for (const TrialVolume& volume : sheared) {
     std::vector<reference::TrialRig> rigs = reference::namedRigs(volume.size);
     for (unsigned seed = 0; seed < 8; ++seed) rigs.push_back(reference::randomRig(volume.size, seed));
-    // Trials small enough to keep all threads busy.
-    constexpr std::uint64_t kTrial = 4000;
-    const std::uint64_t rounds = std::max<std::uint64_t>(1, rays / (volumes.size() * rigs.size() * kTrial));
-    TrialTally tally;
-    std::mutex mutex;
-    parallelFor(static_cast<std::size_t>(rounds) * rigs.size(), threads, [&](std::size_t i) {
-      const TrialTally one = reference::runTrial(volume, rigs[i % rigs.size()], static_cast<int>(kTrial),
-                                                 static_cast<unsigned>(1000 + i));
-      const std::lock_guard lock(mutex);
-      tally.add(one);
-    });
-    const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
-    std::printf(
-        "%-28s %4dx%4dx%4d %9llu rays %9llu owed %6llu missed %4llu false %7llu grazing %5llu depth off, "
-        "steps %6.2f max %d\n",
-        volume.name.c_str(), volume.size.x, volume.size.y, volume.size.z, n(tally.rays), n(tally.owed),
-        n(tally.missed), n(tally.invented), n(tally.grazing), n(tally.depth_off),
-        static_cast<double>(tally.steps) / static_cast<double>(tally.rays), tally.steps_max);
-    if (!tally.first_failure.empty()) std::printf("  %s\n", tally.first_failure.c_str());
-    std::fflush(stdout);
-    total.add(tally);
+    total.add(runVolume<TrialTally>(volume, rigs.size(), rays / sheared.size(), threads,
+                                    [&](std::size_t rig, int count, unsigned seed) {
+                                      return reference::runTrial(volume, rigs[rig], count, seed);
+                                    }));
   }
-  std::printf("in all %llu rays: %llu missed, %llu false\n", static_cast<unsigned long long>(total.rays),
-              static_cast<unsigned long long>(total.missed), static_cast<unsigned long long>(total.invented));
+  SweepTally swept_total;
+  const std::vector<TrialVolume> swept = volumesOf(scenes, Bend::kSweep);
+  for (const TrialVolume& volume : swept) {
+    std::vector<reference::SweepRig> rigs = reference::namedSweeps(volume.size);
+    for (unsigned seed = 0; seed < 25; ++seed) rigs.push_back(reference::randomSweep(volume.size, seed));
+    swept_total.add(runVolume<SweepTally>(volume, rigs.size(), rays / swept.size(), threads,
+                                          [&](std::size_t rig, int count, unsigned seed) {
+                                            return reference::runSweepTrial(volume, rigs[rig], count, seed);
+                                          }));
+  }
+  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf("sheared: %llu rays, %llu missed, %llu false\n", n(total.rays), n(total.missed),
+              n(total.invented));
+  std::printf("swept: %llu rays, %llu missed, %llu false; %.2f of %.2f slices clipped for each ray\n",
+              n(swept_total.rays), n(swept_total.missed), n(swept_total.invented),
+              static_cast<double>(swept_total.clips) / static_cast<double>(swept_total.rays),
+              static_cast<double>(swept_total.arcs) / static_cast<double>(swept_total.rays));
+  total.add(swept_total);
   return total.missed == 0 && total.invented == 0;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -52,64 +54,107 @@ std::vector<Record> groups(const std::vector<Record>& records) {
   return out;
 }
 
-}  // namespace
+unsigned long long n(std::uint64_t value) { return value; }
 
-void printTable(const std::vector<Record>& records) {
-  std::array<double, kMethods.size()> log_all{}, log_moderate{};
-  double all = 0, moderate = 0;
-  Record kelp_total;
-  for (const Record& group : groups(records)) {
-    std::printf("\n%s %s, pose %s\n  %-17s %9s %9s %8s %6s %8s %8s %8s %6s %9s %7s\n", group.scene.c_str(),
-                group.size.c_str(), group.pose.c_str(), "method", "rays", "hits", "steps", "max", "outside",
-                "fetches", "missed", "false", "frame ms", "ratio");
-    const Record kelp = overViews(records, group, Method::kKelp);
-    for (const Method method : kMethods) {
-      const Record r = overViews(records, group, method);
-      const double ratio = kelp.frame_ms > 0 ? r.frame_ms / kelp.frame_ms : 0;
-      std::printf("  %-17s %9llu %9llu %8.2f %6.0f %8.2f %8.2f %7.2f%% %6llu %9.2f %7.2f\n", toString(method),
-                  static_cast<unsigned long long>(r.rays), static_cast<unsigned long long>(r.hits),
-                  r.steps_mean, r.steps_max, r.outside_mean, r.fetches_mean,
-                  r.owed ? 100.0 * static_cast<double>(r.missed) / static_cast<double>(r.owed) : 0.0,
-                  static_cast<unsigned long long>(r.false_hits), r.frame_ms, ratio);
-      if (ratio > 0) log_all[static_cast<std::size_t>(method)] += std::log(ratio);
-      if (ratio > 0 && group.moderate) log_moderate[static_cast<std::size_t>(method)] += std::log(ratio);
-    }
-    all += 1;
-    moderate += group.moderate;
-    kelp_total.checked += kelp.checked;
-    kelp_total.owed += kelp.owed;
-    kelp_total.grazing += kelp.grazing;
-    kelp_total.missed += kelp.missed;
-    kelp_total.false_hits += kelp.false_hits;
-    kelp_total.depth_off += kelp.depth_off;
-    kelp_total.cpp_differs += kelp.cpp_differs;
-    kelp_total.rays += kelp.rays;
+void printGroup(const std::vector<Record>& records, const Record& group) {
+  std::printf("\n%s %s, pose %s\n  %-17s %9s %9s %8s %6s %8s %8s %8s %6s %9s %7s\n", group.scene.c_str(),
+              group.size.c_str(), group.pose.c_str(), "method", "rays", "hits", "steps", "max", "outside",
+              "fetches", "missed", "false", "frame ms", "ratio");
+  const Record kelp = overViews(records, group, Method::kKelp);
+  for (const Method method : kMethods) {
+    if (!draws(method, group.bend)) continue;
+    const Record r = overViews(records, group, method);
+    std::printf("  %-17s %9llu %9llu %8.2f %6.0f %8.2f %8.2f %7.2f%% %6llu %9.2f %7.2f\n", toString(method),
+                n(r.rays), n(r.hits), r.steps_mean, r.steps_max, r.outside_mean, r.fetches_mean,
+                r.owed ? 100.0 * static_cast<double>(r.missed) / static_cast<double>(r.owed) : 0.0,
+                n(r.false_hits), r.frame_ms, kelp.frame_ms > 0 ? r.frame_ms / kelp.frame_ms : 0);
   }
+}
+
+void printMeans(const std::vector<Record>& records) {
   std::printf(
       "\nFrame time as a multiple of kelp's, geometric mean over scenes and poses (moderate poses alone)\n");
   for (const Method method : kMethods) {
-    const auto m = static_cast<std::size_t>(method);
-    std::printf("  %-17s %6.2f (%.2f)\n", toString(method), std::exp(log_all[m] / std::max(all, 1.0)),
-                std::exp(log_moderate[m] / std::max(moderate, 1.0)));
+    double log_all = 0, log_moderate = 0, all = 0, moderate = 0;
+    for (const Record& group : groups(records)) {
+      const double kelp = overViews(records, group, Method::kKelp).frame_ms,
+                   ratio = overViews(records, group, method).frame_ms / std::max(kelp, 1e-9);
+      if (!(ratio > 0)) continue;
+      log_all += std::log(ratio);
+      all += 1;
+      if (!group.moderate) continue;
+      log_moderate += std::log(ratio);
+      moderate += 1;
+    }
+    std::printf("  %-17s %6.2f (%.2f)\n", toString(method), std::exp(log_all / std::max(all, 1.0)),
+                std::exp(log_moderate / std::max(moderate, 1.0)));
   }
-  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+}
+
+// Beside the same part straight, and sheared in the same pose. 0: not drawn in this run.
+void printSwept(const std::vector<Record>& records) {
+  std::printf("\n%-18s %-12s %17s %25s %20s\n", "Swept parts", "pose", "steps / straight",
+              "ms a hit / sheared", "standard ms / kelp");
+  const std::size_t ending = std::strlen(kSweptEnding);
+  for (const Record& group : groups(records)) {
+    if (group.bend != Bend::kSweep) continue;
+    Record straight = group, sheared = group;
+    straight.pose = "straight";
+    sheared.scene.resize(group.scene.size() - ending);
+    const auto kelpOf = [&](const Record& like) { return overViews(records, like, Method::kKelp); };
+    const auto perHit = [](const Record& r) { return r.hits ? r.frame_ms / static_cast<double>(r.hits) : 0; };
+    const auto over = [](double a, double b) { return b > 0 ? a / b : 0; };
+    const Record kelp = kelpOf(group), unbent = kelpOf(straight);
+    std::printf("%-18s %-12s %17.2f %25.2f %20.2f\n", group.scene.c_str(), group.pose.c_str(),
+                over(kelp.steps_mean + kelp.outside_mean, unbent.steps_mean + unbent.outside_mean),
+                over(perHit(kelp), perHit(kelpOf(sheared))),
+                over(overViews(records, group, Method::kStandard).frame_ms, kelp.frame_ms));
+  }
+}
+
+void printTruth(const std::vector<Record>& records) {
+  Record total;
+  for (const Record& r : records) {
+    if (r.method != Method::kKelp) continue;
+    total.rays += r.rays;
+    total.checked += r.checked;
+    total.owed += r.owed;
+    total.grazing += r.grazing;
+    total.missed += r.missed;
+    total.false_hits += r.false_hits;
+    total.depth_off += r.depth_off;
+    total.cpp_differs += r.cpp_differs;
+  }
   std::printf(
       "\nkelp: of %llu rays %llu were compared with the ground truth: %llu owed, %llu missed, %llu false, "
       "%llu grazing, %llu more than half a voxel off in depth\n",
-      n(kelp_total.rays), n(kelp_total.checked), n(kelp_total.owed), n(kelp_total.missed),
-      n(kelp_total.false_hits), n(kelp_total.grazing), n(kelp_total.depth_off));
+      n(total.rays), n(total.checked), n(total.owed), n(total.missed), n(total.false_hits), n(total.grazing),
+      n(total.depth_off));
   std::printf(
-      "      the C++ build of trace.glsl agrees with the GPU on %.4f %% of all rays (hit, steps and "
+      "      the C++ build of the tracing core agrees with the GPU on %.4f %% of all rays (hit, steps and "
       "fetches)\n",
-      100.0 - 100.0 * static_cast<double>(kelp_total.cpp_differs) /
-                  std::max(static_cast<double>(kelp_total.rays), 1.0));
+      100.0 -
+          100.0 * static_cast<double>(total.cpp_differs) / std::max(static_cast<double>(total.rays), 1.0));
+}
+
+}  // namespace
+
+void printTable(const std::vector<Record>& records) {
+  for (const Record& group : groups(records)) printGroup(records, group);
+  for (const Bend bend : {Bend::kShear, Bend::kSweep}) {
+    std::vector<Record> of_bend;
+    std::ranges::copy_if(records, std::back_inserter(of_bend),
+                         [&](const Record& r) { return r.bend == bend; });
+    if (of_bend.empty()) continue;
+    bend == Bend::kSweep ? printSwept(records) : printMeans(of_bend);
+    printTruth(of_bend);
+  }
 }
 
 void writeJson(const std::vector<Record>& records, const std::string& machine,
                const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), std::fclose);
   if (!file) throw std::runtime_error(path.string() + ": cannot be written");
-  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
   std::fprintf(file.get(), "[\n");
   for (const Record& r : records) {
     std::fprintf(file.get(),

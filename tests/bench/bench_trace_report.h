@@ -14,6 +14,7 @@ namespace kelp::bench {
 // together.
 struct Record {
   std::string scene, size, pose, view;
+  Bend bend = Bend::kShear;
   bool moderate = false;
   Method method = Method::kKelp;
   std::uint64_t rays = 0, hits = 0;
@@ -26,8 +27,8 @@ struct Record {
   std::uint64_t cpp_differs = 0;
 };
 
-// One block for each scene and pose, averaged over the views; then geometric means of the ratios to kelp's
-// frame time.
+// One block for each scene and pose, averaged over the views; then, for each kind of bend, ratios of frame
+// times, and of swept parts of steps too.
 void printTable(const std::vector<Record>& records);
 // An array with an object for each record. Throws std::runtime_error if the file cannot be written.
 void writeJson(const std::vector<Record>& records, const std::string& machine,

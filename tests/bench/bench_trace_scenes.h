@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What bench_trace draws: the scenes of the paper's Table 1 at its sizes, from files, voxelized by
-// kelp::bake.
+// What bench_trace draws: the scenes of the paper's Table 1 at its sizes, and models that bend by an angle in
+// both maps. From files, voxelized by kelp::bake, or made.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "kelp/fields/fields.h"
+#include "kelp/formats/spline.h"
 
 namespace kelp::bench {
 
@@ -25,8 +26,16 @@ struct Scene {
   std::string name;
   std::string size;  // of the volumes, in words
   std::vector<Item> items;
-  bool figure6 = false;  // also posed as in Figure 6
+  Bend bend = Bend::kShear;
+  enum class Poses {
+    kSines,    // tangents that swing
+    kFigure6,  // these, and the paper's Figure 6
+    kAngles,   // bent by angles; swept parts also curled
+  } poses = Poses::kSines;
 };
+
+// What the names of scenes of swept parts end in; without it, the same models sheared.
+inline constexpr char kSweptEnding[] = " swept";
 
 // The names that makeScene takes.
 std::vector<std::string> sceneNames();

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "reference/sweep_trials.h"
 #include "support/poses.h"
 
 namespace kelp::bench {
@@ -18,6 +19,10 @@ using glm::dvec3;
 
 // A point of the undeformed volume to where it is drawn.
 dvec3 toWorld(const PosedItem& posed, const dvec3& rest) {
+  if (posed.chain) {
+    const dvec3 at(sweepPoint(*posed.chain, posed.item->volume.size, glm::vec3(rest)));
+    return dvec3(posed.item->to_world * glm::dvec4(at, 1));
+  }
   const Segment& g = posed.segment;
   const auto at = [&](double t) {
     const double u = 1 - t;
@@ -157,13 +162,26 @@ Rays raysOf(const PosedItem& posed, const Camera& camera, const glm::ivec2& size
   return rays;
 }
 
+// Those of the trials that this map can make with what this program draws: one segment, or arcs.
+std::vector<Pose> anglePoses(const Scene& scene) {
+  std::vector<Pose> poses;
+  for (const reference::SweepRig& rig : reference::namedSweeps(scene.items.front().volume.size)) {
+    if (rig.name == "tight" ||
+        (scene.bend == Bend::kShear && (rig.knots.size() > 2 || !checkKnots(rig.knots))))
+      continue;
+    poses.push_back({rig.name, false, {rig.knots}, rig.roll});
+  }
+  return poses;
+}
+
 }  // namespace
 
 std::vector<Pose> makePoses(const Scene& scene) {
+  if (scene.poses == Scene::Poses::kAngles) return anglePoses(scene);
   std::vector<Pose> poses;
-  if (scene.figure6) {
+  if (scene.poses == Scene::Poses::kFigure6) {
     for (std::size_t i = 0; i < test::kFigure6.size(); ++i) {
-      Pose pose{test::kFigure6[i].name, i < 4, {}};
+      Pose pose{test::kFigure6[i].name, i < 4, {}, 0};
       pose.knots.assign(scene.items.size(), test::figureKnots(test::kFigure6[i]));
       poses.push_back(std::move(pose));
     }
@@ -171,7 +189,7 @@ std::vector<Pose> makePoses(const Scene& scene) {
   for (const double moment : {0.05, 0.3, 0.55, 0.8}) {
     char name[32];
     std::snprintf(name, sizeof name, "sine %.2f", moment);
-    Pose pose{name, true, {}};
+    Pose pose{name, true, {}, 0};
     for (std::size_t i = 0; i < scene.items.size(); ++i) {
       const double a = 2 * std::numbers::pi * moment + 2.1 * static_cast<double>(i);
       const test::FigurePose sine{name, glm::vec3(dvec3(3 * std::sin(a), 0, std::sin(a + 1))),
@@ -187,9 +205,16 @@ std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose) {
   std::vector<PosedItem> posed;
   for (std::size_t i = 0; i < scene.items.size(); ++i) {
     const auto& knots = pose.knots[i];
-    posed.push_back({&scene.items[i], knots,
-                     makeSegment(knots[0], knots[1], static_cast<float>(scene.items[i].volume.size.y)),
-                     deformedBounds(knots, scene.items[i].volume.size)});
+    const glm::ivec3 size = scene.items[i].volume.size;
+    if (scene.bend == Bend::kSweep) {
+      const auto chain = std::make_shared<ArcChain>();
+      if (const Result<void> made = makeArcs(knots, size, pose.roll, kArcTolerance, *chain); !made)
+        throw std::runtime_error(scene.name + ", pose " + pose.name + ": " + made.error().detail);
+      posed.push_back({&scene.items[i], knots, {}, chain, chain->bounds});
+    } else {
+      posed.push_back({&scene.items[i], knots, makeSegment(knots[0], knots[1], static_cast<float>(size.y)),
+                       nullptr, deformedBounds(knots, size)});
+    }
   }
   return posed;
 }

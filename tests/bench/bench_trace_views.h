@@ -3,30 +3,33 @@
 // method on the GPU, the C++ build of trace.glsl and the ground truth get the same bits.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "bench_trace_scenes.h"
-#include "kelp/formats/spline.h"
+#include "kelp/formats/sweep.h"
 
 namespace kelp::bench {
 
 struct Pose {
   std::string name;
   bool moderate = false;                 // Figure 6 a and b, and the sines of Table 1
-  std::vector<std::vector<Knot>> knots;  // two for each item
+  std::vector<std::vector<Knot>> knots;  // of each item: two, or of a swept one any number
+  float roll = 0;                        // of swept items
 };
 
-// Figure 6 where the scene asks for it, then moments of tangents that swing as sines.
+// As the scene asks for: Figure 6, moments of tangents that swing as sines; or bent by angles.
 std::vector<Pose> makePoses(const Scene& scene);
 
 struct PosedItem {
   const Item* item = nullptr;
   std::vector<Knot> knots;
-  Segment segment;
-  Box bounds;  // deformed, part space
+  Segment segment;                        // of a sheared item
+  std::shared_ptr<const ArcChain> chain;  // of a swept one
+  Box bounds;                             // deformed, part space
 };
 std::vector<PosedItem> poseItems(const Scene& scene, const Pose& pose);
 

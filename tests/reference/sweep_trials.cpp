@@ -15,9 +15,9 @@ namespace {
 
 using glm::dvec3;
 
-// Knots on a curve of length 1 by its direction at each place: a Hermite spline through them.
+// Knots on a curve of this length by its direction at each place: a Hermite spline through them.
 template <class Direction>
-SweepRig along(std::string name, int knots, Direction&& direction) {
+SweepRig along(std::string name, int knots, double length, Direction&& direction) {
   SweepRig rig{std::move(name), {}, 0};
   dvec3 at(0);
   constexpr int kSteps = 2000;
@@ -25,14 +25,14 @@ SweepRig along(std::string name, int knots, Direction&& direction) {
     const double share = static_cast<double>(i) / (kSteps * (knots - 1));
     if (i % kSteps == 0)
       rig.knots.push_back({static_cast<float>(static_cast<double>(i / kSteps) / (knots - 1)), glm::vec3(at),
-                           glm::vec3(direction(share))});
-    at += direction(share + 0.5 / (kSteps * (knots - 1))) / static_cast<double>(kSteps * (knots - 1));
+                           glm::vec3(length * direction(share))});
+    at += length / (kSteps * (knots - 1)) * direction(share + 0.5 / (kSteps * (knots - 1)));
   }
   return rig;
 }
 
-SweepRig arcRig(std::string name, int knots, double turn, double way) {
-  return along(std::move(name), knots, [=](double share) {
+SweepRig arcRig(std::string name, int knots, double length, double turn, double way) {
+  return along(std::move(name), knots, length, [=](double share) {
     const double a = turn * share;
     return dvec3(std::sin(a) * std::cos(way), std::cos(a), std::sin(a) * std::sin(way));
   });
@@ -129,21 +129,26 @@ class SweepRayMaker {
 
 std::vector<SweepRig> namedSweeps(const glm::ivec3& size) {
   constexpr double kDegrees = std::numbers::pi / 180;
-  std::vector<SweepRig> rigs{arcRig("straight", 2, 0, 0), arcRig("30 degrees", 2, 30 * kDegrees, 0.4),
-                             arcRig("60 degrees", 2, 60 * kDegrees, 0),
-                             arcRig("90 degrees", 3, 90 * kDegrees, -2)};
-  rigs.push_back(along("S", 4, [](double share) {
+  const double half = std::hypot(0.5 * size.x, 0.5 * size.z) / size.y;
+  // Long enough to turn by so many radians for each of its height.
+  const auto lengthFor = [half](double turn) { return std::max(1.0, turn * half / 0.9); };
+  const auto bent = [&](std::string name, int knots, double degrees, double way) {
+    return arcRig(std::move(name), knots, lengthFor(degrees * kDegrees), degrees * kDegrees, way);
+  };
+  std::vector<SweepRig> rigs{bent("straight", 2, 0, 0), bent("30 degrees", 2, 30, 0.4),
+                             bent("45 degrees", 2, 45, 1), bent("60 degrees", 2, 60, 0),
+                             bent("90 degrees", 3, 90, -2)};
+  rigs.push_back(along("S", 4, lengthFor(3.8), [](double share) {
     const double a = 0.55 * std::sin(2 * std::numbers::pi * share), way = 3 * share;
     return dvec3(std::sin(a) * std::cos(way), std::cos(a), std::sin(a) * std::sin(way));
   }));
-  rigs.push_back(arcRig("curl", 4, 270 * kDegrees, 0.1));
-  rigs.push_back(along("helix", 9, [](double share) {
+  rigs.push_back(bent("curl", 4, 270, 0.1));
+  rigs.push_back(along("helix", 9, lengthFor(3.7), [](double share) {
     const double way = 1.5 * std::numbers::pi * share;
     return dvec3(0.77 * std::cos(way), 0.638, 0.77 * std::sin(way));
   }));
   rigs.back().roll = 0.7f;
-  const double half = std::hypot(0.5 * size.x, 0.5 * size.z) / size.y;
-  rigs.push_back(arcRig("tight", 9, std::min(0.93 / half, 5.5), 0.7853981633974483));
+  rigs.push_back(arcRig("tight", 9, 1, std::min(0.93 / half, 5.5), 0.7853981633974483));
   return rigs;
 }
 
@@ -166,6 +171,12 @@ SweepRig randomSweep(const glm::ivec3& size, unsigned seed) {
   }
 }
 
+void SweepTally::add(const SweepTally& more) {
+  TrialTally::add(more);
+  clips += more.clips;
+  arcs += more.arcs;
+}
+
 SweepTally runSweepTrial(const TrialVolume& volume, const SweepRig& rig, int rays, unsigned seed) {
   SweepTally tally;
   ArcChain chain;
@@ -174,15 +185,8 @@ SweepTally runSweepTrial(const TrialVolume& volume, const SweepRig& rig, int ray
     ++tally.missed;
     return tally;
   }
-  std::vector<tiled::KelpArc> arcs;
-  std::vector<tiled::KelpJoint> joints;
-  for (int i = 0; i <= chain.count; ++i) {
-    const ArcJoint& j = chain.joints[i];
-    joints.push_back({j.plane, j.curvature, j.rise, j.y});
-    if (i == chain.count) break;
-    const Arc& a = chain.arcs[i];
-    arcs.push_back({a.middle, a.radius, a.along, a.curvature, a.inward, a.y, a.bend, a.rise});
-  }
+  const auto arcs = arcsAs<tiled::KelpArc>(chain);
+  const auto joints = jointsAs<tiled::KelpJoint>(chain);
   const tiled::Context context{volume,      nullptr,       0,          chain.bounds.min, chain.bounds.max,
                                arcs.data(), joints.data(), chain.count};
   const Volume truth_volume{volume.size, volume.pattern.solid, 1.0, volume.size,
