@@ -61,19 +61,58 @@ gl::View fieldView(const glm::vec3& eye, const glm::vec3& target) {
   return view;
 }
 
+// A crowd of the library's assets on a GL that does nothing.
+struct Field {
+  explicit Field(const Library& library) : crowd(library, kInstances) {
+    placeAll(crowd);
+    test::FakeGl::current() = &fake;
+    gl::Config config;
+    config.getProcAddress = test::FakeGl::getProcAddress;
+    config.state = gl::State::kRestore;
+    renderer = gl::Renderer::create(config).value();
+    for (std::size_t i = 0; i < library.size(); ++i) renderer->add(library[i]).value();
+    renderer->upload(~std::uint64_t{0}).value();
+  }
+  test::FakeGl fake;
+  Crowd crowd;
+  std::unique_ptr<gl::Renderer> renderer;
+};
+
+// The same crowd sheared and swept, of three spans.
+void reportSwept(Report& out, int rounds) {
+  const Library library[] = {Library(1, Bend::kShear, 4), Library(1, Bend::kSweep, 4)};
+  Field sheared(library[0]), swept(library[1]);
+  const gl::View near = fieldView({0, 25, 62}, {0, 0, 0}), far = fieldView({0, 100, 250}, {0, 0, 0});
+  gl::Stats seen;
+  std::vector<Row> rows;
+  const auto add = [&](Field& field, const gl::View& view, const char* name) {
+    rows.push_back({"", [&] {
+                      test::FakeGl::current() = &field.fake;
+                      field.crowd.update();
+                    }});
+    rows.push_back({name, [&] { seen = *field.renderer->draw(view, field.crowd.instances); }});
+  };
+  add(sheared, near, "draw(), sheared");
+  add(swept, near, "draw(), swept");
+  add(sheared, far, "draw(), sheared, four times as far");
+  add(swept, far, "draw(), swept, four times as far");
+  measure(rows, rounds);
+  std::printf(
+      "\n%zu instances of 3 spans, all visible (%u drawn)\n\n| | ns an instance | over sheared "
+      "|\n|---|---|---|\n",
+      kInstances, seen.instances);
+  for (std::size_t i = 1; i < rows.size(); i += 2) {
+    const double ns = median(rows[i].ns), over = ns / median(rows[i - i % 4 + 1].ns);
+    std::printf("| %s | %.1f | %.2f |\n", rows[i].name, ns, over);
+    out.add(std::string("cpu, ") + rows[i].name, over);
+  }
+}
+
 void reportCpu(Report& out, int parts, int rounds) {
   const Library library(parts);
-  Crowd crowd(library, kInstances);
-  placeAll(crowd);
-  test::FakeGl fake;
-  test::FakeGl::current() = &fake;
-  gl::Config config;
-  config.getProcAddress = test::FakeGl::getProcAddress;
-  config.state = gl::State::kRestore;
-  const auto renderer = gl::Renderer::create(config);
-  if (!renderer) return;
-  for (std::size_t i = 0; i < library.size(); ++i) (void)(*renderer)->add(library[i]);
-  (void)(*renderer)->upload(~std::uint64_t{0});
+  Field field(library);
+  Crowd& crowd = field.crowd;
+  gl::Renderer* const renderer = field.renderer.get();
   const gl::View all = fieldView({0, 25, 62}, {0, 0, 0}), half = fieldView({0, 1, 0}, {20, 0.5f, 0});
 
   // Rotations, as the world matrices of a crowd are. Few, so that they stay in the nearest cache: the product
@@ -98,12 +137,12 @@ void reportCpu(Report& out, int parts, int rounds) {
                     sink = sink + m[1][1];
                   }});
   rows.push_back({"update: reset + addClip", [&] { crowd.update(); }});
-  rows.push_back({"draw(), all visible", [&] { seen_all = *(*renderer)->draw(all, crowd.instances); }});
+  rows.push_back({"draw(), all visible", [&] { seen_all = *renderer->draw(all, crowd.instances); }});
   // Once more, of poses that changed since.
   rows.push_back({"", [&] { crowd.update(); }});
-  rows.push_back({"draw(), part culled", [&] { seen_half = *(*renderer)->draw(half, crowd.instances); }});
+  rows.push_back({"draw(), part culled", [&] { seen_half = *renderer->draw(half, crowd.instances); }});
   rows.push_back({"draw() again, nothing moved",
-                  [&] { (void)*(*renderer)->draw(half, crowd.instances, gl::Pass::kDepth); }});
+                  [&] { (void)*renderer->draw(half, crowd.instances, gl::Pass::kDepth); }});
   measure(rows, rounds);
 
   const double product = median(rows[0].ns);
@@ -158,6 +197,7 @@ int run(int count, char** words) {
   if (cpu) {
     reportCpu(report, 1, rounds);
     reportCpu(report, 3, rounds);
+    reportSwept(report, rounds);
   }
   if (gl) reportGl(report, size, std::min(rounds, 3));  // some of its frames take seconds
   return json && !report.write(json) ? 2 : 0;

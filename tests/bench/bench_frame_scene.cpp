@@ -46,7 +46,7 @@ constexpr Kind kKinds[] = {{{24, 48, 24}, 2, 1}, {{32, 64, 28}, 2, 2}, {{40, 40,
                            {{48, 58, 48}, 3, 2}, {{38, 64, 32}, 4, 3}, {{42, 64, 22}, 4, 1},
                            {{25, 64, 18}, 4, 1}, {{49, 64, 51}, 4, 3}};
 
-RawPack packOf(const Kind& kind, int which, int parts) {
+RawPack packOf(const Kind& kind, int which, int parts, Bend bend) {
   RawPack pack;
   pack.info_json = "{}";
   pack.palette = {Material{{0.2f, 0.5f, 0.15f, 1}, {0, 0, 0}, 0, 0.8f}};
@@ -68,6 +68,7 @@ RawPack packOf(const Kind& kind, int which, int parts) {
     }
     pack.parts.push_back(
         test::partOf(blades(kind.size, which), std::move(knots), "part " + std::to_string(p)));
+    pack.parts.back().bend = bend;
     for (int axis = 0; axis < 3; ++axis)
       pack.parts.back().to_object[3][axis] += axis == 1 ? 0.0f : 0.2f * static_cast<float>(p);
   }
@@ -77,10 +78,11 @@ RawPack packOf(const Kind& kind, int which, int parts) {
 
 }  // namespace
 
-Library::Library(int parts) {
-  for (const Kind& kind : kKinds) {
+Library::Library(int parts, Bend bend, int knots) {
+  for (Kind kind : kKinds) {
+    if (knots > 0) kind.knots = knots;
     Loaded& fresh = assets_.emplace_back();
-    fresh.bytes = test::bytesOf(packOf(kind, static_cast<int>(assets_.size()), parts));
+    fresh.bytes = test::bytesOf(packOf(kind, static_cast<int>(assets_.size()), parts, bend));
     fresh.source = std::make_unique<MemorySource>(fresh.bytes);
     auto opened = runtime::Asset::open(fresh.source->source());
     if (!opened || !(*opened)->loadAll()) {
