@@ -74,7 +74,8 @@ std::optional<Solids::Touch> Solids::touch(const kelp::runtime::Sphere& ball) co
   if (near_.empty()) return std::nullopt;
   ++asked_;
   const auto nearest = closestPoint(near_instances_, ball.centre, ball.radius, near_boxes_);
-  if (!nearest || nearest->part < 0) return std::nullopt;
+  // It may find what is up to a voxel farther than it was asked for.
+  if (!nearest || nearest->distance >= ball.radius) return std::nullopt;
   const auto which = static_cast<std::size_t>(nearest->instance);
   Touch touch{near_[which], nearest->point};
   if (nearest->distance > 0) {

@@ -8,9 +8,9 @@
 namespace kelp::runtime {
 namespace {
 
-constexpr unsigned kRandomRigs = 17;
+constexpr unsigned kRandomRigs = 16;
 // Queries of each of the 25 poses: a million in all, or some seconds' worth.
-int sweptQueries() { return test::allTests() ? 40'000 : test::shareOf(700); }
+int sweptQueries() { return test::allTests() ? 40'000 : test::shareOf(1500); }
 
 constexpr double kLittle = 0.002;  // voxels: what inside is at least
 
