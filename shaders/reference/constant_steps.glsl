@@ -19,8 +19,63 @@ KELP_FN vec3 stepsRest(KELP_CONTEXT_ KelpArc g, vec3 point) {
               0.5f * KELP_SIZE.z + g.bend.y * u + g.bend.x * q);
 }
 
-// The slices in the order in which the ray enters them, by the clipping that kelp's tracer has.
+// The inverse map at a point: of the slices that it is in, the one whose centre line is nearest. w: 1 if it
+// is in any.
+KELP_FN vec4 stepsMap(KELP_CONTEXT_ vec3 point) {
+  vec4 found = vec4(0.0f);
+  float nearest = KELP_NEVER;
+  for (int i = 0; i < KELP_ARCS; ++i) {
+    vec4 ball = KELP_ARC_BALL(i);
+    vec3 off = point - vec3(ball.x, ball.y, ball.z);
+    if (dot(off, off) > ball.w * ball.w) continue;
+    vec4 from = KELP_JOINT_PLANE(i);
+    vec4 to = KELP_JOINT_PLANE(i + 1);
+    if (dot(vec3(from.x, from.y, from.z), point) + from.w < 0.0f) continue;
+    if (dot(vec3(to.x, to.y, to.z), point) + to.w > 0.0f) continue;
+    vec3 rest = stepsRest(KELP_CONTEXT KELP_ARC(i), point);
+    vec2 beside = vec2(rest.x - 0.5f * KELP_SIZE.x, rest.z - 0.5f * KELP_SIZE.z);
+    if (dot(beside, beside) >= nearest) continue;
+    nearest = dot(beside, beside);
+    found = vec4(rest.x, rest.y, rest.z, 1.0f);
+  }
+  return found;
+}
+
+// Whether there is a solid voxel at a place at rest.
+KELP_FN bool stepsSolid(KELP_CONTEXT_ vec3 rest) {
+  ivec3 voxel = clamp(ivec3(floor(rest)), ivec3(0), KELP_LEVEL_SIZE - ivec3(1));
+  return PAPER_FETCH(voxel) == 0.0f;
+}
+KELP_FN bool stepsInside(KELP_CONTEXT_ vec3 rest) {
+  return rest.x >= 0.0f && rest.z >= 0.0f && rest.x < KELP_SIZE.x && rest.z < KELP_SIZE.z;
+}
+
+// Constant steps from where the ray enters the first slice to where it leaves the last, each sample mapped.
 KELP_FN KelpHit stepsStandard(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
+  KelpHit hit = kelpNoHit(s_max);
+  vec2 span = vec2(KELP_NEVER, -KELP_NEVER);
+  for (int i = 0; i < KELP_ARCS; ++i) {
+    vec2 in_slice = kelpArcRange(KELP_ARC(i), KELP_JOINT_PLANE(i), KELP_JOINT_PLANE(i + 1), 0.5f * KELP_SIZE,
+                                 o, r, vec2(s_min, s_max));
+    if (in_slice.x <= in_slice.y) span = vec2(min(span.x, in_slice.x), max(span.y, in_slice.y));
+  }
+  for (float s = span.x; s <= span.y; s += PAPER_STEP) {
+    ++hit.steps;
+    vec4 rest = stepsMap(KELP_CONTEXT o + s * r);
+    vec3 at = vec3(rest.x, rest.y, rest.z);
+    if (rest.w == 0.0f || !stepsInside(KELP_CONTEXT at)) continue;
+    ++hit.fetches;
+    if (!stepsSolid(KELP_CONTEXT at)) continue;
+    hit.found = true;
+    hit.s = s;
+    break;
+  }
+  return hit;
+}
+
+// The same steps in one slice after the other, in the order in which the ray enters them, by the clipping
+// that kelp's tracer has: no sample has to look for its slice.
+KELP_FN KelpHit stepsSlices(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   KelpHit hit = kelpNoHit(s_max);
   vec3 half_size = 0.5f * KELP_SIZE;
   vec2 range = vec2(s_min, s_max);
@@ -52,10 +107,9 @@ KELP_FN KelpHit stepsStandard(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s
     for (float s = span.x; s <= span.y; s += PAPER_STEP) {
       ++hit.steps;
       vec3 rest = stepsRest(KELP_CONTEXT g, o + s * r);
-      if (rest.x < 0.0f || rest.z < 0.0f || rest.x >= KELP_SIZE.x || rest.z >= KELP_SIZE.z) continue;
+      if (!stepsInside(KELP_CONTEXT rest)) continue;
       ++hit.fetches;
-      ivec3 voxel = clamp(ivec3(floor(rest)), ivec3(0), KELP_LEVEL_SIZE - ivec3(1));
-      if (PAPER_FETCH(voxel) != 0.0f) continue;
+      if (!stepsSolid(KELP_CONTEXT rest)) continue;
       hit.found = true;
       hit.s = s;
       range.y = s;

@@ -78,9 +78,9 @@ RawPack packOf(const Kind& kind, int which, int parts, Bend bend) {
 
 }  // namespace
 
-Library::Library(int parts, Bend bend, int knots) {
+Library::Library(int parts, Bend bend, bool slender) {
   for (Kind kind : kKinds) {
-    if (knots > 0) kind.knots = knots;
+    if (slender) kind.size = {14, 64, 14}, kind.knots = 4;
     Loaded& fresh = assets_.emplace_back();
     fresh.bytes = test::bytesOf(packOf(kind, static_cast<int>(assets_.size()), parts, bend));
     fresh.source = std::make_unique<MemorySource>(fresh.bytes);

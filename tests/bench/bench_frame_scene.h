@@ -9,11 +9,11 @@
 
 namespace kelp::bench {
 
-// Eight assets, no two alike: rigs of two to four knots (or as many as asked for) with a clip of 2 to 18
-// waves, as the models of samples/models have them. All in memory.
+// Eight assets, no two alike: rigs of two to four knots with a clip of 2 to 18 waves, as the models of
+// samples/models have them. All in memory. `slender`: of four knots each, so slender that all can be swept.
 class Library {
  public:
-  explicit Library(int parts, Bend bend = Bend::kShear, int knots = 0);
+  explicit Library(int parts, Bend bend = Bend::kShear, bool slender = false);
   const runtime::Asset& operator[](std::size_t i) const { return *assets_[i].asset; }
   std::size_t size() const { return assets_.size(); }
   std::size_t knots() const;  // of all assets

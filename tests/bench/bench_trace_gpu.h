@@ -12,13 +12,15 @@
 
 namespace kelp::bench {
 
-enum class Method { kStandard, kStandardArcsine, kDf, kDfWorld, kKelp };
-inline constexpr std::array<Method, 5> kMethods{Method::kStandard, Method::kStandardArcsine, Method::kDf,
-                                                Method::kDfWorld, Method::kKelp};
+enum class Method { kStandard, kStandardArcsine, kStandardSlices, kDf, kDfWorld, kKelp };
+inline constexpr std::array<Method, 6> kMethods{Method::kStandard,       Method::kStandardArcsine,
+                                                Method::kStandardSlices, Method::kDf,
+                                                Method::kDfWorld,        Method::kKelp};
 const char* toString(Method method);
 // Whether parts that bend so are drawn by it.
 inline bool draws(Method method, Bend bend) {
-  return bend == Bend::kShear || method == Method::kStandard || method == Method::kKelp;
+  if (method == Method::kStandard || method == Method::kKelp) return true;
+  return (bend == Bend::kSweep) == (method == Method::kStandardSlices);
 }
 
 // What one ray did; all zero and s = -1 where the ray misses the bounds.

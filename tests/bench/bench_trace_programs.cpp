@@ -89,6 +89,10 @@ void main() {
 // method needs.
 std::string definesOf(Method method, Bend bend) {
   const std::string swept = bend == Bend::kSweep ? "#define KELP_SWEPT true\n" : "#define KELP_SWEPT false\n";
+  const auto callKelp = [](const char* function) {
+    return std::string("#define BENCH_TRACE KelpHit hit = ") + function +
+           "(from.xyz, along.xyz, 0.0, from.w); float outside = float(hit.outside);\n";
+  };
   const auto call = [&](const char* function, const char* more) {
     return std::string("#define BENCH_TRACE PaperHit hit = ") + function +
            "(from.xyz, along.xyz, 0.0, from.w" + more + "); float outside = 0.0;\n";
@@ -97,11 +101,10 @@ std::string definesOf(Method method, Bend bend) {
                     distance = "#define PAPER_FETCH(v) texelFetch(bench_distance, v, 0).r\n";
   switch (method) {
     case Method::kStandard:
-      if (bend == Bend::kSweep)
-        return swept + occupancy +
-               "#define BENCH_TRACE KelpHit hit = stepsStandard(from.xyz, along.xyz, 0.0, from.w); float "
-               "outside = 0.0;\n";
-      return occupancy + call("paperStandard", "");
+      return occupancy +
+             (bend == Bend::kSweep ? swept + callKelp("stepsStandard") : call("paperStandard", ""));
+    case Method::kStandardSlices:
+      return swept + occupancy + callKelp("stepsSlices");
     case Method::kStandardArcsine:
       return "#define PAPER_ARCSINE\n" + occupancy + call("paperStandard", "");
     case Method::kDf:
@@ -111,9 +114,7 @@ std::string definesOf(Method method, Bend bend) {
     case Method::kKelp:
       break;
   }
-  return swept +
-         "#define BENCH_TRACE KelpHit hit = kelpTrace(from.xyz, along.xyz, 0.0, from.w); float outside = "
-         "float(hit.outside);\n";
+  return swept + callKelp("kelpTrace");
 }
 
 std::string readText(const std::string& path) {
@@ -171,6 +172,8 @@ const char* toString(Method method) {
       return "standard";
     case Method::kStandardArcsine:
       return "standard_arcsine";
+    case Method::kStandardSlices:
+      return "standard_slices";
     case Method::kDf:
       return "df";
     case Method::kDfWorld:

@@ -76,6 +76,7 @@ void printMeans(const std::vector<Record>& records) {
       "\nFrame time as a multiple of kelp's, geometric mean over scenes and poses (moderate poses alone)\n");
   for (const Method method : kMethods) {
     double log_all = 0, log_moderate = 0, all = 0, moderate = 0;
+    if (!draws(method, Bend::kShear)) continue;
     for (const Record& group : groups(records)) {
       const double kelp = overViews(records, group, Method::kKelp).frame_ms,
                    ratio = overViews(records, group, method).frame_ms / std::max(kelp, 1e-9);
@@ -93,8 +94,8 @@ void printMeans(const std::vector<Record>& records) {
 
 // Beside the same part straight, and sheared in the same pose. 0: not drawn in this run.
 void printSwept(const std::vector<Record>& records) {
-  std::printf("\n%-18s %-12s %17s %25s %20s\n", "Swept parts", "pose", "steps / straight",
-              "ms a hit / sheared", "standard ms / kelp");
+  std::printf("\n%-18s %-12s %17s %25s %20s %20s\n", "Swept parts", "pose", "steps / straight",
+              "ms a hit / sheared", "standard ms / kelp", "slices ms / kelp");
   const std::size_t ending = std::strlen(kSweptEnding);
   for (const Record& group : groups(records)) {
     if (group.bend != Bend::kSweep) continue;
@@ -105,10 +106,11 @@ void printSwept(const std::vector<Record>& records) {
     const auto perHit = [](const Record& r) { return r.hits ? r.frame_ms / static_cast<double>(r.hits) : 0; };
     const auto over = [](double a, double b) { return b > 0 ? a / b : 0; };
     const Record kelp = kelpOf(group), unbent = kelpOf(straight);
-    std::printf("%-18s %-12s %17.2f %25.2f %20.2f\n", group.scene.c_str(), group.pose.c_str(),
+    std::printf("%-18s %-12s %17.2f %25.2f %20.2f %20.2f\n", group.scene.c_str(), group.pose.c_str(),
                 over(kelp.steps_mean + kelp.outside_mean, unbent.steps_mean + unbent.outside_mean),
                 over(perHit(kelp), perHit(kelpOf(sheared))),
-                over(overViews(records, group, Method::kStandard).frame_ms, kelp.frame_ms));
+                over(overViews(records, group, Method::kStandard).frame_ms, kelp.frame_ms),
+                over(overViews(records, group, Method::kStandardSlices).frame_ms, kelp.frame_ms));
   }
 }
 
