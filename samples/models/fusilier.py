@@ -7,8 +7,8 @@ import math
 from fish import fin
 from geometry import Mesh, dome, interpolate, rounded
 from noise import fractal_noise, mix, ramp, shade, smoothstep, srgb, value_noise
+from rig import bent_line, cycle, travelling_wave
 from rig import rig as make_rig
-from rig import travelling_wave
 
 BACK, BLUE, PALE, SILVER, BELLY = srgb("#f4c21b"), srgb("#1f74d6"), srgb("#6fc4ff"), srgb("#cfe6f2"), srgb(
     "#f3fafc")
@@ -114,7 +114,26 @@ def surfaces():
     return [("scales", 0.3, scales), ("eyes", 0.15, wet)]
 
 
+KNOTS = (0, 0.35, 0.7, 1)
+
+
+def turning(moment):
+    """The angle of the centre line by its place: the fish bends into a C within a fifth of the clip, strikes
+    back over the straight line, and comes to rest."""
+    bend = interpolate(((0.0, 0.0), (0.08, 0.0), (0.30, 1.0), (0.36, 1.0), (0.62, -0.38), (0.68, -0.38),
+                        (0.92, 0.0), (1.0, 0.0)), moment)
+
+    def angle(at):
+        return 0.5 * math.pi * bend * (smoothstep(0.0, 1.0, at) - 0.4)
+
+    return angle
+
+
 def rig():
-    """Like the larger fish's, but with shorter, quicker strokes."""
-    knots = (0, 0.35, 0.7, 1)
-    return make_rig("-x", knots, swim=travelling_wave(knots, (0, 0, 1), (0.015, -0.035, 0.13), 0.75, 0.5))
+    """`swim`: like the larger fish's, but with shorter, quicker strokes. `turn`: a fast start, in which the
+    body bends by 90 degrees. It is swept, so it bends as fish do."""
+    def pose(moment):
+        return bent_line(KNOTS, "-x", (0, 0, 1), turning(moment), still=0.4)
+
+    swim = travelling_wave(KNOTS, (0, 0, 1), (0.015, -0.035, 0.13), 0.75, 0.5)
+    return make_rig("-x", KNOTS, bend="sweep", swim=swim, turn=cycle(pose, 1.0, 16))

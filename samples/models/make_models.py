@@ -15,9 +15,10 @@ import kelp_plant  # noqa: E402
 import orange  # noqa: E402
 import sea_grass  # noqa: E402
 import seabed  # noqa: E402
+import tentacle  # noqa: E402
 
 MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish,
-          "fusilier": fusilier, "seabed": seabed}
+          "fusilier": fusilier, "tentacle": tentacle, "seabed": seabed}
 
 
 def main(arguments):

@@ -15,14 +15,16 @@ import subprocess
 import sys
 import tempfile
 
-# Axis, size along the axis in metres, clips and how far each moves the far end (in units of that size).
+# Axis, size along the axis in metres, clips and how far each moves the far end (in units of that size); of
+# clips made of keys: by how many degrees the spline turns at most, from its first knot to its last.
 EXPECTED = {
     "kelp_plant": ("+y", 1.2, {"sway": (0.15, 0.35), "current": (0.25, 0.40)}),
     "sea_grass": ("+y", 0.8, {"sway": (0.20, 0.40)}),
     "dulse": ("+y", 0.5, {"sway": (0.10, 0.25)}),
     "orange": ("+y", 0.11, {"wobble": (0.10, 0.25)}),
     "fish": ("-x", 0.3, {"swim": (0.10, 0.20)}),
-    "fusilier": ("-x", 0.24, {"swim": (0.08, 0.20)}),
+    "fusilier": ("-x", 0.24, {"swim": (0.08, 0.20), "turn": 90}),
+    "tentacle": ("+y", 0.6, {"curl": 270, "sway": (0.15, 0.35)}),
     "seabed": ("+y", 0.085, {}),
 }
 COMPONENTS = {5126: ("f", 4), 5123: ("H", 2), 5125: ("I", 4)}
@@ -165,40 +167,85 @@ def check_normals(positions, normals, triangles):
 
 
 def check_rig(rig, expected_axis, clips):
-    require(set(rig) - {"sockets"} == {"kelp", "axis", "knots", "clips"} and rig["kelp"] == 1,
+    """The rig of extras.kelp. A rig with a clip that turns is swept, all others say nothing."""
+    swept = {"bend"} if any(isinstance(claim, int) for claim in clips.values()) else set()
+    require(set(rig) - {"sockets"} == {"kelp", "axis", "knots", "clips"} | swept and rig["kelp"] == 1,
             "extras.kelp has the keys %s" % sorted(rig))
-    require(rig["axis"] == expected_axis, "axis is %s" % rig["axis"])
+    require(rig["axis"] == expected_axis and rig.get("bend", "sweep") == "sweep",
+            "axis is %s, bend %s" % (rig["axis"], rig.get("bend")))
     at = [knot["at"] for knot in rig["knots"]]
-    rooted = clips and not any(w["knot"] == 0 for clip in rig["clips"].values() for w in clip["waves"])
+    rooted = clips and not any(move["knot"] == 0 for clip in rig["clips"].values()
+                               for move in clip.get("waves", []) + clip.get("keys", []))
     root = {"at": 0, "tangent": [0, 1, 0]} if rooted else {"at": 0}  # a root stays upright
     require(rig["knots"] == [root] + [{"at": place} for place in at[1:]] and at[-1] == 1
             and at == sorted(set(at)), "knots %r" % rig["knots"])
     require(set(rig["clips"]) == set(clips), "clips are %s" % sorted(rig["clips"]))
-    along = "xyz".index(expected_axis[1])
     for name, clip in rig["clips"].items():
+        if isinstance(clips[name], int):
+            check_keys(name, clip, expected_axis, at, clips[name])
+        else:
+            check_waves(name, clip, expected_axis, len(at), *clips[name])
+
+
+def check_waves(name, clip, axis, knots, least, most):
+    for wave in clip["waves"]:
+        kind = "offset" if "offset" in wave else "tangent"
+        require(set(wave) == {"knot", kind, "period", "phase"},
+                "%s: a wave has the keys %s" % (name, sorted(wave)))
+        require(0 <= wave["knot"] < knots and wave["period"] > 0 and len(wave[kind]) == 3,
+                "%s: %r" % (name, wave))
+        require(wave[kind]["xyz".index(axis[1])] == 0,
+                "%s moves along the axis: the spline would not stay monotone beyond doubt" % name)
+        require(axis != "+y" or kind == "tangent" or wave["knot"] > 0, "%s moves the foot" % name)
+    longest = max(wave["period"] for wave in clip["waves"])
+    require(all(abs(longest / w["period"] - round(longest / w["period"])) < 1e-6 for w in clip["waves"]),
+            "%s does not loop" % name)
+    reach = 0.0
+    for step in range(240):
+        moved = [0.0, 0.0, 0.0]
         for wave in clip["waves"]:
-            kind = "offset" if "offset" in wave else "tangent"
-            require(set(wave) == {"knot", kind, "period", "phase"},
-                    "%s: a wave has the keys %s" % (name, sorted(wave)))
-            require(0 <= wave["knot"] < len(at) and wave["period"] > 0 and len(wave[kind]) == 3,
-                    "%s: %r" % (name, wave))
-            require(wave[kind][along] == 0,
-                    "%s moves along the axis: the spline would not stay monotone beyond doubt" % name)
-            require(expected_axis != "+y" or kind == "tangent" or wave["knot"] > 0,
-                    "%s moves the foot" % name)
-        longest = max(wave["period"] for wave in clip["waves"])
-        require(all(abs(longest / w["period"] - round(longest / w["period"])) < 1e-6 for w in clip["waves"]),
-                "%s does not loop" % name)
-        reach = 0.0
-        for step in range(240):
-            moved = [0.0, 0.0, 0.0]
-            for wave in clip["waves"]:
-                if wave["knot"] == len(at) - 1 and "offset" in wave:
-                    phase = math.sin(2.0 * math.pi
-                                     * (step / 240.0 * longest / wave["period"] + wave["phase"]))
-                    moved = [m + phase * x for m, x in zip(moved, wave["offset"])]
-            reach = max(reach, math.sqrt(dot(moved, moved)))
-        require(clips[name][0] <= reach <= clips[name][1], "%s moves the far end by %.3f" % (name, reach))
+            if wave["knot"] == knots - 1 and "offset" in wave:
+                phase = math.sin(2.0 * math.pi * (step / 240.0 * longest / wave["period"] + wave["phase"]))
+                moved = [m + phase * x for m, x in zip(moved, wave["offset"])]
+        reach = max(reach, math.sqrt(dot(moved, moved)))
+    require(least <= reach <= most, "%s moves the far end by %.3f" % (name, reach))
+
+
+def check_keys(name, clip, axis, at, degrees):
+    """Cubic keys that loop: from rest to rest without a jump. Between the knots' places at every key lie
+    chords that are not longer than the straight spline; the tangents turn as claimed."""
+    along = "xyz".index(axis[1])
+    sign = 1 if axis[0] == "+" else -1
+    straight = [sign * (i == along) for i in range(3)]
+    times = sorted({key["time"] for key in clip["keys"]})
+    require(times[0] == 0 and times[-1] == clip["duration"] and clip["interpolation"] == "cubic", name)
+    values = {(key["time"], key["knot"], kind): key[kind] for key in clip["keys"]
+              for kind in ("offset", "tangent") if kind in key}
+    moved = {key[1:] for key in values}
+    require(len(values) == len(clip["keys"]) == len(times) * len(moved), "%s: keys are missing" % name)
+    for key in clip["keys"]:
+        if key["time"] in (times[0], times[-1]):
+            require(not any(key.get("offset", []) + key.get("tangent", []) + key["in"] + key["out"]),
+                    "%s does not begin and end at rest: %r" % (name, key))
+    most = 0.0
+    for time in times:
+        def value(knot, kind, time=time):
+            return values.get((time, knot, kind), (0, 0, 0))
+
+        line = [[p * s + o for s, o in zip(straight, value(k, "offset"))] for k, p in enumerate(at)]
+        for k in range(len(at) - 1):
+            require(0.85 < math.dist(line[k], line[k + 1]) / (at[k + 1] - at[k]) < 1.001,
+                    "%s: the spline is not as long as it was, %g s, knot %d" % (name, time, k))
+        turned, before = 0.0, None
+        for k in range(len(at)):
+            heading = [s + t for s, t in zip(straight, value(k, "tangent"))]
+            across = [h for i, h in enumerate(heading) if i != along]
+            now = math.atan2(sum(across), sign * heading[along])  # all in one plane, one of x, y, z
+            if before is not None:
+                turned += math.remainder(now - before, 2.0 * math.pi)
+            before = now
+        most = max(most, abs(math.degrees(turned)))
+    require(abs(most - degrees) < 2, "%s turns by %.1f degrees" % (name, most))
 
 
 def check_model(path, name):
