@@ -47,7 +47,7 @@ VIEWS = (("from the side", "--yaw 0 --pitch 5"), ("from above", "--yaw 0 --pitch
 
 class Parser(argparse.ArgumentParser):
     def error(self, message):
-        self.exit(1, "figures.py: %s; see figures.py --help\n" % message)
+        self.exit(1, "%s: %s; see %s --help\n" % (self.prog, message, self.prog))
 
 
 class Studio:
@@ -64,7 +64,8 @@ class Studio:
         command = [os.path.join(self.options.bin, program), *map(str, arguments)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
-            sys.exit("figures.py: %s\n%s" % (" ".join(command), done.stderr.strip()))
+            sys.exit("%s: %s\n%s" % (os.path.basename(sys.argv[0]), " ".join(command), done.stderr.strip()))
+        return done.stdout
 
     def bake(self, source, name, *more):
         pack = self.path(name + ".kelp")
@@ -78,7 +79,7 @@ class Studio:
         return self.bake(os.path.join(self.options.models, name + ".glb"),
                          name + ("_straight" if more else ""), *resolution, *more)
 
-    def asset(self, file, color):
+    def asset(self, file, color, *more):
         """The mesh in one colour: a copy among the results, never in the source tree."""
         name = os.path.splitext(os.path.basename(file))[0]
         with open(self.path(name + ".mtl"), "w", encoding="ascii") as material:
@@ -87,7 +88,19 @@ class Studio:
                   errors="replace") as mesh, open(self.path(name + ".obj"), "w", encoding="utf-8") as copy:
             copy.write("mtllib %s.mtl\nusemtl paint\n" % name)
             copy.writelines(line for line in mesh if not line.startswith(("mtllib", "usemtl")))
-        return self.bake(self.path(name + ".obj"), name, "--rig", "none")
+        return self.bake(self.path(name + ".obj"), name, *more)
+
+    def subject(self, column, more, stand_in_axis):
+        """One of COLUMNS: what it is called, and its pack, baked with the options `more`."""
+        name, asset, color, stand_in = column
+        if asset and os.path.exists(os.path.join(self.options.assets, asset)):
+            return name, self.asset(asset, color, *more)
+        if asset:
+            print("%s: %s is absent, so kelp's own %s stands in; set KELP_ASSETS to a folder that holds it"
+                  % (os.path.basename(sys.argv[0]), os.path.join(self.options.assets, asset), stand_in),
+                  file=sys.stderr)
+            name = {"fish": "a fish", "kelp_plant": "a kelp plant"}[stand_in]
+        return name, self.sample(stand_in, *more, "--axis", stand_in_axis if stand_in == "fish" else "+y")
 
     def render(self, name, size, *arguments):
         self.run("kelp-render", *arguments[:1], "-o", self.path(name + ".png"), "--size", "%dx%d" % size,
@@ -108,9 +121,11 @@ class Sheet:
         left = self.picture.width - self.gap - lettering.width(note, self.letters)
         lettering.write(self.picture, note, left, base, self.letters, FAINT)
 
+    def corner(self, column, row):
+        return self.gap + column * (self.tile[0] + self.gap), self.head + row * (self.tile[1] + self.label)
+
     def place(self, column, row, file, label):
-        left = self.gap + column * (self.tile[0] + self.gap)
-        top = self.head + row * (self.tile[1] + self.label)
+        left, top = self.corner(column, row)
         self.picture.paste(png.read(file), left, top)
         size = min(self.letters, self.letters * self.tile[0] / max(1.0, lettering.width(label, self.letters)))
         lettering.write(self.picture, label, left, top + self.tile[1] + 1.8 * self.letters, size, INK)
@@ -128,16 +143,8 @@ def vector(v):
 def figure6(studio, side):
     tile = (side, side * 9 // 10)
     sheet = Sheet(3, 3, tile, letters(side), "figure 6", "models and the tangents of their two ends")
-    for column, (name, asset, color, stand_in) in enumerate(COLUMNS):
-        if asset and os.path.exists(os.path.join(studio.options.assets, asset)):
-            pack = studio.asset(asset, color)
-        else:
-            if asset:
-                print("figures.py: %s is absent, so kelp's own %s stands in; "
-                      "set KELP_ASSETS to a folder that holds it" %
-                      (os.path.join(studio.options.assets, asset), stand_in), file=sys.stderr)
-                name = {"fish": "a fish", "kelp_plant": "a kelp plant"}[stand_in]
-            pack = studio.sample(stand_in, "--rig", "none", "--axis", "-x" if stand_in == "fish" else "+y")
+    for column, subject in enumerate(COLUMNS):
+        name, pack = studio.subject(subject, ("--rig", "none"), "-x")
         for row, (tangents, (yaw, pitch)) in enumerate(POSES[column]):
             bend = [] if tangents is REST else ["--tangent", "0=%g,%g,%g" % tangents[0], "--tangent",
                                                 "1=%g,%g,%g" % tangents[1]]
@@ -163,11 +170,10 @@ def figure7(studio, side):
     png.write(studio.path("figure7.png"), sheet.picture)
 
 
-def main():
+def read_options(description):
     here = os.path.dirname(os.path.abspath(__file__))
-    parser = Parser(
-        description="Draws Figures 6 and 7 of the paper: figure6.png and figure7.png in the folder --out.")
-    parser.add_argument("--bin", required=True, help="the folder of kelp-bake and kelp-render")
+    parser = Parser(description=description)
+    parser.add_argument("--bin", required=True, help="the folder of kelp's programs")
     parser.add_argument("--models", required=True,
                         help="the folder of kelp's sample models, made by samples/models/make_models.py")
     parser.add_argument("--out", required=True, help="the folder for packs, tiles and the two sheets")
@@ -182,6 +188,12 @@ def main():
     options.assets = os.path.normpath(options.assets)
     if options.tile < 40:
         parser.error("--tile: give at least 40, or the labels cannot be read")
+    return options
+
+
+def main():
+    options = read_options(
+        "Draws Figures 6 and 7 of the paper: figure6.png and figure7.png in the folder --out.")
     studio = Studio(options)
     figure6(studio, options.tile)
     figure7(studio, options.tile)

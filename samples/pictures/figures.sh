@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them: installs what is missing (as
-# root, or with sudo), builds kelp, makes the sample models, and leaves two sheets in samples/out/figures.
+# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them, and two pictures of what its two
+# maps do (bends.py): installs what is missing (as root, or with sudo), builds kelp, makes the sample models,
+# and leaves four pictures in samples/out/figures.
 # Spot and the Stanford bunny come from KELP_ASSETS, or from shared/assets beside the checkout; where they are
 # not, kelp's own models stand in.
 #   samples/pictures/figures.sh [OPTION OF figures.py]...    for instance --tile 600
@@ -10,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 case "${1:-}" in
-  -h|--help) sed -n '3,7s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
+  -h|--help) sed -n '3,9s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
 esac
 
 out=samples/out/figures
@@ -27,7 +28,10 @@ step() {
 
 step "packages (minutes, the first time)" tools/setup.sh
 step "configure" cmake --preset release
-step "build (minutes, the first time)" cmake --build --preset release --target kelp-bake kelp-render
+step "build (minutes, the first time)" cmake --build --preset release --target \
+  kelp-bake kelp-dump kelp-render
 step "make the models" python3 -B samples/models/make_models.py "$out/models"
 printf '  bake, render and lay out\n' >&2
-python3 -B samples/pictures/figures.py --bin "$bin" --models "$out/models" --out "$out" "$@"
+for script in figures.py bends.py; do
+  python3 -B samples/pictures/$script --bin "$bin" --models "$out/models" --out "$out" "$@"
+done

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_figures.py PICTURES BIN MODELS OUT: runs PICTURES/figures.py at a small size without the paper's
-models, and looks at both sheets."""
+"""check_figures.py PICTURES BIN MODELS OUT: runs PICTURES/figures.py and bends.py at a small size without the
+paper's models, and looks at all four pictures."""
 
 import os
 import shutil
@@ -24,6 +24,10 @@ def differing(a, b):
 
 def dark(r, g, b):
     return max(r, g, b) < 120
+
+
+def coloured(r, g, b):
+    return max(r, g, b) - min(r, g, b) > 25
 
 
 def check_sheet(sheet, columns, tile, letters):
@@ -67,9 +71,7 @@ def main(pictures, binaries, models, out):
     tiles = check_sheet(png.read(files[0]), 3, (84, 75), 5)
     assert len(tiles) == 9
     for tile in tiles:
-        assert 0.006 < share_of(tile, lambda r, g,
-                                b: max(r, g, b)
-                                - min(r, g, b) > 25) < 0.8, "a model does not fill its tile, or is not there"
+        assert 0.006 < share_of(tile, coloured) < 0.8, "a model does not fill its tile, or is not there"
     for a, b in ((0, 3), (3, 6), (1, 4), (4, 7), (2, 5), (5, 8)):
         assert differing(tiles[a], tiles[b]) > 0.04, "two poses look the same"
 
@@ -83,6 +85,27 @@ def main(pictures, binaries, models, out):
                         b: r > 150 and 1.05 * b < r < 1.9 * b) > 0.03, "the sand is missing"
     for a, b in ((0, 1), (2, 3)):
         assert 0.01 < differing(tiles[a], tiles[b]) < 0.4, "the scene does not move"
+
+    # Both ways to bend: in every tile two models, which differ, and from row to row.
+    done = subprocess.run([argument.replace("figures.py", "bends.py") for argument in command]
+                          + ["--assets", os.path.join(out, "none"), "--tile", "96", "--resolution", "64"],
+                          capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    bends, tentacle = map(png.read, done.stdout.split())
+    tiles = check_sheet(bends, 3, (96, 53), 5)
+    assert len(tiles) == 9
+    halves = [[[p for i, p in enumerate(tile) if i % 96 // 48 == half] for half in (0, 1)] for tile in tiles]
+    for half in (0, 1):
+        for tile in halves:
+            assert share_of(tile[half], coloured) > 0.03, "a model is missing"
+        for upper, lower in zip(halves, halves[3:]):
+            assert differing(upper[half], lower[half]) > 0.01, "two angles look the same"
+    # At 90 degrees the sheared orange is flat, the swept one as thick as ever.
+    sheared, swept = (share_of(half, coloured) for half in halves[6])
+    assert swept > 1.15 * sheared, (sheared, swept)
+    pixels = tile_of(tentacle, (0, 0, tentacle.width, tentacle.height))
+    assert share_of(pixels, lambda r, g, b: r > 2 * g and r > 1.5 * b) > 0.006, "the tentacles are missing"
+    assert share_of(pixels, lambda r, g, b: g > 1.5 * b and g > 0.8 * r) > 0.01, "the plant is missing"
 
     # Writing is reading backwards; a failing program is named in one go, without a traceback.
     again = os.path.join(out, "again.png")
