@@ -101,7 +101,7 @@ def curled(amount):
     front = 1.0 - 0.70 * amount
 
     def angle(at):
-        lean = -0.45 * amount * smoothstep(0.0, 0.45, at)
+        lean = -0.45 * amount * smoothstep(0.2, 0.5, at)
         roll = max(0.0, at - front)
         return lean + 5.16 * (roll / 0.70) ** 1.6
 
@@ -118,4 +118,5 @@ def rig():
 
     sway = (travelling_wave(KNOTS, (1, 0, 0.15), (0, 0, 0.16, 0.05), 0.45, 5)
             + travelling_wave(KNOTS, (-0.2, 0, 1), (0, 0, 0.08, 0.05), 0.6, 5, 0.3))
-    return make_rig("+y", KNOTS, bend="sweep", curl=cycle(pose, duration, 12), sway=sway)
+    clips = {"curl": cycle(pose, duration, 12), "sway": sway}
+    return dict(make_rig("+y", KNOTS, bend="sweep", **clips), sockets={"tip": {"at": 1}})

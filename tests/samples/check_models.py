@@ -224,6 +224,7 @@ def check_keys(name, clip, axis, at, degrees):
     moved = {key[1:] for key in values}
     require(len(values) == len(clip["keys"]) == len(times) * len(moved), "%s: keys are missing" % name)
     for key in clip["keys"]:
+        require(axis != "+y" or key["knot"] > 0, "%s moves the foot" % name)
         if key["time"] in (times[0], times[-1]):
             require(not any(key.get("offset", []) + key.get("tangent", []) + key["in"] + key["out"]),
                     "%s does not begin and end at rest: %r" % (name, key))
