@@ -213,7 +213,7 @@ TEST_F(SetRig, RefusesWhatTheBakerRefuses) {
   check(writeRig(R"({"kelp": 1, "clips": {"s": {"waves": [{"knot": 1, "offset": [0, 0, 0], "perod": 1}]}}})"),
         3, "new.rig.json: /clips/s/waves/0/perod: unknown key; did you mean 'period'?");
   check(writeRig(R"({"kelp": 1, "knots": [{"at": 0}, {"at": 1, "offset": [0, -2, 0]}]})"), 3,
-        "new.rig.json: part 0 'part 0': knot 0: the spline turns back");
+        "new.rig.json: part 0 'part 0': knot 0 (at 0): the spline turns back");
   check(writeRig(
             R"({"kelp": 1, "clips": {"hop": {"waves": [{"knot": 1, "offset": [0, 1.5, 0], "period": 1}]}}})"),
         3, "hop");

@@ -266,11 +266,11 @@ TEST(CheckRest, AShearedPartMayNotTurnBackASweptOneMayNotFold) {
   // A hook: up, over and down again.
   RawRig rest;
   rest.knots = {{0, {0, 0, 0}, {0, 1, 0}}, {0.5f, {0.3f, 0.4f, 0}, {1, 0, 0}}, {1, {0.6f, 0, 0}, {0, -1, 0}}};
-  EXPECT_NE(errorOf(rest, {16, 128, 16}).find("knot 1: "), std::string::npos);
+  EXPECT_NE(errorOf(rest, {16, 128, 16}).find("knot 1 (at 0.5): "), std::string::npos);
   EXPECT_NE(errorOf(rest, {16, 128, 16}).find("\"bend\": \"sweep\""), std::string::npos);
   rest.bend = Bend::kSweep;
   EXPECT_EQ(errorOf(rest, {16, 128, 16}), "");
-  EXPECT_NE(errorOf(rest, {128, 128, 128}).find("knot 0: "), std::string::npos);
+  EXPECT_NE(errorOf(rest, {128, 128, 128}).find("knot 0 (at 0): "), std::string::npos);
   EXPECT_NE(errorOf(rest, {128, 128, 128}).find("may not fold"), std::string::npos);
   // A board that is flat across the bend, and one that stands on its edge.
   EXPECT_EQ(errorOf(rest, {2, 128, 128}), "");

@@ -65,7 +65,7 @@ TEST(SampleClip, NamesTheFirstMomentThatFolds) {
   ASSERT_LT(folds, 1);
   const std::string error = errorOf(curl(), straight(), thick);
   EXPECT_TRUE(says(error, "clip 'curl', part 2: at ")) << error;
-  EXPECT_TRUE(says(error, " s, knot 0: ")) << error;
+  EXPECT_TRUE(says(error, " s, knot 0 (at 0): ")) << error;
   EXPECT_TRUE(says(error, "may not fold")) << error;
   const double said = std::stod(error.substr(error.find(": at ") + 5));
   EXPECT_GE(said, folds - 1e-4);
@@ -77,7 +77,7 @@ TEST(SampleClip, LooksAtEveryKeyAndBetween) {
   RawTrack jerk{2, 1, Target::kKnotTangent, Interpolation::kStep, {}};
   jerk.keys = {{0, {0, 0, 0, 0}, {}, {}}, {1.005f, {0, -30, 0, 0}, {}, {}}, {1.006f, {0, 0, 0, 0}, {}, {}}};
   RawClip clip{"jerk", 2, {}, {jerk}};
-  EXPECT_TRUE(says(errorOf(clip, straight()), "at 1.005 s, knot 0: ")) << errorOf(clip, straight());
+  EXPECT_TRUE(says(errorOf(clip, straight()), "at 1.005 s, knot 0 (at 0): ")) << errorOf(clip, straight());
   for (Key& key : clip.tracks[0].keys) key.value = glm::vec4(0);
   EXPECT_EQ(errorOf(clip, straight()), "");
   // A spike that is highest between two keys.

@@ -5,6 +5,7 @@
 
 #include "kelp/formats/sweep.h"
 #include "kelp/rig/rig.h"
+#include "words.h"
 
 namespace kelp {
 
@@ -28,13 +29,14 @@ RawRig realizeRig(const RigDescription& rig, Bend by_default) {
 void checkRest(const RawRig& rest, const glm::ivec3& size) {
   const Result<void> sound = checkRig(rest.bend, rest.knots, size, rest.roll);
   if (sound) return;
+  const ErrorCode code = sound.error().code;
   const char* const remedy =
-      rest.bend == Bend::kShear
+      code == ErrorCode::kMisuse ? "give it or the next another offset or tangent"
+      : code == ErrorCode::kNotMonotone
           ? "the spline may not turn back along its axis: give the knot a shorter tangent or a smaller "
-            "offset, "
-            "or write \"bend\": \"sweep\""
+            "offset, or write \"bend\": \"sweep\""
           : "a swept part may not fold: let it turn over a greater length, or make it thinner";
-  throw RigError("knot " + std::to_string(sound.error().offset) + ": " + sound.error().detail + "; " +
+  throw RigError(rig::placeOf(rest.knots, sound.error().offset) + ": " + sound.error().detail + "; " +
                  remedy);
 }
 

@@ -109,9 +109,12 @@ class ClipSampler {
     }
     const Result<void> made = makeArcs(knots, size_, rest_.roll, kArcTolerance, chain_);
     if (!made)
-      throw RigError(place() + ": at " + printable(moment) + " s, knot " +
-                     std::to_string(made.error().offset) + ": " + made.error().detail +
-                     "; a swept part may not fold: move it less there, or let it turn over a greater length");
+      throw RigError(
+          place() + ": at " + printable(moment) + " s, " + placeOf(knots, made.error().offset) + ": " +
+          made.error().detail + "; " +
+          (made.error().code == ErrorCode::kFolds
+               ? "a swept part may not fold: move it less there, or let it turn over a greater length"
+               : "move it or the next in another way"));
     report_.bounds.add(chain_.bounds.min);
     report_.bounds.add(chain_.bounds.max);
   }

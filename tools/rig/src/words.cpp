@@ -116,6 +116,10 @@ std::string printable(double number) {
   return out.str();
 }
 
+std::string placeOf(std::span<const Knot> knots, std::uint64_t knot) {
+  return "knot " + std::to_string(knot) + " (at " + printable(double{knots[knot].at}) + ")";
+}
+
 std::string UniqueNames::make(const std::string& wanted) {
   const std::string base = wanted.empty() ? unnamed_ : wanted;
   int& n = next_[base];  // a pack may hold very many of one name: do not count up from the start each time

@@ -30,6 +30,8 @@ bool hasControls(std::string_view text);
 std::string printable(std::string_view text);
 // A number with up to six digits, in the C locale.
 std::string printable(double number);
+// "knot 1 (at 0.4)"
+std::string placeOf(std::span<const Knot> knots, std::uint64_t knot);
 
 // Clips and sockets of a pack may share a name or have none, but in a rig names are keys.
 class UniqueNames {
