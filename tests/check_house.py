@@ -52,7 +52,7 @@ ROOMS = {
     "tools/kelp-bake": (None, ["formats", "tools/common", "tools/rig", "tools/import/core", "tools/bake"]),
     "tools/kelp-dump": (None, ["formats", "tools/common", "tools/fields", "tools/rig"]),
     "tools/kelp-render": (None, ["formats", "shaders", "runtime", "runtime/gl", "tools/common",
-                                 "tools/fields"]),
+                                 "tools/fields", "tools/rig"]),
     "tools/kelp-view": (None, ["formats", "runtime", "runtime/gl", "tools/common", "tools/rig"]),
     "samples": (None, ["formats", "runtime", "runtime/gl"]),
 }

@@ -7,6 +7,8 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "kelp/formats/sweep.h"
+
 namespace kelp::render {
 namespace {
 
@@ -19,6 +21,39 @@ glm::dmat4 aboutY(double degrees) {
 glm::dmat4 aboutX(double degrees) {
   return glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(1, 0, 0));
 }
+
+// How the map moves a height of a part as a whole, to the world.
+class Sections {
+ public:
+  struct Section {
+    glm::dvec3 corner, x, z;  // of the voxel at x = z = 0; by one voxel
+  };
+
+  Sections(const runtime::Instance& instance, int index, const Part& part)
+      : instance_(instance), index_(index), part_(part), to_world_(partToWorld(instance, index)) {
+    // The pose was checked.
+    if (part.bend == Bend::kSweep)
+      (void)makeArcs(instance.pose->knots(index), part.size, part.roll + instance.pose->motion(index)->roll,
+                     kArcTolerance, chain_);
+  }
+
+  Section at(float height) const {
+    if (part_.bend == Bend::kShear)
+      return {toWorld(instance_, index_, part_.to_object * glm::vec4(0, height, 0, 1)), to_world_[0],
+              to_world_[2]};
+    const glm::mat4x3 in_part = sectionAt(chain_, height);
+    const glm::mat4x3 in_world(to_world_ * glm::mat4(in_part));
+    const glm::vec3 corner = in_world * glm::vec4(-0.5f * glm::vec3(part_.size.x, 0, part_.size.z), 1);
+    return {corner, in_world[0], in_world[2]};
+  }
+
+ private:
+  const runtime::Instance& instance_;
+  int index_;
+  const Part& part_;
+  glm::mat4 to_world_;
+  ArcChain chain_;
+};
 
 }  // namespace
 
@@ -87,13 +122,13 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
       ++index;
     const runtime::VoxelLevel& level = *instance.asset->level(p, index);
     const float brick = static_cast<float>(kBrickSide << index);
-    const glm::mat4 to_world = partToWorld(instance, p);
+    const Sections sections(instance, p, part);
 
-    // The map moves every height as a whole: two layers of corners for each layer of bricks.
+    // Two layers of corners for each layer of bricks.
     for (int y = 0; y < level.grid.y; ++y) {
       for (int upper = 0; upper < 2; ++upper) {
         const float height = std::min(brick * static_cast<float>(y + upper), static_cast<float>(part.size.y));
-        const glm::dvec3 axis(toWorld(instance, p, part.to_object * glm::vec4(0, height, 0, 1)));
+        const Sections::Section section = sections.at(height);
         for (int z = 0; z < level.grid.z; ++z) {
           for (int x = 0; x < level.grid.x; ++x) {
             const auto cell = static_cast<std::size_t>(x) +
@@ -102,11 +137,11 @@ void addOutline(const runtime::Instance& instance, Framing& framing) {
                                    static_cast<std::size_t>(level.grid.y) * static_cast<std::size_t>(z));
             if (!(level.cells[cell] & kCellSolid)) continue;
             for (int corner = 0; corner < 4; ++corner) {
-              const float along_x =
+              const double along_x =
                   std::min(brick * static_cast<float>(x + (corner & 1)), static_cast<float>(part.size.x));
-              const float along_z =
+              const double along_z =
                   std::min(brick * static_cast<float>(z + (corner >> 1)), static_cast<float>(part.size.z));
-              framing.add(axis + glm::dvec3(along_x * to_world[0] + along_z * to_world[2]));
+              framing.add(section.corner + along_x * section.x + along_z * section.z);
             }
           }
         }

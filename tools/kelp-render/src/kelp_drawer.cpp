@@ -24,10 +24,9 @@ class KelpDrawer final : public Drawer {
     config.log = [](void*, const char* text) { std::fputs(text, stderr); };
     // Room for every voxel, in whole layers of 4 MiB: a picture has no frame rate to keep.
     config.gpu_budget = std::uint64_t{8} << 20;
-    for (const auto& [path, pack] : scene.packs())
-      config.gpu_budget += gl::poolBytes(*pack, config.distances);
+    for (const auto& [key, pack] : scene.packs()) config.gpu_budget += gl::poolBytes(*pack, config.distances);
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
-    for (const auto& [path, pack] : scene.packs()) checkPack(path, renderer_->add(*pack));
+    for (const auto& [key, pack] : scene.packs()) checkPack(key.path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
   }
 

@@ -14,6 +14,7 @@
 
 #include "kelp/common/console.h"
 #include "kelp/common/error.h"
+#include "kelp/rig/rig.h"
 
 namespace kelp::render {
 namespace {
@@ -136,13 +137,19 @@ void checkPaperOptions(const Options& options, int level) {
     throw ToolError(Exit::kUsage,
                     fmt::format("--method {} shades by rays; leave {} out", method,
                                 options.soft_shadows > 0 ? "--soft-shadows" : "--occlusion distances"));
+  for (const Item& item : options.items)
+    if (item.bend == Bend::kSweep)
+      throw ToolError(Exit::kUsage,
+                      fmt::format("--bend sweep: --method {} shears all parts; use --method kelp, "
+                                  "or --bend shear",
+                                  method));
 }
 
 // The options of one pack, the same before and after --and.
 struct ItemText {
   Item item;
   std::vector<std::string> tangents, offsets;
-  std::string at;
+  std::string at, bend;
   CLI::Option* time = nullptr;
 };
 
@@ -150,6 +157,11 @@ void addItemOptions(CLI::App& app, ItemText& text) {
   // So that options of a shell alias can be overridden.
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
+  app.add_option(
+         "--bend", text.bend,
+         "draw all solid parts as if their rigs said so: sections stay level, or perpendicular to the "
+         "spline; the pack stays as it is")
+      ->option_text("shear|sweep [as the pack says]");
   app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");
   text.time =
       app.add_option("--time", text.item.time, "where in the clip the picture, or the first frame, is")
@@ -175,6 +187,8 @@ Item finishItem(const ItemText& text) {
     throw ToolError(Exit::kUsage, "--time takes a finite number; see kelp-render --help");
   if (*text.time && item.clip.empty())
     throw ToolError(Exit::kUsage, "--time needs a clip; name one with --clip (kelp-dump info lists them)");
+  if (!text.bend.empty() && !(item.bend = parseBend(text.bend)))
+    refuse("--bend", text.bend, "shear or sweep");
   if (!text.at.empty() && !parseVector(text.at, item.at)) refuse("--at", text.at, "x,y,z");
   if (!std::isfinite(item.turn))
     throw ToolError(Exit::kUsage, "--turn takes a finite number; see kelp-render --help");
@@ -297,12 +311,14 @@ constexpr char kFooter[] =
     "  kelp-render reed.kelp -o cost.png --view steps                        steps of each ray: blue 0, "
     "red 64 and more\n"
     "  kelp-render reed.kelp -o soft.png --soft-shadows 2 --occlusion distances\n"
+    "  kelp-render reed.kelp -o both.png --bend shear --and reed.kelp --bend sweep --at 0.5,0,0\n"
     "  kelp-render orange.kelp -o paper.png --method paper-df                the paper's method as "
     "published, "
     "with its steps and time\n"
     "  kelp-render reed.kelp -o pond.png --and fish.kelp --clip swim --at 0.3,0.4,0.1 --turn 20\n"
     "\n"
-    "--and PACK adds a pack to the picture. --clip, --time, --tangent, --offset, --at, --turn and --scale "
+    "--and PACK adds a pack to the picture. --bend, --clip, --time, --tangent, --offset, --at, --turn and "
+    "--scale "
     "belong to the pack before them; all other options come before the first --and.\n"
     "Vectors are in the part's axes, y along the spline; 1 is the length of the axis.\n"
     "--method prints one line: the mean number of steps of a ray that meets a part's box, and the time of a "

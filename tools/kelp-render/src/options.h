@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "kelp/formats/spline.h"
 #include "kelp/gl/renderer.h"
 
 namespace kelp::render {
@@ -30,6 +31,7 @@ struct KnotChange {
 // A pack to draw: its pose, and where it stands.
 struct Item {
   std::string pack;
+  std::optional<Bend> bend;  // of all solid parts; absent: as the pack says
   std::string clip;
   double time = 0;
   std::vector<KnotChange> changes;

@@ -131,7 +131,7 @@ PaperDrawer::PaperDrawer(const Options& options, const ViewStyle& style, const S
   count_text.push_back(glsl::kPaperCount);
   drawer_ = std::make_unique<GlProgram>(text, es);
   counter_ = std::make_unique<GlProgram>(count_text, es);
-  for (const auto& [path, pack] : scene.packs()) assets_[pack.get()] = load(path, *pack);
+  for (const auto& [key, pack] : scene.packs()) assets_[pack.get()] = load(key.path, *pack);
   segments_ = makeTexture(kSegments, GL_TEXTURE_2D);
 }
 
@@ -154,13 +154,17 @@ void PaperDrawer::check(const Scene& scene) const {
   const std::uint64_t texture_bytes = sizeof(std::uint32_t) + (distances_ ? 2 : 1);
   const std::uint64_t decode_bytes = distances_ ? 11 : 5;  // while one part is decoded
   std::uint64_t voxels = 0, largest = 0;
-  for (const auto& [path, pack] : scene.packs()) {
+  for (const auto& [key, pack] : scene.packs()) {
     for (const Part& part : pack->pack().parts()) {
-      const std::string where = fmt::format("{}: part {}", path, part.name);
+      const std::string where = fmt::format("{}: part {}", key.path, part.name);
       if (part.kind != PartKind::kSolid)
         throw ToolError(
             Exit::kUnsupported,
             fmt::format("{} is fog, and the paper's method draws solid voxels only; {}", where, kRemedy));
+      if (part.bend == Bend::kSweep)
+        throw ToolError(
+            Exit::kUnsupported,
+            fmt::format("{} is swept, and the paper's method shears; {}, or --bend shear", where, kRemedy));
       if (std::max({part.size.x, part.size.y, part.size.z}) > most)
         throw ToolError(
             Exit::kUnsupported,

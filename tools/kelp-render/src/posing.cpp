@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kelp/common/pack_error.h"
+#include "kelp/formats/sweep.h"
 
 namespace kelp::render {
 namespace {
@@ -43,17 +44,25 @@ int findPart(const Pack& pack, const KnotChange& change) {
                                             change.part, listNames(parts)));
 }
 
-// Names the first segment that turns back. The pose must have one.
-std::string describe(const Pack& pack, const runtime::Pose& pose) {
-  for (int p = 0; p < pose.parts(); ++p) {
-    const std::span<const Knot> knots = pose.knots(p);
-    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      if (isMonotone(makeSegment(knots[k], knots[k + 1], 1))) continue;
-      return fmt::format("part {}: the spline turns back along its axis between knots {} and {}",
-                         pack.parts()[static_cast<std::size_t>(p)].name, k, k + 1);
-    }
-  }
-  return "the spline turns back along its axis";
+// What is wrong with the part, where, and what to do. Empty: it can be drawn.
+std::string wrongWith(const Part& part, std::span<const Knot> knots, float roll) {
+  const Result<void> sound = checkRig(part.bend, knots, part.size, roll);
+  if (sound) return {};
+  const auto knot = static_cast<std::size_t>(sound.error().offset);
+  if (sound.error().code == ErrorCode::kMisuse)
+    return fmt::format("part {}: knot {} (at {}): {}; give it another --tangent or --offset", part.name, knot,
+                       knots[knot].at, sound.error().detail);
+  const std::string between = fmt::format("between knots {} and {} (at {} to {})", knot, knot + 1,
+                                          knots[knot].at, knots[knot + 1].at);
+  if (part.bend == Bend::kSweep)
+    return fmt::format(
+        "part {}: the spline bends too sharply for the part's thickness {}; a swept part may not "
+        "fold: let it turn over a greater length, or less far",
+        part.name, between);
+  return fmt::format(
+      "part {}: the spline turns back along its axis {}; let the knots' y ascend, and keep the y of "
+      "every tangent between 0 and 3 times the slope to the next knot",
+      part.name, between);
 }
 
 }  // namespace
@@ -95,11 +104,13 @@ void Posing::apply(double seconds, runtime::Pose& pose) const {
     if (const auto added = runtime::addClip(asset_, clip_, item_.time + seconds, 1, pose); !added)
       failPack(item_.pack, added.error());
   }
-  if (!pose.check()) {
-    throw ToolError(Exit::kInvalid,
-                    fmt::format("{}: {}; let the knots' y ascend, and keep the y of every tangent "
-                                "between 0 and 3 times the slope to the next knot",
-                                item_.pack, describe(asset_.pack(), pose)));
+  for (int p = 0; p < pose.parts(); ++p) {
+    const Part& part = asset_.pack().parts()[static_cast<std::size_t>(p)];
+    const std::string wrong = wrongWith(part, pose.knots(p), part.roll + pose.motion(p)->roll);
+    if (wrong.empty()) continue;
+    const std::string moment =
+        clip_ < 0 ? "" : fmt::format("--clip {} at {:.6g} s: ", item_.clip, item_.time + seconds);
+    throw ToolError(Exit::kInvalid, fmt::format("{}: {}{}", item_.pack, moment, wrong));
   }
 }
 

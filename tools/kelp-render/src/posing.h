@@ -14,7 +14,8 @@ class Posing {
 
   // The clip's duration in seconds; 0: there is no clip.
   double duration() const;
-  // Sets `pose`, `seconds` after --time. ToolError kInvalid with the knot's name if it is not monotone.
+  // Sets `pose`, `seconds` after --time. ToolError kInvalid, with part, knots and place,
+  // if it turns back or folds.
   void apply(double seconds, runtime::Pose& pose) const;
 
  private:

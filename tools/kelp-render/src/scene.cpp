@@ -61,20 +61,36 @@ void checkDistances(const Options& options, const std::string& path, const runti
                     path + ": is fog, which has no distances; leave it out, or choose another --view");
 }
 
+[[noreturn]] void failTooLarge(const std::string& path) {
+  throw ToolError(
+      Exit::kRuntime,
+      fmt::format("{}: its voxels take more than {} MiB, and this machine has no memory for that and "
+                  "OpenGL's copy; use one with more memory, or bake it with a lower --resolution",
+                  path, mostMemory() >> 20));
+}
+
 }  // namespace
 
 std::uint64_t mostMemory() { return physicalMemory() / 5 * 2; }
 
 Scene::Scene(const Options& options) {
   // Checks the command line against all packs before it reads the first voxel.
+  std::uint64_t memory = 0;
   for (const Item& item : options.items) {
-    std::unique_ptr<runtime::Asset>& pack = packs_[item.pack];
+    const Key key{item.pack, item.bend};
+    std::unique_ptr<runtime::Asset>& pack = packs_[key];
     if (!pack) {
       const FileSource file = openFile(item.pack);
+      Source source = file.source();
+      if (item.bend) {
+        memory += source.size;
+        if (memory > mostMemory()) failTooLarge(item.pack);
+        source = rebent_.try_emplace(key, item.pack, source, *item.bend).first->second.source();
+      }
       runtime::Options whole;
       whole.memory_budget = mostMemory();
       if (options.view == ViewKind::kDistance || options.shadesByDistances()) whole.distance_level = 0;
-      pack = checkPack(item.pack, runtime::Asset::open(file.source(), whole));
+      pack = checkPack(item.pack, runtime::Asset::open(source, whole));
       checkLevel(options, item.pack, pack->pack());
       if (whole.distance_level == 0) checkDistances(options, item.pack, *pack);
     }
@@ -82,22 +98,18 @@ Scene::Scene(const Options& options) {
     posings_.emplace_back(*pack, item);
     if (duration_ == 0) duration_ = posings_.back().duration();
   }
-  std::uint64_t memory = 0;
-  for (const auto& [path, pack] : packs_) {
+  for (const auto& [key, pack] : packs_) {
     Result<void> loaded = pack->loadAll();
     memory += pack->memory();
     if (memory > mostMemory() ||
         (!loaded && loaded.error().code == ErrorCode::kLimit && loaded.error().offset == Error::kNoOffset))
-      throw ToolError(
-          Exit::kRuntime,
-          fmt::format("{}: its voxels take more than {} MiB, and this machine has no memory for that and "
-                      "OpenGL's copy; use one with more memory, or bake it with a lower --resolution",
-                      path, mostMemory() >> 20));
-    checkPack(path, loaded);
+      failTooLarge(key.path);
+    checkPack(key.path, loaded);
   }
   for (std::size_t i = 0; i < options.items.size(); ++i) {
-    runtime::Instance instance{packs_[options.items[i].pack].get(), &poses_[i]};
-    instance.to_world = placeOf(options.items[i]);
+    const Item& item = options.items[i];
+    runtime::Instance instance{packs_[{item.pack, item.bend}].get(), &poses_[i]};
+    instance.to_world = placeOf(item);
     instances_.push_back(instance);
   }
 }

@@ -2,8 +2,10 @@
 // The packs of a picture, loaded, posed and placed.
 #pragma once
 
+#include <compare>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "kelp/runtime/asset.h"
 #include "options.h"
 #include "posing.h"
+#include "rebent.h"
 
 namespace kelp::render {
 
@@ -21,22 +24,29 @@ std::uint64_t mostMemory();
 
 class Scene {
  public:
-  // Reads every pack once, even if it is drawn several times. ToolError: what is wrong, and with which
-  // pack. `options` must outlive the scene.
+  // Reads every pack once, even if it is drawn several times; once more for each --bend. ToolError: what is
+  // wrong, and with which pack. `options` must outlive the scene.
   explicit Scene(const Options& options);
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
   // The first clip's duration in seconds; 0: no pack plays a clip.
   double duration() const { return duration_; }
-  // Poses everything, `seconds` after each --time. ToolError kInvalid for a pose that is not monotone.
+  // Poses everything, `seconds` after each --time. ToolError kInvalid for a pose that turns back or folds.
   void pose(double seconds);
   std::span<const runtime::Instance> instances() const { return instances_; }
 
-  using Packs = std::map<std::string, std::unique_ptr<runtime::Asset>>;
-  const Packs& packs() const { return packs_; }  // by path
+  // What a pack is read for: several items may draw the same.
+  struct Key {
+    std::string path;
+    std::optional<Bend> bend;
+    auto operator<=>(const Key&) const = default;
+  };
+  using Packs = std::map<Key, std::unique_ptr<runtime::Asset>>;
+  const Packs& packs() const { return packs_; }
 
  private:
+  std::map<Key, Rebent> rebent_;  // what assets of packs_ read
   Packs packs_;
   std::vector<runtime::Pose> poses_;
   std::vector<Posing> posings_;
