@@ -74,18 +74,22 @@ def check_edit(screen, view, bake, dump, model, folder):
         program = View(view, "--edit", pack)
         screen.find(1280, 800)
         screen.settle(pause)
-        screen.drag(933, 226, 983, 226)  # knot 1, offset x
+        screen.click(936, 95)  # bend
+        screen.click(936, 136)  # from shear to sweep
+        screen.drag(1040, 95, 1100, 95)  # roll
+        screen.drag(933, 249, 983, 249)  # knot 1, offset x
         screen.settle(1)
         screen.key("Control_L", "s")
         program.expect("saved " + rig)
         with open(rig) as file:
             saved = json.load(file)
         moved = saved["knots"][1].get("offset", [0, 0, 0])
-        if moved[0] > 0.02:
+        if moved[0] > 0.02 and saved.get("roll", 0) > 5:
             break
         program.end()
         os.remove(rig)
     assert moved[0] > 0.02 and moved[1:] == [0, 0], "50 pixels moved knot 1 by %s" % moved
+    assert before["bend"] == "shear" and saved["bend"] == "sweep" and 5 < saved["roll"] < 60, saved
 
     # Baked, it is what was saved.
     subprocess.run([bake, model, "-o", pack, "--resolution", "32", "--rig", rig, "--progress", "none"],
@@ -98,6 +102,7 @@ def check_edit(screen, view, bake, dump, model, folder):
                 assert abs(a - b) < 1e-5, "%s: %s is %s" % (key, want, have)
         assert abs(have["at"] - old["at"]) < 1e-6
     assert after["clips"] == before["clips"], "the clips were not touched"
+    assert after["bend"] == "sweep" and abs(after["roll"] - saved["roll"]) < 1e-4, after
 
     # Undone, it is no longer what was saved: closing asks, and stays when told to. A slow machine may not
     # have drawn the question yet.

@@ -10,9 +10,12 @@
 #include <numbers>
 
 #include "bake_job.h"
+#include "kelp/formats/sweep.h"
+#include "kelp/rig/raw_clips.h"
 #include "kelp/runtime/asset.h"
 #include "kelp/runtime/instance.h"
 #include "rig_editor.h"
+#include "rig_knots.h"
 #include "support/scratch.h"
 
 namespace kelp::view {
@@ -168,6 +171,58 @@ TEST_F(Round, AFileInCentimetresWhoseUpIsZ) {
 
 TEST_F(Round, ANodeThatIsTurnedInItsFile) {
   check(scratch_.write("turned.gltf", turnedBox({0.1f, 1, 0.1f}, rig_)).string(), "", {}, 4);
+}
+
+// Where points of the object go with a rig of the pack's part, in the object.
+std::vector<glm::vec3> swept(const Part& part, const RawRig& rest, const std::vector<glm::vec3>& points) {
+  ArcChain chain;
+  EXPECT_TRUE(makeArcs(rest.knots, part.size, rest.roll, 1e-5f, chain));
+  const glm::mat4 to_part = glm::inverse(glm::mat4(part.to_object));
+  std::vector<glm::vec3> there;
+  for (const glm::vec3& point : points) {
+    const glm::vec3 voxel = sweepPoint(chain, part.size, glm::vec3(to_part * glm::vec4(point, 1)));
+    there.push_back(part.to_object * glm::vec4(voxel, 1));
+  }
+  return there;
+}
+
+// A sheared part is swept, rolled and bent until its tip points down, however it stands in its file.
+TEST_F(Round, APartThatIsSweptAndRolled) {
+  const std::string post = scratch_.write("post.obj", box({0.1f, 1, 0.15f})).string(),
+                    turned =
+                        scratch_.write("turned.gltf", turnedBox({0.1f, 1, 0.15f}, R"({"kelp": 1})")).string();
+  for (const std::string& source : {post, turned}) {
+    SCOPED_TRACE(source);
+    const Opened before(bake(source, "before.kelp", {}));
+    ASSERT_TRUE(before.asset);
+    const Part& part = (*before.asset)->pack().parts()[0];
+    RigEditor editor((*before.asset)->pack());
+    RigDescription rig = editor.rig(0);
+    bendAs(rig, Bend::kSweep);
+    rig.roll = rollOfDegrees(40);
+    ASSERT_EQ(editor.change(0, rig), "");
+    ASSERT_EQ(editor.pull({0, 1, Handle::Kind::kKnot}, {0.7f, -0.7f, 0.2f}), "");
+    ASSERT_EQ(editor.pull({0, 0, Handle::Kind::kTangent}, {-0.7f, 1, 0}), "");
+    ASSERT_EQ(editor.pull({0, 1, Handle::Kind::kTangent}, {-0.3f, -2, 0}), "");
+    ASSERT_LT(editor.realized().parts[0].knots[1].tangent.y, -0.5f);
+    const std::string saved = scratch_.write("mine.rig.json", editor.text(0)).string();
+
+    // What the file says of its bend counts.
+    const Opened after(bake(source, "after.kelp", {"--rig", saved, "--bend", "shear"}));
+    ASSERT_TRUE(after.asset);
+    const Part& baked = (*after.asset)->pack().parts()[0];
+    EXPECT_EQ(baked.bend, Bend::kSweep);
+    EXPECT_EQ(baked.roll, rollOfDegrees(40));
+    std::vector<glm::vec3> points;
+    for (int corner = 0; corner < 12; ++corner) {
+      const glm::vec3 share(corner & 1, 0.5f * static_cast<float>(corner / 4), corner >> 1 & 1);
+      points.emplace_back(part.to_object * glm::vec4(share * glm::vec3(part.size), 1));
+    }
+    const std::vector<glm::vec3> shown = swept(part, editor.realized().parts[0], points),
+                                 there = swept(baked, rawRig(baked), points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_LT(glm::distance(shown[i], there[i]), 2e-3f) << "corner " << i;
+  }
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 #include "model.h"
 #include "rig_editor.h"
 #include "rig_knots.h"
+#include "rig_packs.h"
 #include "support/scratch.h"
-#include "support/test_pack.h"
 #include "travelling_wave.h"
 
 namespace kelp::view {
@@ -39,36 +39,6 @@ RigDescription reed(Axis axis) {
                  {"side", 0.4f, to_artist * glm::vec3(0.2f, 0, -0.1f),
                   glm::angleAxis(0.6f, glm::normalize(glm::vec3(1, 2, 3)))}};
   return rig;
-}
-
-// What kelp-bake makes of a file whose part is `axis` and stands in its file as `in_file` has it.
-RawPack packWith(const RigDescription& rig, const glm::mat3& in_file = glm::mat3(1),
-                 const std::string& info = "{}") {
-  RawPack pack = test::packOf(test::ballClump({24, 50, 32}, 12, 1));
-  RawPart& part = pack.parts[0];
-  part.to_object =
-      glm::mat4x3(glm::mat4(in_file * glm::transpose(axisRotation(rig.axis.value_or(Axis::kPlusY))) * 0.02f));
-  const RawRig rest = realizeRig(rig);
-  part.knots = rest.knots;
-  part.automatic_tangents = rest.automatic_tangents;
-  part.bend = rest.bend;
-  part.roll = rest.roll;
-  pack.clips = realizeClips(rig, 0);
-  pack.sockets = realizeSockets(rig, 0);
-  pack.info_json = info;
-  return pack;
-}
-
-struct OpenPack {
-  explicit OpenPack(const RawPack& raw)
-      : bytes(test::bytesOf(raw)), memory(bytes), pack(Pack::open(memory.source())) {}
-  std::vector<std::byte> bytes;
-  MemorySource memory;
-  Result<Pack> pack;
-};
-
-void expectNear(const glm::vec3& a, const glm::vec3& b, float tolerance) {
-  EXPECT_LT(glm::distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z;
 }
 
 TEST(ViewerRig, ReadsBackWhatTheArtistWroteWhateverTheAxis) {

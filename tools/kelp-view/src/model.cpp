@@ -63,12 +63,21 @@ Result<std::unique_ptr<Model>> Model::make(std::unique_ptr<Model> model, const S
   return model;
 }
 
+bool Model::fits(const PackRig& rig) const {
+  const std::span<const Part> parts = asset_->pack().parts();
+  return std::equal(rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
+                    [](const RawRig& rest, const Part& part) {
+                      return rest.knots.size() == part.knots.size() && rest.parent_at == part.parent_at &&
+                             rest.bend == part.bend;
+                    });
+}
+
 Result<void> Model::setRig(const PackRig& rig) {
+  if (!fits(rig)) return Error{ErrorCode::kMisuse, "the rig has other knots, or bends or hangs elsewhere"};
   auto sketch = RigSketch::make(rig);
   if (!sketch) return sketch.error();
   auto pose = runtime::Pose::create((*sketch)->asset());
   if (!pose) return pose.error();
-  if (!pose->fits(*asset_)) return Error{ErrorCode::kMisuse, "the rig has other numbers of knots"};
   const std::vector<float> weights = weights_;
   const std::unique_ptr<RigSketch> before = std::move(sketch_);
   const std::span<const Clip> clips_before = before ? before->asset().pack().clips() : asset_->pack().clips();
@@ -123,6 +132,10 @@ void Model::pose(double seconds) {
   }
   if (sketch_) (void)pose_->assign(rigged);
   for (int part = 0; part < pose_->parts(); ++part) {
+    const auto roll = [&](const runtime::Asset& of) {
+      return of.pack().parts()[static_cast<std::size_t>(part)].roll;
+    };
+    pose_->motion(part)->roll = roll(rigAsset()) - roll(*asset_);
     std::vector<Edit>& edits = edits_[static_cast<std::size_t>(part)];
     const auto knot = [&](std::size_t k) { return std::as_const(*pose_).knots(part)[k]; };
     for (std::size_t k = 0; k < edits.size(); ++k) {

@@ -43,10 +43,13 @@ class Model {
   // Takes the weights of another model's clips, by name.
   void takeWeights(std::span<const Clip> clips, const std::vector<float>& weights);
 
-  // Plays another rig from the next pose() on. kMisuse if the number of knots differs; use rerigged() then.
+  // Whether setRig() can play it: it has as many knots, and its parts hang at the same places and bend in the
+  // same way.
+  bool fits(const PackRig& rig) const;
+  // Plays another rig from the next pose() on. kMisuse if it does not fit; use rerigged() then.
   Result<void> setRig(const PackRig& rig);
 
-  // The pose at a time: rest + clips + what was dragged, kept monotone.
+  // The pose at a time: rest + clips + what was dragged, kept from turning back and folding.
   void pose(double seconds);
 
   // A knot as the pose has it now, and the edit that puts it where the user wants it from the next pose() on.

@@ -7,6 +7,7 @@ namespace kelp::view {
 namespace {
 
 constexpr std::size_t kMostSteps = 500;
+constexpr float kLeastShare = 1.0f / 64;  // of a move that would fold a swept part
 
 // Rounded to what a hand can do, so that files stay readable.
 glm::vec3 rounded(const glm::vec3& v) { return glm::round(v * 1e5f) / 1e5f + 0.0f; }
@@ -30,6 +31,8 @@ void RigEditor::load(const Pack& pack) {
   sizes_ = sizesOf(pack);
   axes_.clear();
   loaded_.clear();
+  fog_.clear();
+  for (const Part& part : pack.parts()) fog_.push_back(part.kind == PartKind::kFog);
   const PackRig rig = rigOf(pack);
   for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
     axes_.push_back(axesOf(pack, part));
@@ -53,6 +56,8 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
   try {
     // What the file could not hold is refused now: the words are those of the baker.
     (void)parseRig(printRig(wanted));
+    if (isFog(part) && wanted.bend == Bend::kSweep)
+      throw RigError("/bend: fog cannot be swept; write \"shear\" or take it out");
     next.realized = realize(next.rigs, axes_);
     prove(next.realized, sizes_);
   } catch (const RigError& error) {
@@ -80,7 +85,11 @@ std::string RigEditor::pull(const Handle& handle, const glm::vec3& by) {
   };
   const std::string wrong = pulled(by);
   if (wrong.empty()) return {};
-  return pulled({by.x, 0, by.z}).empty() ? std::string() : wrong;
+  if (rig(handle.part).bend != Bend::kSweep) return pulled({by.x, 0, by.z}).empty() ? std::string() : wrong;
+  for (float share = 0.5f; share >= kLeastShare; share *= 0.5f) {
+    if (pulled(share * by).empty()) return {};
+  }
+  return wrong;
 }
 
 void RigEditor::step(std::vector<State>& from, std::vector<State>& to) {

@@ -14,16 +14,18 @@ class RigEditor {
   int parts() const { return static_cast<int>(axes_.size()); }
   const std::string& name(int part) const { return names_[static_cast<std::size_t>(part)]; }
   const RigDescription& rig(int part) const { return now_.rigs[static_cast<std::size_t>(part)]; }
+  bool isFog(int part) const { return fog_[static_cast<std::size_t>(part)]; }
   const RigAxes& axes(int part) const { return axes_[static_cast<std::size_t>(part)]; }
   const PackRig& realized() const { return now_.realized; }
   int revision() const { return revision_; }  // changes with every edit
 
-  // Replaces the part's rig and answers an empty text. If a spline would turn back, changes nothing and
-  // answers what is wrong. All changes until endGesture() are undone as one.
+  // Replaces the part's rig and answers an empty text. If a sheared part would turn back or a swept one fold,
+  // changes nothing and answers what is wrong, and where. All changes until endGesture() are undone as one.
   std::string change(int part, const RigDescription& rig);
   void endGesture() { in_gesture_ = false; }
-  // Moves a knot, or bends its tangent, by this much (heights of the part). A move that would turn the spline
-  // back is reduced to its sideways share.
+  // Moves a knot, or bends its tangent, by this much (heights of the part). A move that would turn a sheared
+  // part back is reduced to its sideways share. One that would fold a swept part goes a part of the way, so
+  // that further ones come as near as it gets.
   std::string pull(const Handle& handle, const glm::vec3& by);
 
   bool canUndo() const { return !undo_.empty(); }
@@ -54,6 +56,7 @@ class RigEditor {
   void step(std::vector<State>& from, std::vector<State>& to);
 
   std::vector<std::string> names_;  // of the parts
+  std::vector<bool> fog_;
   Sizes sizes_;
   std::vector<RigAxes> axes_;
   std::vector<RigDescription> loaded_, saved_;

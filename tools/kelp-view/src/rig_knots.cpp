@@ -82,6 +82,11 @@ void shareWaves(RigDescription::Clip& clip, int after, float share) {
 
 bool movesKnot(Target target) { return target == Target::kKnotOffset || target == Target::kKnotTangent; }
 
+void bendAs(RigDescription& rig, Bend bend) {
+  rig.bend = bend;
+  if (bend == Bend::kShear) rig.roll = 0;
+}
+
 void insertKnot(RigDescription& rig, int after) {
   const auto i = static_cast<std::size_t>(after);
   const std::vector<Knot> knots = realizeKnots(rig);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Adding and removing knots, and new sockets. Waves and keys name knots by index; their indices follow.
+// How a part bends, adding and removing knots, and new sockets. Waves and keys name knots by index; their
+// indices follow.
 #pragma once
 
 #include "kelp/rig/rig.h"
@@ -7,6 +8,9 @@
 namespace kelp::view {
 
 bool movesKnot(Target target);
+
+// A part that becomes sheared loses its roll.
+void bendAs(RigDescription& rig, Bend bend);
 
 // Adds a knot on the spline, half way between `after` and the next, with waves of its own, so that the motion
 // stays the same. It gets no keys.

@@ -19,6 +19,8 @@ const char* toString(Bend bend) { return bend == Bend::kSweep ? "sweep" : "shear
 
 double rollInDegrees(float roll) { return static_cast<double>(roll) * 180 / std::numbers::pi; }
 
+float rollOfDegrees(double degrees) { return static_cast<float>(degrees * std::numbers::pi / 180); }
+
 RawRig realizeRig(const RigDescription& rig, Bend by_default) {
   RawRig rest{realizeKnots(rig), automaticTangents(rig), rig.parent_at};
   rest.bend = rig.bend.value_or(by_default);

@@ -2,7 +2,6 @@
 // JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp.
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -218,7 +217,7 @@ void readBend(const Place& place, RigDescription& rig) {
   const double degrees = readNumber(roll, -180, 180);
   if (rig.bend != Bend::kSweep)
     fail(roll, "only a swept part turns about its spline; write \"bend\": \"sweep\", or take \"roll\" out");
-  rig.roll = static_cast<float>(degrees * std::numbers::pi / 180);
+  rig.roll = rollOfDegrees(degrees);
 }
 
 RigDescription readRig(const Place& place) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // RigDescription -> JSON text with one wave or key a line. Numbers are the shortest that read back equal.
 #include <locale>
-#include <numbers>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -38,8 +37,7 @@ std::string number(float value, double rest = 0) {
 }
 
 std::string degrees(float roll) {
-  return shortest(rollInDegrees(roll),
-                  [&](double back) { return static_cast<float>(back * std::numbers::pi / 180) == roll; });
+  return shortest(rollInDegrees(roll), [&](double back) { return rollOfDegrees(back) == roll; });
 }
 
 template <class V>

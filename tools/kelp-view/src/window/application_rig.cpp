@@ -6,7 +6,6 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -15,17 +14,6 @@
 
 namespace kelp::view {
 namespace {
-
-// Whether the model can play the rig as it is drawn: it has as many knots, and its parts hang at the same
-// places and bend in the same way.
-bool fits(const PackRig& rig, const Model& model) {
-  const std::span<const Part> parts = model.asset().pack().parts();
-  return std::equal(rig.parts.begin(), rig.parts.end(), parts.begin(), parts.end(),
-                    [](const RawRig& rest, const Part& part) {
-                      return rest.knots.size() == part.knots.size() && rest.parent_at == part.parent_at &&
-                             rest.bend == part.bend && rest.roll == part.roll;
-                    });
-}
 
 // A part's name as a piece of a file's name.
 std::string forFile(std::string name) {
@@ -71,7 +59,7 @@ void Application::showRig() {
   Model& model = *stage_.model();
   shown_revision_ = editor_->revision();
   std::string wrong;
-  if (fits(editor_->realized(), model)) {
+  if (model.fits(editor_->realized())) {
     if (const auto set = model.setRig(editor_->realized()); !set) wrong = describe(set.error());
   } else if (auto other = model.rerigged(editor_->realized()); !other) {
     wrong = describe(other.error());

@@ -6,6 +6,7 @@
 
 #include <imgui.h>
 
+#include "window/bend_controls.h"
 #include "window/knot_controls.h"
 #include "window/panel_colors.h"
 #include "window/socket_controls.h"
@@ -63,6 +64,7 @@ void drawRigPanel(RigPanel& panel, RigEditor& editor, double now, const std::fun
 
     ImGui::BeginChild("rest");
     Draft draft{editor.rig(panel.part)};
+    drawBend(draft, editor.isFog(panel.part));
     if (ImGui::CollapsingHeader("Knots", ImGuiTreeNodeFlags_DefaultOpen)) {
       ImGui::TextDisabled("along %s of the file, 1 = its length there",
                           kAxes[static_cast<int>(draft.rig.axis.value_or(Axis::kPlusY))]);

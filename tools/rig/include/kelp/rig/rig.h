@@ -89,8 +89,9 @@ inline constexpr std::size_t kMaxSockets = 1024;
 inline constexpr Bend kDefaultBend = Bend::kShear;
 std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"
 const char* toString(Bend bend);
-// The roll of a part in degrees, as the rig language has it.
+// The roll of a part in degrees, as the rig language has it, and back.
 double rollInDegrees(float roll);
+float rollOfDegrees(double degrees);
 
 // What parseRig, printRig and proveClip throw. what() is one line: the place (a JSON pointer, or clip and
 // knot), what is wrong, what to do.

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// How a part bends: sheared or swept, and the roll.
+#pragma once
+
+#include "window/rig_widgets.h"
+
+namespace kelp::view {
+
+// Draws the controls; what the user does changes the draft. Fog is always sheared.
+void drawBend(Draft& draft, bool fog);
+
+}  // namespace kelp::view
