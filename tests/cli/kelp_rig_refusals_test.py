@@ -12,7 +12,7 @@ import tempfile
 POST = """v 0 0 0\nv .5 0 0\nv .5 3 0\nv 0 3 0\nv 0 0 .3\nv .5 0 .3\nv .5 3 .3\nv 0 3 .3
 f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n"""
 
-FOLDS = "the spline bends too sharply for the part's thickness after a knot; a swept part may not fold: let it"
+FOLDS = "the spline bends too sharply for the part's thickness after a knot; a swept part may not fold"
 ZERO = "the tangent of a knot is zero; give it or the next another offset or tangent"
 
 # What follows {"kelp": 1, "bend": "sweep", in the rig; what is said after the file, or after the part.
@@ -25,8 +25,10 @@ OF_A_PART = [
     # tangents against each other, and against the way
     ('"knots": [{"at": 0}, {"at": 1, "tangent": [0, -1, 0]}]', "knot 0 (at 0): " + FOLDS),
     ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1}]', "knot 0 (at 0): " + FOLDS),
-    ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1, "tangent": [0, -1, 0]}]', "knot 0 (at 0): " + FOLDS),
-    ('"knots": [{"at": 0}, {"at": 0.25}, {"at": 1, "tangent": [1e-30, -1e-30, 0]}]', "knot 1 (at 0.25): " + FOLDS),
+    ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1, "tangent": [0, -1, 0]}]',
+     "knot 0 (at 0): " + FOLDS),
+    ('"knots": [{"at": 0}, {"at": 0.25}, {"at": 1, "tangent": [1e-30, -1e-30, 0]}]',
+     "knot 1 (at 0.25): " + FOLDS),
     # knots on one point
     ('"knots": [{"at": 0, "tangent": [0, 1, 0]}, {"at": 0.5, "offset": [0, -0.5, 0], "tangent": [0, 1, 0]}, '
      '{"at": 1}]', "knot 0 (at 0): this knot and the next are on one point; give it or the next another"),
@@ -40,11 +42,12 @@ OF_A_PART = [
      "clip 'nod', part 0: at 1.1875 s, knot 0 (at 0): the spline bends too sharply"),
     ('"clips": {"nod": {"keys": [{"time": 0, "knot": 1, "tangent": [0, 0, 0]}, '
      '{"time": 1, "knot": 1, "tangent": [0, -1, 0]}]}}',
-     "clip 'nod', part 0: at 1 s, knot 1 (at 1): the tangent of a knot is zero; move it or the next in another way"),
+     "clip 'nod', part 0: at 1 s, knot 1 (at 1): the tangent of a knot is zero; move it or the next in"),
 ]
 OF_THE_FILE = [
     # spans of no length
-    ('"knots": [{"at": 0}, {"at": 0.5}, {"at": 0.5}, {"at": 1}]', "/knots/2/at: knots must ascend: 0.5 follows 0.5"),
+    ('"knots": [{"at": 0}, {"at": 0.5}, {"at": 0.5}, {"at": 1}]',
+     "/knots/2/at: knots must ascend: 0.5 follows 0.5"),
     ('"knots": [{"at": 0}, {"at": 0}]', "/knots/1/at"),
     ('"knots": [{"at": 0}]', "/knots"),
     # numbers that are none
@@ -92,8 +95,8 @@ class Refusals:
         self.tried = 0
 
     def make(self, pack, *options):
-        subprocess.run([self.bake, self.model, "-o", pack, "--resolution", "32", "--progress", "none", *options],
-                       check=True, capture_output=True)
+        subprocess.run([self.bake, self.model, "-o", pack, "--resolution", "32", "--progress", "none",
+                        *options], check=True, capture_output=True)
 
     def refused(self, command, rig, *words):
         result = subprocess.run(command, capture_output=True, text=True)
@@ -109,9 +112,9 @@ class Refusals:
         """By both programs; `options` are kelp-bake's, and of the pack that is given the rig."""
         with open(self.rig, "w") as file:
             file.write(rig)
-        baked = ("post.obj: part 'post' (rig file bad.rig.json): " + said) if of_part and said[0] in "kc" else said
+        where = "post.obj: part 'post' (rig file bad.rig.json): " if of_part and said[0] in "kc" else ""
         self.refused([self.bake, self.model, "-o", self.out, "--resolution", "32", "--progress", "none",
-                      "--rig", self.rig, *options], rig, "bad.rig.json", baked)
+                      "--rig", self.rig, *options], rig, "bad.rig.json", where + said)
         self.refused([self.dump, "rig", self.pack, "--set", self.rig], rig,
                      "bad.rig.json: part 0 'post': " if of_part else "bad.rig.json: ", said)
         self.tried += 1
@@ -135,8 +138,9 @@ def main(bake, dump):
         refusals.make(refusals.pack)
         refusals.before = read(refusals.pack)
         refusals.check('{"kelp": 1, "knots": [{"at": 0}, {"at": 0.25}, {"at": 1, "tangent": [0, -1, 0]}]}',
-                       "knot 1 (at 0.25): the spline turns back after a knot; the spline may not turn back along its "
-                       "axis: give the knot a shorter tangent or a smaller offset, or write \"bend\": \"sweep\"", True)
+                       "knot 1 (at 0.25): the spline turns back after a knot; the spline may not turn back "
+                       "along its axis: give the knot a shorter tangent or a smaller offset, or write "
+                       '"bend": "sweep"', True)
         print("%d rigs refused by both" % refusals.tried)
 
 

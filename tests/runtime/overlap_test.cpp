@@ -116,16 +116,18 @@ TEST_F(ShapeQuery, SpheresOverlapAsTheyShould) {
   inAllPoses([](test::BentInstance& bent) {
     int touched = 0, count = 4 * shapes(bent);
     for (int i = 0; i < count; ++i) {
-      const Sphere sphere{bent.beside(3), static_cast<float>(bent.voxel * std::exp(3 * bent.unit()))};
-      const double truth = bent.distanceOf(glm::dvec3(sphere.centre));
+      const glm::vec3 centre = bent.beside();
+      const double truth = bent.distanceOf(glm::dvec3(centre));
+      const double radius = truth + bent.voxel * (4 * bent.unit() - 2.5);
+      const Sphere sphere{centre, static_cast<float>(std::max(radius, 0.01 * bent.voxel))};
       const bool found = overlaps(bent.instance, sphere).value();
       touched += found;
       ASSERT_TRUE(found || truth > double{sphere.radius}) << truth / bent.voxel;
       ASSERT_TRUE(!found || truth <= double{sphere.radius} + (1 + kStep) * bent.voxel)
           << truth / bent.voxel << " " << sphere.radius / bent.voxel;
     }
-    EXPECT_GT(touched, count / 4);
-    EXPECT_LT(touched, count * 9 / 10);
+    EXPECT_GT(touched, 0);
+    EXPECT_LT(touched, count);
   });
 }
 
