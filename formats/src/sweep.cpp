@@ -13,8 +13,6 @@ namespace {
 using glm::dot;
 using glm::dvec3;
 
-constexpr double kTan30Squared = 1.0 / 3;
-
 // A place of the centre line. z of the section is cross(x, along).
 struct Place {
   dvec3 at, along, x;
@@ -42,7 +40,7 @@ double offArc(const Place& from, const Reach& arc, const dvec3& point) {
   if (!(curvature > 0)) return std::sqrt(dot(off, off));
   const dvec3 inward = k / curvature;
   const double p = dot(off, inward), across = dot(off, off) - p * p;
-  const double g = std::hypot(1 - curvature * p, curvature * l);
+  const double x = 1 - curvature * p, y = curvature * l, g = std::sqrt(x * x + y * y);
   const double u = (2 * p - curvature * (p * p + l * l)) / (1 + g);
   return std::sqrt(u * u + std::max(across, 0.0));
 }
@@ -82,7 +80,11 @@ dvec3 endAlong(const Place& from, const Reach& arc) {
 class ChainMaker {
  public:
   ChainMaker(const glm::ivec3& size, ArcChain& chain)
-      : half_x_(0.5 * size.x), half_z_(0.5 * size.z), size_(size), chain_(chain) {
+      : half_x_(0.5 * size.x),
+        half_z_(0.5 * size.z),
+        corner_(glm::length(glm::dvec2(half_x_, half_z_))),
+        size_(size),
+        chain_(chain) {
     chain_.count = 0;
   }
 
@@ -153,9 +155,8 @@ class ChainMaker {
     if (!(m0 > 0) || !(m1 > 0)) return "the tangent of this knot or the next is zero";
     if (span.p0 == span.p1) return "this knot and the next are on one point";
     const dvec3 end_along = span.m1 / std::sqrt(m1), miss = endAlong(at_, Reach(at_, span.p1)) - end_along;
-    // One arc, as of a straight spline.
-    if (dot(miss, miss) < 1e-18 && piecesOf(span, end_along, tolerance) == 1) return addArc(span.p1);
-    const int pieces = std::min(piecesOf(span, end_along, tolerance), most);
+    const int wanted = piecesOf(span, end_along, tolerance), pieces = std::min(wanted, most);
+    if (dot(miss, miss) < 1e-18 && wanted == 1) return addArc(span.p1);  // as of a straight spline
     dvec3 p0 = span.p0, t0 = at_.along;
     for (int i = 1; i <= pieces; ++i) {
       const double t = static_cast<double>(i) / pieces;
@@ -195,64 +196,56 @@ class ChainMaker {
   const char* addArc(const dvec3& to) {
     const Reach arc(at_, to);
     if (!(arc.chord2 > 0) || !std::isfinite(arc.chord2)) return kFolding;
-    const double chord = std::sqrt(arc.chord2), side = std::sqrt(arc.side2);
-    // The tangents of a half and of a quarter of the angle.
-    const double tan2 = side / arc.ahead, tan4 = side / (chord + arc.ahead);
-    const bool straight = side <= 1e-12 * chord;
-    if (straight && arc.ahead <= 0) return kFolding;
-    const dvec3 out = straight ? at_.x : arc.side / side;
+    const double chord = std::sqrt(arc.chord2), side = std::sqrt(arc.side2), per_chord = 1 / chord;
+    // Of half the angle, which is between the direction here and the chord.
+    const double sine = side * per_chord, cosine = arc.ahead * per_chord, tan4 = sine / (1 + cosine);
+    const bool straight = sine <= 1e-12;
+    if (straight && cosine <= 0) return kFolding;
+    const dvec3 out = straight ? at_.x : (1 / side) * arc.side, along = per_chord * arc.chord;
     // Where it is farthest from its chord: there it is parallel to the chord.
     // Of a nearly straight arc it is the rest of a difference: made perpendicular once more.
-    const dvec3 turned = straight ? out : (arc.ahead * out - side * at_.along) / chord;
-    const dvec3 rest = turned - (dot(turned, arc.chord) / arc.chord2) * arc.chord;
-    const dvec3 inward = rest / std::sqrt(dot(rest, rest));
+    const dvec3 turned = straight ? out : cosine * out - sine * at_.along;
+    const dvec3 rest = turned - dot(turned, along) * along;
+    const dvec3 inward = (1 / std::sqrt(dot(rest, rest))) * rest;
     const dvec3 middle = at_.at + 0.5 * arc.chord - (straight ? 0.0 : 0.5 * chord * tan4) * inward;
-    if (!straight && !(arc.ahead > 0 && tan2 * tan2 <= kTan30Squared * (1 + 1e-9))) {
-      if (!(arc.chord2 > 1e-18 * chord_scale())) return kFolding;
+    if (!straight && !(cosine > 0 && sine <= 0.5 * (1 + 1e-9))) {
+      if (!(arc.chord2 > 1e-18 * size_.y * size_.y)) return kFolding;
       if (const char* wrong = addArc(middle)) return wrong;
       return addArc(to);
     }
-    return addPiece(arc, straight ? 0.0 : tan2, straight ? 0.0 : tan4, out, inward, middle, to);
-  }
-  double chord_scale() const { return double(size_.y) * size_.y; }
-
-  const char* addPiece(const Reach& arc, double tan2, double tan4, const dvec3& out, const dvec3& inward,
-                       const dvec3& middle, const dvec3& to) {
     if (chain_.count == kMaxArcs) return "the spline winds too often: a part has at most 256 arcs";
-    const dvec3 z = glm::cross(at_.x, at_.along);
-    double c = dot(out, at_.x), s = dot(out, z);
-    const double norm = std::sqrt(c * c + s * s);
-    c = std::abs(c) < 1e-9 ? 0 : c / norm;
-    s = std::abs(s) < 1e-9 ? 0 : s / norm;
-    const double curvature = 2 * tan2 * arc.ahead / arc.chord2;
+
+    double c = dot(out, at_.x), s = dot(out, glm::cross(at_.x, at_.along));
+    const double norm = 1 / std::sqrt(c * c + s * s);
+    c = std::abs(c) < 1e-9 ? 0 : c * norm;
+    s = std::abs(s) < 1e-9 ? 0 : s * norm;
+    const double curvature = straight ? 0 : 2 * sine * per_chord;
     if (!(curvature * (std::abs(c) * half_x_ + std::abs(s) * half_z_) <= kMostCurved)) return kFolding;
-    const double tan22 = tan2 * tan2;
-    const double length = arc.chord2 / arc.ahead * (tan22 < 1e-8 ? 1 - tan22 / 3 : std::atan(tan2) / tan2);
-    const double chord = std::sqrt(arc.chord2);
+    const double length = straight ? chord : chord * std::asin(sine) / sine;
 
     const int i = chain_.count++;
     lengths_[i] = length;
     length_ += length;
     Arc& made = chain_.arcs[i];
     made.middle = glm::vec3(middle);
-    made.along = glm::vec3(arc.chord / chord);
+    made.along = glm::vec3(along);
     made.inward = glm::vec3(inward);
     made.bend = glm::vec2(c, s);
     made.curvature = static_cast<float>(curvature);
     made.half_length = static_cast<float>(0.5 * length);
     // The slice is within the hull of its two sections and of the one where its ends' tangents meet.
-    const double wider = std::sqrt(1 + tan22), apex = tan2 * arc.chord2 / (2 * (chord + arc.ahead));
-    const double half2 = 0.25 * arc.chord2 * (1 + tan4 * tan4);
-    const double corner = std::sqrt(half_x_ * half_x_ + half_z_ * half_z_);
-    const double to_end = std::sqrt(half2 + corner * corner + 2 * std::sqrt(half2) * tan4 * corner);
-    made.radius = static_cast<float>(std::max(to_end, apex + wider * corner) * (1 + 1e-6) + 1e-3);
-    const dvec3 across = glm::cross(inward, arc.chord / chord);
-    if (tan2 > 0)
+    const double wider = 1 / cosine, apex = 0.5 * chord * tan4 * wider;
+    const double to_place = 0.5 * chord * std::sqrt(1 + tan4 * tan4);
+    const double to_end = std::sqrt(to_place * to_place + corner_ * corner_ + 2 * to_place * tan4 * corner_);
+    made.radius = static_cast<float>(std::max(to_end, apex + wider * corner_) * (1 + 1e-6) + 1e-3);
+    if (!straight) {
+      const dvec3 across = glm::cross(inward, along);
       addSection(middle - apex * inward, half_x_ * (c * wider * inward - s * across),
                  half_z_ * (s * wider * inward + c * across));
+    }
     // By two reflections, which turn the section as the arc does.
-    at_.x -= (2 * dot(arc.chord, at_.x) / arc.chord2) * arc.chord;
-    at_.along = endAlong(at_, arc);
+    at_.x -= 2 * dot(along, at_.x) * along;
+    at_.along = 2 * cosine * along - at_.along;
     at_.at = to;
     addSection(at_.at, half_x_ * at_.x, half_z_ * glm::cross(at_.x, at_.along));
     addJoint();
@@ -282,7 +275,7 @@ class ChainMaker {
     chain_.bounds.max = glm::vec3(high_ + slack);
   }
 
-  const double half_x_, half_z_;
+  const double half_x_, half_z_, corner_;  // of the section
   const glm::ivec3 size_;
   ArcChain& chain_;
   Place at_{};

@@ -204,6 +204,7 @@ const Error* DrawList::addBlock(const Frame& frame) {
   for (std::size_t i = 0; i < eights; ++i) {
     for (const std::span<const Knot>& knots : posed_[i].knots) segments += knots.size() - 1;
     if (const Error* const error = boundEight(i, countOf(i))) return error;
+    if (const Error* const error = boundSwept(frame, i, countOf(i))) return error;
   }
   for (std::size_t i = 0; i < eights; ++i) {
     if (const Error* const error = place(frame, i, countOf(i))) return error;
@@ -284,7 +285,7 @@ void DrawList::write(const Frame& frame, std::size_t eight, std::size_t count) {
     }
     if (motion)
       out = writeMotion(*frame.view.camera.previous_world_to_clip, *candidate.instance, candidate.part,
-                        chain_, out);
+                        candidate.tolerance, chain_, out);
     if (frame.rings) link(candidate, record, static_cast<std::size_t>(out++ - records_.data()));
   }
   if (out == begin) return;

@@ -75,10 +75,12 @@ class DrawList {
     std::uint32_t palette;  // as in the record
     Detail detail;
     bool drawn;
-    bool recorded;        // drawn, or it may shade other parts of its instance
-    bool sound;           // false: its instance is left out
-    float roll;           // of a swept part
-    std::size_t arcs_at;  // of a swept part, in arcs_
+    bool recorded;  // drawn, or it may shade other parts of its instance
+    bool sound;     // false: its instance is left out
+    // Of a swept part.
+    float roll;
+    float tolerance;      // of its arcs
+    std::size_t arcs_at;  // in arcs_
     std::uint32_t arcs;   // how many; 0: it is sheared
   };
   // The materials of an instance, which follow the records.
@@ -95,7 +97,8 @@ class DrawList {
                            std::uint32_t index);
   const Error* addBlock(const Frame& frame);
   const Error* boundEight(std::size_t eight, std::size_t count);
-  const Error* boundSwept(std::size_t eight, std::size_t k);
+  const Error* boundSwept(const Frame& frame, std::size_t eight, std::size_t count);
+  const Error* listArcs(std::size_t eight, std::size_t k, float level);
   const Error* place(const Frame& frame, std::size_t eight, std::size_t count);
   const Error* leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why);
   const Error* addPalette(std::span<const Material> materials, std::uint32_t& word);

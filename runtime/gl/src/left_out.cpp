@@ -1,13 +1,35 @@
 // SPDX-License-Identifier: MIT
 // The draw list's instances that cannot be drawn: the others are.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+
+#include <glm/geometric.hpp>
 
 #include "draw_list.h"
 #include "grow.h"
 #include "record_spline.h"
 
 namespace kelp::gl {
+namespace {
+
+// How far the arcs of a part that is drawn at that level may be from its spline, in its heights: at coarser
+// levels half a voxel as drawn. The level may be any number.
+float arcTolerance(float level, float height) {
+  if (!(level >= 1)) return kArcTolerance;
+  return std::max(std::ldexp(0.5f, static_cast<int>(std::min(level, 16.0f))) / height, kArcTolerance);
+}
+
+// About where a swept part is.
+Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size) {
+  const glm::vec3 extent(size), half(0.5f * extent.x, 0, 0.5f * extent.z);
+  Box box{knots[0].position, knots[0].position};
+  for (const Knot& knot : knots) box = {glm::min(box.min, knot.position), glm::max(box.max, knot.position)};
+  const float corner = glm::length(half);
+  return {half + extent.y * box.min - corner, half + extent.y * box.max + corner};
+}
+
+}  // namespace
 
 const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why) {
   const auto end = left_out_.begin() + left_out_count_;
@@ -54,20 +76,43 @@ const Error* DrawList::boundEight(std::size_t eight, std::size_t count) {
     posed.knots[k] = part.knots;
   }
   if (again) (void)boundParts(posed, placed_[eight]);
-  for (std::size_t k = 0; k < count; ++k) {
+  return nullptr;
+}
+
+// Bounds the swept parts of eight: from about where they are follows how coarse their arcs may be.
+const Error* DrawList::boundSwept(const Frame& frame, std::size_t eight, std::size_t count) {
+  const auto partOf = [&](std::size_t k) -> const Part& {
     const Candidate& candidate = block_[8 * eight + k];
-    if (candidate.asset->packed[candidate.part].bend != Bend::kSweep) continue;
-    if (const Error* const error = boundSwept(eight, k)) return error;
+    return candidate.asset->packed[candidate.part];
+  };
+  unsigned swept = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (partOf(k).bend != Bend::kSweep) continue;
+    swept |= 1u << k;
+    setBounds(boxOfKnots(posed_[eight].knots[k], partOf(k).size), posed_[eight], k, placed_[eight]);
+  }
+  if (swept == 0) return nullptr;
+  JudgedParts judged;
+  placeParts(frame.projection, posed_[eight], placed_[eight]);
+  judgeParts(frame.projection, frame.view, frame.rays, placed_[eight], judged);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!(swept >> k & 1)) continue;
+    if (const Error* const error = listArcs(eight, k, judged.level.of[k])) return error;
   }
   return nullptr;
 }
 
-// Makes the arcs of a swept part, and keeps them for its record.
-const Error* DrawList::boundSwept(std::size_t eight, std::size_t k) {
+// Makes the arcs of a swept part that is drawn at about that level, bounds it, and keeps them for its record.
+const Error* DrawList::listArcs(std::size_t eight, std::size_t k, float level) {
   PosedParts& posed = posed_[eight];
   Candidate& candidate = block_[8 * eight + k];
   const Part& part = candidate.asset->packed[candidate.part];
-  Result<void> made = makeArcs(posed.knots[k], part.size, candidate.roll, kArcTolerance, chain_);
+  candidate.tolerance = arcTolerance(level, static_cast<float>(part.size.y));
+  Result<void> made = makeArcs(posed.knots[k], part.size, candidate.roll, candidate.tolerance, chain_);
+  if (!made && candidate.tolerance > kArcTolerance) {  // the coarse arcs fold where the fine ones may not
+    candidate.tolerance = kArcTolerance;
+    made = makeArcs(posed.knots[k], part.size, candidate.roll, candidate.tolerance, chain_);
+  }
   if (!made) {
     candidate.sound = false;
     if (const Error* const error = leaveOut(*candidate.asset, candidate.index, made.error().detail))

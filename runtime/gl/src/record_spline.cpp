@@ -40,18 +40,17 @@ glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float he
 }
 
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, ArcChain& scratch, glm::uvec4* out) {
+                        std::uint32_t part, float tolerance, ArcChain& scratch, glm::uvec4* out) {
   const int index = static_cast<int>(part);
   const Part& packed = instance.asset->pack().parts()[part];
   const bool swept = packed.bend == Bend::kSweep;
   runtime::Instance before = instance;
   // A pose that could not be drawn was not seen in the frame before: then the part stands still.
-  if (instance.previous_pose &&
-      (swept ? makeChain(packed, instance.previous_pose, index, kArcTolerance, scratch)
-             : checkKnots(instance.previous_pose->knots(index))))
+  if (instance.previous_pose && (swept ? makeChain(packed, instance.previous_pose, index, tolerance, scratch)
+                                       : checkKnots(instance.previous_pose->knots(index))))
     before.pose = instance.previous_pose;
   else if (swept)
-    (void)makeChain(packed, instance.pose, index, kArcTolerance, scratch);
+    (void)makeChain(packed, instance.pose, index, tolerance, scratch);
   if (instance.previous_to_world) before.to_world = *instance.previous_to_world;
   const glm::mat4 rows(
       glm::transpose(glm::dmat4(previous_world_to_clip) * glm::dmat4(runtime::partToWorld(before, index))));

@@ -27,9 +27,9 @@ inline void writeArcs(glm::uvec4* out, const ArcChain& chain) {
 // As makeSegment. Writes one number too many, which the next write covers.
 glm::uvec4* writeSegments(glm::uvec4* out, std::span<const Knot> knots, float height);
 // Where a part was in the frame before: 4 texels as RecordHead::to_clip, and the segments; of a swept part,
-// the number of its arcs, and these. `scratch`: for arcs.
+// the number of its arcs, and these, made with `tolerance`. `scratch`: for arcs.
 glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::Instance& instance,
-                        std::uint32_t part, ArcChain& scratch, glm::uvec4* out);
+                        std::uint32_t part, float tolerance, ArcChain& scratch, glm::uvec4* out);
 
 // The roll of a swept part; of a pose, or at rest.
 inline float rollOf(const Part& part, const runtime::Pose* pose, int index) {
