@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "reference/sweep_truth.h"
 #include "support/edit_knots.h"
 #include "support/voxel_knots.h"
 #include "support/voxel_points.h"
@@ -85,10 +86,20 @@ class Gbuffer {
   GLuint names_[5] = {}, framebuffer_ = 0;
 };
 
-// Where a rest point of a part is in the world: the spline's parameter by bisection, all of it in double
-// precision.
+// Where a rest point of a part is in the world: the spline's parameter by bisection, or the slice of its arc,
+// all of it in double precision.
 glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
   const Part& of = instance.asset->pack().parts()[static_cast<std::size_t>(part)];
+  if (of.bend == Bend::kSweep) {
+    ArcChain chain;
+    const float roll = of.roll + (instance.pose ? instance.pose->motion(part)->roll : 0);
+    EXPECT_TRUE(
+        makeArcs(instance.pose ? instance.pose->knots(part) : of.knots, of.size, roll, kArcTolerance, chain));
+    int arc = 0;
+    while (arc + 1 < chain.count && rest.y > double{chain.joints[arc + 1].y}) ++arc;
+    return glm::dvec3(glm::dmat4(partToWorld(instance, part)) *
+                      glm::dvec4(reference::swept(chain.arcs[arc], of.size, rest), 1));
+  }
   const std::vector<Knot> knots =
       inVoxels(instance.pose ? instance.pose->knots(part) : of.knots, static_cast<float>(of.size.y));
   const double low = double{knots.front().position.y}, high = double{knots.back().position.y};
@@ -110,11 +121,13 @@ glm::dvec3 worldOf(const Instance& instance, int part, const glm::dvec3& rest) {
 
 class GbufferTest : public GlTest {
  protected:
-  static RawPack twoParts() {
+  static RawPack twoParts(Bend arms) {
     const fields::Occupancy body = ballClump({60, 80, 50}, 20, 2), arm = ballClump({20, 48, 24}, 14, 5);
     RawPack pack =
         packOf(body, {{0, {0, 0, 0}, {0, 1, 0}}, {0.4f, {0, 0.4f, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}});
     pack.parts.push_back(partOf(arm, figureKnots(kFigure6[0]), "arm"));
+    pack.parts[1].bend = arms;
+    pack.parts[1].roll = arms == Bend::kSweep ? 0.7f : 0;
     pack.parts[1].parent = 0;
     pack.parts[1].to_object[3] += glm::vec3(0.6f, 0.2f, 0);
     pack.parts[1].pivot[3] = glm::vec3(0.5f, 0.3f, 0);
@@ -130,6 +143,7 @@ class GbufferTest : public GlTest {
     edit(pose, 1, 80)[1].tangent += along * glm::vec3(40, 0, -25);
     pose.motion(1)->rotation = glm::angleAxis(0.6f * along, glm::normalize(glm::vec3(0.3f, 0.2f, 1)));
     pose.motion(1)->translation = along * glm::vec3(0.05f, 0.1f, 0);
+    pose.motion(1)->roll = along;  // of sheared parts, nothing
     ASSERT_TRUE(pose.check());
   }
 
@@ -208,22 +222,21 @@ class GbufferTest : public GlTest {
     return greatest;
   }
 
-  const LoadedAsset loaded_{twoParts()};
-  runtime::Pose now_ = *runtime::Pose::create(*loaded_.asset);
-  runtime::Pose then_ = *runtime::Pose::create(*loaded_.asset);
+  void expectAgreement(const runtime::Asset& asset);
 };
 
-TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
+void GbufferTest::expectAgreement(const runtime::Asset& asset) {
+  runtime::Pose now = *runtime::Pose::create(asset), then = *runtime::Pose::create(asset);
   const Gbuffer target({120, 90});
-  const auto renderer = makeRenderer(*loaded_.asset, kGbuffer);
+  const auto renderer = makeRenderer(asset, kGbuffer);
   const glm::mat4 moved =
       glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.06f, -0.04f, 0.1f)), 0.2f, glm::vec3(0, 1, 0));
   const gl::View from = lookAt(target.size(), {0.9f, 0.9f, 1.7f}, {0.2f, 0.5f, 0});
   for (const float along : {0.3f, 0.7f, 1.0f}) {
     SCOPED_TRACE(along);
-    bend(now_, along);
-    bend(then_, along - 0.25f);
-    Instance instances[2] = {{loaded_.asset.get(), &now_}, {loaded_.asset.get(), &now_}};
+    bend(now, along);
+    bend(then, along - 0.25f);
+    Instance instances[2] = {{&asset, &now}, {&asset, &now}};
     instances[1].to_world = glm::translate(glm::mat4(1), glm::vec3(-0.8f, 0.1f, -0.4f));
     instances[1].tint = {0.5f, 0.9f, 1, 1};
     gl::View view = from;
@@ -235,12 +248,12 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
     EXPECT_EQ(check(*renderer, target, view, instances), 0);  // no motion asked for
     view.camera.previous_world_to_clip = &same;
     EXPECT_LT(check(*renderer, target, view, instances), 2e-5);  // nothing moved
-    runtime::Pose bad = *runtime::Pose::create(*loaded_.asset);
-    ASSERT_TRUE(bad.assign(now_));
+    runtime::Pose bad = *runtime::Pose::create(asset);
+    ASSERT_TRUE(bad.assign(now));
     ASSERT_TRUE(bad.move(0, 1, {0, -2, 0}));
     for (Instance& instance : instances) instance.previous_pose = &bad;
     EXPECT_LT(check(*renderer, target, view, instances), 2e-5);  // as if nothing moved
-    for (Instance& instance : instances) instance.previous_pose = &then_;
+    for (Instance& instance : instances) instance.previous_pose = &then;
     EXPECT_GT(check(*renderer, target, view, instances), 0.02);  // poses
     instances[0].previous_to_world = &moved;
     EXPECT_GT(check(*renderer, target, view, instances), 0.1);  // and an instance
@@ -250,6 +263,16 @@ TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
       instance.previous_pose = nullptr, instance.previous_to_world = nullptr;
     EXPECT_GT(check(*renderer, target, view, instances), 0.05);  // the camera alone
   }
+}
+
+TEST_P(GbufferTest, AttachmentsAndMotionAgreeWithTheCpu) {
+  const LoadedAsset loaded(twoParts(Bend::kShear));
+  expectAgreement(*loaded.asset);
+}
+
+TEST_P(GbufferTest, AttachmentsAndMotionOfSweptPartsAgreeWithTheCpu) {
+  const LoadedAsset loaded(twoParts(Bend::kSweep));
+  expectAgreement(*loaded.asset);
 }
 
 KELP_GL_TESTS(GbufferTest);

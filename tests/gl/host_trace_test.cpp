@@ -8,6 +8,7 @@
 
 #include "depth_canvas.h"
 #include "support/voxel_points.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -40,7 +41,7 @@ class HostTraceTest : public GlTest {
     if (IsSkipped()) return;
     glGenVertexArrays(1, &vertices_);
     instances_[0] = {loaded_.asset.get(), &pose_};
-    instances_[1] = {loaded_.asset.get(), nullptr};
+    instances_[1] = {swept_.asset.get(), nullptr};
     instances_[1].to_world =
         glm::scale(glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.7f, 0.1f, -0.6f)), 0.8f,
                                glm::vec3(0.2f, 1, 0.3f)),
@@ -50,6 +51,13 @@ class HostTraceTest : public GlTest {
     instances_[2].to_world = glm::translate(glm::mat4(1), glm::vec3(-1.1f, 0, 0.3f));
     const std::vector<Knot> knots = figureKnots(kFigure6[1]);
     (void)pose_.setKnots(0, knots);
+  }
+
+  std::unique_ptr<gl::Renderer> makeBoth(const gl::Config& config = {}) {
+    auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
+    EXPECT_TRUE(renderer->add(*swept_.asset));
+    EXPECT_TRUE(renderer->upload(~std::uint64_t{0}));
+    return renderer;
   }
 
   std::optional<runtime::Hit> nearest(const runtime::Ray& ray, int* which = nullptr) const {
@@ -64,6 +72,7 @@ class HostTraceTest : public GlTest {
   }
 
   const LoadedAsset loaded_{packOf(ballClump({60, 80, 50}, 20, 2))};
+  const LoadedAsset swept_{sweptPackOf(ballClump({60, 80, 50}, 20, 2), 5)};  // an S
   runtime::Pose pose_ = *runtime::Pose::create(*loaded_.asset);
   Instance instances_[3];
   GLuint vertices_ = 0;
@@ -74,7 +83,7 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
   const Canvas canvas({160, 120});
   gl::Config config;
   config.secondary_rays = true;
-  const auto renderer = makeRenderer(*loaded_.asset, nullptr, config);
+  const auto renderer = makeBoth(config);
   const GLuint program =
       makeTracer(GetParam(), *renderer, kScreen,
                  "uniform mat4 to_world; uniform vec2 size;\n"
@@ -119,7 +128,7 @@ TEST_P(HostTraceTest, PrimaryRaysGiveThePictureThatIsDrawn) {
 
 // Rays from anywhere to anywhere: distance, place, normal, voxel, instance; and kelpBlocked.
 TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
-  const auto renderer = makeRenderer(*loaded_.asset);
+  const auto renderer = makeBoth();
   constexpr int kSide = 96;
   const GLuint program =
       makeTracer(GetParam(), *renderer, kScreen,
@@ -218,7 +227,7 @@ TEST_P(HostTraceTest, RandomRaysAgreeWithTheCpu) {
 // In a vertex shader: a triangle that stands where its ray ends.
 TEST_P(HostTraceTest, VertexShadersTraceToo) {
   const Canvas canvas({64, 64});
-  const auto renderer = makeRenderer(*loaded_.asset);
+  const auto renderer = makeBoth();
   const GLuint program = makeTracer(
       GetParam(), *renderer,
       "uniform vec3 origin; uniform vec3 direction; flat out vec4 found;\n"
@@ -250,7 +259,7 @@ TEST_P(HostTraceTest, VertexShadersTraceToo) {
 
 TEST_P(HostTraceTest, RefusesMisuseAndKeepsTheState) {
   const Canvas canvas({64, 64});
-  const auto renderer = makeRenderer(*loaded_.asset);
+  const auto renderer = makeBoth();
   const GLuint program = makeTracer(GetParam(), *renderer, kScreen,
                                     "layout(location = 0) out vec4 color;\nvoid main() { color = "
                                     "vec4(kelpBlocked(vec3(0.0), vec3(1.0), 1.0)); }\n");

@@ -12,6 +12,7 @@
 #include "depth_copy.h"
 #include "support/edit_knots.h"
 #include "support/fake_gl.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -376,7 +377,9 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     fake.version = version;
     fake.depth_bits = 24;
     FakeGl::current() = &fake;
-    const LoadedAsset one(packOf(ballClump({24, 32, 20}, 14, 3)));
+    RawPack pack = packOf(ballClump({24, 32, 20}, 14, 3));
+    pack.parts[0].bend = Bend::kSweep;
+    const LoadedAsset one(pack);
     const LoadedAsset two(packOfTwoParts());
     gl::Config config;
     config.getProcAddress = FakeGl::getProcAddress;
@@ -387,7 +390,7 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
     ASSERT_TRUE((*renderer)->upload(~std::uint64_t{0}));
     std::vector<Pose> poses;
     std::vector<Instance> instances;
-    constexpr std::size_t kCount = 600;
+    constexpr std::size_t kCount = 4000;  // of which 2,000 are swept
     for (std::size_t i = 0; i < kCount; ++i) poses.push_back(*Pose::create(i % 2 ? *one.asset : *two.asset));
     for (std::size_t i = 0; i < kCount; ++i) {
       instances.push_back({i % 2 ? one.asset.get() : two.asset.get(), &poses[i]});
@@ -409,18 +412,46 @@ TEST(InstancingMemoryTest, NothingIsAllocatedOrMadeAnewAfterWarmUp) {
       EXPECT_TRUE(colour && (*renderer)->draw(view, some, gl::Pass::kDepth) && (*renderer)->upload(100'000));
       return colour ? colour->draws : 0;
     };
-    // Two whole swings of the sine: the largest spans with and without motion are among them.
-    for (int n = 0; n < 260; ++n) frame(n);
+    // Spans and views come again after 628 frames, so the largest are among them.
+    for (int n = 0; n < 640; ++n) frame(n);
     const long news = newCalls(), made = fake.names_made, stored = fake.storage_made;
     std::uint32_t most = 0;
-    for (int n = 260; n < 700; ++n) most = std::max(most, frame(n));
-    EXPECT_EQ(most, 12u);
+    for (int n = 640; n < 1300; ++n) most = std::max(most, frame(n));
+    EXPECT_EQ(most, 24u);  // twelve batches of sheared parts, and of swept ones
     EXPECT_EQ(newCalls(), news) << version;
     EXPECT_EQ(fake.names_made, made) << version;
     EXPECT_EQ(fake.storage_made, stored) << version;
     EXPECT_GT(stored, 0);
     EXPECT_GT(made, 0);
   }
+}
+
+// As many are drawn from far away, as records of fewer arcs; and none is left out.
+TEST(InstancingMemoryTest, SweptPartsFartherAwayTakeFewerArcs) {
+  FakeGl fake;
+  FakeGl::current() = &fake;
+  const fields::Occupancy column = ballClump({24, 90, 20}, 14, 3);
+  const LoadedAsset loaded(sweptPackOf(column, 5));  // an S
+  gl::Config config;
+  config.getProcAddress = FakeGl::getProcAddress;
+  const auto renderer = gl::Renderer::create(config);
+  ASSERT_TRUE(renderer && (*renderer)->add(*loaded.asset) && (*renderer)->upload(~std::uint64_t{0}));
+  const std::vector<Instance> instances(2000, Instance{loaded.asset.get()});
+  const auto texelsFrom = [&](float distance, float pixels_per_voxel) {
+    gl::View view = lookAt(glm::ivec2(1280, 720), {0, 0.5f, distance}, {0, 0.5f, 0}, 0.01f, 1e4f);
+    view.quality.pixels_per_voxel = pixels_per_voxel;
+    view.quality.smallest_pixels = 0;
+    fake.texels_uploaded = 0;
+    const auto drawn = (*renderer)->draw(view, instances);
+    EXPECT_TRUE(drawn && drawn->instances == 2000 && drawn->left_out == 0);
+    return static_cast<double>(fake.texels_uploaded) / 2000;
+  };
+  const double near = texelsFrom(1.5f, 1), away = texelsFrom(60, 1), very_far = texelsFrom(2000, 1);
+  EXPECT_LT(away, 0.7 * near);
+  EXPECT_LE(very_far, away);
+  EXPECT_GT(very_far, 13 + 6 * 3);
+  // Where the finest voxels are asked for, the arcs are as fine.
+  EXPECT_EQ(texelsFrom(2000, 0), near);
 }
 
 }  // namespace

@@ -34,12 +34,13 @@ class LeftOutTest : public GlTest {
     pack.parts[1].to_object[3] += glm::vec3(0.8f, 0, 0);
     return pack;
   }
+  // Of any mixture of good and bad ones, with an asset of two parts of 32 and 20 voxels' height.
+  void expectTheOthers(const LoadedAsset& loaded);
 };
 
 // Any number of bad ones among many, at any place of the blocks that are computed together.
-TEST_P(LeftOutTest, TheOthersAreDrawnAsIfItWereNotThere) {
+void LeftOutTest::expectTheOthers(const LoadedAsset& loaded) {
   const Canvas canvas({96, 64});
-  const LoadedAsset loaded(twoParts());
   const auto renderer = makeRenderer(*loaded.asset, nullptr, logged());
   const gl::View view = lookAt(canvas, {4, 5, 14}, {4, 1, 0});
   std::mt19937 random(4);
@@ -65,7 +66,7 @@ TEST_P(LeftOutTest, TheOthersAreDrawnAsIfItWereNotThere) {
       if (is_bad[i]) {
         first = std::min(first, i);
         switch (i % 4) {
-          case 0:  // turns back
+          case 0:  // turns back; swept, folds
             ASSERT_TRUE(poses[i].move(1, 1, {0, -2, 0}));
             break;
           case 1:
@@ -95,6 +96,16 @@ TEST_P(LeftOutTest, TheOthersAreDrawnAsIfItWereNotThere) {
   }
   ASSERT_EQ(said.size(), 1u) << "it is told once";
   EXPECT_NE(said[0].find("is left out: "), std::string::npos) << said[0];
+}
+
+TEST_P(LeftOutTest, TheOthersAreDrawnAsIfItWereNotThere) { expectTheOthers(LoadedAsset(twoParts())); }
+
+TEST_P(LeftOutTest, TheOthersAreDrawnIfItsPartsAreSwept) {
+  RawPack pack = twoParts();
+  for (RawPart& part : pack.parts) part.bend = Bend::kSweep;
+  expectTheOthers(LoadedAsset(pack));
+  pack.parts[0].bend = Bend::kShear;
+  expectTheOthers(LoadedAsset(pack));
 }
 
 // Parts of solid and of fog are drawn in passes of their own; the whole instance is left out of both.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "canvas.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -101,6 +102,59 @@ TEST_P(LevelTest, EveryPixelsLevelAgreesWithTheCpu) {
   gl::View negative = lookAt(canvas, {1.1f, 1.2f, 1.8f}, {0, 0.5f, 0});
   negative.quality.finest_level = -1;
   EXPECT_EQ(gl::levelAt(negative, instance_, 0, {0, 0}), -1);
+}
+
+// The arcs of coarser levels are coarser, by half a voxel as drawn, which here is at most two pixels. So what
+// a pixel shows is, or lies beside, what the CPU's finest arcs show within that distance.
+TEST_P(LevelTest, CoarserArcsMoveNothingFar) {
+  const Canvas canvas({160, 120});
+  for (const std::size_t named : {3u, 5u, 6u, 7u}) {
+    const LoadedAsset swept(sweptPackOf(ballClump({36, 128, 32}, 30, 3), named));
+    const Instance instance{swept.asset.get()};
+    const auto renderer = makeRenderer(*swept.asset, kVoxelSurface);
+    const Box box = bounds(instance);
+    const glm::vec3 centre = 0.5f * (box.min + box.max);
+    for (const float pixels_per_voxel : {2.0f, 4.0f}) {
+      gl::View view = lookAt(
+          canvas, centre + 1.5f * glm::distance(box.min, box.max) * glm::vec3(0.5f, 0.3f, 0.8f), centre);
+      view.quality.pixels_per_voxel = pixels_per_voxel;
+      canvas.clear();
+      ASSERT_TRUE(renderer->draw(view, {&instance, 1}));
+      const std::vector<Pixel> pixels = canvas.pixels();
+      constexpr int kWide = 160, kHigh = 120, kNear = 3;
+      std::vector<std::optional<glm::ivec3>> truth(kWide * kHigh);
+      int hits = 0, least = kMaxLevels, different = 0, wrong = 0;
+      for (int i = 0; i < kWide * kHigh; ++i) {
+        const int level = gl::levelAt(view, instance, 0, {i % kWide, i / kWide});
+        const auto hit = raycast(instance, pixelRay(view, i % kWide, i / kWide), level);
+        least = std::min(least, level);
+        if (hit) truth[static_cast<std::size_t>(i)] = hit->voxel << hit->level;
+        hits += hit.has_value();
+      }
+      for (int i = 0; i < kWide * kHigh; ++i) {
+        const Pixel& pixel = pixels[static_cast<std::size_t>(i)];
+        const int level = 255 - pixel[3];
+        bool found = false;
+        for (int y = std::max(i / kWide - kNear, 0); y <= std::min(i / kWide + kNear, kHigh - 1); ++y) {
+          for (int x = std::max(i % kWide - kNear, 0); x <= std::min(i % kWide + kNear, kWide - 1); ++x) {
+            const auto& there = truth[static_cast<std::size_t>(kWide * y + x)];
+            if (there.has_value() != (pixel[3] != 0)) continue;
+            if (!there) found = true;
+            if (!there || found) continue;
+            const glm::ivec3 apart = glm::abs(glm::ivec3(pixel[0], pixel[1], pixel[2]) - (*there >> level));
+            found = std::max({apart.x, apart.y, apart.z}) <= 1;
+          }
+        }
+        wrong += !found;
+        const auto& here = truth[static_cast<std::size_t>(i)];
+        different += here.has_value() != (pixel[3] != 0);
+      }
+      EXPECT_GT(hits, 500);
+      EXPECT_GE(least, 1);
+      EXPECT_LE(wrong, hits / 200) << named << " " << pixels_per_voxel;
+      EXPECT_LE(different, hits / 10) << named << " " << pixels_per_voxel;
+    }
+  }
 }
 
 TEST_P(LevelTest, InstancesOutOfSightAreCulled) {

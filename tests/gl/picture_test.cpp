@@ -5,9 +5,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
-#include "reference/sweep_trials.h"
 #include "support/voxel_knots.h"
 #include "support/voxel_points.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -139,13 +139,6 @@ TEST_P(PictureTest, AgreesInOrthographicViews) {
   expectAgreement(compare(*renderer, canvas, above, {&instance, 1}), "along the spline");
 }
 
-RawPack sweptPackOf(const fields::Occupancy& volume, const reference::SweepRig& rig) {
-  RawPack pack = packOf(volume, rig.knots);
-  pack.parts[0].bend = Bend::kSweep;
-  pack.parts[0].roll = rig.roll;
-  return pack;
-}
-
 TEST_P(PictureTest, AgreesWithTheCpuInEverySweptPose) {
   const Canvas canvas({160, 120});
   const fields::Occupancy column = ballClump({36, 128, 32}, 12, 3);
@@ -175,7 +168,7 @@ TEST_P(PictureTest, AgreesWithTheCpuInEverySweptPose) {
 TEST_P(PictureTest, ShearedAndSweptInstancesInOneCall) {
   const Canvas canvas({160, 120});
   const fields::Occupancy column = ballClump({36, 128, 32}, 12, 3);
-  const LoadedAsset swept(sweptPackOf(column, reference::namedSweeps(column.size)[5]));
+  const LoadedAsset swept(sweptPackOf(column, 5));
   const auto renderer = makeRenderer(*loaded_.asset, kVoxelSurface);
   ASSERT_TRUE(renderer->add(*swept.asset));
   ASSERT_TRUE(renderer->upload(~std::uint64_t{0}));

@@ -9,6 +9,7 @@
 
 #include "depth_canvas.h"
 #include "support/voxel_points.h"
+#include "swept_pack.h"
 
 namespace kelp::test {
 namespace {
@@ -25,7 +26,7 @@ struct Picture {
 };
 
 struct Scene {
-  const char* name;
+  std::string name;
   std::vector<Instance> instances;
   gl::View view;
   double voxel;  // metres, of the largest instance
@@ -82,9 +83,24 @@ class Scenes {
     gl::View coarse = lookAt(kPixels, {0.8f, 0.9f, 1.8f}, {0, 0.5f, 0});
     coarse.quality.finest_level = 2;
     scenes_.push_back({"level 2", {Instance{asset(), &poses_[3]}}, coarse, 4 * voxel()});
+    for (const reference::SweepRig& rig : reference::namedSweeps(volume_.size)) {
+      swept_.push_back(std::make_unique<LoadedAsset>(sweptPackOf(volume_, rig)));
+      const Instance swept{swept_.back()->asset.get()};
+      const Box box = bounds(swept);
+      const glm::vec3 middle = 0.5f * (box.min + box.max), away = glm::vec3(0.5f, 0.3f, 0.8f);
+      scenes_.push_back({"swept, " + rig.name,
+                         {swept},
+                         lookAt(kPixels, middle + 0.6f * glm::distance(box.min, box.max) * away, middle),
+                         voxel()});
+    }
   }
   const std::vector<Scene>& all() const { return scenes_; }
   const runtime::Asset* asset() const { return loaded_.asset.get(); }
+  void addTo(gl::Renderer& renderer) const {
+    EXPECT_TRUE(renderer.add(*asset()));
+    for (const auto& swept : swept_) EXPECT_TRUE(renderer.add(*swept->asset));
+    EXPECT_TRUE(renderer.upload(~std::uint64_t{0}));
+  }
 
  private:
   double voxel() const { return 1.0 / volume_.size.y; }
@@ -92,6 +108,7 @@ class Scenes {
   const fields::Occupancy volume_ = ballClump({60, 80, 50}, 20, 2);
   const LoadedAsset loaded_{packOf(volume_)};
   std::array<runtime::Pose, 7> poses_{pose(), pose(), pose(), pose(), pose(), pose(), pose()};
+  std::vector<std::unique_ptr<LoadedAsset>> swept_;
   std::vector<Scene> scenes_;
   runtime::Pose pose() const { return *runtime::Pose::create(*loaded_.asset); }
 };
@@ -112,10 +129,7 @@ class TwoApisTest : public testing::Test {
         "vec4 kelpSurface(KelpSurface s) { return vec4(kelpRecord(kelp_record + 11).rgb, 1.0); }\n";
     const auto named = gl::Renderer::create(config);
     std::vector<Picture> pictures;
-    for (const auto* renderer : {&shaded, &named}) {
-      EXPECT_TRUE((**renderer)->add(*scenes.asset()));
-      EXPECT_TRUE((**renderer)->upload(~std::uint64_t{0}));
-    }
+    for (const auto* renderer : {&shaded, &named}) scenes.addTo(***renderer);
     for (const Scene& scene : scenes.all()) {
       Picture picture;
       canvas.clear();

@@ -6,6 +6,8 @@
 // distance that is found is to a point of the solid.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "bent_truth.h"
 #include "kelp/formats/sweep.h"
 #include "reference/sweep_truth.h"

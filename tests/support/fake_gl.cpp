@@ -77,6 +77,7 @@ void KELP_GL_CALL texImage2d(Enum target, std::int32_t level, std::int32_t inter
 void KELP_GL_CALL texSubImage3d(Enum target, std::int32_t, std::int32_t x, std::int32_t y, std::int32_t layer,
                                 std::int32_t width, std::int32_t height, std::int32_t layers, Enum format,
                                 Enum, const void* texels) {
+  FakeGl::current()->texels_uploaded += long{width} * height * layers;
   if (!FakeGl::current()->keeps_texels) return;
   FakeGl::Texture& texture = boundTo(target);
   const auto isWithin = [](int first, int count, int size) {

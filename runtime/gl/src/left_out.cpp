@@ -1,36 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The draw list's instances that cannot be drawn: the others are.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
-#include <glm/geometric.hpp>
-
 #include "draw_list.h"
+#include "drawn_arcs.h"
 #include "grow.h"
 #include "record_spline.h"
 
 namespace kelp::gl {
-namespace {
-
-// How far the arcs of a part that is drawn at that level may be from its spline, in its heights: at coarser
-// levels half a voxel as drawn. The level may be any number.
-float arcTolerance(float level, float height) {
-  if (!(level >= 1)) return kArcTolerance;
-  return std::max(std::ldexp(0.5f, static_cast<int>(std::min(level, 16.0f))) / height, kArcTolerance);
-}
-
-// About where a swept part is.
-Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size) {
-  const glm::vec3 extent(size), half(0.5f * extent.x, 0, 0.5f * extent.z);
-  Box box{knots[0].position, knots[0].position};
-  for (const Knot& knot : knots) box = {glm::min(box.min, knot.position), glm::max(box.max, knot.position)};
-  const float corner = glm::length(half);
-  return {half + extent.y * box.min - corner, half + extent.y * box.max + corner};
-}
-
-}  // namespace
-
 const Error* DrawList::leaveOut(ResidentAsset& asset, std::uint32_t instance, const char* why) {
   const auto end = left_out_.begin() + left_out_count_;
   const auto place = std::lower_bound(left_out_.begin(), end, instance);
@@ -107,12 +85,8 @@ const Error* DrawList::listArcs(std::size_t eight, std::size_t k, float level) {
   PosedParts& posed = posed_[eight];
   Candidate& candidate = block_[8 * eight + k];
   const Part& part = candidate.asset->packed[candidate.part];
-  candidate.tolerance = arcTolerance(level, static_cast<float>(part.size.y));
-  Result<void> made = makeArcs(posed.knots[k], part.size, candidate.roll, candidate.tolerance, chain_);
-  if (!made && candidate.tolerance > kArcTolerance) {  // the coarse arcs fold where the fine ones may not
-    candidate.tolerance = kArcTolerance;
-    made = makeArcs(posed.knots[k], part.size, candidate.roll, candidate.tolerance, chain_);
-  }
+  Result<void> made =
+      makeDrawnArcs(posed.knots[k], part.size, candidate.roll, level, chain_, candidate.tolerance);
   if (!made) {
     candidate.sound = false;
     if (const Error* const error = leaveOut(*candidate.asset, candidate.index, made.error().detail))

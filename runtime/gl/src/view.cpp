@@ -5,7 +5,9 @@
 #include <glm/geometric.hpp>
 
 #include "detail.h"
+#include "drawn_arcs.h"
 #include "placing.h"
+#include "record_spline.h"
 
 namespace kelp::gl {
 namespace {
@@ -58,8 +60,24 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
     parts.knots[i] = knots, parts.to_world[i] = &to_world, parts.to_object[i] = &kSame,
     parts.extents[i] = &extent;
   PlacedParts placed;
-  if (!boundParts(parts, placed)) return -1;
-  placeParts(*projection, parts, placed);
+  if (of.bend == Bend::kSweep) {
+    // As the draw list bounds it.
+    const auto boundAll = [&](const Box& box) {
+      for (std::size_t i = 0; i < 8; ++i) setBounds(box, parts, i, placed);
+      placeParts(*projection, parts, placed);
+    };
+    boundAll(boxOfKnots(knots, of.size));
+    JudgedParts judged;
+    judgeParts(*projection, view, Rays::kView, placed, judged);
+    ArcChain chain;
+    float tolerance;
+    const float roll = rollOf(of, instance.pose, part);
+    if (!makeDrawnArcs(knots, of.size, roll, judged.level.of[0], chain, tolerance)) return -1;
+    boundAll(chain.bounds);
+  } else {
+    if (!boundParts(parts, placed)) return -1;
+    placeParts(*projection, parts, placed);
+  }
   if (!placed.invertible) return -1;
   const Detail detail = detailAt(view, placed.pixels.of[0], of.levels);
   return detail.level + (drawsCoarser(detail, pixel) ? 1 : 0);

@@ -16,6 +16,7 @@ struct FakeGl {
   int depth_bits = 0;          // of the framebuffer that is bound; 0: it has no depth
   long names_made = 0;         // by all glGen*
   long storage_made = 0;       // calls of glTexImage2D and glTexImage3D
+  long texels_uploaded = 0;    // by glTexSubImage2D and glTexSubImage3D
 
   // If set before a renderer is created, textures of 32-bit words hold what is uploaded, and an upload beyond
   // its texture ends the program.

@@ -178,9 +178,9 @@ enum class Pass : std::uint8_t {
 struct Stats {
   std::uint32_t instances = 0;  // parts of instances that were drawn
   std::uint32_t culled = 0;
-  // Instances that were left out because they cannot be drawn: a pose that is not monotone or not finite, a
-  // motion of a part that is not finite, or a to_world that is not an invertible affine matrix. The others
-  // are drawn.
+  // Instances that were left out because they cannot be drawn: a pose that turns back (swept: that folds)
+  // or is not finite, a motion of a part that is not finite, or a to_world that is not an invertible affine
+  // matrix. The others are drawn.
   std::uint32_t left_out = 0;
   // Why the first of them was; `offset` is its index in the list that was given.
   Error first_left_out;
@@ -261,8 +261,9 @@ class Renderer {
 std::uint64_t poolBytes(const runtime::Asset& asset, bool distances = false);
 
 // The level of a part of the instance that draw() wants at a pixel of the framebuffer, for a runtime::raycast
-// that meets what is seen. (draw() draws a coarser level until that one is uploaded.) -1: a view, an instance
-// or a part that cannot be drawn.
+// that meets what is seen. (draw() draws a coarser level until that one is uploaded. It bends swept parts by
+// fewer arcs at coarser levels, which moves them by at most half a voxel of that level.) -1: a view, an
+// instance or a part that cannot be drawn.
 int levelAt(const View& view, const runtime::Instance& instance, int part, const glm::ivec2& pixel);
 
 }  // namespace kelp::gl
