@@ -19,6 +19,7 @@ import struct
 import sys
 import zlib
 
+from arcs import Folds, Sweep
 from xxh3 import xxh3_64
 
 
@@ -244,6 +245,11 @@ class Pack:
                 need(b[0] > a[0], "knots do not ascend")
                 if bend == 0:
                     self.check_monotone(a, b)
+            if bend == 1:
+                try:
+                    Sweep(knots, part["size"], roll)
+                except Folds as why:
+                    raise Refused(str(why)) from why
         table.end()
 
     @staticmethod
