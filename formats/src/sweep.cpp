@@ -32,8 +32,8 @@ struct Reach {
   dvec3 inward() const { return (2 / chord2) * side; }
 };
 
-// How far a point is from the arc, in its plane and across.
-double offArc(const Place& from, const Reach& arc, const dvec3& point) {
+// How far a point is from the circle of an arc, in its plane and across.
+double offCircle(const Place& from, const Reach& arc, const dvec3& point) {
   const dvec3 e = point - from.at, k = arc.inward();
   const double curvature = std::sqrt(dot(k, k)), l = dot(e, from.along);
   const dvec3 off = e - l * from.along;
@@ -58,6 +58,11 @@ struct Span {
   }
 };
 
+// An arc's direction at its end: its chord halves the turn.
+dvec3 endAlong(const Place& from, const Reach& arc) {
+  return (2 * arc.ahead / arc.chord2) * arc.chord - from.along;
+}
+
 // Two arcs from one place and direction to another, with equal lengths of the tangents on both sides.
 struct Biarc {
   bool good = false;
@@ -71,11 +76,6 @@ struct Biarc {
     good = ahead > 0 && v2 > 0 && std::isfinite(d);
   }
 };
-
-// An arc's direction at its end: its chord halves the turn.
-dvec3 endAlong(const Place& from, const Reach& arc) {
-  return (2 * arc.ahead / arc.chord2) * arc.chord - from.along;
-}
 
 class ChainMaker {
  public:
@@ -103,7 +103,7 @@ class ChainMaker {
       const int first = chain_.count;
       length_ = 0;
       if (const char* wrong = addSpan(span, tolerance, most))
-        return Error{wrong == kFolding ? ErrorCode::kFolds : ErrorCode::kMisuse, wrong,
+        return Error{wrong == kTooMany ? ErrorCode::kMisuse : ErrorCode::kFolds, wrong,
                      static_cast<std::uint64_t>(i), Error::Unit::kKnot};
       const double rise = share / length_;
       double from = 0;
@@ -123,7 +123,11 @@ class ChainMaker {
 
  private:
   static constexpr const char* kFolding =
-      "the spline bends too sharply for the part's thickness after a knot";
+      "the spline bends too sharply for the part's thickness between this knot and the next";
+  static constexpr const char* kTooMany = "the spline winds too often: a part has at most 256 arcs";
+  static constexpr const char* kTurning =
+      "the spline turns back on itself between this knot and the next: a tangent points away from where it "
+      "goes";
 
   dvec3 place(const Knot& knot) const {
     return dvec3(half_x_, 0, half_z_) + double(size_.y) * dvec3(knot.position);
@@ -151,10 +155,8 @@ class ChainMaker {
 
   // Null, or what is wrong.
   const char* addSpan(const Span& span, double tolerance, int most) {
-    const double m0 = dot(span.m0, span.m0), m1 = dot(span.m1, span.m1);
-    if (!(m0 > 0) || !(m1 > 0)) return "the tangent of this knot or the next is zero";
-    if (span.p0 == span.p1) return "this knot and the next are on one point";
-    const dvec3 end_along = span.m1 / std::sqrt(m1), miss = endAlong(at_, Reach(at_, span.p1)) - end_along;
+    const dvec3 end_along = span.m1 / std::sqrt(dot(span.m1, span.m1)),
+                miss = endAlong(at_, Reach(at_, span.p1)) - end_along;
     const int wanted = piecesOf(span, end_along, tolerance), pieces = std::min(wanted, most);
     if (dot(miss, miss) < 1e-18 && wanted == 1) return addArc(span.p1);  // as of a straight spline
     dvec3 p0 = span.p0, t0 = at_.along;
@@ -163,7 +165,7 @@ class ChainMaker {
       const dvec3 p1 = i == pieces ? span.p1 : span.at(t), slope = i == pieces ? span.m1 : span.slope(t);
       const dvec3 t1 = slope / std::sqrt(dot(slope, slope));
       const Biarc biarc(p0, t0, p1, t1);
-      if (!biarc.good) return kFolding;
+      if (!biarc.good) return kTurning;
       if (const char* wrong = addArc(biarc.joint)) return wrong;
       if (const char* wrong = addArc(p1)) return wrong;
       at_.along = t1;  // but for rounding, it is
@@ -174,26 +176,29 @@ class ChainMaker {
   }
 
   // Into how many pieces a span is cut, each two arcs: the error of a cubic falls with the third power of
-  // their number. It is taken from one piece: from the jump of the curvature within it, and in the middle.
+  // their number. It is taken from one piece: from the jump of the curvature within it, and at three places.
   int piecesOf(const Span& span, const dvec3& end_along, double tolerance) const {
     const Biarc whole(span.p0, at_.along, span.p1, end_along);
-    if (!whole.good) return 16;
+    if (!whole.good || !(dot(span.slope(0.5), span.p1 - span.p0) > 0)) return 16;
     const Reach first(at_, whole.joint);
     const Place joint{whole.joint, endAlong(at_, first), {}};
     const Reach second(joint, span.p1);
     const dvec3 jump = glm::cross(joint.along, second.inward()) - glm::cross(at_.along, first.inward());
     const double length = std::sqrt(first.chord2) + std::sqrt(second.chord2);
-    const dvec3 middle = span.at(0.5);
-    const bool beyond = dot(middle - joint.at, joint.along) > 0;
-    const double off = beyond ? offArc(joint, second, middle) : offArc(at_, first, middle);
-    const double error = std::max(std::sqrt(dot(jump, jump)) * length * length / 48, off);
+    double error = std::sqrt(dot(jump, jump)) * length * length / 48;
+    for (const double t : {0.25, 0.5, 0.75}) {
+      const dvec3 point = span.at(t);
+      const bool beyond = dot(point - joint.at, joint.along) > 0;
+      error = std::max(error, beyond ? offCircle(joint, second, point) : offCircle(at_, first, point));
+    }
     int pieces = 1;
     for (double allowed = tolerance; pieces < 16 && !(error <= allowed); allowed *= 8) pieces *= 2;
     return pieces;
   }
 
-  // Adds the arc to a point; cut in halves until each turns by at most 60 degrees. Null, or what is wrong.
-  const char* addArc(const dvec3& to) {
+  // Adds the arc to a point; cut in halves until each turns by at most 60 degrees, which three cuts of a
+  // whole turn do. Null, or what is wrong.
+  const char* addArc(const dvec3& to, int cuts = 3) {
     const Reach arc(at_, to);
     if (!(arc.chord2 > 0) || !std::isfinite(arc.chord2)) return kFolding;
     const double chord = std::sqrt(arc.chord2), side = std::sqrt(arc.side2), per_chord = 1 / chord;
@@ -209,11 +214,11 @@ class ChainMaker {
     const dvec3 inward = (1 / std::sqrt(dot(rest, rest))) * rest;
     const dvec3 middle = at_.at + 0.5 * arc.chord - (straight ? 0.0 : 0.5 * chord * tan4) * inward;
     if (!straight && !(cosine > 0 && sine <= 0.5 * (1 + 1e-9))) {
-      if (!(arc.chord2 > 1e-18 * size_.y * size_.y)) return kFolding;
-      if (const char* wrong = addArc(middle)) return wrong;
-      return addArc(to);
+      if (cuts == 0) return kFolding;
+      if (const char* wrong = addArc(middle, cuts - 1)) return wrong;
+      return addArc(to, cuts - 1);
     }
-    if (chain_.count == kMaxArcs) return "the spline winds too often: a part has at most 256 arcs";
+    if (chain_.count == kMaxArcs) return kTooMany;
 
     double c = dot(out, at_.x), s = dot(out, glm::cross(at_.x, at_.along));
     const double norm = 1 / std::sqrt(c * c + s * s);
@@ -315,6 +320,10 @@ Result<void> makeArcs(std::span<const Knot> knots, const glm::ivec3& size, float
     const glm::vec3 most = glm::max(glm::abs(knots[i].position), glm::abs(knots[i].tangent));
     if (!(std::max({most.x, most.y, most.z}) < 1e9f))
       return Error{ErrorCode::kMisuse, "a knot is too far away for 32-bit floats", i, Error::Unit::kKnot};
+    if (i > 0 && knots[i].position == knots[i - 1].position)
+      return Error{ErrorCode::kMisuse, "this knot and the next are on one point", i - 1, Error::Unit::kKnot};
+  }
+  for (std::size_t i = 0; i < knots.size(); ++i) {
     if (knots[i].tangent == glm::vec3(0))
       return Error{ErrorCode::kMisuse, "the tangent of a knot is zero", i, Error::Unit::kKnot};
   }
@@ -347,14 +356,15 @@ glm::vec3 sweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::v
 }
 
 bool unsweepPoint(const ArcChain& chain, const glm::ivec3& size, const glm::vec3& point, glm::vec3& rest) {
-  constexpr float kRounding = 1e-3f;
+  // Far from the origin, the planes are as coarse as floats there.
+  const float rounding = 1e-3f + 1e-6f * glm::length(point);
   double nearest = INFINITY;
   for (int i = 0; i < chain.count; ++i) {
     const auto beyond = [&](int joint) {
       const glm::vec4& plane = chain.joints[joint].plane;
       return dot(glm::vec3(plane), point) + plane.w;
     };
-    if (!(beyond(i) >= -kRounding && beyond(i + 1) <= kRounding)) continue;
+    if (!(beyond(i) >= -rounding && beyond(i + 1) <= rounding)) continue;
     const Arc& arc = chain.arcs[i];
     const dvec3 e = dvec3(point) - dvec3(arc.middle), n(arc.inward), t(arc.along);
     const double p = dot(e, n), l = dot(e, t), v = dot(e, glm::cross(n, t)), k = arc.curvature;

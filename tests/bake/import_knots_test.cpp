@@ -122,6 +122,59 @@ TEST(ImportKnots, AFishAlongXNeedsNoTurnedEmpties) {
   EXPECT_TRUE(anyContains(model.notices, "+Y axis does not point along"));
 }
 
+// Half a turn: knot.1 points to the side, knot.2 hangs down beside the root.
+constexpr char kHook[] =
+    R"({"name":"knot.0"},{"name":"knot.1","translation":[0.6,0.6,0],"rotation":[0,0,-0.70710678,0.70710678]},
+       {"name":"knot.2","translation":[1.2,0,0],"rotation":[0,0,1,0]})";
+
+TEST(ImportKnots, OfASweptPartTheyMayTurnBack) {
+  Reed reed;
+  reed.knots = kHook;
+  reed.animations = "[]";
+  const auto check = [&](const SourceModel& model, float roll) {
+    const RigDescription& rig = model.parts.at(0).rig;
+    EXPECT_EQ(rig.bend, Bend::kSweep);
+    EXPECT_EQ(rig.roll, roll);
+    ASSERT_EQ(rig.knots.size(), 3u);
+    EXPECT_NEAR(rig.knots[1].at, 0.5f, 1e-6);
+    expectNear(rig.knots[1].offset, {0.3f, -0.2f, 0});
+    expectNear(rig.knots[1].tangent.value(), {1, 0, 0});
+    EXPECT_EQ(rig.knots[2].at, 1);
+    expectNear(rig.knots[2].offset, {0.6f, -1, 0});
+    expectNear(rig.knots[2].tangent.value(), {0, -1, 0});
+    EXPECT_FALSE(rig.knots[0].tangent);
+    // 2 x 0.6 sqrt(2) of a reed of length 2
+    EXPECT_TRUE(anyContains(model.notices, "are 85 % of the mesh's length"));
+  };
+  Settings swept;
+  swept.bend = Bend::kSweep;
+  check(reed.import(swept), 0);
+  reed.reed += R"(,"extras":{"kelp":{"kelp":1,"bend":"sweep","roll":30}})";
+  check(reed.import(), rollOfDegrees(30));
+  EXPECT_EQ(reed.import().parts.at(0).rig_origin,
+            "3 knot empties of node 'Reed', which bend as extras.kelp of node 'Reed' says");
+}
+
+// Arrows that point aside mean nothing to a sheared part, nor to a swept one whose first was never turned.
+TEST(ImportKnots, EmptiesThatWereNeverTurnedAreStraight) {
+  Reed reed;
+  reed.animations = "[]";
+  const std::string aside = R"(,"rotation":[0,0,-0.70710678,0.70710678]})";
+  reed.knots =
+      R"({"name":"knot.0"},{"name":"knot.1","translation":[0,1,0]},{"name":"knot.2","translation":[0,2,0])" +
+      aside;
+  EXPECT_FALSE(reed.import().parts.at(0).rig.knots.at(2).tangent);
+  Settings swept;
+  swept.bend = Bend::kSweep;
+  EXPECT_TRUE(reed.import(swept).parts.at(0).rig.knots.at(2).tangent);
+  reed.knots = R"({"name":"knot.0")" + aside + R"(,{"name":"knot.1","translation":[0,1,0])" + aside +
+               R"(,{"name":"knot.2","translation":[0,2,0])" + aside;
+  for (const RigDescription::Knot& knot : reed.import(swept).parts.at(0).rig.knots) {
+    EXPECT_FALSE(knot.tangent);
+    expectNear(knot.offset, {0, 0, 0});
+  }
+}
+
 TEST(ImportKnots, BlendersActionNamesJoinIntoOneClip) {
   Reed reed;
   reed.knots =

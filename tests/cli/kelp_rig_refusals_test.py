@@ -12,7 +12,10 @@ import tempfile
 POST = """v 0 0 0\nv .5 0 0\nv .5 3 0\nv 0 3 0\nv 0 0 .3\nv .5 0 .3\nv .5 3 .3\nv 0 3 .3
 f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n"""
 
-FOLDS = "the spline bends too sharply for the part's thickness after a knot; a swept part may not fold"
+FOLDS = ("the spline bends too sharply for the part's thickness between this knot and the next; a "
+         "swept part may not fold")
+TURNS = ("the spline turns back on itself between this knot and the next: a tangent points away from "
+         "where it goes; a swept part may not fold")
 ZERO = "the tangent of a knot is zero; give it or the next another offset or tangent"
 
 # What follows {"kelp": 1, "bend": "sweep", in the rig; what is said after the file, or after the part.

@@ -153,8 +153,9 @@ class Sweep:
             bend = sub(planes[1], planes[0])
             chords = sum(math.dist(arc.start, arc.end) for arc in (first, second))
             error = math.sqrt(dot(bend, bend)) * chords**2 / 48
-            error = max(error, self.distance(point(0.5), first, second))
-            n = 1
+            error = max([error] + [self.distance(point(t), first, second) for t in (0.25, 0.5, 0.75)])
+            slope = sub(mul(sub(b, a), 1.5), mul(add(da, db), 0.25))  # halfway
+            n = 1 if dot(slope, sub(b, a)) > 0 else 16
             while n < 16 and n**3 < error / (self.size[1] / 1024):
                 n *= 2
         except Folds:
@@ -176,7 +177,7 @@ class Sweep:
 
     @staticmethod
     def distance(point, first, second):
-        """From a point to the arc on its side of where the two meet."""
+        """From a point to the circle of the arc on its side of where the two meet."""
         arc = first if dot(sub(point, first.end), second.direction) < 0 else second
         off = sub(point, arc.start)
         if arc.curvature * arc.length < 1e-12:

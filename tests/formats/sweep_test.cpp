@@ -46,7 +46,9 @@ std::vector<SweepRig> rigs() {
   return all;
 }
 
+// What README.md says of the estimate.
 TEST(Sweep, TheCentreLineIsTheSplineWithinTheTolerance) {
+  int rigs_beyond = 0, all = 0;
   for (const SweepRig& rig : rigs()) {
     const ArcChain chain = chainOf(rig);
     double worst = 0;
@@ -57,7 +59,7 @@ TEST(Sweep, TheCentreLineIsTheSplineWithinTheTolerance) {
         for (int a = 0; a < chain.count; ++a) {
           const Arc& arc = chain.arcs[a];
           const double low = chain.joints[a].y, high = chain.joints[a + 1].y;
-          const int steps = static_cast<int>(high - low) + 1;
+          const int steps = 8 * static_cast<int>(high - low + 1);
           for (int m = 0; m <= steps; ++m) {
             const dvec3 rest(0.5 * kSize.x, low + (high - low) * m / steps, 0.5 * kSize.z);
             nearest = std::min(nearest, glm::distance(p, reference::swept(arc, kSize, rest)));
@@ -66,9 +68,25 @@ TEST(Sweep, TheCentreLineIsTheSplineWithinTheTolerance) {
         worst = std::max(worst, nearest);
       }
     }
-    // Twice: the error of a cubic is estimated. The samples above are up to a voxel apart, along the line.
-    EXPECT_LT(worst, 2 * kHeight * double{kArcTolerance} + 0.5) << rig.name;
+    // The samples above are up to 1/8 voxel apart, along the line.
+    const double tolerance = kHeight * double{kArcTolerance}, between = 0.07;
+    EXPECT_LT(worst, 4.7 * tolerance + between) << rig.name;
+    rigs_beyond += worst > 2 * tolerance + between ? 1 : 0;
+    ++all;
   }
+  EXPECT_LE(rigs_beyond, all / 10);
+}
+
+// A span that runs back along itself, or nearly, is no straight part.
+TEST(Sweep, ASplineThatTurnsBackInASpanIsRefused) {
+  for (const float length : {5.0f, 30.0f, 1e6f})
+    for (const float lean : {0.0f, 0.003f, 0.05f}) {
+      const glm::vec3 tangent = length * glm::vec3(lean, 1, 0);
+      const std::vector<Knot> knots{{0, {0, 0, 0}, tangent}, {1, {0, 1, 0}, tangent}};
+      const Result<void> made = checkSweep(knots, kSize, 0);
+      ASSERT_FALSE(made) << length << " " << lean;
+      EXPECT_EQ(made.error().code, ErrorCode::kFolds);
+    }
 }
 
 TEST(Sweep, KnotsStayAtTheirHeightsAndTheArcsMeet) {
@@ -270,7 +288,7 @@ TEST(Sweep, WhatCannotBeSweptIsRefused) {
   EXPECT_EQ(codeOf(with(2, [](Knot& k) { k.position.x = 1e30f; }), "too far", 2), ErrorCode::kMisuse);
   EXPECT_EQ(codeOf(with(1, [](Knot& k) { k.at = 1; }), "ascend", 2), ErrorCode::kMisuse);
   // Antiparallel tangents, a turn far too sharp, a spline that runs back through itself.
-  EXPECT_EQ(codeOf(with(2, [](Knot& k) { k.tangent = {0, -1, 0}; }), "sharply", 1), ErrorCode::kFolds);
+  EXPECT_EQ(codeOf(with(2, [](Knot& k) { k.tangent = {0, -1, 0}; }), "turns back", 1), ErrorCode::kFolds);
   EXPECT_EQ(codeOf(with(1, [](Knot& k) { k.position = {0.6f, 0.1f, 0}; }), "sharply", 0), ErrorCode::kFolds);
   EXPECT_EQ(codeOf(with(1,
                         [](Knot& k) {
@@ -286,12 +304,16 @@ TEST(Sweep, WhatCannotBeSweptIsRefused) {
 // Any numbers end in a sound chain or an error.
 TEST(Sweep, AnyNumbersEnd) {
   std::mt19937 random(11);
+  constexpr float kEqual[] = {0, 1, -1, 1e8f, -1e8f, 9e8f, 1e-7f, 1e-38f};
+  bool equal = false;  // coordinates that are equal or cancel out
   const auto wild = [&] {
+    if (equal) return kEqual[random() % std::size(kEqual)];
     const double e = std::uniform_real_distribution<double>(-12, 12)(random);
     return static_cast<float>((random() & 1 ? -1 : 1) * std::pow(10.0, random() % 3 ? 0.1 * e : e));
   };
   int good = 0;
-  for (int n = 0; n < 20000; ++n) {
+  for (int n = 0; n < 40000; ++n) {
+    equal = n % 2 > 0;
     std::vector<Knot> knots(2 + random() % 4);
     for (std::size_t i = 0; i < knots.size(); ++i)
       knots[i] = {static_cast<float>(i) / static_cast<float>(knots.size() - 1),
@@ -313,6 +335,15 @@ TEST(Sweep, AnyNumbersEnd) {
     }
   }
   EXPECT_GT(good, 500);
+}
+
+// Far away, rounding can make an arc that halves do not make shorter.
+TEST(Sweep, ArcsFarAwayEnd) {
+  const std::vector<Knot> knots{{0, {1e8f, -1e8f, -1e8f}, {1e-7f, -1, 1e-7f}},
+                                {1, {1e8f, 1, -1e8f}, {1e-38f, 9e8f, 1e-7f}}};
+  const Result<void> made = checkSweep(knots, {1, 158, 1}, 0);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kFolds);
 }
 
 }  // namespace

@@ -78,8 +78,10 @@ std::optional<Touch> firstTouch(const Volume& volume, const ArcChain& chain, con
   for (int i = 0; i < chain.count; ++i) {
     const Arc& arc = chain.arcs[i];
     double s0 = s_min, s1 = best ? best->s : s_max;
+    // Voxels that are taken larger may be touched beside the slice.
+    const double slack = std::max(-erode, 0.0);
     const auto keep = [&](const glm::vec4& plane, double side) {
-      const double value = side * (dot(dvec3(plane), o) + double{plane.w}),
+      const double value = side * (dot(dvec3(plane), o) + double{plane.w}) + slack,
                    slope = side * dot(dvec3(plane), r);
       if (slope > 0) s0 = std::max(s0, -value / slope);
       if (slope < 0) s1 = std::min(s1, -value / slope);

@@ -9,9 +9,16 @@
 namespace kelp::gl {
 
 Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size) {
+  // The hull of the cubics, and a section's corner around it.
+  Box box;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Knot &k0 = knots[i], &k1 = knots[i + 1];
+    const float third = (k1.at - k0.at) / 3;
+    for (const glm::vec3& point :
+         {k0.position, k0.position + third * k0.tangent, k1.position - third * k1.tangent, k1.position})
+      box.add(point);
+  }
   const glm::vec3 extent(size), half(0.5f * extent.x, 0, 0.5f * extent.z);
-  Box box{knots[0].position, knots[0].position};
-  for (const Knot& knot : knots) box = {glm::min(box.min, knot.position), glm::max(box.max, knot.position)};
   const float corner = glm::length(half);
   return {half + extent.y * box.min - corner, half + extent.y * box.max + corner};
 }

@@ -10,10 +10,12 @@
 namespace kelp::gl {
 namespace {
 
-Result<void> makeChain(const Part& part, const runtime::Pose* pose, int index, float tolerance,
-                       ArcChain& chain) {
-  return makeArcs(pose ? pose->knots(index) : part.knots, part.size, rollOf(part, pose, index), tolerance,
-                  chain);
+// Coarse arcs may fold where fine ones do not.
+bool makeChain(const Part& part, const runtime::Pose* pose, int index, float tolerance, ArcChain& chain) {
+  const std::span<const Knot> knots = pose ? pose->knots(index) : part.knots;
+  const float roll = rollOf(part, pose, index);
+  return makeArcs(knots, part.size, roll, tolerance, chain) ||
+         (tolerance > kArcTolerance && makeArcs(knots, part.size, roll, kArcTolerance, chain));
 }
 
 }  // namespace
@@ -47,7 +49,7 @@ glm::uvec4* writeMotion(const glm::mat4& previous_world_to_clip, const runtime::
   runtime::Instance before = instance;
   // A pose that could not be drawn was not seen in the frame before: then the part stands still.
   if (instance.previous_pose && (swept ? makeChain(packed, instance.previous_pose, index, tolerance, scratch)
-                                       : checkKnots(instance.previous_pose->knots(index))))
+                                       : bool(checkKnots(instance.previous_pose->knots(index)))))
     before.pose = instance.previous_pose;
   else if (swept)
     (void)makeChain(packed, instance.pose, index, tolerance, scratch);

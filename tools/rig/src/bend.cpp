@@ -37,7 +37,8 @@ void checkRest(const RawRig& rest, const glm::ivec3& size) {
       : code == ErrorCode::kNotMonotone
           ? "the spline may not turn back along its axis: give the knot a shorter tangent or a smaller "
             "offset, or write \"bend\": \"sweep\""
-          : "a swept part may not fold: let it turn over a greater length, or make it thinner";
+          : "a swept part may not fold: let it turn over a greater length or by other tangents, or make it "
+            "thinner";
   throw RigError(rig::placeOf(rest.knots, sound.error().offset) + ": " + sound.error().detail + "; " +
                  remedy);
 }

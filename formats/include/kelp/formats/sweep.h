@@ -40,7 +40,8 @@ static_assert(sizeof(Arc) == 64 && sizeof(ArcJoint) == 32);
 inline constexpr int kMaxArcs = 256;
 // u times curvature is at most this within the part: nearer to 1 its inner side folds.
 inline constexpr double kMostCurved = 0.98;
-// How far the arcs may be from the spline, in heights of the part, unless a caller wants it coarser.
+// How far the arcs aim to be from the spline at most, in heights of the part, unless a caller wants it
+// coarser. An estimate decides: most are nearer, some several times as far (formats/README.md).
 inline constexpr float kArcTolerance = 1.0f / 1024;
 
 // A posed centre line.

@@ -7,7 +7,8 @@
 //
 // All lengths are in the unit of the world. "A voxel" is the longest side of a voxel of the finest level of
 // distances in memory, in the world. Nothing allocates or blocks. Any thread may call while nobody changes
-// the pose. An instance that is not drawn (a pose that is not monotone, a singular matrix) has no solid.
+// the pose. An instance that is not drawn (a pose that Pose::check() refuses, a singular matrix) has no
+// solid.
 //
 // Errors of all functions: kMisuse for numbers that are not finite, for lengths that must be above 0 and are
 // not, for an instance without an asset, and if the asset was opened without Options::distance_level;

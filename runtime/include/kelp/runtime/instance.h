@@ -22,7 +22,7 @@ struct Instance {
   // Materials in place of the pack's palette, one for each of its entries. Empty: the pack's own.
   std::span<const Material> palette = {};
   // For motion vectors: pose and matrix of the previous frame. Null: as now, and so is a part whose previous
-  // knots break the rules of checkKnots.
+  // pose could not be drawn.
   const Pose* previous_pose = nullptr;
   const glm::mat4* previous_to_world = nullptr;
 };
@@ -53,7 +53,7 @@ struct Hit {
 
 // The nearest hit of the ray with the instance's solid voxels, at level `level`. Where bricks of that level
 // are not in memory, the hit is on the finest coarser level that is, and the bricks are requested. Never
-// blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that is not monotone.
+// blocks. nullopt: no hit, nothing in memory, a zero or non-finite ray, or a pose that Pose::check() refuses.
 std::optional<Hit> raycast(const Instance& instance, const Ray& ray, int level = 0);
 // The nearest hit with any of the instances.
 std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, int level = 0);
@@ -61,12 +61,15 @@ std::optional<Hit> raycast(std::span<const Instance> instances, const Ray& ray, 
 // A point of the undeformed model (object space, metres) that belongs to a part -> the world, with all that
 // the pose does to it. The origin for a part that does not exist.
 glm::vec3 toWorld(const Instance& instance, int part, const glm::vec3& rest);
-// World -> the point of the undeformed model (object space, metres). nullopt if the point is above or below
-// the part's spline, or the pose is not monotone.
+// World -> the point of the undeformed model (object space, metres). nullopt if Pose::check() refuses the
+// pose, if the point is above or below the spline of a sheared part, or in no section of a swept one. Where
+// coils of a swept part overlap, a point of the world has several at rest: the one nearest to the centre
+// line.
 std::optional<glm::vec3> toRest(const Instance& instance, int part, const glm::vec3& world);
 // A frame in the world for things attached to a point of the undeformed model (object space, metres). Its
-// columns are the directions x, y and z and the origin. y points along the spline; x is the part's x made
-// perpendicular to it. Orthonormal, and right-handed for mirrored instances too.
+// columns are the directions x, y and z and the origin. y points along the spline. x is the part's x: of a
+// sheared part made perpendicular to the spline, of a swept one turned with its section. Orthonormal, and
+// right-handed for mirrored instances too.
 glm::mat4 frameAt(const Instance& instance, int part, const glm::vec3& rest);
 
 // Index of the first socket of that name; of one part, if `part` is given. kMisuse: there is none; the text

@@ -76,8 +76,8 @@ class Pose {
   // `offset` is the index of the part. An instance with such a pose is not drawn, and no ray hits it.
   Result<void> check() const;
   // Changes knots until every part passes check(); those that do stay as they are. Of a sheared part, only
-  // the y of tangents and knots. A swept part moves towards its pose at rest, as little as needed (to
-  // 1/4096).
+  // the y of tangents and knots. A swept part moves, with its roll, on a straight line towards its
+  // pose at rest, about as far as needed: the line is halved, to 1/4096 of it.
   void clamp();
 
  private:

@@ -200,7 +200,7 @@ void addKnotTracks(const GltfModel& model, int node, int knot, const NodeChannel
   }
   if (channels.rotation || channels.scale) {
     tracks.push_back(
-        sampleTangent(model, model.nodeName(node), rest, channels, knot, tangentHandle(rest, extent.axis)));
+        sampleTangent(model, model.nodeName(node), rest, channels, knot, tangentHandle(rest, extent)));
     if (still(tracks.back(), glm::vec4(0))) tracks.pop_back();
   }
 }
@@ -210,7 +210,7 @@ void addKnotTracks(const GltfModel& model, int node, int knot, const NodeChannel
 void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup,
               const std::string& part_name, const std::vector<GltfAnimation>& animations,
               const GltfChannelIndex& index, std::vector<std::vector<bool>>& used, RigDescription& rig) {
-  const KnotExtent extent = extentAlong(soup, rig.axis.value_or(Axis::kPlusY));
+  const KnotExtent extent = extentAlong(model, knots, soup, rig);
   std::set<std::size_t> concerned;
   const auto addConcerned = [&](int moved) {
     if (const auto found = index.find(moved); found != index.end())

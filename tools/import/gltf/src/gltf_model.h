@@ -213,10 +213,10 @@ GltfRigs findRigs(const GltfModel& model);
 std::vector<int> findKnots(const GltfModel& model, int node);
 // Whether knots at the top of the scene can belong to this mesh: all of them lie near it.
 bool lieBeside(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup);
-// The rest rig that the knots describe; nullopt, with a notice, if they make none. `soup` is in the node's
-// space.
+// The rest rig that the knots describe, added to `rig`, which may say its axis and how it bends; nullopt,
+// with a notice, if they make none. `soup` is in the node's space.
 std::optional<RigDescription> knotRig(const GltfModel& model, int node, const std::vector<int>& knots,
-                                      const TriangleSoup& soup, std::optional<Axis> axis);
+                                      const TriangleSoup& soup, RigDescription rig);
 // Adds the clips that move the part itself and its knots, if it has any. Marks the channels that were used.
 void addClips(const GltfModel& model, int node, const std::vector<int>& knots, const TriangleSoup& soup,
               const std::string& part_name, const std::vector<GltfAnimation>& animations,

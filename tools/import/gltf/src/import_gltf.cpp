@@ -252,30 +252,49 @@ class GltfImporter {
     return (parent >= 0 ? model_.world[static_cast<std::size_t>(parent)] : glm::dmat4(1)) * rest.matrix();
   }
 
+  // Whether a rig is about all of the part and leaves knots, clips and sockets to others.
+  static bool saysOnlyHow(const RigDescription& rig) {
+    return rig.knots.empty() && rig.clips.empty() && rig.sockets.empty();
+  }
+
   void readRig(const PartPlan& plan, int mover, SourcePart& part) {
     const std::string place = model_.nodeName(plan.node);
     std::vector<int> knots = plan.knots;
+    RigDescription drawn;  // what is said of a rig that the knots draw
+    drawn.axis = settings_.axis;
+    drawn.bend = settings_.bend;
+    std::string bends;
     if (plan.rig) {
+      RigDescription written;
       try {
-        part.rig = parseRig(plan.rig->text);
+        written = parseRig(plan.rig->text);
       } catch (const RigError& error) {
         refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp", error.what());
       }
-      part.rig_origin = "extras.kelp of " + plan.rig->owner;
-      if (!knots.empty())
-        model_.note(place + " has knot empties, and " + plan.rig->owner +
-                    " has extras.kelp: extras.kelp is the rig");
-      knots.clear();
-    } else if (plan.node < 0 && !lieBeside(model_, knots, part.soup)) {
+      const std::string origin = "extras.kelp of " + plan.rig->owner;
+      if (!knots.empty() && saysOnlyHow(written)) {
+        if (!written.axis) written.axis = drawn.axis;
+        if (!written.bend) written.bend = drawn.bend;
+        drawn = written;
+        bends = ", which bend as " + origin + " says";
+      } else {
+        if (!knots.empty())
+          model_.note(place + " has knot empties, and " + plan.rig->owner +
+                      " has extras.kelp: extras.kelp is the rig");
+        part.rig = std::move(written);
+        part.rig_origin = origin;
+        return addClips(model_, mover, {}, part.soup, part.name, animations_, channels_, used_, part.rig);
+      }
+    }
+    if (plan.node < 0 && !lieBeside(model_, knots, part.soup)) {
       model_.note("the empties knot.0 to knot." + std::to_string(knots.size() - 1) +
                   " stand at the top of the scene, away from the mesh: no rig is made of them; move them "
                   "along the mesh and parent them to it");
       part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
       knots.clear();
-    } else if (std::optional<RigDescription> rig =
-                   knotRig(model_, plan.node, knots, part.soup, settings_.axis)) {
+    } else if (std::optional<RigDescription> rig = knotRig(model_, plan.node, knots, part.soup, drawn)) {
       part.rig = *std::move(rig);
-      part.rig_origin = std::to_string(knots.size()) + " knot empties of " + place;
+      part.rig_origin = std::to_string(knots.size()) + " knot empties of " + place + bends;
     } else {
       part.rig_origin = "straight (the knot empties of " + place + " make no rig)";
       knots.clear();

@@ -48,9 +48,9 @@ glm::dvec3 axisVector(Axis axis) {
   return vector;
 }
 
-Axis nearestAxis(const GltfModel& model, const std::vector<int>& knots) {
-  const glm::dvec3 way = restTransform(model.node(knots.back())).translation -
-                         restTransform(model.node(knots.front())).translation;
+Axis nearestAxis(const GltfModel& model, int from, int to) {
+  const glm::dvec3 way =
+      restTransform(model.node(to)).translation - restTransform(model.node(from)).translation;
   Axis best = Axis::kPlusY;
   for (int i = 0; i < 6; ++i)
     if (glm::dot(way, axisVector(static_cast<Axis>(i))) > glm::dot(way, axisVector(best)) + 1e-12)
@@ -60,8 +60,10 @@ Axis nearestAxis(const GltfModel& model, const std::vector<int>& knots) {
 
 }  // namespace
 
-KnotExtent extentAlong(const TriangleSoup& soup, Axis axis) {
-  KnotExtent extent{axisVector(axis), 0, 1};
+KnotExtent extentAlong(const GltfModel& model, const std::vector<int>& knots, const TriangleSoup& soup,
+                       const RigDescription& rig) {
+  KnotExtent extent;
+  extent.axis = axisVector(rig.axis.value_or(Axis::kPlusY));
   double high = -INFINITY;
   extent.low = INFINITY;
   for (const glm::vec3& position : soup.positions) {
@@ -70,18 +72,21 @@ KnotExtent extentAlong(const TriangleSoup& soup, Axis axis) {
     high = std::max(high, along);
   }
   extent.length = high - extent.low;
+  if (rig.bend == Bend::kSweep && !knots.empty())
+    tangentHandle(restTransform(model.node(knots.front())), extent, &extent.any_way);
   return extent;
 }
 
-glm::dvec3 tangentHandle(const GltfTransform& rest, const glm::dvec3& axis, bool* turned) {
+glm::dvec3 tangentHandle(const GltfTransform& rest, const KnotExtent& extent, bool* turned) {
   const glm::dvec3 up = rest.rotation * glm::dvec3(0, 1, 0);
-  const bool usable = glm::dot(up, axis) * (rest.scale.y < 0 ? -1 : 1) >= kLeastCosine;
+  const bool usable =
+      extent.any_way || glm::dot(up, extent.axis) * (rest.scale.y < 0 ? -1 : 1) >= kLeastCosine;
   if (turned) *turned = usable;
   if (usable) return {0, 1, 0};
   glm::dvec3 scale = rest.scale;
   for (int i = 0; i < 3; ++i)
     if (scale[i] == 0) scale[i] = 1;
-  return glm::inverse(rest.rotation) * axis / scale;
+  return glm::inverse(rest.rotation) * extent.axis / scale;
 }
 
 glm::dvec3 tangentOf(const GltfTransform& transform, const glm::dvec3& handle) {
@@ -139,42 +144,76 @@ bool lieBeside(const GltfModel& model, const std::vector<int>& knots, const Tria
   });
 }
 
+namespace {
+
+// Places along the mesh, 0 to 1, and what is said of them. Of a sheared part: heights. A swept part may turn
+// back: lengths from knot to knot, which together are the mesh's.
+std::vector<float> placesOf(const GltfModel& model, const std::vector<int>& knots, const KnotExtent& extent,
+                            bool swept, const std::string& place) {
+  std::vector<double> places;
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    const glm::dvec3 at = restTransform(model.node(knots[i])).translation;
+    const double height = (glm::dot(extent.axis, at) - extent.low) / extent.length;
+    const bool first = i == 0, last = i + 1 == knots.size();
+    if (first || (last && !swept)) {
+      if (const double away = std::abs(height - (first ? 0 : 1)); away > kEndTolerance)
+        model.note(
+            fmt::format("knot.{} of {} lies {:.0f} % of the mesh's length away from its end and is taken "
+                        "to the end; move it there",
+                        i, place, 100 * away));
+      places.push_back(first ? 0 : 1);
+    } else {
+      const glm::dvec3 before = restTransform(model.node(knots[i - 1])).translation;
+      places.push_back(swept ? places.back() + glm::length(at - before) / extent.length : height);
+    }
+  }
+  const double whole = places.back();
+  if (std::abs(whole - 1) > kEndTolerance)
+    model.note(
+        fmt::format("the knots of {} are {:.0f} % of the mesh's length from first to last: the part is "
+                    "stretched or squeezed by that at rest",
+                    place, 100 * whole));
+  std::vector<float> shares;
+  for (const double at : places) shares.push_back(whole > 0 ? static_cast<float>(at / whole) : 0);
+  return shares;
+}
+
+}  // namespace
+
 std::optional<RigDescription> knotRig(const GltfModel& model, int node, const std::vector<int>& knots,
-                                      const TriangleSoup& soup, std::optional<Axis> axis) {
+                                      const TriangleSoup& soup, RigDescription rig) {
   const std::string place = model.nodeName(node);
-  RigDescription rig;
-  rig.axis = axis ? *axis : nearestAxis(model, knots);
-  const KnotExtent extent = extentAlong(soup, *rig.axis);
+  const bool swept = rig.bend == Bend::kSweep;
+  if (!rig.axis) rig.axis = nearestAxis(model, knots.front(), swept ? knots[1] : knots.back());
+  const KnotExtent extent = extentAlong(model, knots, soup, rig);
   if (!(extent.length > 0)) {
     model.note(place + " is flat along its knots: no rig is made of them");
     return std::nullopt;
   }
+  const std::vector<float> places = placesOf(model, knots, extent, swept, place);
   const glm::dvec3 origin = restTransform(model.node(knots.front())).translation;
   for (std::size_t i = 0; i < knots.size(); ++i) {
     const GltfTransform rest = restTransform(model.node(knots[i]));
     const std::string knot_name = "knot." + std::to_string(i) + " of " + place;
-    const double along = (glm::dot(extent.axis, rest.translation) - extent.low) / extent.length;
     RigDescription::Knot knot;
-    const bool first = i == 0, last = i + 1 == knots.size();
-    knot.at = first ? 0.0f : last ? 1.0f : static_cast<float>(along);
-    if ((first || last) && std::abs(along - (first ? 0 : 1)) > kEndTolerance)
-      model.note(fmt::format(
-          "{} lies {:.0f} % of the mesh's length away from its end and is taken to the end; move it there",
-          knot_name, 100 * std::abs(along - (first ? 0 : 1))));
-    if (!first && !(knot.at > rig.knots.back().at)) {
-      model.note(knot_name + " does not lie between its neighbours along the " + toString(*rig.axis) +
-                 " axis: no rig is made of the knots; put them in order");
+    knot.at = places[i];
+    if (i > 0 && !(knot.at > places[i - 1])) {
+      model.note(knot_name +
+                 (swept ? std::string(" lies on its neighbour")
+                        : " does not lie between its neighbours along the " +
+                              std::string(toString(*rig.axis)) + " axis") +
+                 ": no rig is made of the knots; put them in order");
       return std::nullopt;
     }
     glm::dvec3 beside = (rest.translation - origin) / extent.length;
-    beside -= glm::dot(beside, extent.axis) * extent.axis;
+    beside -= (swept ? static_cast<double>(knot.at) : glm::dot(beside, extent.axis)) * extent.axis;
     if (glm::length(beside) > kStraight) {
       knot.offset = glm::vec3(beside);
       model.note(knot_name +
                  " lies beside the straight line through knot.0: the part is bent by that at rest");
     }
     bool turned = false;
-    const glm::dvec3 handle = tangentHandle(rest, extent.axis, &turned);
+    const glm::dvec3 handle = tangentHandle(rest, extent, &turned);
     const glm::dvec3 tangent = tangentOf(rest, handle);
     if (!turned)
       model.note(knot_name +

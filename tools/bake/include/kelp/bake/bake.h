@@ -29,9 +29,8 @@ struct Settings : ImportSettings {
   std::optional<std::filesystem::path> palette_file;  // the palette's colours; see readPalette
   // Two of the file's materials never share a palette entry. Not together with palette_file.
   bool keep_materials = false;
-  std::optional<Bend> bend;  // of solid parts whose rig does not say; kDefaultBend if absent
-  int levels = 0;            // how many; 0: until a level is a single brick
-  bool distance = true;      // whether the pack holds distances
+  int levels = 0;        // how many; 0: until a level is a single brick
+  bool distance = true;  // whether the pack holds distances
 };
 
 // Numbers of a bake, for --report and the closing lines.
