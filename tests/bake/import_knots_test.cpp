@@ -169,7 +169,8 @@ TEST(ImportKnots, EmptiesThatWereNeverTurnedAreStraight) {
   EXPECT_TRUE(reed.import(swept).parts.at(0).rig.knots.at(2).tangent);
   reed.knots = R"({"name":"knot.0")" + aside + R"(,{"name":"knot.1","translation":[0,1,0])" + aside +
                R"(,{"name":"knot.2","translation":[0,2,0])" + aside;
-  for (const RigDescription::Knot& knot : reed.import(swept).parts.at(0).rig.knots) {
+  const SourceModel model = reed.import(swept);
+  for (const RigDescription::Knot& knot : model.parts.at(0).rig.knots) {
     EXPECT_FALSE(knot.tangent);
     expectNear(knot.offset, {0, 0, 0});
   }

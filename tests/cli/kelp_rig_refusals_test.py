@@ -26,10 +26,10 @@ OF_A_PART = [
     ('"knots": [{"at": 0, "tangent": [0, 1, 0]}, {"at": 0.5, "offset": [0.3, 0, 0]}, '
      '{"at": 1, "offset": [0, -1, 0]}]', "knot 1 (at 0.5): " + ZERO),
     # tangents against each other, and against the way
-    ('"knots": [{"at": 0}, {"at": 1, "tangent": [0, -1, 0]}]', "knot 0 (at 0): " + FOLDS),
-    ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1}]', "knot 0 (at 0): " + FOLDS),
+    ('"knots": [{"at": 0}, {"at": 1, "tangent": [0, -1, 0]}]', "knot 0 (at 0): " + TURNS),
+    ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1}]', "knot 0 (at 0): " + TURNS),
     ('"knots": [{"at": 0, "tangent": [0, -1, 0]}, {"at": 1, "tangent": [0, -1, 0]}]',
-     "knot 0 (at 0): " + FOLDS),
+     "knot 0 (at 0): " + TURNS),
     ('"knots": [{"at": 0}, {"at": 0.25}, {"at": 1, "tangent": [1e-30, -1e-30, 0]}]',
      "knot 1 (at 0.25): " + FOLDS),
     # knots on one point
@@ -42,7 +42,7 @@ OF_A_PART = [
      '"tangent": [0, -1, 0]}]', FOLDS),
     # clips
     ('"clips": {"nod": {"waves": [{"knot": 1, "tangent": [0, 2, 0], "period": 2}]}}',
-     "clip 'nod', part 0: at 1.1875 s, knot 0 (at 0): the spline bends too sharply"),
+     "clip 'nod', part 0: at 1.1875 s, knot 0 (at 0): the spline turns back on itself"),
     ('"clips": {"nod": {"keys": [{"time": 0, "knot": 1, "tangent": [0, 0, 0]}, '
      '{"time": 1, "knot": 1, "tangent": [0, -1, 0]}]}}',
      "clip 'nod', part 0: at 1 s, knot 1 (at 1): the tangent of a knot is zero; move it or the next in"),

@@ -64,10 +64,20 @@ def replace(path, text):
     os.rename(path + ".new", path)
 
 
-def check_edit(screen, view, bake, dump, model, folder):
-    pack, rig = os.path.join(folder, "plant.kelp"), os.path.join(folder, "plant.rig.json")
-    subprocess.run([bake, model, "-o", pack, "--resolution", "32", "--progress", "none"], check=True,
-                   capture_output=True)
+# Slender, so that it can be swept.
+POST = """v 0 0 0\nv .5 0 0\nv .5 3 0\nv 0 3 0\nv 0 0 .3\nv .5 0 .3\nv .5 3 .3\nv 0 3 .3
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n"""
+POST_RIG = """{"kelp": 1, "knots": [{"at": 0, "tangent": [0, 1, 0]}, {"at": 0.3}, {"at": 0.65}, {"at": 1}],
+  "clips": {"sway": {"waves": [{"knot": 3, "offset": [0.05, 0, 0], "period": 4}]}}}"""
+
+
+def check_edit(screen, view, bake, dump, folder):
+    pack, rig = os.path.join(folder, "post.kelp"), os.path.join(folder, "post.rig.json")
+    model, given = os.path.join(folder, "post.obj"), os.path.join(folder, "given.json")
+    replace(model, POST)
+    replace(given, POST_RIG)
+    subprocess.run([bake, model, "-o", pack, "--rig", given, "--resolution", "32", "--progress", "none"],
+                   check=True, capture_output=True)
     before = rig_of(dump, pack)
     # a slow machine may draw its first frames late, and what was saved takes a line of the panel
     for pause in (1.5, 5, 15, 45):
@@ -181,7 +191,7 @@ def main(view, bake, dump, model):
         except x11_input.Absent as absent:
             print("SKIPPED: the mouse: %s" % absent)
             return
-        check_edit(screen, view, bake, dump, model, folder)
+        check_edit(screen, view, bake, dump, folder)
 
 
 if __name__ == "__main__":
