@@ -159,7 +159,7 @@ void addItemOptions(CLI::App& app, ItemText& text) {
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
   app.add_option(
          "--bend", text.bend,
-         "draw all solid parts as if their rigs said so: sections stay level, or perpendicular to the "
+         "draw all parts as if their rigs said so: sections stay level, or perpendicular to the "
          "spline; the pack stays as it is")
       ->option_text("shear|sweep [as the pack says]");
   app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");

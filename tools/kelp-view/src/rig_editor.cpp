@@ -56,8 +56,6 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
   try {
     // What the file could not hold is refused now: the words are those of the baker.
     (void)parseRig(printRig(wanted));
-    if (isFog(part) && wanted.bend == Bend::kSweep)
-      throw RigError("/bend: fog cannot be swept; write \"shear\" or take it out");
     next.realized = realize(next.rigs, axes_);
     prove(next.realized, sizes_);
   } catch (const RigError& error) {
