@@ -6,12 +6,15 @@
 // from the axis of curvature, at its distance g / k, a piece of the length h moves by the angle a = h k / g
 // at most. The fourth derivative of x and z is at most 3 w^4 / R^3, and that of y at most 6 (w / R)^4 rise /
 // k (R: the least distance from the axis, w: the ray's speed in the plane of the arc). Such a cubic errs by
-// 1/384 of that times h^4, so by no more than max(rise, 1) a^4 / (64 k): a follows from KELP_FOG_OFF.
+// 1/384 of that times h^4, so by no more than max(rise, 1) a^4 / (64 k): a follows from how far off it may
+// be.
 //
 // Where slices overlap, because coils do, densities add. The light of such a place is dimmed as if one slice
 // came after the other.
 
-#define KELP_FOG_OFF 0.00390625  // how far curves may be from the ray, voxels of the level
+// How far curves may be from the ray, voxels of the level; and those of shadows, which are coarse themselves.
+#define KELP_FOG_OFF 0.001953125
+#define KELP_FOG_SHADE_OFF 0.03125
 
 // A ray in the slice of an arc, voxels of the level. `at` and `way`: its place where it enters and its
 // change: inward, along, across.
@@ -26,7 +29,7 @@ struct KelpSlice {
   vec2 bend;
   vec3 half_extent;
 };
-KelpSlice kelpSlice(KelpArc g, vec3 o, vec3 r, float s) {
+KelpSlice kelpSlice(KelpArc g, vec3 o, vec3 r, float s, float most_off) {
   KelpSlice slice;
   vec3 across = cross(g.inward, g.along);
   vec3 e = (o - g.middle) + s * r;
@@ -34,7 +37,7 @@ KelpSlice kelpSlice(KelpArc g, vec3 o, vec3 r, float s) {
   slice.way = kelp_level_scale * vec3(dot(r, g.inward), dot(r, g.along), dot(r, across));
   slice.curvature = g.curvature / kelp_level_scale;
   slice.speed = length(slice.way.xy);
-  slice.angle = min(sqrt(sqrt(64.0 * KELP_FOG_OFF * slice.curvature / max(g.rise, 1.0))), 0.5);
+  slice.angle = min(sqrt(sqrt(64.0 * most_off * slice.curvature / max(g.rise, 1.0))), 0.5);
   slice.rise = g.rise;
   slice.middle_y = kelp_level_scale * g.y;
   slice.bend = g.bend;
@@ -121,21 +124,23 @@ float kelpFogSun(vec3 o, vec3 r, inout int steps) {
     KelpArc g = KELP_ARC(i);
     vec2 range = kelpFogRange(g, i, o, r, vec2(0.0, KELP_NEVER));
     if (!(range.x < range.y)) continue;
-    KelpSlice slice = kelpSlice(g, o, r, range.x);
+    KelpSlice slice = kelpSlice(g, o, r, range.x, KELP_FOG_SHADE_OFF);
     vec2 hole = kelpSliceHole(slice);
     float end = range.y - range.x;
     float s = 0.0;
+    KelpSlicePlace from = kelpSlicePlace(slice, s);
     while (s < end && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
       ++steps;
       if (s >= hole.x && s < hole.y) {
         s = kelpAdvance(hole.y, 0.0);
+        from = kelpSlicePlace(slice, s);
         continue;
       }
-      KelpSlicePlace from = kelpSlicePlace(slice, s);
       float way = min(kelpPieceLength(slice, from), (s < hole.x ? min(end, hole.x) : end) - s);
-      KelpCurve c = kelpPiece(from, kelpSlicePlace(slice, s + way), range.x + s, way);
-      depth = kelpFogShade(c, KELP_NEVER, depth, steps);
+      KelpSlicePlace to = kelpSlicePlace(slice, s + way);
+      depth = kelpFogShade(kelpPiece(from, to, range.x + s, way), KELP_NEVER, depth, steps);
       s = kelpAdvance(s, way);
+      from = to;
     }
   }
   kelpLoadLevel(level);
@@ -148,22 +153,25 @@ KelpFog kelpFogSlice(int i, vec3 o, vec3 r, vec2 within, vec3 sun, vec3 sun_at, 
   KelpFog fog = before;
   KelpArc g = KELP_ARC(i);
   vec2 range = kelpFogRange(g, i, o, r, within);
-  KelpSlice slice = kelpSlice(g, o, r, range.x);
+  KelpSlice slice = kelpSlice(g, o, r, range.x, KELP_FOG_OFF);
   vec2 hole = kelpSliceHole(slice);
   float end = range.y - range.x;
   float s = 0.0;
   fog.s = KELP_NEVER;
+  KelpSlicePlace from = kelpSlicePlace(slice, s);
   while (s < end && fog.depth < KELP_FOG_DEEP && fog.steps < KELP_FOG_STEPS) {
     ++fog.steps;
     if (s >= hole.x && s < hole.y) {
       s = kelpAdvance(hole.y, 0.0);
+      from = kelpSlicePlace(slice, s);
       continue;
     }
-    KelpSlicePlace from = kelpSlicePlace(slice, s);
     float way = min(kelpPieceLength(slice, from), (s < hole.x ? min(end, hole.x) : end) - s);
-    KelpCurve c = kelpPiece(from, kelpSlicePlace(slice, s + way), range.x + s, way);
+    KelpSlicePlace to = kelpSlicePlace(slice, s + way);
+    KelpCurve c = kelpPiece(from, to, range.x + s, way);
     fog = kelpFogAlong(c, o, r, KELP_NEVER, sun, sun_at, fog);
     s = kelpAdvance(s, way);
+    from = to;
   }
   fog.s = min(fog.s, before.s);
   return fog;

@@ -41,12 +41,10 @@ std::vector<reference::SweepRig> sweptRigs() {
   return rigs;
 }
 
-// The arcs that are drawn at a level.
+// The arcs that are drawn at a level: half a voxel off the spline at most.
 std::unique_ptr<ArcChain> drawnArcs(const RawPart& part, int level) {
   auto chain = std::make_unique<ArcChain>();
-  const float tolerance =
-      level == 0 ? kArcTolerance
-                 : std::max(std::ldexp(0.5f, level) / static_cast<float>(part.size.y), kArcTolerance);
+  const float tolerance = std::max(std::ldexp(0.5f, level) / static_cast<float>(part.size.y), kArcTolerance);
   EXPECT_TRUE(makeArcs(part.knots, part.size, part.roll, tolerance, *chain));
   return chain;
 }
@@ -78,9 +76,10 @@ Errors errorsOf(const std::vector<glm::vec4>& drawn, const glm::ivec2& size, con
   for (int y = 0; y < size.y; ++y) {
     for (int x = 0; x < size.x; ++x) {
       const PartRay ray = partRay(view, instance, chain.bounds, x, y);
-      const FogSight sight = ray.begin < ray.end ? truth.lookThrough(placesIn(chain, voxels), ray.o, ray.r,
-                                                                     ray.begin, ray.end, 1.0 / 16)
-                                                 : FogSight();
+      const FogSight sight =
+          ray.begin < ray.end ? truth.lookThrough(placesIn(chain, voxels), ray.o, ray.r, ray.begin, ray.end,
+                                                  getenv("FOG_STEP") ? atof(getenv("FOG_STEP")) : 1.0 / 16)
+                              : FogSight();
       const glm::vec4& pixel = drawn[static_cast<std::size_t>(x + size.x * y)];
       errors.hidden = std::max(errors.hidden, std::abs(1 - sight.through - double{pixel.a}));
       for (int c = 0; c < 3; ++c)
