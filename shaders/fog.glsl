@@ -104,13 +104,17 @@ KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   vec3 high = (vec3(end) + 0.5 + vec3(greaterThanEqual(end, cubes))) * side;
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
-KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) {
-  return kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side);
-}
 KelpBox kelpOverlap(KelpBox a, KelpBox b) {
   vec3 low = max(a.centre - a.half_size, b.centre - b.half_size);
   vec3 high = min(a.centre + a.half_size, b.centre + b.half_size);
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
+}
+
+// Of a brick: to where the volume ends, and as far beyond as it takes to be beside it.
+KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) {
+  vec3 half_extent = 0.5 * kelp_level_scale * kelp_size;
+  return kelpOverlap(kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side),
+                     KelpBox(half_extent, half_extent + KELP_ERODE));
 }
 
 // Where a brick is not resident: what the finest coarser level says, within that brick.

@@ -62,6 +62,35 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
   }
 }
 
+// Where fog is dense to the faces of its volume, it ends there, and not half a voxel beyond.
+TEST_P(Fog, EndsAtTheFacesOfItsVolume) {
+  if (!desktop()) return;  // OpenGL ES reads no floats back
+  const FloatCanvas canvas({16, 12});
+  const RawPack pack = fogPack(fogOf(kFogSize, [](const glm::dvec3&) { return 1.0; }), 0.03f);
+  const LoadedAsset loaded(pack);
+  const auto renderer = makeRenderer(*loaded.asset);
+  ASSERT_TRUE(renderer);
+  auto pose = runtime::Pose::create(*loaded.asset);
+  ASSERT_TRUE(pose);
+  const std::vector<Knot> knots = figureKnots(kFigure6[2]);
+  (void)pose->setKnots(0, knots);
+  const Instance instance{loaded.asset.get(), &*pose};
+  gl::View view = dark(framing(canvas.size(), instance));
+  for (const int level : {0, 1}) {
+    view.quality.finest_level = level;
+    const FogTruth truth(pack.parts[0], level);
+    const std::vector<glm::vec4> drawn = drawFog(*renderer, canvas, view, instance);
+    for (int y = 0; y < canvas.size().y; ++y) {
+      for (int x = 0; x < canvas.size().x; ++x) {
+        const PartRay ray = partRay(view, instance, deformedBounds(knots, kFogSize), x, y);
+        const double through =
+            ray.begin < ray.end ? truth.look(knots, ray.o, ray.r, ray.begin, ray.end, 1.0 / 32).through : 1;
+        EXPECT_NEAR(drawn[static_cast<std::size_t>(x + canvas.size().x * y)].a, 1 - through, 2e-3);
+      }
+    }
+  }
+}
+
 // Solid parts hide what of the fog is behind them, and are seen through what is before them; the depth buffer
 // stays as it was.
 TEST_P(Fog, EndsAtTheDepthSoFar) {
