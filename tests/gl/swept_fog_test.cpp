@@ -209,10 +209,10 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
   const Box box = runtime::bounds(both[0]);
   const glm::vec3 middle = 0.5f * (box.min + box.max);
   const float reach = glm::length(box.max - box.min);
-  // Through the middle of what is fog; larger than the picture.
-  both[1].to_world =
-      glm::scale(glm::translate(glm::mat4(1), middle - glm::vec3(0, 2 * reach, 0)), glm::vec3(4 * reach));
-  const double front = double{middle.z} + 4 * double{reach} * 2 / 64;
+  // Its front goes through the middle of the fog; larger than the picture.
+  both[1].to_world = glm::scale(
+      glm::translate(glm::mat4(1), middle - glm::vec3(0, 2 * reach, 0.125f * reach)), glm::vec3(4 * reach));
+  const double front = double{middle.z};
   const FogTruth truth(pack.parts[0], 0);
   const auto chain = drawnArcs(pack.parts[0], 0);
   const glm::vec3 inside = runtime::partToWorld(both[0], 0) *
@@ -222,6 +222,7 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
       gl::View view =
           dark(in_it ? lookAt(canvas.size(), inside, inside + glm::vec3(0.2f, 0.1f, -1), 0.01f, 9)
                      : lookAt(canvas.size(), middle + glm::vec3(0.1f, 0.2f, 0.6f * reach), middle, 0.01f, 9));
+      const gl::View rays = view;
       view.camera.reversed_depth = reversed;
       if (reversed) {
         view.camera.eye_to_clip[2][2] = -view.camera.eye_to_clip[2][2];
@@ -234,14 +235,14 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
       if (!in_it) {
         ASSERT_TRUE(renderer->draw(view, both));
       }
-      const std::vector<glm::vec4> solid = canvas.pixels();
+      glClear(GL_COLOR_BUFFER_BIT);  // what the fog alone hides
       ASSERT_TRUE(renderer->draw(view, both, gl::Pass::kFog));
       const std::vector<glm::vec4> drawn = canvas.pixels();
-      double sum = 0;
+      double sum = 0, error = 0;
       for (int y = 0; y < canvas.size().y; ++y) {
         for (int x = 0; x < canvas.size().x; ++x) {
-          const PartRay ray = partRay(view, both[0], chain->bounds, x, y);
-          const runtime::Ray seen = pixelRay(view, x, y);
+          const PartRay ray = partRay(rays, both[0], chain->bounds, x, y);
+          const runtime::Ray seen = pixelRay(rays, x, y);
           const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(both[0], 0)));
           // (The wall stands across z.)
           const double to_wall = (front - double{seen.origin.z}) / double{seen.direction.z} *
@@ -249,16 +250,14 @@ TEST_P(SweptFog, EndsAtTheDepthSoFarAndBeginsAtTheEye) {
           const FogSight sight = lookAlong(truth, *chain, ray, ray.begin,
                                            in_it ? ray.end : std::min(ray.end, to_wall), 1.0 / 64);
           const std::size_t at = static_cast<std::size_t>(x + canvas.size().x * y);
-          if (in_it) {
-            EXPECT_NEAR(drawn[at].a, 1 - sight.through, 1e-3) << x << ' ' << y << reversed;
-          } else {
-            ASSERT_EQ(solid[at].a, 1);
-            EXPECT_NEAR(drawn[at].r, double{solid[at].r} * sight.through, 2e-3) << x << ' ' << y << reversed;
-          }
+          // (Rays that touch a curved face see the hundredth of a voxel by which it is thicker.)
+          EXPECT_NEAR(drawn[at].a, 1 - sight.through, 1e-2) << x << ' ' << y << reversed << in_it;
+          error += std::abs(double{drawn[at].a} - (1 - sight.through));
           sum += 1 - sight.through;
         }
       }
       EXPECT_GT(sum, 10) << in_it;
+      EXPECT_LT(error, 2e-3 * sum) << in_it;
     }
   }
 }
