@@ -31,8 +31,6 @@ void RigEditor::load(const Pack& pack) {
   sizes_ = sizesOf(pack);
   axes_.clear();
   loaded_.clear();
-  fog_.clear();
-  for (const Part& part : pack.parts()) fog_.push_back(part.kind == PartKind::kFog);
   const PackRig rig = rigOf(pack);
   for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
     axes_.push_back(axesOf(pack, part));
