@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -113,7 +112,7 @@ int covered() {
       std::count_if(pixels.begin(), pixels.end(), [](const glm::vec4& p) { return p.a > 0; }));
 }
 
-void run(std::span<const std::byte> pack, int frames) {
+void run(std::span<const std::byte> pack, int frames, bool shadows, const std::string& only) {
   const EglContext context(GlApi::kDesktop33);
   if (!context) stop("no OpenGL 3.3 here");
   GLuint framebuffer, buffers[2];
@@ -137,14 +136,13 @@ void run(std::span<const std::byte> pack, int frames) {
   std::printf("%d x %d x %d, %d x %d, %s\n", size.x, size.y, size.z, kPicture.x, kPicture.y,
               reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
   for (const reference::SweepRig& rig : reference::namedSweeps(size)) {
-    if (!checkSweep(rig.knots, size, rig.roll)) continue;
+    if (!checkSweep(rig.knots, size, rig.roll) || rig.name.find(only) == std::string::npos) continue;
     const bool both = checkKnots(rig.knots) && rig.roll == 0;
     std::vector<std::unique_ptr<Bent>> bents;
     bents.push_back(std::make_unique<Bent>(pack, rig, Bend::kSweep));
     if (both) bents.push_back(std::make_unique<Bent>(pack, rig, Bend::kShear));
-    if (const char* only = getenv("ONLY"); only && !strstr(only, rig.name.c_str())) continue;
     for (const bool shadow : {false, true}) {
-    if (shadow && getenv("NOSHADOW")) continue;
+      if (shadow && !shadows) continue;
       std::vector<double> times[2];
       double median[2] = {}, share[2] = {};
       for (int frame = 0; frame < frames; ++frame) {
@@ -174,12 +172,20 @@ void run(std::span<const std::byte> pack, int frames) {
 int main(int argc, char** argv) {
   std::vector<std::byte> pack;
   int frames = 5;
+  bool shadows = false;
+  std::string pose;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--frames" && i + 1 < argc) {
       frames = std::max(1, std::atoi(argv[++i]));
+    } else if (argument == "--pose" && i + 1 < argc) {
+      pose = argv[++i];
+    } else if (argument == "--shadows") {
+      shadows = true;
     } else if (argument == "--help" || argument[0] == '-') {
-      std::puts("bench_swept_fog [PACK] [--frames N]: the fog of PACK, or puffs, swept and sheared");
+      std::puts(
+          "bench_swept_fog [PACK] [--frames N] [--pose NAME] [--shadows]: the fog of PACK, or puffs, swept "
+          "and sheared");
       return argument == "--help" ? 0 : 1;
     } else {
       std::ifstream file(argument, std::ios::binary);
@@ -189,5 +195,5 @@ int main(int argc, char** argv) {
     }
   }
   if (pack.empty()) pack = bytesOf(fogPack(fogOf({64, 160, 64}, puffs), 0.08f));
-  run(pack, frames);
+  run(pack, frames, shadows, pose);
 }
