@@ -77,7 +77,7 @@ TEST(Fog, SeveralPartsShareOneTable) {
 TEST(Fog, BendsInEitherWay) {
   RawPack raw = test::makeTinyFogPack();
   for (const std::size_t part : {1u, 2u}) {
-    raw.parts[part].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {6, 6, 0}, {1, 0, 0}}};
+    raw.parts[part].knots = {{0, {0, 0, 0}, {0, 9.4f, 0}}, {1, {6, 6, 0}, {9.4f, 0, 0}}};
     raw.parts[part].bend = Bend::kSweep;
     raw.parts[part].roll = 0.5f;
   }
