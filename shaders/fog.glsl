@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Fog: how much of the light behind a ray comes through a posed part, and what the part adds to it.
 //
-// The ray is the same cubic curve q(b) in the volume as in trace.glsl. One step leaves a clear brick, by the
+// The ray is the same cubic curve q(b) in the volume as in trace.glsl; in a swept part, several that follow
+// it closely. One step leaves a clear brick, by the
 // box or the ball that its cell promises. Elsewhere the ray goes cube by cube, from face to face. Within a
 // cube the field is trilinear, so along a straight line it is a cubic polynomial, and Gauss's rule of two
 // points integrates it exactly; within one cube a curve is nearly straight. Transmittance is exp(-optical
@@ -103,13 +104,17 @@ KelpBox kelpCubesBox(ivec3 first, ivec3 end, ivec3 cubes, float side) {
   vec3 high = (vec3(end) + 0.5 + vec3(greaterThanEqual(end, cubes))) * side;
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
 }
-KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) {
-  return kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side);
-}
 KelpBox kelpOverlap(KelpBox a, KelpBox b) {
   vec3 low = max(a.centre - a.half_size, b.centre - b.half_size);
   vec3 high = min(a.centre + a.half_size, b.centre + b.half_size);
   return KelpBox(0.5 * (low + high), 0.5 * (high - low));
+}
+
+// Of a brick: to where the volume ends, and as far beyond as it takes to be beside it.
+KelpBox kelpBrickBox(ivec3 at, ivec3 cubes, float side) {
+  vec3 half_extent = 0.5 * kelp_level_scale * kelp_size;
+  return kelpOverlap(kelpCubesBox(8 * at, min(8 * at + 8, cubes), cubes, side),
+                     KelpBox(half_extent, half_extent + KELP_ERODE));
 }
 
 // Where a brick is not resident: what the finest coarser level says, within that brick.
@@ -223,59 +228,52 @@ vec3 kelpGlow(KelpCorners heat, vec3 f, float way) {
 }
 
 #ifdef KELP_FOG_SHADOW
-// How much of the sun's light reaches a point of part space through the part. Integrated at a level four
-// times coarser, by the middle of each cube. Adds its steps to `steps`.
-float kelpFogSun(vec3 o, vec3 r, inout int steps) {
-  int level = kelp_level;
-  kelpLoadLevel(min(level + 2, level + kelp_coarser));
+// How much of the sun's light reaches a point of part space through the part, towards r. Integrated at a
+// level four times coarser. Adds its steps to `steps`. Comes after this text: fog_sheared.glsl,
+// fog_swept.glsl.
+float kelpFogSun(vec3 o, vec3 r, inout int steps);
+// The optical depth `before` and what lies along a curve, up to s_max, by the middle of each cube.
+float kelpFogShade(KelpCurve c, float s_max, float before, inout int steps) {
   vec3 extent = kelp_level_scale * kelp_size;
-  float depth = 0.0;
-  KelpWalk walk = kelpEnter(o, r, 0.0, length(kelp_bounds_max - kelp_bounds_min));
-  while (walk.going && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
-    KelpCurve c = kelpWalkCurve(walk, o, r);
-    float end = kelpCurveUntil(c, walk.end);
-    float b = 0.0;
-    while (b < end && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
-      ++steps;
-      vec3 q = kelpCurveAt(c, b);
-      vec3 gap = kelpBeside(q, extent);
-      if (max(gap.x, gap.z) > 0.5 * KELP_ERODE) {
-        b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
-        continue;
-      }
-      KelpFogPlace place = kelpFogAt(q);
-      float leave = min(end, b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance));
-      if (place.clear) {
-        b = kelpAdvance(b, leave - b);
-        continue;
-      }
-      float per_side = 1.0 / float(1 << place.coarser);
-      float extinction = kelpExtinction(kelp_level + place.coarser);
-      vec3 u = per_side * q - 0.5;
-      ivec3 cube = kelpCube(u, place.samples);
-      while (b < leave && cube >> 3 == place.at && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
-        ++steps;
-        float x = kelpCubeStep(c, b, u, per_side, leave - b);
-        vec3 f = kelpWithin(per_side * kelpCurveAt(c, b + 0.5 * x) - 0.5, cube, place.samples);
-        depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x *
-                 kelpSpeed(c, b + 0.5 * x);
-        b = kelpAdvance(b, x);
-        u = per_side * kelpCurveAt(c, b) - 0.5;
-        cube = kelpCube(u, place.samples);
-      }
+  float depth = before;
+  float end = kelpCurveUntil(c, s_max);
+  float b = 0.0;
+  while (b < end && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
+    ++steps;
+    vec3 q = kelpCurveAt(c, b);
+    vec3 gap = kelpBeside(q, extent);
+    if (max(gap.x, gap.z) > 0.5 * KELP_ERODE) {
+      b = kelpAdvance(b, kelpOutsideStep(c, b, q, gap));
+      continue;
     }
-    walk = kelpWalkOn(walk, r, c);
+    KelpFogPlace place = kelpFogAt(q);
+    float leave = min(end, b + kelpStep(c, b, q, place.box.centre, place.box.half_size, place.clearance));
+    if (place.clear) {
+      b = kelpAdvance(b, leave - b);
+      continue;
+    }
+    float per_side = 1.0 / float(1 << place.coarser);
+    float extinction = kelpExtinction(kelp_level + place.coarser);
+    vec3 u = per_side * q - 0.5;
+    ivec3 cube = kelpCube(u, place.samples);
+    while (b < leave && cube >> 3 == place.at && depth < KELP_FOG_DEEP && steps < KELP_FOG_STEPS) {
+      ++steps;
+      float x = kelpCubeStep(c, b, u, per_side, leave - b);
+      vec3 f = kelpWithin(per_side * kelpCurveAt(c, b + 0.5 * x) - 0.5, cube, place.samples);
+      depth += extinction * kelpBetween(kelpSquared(kelpCorners(place.brick, cube)), f) * x *
+               kelpSpeed(c, b + 0.5 * x);
+      b = kelpAdvance(b, x);
+      u = per_side * kelpCurveAt(c, b) - 0.5;
+      cube = kelpCube(u, place.samples);
+    }
   }
-  kelpLoadLevel(level);
-  return exp(-depth);
+  return depth;
 }
 #endif
 
-// Along one curve. `sun`: the sun's light that the fog sends to the eye, without shadow; `sky`: all other
-// light; `sun_at`: towards the sun, part space.
-// Long: its loops share the curve's parameter and the place.
-KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sky, vec3 sun_at,
-                     KelpFog before) {
+// Along one curve. `sun`: the sun's light that the fog sends to the eye, without shadow; `sun_at`: towards
+// the sun, part space. Long: its loops share the curve's parameter and the place.
+KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sun_at, KelpFog before) {
   KelpFog fog = before;
   vec3 extent = kelp_level_scale * kelp_size;
   float end = kelpCurveUntil(c, s_max);
@@ -366,6 +364,9 @@ KelpFog kelpFogAlong(KelpCurve c, vec3 o, vec3 r, float s_max, vec3 sun, vec3 sk
   return fog;
 }
 
+// Along all curves of o + s r, s in [s_min, s_max]. Comes after this text: fog_sheared.glsl, fog_swept.glsl.
+KelpFog kelpFogThrough(vec3 o, vec3 r, float s_min, float s_max, vec3 sun, vec3 sun_at, KelpFog before);
+
 // The fog of the loaded part and level along o + s r, s in [s_min, s_max], part space; o and r as in
 // kelpEnter. In the result `light` is complete.
 KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
@@ -383,15 +384,7 @@ KelpFog kelpFog(vec3 o, vec3 r, float s_min, float s_max) {
   vec3 sky = color * 0.5 * (kelp_sky_color + kelp_ground_color);
   vec3 sun_at = normalize(inverse(to_world) * kelp_sun_direction);
 
-  KelpWalk walk = kelpEnter(o, r, s_min, s_max);
-  int halves = 2 * kelp_segment_count;
-  while (walk.going && halves > 0) {
-    --halves;
-    KelpCurve c = kelpWalkCurve(walk, o, r);
-    fog = kelpFogAlong(c, o, r, walk.end, sun, sky, sun_at, fog);
-    if (fog.depth >= KELP_FOG_DEEP) break;
-    walk = kelpWalkOn(walk, r, c);
-  }
+  fog = kelpFogThrough(o, r, s_min, s_max, sun, sun_at, fog);
   // Of even light, what is stopped is scattered, wherever on the ray. Shadows were subtracted above.
   fog.light += (fog.unlit * (fog.lit - 1.0)) * sun + kelpHidden(fog) * (sun + sky);
   return fog;

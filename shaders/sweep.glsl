@@ -211,7 +211,7 @@ KELP_FN KelpHit kelpMarchArc(KELP_CONTEXT_ KelpArc g, int number, float from_y, 
   return hit;
 }
 
-// Four slices in the order in which a ray enters them: where, and their numbers.
+// Four slices in the order in which a ray enters them: where, and their numbers. KELP_NEVER: none.
 struct KelpNext {
   float s0;
   float s1;
@@ -221,6 +221,10 @@ struct KelpNext {
   int arc1;
   int arc2;
   int arc3;
+  float last;  // where it enters the last one of these and of those before, and its number
+  int last_arc;
+  bool more;  // there may be others behind
+  int clips;  // slices that were clipped
 };
 KELP_FN KelpNext kelpNoSlices() {
   KelpNext n;
@@ -232,6 +236,10 @@ KELP_FN KelpNext kelpNoSlices() {
   n.arc1 = 0;
   n.arc2 = 0;
   n.arc3 = 0;
+  n.last = -KELP_NEVER;
+  n.last_arc = -1;
+  n.more = true;
+  n.clips = 0;
   return n;
 }
 // Without the first.
@@ -271,39 +279,53 @@ KELP_FN KelpNext kelpPutInOrder(KelpNext before, float s, int arc) {
   return n;
 }
 
+KELP_FN bool kelpMeetsBall(vec4 ball, vec3 o, vec3 r, vec2 range) {
+  vec3 off = vec3(ball.x, ball.y, ball.z) - o;
+  float middle = dot(off, r);
+  float half2 = ball.w * ball.w - (dot(off, off) - middle * middle);
+  return half2 >= 0.0f && middle - sqrt(half2) <= range.y && middle + sqrt(half2) >= range.x;
+}
+// Narrows s to where o + s r may be in the bounds.
+KELP_FN vec2 kelpBoundsRange(KELP_CONTEXT_ vec3 o, vec3 r, vec2 range) {
+  vec3 low = KELP_BOUNDS_MIN;
+  vec3 high = KELP_BOUNDS_MAX;
+  vec2 s = range;
+  s = kelpClip(kelpClip(s, o.x - low.x, r.x), high.x - o.x, -r.x);
+  s = kelpClip(kelpClip(s, o.y - low.y, r.y), high.y - o.y, -r.y);
+  return kelpClip(kelpClip(s, o.z - low.z, r.z), high.z - o.z, -r.z);
+}
+// The next four slices that o + s r meets, s in range, after those of `before`.
+KELP_FN KelpNext kelpNextSlices(KELP_CONTEXT_ KelpNext before, vec3 o, vec3 r, vec2 range) {
+  KelpNext next = kelpNoSlices();
+  next.clips = before.clips;
+  vec3 half_size = 0.5f * KELP_SIZE;
+  for (int i = 0; i < KELP_ARCS; ++i) {
+    // Culled by the ball around the slice, then clipped.
+    if (!kelpMeetsBall(KELP_ARC_BALL(i), o, r, range)) continue;
+    ++next.clips;
+    vec2 in_slice =
+        kelpArcRange(KELP_ARC(i), KELP_JOINT_PLANE(i), KELP_JOINT_PLANE(i + 1), half_size, o, r, range);
+    float s = in_slice.x;
+    if (s <= in_slice.y && (s > before.last || (s == before.last && i > before.last_arc)))
+      next = kelpPutInOrder(next, s, i);
+  }
+  next.more = next.s3 < KELP_NEVER;
+  next.last = next.s3;
+  next.last_arc = next.arc3;
+  return next;
+}
+
 // The first solid voxel along o + s r of a swept part. The slices that the ray meets are walked in the order
 // in which it enters them, four at a time.
 KELP_FN KelpHit kelpTraceSwept(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float s_max) {
   KelpHit hit = kelpNoHit(s_max);
   vec3 half_size = 0.5f * KELP_SIZE;
-  vec3 low = KELP_BOUNDS_MIN;
-  vec3 high = KELP_BOUNDS_MAX;
-  vec2 range = vec2(s_min, s_max);
-  range = kelpClip(kelpClip(range, o.x - low.x, r.x), high.x - o.x, -r.x);
-  range = kelpClip(kelpClip(range, o.y - low.y, r.y), high.y - o.y, -r.y);
-  range = kelpClip(kelpClip(range, o.z - low.z, r.z), high.z - o.z, -r.z);
-  float walked = -KELP_NEVER;  // where the ray entered the slice that was walked last, and its number
-  int walked_arc = -1;
+  vec2 range = kelpBoundsRange(KELP_CONTEXT o, r, vec2(s_min, s_max));
+  KelpNext next = kelpNoSlices();
   bool more = range.x <= range.y;
   while (more) {
-    KelpNext next = kelpNoSlices();
-    for (int i = 0; i < KELP_ARCS; ++i) {
-      // Culled by the ball around the slice, then clipped.
-      vec4 ball = KELP_ARC_BALL(i);
-      vec3 off = vec3(ball.x, ball.y, ball.z) - o;
-      float middle = dot(off, r);
-      float half2 = ball.w * ball.w - (dot(off, off) - middle * middle);
-      if (!(half2 >= 0.0f) || middle - sqrt(half2) > range.y || middle + sqrt(half2) < range.x) continue;
-      ++hit.clips;
-      vec2 in_slice =
-          kelpArcRange(KELP_ARC(i), KELP_JOINT_PLANE(i), KELP_JOINT_PLANE(i + 1), half_size, o, r, range);
-      float s = in_slice.x;
-      if (s <= in_slice.y && (s > walked || (s == walked && i > walked_arc)))
-        next = kelpPutInOrder(next, s, i);
-    }
-    more = next.s3 < KELP_NEVER;
-    walked = next.s3;
-    walked_arc = next.arc3;
+    next = kelpNextSlices(KELP_CONTEXT next, o, r, range);
+    more = next.more;
     for (int n = 0; n < 4; ++n) {
       if (!(next.s0 < range.y)) {
         more = false;
@@ -319,6 +341,7 @@ KELP_FN KelpHit kelpTraceSwept(KELP_CONTEXT_ vec3 o, vec3 r, float s_min, float 
       next = kelpBehindFirst(next);
     }
   }
+  hit.clips = next.clips;
   return hit;
 }
 

@@ -60,8 +60,6 @@ Result<void> readBend(RecordReader& in, Part& part) {
   if (bend > static_cast<std::uint32_t>(Bend::kSweep))
     return Error{ErrorCode::kUnsupportedFeature, "a part bends in a way that this version does not know", at};
   part.bend = static_cast<Bend>(bend);
-  if (part.bend == Bend::kSweep && part.kind == PartKind::kFog)
-    return corrupt("a fog part is swept: only solid parts may be", at);
   if (!(std::abs(part.roll) <= layout::kMaxRoll)) return corrupt("a part's roll is not -pi to pi", at + 4);
   if (part.bend == Bend::kShear && part.roll != 0.0f)
     return corrupt("a sheared part has a roll: only swept parts may", at + 4);

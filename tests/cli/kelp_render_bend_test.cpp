@@ -106,7 +106,7 @@ TEST_F(KelpRenderBend, BelongsToItsPack) {
   EXPECT_TRUE(drawn({swept, "--bend", "sweep", "--bend", "shear"}) == drawn({sheared}));
 }
 
-TEST_F(KelpRenderBend, AllSolidPartsButNoFog) {
+TEST_F(KelpRenderBend, AllPartsAndFogToo) {
   const auto pack = [&](Bend bend) {
     RawPack two = slab(bend, kLeaning);
     two.parts.push_back(slab(bend, kLeaning).parts[0]);
@@ -117,9 +117,17 @@ TEST_F(KelpRenderBend, AllSolidPartsButNoFog) {
   const std::string sheared = file("sheared.kelp", pack(Bend::kShear)),
                     swept = file("swept.kelp", pack(Bend::kSweep));
   EXPECT_TRUE(drawn({sheared, "--bend", "sweep"}) == drawn({swept}));
-  const std::string fog = file("fog.kelp", fogPack(fogOf(glm::ivec3(16), puffs), 1));
-  EXPECT_TRUE(drawn({fog, "--bend", "sweep", "--offset", "1=0.3,0,0"}) ==
-              drawn({fog, "--offset", "1=0.3,0,0"}));
+  const auto cloud = [](Bend bend) {
+    RawPack pack = fogPack(fogOf(glm::ivec3(16), puffs), 1);
+    pack.parts[0].bend = bend;
+    return pack;
+  };
+  const std::string sheared_fog = file("sheared_fog.kelp", cloud(Bend::kShear)),
+                    swept_fog = file("swept_fog.kelp", cloud(Bend::kSweep));
+  const std::vector<std::string> moved{"--offset", "1=0.3,0,0"};
+  const std::string swept_picture = drawn({swept_fog, moved[0], moved[1]});
+  EXPECT_TRUE(drawn({sheared_fog, "--bend", "sweep", moved[0], moved[1]}) == swept_picture);
+  EXPECT_FALSE(drawn({sheared_fog, moved[0], moved[1]}) == swept_picture);
 }
 
 TEST_F(KelpRenderBend, AllOfACurlIsInThePicture) {

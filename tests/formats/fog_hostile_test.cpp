@@ -67,7 +67,6 @@ void takeOut(PackSurgeon& s, std::string_view name) {
 }
 
 const Lie kIndexLies[] = {
-    {"fog that is swept", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 8 + 24 + 16, 1u); }},
     {"FOGS missing", kCorrupt, [](PackSurgeon& s) { takeOut(s, "FOGS"); }},
     {"FOGS twice", kCorrupt,
      [](PackSurgeon& s) {

@@ -74,6 +74,16 @@ TEST(Fog, SeveralPartsShareOneTable) {
   expectComesBack(test::makeTinyFogPack());
 }
 
+TEST(Fog, BendsInEitherWay) {
+  RawPack raw = test::makeTinyFogPack();
+  for (const std::size_t part : {1u, 2u}) {
+    raw.parts[part].knots = {{0, {0, 0, 0}, {0, 9.4f, 0}}, {1, {6, 6, 0}, {9.4f, 0, 0}}};
+    raw.parts[part].bend = Bend::kSweep;
+    raw.parts[part].roll = 0.5f;
+  }
+  expectComesBack(raw);
+}
+
 TEST(Fog, PagesAreAsFullAsTheyCanBe) {
   for (const bool heat : {false, true}) {
     RawPack raw = test::makeRandomPack(1, {1, 8, 1, 0});

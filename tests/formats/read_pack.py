@@ -236,7 +236,6 @@ class Pack:
             need(place == -1 or (0 <= place <= 1 and part["parent"] >= 0), "place on the parent's spline")
             part["parent_at"] = place
             need(bend <= 1, "another way to bend")
-            need(bend == 0 or part["kind"] == 0, "fog that is swept")
             need(-PI <= roll <= PI and (bend == 1 or roll == 0), "roll")
             part["bend"], part["roll"] = bend, roll
             knots = part["knots"] = [table.take("7f") for _ in range(n)]

@@ -48,7 +48,7 @@ RawPack otherRigs(const RawPack& pack, std::uint32_t seed) {
                   {1, {0.2f, 1, 0}, {0, 1, 0.1f}}};
     part.automatic_tangents = 4;
     part.parent_at = part.parent < 0 || part.parent_at == 0.5f ? Part::kNotOnSpline : 0.5f;
-    const bool sweeps = !part.fog && part.bend == Bend::kShear && checkSweep(part.knots, part.size, 0.25f);
+    const bool sweeps = part.bend == Bend::kShear && checkSweep(part.knots, part.size, 0.25f);
     part.bend = sweeps ? Bend::kSweep : Bend::kShear;
     part.roll = sweeps ? 0.25f : 0.0f;
   }

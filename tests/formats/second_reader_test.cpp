@@ -149,6 +149,8 @@ std::string dump(const RawPack& pack) {
 
 TEST(SecondReader, ReadsWhatTheWriterWrote) {
   std::vector<RawPack> packs = {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()};
+  packs.push_back(test::makeTinyFogPack());
+  packs.back().parts[2].bend = Bend::kSweep;
   for (std::uint32_t seed = 50; seed < 54; ++seed) packs.push_back(test::makeRandomPack(seed, {3, 50, 3, 3}));
   for (const RawPack& pack : packs) {
     const PackFile file(test::writeToMemory(pack));

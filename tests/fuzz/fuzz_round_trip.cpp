@@ -196,7 +196,7 @@ RawPack makePack(Numbers& in) {
     part.automatic_tangents = in.byte() & ((1u << part.knots.size()) - 1);
     if (part.parent >= 0 && in.byte() % 2 == 1) part.parent_at = in.unit();
     const float roll = in.unit();
-    if (!part.fog && in.byte() % 2 == 1 && checkSweep(part.knots, part.size, roll)) {
+    if (in.byte() % 2 == 1 && checkSweep(part.knots, part.size, roll)) {
       part.bend = Bend::kSweep;
       part.roll = roll;
     }

@@ -3,112 +3,21 @@
 // and that nothing about a step is to be chosen.
 #include <cmath>
 
-#include "canvas.h"
-#include "kelp/runtime/pose.h"
-#include "support/fog_pack.h"
+#include "fog_canvas.h"
 
 namespace kelp::test {
 namespace {
 
-using runtime::Instance;
-
-constexpr glm::ivec3 kSize(40, 56, 36);
-
-// Colours that are not rounded. Desktop OpenGL draws into and blends them; of ES it is more than 3.0
-// promises.
-class FloatCanvas {
- public:
-  explicit FloatCanvas(const glm::ivec2& size, int samples = 0) : size_(size) {
-    glGenFramebuffers(1, &framebuffer_);
-    glGenRenderbuffers(2, names_);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    const GLenum formats[2] = {GL_RGBA32F, GL_DEPTH_COMPONENT24},
-                 places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
-    for (int i = 0; i < 2; ++i) {
-      glBindRenderbuffer(GL_RENDERBUFFER, names_[i]);
-      glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, formats[i], size.x, size.y);
-      glFramebufferRenderbuffer(GL_FRAMEBUFFER, places[i], GL_RENDERBUFFER, names_[i]);
-    }
-    EXPECT_EQ(glCheckFramebufferStatus(GL_FRAMEBUFFER), GLenum{GL_FRAMEBUFFER_COMPLETE});
-    glViewport(0, 0, size.x, size.y);
-  }
-  ~FloatCanvas() {
-    glDeleteFramebuffers(1, &framebuffer_);
-    glDeleteRenderbuffers(2, names_);
-  }
-  FloatCanvas(const FloatCanvas&) = delete;
-  FloatCanvas& operator=(const FloatCanvas&) = delete;
-
-  const glm::ivec2& size() const { return size_; }
-  void clear() const { clearBound(); }
-  std::vector<glm::vec4> pixels() const {
-    std::vector<glm::vec4> out(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y));
-    glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_FLOAT, out.data());
-    return out;
-  }
-
- private:
-  glm::ivec2 size_;
-  GLuint framebuffer_ = 0, names_[2] = {};
-};
+constexpr glm::ivec3 kFogSize(40, 56, 36);
 
 class Fog : public GlTest {};
-
-std::vector<glm::vec4> drawFog(gl::Renderer& renderer, const FloatCanvas& canvas, const gl::View& view,
-                               const Instance& instance) {
-  canvas.clear();
-  const auto drawn = renderer.draw(view, {&instance, 1}, gl::Pass::kFog);
-  EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().detail);
-  return canvas.pixels();
-}
-
-double greatest(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(double{a[i][c]} - double{b[i][c]}));
-  return most;
-}
-
-gl::View dark(gl::View view) {
-  view.light.sun_color = view.light.sky_color = view.light.ground_color = glm::vec3(0);
-  view.quality.pixels_per_voxel = 0;
-  return view;
-}
-
-// A stretch of a line in part space.
-struct PartRay {
-  glm::dvec3 o, r;
-  double begin = 0, end = 0;
-};
-// A pixel's, where it is in the bounds.
-PartRay partRay(const gl::View& view, const Instance& instance, const Box& bounds, int x, int y) {
-  const runtime::Ray ray = pixelRay(view, x, y);
-  const glm::dmat4 to_part = glm::inverse(glm::dmat4(runtime::partToWorld(instance, 0)));
-  const glm::dvec3 o(to_part * glm::dvec4(ray.origin, 1)), d(to_part * glm::dvec4(ray.direction, 0));
-  PartRay out{o, d / glm::length(d), 0, glm::length(d)};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double a = (double{bounds.min[axis]} - o[axis]) / out.r[axis],
-                 b = (double{bounds.max[axis]} - o[axis]) / out.r[axis];
-    out.begin = std::max(out.begin, std::min(a, b));
-    out.end = std::min(out.end, std::max(a, b));
-  }
-  return out;
-}
-
-// The whole of a posed instance.
-gl::View framing(const glm::ivec2& viewport, const Instance& instance) {
-  const Box box = runtime::bounds(instance);
-  const glm::vec3 middle = 0.5f * (box.min + box.max);
-  const float reach = glm::length(box.max - box.min);
-  return lookAt(viewport, middle + reach * glm::vec3(0.35f, 0.2f, 0.9f), middle, 0.01f * reach, 4 * reach);
-}
 
 TEST_P(Fog, IsTheIntegralInEveryPose) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({16, 12});
   for (const bool glows : {false, true}) {
     const RawPack pack =
-        fogPack(fogOf(kSize, puffs,
+        fogPack(fogOf(kFogSize, puffs,
                       glows ? FogShape([](const glm::dvec3& p) { return puffs(p) * p.y; }) : FogShape()),
                 0.21f);
     const LoadedAsset loaded(pack);
@@ -128,7 +37,7 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
         (void)pose->setKnots(0, knots);
         const Instance instance{loaded.asset.get(), &*pose};
         gl::View view = dark(framing(canvas.size(), instance));
-        const Box bounds = deformedBounds(knots, kSize);
+        const Box bounds = deformedBounds(knots, kFogSize);
         view.quality.finest_level = level;
         const std::vector<glm::vec4> drawn = drawFog(*renderer, canvas, view, instance);
         double worst = 0, worst_glow = 0, sum = 0;
@@ -153,13 +62,42 @@ TEST_P(Fog, IsTheIntegralInEveryPose) {
   }
 }
 
+// Where fog is dense to the faces of its volume, it ends there, and not half a voxel beyond.
+TEST_P(Fog, EndsAtTheFacesOfItsVolume) {
+  if (!desktop()) return;  // OpenGL ES reads no floats back
+  const FloatCanvas canvas({16, 12});
+  const RawPack pack = fogPack(fogOf(kFogSize, [](const glm::dvec3&) { return 1.0; }), 0.03f);
+  const LoadedAsset loaded(pack);
+  const auto renderer = makeRenderer(*loaded.asset);
+  ASSERT_TRUE(renderer);
+  auto pose = runtime::Pose::create(*loaded.asset);
+  ASSERT_TRUE(pose);
+  const std::vector<Knot> knots = figureKnots(kFigure6[2]);
+  (void)pose->setKnots(0, knots);
+  const Instance instance{loaded.asset.get(), &*pose};
+  gl::View view = dark(framing(canvas.size(), instance));
+  for (const int level : {0, 1}) {
+    view.quality.finest_level = level;
+    const FogTruth truth(pack.parts[0], level);
+    const std::vector<glm::vec4> drawn = drawFog(*renderer, canvas, view, instance);
+    for (int y = 0; y < canvas.size().y; ++y) {
+      for (int x = 0; x < canvas.size().x; ++x) {
+        const PartRay ray = partRay(view, instance, deformedBounds(knots, kFogSize), x, y);
+        const double through =
+            ray.begin < ray.end ? truth.look(knots, ray.o, ray.r, ray.begin, ray.end, 1.0 / 32).through : 1;
+        EXPECT_NEAR(drawn[static_cast<std::size_t>(x + canvas.size().x * y)].a, 1 - through, 2e-3);
+      }
+    }
+  }
+}
+
 // Solid parts hide what of the fog is behind them, and are seen through what is before them; the depth buffer
 // stays as it was.
 TEST_P(Fog, EndsAtTheDepthSoFar) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({48, 64});
   const float extinction = 0.05f;
-  const RawPack pack = fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction);
+  const RawPack pack = fogPack(fogOf(kFogSize, [](const glm::dvec3&) { return 1.0; }), extinction);
   const LoadedAsset fog(pack),
       wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
   const auto renderer = makeRenderer(*fog.asset);
@@ -204,7 +142,7 @@ TEST_P(Fog, EndsAtTheDepthSoFarFarAway) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
   const FloatCanvas canvas({48, 64});
   const float extinction = 0.3f;
-  const LoadedAsset fog(fogPack(fogOf(kSize, [](const glm::dvec3&) { return 1.0; }), extinction)),
+  const LoadedAsset fog(fogPack(fogOf(kFogSize, [](const glm::dvec3&) { return 1.0; }), extinction)),
       wall(packOf({glm::ivec3(40, 56, 4), std::vector<std::uint8_t>(40 * 56 * 4, 1)}));
   const auto renderer = makeRenderer(*fog.asset);
   ASSERT_TRUE(renderer && renderer->add(*wall.asset) && renderer->upload(~std::uint64_t{0}));
@@ -309,7 +247,7 @@ TEST_P(Fog, IsTheSameInBothApis) {
   static std::vector<Pixel> first;
   const Canvas canvas({40, 48});
   const LoadedAsset loaded(
-      fogPack(fogOf(kSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
+      fogPack(fogOf(kFogSize, puffs, [](const glm::dvec3& p) { return puffs(p) * p.x; }), 0.1f));
   gl::Config config;
   config.secondary_rays = true;
   const auto renderer = makeRenderer(*loaded.asset, nullptr, config);

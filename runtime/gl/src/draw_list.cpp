@@ -103,7 +103,7 @@ Result<void> DrawList::build(Residency& store, const Projection& projection, con
   texels_ = 0;
   rows_ = 0;
   culled_ = 0;
-  has_heat_ = false;
+  has_heat_[0] = has_heat_[1] = false;
   left_out_count_ = 0;
   first_left_out_ = {};
   palette_count_ = 0;
@@ -315,16 +315,16 @@ void DrawList::link(const Candidate& candidate, std::uint32_t record, std::size_
 void DrawList::finish(const Frame& frame, const Candidate& candidate, float nearest, RecordHead& head) {
   const ResidentAsset& asset = *candidate.asset;
   const ResidentPart& resident = *candidate.resident;
-  if (frame.kind == PartKind::kFog) has_heat_ = has_heat_ || asset.packed[candidate.part].fog->channels() > 1;
+  const bool fog = frame.kind == PartKind::kFog, swept = candidate.arcs > 0;
+  if (fog && asset.packed[candidate.part].fog->channels() > 1) has_heat_[swept] = true;
 
   if (candidate.drawn) {
     Ordered& ordered = order_[count_++];
     ordered.key = ascending(frame.projection.eye.w == 0 ? alongView(frame.projection.eye, head)
                                                         : std::max(nearest, 0.0f));
-    if (candidate.arcs > 0)
-      ordered.key |= kSweptLast;
-    else
-      ++sheared_;
+    if (fog) ordered.key &= ~kSweptFog;
+    if (swept) ordered.key |= fog ? kSweptFog : kSweptLast;
+    if (!swept) ++sheared_;
     ordered.texel = static_cast<std::uint32_t>(reinterpret_cast<glm::uvec4*>(&head) - records_.data());
   }
 

@@ -15,7 +15,9 @@ inline constexpr Error kNoMemoryForFrame{ErrorCode::kOutOfMemory, "no memory for
 // A record's palette is that of its instance, and lies among the records.
 inline constexpr std::uint32_t kOwnPalette = 0x80000000u;
 
-inline constexpr std::uint32_t kSweptLast = 1u << 30;  // in the key of a part's order
+// In the key of a part's order. Solids: swept ones come last. Fog keeps its order; the bit is below those
+// that are compared.
+inline constexpr std::uint32_t kSweptLast = 1u << 30, kSweptFog = 1;
 
 // Reused from frame to frame; allocates only to grow.
 class DrawList {
@@ -37,7 +39,7 @@ class DrawList {
                      std::span<const runtime::Instance> instances, PartKind kind = PartKind::kSolid,
                      Rays rays = Rays::kView);
 
-  // Parts to draw, in order: the sheared ones, then the swept ones.
+  // Parts to draw, in order. Of solids: the sheared ones, then the swept ones.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(count_); }
   std::uint32_t sheared() const { return static_cast<std::uint32_t>(sheared_); }
   // Rows of kRecordWidth texels.
@@ -48,8 +50,11 @@ class DrawList {
   // Instances that were left out, and why the first of them was.
   std::uint32_t leftOut() const { return static_cast<std::uint32_t>(left_out_count_); }
   const Error& firstLeftOut() const { return first_left_out_; }
-  // Whether fog that is listed has heat.
-  bool hasHeat() const { return has_heat_; }
+  // How a part of fog bends, by its place in the order, and whether any that is listed and bends so has heat.
+  Bend fogBend(std::uint32_t place) const {
+    return order_[count_ - 1 - place].key & kSweptFog ? Bend::kSweep : Bend::kShear;
+  }
+  bool hasHeat(Bend bend) const { return has_heat_[static_cast<int>(bend)]; }
 
  private:
   struct Ordered {
@@ -134,7 +139,7 @@ class DrawList {
   };
   Ring ring_;
   std::uint32_t culled_ = 0;
-  bool has_heat_ = false;
+  bool has_heat_[2] = {};           // by bend
   Buffer<std::uint32_t> left_out_;  // the first left_out_count_: indices of instances, ascending
   std::size_t left_out_count_ = 0;
   Error first_left_out_;

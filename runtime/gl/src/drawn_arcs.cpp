@@ -23,11 +23,11 @@ Box boxOfKnots(std::span<const Knot> knots, const glm::ivec3& size) {
   return {half + extent.y * box.min - corner, half + extent.y * box.max + corner};
 }
 
-Result<void> makeDrawnArcs(std::span<const Knot> knots, const glm::ivec3& size, float roll, float level,
-                           ArcChain& chain, float& tolerance) {
-  if (level >= 1) {
+Result<void> makeDrawnArcs(std::span<const Knot> knots, PartKind kind, const glm::ivec3& size, float roll,
+                           float level, ArcChain& chain, float& tolerance) {
+  if (level >= 1 || kind == PartKind::kFog) {
     // Half a voxel as it is drawn.
-    const float half = std::ldexp(0.5f, static_cast<int>(std::min(level, 16.0f)));
+    const float half = level >= 1 ? std::ldexp(0.5f, static_cast<int>(std::min(level, 16.0f))) : 0.5f;
     tolerance = std::max(half / static_cast<float>(size.y), kArcTolerance);
     // (Coarse arcs may fold where fine ones do not.)
     if (makeArcs(knots, size, roll, tolerance, chain)) return {};

@@ -86,7 +86,7 @@ const Error* DrawList::listArcs(std::size_t eight, std::size_t k, float level) {
   Candidate& candidate = block_[8 * eight + k];
   const Part& part = candidate.asset->packed[candidate.part];
   Result<void> made =
-      makeDrawnArcs(posed.knots[k], part.size, candidate.roll, level, chain_, candidate.tolerance);
+      makeDrawnArcs(posed.knots[k], part.kind, part.size, candidate.roll, level, chain_, candidate.tolerance);
   if (!made) {
     candidate.sound = false;
     if (const Error* const error = leaveOut(*candidate.asset, candidate.index, made.error().detail))

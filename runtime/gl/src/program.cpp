@@ -26,7 +26,8 @@ constexpr char kInstanceLine[] = "#line 1 1\n", kTraceLine[] = "#line 1 2\n", kS
                kHostLine[] = "\n#line 1 4\n", kMainLine[] = "\n#line 1 5\n", kShadingLine[] = "\n#line 1 6\n",
                kPixelLine[] = "\n#line 1 7\n", kFogLine[] = "\n#line 1 8\n", kSplineLine[] = "#line 1 9\n",
                kCurveLine[] = "#line 1 10\n", kOutputLine[] = "\n#line 1 11\n",
-               kDistanceLine[] = "#line 1 12\n", kArcLine[] = "#line 1 13\n", kSweepLine[] = "#line 1 14\n";
+               kDistanceLine[] = "#line 1 12\n", kArcLine[] = "#line 1 13\n", kSweepLine[] = "#line 1 14\n",
+               kFogWayLine[] = "\n#line 1 15\n";
 constexpr char kShearedDefine[] = "#define KELP_SWEPT false\n", kSweptDefine[] = "#define KELP_SWEPT true\n";
 
 // Hands the log to the sink. `get` is GetShaderInfoLog or GetProgramInfoLog.
@@ -171,12 +172,14 @@ Result<Program> buildProgram(const Api& api, const char* surface, LookDefines de
   return build(api, vertex_text, fragment_text, "kelp program", log);
 }
 
-Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log) {
+Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log) {
   const char* const prelude = api.es ? kEsPrelude : kDesktopPrelude;
+  const bool swept = bend == Bend::kSweep;
   const char* const vertex_text[] = {prelude, kInstanceLine, shaders::kInstance, kMainLine, shaders::kVertex};
   const char* const fragment_text[] = {prelude,
                                        heat ? "#define KELP_FOG_HEAT\n" : "",
                                        shadow ? "#define KELP_FOG_SHADOW\n" : "",
+                                       swept ? kSweptDefine : kShearedDefine,
                                        "#define KELP_SCENE_MARGIN 0.0\n",
                                        kInstanceLine,
                                        shaders::kInstance,
@@ -186,15 +189,22 @@ Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const Lo
                                        shaders::kCurve,
                                        kTraceLine,
                                        shaders::kTrace,
+                                       kArcLine,
+                                       swept ? shaders::kArc : "",
+                                       kSweepLine,
+                                       swept ? shaders::kSweepRecord : "",
+                                       swept ? shaders::kSweep : "",
                                        kFogLine,
                                        shaders::kFog,
+                                       kFogWayLine,
+                                       swept ? shaders::kFogSwept : shaders::kFogSheared,
                                        kPixelLine,
                                        shaders::kPixel,
                                        kOutputLine,
                                        shaders::kOutput,
                                        kMainLine,
                                        shaders::kFogFragment};
-  return build(api, vertex_text, fragment_text, "kelp fog program", log);
+  return build(api, vertex_text, fragment_text, swept ? "kelp swept fog program" : "kelp fog program", log);
 }
 
 }  // namespace kelp::gl

@@ -36,8 +36,8 @@ struct LookDefines {
 // kelpSurface. Null: kelp's own. For parts that bend so; where distances shade, for all.
 Result<Program> buildProgram(const Api& api, const char* surface, LookDefines defines, Bend bend,
                              const LogSink& log);
-// A program for fog: for parts that have heat too, or with the sun's shadow of fog on itself.
-Result<Program> buildFogProgram(const Api& api, bool heat, bool shadow, const LogSink& log);
+// A program for fog that bends so: for parts that have heat too, or with the sun's shadow of fog on itself.
+Result<Program> buildFogProgram(const Api& api, Bend bend, bool heat, bool shadow, const LogSink& log);
 
 // The text of kelp::gl::Renderer::traceGlsl().
 using TraceStrings = std::array<const char*, 14>;

@@ -14,6 +14,7 @@
 #include "draw_list.h"
 #include "placing.h"
 #include "program.h"
+#include "record_textures.h"
 #include "residency.h"
 #include "state_guard.h"
 
@@ -25,45 +26,12 @@ using namespace constant;
 constexpr std::uint64_t kLeastUpload = 4096;
 static_assert(kFirstHostUnit >= kTextureUnits);
 
-// The frame's records on the GPU. Several textures, used in turn, so that a frame does not wait until the one
-// before is drawn.
-struct RecordTextures {
-  static constexpr int kCount = 3;
-  Name names[kCount] = {};
-  std::size_t rows = 0;  // of each
-  int now = 0;
-};
-
-// Within an UploadGuard.
-Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
-  constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
-  const std::size_t rows = records.size() / DrawList::kRecordWidth;
-  const auto most = static_cast<std::size_t>(api.max_texture_size);
-  if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
-  if (rows > textures.rows) {
-    const std::size_t fresh = std::min(std::max(rows, 2 * textures.rows), most);
-    textures.rows = 0;
-    drainErrors(api);
-    for (const Name name : textures.names) {
-      api.BindTexture(kTexture2d, name);
-      api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger,
-                     kUnsignedInt, nullptr);
-    }
-    if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good)
-      return good;
-    textures.rows = fresh;
-  }
-  textures.now = (textures.now + 1) % RecordTextures::kCount;
-  api.BindTexture(kTexture2d, textures.names[textures.now]);
-  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt,
-                    records.data());
-  return {};
-}
-
 void bindUnit(const Api& api, Unit unit, Name texture) {
   api.ActiveTexture(kTexture0 + static_cast<Enum>(unit));
   api.BindTexture(kUnitTargets[unit], texture);
 }
+
+int fogProgram(Bend bend, bool heat, bool shadow) { return 4 * (bend == Bend::kSweep) + 2 * heat + shadow; }
 
 void count(const DrawList& list, Stats& stats) {
   stats.instances = list.parts();
@@ -111,7 +79,7 @@ struct Renderer::Impl {
   Buffer<char> surface;  // a copy of Config::surface_glsl; empty: kelp's own look
   LookDefines defines;
   Program program, swept_program;  // the latter once a part is swept; with distances one is for all
-  Program fog_programs[2][2];      // [heat][shadow]; those that assets need
+  Program fog_programs[8];         // fogProgram(); those that assets need
   Name vertex_array = 0;
   Name sampler = 0;
   RecordTextures records;
@@ -127,6 +95,7 @@ struct Renderer::Impl {
   Result<void> prepare(std::span<const Part> parts);
   std::uint32_t drawBatches(const Program& used, std::uint32_t begin, std::uint32_t end,
                             std::uint32_t batches) const;
+  std::uint32_t drawFog(const View& view, Name scene_depth) const;
 };
 
 // Everything a draw needs from the state; DrawGuard's list.
@@ -156,7 +125,7 @@ void Renderer::Impl::setState(const Program& used, const View& view, Pass pass, 
 // Compiles the programs that fog and swept parts need. Within a DrawGuard.
 Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
   for (const Part& part : parts) {
-    if (part.bend == Bend::kSweep && !defines.distances && swept_program.name == 0) {
+    if (part.bend == Bend::kSweep && !part.fog && !defines.distances && swept_program.name == 0) {
       const auto built = buildProgram(api, surface.data(), defines, Bend::kSweep, log);
       if (!built) return built.error();
       swept_program = *built;
@@ -164,9 +133,9 @@ Result<void> Renderer::Impl::prepare(std::span<const Part> parts) {
     if (!part.fog) continue;
     const bool heat = part.fog->channels() > 1;
     for (const bool shadow : {false, true}) {
-      Program& fog_program = fog_programs[heat][shadow];
+      Program& fog_program = fog_programs[fogProgram(part.bend, heat, shadow)];
       if (fog_program.name != 0 || (shadow && look_is_plain)) continue;
-      const auto built = buildFogProgram(api, heat, shadow, log);
+      const auto built = buildFogProgram(api, part.bend, heat, shadow, log);
       if (!built) return built.error();
       fog_program = *built;
     }
@@ -188,6 +157,20 @@ std::uint32_t Renderer::Impl::drawBatches(const Program& used, std::uint32_t beg
     api.DrawArraysInstanced(kTriangleStrip, 0, 6, static_cast<std::int32_t>(last - first));
   }
   return batches;
+}
+
+// Draws the list's fog far to near: as many as follow each other and bend alike in one draw.
+std::uint32_t Renderer::Impl::drawFog(const View& view, Name scene_depth) const {
+  std::uint32_t draws = 0;
+  for (std::uint32_t begin = 0, end = 0; begin < list.parts(); begin = end) {
+    const Bend bend = list.fogBend(begin);
+    while (end < list.parts() && list.fogBend(end) == bend) ++end;
+    const Program& used = fog_programs[fogProgram(bend, list.hasHeat(bend), view.quality.self_shadow)];
+    setState(used, view, Pass::kFog, scene_depth);
+    const BlendGuard blend(api, restore);
+    draws += drawBatches(used, begin, end, 1);
+  }
+  return draws;
 }
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -242,9 +225,7 @@ Renderer::~Renderer() {
   self.api.DeleteVertexArrays(1, &self.vertex_array);
   self.api.DeleteProgram(self.program.name);
   self.api.DeleteProgram(self.swept_program.name);
-  for (const auto& programs : self.fog_programs) {
-    for (const Program& program : programs) self.api.DeleteProgram(program.name);
-  }
+  for (const Program& program : self.fog_programs) self.api.DeleteProgram(program.name);
 }
 
 Result<void> Renderer::add(const runtime::Asset& asset) {
@@ -316,10 +297,7 @@ Result<Stats> Renderer::draw(const View& view, std::span<const runtime::Instance
   const DrawGuard guard(self.api, self.restore);
   const std::uint32_t all = self.list.parts(), sheared = self.defines.distances ? all : self.list.sheared();
   if (fog) {
-    const Program& used = self.fog_programs[self.list.hasHeat()][view.quality.self_shadow];
-    self.setState(used, view, pass, scene_depth);
-    const BlendGuard blend(self.api, self.restore);
-    stats.draws = self.drawBatches(used, 0, all, 1);
+    stats.draws = self.drawFog(view, scene_depth);
   } else {
     const auto drawWith = [&](const Program& used, std::uint32_t begin, std::uint32_t end) {
       if (begin == end) return;

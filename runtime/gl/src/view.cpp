@@ -72,7 +72,7 @@ int levelAt(const View& view, const runtime::Instance& instance, int part, const
     ArcChain chain;
     float tolerance;
     const float roll = rollOf(of, instance.pose, part);
-    if (!makeDrawnArcs(knots, of.size, roll, judged.level.of[0], chain, tolerance)) return -1;
+    if (!makeDrawnArcs(knots, of.kind, of.size, roll, judged.level.of[0], chain, tolerance)) return -1;
     boundAll(chain.bounds);
   } else {
     if (!boundParts(parts, placed)) return -1;

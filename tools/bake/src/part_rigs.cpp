@@ -75,8 +75,6 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     try {
       const RawRig& rest = rests.emplace_back(realizeRig(model.parts[i].rig));
-      if (model.parts[i].fog && rest.bend == Bend::kSweep)
-        throw RigError("/bend: fog cannot be swept; write \"shear\" or take it out");
       checkRest(rest, pack.parts[i].size);
       give(rest, pack.parts[i]);
       std::ranges::move(realizeSockets(model.parts[i].rig, static_cast<std::uint32_t>(i)),

@@ -157,10 +157,9 @@ void addItemOptions(CLI::App& app, ItemText& text) {
   // So that options of a shell alias can be overridden.
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app.add_option("PACK", text.item.pack, "the .kelp file")->required();
-  app.add_option(
-         "--bend", text.bend,
-         "draw all solid parts as if their rigs said so: sections stay level, or perpendicular to the "
-         "spline; the pack stays as it is")
+  app.add_option("--bend", text.bend,
+                 "draw all parts as if their rigs said so: sections stay level, or perpendicular to the "
+                 "spline; the pack stays as it is")
       ->option_text("shear|sweep [as the pack says]");
   app.add_option("--clip", text.item.clip, "the animation to play")->option_text("NAME");
   text.time =

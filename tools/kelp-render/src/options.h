@@ -31,7 +31,7 @@ struct KnotChange {
 // A pack to draw: its pose, and where it stands.
 struct Item {
   std::string pack;
-  std::optional<Bend> bend;  // of all solid parts; absent: as the pack says
+  std::optional<Bend> bend;  // of all parts; absent: as the pack says
   std::string clip;
   double time = 0;
   std::vector<KnotChange> changes;

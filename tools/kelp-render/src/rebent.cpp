@@ -14,7 +14,6 @@ Rebent::Rebent(const std::string& path, const Source& source, Bend bend) {
   RawRigs rigs{std::string(pack.infoJson()), {}, rawClips(pack), rawSockets(pack)};
   for (const Part& part : pack.parts()) {
     RawRig& rest = rigs.parts.emplace_back(rawRig(part));
-    if (part.kind != PartKind::kSolid) continue;
     rest.bend = bend;
     if (bend == Bend::kShear) rest.roll = 0;
     try {

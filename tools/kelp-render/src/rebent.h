@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --bend: a pack in memory whose solid parts all bend in one way, whatever their rigs say.
+// --bend: a pack in memory whose parts all bend in one way, whatever their rigs say.
 #pragma once
 
 #include <cstddef>

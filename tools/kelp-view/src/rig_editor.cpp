@@ -31,8 +31,6 @@ void RigEditor::load(const Pack& pack) {
   sizes_ = sizesOf(pack);
   axes_.clear();
   loaded_.clear();
-  fog_.clear();
-  for (const Part& part : pack.parts()) fog_.push_back(part.kind == PartKind::kFog);
   const PackRig rig = rigOf(pack);
   for (int part = 0; part < static_cast<int>(pack.parts().size()); ++part) {
     axes_.push_back(axesOf(pack, part));
@@ -56,8 +54,6 @@ std::string RigEditor::change(int part, const RigDescription& wanted) {
   try {
     // What the file could not hold is refused now: the words are those of the baker.
     (void)parseRig(printRig(wanted));
-    if (isFog(part) && wanted.bend == Bend::kSweep)
-      throw RigError("/bend: fog cannot be swept; write \"shear\" or take it out");
     next.realized = realize(next.rigs, axes_);
     prove(next.realized, sizes_);
   } catch (const RigError& error) {

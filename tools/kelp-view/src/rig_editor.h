@@ -14,7 +14,6 @@ class RigEditor {
   int parts() const { return static_cast<int>(axes_.size()); }
   const std::string& name(int part) const { return names_[static_cast<std::size_t>(part)]; }
   const RigDescription& rig(int part) const { return now_.rigs[static_cast<std::size_t>(part)]; }
-  bool isFog(int part) const { return fog_[static_cast<std::size_t>(part)]; }
   const RigAxes& axes(int part) const { return axes_[static_cast<std::size_t>(part)]; }
   const PackRig& realized() const { return now_.realized; }
   int revision() const { return revision_; }  // changes with every edit
@@ -56,7 +55,6 @@ class RigEditor {
   void step(std::vector<State>& from, std::vector<State>& to);
 
   std::vector<std::string> names_;  // of the parts
-  std::vector<bool> fog_;
   Sizes sizes_;
   std::vector<RigAxes> axes_;
   std::vector<RigDescription> loaded_, saved_;

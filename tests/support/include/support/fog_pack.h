@@ -97,19 +97,30 @@ class FogTruth {
   // Along o + s r of part space, posed; r is a unit vector. step: of s, level-0 voxels.
   FogSight look(std::span<const Knot> knots, const glm::dvec3& o, const glm::dvec3& r, double s0, double s1,
                 double step = 1.0 / 32) const {
+    const auto place = [&](const glm::dvec3& p, auto&& visit) {
+      if (const std::optional<glm::dvec3> rest = undeform(knots, p)) visit(*rest);
+    };
+    return lookThrough(place, o, r, s0, s1, step);
+  }
+  // The same by any map: places(p, visit) visits every place at rest that is at p of part space.
+  template <class Places>
+  FogSight lookThrough(Places&& places, const glm::dvec3& o, const glm::dvec3& r, double s0, double s1,
+                       double step) const {
     FogSight sight;
     const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / step)));
     const double ds = (s1 - s0) / steps;
-    const double extinction = part_.levels[static_cast<std::size_t>(level_)].extinction;
     for (int i = 0; i < steps; ++i) {
-      const std::optional<glm::dvec3> rest = undeform(knots, o + (s0 + (i + 0.5) * ds) * r);
-      if (!rest) continue;
-      const double hot = heat(*rest);
-      if (hot > 0) sight.glow += sight.through * double{part_.fog->glow} * hot * ds * ramp(hot);
-      sight.through *= std::exp(-extinction * density(*rest) * ds);
+      double depth = 0;
+      places(o + (s0 + (i + 0.5) * ds) * r, [&](const glm::dvec3& rest) {
+        const double hot = heat(rest);
+        if (hot > 0) sight.glow += sight.through * double{part_.fog->glow} * hot * ds * ramp(hot);
+        depth += extinction() * density(rest) * ds;
+      });
+      sight.through *= std::exp(-depth);
     }
     return sight;
   }
+  double extinction() const { return part_.levels[static_cast<std::size_t>(level_)].extinction; }
 
   // Of a place of part space; none above and below the spline.
   std::optional<glm::dvec3> undeform(std::span<const Knot> knots, const glm::dvec3& p) const {

@@ -132,8 +132,6 @@ class RigSetter {
                                   file_.path(), wanted));
     const BakeOptions& options = *read;
     new_ = readRig(wanted, given ? given : options.axis, options.up);
-    if (part().fog && new_.rig.bend == Bend::kSweep)
-      refuse("/bend: fog cannot be swept; write \"shear\" or take it out");
     by_default_ = part().fog ? Bend::kShear : options.bend.value_or(kDefaultBend);
     if (given && new_.rig.axis && *given != *new_.rig.axis)
       throw ToolError(

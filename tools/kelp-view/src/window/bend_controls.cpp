@@ -7,8 +7,7 @@
 
 namespace kelp::view {
 
-void drawBend(Draft& draft, bool fog) {
-  if (fog) return ImGui::TextDisabled("fog, which cannot be swept");
+void drawBend(Draft& draft) {
   constexpr const char* kBends[] = {"shear", "sweep"};  // as kelp::Bend
   int bend = static_cast<int>(draft.rig.bend.value_or(kDefaultBend));
   if (choose("bend", bend, kBends, 2, 82)) {

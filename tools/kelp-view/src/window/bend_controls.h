@@ -6,7 +6,7 @@
 
 namespace kelp::view {
 
-// Draws the controls; what the user does changes the draft. Fog is always sheared.
-void drawBend(Draft& draft, bool fog);
+// Draws the controls; what the user does changes the draft.
+void drawBend(Draft& draft);
 
 }  // namespace kelp::view

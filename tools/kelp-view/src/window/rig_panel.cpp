@@ -64,7 +64,7 @@ void drawRigPanel(RigPanel& panel, RigEditor& editor, double now, const std::fun
 
     ImGui::BeginChild("rest");
     Draft draft{editor.rig(panel.part)};
-    drawBend(draft, editor.isFog(panel.part));
+    drawBend(draft);
     if (ImGui::CollapsingHeader("Knots", ImGuiTreeNodeFlags_DefaultOpen)) {
       ImGui::TextDisabled("along %s of the file, 1 = its length there",
                           kAxes[static_cast<int>(draft.rig.axis.value_or(Axis::kPlusY))]);

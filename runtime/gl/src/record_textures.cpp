@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "record_textures.h"
+
+#include <algorithm>
+
+#include "draw_list.h"
+
+namespace kelp::gl {
+
+using namespace constant;
+
+Result<void> uploadRecords(const Api& api, RecordTextures& textures, std::span<const glm::uvec4> records) {
+  constexpr auto kWidth = static_cast<std::int32_t>(DrawList::kRecordWidth);
+  const std::size_t rows = records.size() / DrawList::kRecordWidth;
+  const auto most = static_cast<std::size_t>(api.max_texture_size);
+  if (rows > most) return Error{ErrorCode::kLimit, "more instances than a texture of this context holds"};
+  if (rows > textures.rows) {
+    const std::size_t fresh = std::min(std::max(rows, 2 * textures.rows), most);
+    textures.rows = 0;
+    drainErrors(api);
+    for (const Name name : textures.names) {
+      api.BindTexture(kTexture2d, name);
+      api.TexImage2D(kTexture2d, 0, kRgba32ui, kWidth, static_cast<std::int32_t>(fresh), 0, kRgbaInteger,
+                     kUnsignedInt, nullptr);
+    }
+    if (auto good = checkErrors(api, "OpenGL refused the texture of the frame's instances"); !good)
+      return good;
+    textures.rows = fresh;
+  }
+  textures.now = (textures.now + 1) % RecordTextures::kCount;
+  api.BindTexture(kTexture2d, textures.names[textures.now]);
+  api.TexSubImage2D(kTexture2d, 0, 0, 0, kWidth, static_cast<std::int32_t>(rows), kRgbaInteger, kUnsignedInt,
+                    records.data());
+  return {};
+}
+
+}  // namespace kelp::gl
