@@ -172,6 +172,12 @@ const Lie kPaletteAndRigLies[] = {
     {"roll below -pi", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 52, -3.1415930f); }},
     {"roll not a number", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 52, test::kNan); }},
     {"swept part folds", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 140 + 16, 9.0f); }},
+    {"swept part far away", kCorrupt,  // where rounding leaves nothing of its arcs
+     [](PackSurgeon& s) {
+       constexpr float kFar[] = {1e8f, -1e8f, -1e8f, 1e-7f,  -1,   1e-7f, 1,
+                                 1e8f, 1,     -1e8f, 1e-38f, 9e8f, 1e-7f};
+       for (std::size_t i = 0; i < std::size(kFar); ++i) set(s.content("RIGS"), 144 + 4 * i, kFar[i]);
+     }},
     {"swept part's knot not finite", kCorrupt,
      [](PackSurgeon& s) { set(s.content("RIGS"), 140 + 28 + 4, test::kNan); }},
     {"spline turns back", kCorrupt, [](PackSurgeon& s) { set(s.content("RIGS"), 56 + 20, -20.0f); }},
