@@ -18,7 +18,7 @@ RigDescription readRigFile(const InputFiles& files, const std::filesystem::path&
 std::string presetList() {
   std::string names;
   for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;
-  return names;
+  return names + " or " + kSkinRig;
 }
 
 }  // namespace
@@ -36,6 +36,7 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
     return OuterRig{readRigFile(files, *settings.rig_file),
                     "rig file " + settings.rig_file->filename().string()};
   }
+  if (settings.rig_preset == kSkinRig) return std::nullopt;
   if (settings.rig_preset) {
     std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis, settings.up);
     if (!preset) {
