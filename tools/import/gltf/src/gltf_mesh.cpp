@@ -270,9 +270,9 @@ class PrimitiveReader {
     }
     if (uneven > 0)
       model_.noteOnce(
-          fmt::format("{}: the weights of {} of its {} vertices do not sum to one: they are scaled "
+          fmt::format("{} of node '{}': the weights of {} of its {} vertices do not sum to one: they are scaled "
                       "so that they do, and vertices without any follow the first joint",
-                      place, uneven, count));
+                      place, node_.name, uneven, count));
   }
 
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,

@@ -79,7 +79,11 @@ class GltfImporter {
     if (!asked) {
       if (!skins || outer_ || settings_.at || settings_.parts != Parts::kOne) return false;
       const std::vector<PartPlan> plans = planByRigs(model_, false);
-      return plans.size() == 1 && !plans[0].rig && plans[0].knots.empty();
+      if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
+      if (movesJoints(model_, animations_)) return true;
+      model_.note("no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
+                  "a part of each joint all the same");
+      return false;
     }
     if (!skins)
       throw ToolError(Exit::kUsage, "--rig skin: " + files_.input().filename().string() +

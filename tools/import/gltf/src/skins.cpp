@@ -69,6 +69,27 @@ bool hasSkins(const GltfModel& model) {
   });
 }
 
+bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations) {
+  // The joints and all nodes above them.
+  std::vector<bool> reaches(model.data.nodes.size(), false);
+  std::set<int> seen;
+  for (const int node : model.order) {
+    const int skin = model.node(node).skin;
+    if (model.node(node).mesh < 0 || skin < 0 || !seen.insert(skin).second) continue;
+    for (int joint : model.data.skins[static_cast<std::size_t>(skin)].joints) {
+      if (joint < 0 || static_cast<std::size_t>(joint) >= reaches.size()) continue;
+      for (; joint >= 0 && !reaches[static_cast<std::size_t>(joint)];
+           joint = model.parents[static_cast<std::size_t>(joint)])
+        reaches[static_cast<std::size_t>(joint)] = true;
+    }
+  }
+  return std::any_of(animations.begin(), animations.end(), [&](const GltfAnimation& animation) {
+    return std::any_of(animation.channels.begin(), animation.channels.end(), [&](const GltfChannel& channel) {
+      return reaches[static_cast<std::size_t>(channel.node)] && moves(model, channel);
+    });
+  });
+}
+
 std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
   const tinygltf::Skin& skin = model.data.skins[static_cast<std::size_t>(index)];
   const std::string place = placeOf("skins", static_cast<std::size_t>(index));
@@ -224,8 +245,7 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimat
     bool concerned = false;
     for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
       if (!reaches[static_cast<std::size_t>(animations[a].channels[c].node)]) continue;
-      used[a][c] = true;
-      concerned = concerned || moves(model_, animations[a].channels[c]);
+      used[a][c] = concerned = true;
     }
     if (!concerned) continue;
     std::vector<std::size_t>& list = by_name[animations[a].name];
