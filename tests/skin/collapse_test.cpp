@@ -23,8 +23,8 @@ struct Bent {
 
   Bent() {
     SourceSkin& skin = shape.skin();
-    skin.clips.push_back(test::turningClip(skin, "bend", 2, 41,
-                                           [](int j, double t) { return 0.5 * (j + 1) * std::sin(2.1 * t); }));
+    skin.clips.push_back(test::turningClip(
+        skin, "bend", 2, 41, [](int j, double t) { return 0.5 * (j + 1) * std::sin(2.1 * t); }));
     samples = makeSkinSamples(shape.soup(), skin, space);
     moments = momentsAt(skin, 0, {0.1, 0.5, 0.77, 1.3, 1.9}, space, 1);
     for (std::uint32_t i = 0; i < samples.size(); i += 3) members.push_back(i);
@@ -126,7 +126,8 @@ TEST(SkinSamples, AreTheDrawnTriangles) {
   // The middle of an edge of the soup is drawn in the middle of its drawn ends.
   const auto drawn = [&](std::uint32_t vertex, std::size_t t) {
     glm::dvec3 at(0);
-    const glm::dvec4 x = bent.space.from_soup * glm::dvec4(glm::dvec3(bent.shape.soup().positions[vertex]), 1);
+    const glm::dvec4 x =
+        bent.space.from_soup * glm::dvec4(glm::dvec3(bent.shape.soup().positions[vertex]), 1);
     for (std::uint32_t k = skin.first_influence[vertex]; k < skin.first_influence[vertex + 1]; ++k)
       at += static_cast<double>(skin.influences[k].weight) *
             (bent.moments.motion(t, skin.influences[k].joint) * x);
@@ -135,14 +136,16 @@ TEST(SkinSamples, AreTheDrawnTriangles) {
   int compared = 0;
   for (const TriangleSoup::Triangle& t : bent.shape.soup().triangles) {
     const std::uint32_t a = t.vertex[0], b = t.vertex[1];
-    const glm::dvec3 rest = bent.space.from_soup *
-                            glm::dvec4(0.5 * (glm::dvec3(bent.shape.soup().positions[a]) +
-                                              glm::dvec3(bent.shape.soup().positions[b])), 1);
+    const glm::dvec3 rest =
+        bent.space.from_soup * glm::dvec4(0.5 * (glm::dvec3(bent.shape.soup().positions[a]) +
+                                                 glm::dvec3(bent.shape.soup().positions[b])),
+                                          1);
     for (std::size_t i = 0; i < bent.samples.size(); ++i) {
       if (glm::distance(bent.samples.positions[i], rest) > 1e-9) continue;
       for (std::size_t m = 0; m < bent.moments.size(); ++m)
-        ASSERT_LT(glm::distance(skinnedPoint(bent.samples, i, bent.moments, m),
-                                0.5 * (drawn(a, m) + drawn(b, m))), 1e-4);
+        ASSERT_LT(
+            glm::distance(skinnedPoint(bent.samples, i, bent.moments, m), 0.5 * (drawn(a, m) + drawn(b, m))),
+            1e-4);
       ++compared;
     }
   }

@@ -30,8 +30,9 @@ test::SkinnedShape bendingTube(int joints) {
 glm::ivec3 placeOf(const SkinPart& part, const VoxelGrid& whole, std::size_t index) {
   const glm::dvec3 at =
       glm::dmat4x3(part.grid.to_node) * glm::dvec4(glm::dvec3(voxelAt(part.grid.size, index)) + 0.5, 1);
-  const glm::dmat4 to_node(glm::dvec4(glm::dvec3(whole.to_node[0]), 0), glm::dvec4(glm::dvec3(whole.to_node[1]), 0),
-                           glm::dvec4(glm::dvec3(whole.to_node[2]), 0), glm::dvec4(glm::dvec3(whole.to_node[3]), 1));
+  const glm::dmat4 to_node(
+      glm::dvec4(glm::dvec3(whole.to_node[0]), 0), glm::dvec4(glm::dvec3(whole.to_node[1]), 0),
+      glm::dvec4(glm::dvec3(whole.to_node[2]), 0), glm::dvec4(glm::dvec3(whole.to_node[3]), 1));
   return glm::ivec3(glm::floor(glm::dvec3(glm::inverse(to_node) * glm::dvec4(at, 1))));
 }
 

@@ -60,9 +60,8 @@ inline SkinnedShape tube(int joints, int rings = 33, int corners = 16) {
   addVertex(0, kTubeHeight, 0);
   skin.first_influence.push_back(static_cast<std::uint32_t>(skin.influences.size()));
   const auto addTriangle = [&](int a, int b, int c) {
-    soup.triangles.push_back({{static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
-                               static_cast<std::uint32_t>(c)},
-                              0});
+    soup.triangles.push_back(
+        {{static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)}, 0});
     soup.skinned.push_back(soup.triangles.back().vertex);
   };
   for (int k = 0; k < corners; ++k) {
@@ -98,9 +97,10 @@ inline SourceSkin::Clip turningClip(const SourceSkin& skin, const std::string& n
     std::vector<glm::dmat4> posed;
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
       const glm::dvec3& at = skin.joints[j].origin;
-      const glm::dmat4 turn = glm::translate(glm::dmat4(1), at) *
-                              glm::rotate(glm::dmat4(1), angle(static_cast<int>(j), time), glm::dvec3(0, 0, 1)) *
-                              glm::translate(glm::dmat4(1), -at);
+      const glm::dmat4 turn =
+          glm::translate(glm::dmat4(1), at) *
+          glm::rotate(glm::dmat4(1), angle(static_cast<int>(j), time), glm::dvec3(0, 0, 1)) *
+          glm::translate(glm::dmat4(1), -at);
       const int parent = skin.joints[j].parent;
       posed.push_back(parent < 0 ? turn : posed[static_cast<std::size_t>(parent)] * turn);
       clip.motions.emplace_back(posed.back());

@@ -79,10 +79,10 @@ void reportFits(const std::vector<SkinFit>& fits, Report& report) {
       clip.fit = {found->second->mean, found->second->p95, found->second->max, found->second->joint};
   for (const SkinFit& fit : fits)
     if (fit.p95 > kPoorFit)
-      report.notices.push_back(
-          fmt::format("clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
-                      "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
-                      fit.clip, fit.p95, fit.max, fit.joint));
+      report.notices.push_back(fmt::format(
+          "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
+          "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
+          fit.clip, fit.p95, fit.max, fit.joint));
 }
 
 }  // namespace kelp::bake

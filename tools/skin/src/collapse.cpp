@@ -81,7 +81,8 @@ double PartMotion::cost(std::size_t sample, const SkinSamples& samples) const {
   const glm::dvec4 x(samples.positions[sample], 1);
   glm::dvec4 sum = own_ * x;
   for (std::size_t k = samples.first_weighted[sample]; k < samples.first_weighted[sample + 1]; ++k)
-    sum -= 2.0 * (cross_[static_cast<std::size_t>(slots_[samples.weighted[k].joint])] * samples.weighted[k].x);
+    sum -=
+        2.0 * (cross_[static_cast<std::size_t>(slots_[samples.weighted[k].joint])] * samples.weighted[k].x);
   return glm::dot(x, sum);
 }
 

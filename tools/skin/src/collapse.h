@@ -17,10 +17,10 @@ namespace kelp::bake {
 // The motions of a part, which follow its samples.
 class PartMotion {
  public:
-  // Fits to `members`. They pull weakly towards the rotation of `joint`, which decides for parts that are flat
-  // or small.
-  PartMotion(const SkinSamples& samples, const SkinMoments& moments, const std::vector<std::uint32_t>& members,
-             std::uint32_t joint);
+  // Fits to `members`. They pull weakly towards the rotation of `joint`, which decides for parts that are
+  // flat or small.
+  PartMotion(const SkinSamples& samples, const SkinMoments& moments,
+             const std::vector<std::uint32_t>& members, std::uint32_t joint);
 
   const std::vector<glm::dmat4x3>& motions() const { return motions_; }
 

@@ -10,9 +10,9 @@ namespace kelp::bake {
 namespace {
 
 constexpr int kFirstRounds = 8, kRoundsOfCut = 4;
-constexpr double kLeastGain = 0.02;            // of a cut, in the mean square error of the whole surface
+constexpr double kLeastGain = 0.02;               // of a cut, in the mean square error of the whole surface
 constexpr double kMeanGoal = 0.8, kGoal95 = 2.5;  // units: cuts that gain less are made until these are met
-constexpr std::size_t kMostParts = 256;        // by cuts
+constexpr std::size_t kMostParts = 256;           // by cuts
 constexpr std::size_t kMostSeeds = 1024;
 constexpr int kMostFailures = 3;
 
@@ -38,8 +38,7 @@ SkinLabels seeds(const SkinSamples& samples, std::size_t joints) {
   labels.joints = kept;
   for (const std::uint32_t joint : heaviest) {
     const auto after = std::upper_bound(kept.begin(), kept.end(), joint);
-    labels.parts.push_back(
-        static_cast<std::uint32_t>(after == kept.begin() ? 0 : after - kept.begin() - 1));
+    labels.parts.push_back(static_cast<std::uint32_t>(after == kept.begin() ? 0 : after - kept.begin() - 1));
   }
   return labels;
 }
@@ -53,6 +52,7 @@ SkinLabels decompose(const SkinSamples& samples, const SkinMoments& moments, int
   const std::size_t most = std::max(first.joints.size(), std::min(2 * first.joints.size(), kMostParts));
   Partition partition(samples, moments, std::move(first), threads);
   partition.improve(kFirstRounds);
+  partition.merge();
   for (int failures = 0; partition.parts() < most && failures <= kMostFailures;) {
     step(static_cast<double>(partition.parts()) / static_cast<double>(most));
     partition.findCuts();

@@ -23,7 +23,8 @@ std::vector<glm::dvec3> outermost(const SkinSamples& samples, const std::vector<
   constexpr int kDirections = 40;
   for (int k = 0; k < kDirections; ++k) {
     // A spiral over the sphere.
-    const double y = 1 - (k + 0.5) * 2 / kDirections, round = std::sqrt(1 - y * y), turn = 2.399963229728653 * k;
+    const double y = 1 - (k + 0.5) * 2 / kDirections, round = std::sqrt(1 - y * y),
+                 turn = 2.399963229728653 * k;
     const glm::dvec3 direction(round * std::cos(turn), y, round * std::sin(turn));
     std::uint32_t best = members.front();
     for (const std::uint32_t i : members)
@@ -257,10 +258,8 @@ std::vector<RigDescription::Clip> makeSkinKeys(const SkinSamples& samples, const
         if (choice.size() == 0 || other.size() < choice.size()) choice = std::move(other);
       }
       best = {skin.clips[clip].name, skin.clips[clip].duration, {}, {}};
-      const bool turns = choice.turns.size() > 1 ||
-                         std::abs(motion.turns[choice.turns[0]].w) < 1 - 1e-14;
-      const bool shifts = choice.shifts.size() > 1 ||
-                          glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
+      const bool turns = choice.turns.size() > 1 || std::abs(motion.turns[choice.turns[0]].w) < 1 - 1e-14;
+      const bool shifts = choice.shifts.size() > 1 || glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
       addTrack(best, Target::kPartTranslation, choice.shifts, times, motion.shifts, key_space, !shifts);
       addTrack(best, Target::kPartRotation, choice.turns, times, motion.turns, key_space, !turns);
       reduced[p].clear();

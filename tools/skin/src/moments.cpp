@@ -85,8 +85,8 @@ SkinMoments judgedMoments(const SourceSkin& skin, const SkinSamples& samples, co
   const int each = static_cast<int>(std::min<std::size_t>(kMomentsOfClip, kMostMoments / used));
   const std::vector<std::size_t> looked_at = witnesses(samples, out.joints);
   for (std::size_t clip = 0; clip < skin.clips.size(); clip += step) {
-    const SkinMoments its = momentsAt(skin, static_cast<std::uint32_t>(clip),
-                                      evenTimes(skin.clips[clip], each), space, threads);
+    const SkinMoments its =
+        momentsAt(skin, static_cast<std::uint32_t>(clip), evenTimes(skin.clips[clip], each), space, threads);
     std::vector<glm::dvec3> before;
     for (const std::size_t i : looked_at) before.push_back(samples.positions[i]);
     for (std::size_t t = 0; t < its.size(); ++t) {

@@ -10,7 +10,6 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kSeamPrice = 1;      // of a unit of length, as of a unit of area at a distance of 1
 constexpr double kLeastWeight = 0.02;  // of a part's joint, for a sample to become the part's
 constexpr double kLeastPiece = 30;     // square units; smaller pieces of parts go to their neighbours
 constexpr double kLeastFall = 1e-3;    // of the energy, for another round
@@ -107,8 +106,8 @@ void Partition::findCandidates() {
   parallelRanges(samples_.size(), 512, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t k = first_candidate_[i]; k < first_candidate_[i + 1]; ++k)
-        candidates_[k].cost = samples_.areas[i] * (parts_[candidates_[k].part].motion->cost(i, samples_) +
-                                                   constants_[i]);
+        candidates_[k].cost =
+            samples_.areas[i] * (parts_[candidates_[k].part].motion->cost(i, samples_) + constants_[i]);
   });
 }
 
@@ -136,7 +135,8 @@ void Partition::relabel(int round) {
           const std::uint32_t part = candidates_[k].part;
           double price = candidates_[k].cost;
           for (std::size_t n = samples_.first_neighbour[i]; n < samples_.first_neighbour[i + 1]; ++n)
-            if (now[samples_.neighbours[n].sample] == part) price -= kSeamPrice * samples_.neighbours[n].width;
+            if (now[samples_.neighbours[n].sample] == part)
+              price -= kSeamPrice * samples_.neighbours[n].width;
           if (part == now[i]) present = price;
           if (k == first_candidate_[i] || price < best) {
             best = price;

@@ -12,13 +12,19 @@
 
 namespace kelp::bake {
 
+// What a unit of a seam's length costs; as much as a unit of area at a distance of 1.
+inline constexpr double kSeamPrice = 1;
+
 class Partition {
  public:
   Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads);
 
-  // Rounds of fitting and labelling, as long as the energy falls: the sum of areas times costs, and the length
-  // of the seams. Parts that lose all samples are removed.
+  // Rounds of fitting and labelling, as long as the energy falls: the sum of areas times costs, and the
+  // length of the seams. Parts that lose all samples are removed.
   void improve(int rounds);
+
+  // Joins neighbours as long as that lowers the energy: parts that move alike.
+  void merge();
 
   // Gives some samples of a part to a new part of the same joint.
   void split(std::size_t part, const std::vector<std::uint32_t>& samples);

@@ -14,11 +14,6 @@
 namespace kelp::bake {
 namespace {
 
-glm::ivec3 voxelAt(const glm::ivec3& size, std::uint64_t index) {
-  const auto x = static_cast<std::uint64_t>(size.x), y = static_cast<std::uint64_t>(size.y);
-  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
-}
-
 // The refined triangles as a mesh whose nearest points can be asked for.
 Topology meshOf(const SkinSamples& samples, const SkinSpace& space) {
   Topology mesh;
@@ -76,8 +71,8 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
   return out;
 }
 
-bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin, const std::vector<std::uint64_t>& counts,
-                    std::uint64_t least, SkinLabels& labels) {
+bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
+                    const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels) {
   const std::size_t parts = counts.size();
   const std::vector<Seam> seams = findSeams(samples, labels);
   // What each part becomes; a part that stays is itself.
@@ -120,7 +115,7 @@ std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& spac
                                const std::vector<Seam>& seams,
                                const std::vector<std::vector<glm::dmat4x3>>& motions) {
   // Each part closes half of the step between the two, and a little more.
-  constexpr double kLeast = 2, kMore = 1.5, kMost = 6;
+  constexpr double kLeast = 1.5, kMore = 1, kMost = 5;
   std::vector<double> overlaps;
   for (const Seam& seam : seams) {
     std::vector<double> steps, widths;

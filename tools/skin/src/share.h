@@ -25,8 +25,8 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
 
 // Parts of fewer than `least` voxels go to the part with which they share the longest seam, or to that of a
 // joint above. True if there were some; then the voxels must be shared again.
-bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin, const std::vector<std::uint64_t>& counts,
-                    std::uint64_t least, SkinLabels& labels);
+bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
+                    const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels);
 
 // How far beyond each seam both its parts have the other's voxels, in voxels: as far as it opens, from the
 // parts' motions at the moments ([part][moment]).
@@ -34,9 +34,11 @@ std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& spac
                                const std::vector<Seam>& seams,
                                const std::vector<std::vector<glm::dmat4x3>>& motions);
 
-// The voxels of each part, with those that it shares, as a box of the whole grid.
+// The voxels of each part, with those that it shares, as a box of the whole grid. A part does not share what
+// it would push out of its neighbour's surface, at one of the moments.
 std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space,
                                 const std::vector<Seam>& seams, const std::vector<double>& overlaps,
+                                const std::vector<std::vector<glm::dmat4x3>>& motions,
                                 const VoxelOwners& owners, const VoxelGrid& whole, int threads);
 
 }  // namespace kelp::bake

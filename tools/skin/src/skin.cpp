@@ -57,8 +57,7 @@ SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fra
   const SkinSamples samples = makeSkinSamples(soup, skin, space);
   const SkinMoments moments = judgedMoments(skin, samples, space, threads);
   report(0.05);
-  SkinLabels labels =
-      decompose(samples, moments, threads, [&](double done) { report(0.05 + 0.6 * done); });
+  SkinLabels labels = decompose(samples, moments, threads, [&](double done) { report(0.05 + 0.6 * done); });
   report(0.65);
   VoxelOwners owners = shareVoxels(samples, space, labels, whole, threads);
   const double scale = std::min(1.0, space.voxels);
@@ -86,9 +85,9 @@ SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fra
   report(0.9);
 
   const std::vector<Seam> seams = findSeams(samples, labels);
-  std::vector<VoxelGrid> grids =
-      cutGrids(samples, space, seams, overlapsOf(samples, space, seams, motionsOf(samples, moments, labels)),
-               owners, whole, threads);
+  const std::vector<std::vector<glm::dmat4x3>> motions = motionsOf(samples, moments, labels);
+  std::vector<VoxelGrid> grids = cutGrids(samples, space, seams, overlapsOf(samples, space, seams, motions),
+                                          motions, owners, whole, threads);
   for (std::size_t p = 0; p < grids.size(); ++p) {
     SkinPart& part = out.parts.emplace_back();
     part.name = tree.names[p];

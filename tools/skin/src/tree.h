@@ -20,8 +20,8 @@ struct Seam {
 std::vector<Seam> findSeams(const SkinSamples& samples, const SkinLabels& labels);
 
 struct PartTree {
-  std::vector<int> parents;         // of each part
-  std::vector<glm::dvec3> pivots;   // in the bind pose
+  std::vector<int> parents;        // of each part
+  std::vector<glm::dvec3> pivots;  // in the bind pose
   std::vector<std::string> names;
 };
 

@@ -269,10 +269,10 @@ class PrimitiveReader {
       if (node_.skin >= 0 && !(std::abs(sum - 1) <= kUneven)) ++uneven;
     }
     if (uneven > 0)
-      model_.noteOnce(
-          fmt::format("{} of node '{}': the weights of {} of its {} vertices do not sum to one: they are scaled "
-                      "so that they do, and vertices without any follow the first joint",
-                      place, node_.name, uneven, count));
+      model_.noteOnce(fmt::format(
+          "{} of node '{}': the weights of {} of its {} vertices do not sum to one: they are scaled "
+          "so that they do, and vertices without any follow the first joint",
+          place, node_.name, uneven, count));
   }
 
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,

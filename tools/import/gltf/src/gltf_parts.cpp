@@ -245,7 +245,8 @@ void addTargetNames(const GltfModel& model, const GltfMorphChannel& morph, std::
     for (std::size_t i = 0; i < std::min(list.ArrayLen(), morph.targets); ++i)
       if (list.Get(i).IsString()) add(oneLine(list.Get(i).Get<std::string>(), 80));
   }
-  if (names.size() == before) add("of mesh " + (mesh.name.empty() ? std::to_string(index) : oneLine(mesh.name, 80)));
+  if (names.size() == before)
+    add("of mesh " + (mesh.name.empty() ? std::to_string(index) : oneLine(mesh.name, 80)));
 }
 
 }  // namespace

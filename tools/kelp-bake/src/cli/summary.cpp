@@ -122,9 +122,10 @@ void printFit(const bake::Report& report) {
     if (!clip.fit.joint.empty() && (!worst || clip.fit.p95 > worst->fit.p95)) worst = &clip;
   if (!worst) return;
   const bake::Report::Fit& fit = worst->fit;
-  sayDetail(fmt::format("skin: the parts are {:.2f} voxels off its surface in the mean, 95 % of it within "
-                        "{:.2f}, all within {:.1f}, in the worst clip ('{}'), at joint '{}'",
-                        fit.mean, fit.p95, fit.max, worst->name, fit.joint));
+  sayDetail(
+      fmt::format("skin: the parts are {:.2f} voxels off its surface in the mean, 95 % of it within "
+                  "{:.2f}, all within {:.1f}, in the worst clip ('{}'), at joint '{}'",
+                  fit.mean, fit.p95, fit.max, worst->name, fit.joint));
 }
 
 }  // namespace

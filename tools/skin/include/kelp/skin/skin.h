@@ -12,8 +12,8 @@
 namespace kelp::bake {
 
 struct SkinPart {
-  std::string name;  // of its joint; further parts of a joint: "joint.2"
-  int parent = -1;   // an earlier part, -1: none
+  std::string name;     // of its joint; further parts of a joint: "joint.2"
+  int parent = -1;      // an earlier part, -1: none
   glm::dvec3 pivot{0};  // what it turns about, in the soup's space; the pivot's axes are the soup's
   VoxelGrid grid;       // a box of the whole grid, with the same axes
   std::vector<RigDescription::Clip> clips;  // one for each of the skin's, in their order

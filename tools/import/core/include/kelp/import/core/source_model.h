@@ -139,10 +139,10 @@ struct SourcePart {
   RigDescription rig;
   // where the rig is from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
   std::string rig_origin;
-  TriangleSoup soup;              // empty if grid or fog is set
+  TriangleSoup soup;               // empty if grid or fog is set
   std::optional<SourceSkin> skin;  // the soup bends by joints: the part becomes several
-  std::optional<VoxelGrid> grid;  // from a volume file, already in the rig's frame
-  std::optional<FogGrid> fog;     // likewise; never both
+  std::optional<VoxelGrid> grid;   // from a volume file, already in the rig's frame
+  std::optional<FogGrid> fog;      // likewise; never both
   // exists only for its motion, which other parts follow; `grid` is one invisible voxel
   bool carrier = false;
   bool carries = false;  // another part hangs on its spline
