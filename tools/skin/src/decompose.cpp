@@ -43,6 +43,20 @@ SkinLabels seeds(const SkinSamples& samples, std::size_t joints) {
   return labels;
 }
 
+// A part is that of the joint which moves most of it: Lloyd's iteration may have moved it.
+SkinLabels ofHeaviestJoints(SkinLabels labels, const SkinSamples& samples, std::size_t joints) {
+  const std::vector<std::vector<std::uint32_t>> members = labels.members();
+  for (std::size_t p = 0; p < members.size(); ++p) {
+    std::vector<double> weights(joints, 0);
+    for (const std::uint32_t i : members[p])
+      for (std::size_t k = samples.first_weighted[i]; k < samples.first_weighted[i + 1]; ++k)
+        weights[samples.weighted[k].joint] += samples.areas[i] * samples.weighted[k].x.w;
+    labels.joints[p] =
+        static_cast<std::uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  }
+  return labels;
+}
+
 }  // namespace
 
 SkinLabels decompose(const SkinSamples& samples, const SkinMoments& moments, int threads,
@@ -70,7 +84,7 @@ SkinLabels decompose(const SkinSamples& samples, const SkinMoments& moments, int
     partition.improve(kRoundsOfCut);
     if (partition.parts() <= before) ++failures;
   }
-  return partition.labels();
+  return ofHeaviestJoints(partition.labels(), samples, moments.joints);
 }
 
 }  // namespace kelp::bake

@@ -54,14 +54,6 @@ void Partition::merge() {
       if (changed[pair.a] || changed[pair.b]) continue;
       changed[pair.a] = changed[pair.b] = any = true;
       for (const std::uint32_t i : parts_[pair.b].members) labels_.parts[i] = pair.a;
-      // It is that of the joint which moves more of both.
-      double of_a = 0, of_b = 0;
-      for (const std::uint32_t p : {pair.a, pair.b})
-        for (const std::uint32_t i : parts_[p].members) {
-          of_a += samples_.areas[i] * samples_.weight(i, labels_.joints[pair.a]);
-          of_b += samples_.areas[i] * samples_.weight(i, labels_.joints[pair.b]);
-        }
-      if (of_b > of_a) labels_.joints[pair.a] = labels_.joints[pair.b];
     }
     if (!any) break;
     removeEmpty();

@@ -81,9 +81,10 @@ class GltfImporter {
       const std::vector<PartPlan> plans = planByRigs(model_, false);
       if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
       if (movesJoints(model_, animations_)) return true;
-      model_.note(
-          "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
-          "a part of each joint all the same");
+      if (!animations_.empty())
+        model_.note(
+            "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
+            "a part of each joint all the same");
       return false;
     }
     if (!skins)
