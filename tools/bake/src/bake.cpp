@@ -141,8 +141,10 @@ void checkMemory(Job& job) {
   const SourceModel& model = job.model;
   const auto sizes = [&](const std::vector<Frame>& frames, int pad) {
     std::vector<PartSize> parts;
-    for (std::size_t i = 0; i < model.parts.size(); ++i)
+    for (std::size_t i = 0; i < model.parts.size(); ++i) {
       parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad)));
+      if (model.parts[i].skin) countSkin(*model.parts[i].skin, parts.back());
+    }
     return parts;
   };
   const std::vector<PartSize> parts = sizes(job.frames, job.settings.pad);

@@ -71,6 +71,15 @@ std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, i
   return std::move(divided.fits);
 }
 
+void countSkin(const SourceSkin& skin, PartSize& size) {
+  // The most that real files have (README.md of tools/skin).
+  constexpr double kMoreSurface = 4, kMoreBricks = 3, kMoreVoxels = 2;
+  size.source_bytes = skinBytes(size.voxels(), skin.joints.size());
+  size.surface_voxels = std::min(kMoreSurface * size.surface_voxels, kMoreVoxels * size.voxels());
+  size.surface_bricks *= kMoreBricks;
+  size.source_bytes += kMoreVoxels * size.voxels();
+}
+
 void reportFits(const std::vector<SkinFit>& fits, Report& report) {
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;

@@ -14,6 +14,10 @@ namespace kelp::bake {
 std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
                                        const Progress& progress, Report& report);
 
+// Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
+// their neighbours beside the surface.
+void countSkin(const SourceSkin& skin, PartSize& size);
+
 // Adds how well clips fit to the report, and a notice for those that do not fit well.
 void reportFits(const std::vector<SkinFit>& fits, Report& report);
 

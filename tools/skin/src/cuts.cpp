@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where parts are cut in two, and how far they are from what they follow.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 

@@ -2,6 +2,7 @@
 // Boxes of voxels for parts: what each owns, and what it shares with its neighbours.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <queue>
 #include <utility>

@@ -2,6 +2,7 @@
 #include "moments.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kelp/common/parallel.h"

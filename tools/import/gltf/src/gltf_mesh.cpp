@@ -270,9 +270,9 @@ class PrimitiveReader {
     }
     if (uneven > 0)
       model_.noteOnce(fmt::format(
-          "{} of node '{}': the weights of {} of its {} vertices do not sum to one: they are scaled "
+          "{} of node {}: the weights of {} of its {} vertices do not sum to one: they are scaled "
           "so that they do, and vertices without any follow the first joint",
-          place, node_.name, uneven, count));
+          place, node_.name.empty() ? std::to_string(index_) : "'" + node_.name + "'", uneven, count));
   }
 
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,
