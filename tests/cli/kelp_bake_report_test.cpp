@@ -215,7 +215,22 @@ TEST_F(KelpBakeReport, PartsAndClipsOfATruck) {
   ASSERT_EQ(read["clips"].size(), 2u);
   EXPECT_TRUE(read["clips"][0]["moves"]);
   EXPECT_FALSE(read["clips"][0]["bends"]);
+  EXPECT_EQ(read["clips"][0]["fit"], nullptr);
   EXPECT_NE(said_.find("clip 'animation 0': 1.25 s, moves 2 parts"), std::string::npos) << said_;
+  EXPECT_EQ(said_.find("skin:"), std::string::npos) << said_;
+}
+
+TEST_F(KelpBakeReport, HowWellASkinFits) {
+  KELP_ASSET(path, "gltf/skinned/rigged_simple.gltf");
+  const json read = report(path.string());
+  ASSERT_GE(read["clips"].size(), 2u);
+  for (const json& clip : read["clips"]) {
+    EXPECT_EQ(clip["fit"], read["clips"][0]["fit"]);
+    EXPECT_GT(clip["fit"]["mean"], 0.01);
+    EXPECT_LT(clip["fit"]["p95"], 2);
+    EXPECT_EQ(clip["fit"]["joint"].get<std::string>().rfind("Bone", 0), 0u);
+  }
+  EXPECT_NE(said_.find("skin: the parts are 0."), std::string::npos) << said_;
 }
 
 // A block of 5 x 4 x 3 densities within 20 x 16 x 12, as fog and as a solid.

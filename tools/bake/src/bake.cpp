@@ -24,6 +24,7 @@
 #include "part_rigs.h"
 #include "part_size.h"
 #include "placement.h"
+#include "skin_parts.h"
 
 namespace kelp::bake {
 namespace {
@@ -97,6 +98,9 @@ void checkFormat(const Job& job) {
                                               : job.settings.at ? "animations"
                                                                 : "nodes",
                                               job.settings.at ? "--at" : "--parts nodes"));
+  if (job.settings.rig_preset == kSkinRig && !gltf)
+    throw ToolError(Exit::kUsage, fmt::format("{}: {} files have no skins; leave --rig skin out",
+                                              job.input.filename().string(), model.format));
   if (model.parts.empty())
     throw ToolError(
         Exit::kUnsupported,
@@ -137,8 +141,10 @@ void checkMemory(Job& job) {
   const SourceModel& model = job.model;
   const auto sizes = [&](const std::vector<Frame>& frames, int pad) {
     std::vector<PartSize> parts;
-    for (std::size_t i = 0; i < model.parts.size(); ++i)
+    for (std::size_t i = 0; i < model.parts.size(); ++i) {
       parts.push_back(partSize(model.parts[i], frames[i], paddingOf(model.parts[i], pad)));
+      if (model.parts[i].skin) countSkin(*model.parts[i].skin, parts.back());
+    }
     return parts;
   };
   const std::vector<PartSize> parts = sizes(job.frames, job.settings.pad);
@@ -159,6 +165,18 @@ void checkMemory(Job& job) {
                                                           job.settings.resolution, job.input);
 }
 
+void layParts(Job& job) {
+  job.pack.parts.clear();
+  for (std::size_t i = 0; i < job.model.parts.size(); ++i) {
+    const SourcePart& part = job.model.parts[i];
+    RawPart& raw = job.pack.parts.emplace_back();
+    raw.name = part.name;
+    raw.parent = part.parent;
+    raw.pivot = part.pivot;
+    raw.size = part.isVolume() ? part.volumeSize() : job.frames[i].size;
+  }
+}
+
 // Where the voxels of each part will be.
 void frameParts(Job& job) {
   placeInObject(job.model, job.settings);
@@ -170,14 +188,7 @@ void frameParts(Job& job) {
     if (part.grid) padGrid(*part.grid, pad);
     if (part.fog) padFog(*part.fog, pad);
   }
-  for (std::size_t i = 0; i < job.model.parts.size(); ++i) {
-    const SourcePart& part = job.model.parts[i];
-    RawPart& raw = job.pack.parts.emplace_back();
-    raw.name = part.name;
-    raw.parent = part.parent;
-    raw.pivot = part.pivot;
-    raw.size = part.isVolume() ? part.volumeSize() : job.frames[i].size;
-  }
+  layParts(job);
 }
 
 double voxelSize(const SourcePart& part, const glm::mat4x3& to_node) {
@@ -204,7 +215,7 @@ void voxelizeMesh(Job& job, std::size_t index, Report::Part& line, PartNotices& 
   VoxelizeResult result =
       voxelize(job.model, part, job.frames[index], job.settings.fill, job.threads, job.shareOf(index));
   part.grid = std::move(result.grid);
-  part.soup = TriangleSoup();
+  if (!part.skin) part.soup = TriangleSoup();
   for (const std::string& notice : result.notices) notices.add(part.name, notice);
   line.fill = std::move(result.fill);
   line.repairs = result.counts;
@@ -267,6 +278,17 @@ void voxelizeParts(Job& job) {
   for (std::size_t i = parts.size() - 1; i-- > 0;)
     if (parts[i].carrier)
       parts[i].grid->surface.assign(1, {0, glm::vec3(0, 1, 0), parts[i + 1].grid->surface.front().material});
+}
+
+// The one part of a model that bends by joints becomes several.
+std::vector<SkinFit> divideSkins(Job& job) {
+  std::vector<SkinFit> fits = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
+                                                job.progress, job.report);
+  job.frames.assign(job.model.parts.size(), Frame());
+  job.grids.clear();
+  for (const SourcePart& part : job.model.parts) job.grids.push_back(&*part.grid);
+  layParts(job);
+  return fits;
 }
 
 void choosePalette(Job& job) {
@@ -334,9 +356,16 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   clock.begin("import");
   importModel(job);
   frameParts(job);
-  rigParts(job.model, input, job.pack, report);  // reports faults of a rig before the long work
+  const bool skinned = job.model.parts.front().skin.has_value();
+  if (!skinned) rigParts(job.model, input, job.pack, report);  // reports faults before the long work
   clock.begin("voxelize");
   voxelizeParts(job);
+  if (skinned) {
+    clock.begin("skin");
+    const std::vector<SkinFit> fits = divideSkins(job);
+    rigParts(job.model, input, job.pack, report);
+    reportFits(fits, report);
+  }
   clock.begin("palette");
   choosePalette(job);
   clock.begin("levels");

@@ -100,7 +100,7 @@ void rigParts(const SourceModel& model, const std::filesystem::path& input, RawP
       try {
         const ClipReport proof = proveClip(share, part, rests[part], pack.parts[part].size);
         report.clips.push_back(
-            {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share)});
+            {clip.name, source.name, clip.duration, proof.leaves_box, bends(share), moves(share), {}});
       } catch (const RigError& error) {
         throw ToolError(Exit::kInvalid, fmt::format("{} ({}): {}", partPlace(input, source),
                                                     source.rig_origin, error.what()));

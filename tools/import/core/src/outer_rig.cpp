@@ -15,13 +15,19 @@ RigDescription readRigFile(const InputFiles& files, const std::filesystem::path&
   }
 }
 
-std::string presetList() {
+std::string nameList() {
   std::string names;
-  for (const std::string& name : presetNames()) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : rigNames()) names += (names.empty() ? "" : ", ") + name;
   return names;
 }
 
 }  // namespace
+
+std::vector<std::string> rigNames() {
+  std::vector<std::string> names = presetNames();
+  names.emplace_back(kSkinRig);
+  return names;
+}
 
 std::string stemOf(const InputFiles& files) { return oneLine(files.input().stem().string(), 80); }
 
@@ -32,15 +38,16 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
   if (settings.rig_file) {
     if (!std::filesystem::exists(*settings.rig_file, error))
       refuse(Exit::kIo, *settings.rig_file, "",
-             "there is no such rig file, nor a preset of that name (" + presetList() + "); check the path");
+             "there is no such rig file, nor a preset of that name (" + nameList() + "); check the path");
     return OuterRig{readRigFile(files, *settings.rig_file),
                     "rig file " + settings.rig_file->filename().string()};
   }
+  if (settings.rig_preset == kSkinRig) return std::nullopt;
   if (settings.rig_preset) {
     std::optional<RigDescription> preset = presetRig(*settings.rig_preset, settings.axis, settings.up);
     if (!preset) {
       throw ToolError(Exit::kUsage, "there is no rig preset '" + oneLine(*settings.rig_preset, 60) +
-                                        "'; choose one of " + presetList());
+                                        "'; choose one of " + nameList());
     }
     const std::string unread = std::filesystem::is_regular_file(beside, error)
                                    ? ", not " + beside.filename().string() + " beside the input"

@@ -11,9 +11,13 @@
 #include "gltf_model.h"
 #include "kelp/common/error.h"
 #include "kelp/import/mesh/soup.h"
+#include "skins.h"
 
 namespace kelp::bake {
 namespace {
+
+// How far from one the weights of a vertex may sum without a word: a few of 8 bits each.
+constexpr double kUneven = 0.02;
 
 int attributeOf(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
@@ -32,27 +36,27 @@ GltfValues readSized(const GltfModel& model, int accessor, int least, int most, 
 }
 
 // The joint matrices of a skin at rest, world <- mesh. Section 3.7.3 of the specification.
-std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin_index) {
-  const tinygltf::Skin& skin = model.data.skins[static_cast<std::size_t>(skin_index)];
-  const std::string place = placeOf("skins", static_cast<std::size_t>(skin_index));
-  model.countRead(skin.joints.size(), place);
-  std::vector<glm::dmat4> matrices;
-  GltfValues inverse;
-  if (skin.inverseBindMatrices >= 0) {
-    inverse = readValues(model, skin.inverseBindMatrices, place);
-    if (inverse.components != 16 || inverse.count < skin.joints.size())
-      model.refuse(place, "has too few inverse bind matrices");
-  }
-  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    const int joint = skin.joints[j];
-    if (joint < 0 || joint >= static_cast<int>(model.data.nodes.size()))
-      model.refuse(place, "names a joint that does not exist");
-    glm::dmat4 bind(1);
-    if (!inverse.values.empty()) bind = glm::dmat4(glm::make_mat4(inverse.values.data() + 16 * j));
-    matrices.push_back(model.world[static_cast<std::size_t>(joint)] * bind);
+std::vector<glm::dmat4> jointMatrices(const GltfModel& model, int skin) {
+  std::vector<glm::dmat4> matrices = inverseBindMatrices(model, skin);
+  for (std::size_t j = 0; j < matrices.size(); ++j) {
+    const int joint = model.data.skins[static_cast<std::size_t>(skin)].joints[j];
+    matrices[j] = model.world[static_cast<std::size_t>(joint)] * matrices[j];
   }
   return matrices;
 }
+
+// The joints that move the vertices of a primitive, and how much: four a set.
+struct Influences {
+  std::vector<std::pair<GltfValues, GltfValues>> sets;  // joints, weights
+  // Those of a vertex that count, as visit(joint, weight).
+  template <class Visit>
+  void each(std::size_t vertex, const Visit& visit) const {
+    for (const auto& [joints, weights] : sets)
+      for (int c = 0; c < 4; ++c)
+        if (const auto weight = static_cast<double>(weights.at(vertex, c)); weight > 0)
+          visit(static_cast<std::size_t>(joints.at(vertex, c)), weight);
+  }
+};
 
 int modeOf(const tinygltf::Primitive& primitive) {
   return primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
@@ -60,9 +64,13 @@ int modeOf(const tinygltf::Primitive& primitive) {
 
 class PrimitiveReader {
  public:
-  PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world)
-      : model_(model), node_(model.node(node)) {
-    if (node_.skin >= 0) {
+  // With `skins`: in the bind pose, and its vertices are added to them.
+  PrimitiveReader(const GltfModel& model, int node, const glm::dmat4& from_world, GltfSkins* skins = nullptr)
+      : model_(model), node_(model.node(node)), index_(node), skins_(skins) {
+    if (skins) {
+      to_part_ = from_world * skins->place(node);
+      flip_ = glm::determinant(glm::dmat3(to_part_)) < 0;
+    } else if (node_.skin >= 0) {
       for (const glm::dmat4& joint : jointMatrices(model, node_.skin)) joints_.push_back(from_world * joint);
       // Joints place a skinned mesh; the transform of its own node is ignored. Mirrored joints mirror the
       // mesh.
@@ -100,6 +108,9 @@ class PrimitiveReader {
       soup.roundedTo(step * scale_, to_part_, step);
     else
       soup.roundedTo(step * scale_);
+
+    const std::uint32_t first_vertex = skins_ ? skins_->vertices() : 0;
+    if (skins_) addVertices(primitive, count, place);
 
     SoupBuilder::Triangle triangle;
     if (primitive.material >= static_cast<int>(model_.data.materials.size()))
@@ -155,6 +166,8 @@ class PrimitiveReader {
           (*uv)[i] = glm::vec2(use.coordinates[k].transform *
                                glm::vec3(uvs[k].at(corner[i], 0), uvs[k].at(corner[i], 1), 1));
       }
+      if (skins_)
+        triangle.skinned = {first_vertex + corner[0], first_vertex + corner[1], first_vertex + corner[2]};
       if (!colors.values.empty()) {
         triangle.color.emplace();
         for (std::size_t i = 0; i < 3; ++i)
@@ -209,31 +222,57 @@ class PrimitiveReader {
       for (std::size_t i = 0; i < local.size(); ++i) out[i] = glm::dvec3(matrix * glm::dvec4(local[i], 1));
       return out;
     }
-    std::vector<glm::dvec3> sum(local.size(), glm::dvec3(0));
-    std::vector<double> total(local.size(), 0.0);
+    const Influences influences = readInfluences(primitive, local.size(), place);
+    for (std::size_t i = 0; i < local.size(); ++i) {
+      glm::dvec3 sum(0);
+      double total = 0;
+      influences.each(i, [&](std::size_t joint, double weight) {
+        sum += weight * glm::dvec3(joints_[joint] * glm::dvec4(local[i], 1));
+        total += weight;
+      });
+      out[i] = total > 0 ? sum / total : glm::dvec3(joints_[0] * glm::dvec4(local[i], 1));
+    }
+    return out;
+  }
+
+  Influences readInfluences(const tinygltf::Primitive& primitive, std::size_t count,
+                            const std::string& place) const {
+    Influences out;
+    const std::size_t known = model_.data.skins[static_cast<std::size_t>(node_.skin)].joints.size();
     for (int set = 0; set < 16; ++set) {  // more than four influences come in further sets
       const std::string suffix = std::to_string(set);
       const int joints_at = attributeOf(primitive, "JOINTS_" + suffix),
                 weights_at = attributeOf(primitive, "WEIGHTS_" + suffix);
       if (joints_at < 0 || weights_at < 0) break;
-      const GltfValues joints = readSized(model_, joints_at, 4, 4, local.size(), place, "JOINTS");
-      const GltfValues weights = readSized(model_, weights_at, 4, 4, local.size(), place, "WEIGHTS");
-      for (std::size_t i = 0; i < local.size(); ++i) {
-        for (int c = 0; c < 4; ++c) {
-          const double weight = weights.at(i, c);
-          if (!(weight > 0)) continue;
-          const float named = joints.at(i, c);
-          if (!(named >= 0 && named < static_cast<float>(joints_.size())))
-            model_.refuse(place, "has a vertex that names a joint which its skin does not have");
-          const auto joint = static_cast<std::size_t>(named);
-          sum[i] += weight * glm::dvec3(joints_[joint] * glm::dvec4(local[i], 1));
-          total[i] += weight;
-        }
-      }
+      auto& [joints, weights] =
+          out.sets.emplace_back(readSized(model_, joints_at, 4, 4, count, place, "JOINTS"),
+                                readSized(model_, weights_at, 4, 4, count, place, "WEIGHTS"));
+      for (std::size_t i = 0; i < joints.values.size(); ++i)
+        if (const float named = joints.values[i];
+            weights.values[i] > 0 && !(named >= 0 && named < static_cast<float>(known)))
+          model_.refuse(place, "has a vertex that names a joint which its skin does not have");
     }
-    for (std::size_t i = 0; i < local.size(); ++i)
-      out[i] = total[i] > 0 ? sum[i] / total[i] : glm::dvec3(joints_[0] * glm::dvec4(local[i], 1));
     return out;
+  }
+
+  void addVertices(const tinygltf::Primitive& primitive, std::size_t count, const std::string& place) const {
+    Influences influences;
+    if (node_.skin >= 0) influences = readInfluences(primitive, count, place);
+    std::size_t uneven = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      skins_->beginVertex(index_);
+      double sum = 0;
+      influences.each(i, [&](std::size_t joint, double weight) {
+        skins_->addInfluence(joint, weight);
+        sum += weight;
+      });
+      if (node_.skin >= 0 && !(std::abs(sum - 1) <= kUneven)) ++uneven;
+    }
+    if (uneven > 0)
+      model_.noteOnce(fmt::format(
+          "{} of node {}: the weights of {} of its {} vertices do not sum to one: they are scaled "
+          "so that they do, and vertices without any follow the first joint",
+          place, node_.name.empty() ? std::to_string(index_) : "'" + node_.name + "'", uneven, count));
   }
 
   void applyMorph(const tinygltf::Primitive& primitive, const std::string& place,
@@ -254,6 +293,8 @@ class PrimitiveReader {
 
   const GltfModel& model_;
   const tinygltf::Node& node_;
+  int index_;
+  GltfSkins* skins_;
   glm::dmat4 to_part_{1};
   std::vector<glm::dmat4> joints_;
   float scale_ = 1;  // the most that a length grows on its way to the part
@@ -269,11 +310,11 @@ bool hasTriangles(const tinygltf::Primitive& primitive) {
 }
 
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world,
-             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup) {
+             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup, GltfSkins* skins) {
   const int mesh_index = model.node(node).mesh;
   if (mesh_index < 0) return;
   const tinygltf::Mesh& mesh = model.data.meshes[static_cast<std::size_t>(mesh_index)];
-  PrimitiveReader reader(model, node, from_world);
+  PrimitiveReader reader(model, node, from_world, skins);
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
     reader.read(mesh.primitives[p],
                 placeOf("meshes", static_cast<std::size_t>(mesh_index)) + "." + placeOf("primitives", p),

@@ -120,10 +120,12 @@ std::vector<GltfMaterialUse> readMaterials(const GltfModel& model, SourceModel& 
 
 // --- meshes --------------------------------------------------------------------------------------
 class SoupBuilder;
+class GltfSkins;
 bool hasTriangles(const tinygltf::Primitive& primitive);
-// Adds the triangles of a node's mesh. `from_world` takes the world to the soup's space.
+// Adds the triangles of a node's mesh. `from_world` takes the world to the soup's space. With `skins`, in the
+// bind pose, with what moves their corners.
 void addMesh(const GltfModel& model, int node, const glm::dmat4& from_world,
-             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup);
+             const std::vector<GltfMaterialUse>& materials, SoupBuilder& soup, GltfSkins* skins = nullptr);
 
 // The middle of the box around the nodes' meshes in the world, as floats hold it; nullopt if there is none or
 // it is beyond floats.

@@ -15,6 +15,7 @@
 #include "kelp/import/core/outer_rig.h"
 #include "kelp/import/core/source_model.h"
 #include "kelp/import/mesh/soup.h"
+#include "skins.h"
 #include "sockets.h"
 
 namespace kelp::bake {
@@ -60,6 +61,79 @@ class GltfImporter {
                                         ") is one for the whole file; give nodes rigs of their own "
                                         "(extras.kelp or knots), or leave --parts out");
 
+    if (bendsBySkin()) {
+      makeSkinned();
+    } else {
+      makeParts();
+    }
+    if (out_.parts.empty()) explainEmptiness(model_);
+    uniqueNames();
+    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
+    return std::move(out_);
+  }
+
+ private:
+  // Whether the file's skins are its rig: asked for, or where nothing else is.
+  bool bendsBySkin() const {
+    const bool asked = settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
+    if (!asked) {
+      if (!skins || outer_ || settings_.at || settings_.parts != Parts::kOne) return false;
+      const std::vector<PartPlan> plans = planByRigs(model_, false);
+      if (plans.size() != 1 || plans[0].rig || !plans[0].knots.empty()) return false;
+      if (movesJoints(model_, animations_)) return true;
+      if (!animations_.empty())
+        model_.note(
+            "no animation moves the joints of its skin: it is baked at rest, as one part; --rig skin makes "
+            "a part of each joint all the same");
+      return false;
+    }
+    if (!skins)
+      throw ToolError(Exit::kUsage, "--rig skin: " + files_.input().filename().string() +
+                                        " has no mesh that bends by joints; leave --rig out");
+    if (settings_.at || settings_.parts != Parts::kOne)
+      throw ToolError(Exit::kUsage, std::string("--rig skin: ") +
+                                        (settings_.at ? "--at bakes one moment of the skin"
+                                                      : "--parts nodes makes parts of nodes") +
+                                        "; leave one of them out");
+    return true;
+  }
+
+  void makeSkinned() {
+    glm::dmat4 space(1);
+    const std::size_t notices = out_.notices.size();
+    const std::set<std::string> said = model_.said;
+    for (const bool again : {false, true}) {
+      GltfSkins skins(model_);
+      SoupBuilder builder;
+      std::vector<int> members;
+      for (const int node : model_.order) {
+        addMesh(model_, node, glm::inverse(space), materials_, builder, &skins);
+        if (model_.node(node).mesh >= 0) members.push_back(node);
+      }
+      SourcePart part;
+      part.name = stemOf(files_);
+      noteNonFinite(model_, part.name, builder);
+      part.soup = builder.take();
+      // Far from the origin, as in makePart().
+      if (!again && mayHaveLostItsShape(part.soup)) {
+        model_.elements_read = 0;
+        if (const std::optional<glm::dvec3> middle = middleOf(model_, members)) {
+          space[3] = glm::dvec4(*middle, 1);
+          out_.notices.resize(notices);
+          model_.said = said;
+          continue;
+        }
+      }
+      if (part.soup.triangles.empty()) return;
+      part.to_object = part.pivot = toAffine(space);
+      part.rig_origin = "skin";
+      part.skin = skins.take(space, animations_, used_);
+      out_.parts.push_back(std::move(part));
+      return;
+    }
+  }
+
+  void makeParts() {
     const std::vector<PartPlan> plans = settings_.parts == Parts::kNodes
                                             ? planByNodes(model_, animations_)
                                             : planByRigs(model_, outer_.has_value());
@@ -78,13 +152,8 @@ class GltfImporter {
     }
     placeCarriers();
     hangCarriers();
-    if (out_.parts.empty()) explainEmptiness(model_);
-    uniqueNames();
-    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
-    return std::move(out_);
   }
 
- private:
   std::optional<SourcePart> makePart(const PartPlan& plan) {
     SourcePart part;
     part.name = partName(plan.node);

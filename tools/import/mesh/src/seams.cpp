@@ -128,6 +128,7 @@ void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece,
     for (auto& uvs : soup.more_uvs)
       if (!uvs.empty()) uvs[kept] = uvs[t];
     if (!soup.colors.empty()) soup.colors[kept] = soup.colors[t];
+    if (!soup.skinned.empty()) soup.skinned[kept] = soup.skinned[t];
     ++kept;
   }
   soup.triangles.resize(kept);
@@ -135,6 +136,7 @@ void closeSeams(TriangleSoup& soup, const std::vector<std::uint32_t>& piece,
   for (auto& uvs : soup.more_uvs)
     if (!uvs.empty()) uvs.resize(kept);
   if (!soup.colors.empty()) soup.colors.resize(kept);
+  if (!soup.skinned.empty()) soup.skinned.resize(kept);
 }
 
 }  // namespace kelp::bake

@@ -70,6 +70,7 @@ bool SoupBuilder::add(const Triangle& triangle) {
   for (std::size_t i = 0; i < soup_.more_uvs.size(); ++i)
     append(soup_.more_uvs[i], triangle.more_uv[i], soup_.triangles.size(), glm::vec2(0));
   append(soup_.colors, triangle.color, soup_.triangles.size(), glm::vec4(1));
+  append(soup_.skinned, triangle.skinned, soup_.triangles.size(), 0u);
   soup_.triangles.push_back(entry);
   return true;
 }

@@ -34,8 +34,9 @@ constexpr const char* kExamples = R"(Examples:
   kelp-bake @models.txt -o packs --resolution 64      the files that a text file lists, one per line
   kelp-bake --print-config > all.toml                 all options, for kelp-bake --config all.toml
 
-The rig comes from --rig, or else from STEM.rig.json beside the input, from a glTF node's extras.kelp, or from
-empties named knot.0, knot.1, ... under a mesh. Without a rig the part is straight.
+The rig comes from --rig, or else from STEM.rig.json beside the input, from a glTF node's extras.kelp, from
+empties named knot.0, knot.1, ... under a mesh, or from skins that animations move. Without a rig the part is
+straight.
 
 Exit codes: 0 done, 1 usage, 2 files, 3 invalid input, 4 failure at run time (memory, time, a
 crash, a forbidden call), 5 unsupported feature, 130 interrupted. A batch continues after a bad asset and

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kelp/rig/rig.h"
+#include "kelp/import/core/outer_rig.h"
 
 namespace kelp::bake_cli {
 namespace {
@@ -26,8 +26,8 @@ void expectType(const JsonValue& value, OptionType type, const std::string& name
 
 bool namesFile(const OptionInfo& option, const std::string& text) {
   if (option.path != OptionPath::kFileOrPreset) return option.path == OptionPath::kFile;
-  const std::vector<std::string> presets = presetNames();
-  return std::find(presets.begin(), presets.end(), text) == presets.end();
+  const std::vector<std::string> names = bake::rigNames();
+  return std::find(names.begin(), names.end(), text) == names.end();
 }
 
 void expectKind(const JsonValue& value, JsonValue::Kind kind, const std::string& name, const char* wanted) {

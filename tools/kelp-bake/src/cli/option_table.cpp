@@ -16,8 +16,8 @@ constexpr OptionInfo kOptions[] = {
     {"voxel-size", "LENGTH", T::kNumber, S::kPack, P::kNone, false, "0.01",
      "edge of a voxel in metres, in place of --resolution; voxels of .vox and .binvox stay, with this size"},
     {"rig", "FILE|PRESET", T::kText, S::kPack, P::kFileOrPreset, false, "\"sway\"",
-     "a rig file (JSON), or a preset: none, sway, swim (default: STEM.rig.json beside the input, or else "
-     "the rig in the file)"},
+     "a rig file (JSON), a preset: none, sway, swim, or the file's skin: skin (default: STEM.rig.json "
+     "beside the input, or else the rig or the skin in the file)"},
     {"axis", "AXIS", T::kText, S::kPack, P::kNone, false, "\"+y\"",
      "the axis to bend along if the rig has none, in the file's axes: +x -x +y -y +z -z (default: --up)"},
     {"bend", "shear|sweep", T::kText, S::kPack, P::kNone, false, "\"sweep\"",

@@ -128,8 +128,8 @@ class Reader {
 void readRig(const Reader& read, bake::Settings& settings) {
   const std::string* rig = read.find("rig");
   if (!rig) return;
-  const std::vector<std::string> presets = presetNames();
-  if (std::find(presets.begin(), presets.end(), *rig) != presets.end()) {
+  const std::vector<std::string> names = bake::rigNames();
+  if (std::find(names.begin(), names.end(), *rig) != names.end()) {
     settings.rig_preset = *rig;
   } else {
     settings.rig_file = *rig;

@@ -84,6 +84,11 @@ OrderedJson partJson(const bake::Report::Part& part) {
   return json;
 }
 
+OrderedJson fitJson(const bake::Report::Fit& fit) {
+  if (fit.joint.empty()) return {};
+  return {{"mean", fit.mean}, {"p95", fit.p95}, {"max", fit.max}, {"joint", fit.joint}};
+}
+
 OrderedJson filesJson(const bake::FilesUsed& used) {
   OrderedJson files = OrderedJson::array();
   for (const bake::FilesUsed::File& file : used.read) {
@@ -116,7 +121,8 @@ std::string reportJson(const Options& options, const bake::Report& report, const
                              {"duration", clip.duration},
                              {"leaves_box", clip.leaves_box},
                              {"bends", clip.bends},
-                             {"moves", clip.moves}});
+                             {"moves", clip.moves},
+                             {"fit", fitJson(clip.fit)}});
   json["stages"] = OrderedJson::array();
   for (const bake::Report::Stage& stage : report.stages)
     json["stages"].push_back(

@@ -115,6 +115,19 @@ void printClips(const bake::Report& report) {
   }
 }
 
+// How well the parts of a skin follow it: the worst of its clips.
+void printFit(const bake::Report& report) {
+  const bake::Report::Clip* worst = nullptr;
+  for (const bake::Report::Clip& clip : report.clips)
+    if (!clip.fit.joint.empty() && (!worst || clip.fit.p95 > worst->fit.p95)) worst = &clip;
+  if (!worst) return;
+  const bake::Report::Fit& fit = worst->fit;
+  sayDetail(
+      fmt::format("skin: the parts are {:.2f} voxels off its surface in the mean, 95 % of it within "
+                  "{:.2f}, all within {:.1f}, in the worst clip ('{}'), at joint '{}'",
+                  fit.mean, fit.p95, fit.max, worst->name, fit.joint));
+}
+
 }  // namespace
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -159,6 +172,7 @@ void printSummary(const Options& options, const bake::Report& report, double sec
                : keptVoxels(report.format)));
   printParts(options, report);
   printClips(report);
+  printFit(report);
   for (const std::string& notice : report.notices) sayWarning(notice);
   if (report.palette_error > 0) {
     sayDetail(fmt::format("{}: the palette is off by {:.4f} in the mean (OKLab)",

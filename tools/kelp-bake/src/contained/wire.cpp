@@ -40,8 +40,9 @@ auto fieldsOf(Report::Part& p) {
                   p.surface_voxels, p.bricks, p.fog, p.fog_voxels, p.closed, p.carrier, p.mesh, p.repairs,
                   p.parent, p.parent_at, p.swept, p.roll, p.sockets, p.components);
 }
+auto fieldsOf(Report::Fit& f) { return std::tie(f.mean, f.p95, f.max, f.joint); }
 auto fieldsOf(Report::Clip& c) {
-  return std::tie(c.name, c.part, c.duration, c.leaves_box, c.bends, c.moves);
+  return std::tie(c.name, c.part, c.duration, c.leaves_box, c.bends, c.moves, c.fit);
 }
 auto fieldsOf(Report& r) {
   return std::tie(r.format, r.stages, r.parts, r.clips, r.notices, r.files, r.materials, r.images,

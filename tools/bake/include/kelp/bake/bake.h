@@ -58,11 +58,17 @@ struct Report {
     std::vector<std::string> sockets;
     std::vector<ComponentReport> components;  // empty for volumes
   };
+  // How far the parts of a skin are from where its joints would draw it, in voxels (kelp/skin/skin.h).
+  struct Fit {
+    double mean = 0, p95 = 0, max = 0;
+    std::string joint;  // where it is worst; empty: not a clip of a skin
+  };
   struct Clip {
     std::string name, part;
     float duration = 0;                 // seconds
     float leaves_box = 0;               // how far bending leaves the box at rest, in lengths of the part
     bool bends = false, moves = false;  // bends the part; moves it as a whole
+    Fit fit;                            // the whole clip's, of all its parts
   };
   std::string format;
   std::vector<Stage> stages;

@@ -19,6 +19,9 @@ enum class Parts : std::uint8_t { kOne, kNodes };
 // fog.
 enum class VolumeKind : std::uint8_t { kAuto, kSolid, kFog };
 
+// The name, beside those of presets, that asks for the file's own skin as the rig.
+inline constexpr char kSkinRig[] = "skin";
+
 // A moment of one of the file's animations.
 struct Moment {
   std::string clip;

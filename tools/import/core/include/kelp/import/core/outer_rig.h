@@ -17,6 +17,9 @@ struct OuterRig {
   RigDescription rig;
   std::string origin;
 };
+// What --rig takes beside files: the presets, and kSkinRig.
+std::vector<std::string> rigNames();
+
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings);
 
 // Gives a part without a rig of its own the outer rig, or the straight one. A rig that names no axis gets

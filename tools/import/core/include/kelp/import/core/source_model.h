@@ -70,8 +70,34 @@ struct TriangleSoup {
   std::array<std::vector<std::array<glm::vec2, 3>>, 2> more_uvs;
   // empty, or one a triangle; linear, multiplies the base colour
   std::vector<std::array<glm::vec4, 3>> colors;
+  // empty, or one a triangle: which vertices of its part's SourceSkin the corners are
+  std::vector<std::array<std::uint32_t, 3>> skinned;
   // triangles that were left out: corners in one place, or not finite
   std::uint64_t dropped = 0;
+};
+
+// How a soup bends by joints (linear blend skinning): posed = sum over its influences of weight x motion x
+// position. The soup is in the bind pose, where every motion is the identity.
+struct SourceSkin {
+  struct Joint {
+    std::string name;
+    int parent = -1;       // an earlier joint, -1: none
+    glm::dvec3 origin{0};  // in the bind pose, in the soup's space
+  };
+  struct Influence {
+    std::uint32_t joint = 0;
+    float weight = 0;  // above 0; those of a vertex sum to 1
+  };
+  struct Clip {
+    std::string name;
+    float duration = 0;                 // seconds, > 0
+    std::vector<float> times;           // strictly ascending, the first 0; motions are linear between them
+    std::vector<glm::dmat4x3> motions;  // for each time, for each joint: posed <- bind pose
+  };
+  std::vector<Joint> joints;
+  std::vector<std::uint32_t> first_influence;  // of each vertex, and the end
+  std::vector<Influence> influences;
+  std::vector<Clip> clips;
 };
 
 // A surface voxel before the palette is chosen.
@@ -113,9 +139,10 @@ struct SourcePart {
   RigDescription rig;
   // where the rig is from, for the report: "extras.kelp of node 'Reed'", "straight (no rig found)"
   std::string rig_origin;
-  TriangleSoup soup;              // empty if grid or fog is set
-  std::optional<VoxelGrid> grid;  // from a volume file, already in the rig's frame
-  std::optional<FogGrid> fog;     // likewise; never both
+  TriangleSoup soup;               // empty if grid or fog is set
+  std::optional<SourceSkin> skin;  // the soup bends by joints: the part becomes several
+  std::optional<VoxelGrid> grid;   // from a volume file, already in the rig's frame
+  std::optional<FogGrid> fog;      // likewise; never both
   // exists only for its motion, which other parts follow; `grid` is one invisible voxel
   bool carrier = false;
   bool carries = false;  // another part hangs on its spline

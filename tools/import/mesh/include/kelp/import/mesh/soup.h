@@ -26,6 +26,7 @@ class SoupBuilder {
     std::optional<std::array<glm::vec2, 3>> uv;
     std::array<std::optional<std::array<glm::vec2, 3>>, 2> more_uv;
     std::optional<std::array<glm::vec4, 3>> color;  // linear
+    std::optional<std::array<std::uint32_t, 3>> skinned;
   };
   // Triangles with a corner that is not finite, or with two corners in one point, are dropped and counted.
   // False when kMaxTriangles is reached.

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// The whole division of a tube.
+#include "kelp/skin/skin.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "kelp/common/dense_index.h"
+#include "kelp/fields/fields.h"
+#include "skin_shapes.h"
+
+namespace kelp::bake {
+namespace {
+
+test::SkinnedShape bendingTube(int joints) {
+  test::SkinnedShape shape = test::tube(joints);
+  shape.skin().clips.push_back(test::turningClip(shape.skin(), "bend", 2, 121, [](int j, double t) {
+    return j == 0 ? 0.0 : 0.9 * std::sin(1.5707963 * t);
+  }));
+  shape.skin().clips.push_back(
+      test::turningClip(shape.skin(), "rest", 1, 2, [](int, double) { return 0.0; }));
+  shape.voxelizeWhole();
+  return shape;
+}
+
+// Where a part's voxel lies in the whole.
+glm::ivec3 placeOf(const SkinPart& part, const VoxelGrid& whole, std::size_t index) {
+  const glm::dvec3 at =
+      glm::dmat4x3(part.grid.to_node) * glm::dvec4(glm::dvec3(voxelAt(part.grid.size, index)) + 0.5, 1);
+  const glm::dmat4 to_node(
+      glm::dvec4(glm::dvec3(whole.to_node[0]), 0), glm::dvec4(glm::dvec3(whole.to_node[1]), 0),
+      glm::dvec4(glm::dvec3(whole.to_node[2]), 0), glm::dvec4(glm::dvec3(whole.to_node[3]), 1));
+  return glm::ivec3(glm::floor(glm::dvec3(glm::inverse(to_node) * glm::dvec4(at, 1))));
+}
+
+TEST(DivideSkin, InTheBindPoseThePartsAreTheWhole) {
+  const test::SkinnedShape shape = bendingTube(3);
+  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  ASSERT_GE(divided.parts.size(), 3u);
+  std::vector<std::uint8_t> together(shape.whole.solid.size(), 0);
+  std::size_t shared = 0;
+  for (const SkinPart& part : divided.parts) {
+    ASSERT_EQ(part.grid.solid.size(), denseCount(part.grid.size));
+    std::vector<std::uint64_t> surface;
+    for (const SurfaceSample& sample : part.grid.surface) {
+      surface.push_back(sample.index);
+      EXPECT_NEAR(glm::length(sample.normal), 1, 1e-4);
+    }
+    EXPECT_EQ(surface, fields::surfaceVoxels({part.grid.size, part.grid.solid}, 1)) << part.name;
+    for (std::size_t i = 0; i < part.grid.solid.size(); ++i) {
+      if (!part.grid.solid[i]) continue;
+      const std::size_t at = denseIndex(shape.whole.size, placeOf(part, shape.whole, i));
+      ASSERT_TRUE(shape.whole.solid[at]) << part.name;
+      shared += together[at];
+      together[at] = 1;
+    }
+  }
+  EXPECT_EQ(together, shape.whole.solid);
+  EXPECT_GT(shared, 500u);  // neighbours overlap
+}
+
+TEST(DivideSkin, SurfaceVoxelsLookLikeTheWhole) {
+  const test::SkinnedShape shape = bendingTube(2);
+  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  std::size_t same = 0;
+  for (const SkinPart& part : divided.parts)
+    for (const SurfaceSample& sample : part.grid.surface) {
+      const std::size_t at = denseIndex(shape.whole.size, placeOf(part, shape.whole, sample.index));
+      for (const SurfaceSample& wanted : shape.whole.surface) {
+        if (wanted.index != at) continue;
+        ++same;
+        ASSERT_EQ(sample.normal, wanted.normal);
+        ASSERT_EQ(sample.source, wanted.source);
+        break;
+      }
+    }
+  EXPECT_GE(same, shape.whole.surface.size());
+}
+
+TEST(DivideSkin, IsTheSameOnAnyNumberOfThreads) {
+  const test::SkinnedShape shape = bendingTube(3);
+  const SkinParts one = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {}),
+                  four = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 4, {});
+  ASSERT_EQ(one.parts.size(), four.parts.size());
+  for (std::size_t p = 0; p < one.parts.size(); ++p) {
+    EXPECT_EQ(one.parts[p].grid.solid, four.parts[p].grid.solid);
+    EXPECT_EQ(one.parts[p].clips, four.parts[p].clips);
+  }
+}
+
+TEST(DivideSkin, ReportsTheFitOfEachClip) {
+  const test::SkinnedShape shape = bendingTube(3);
+  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  ASSERT_EQ(divided.fits.size(), 2u);
+  const SkinFit& bend = divided.fits[0];
+  EXPECT_EQ(bend.clip, "bend");
+  EXPECT_GT(bend.mean, 0.05);
+  EXPECT_LT(bend.mean, 0.8);
+  EXPECT_GT(bend.p95, bend.mean);
+  EXPECT_LE(bend.p95, 2.5);
+  EXPECT_GE(bend.max, bend.p95);
+  EXPECT_EQ(bend.joint.rfind("bone", 0), 0u);
+  EXPECT_LT(divided.fits[1].max, 1e-4);
+  // A clip that moves nothing is one all the same.
+  std::size_t tracks = 0;
+  for (const SkinPart& part : divided.parts) {
+    ASSERT_EQ(part.clips.size(), 2u);
+    EXPECT_EQ(part.clips[1].name, "rest");
+    tracks += part.clips[1].tracks.size();
+  }
+  EXPECT_EQ(tracks, 1u);
+}
+
+// A joint that moves next to nothing gets no part.
+TEST(DivideSkin, SmallPartsGoToTheirParent) {
+  test::SkinnedShape shape = bendingTube(2);
+  SourceSkin& skin = shape.skin();
+  skin.joints.push_back({"tip", 1, {0, test::kTubeHeight, 0}});
+  // The vertex in the middle of the lid.
+  SourceSkin::Influence& last = skin.influences.back();
+  ASSERT_EQ(last.weight, 1.0f);
+  last.joint = 2;
+  for (SourceSkin::Clip& clip : skin.clips) {
+    std::vector<glm::dmat4x3> motions;
+    for (std::size_t i = 0; i < clip.motions.size(); i += 2) {
+      motions.insert(motions.end(), {clip.motions[i], clip.motions[i + 1], clip.motions[i + 1]});
+    }
+    clip.motions = std::move(motions);
+  }
+  const SkinParts divided = divideSkin(shape.soup(), skin, shape.frame, shape.whole, 1, {});
+  for (const SkinPart& part : divided.parts) EXPECT_NE(part.name.substr(0, 3), "tip");
+}
+
+}  // namespace
+}  // namespace kelp::bake

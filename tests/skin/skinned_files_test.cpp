@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Files with skins, baked to packs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kelp/bake/bake.h"
+#include "kelp/common/dense_index.h"
+#include "support/assets.h"
+
+namespace kelp::bake {
+namespace {
+
+struct Baked {
+  Report report;
+  RawPack pack;
+  explicit Baked(const std::filesystem::path& path, const char* rig = nullptr) {
+    Settings settings;
+    if (rig) settings.rig_preset = rig;
+    settings.threads = 1;
+    pack = bake(path, settings, report);
+  }
+};
+
+// What DESIGN and the issue ask of the worst clip at 128 voxels.
+void expectFit(const Baked& baked, double mean, double p95, std::size_t clips) {
+  std::set<std::string> names;
+  for (const Report::Clip& clip : baked.report.clips) {
+    names.insert(clip.name);
+    EXPECT_FALSE(clip.fit.joint.empty()) << clip.name;
+    EXPECT_LE(clip.fit.mean, mean) << clip.name;
+    EXPECT_LE(clip.fit.p95, p95) << clip.name;
+    EXPECT_LE(clip.fit.p95, clip.fit.max) << clip.name;
+    EXPECT_TRUE(clip.moves);
+    EXPECT_FALSE(clip.bends);
+  }
+  EXPECT_EQ(names.size(), clips);
+  EXPECT_EQ(baked.pack.clips.size(), clips);
+}
+
+std::uint64_t solidVoxels(const Report& report) {
+  std::uint64_t sum = 0;
+  for (const Report::Part& part : report.parts) sum += part.solid_voxels;
+  return sum;
+}
+
+TEST(SkinnedFiles, FoxFits) {
+  KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
+  const Baked baked(path);
+  expectFit(baked, 1.0, 3.3, 3);
+  EXPECT_GE(baked.report.parts.size(), 20u);
+  EXPECT_LE(baked.report.parts.size(), 44u);
+  std::set<std::string> names;
+  int roots = 0;
+  for (const Report::Part& part : baked.report.parts) {
+    EXPECT_TRUE(names.insert(part.name).second) << part.name;
+    EXPECT_EQ(part.rig_origin, "skin");
+    roots += part.parent.empty();
+  }
+  EXPECT_EQ(roots, 1);
+  EXPECT_EQ(names.count("b_Head_05"), 1u);
+  EXPECT_EQ(baked.report.parts[0].triangles, 576u);
+  // A key takes 20 bytes: a time and four floats.
+  std::size_t keys = 0;
+  for (const RawClip& clip : baked.pack.clips)
+    for (const RawTrack& track : clip.tracks) keys += track.keys.size();
+  EXPECT_LE(keys, 2000u);
+  EXPECT_GE(keys, 500u);
+  // The same voxels as in one part, and those that parts share.
+  const Baked plain(path, "none");
+  ASSERT_EQ(plain.report.parts.size(), 1u);
+  EXPECT_GT(solidVoxels(baked.report), solidVoxels(plain.report));
+  EXPECT_TRUE(plain.pack.clips.empty());
+  EXPECT_TRUE(plain.report.clips.empty());
+}
+
+TEST(SkinnedFiles, CesiumManFits) {
+  KELP_ASSET(path, "gltf/skinned/CesiumMan.glb");
+  const Baked baked(path);
+  expectFit(baked, 1.0, 3.3, 1);
+  EXPECT_TRUE(std::any_of(baked.report.notices.begin(), baked.report.notices.end(), [](const auto& notice) {
+    return notice.find("do not sum to one") != std::string::npos;
+  }));
+}
+
+TEST(SkinnedFiles, GreenmanFits) {
+  KELP_ASSET(path, "gltf/skinned/greenman.glb");
+  const Baked baked(path);
+  expectFit(baked, 2.3, 6.5, 4);
+}
+
+TEST(SkinnedFiles, RiggedSimpleFits) {
+  KELP_ASSET(path, "gltf/skinned/rigged_simple.gltf");
+  const Baked baked(path);
+  expectFit(baked, 0.5, 2.0, 1);
+  // Whether asked for or not.
+  const Baked asked(path, kSkinRig);
+  ASSERT_EQ(asked.pack.parts.size(), baked.pack.parts.size());
+  for (std::size_t p = 0; p < asked.pack.parts.size(); ++p)
+    EXPECT_EQ(asked.pack.parts[p].levels[0].codes, baked.pack.parts[p].levels[0].codes);
+}
+
+}  // namespace
+}  // namespace kelp::bake

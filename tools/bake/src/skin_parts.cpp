@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "skin_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "kelp/import/core/padding.h"
+#include "part_frames.h"
+
+namespace kelp::bake {
+namespace {
+
+// Voxels, for 95 % of the surface. Farther off, joints look broken.
+constexpr double kPoorFit = 4;
+
+// What the turned pivot's axes are at `at`, in the pivot's space.
+glm::mat4x3 movedTo(const glm::mat4x3& pivot, const glm::dvec3& at) {
+  glm::mat4x3 moved = pivot;
+  moved[3] = glm::vec3(glm::dmat4x3(pivot) * glm::dvec4(at, 1));
+  return moved;
+}
+
+std::uint64_t countSolid(const VoxelGrid& grid) {
+  return static_cast<std::uint64_t>(
+      std::count_if(grid.solid.begin(), grid.solid.end(), [](std::uint8_t voxel) { return voxel != 0; }));
+}
+
+// The whole's line becomes one for each part; the mesh and its repairs stay in the first.
+void reportParts(const std::vector<SourcePart>& parts, Report& report) {
+  Report::Part whole = std::move(report.parts.front());
+  report.parts.clear();
+  for (const SourcePart& part : parts) {
+    Report::Part& line = report.parts.emplace_back();
+    if (report.parts.size() == 1) line = whole;
+    line.name = part.name;
+    line.rig_origin = part.rig_origin;
+    line.fill = whole.fill;
+    line.closed = whole.closed;
+    line.voxel_size = whole.voxel_size;
+    line.size = part.grid->size;
+    line.swept = part.rig.bend == Bend::kSweep;
+    line.solid_voxels = countSolid(*part.grid);
+    line.surface_voxels = part.grid->surface.size();
+    if (part.parent >= 0) line.parent = parts[static_cast<std::size_t>(part.parent)].name;
+  }
+}
+
+}  // namespace
+
+std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+                                       const Progress& progress, Report& report) {
+  const SourcePart whole = std::move(model.parts.front());
+  SkinParts divided = divideSkin(whole.soup, *whole.skin, frame, *whole.grid, threads, progress);
+  model.parts.clear();
+  for (SkinPart& its : divided.parts) {
+    SourcePart& part = model.parts.emplace_back();
+    part.name = std::move(its.name);
+    part.parent = its.parent;
+    part.to_object = whole.to_object;
+    part.pivot = movedTo(whole.pivot, its.pivot);
+    part.rig.bend = whole.rig.bend;
+    part.rig.clips = std::move(its.clips);
+    part.rig_origin = whole.rig_origin;
+    part.grid = std::move(its.grid);
+    padGrid(*part.grid, paddingOf(part, pad));
+  }
+  reportParts(model.parts, report);
+  return std::move(divided.fits);
+}
+
+void countSkin(const SourceSkin& skin, PartSize& size) {
+  // The most that real files have (README.md of tools/skin).
+  constexpr double kMoreSurface = 4, kMoreBricks = 3, kMoreVoxels = 2;
+  size.source_bytes = skinBytes(size.voxels(), skin.joints.size());
+  size.surface_voxels = std::min(kMoreSurface * size.surface_voxels, kMoreVoxels * size.voxels());
+  size.surface_bricks *= kMoreBricks;
+  size.source_bytes += kMoreVoxels * size.voxels();
+}
+
+void reportFits(const std::vector<SkinFit>& fits, Report& report) {
+  std::map<std::string, const SkinFit*> by_clip;
+  for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
+  for (Report::Clip& clip : report.clips)
+    if (const auto found = by_clip.find(clip.name); found != by_clip.end())
+      clip.fit = {found->second->mean, found->second->p95, found->second->max, found->second->joint};
+  for (const SkinFit& fit : fits)
+    if (fit.p95 > kPoorFit)
+      report.notices.push_back(fmt::format(
+          "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
+          "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
+          fit.clip, fit.p95, fit.max, fit.joint));
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// A part that bends by joints becomes rigid parts that move.
+#pragma once
+
+#include <vector>
+
+#include "kelp/bake/bake.h"
+#include "kelp/skin/skin.h"
+
+namespace kelp::bake {
+
+// Replaces the model's first part, whose voxels are made, and its line of the report. How well the new parts
+// follow the skin, for each clip.
+std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+                                       const Progress& progress, Report& report);
+
+// Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
+// their neighbours beside the surface.
+void countSkin(const SourceSkin& skin, PartSize& size);
+
+// Adds how well clips fit to the report, and a notice for those that do not fit well.
+void reportFits(const std::vector<SkinFit>& fits, Report& report);
+
+}  // namespace kelp::bake

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+#include "skins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "kelp/common/error.h"
+
+namespace kelp::bake {
+namespace {
+
+constexpr double kSampleRate = 60;  // a second, beside the channels' own keys
+constexpr double kMostSamples = 20000;
+// How long a step takes, seconds: motions are linear between samples.
+constexpr float kStepTime = 1e-4f;
+// Motions of joints that differ by less, of the skin's size, are one.
+constexpr double kSameBind = 1e-5;
+
+bool isRegular(const glm::dmat4& m) {
+  const double volume = std::abs(glm::determinant(glm::dmat3(m)));
+  return volume > 1e-30 && std::isfinite(volume);
+}
+
+bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
+  double apart = 0, size = 0;
+  for (int column = 0; column < 4; ++column) {
+    apart = std::max(apart, glm::length(a[column] - b[column]));
+    size = std::max(size, glm::length(a[column]));
+  }
+  return apart <= kSameBind * size;
+}
+
+// The times at which motions are sampled: those of all keys, enough between them, and just before a step.
+std::vector<float> sampleTimes(const std::vector<const GltfChannel*>& channels) {
+  std::set<float> times{0};
+  for (const GltfChannel* channel : channels) {
+    for (const float time : channel->times) {
+      times.insert(time);
+      if (channel->interpolation == Interpolation::kStep && time > kStepTime) times.insert(time - kStepTime);
+    }
+  }
+  const double last = *times.rbegin();
+  const double samples = std::min(std::ceil(last * kSampleRate), kMostSamples);
+  for (double i = 1; i < samples; ++i) times.insert(static_cast<float>(last * i / samples));
+  return {times.begin(), times.end()};
+}
+
+void apply(const GltfChannel& channel, double time, GltfTransform& to) {
+  const glm::dvec4 value = evaluate(channel, time);
+  if (channel.path == GltfChannel::Path::kTranslation)
+    to.translation = glm::dvec3(value);
+  else if (channel.path == GltfChannel::Path::kScale)
+    to.scale = glm::dvec3(value);
+  else
+    to.rotation = glm::normalize(glm::dquat(value.w, value.x, value.y, value.z));
+}
+
+}  // namespace
+
+bool hasSkins(const GltfModel& model) {
+  return std::any_of(model.order.begin(), model.order.end(), [&](int node) {
+    return model.node(node).mesh >= 0 && model.node(node).skin >= 0 &&
+           !model.data.skins[static_cast<std::size_t>(model.node(node).skin)].joints.empty();
+  });
+}
+
+bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations) {
+  // The joints and all nodes above them.
+  std::vector<bool> reaches(model.data.nodes.size(), false);
+  std::set<int> seen;
+  for (const int node : model.order) {
+    const int skin = model.node(node).skin;
+    if (model.node(node).mesh < 0 || skin < 0 || !seen.insert(skin).second) continue;
+    for (int joint : model.data.skins[static_cast<std::size_t>(skin)].joints) {
+      if (joint < 0 || static_cast<std::size_t>(joint) >= reaches.size()) continue;
+      for (; joint >= 0 && !reaches[static_cast<std::size_t>(joint)];
+           joint = model.parents[static_cast<std::size_t>(joint)])
+        reaches[static_cast<std::size_t>(joint)] = true;
+    }
+  }
+  return std::any_of(animations.begin(), animations.end(), [&](const GltfAnimation& animation) {
+    return std::any_of(animation.channels.begin(), animation.channels.end(), [&](const GltfChannel& channel) {
+      return reaches[static_cast<std::size_t>(channel.node)] && moves(model, channel);
+    });
+  });
+}
+
+std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
+  const tinygltf::Skin& skin = model.data.skins[static_cast<std::size_t>(index)];
+  const std::string place = placeOf("skins", static_cast<std::size_t>(index));
+  model.countRead(skin.joints.size(), place);
+  std::vector<glm::dmat4> matrices(skin.joints.size(), glm::dmat4(1));
+  for (const int joint : skin.joints)
+    if (joint < 0 || joint >= static_cast<int>(model.data.nodes.size()))
+      model.refuse(place, "names a joint that does not exist");
+  if (skin.inverseBindMatrices < 0) return matrices;
+  const GltfValues values = readValues(model, skin.inverseBindMatrices, place);
+  if (values.components != 16 || values.count < skin.joints.size())
+    model.refuse(place, "has too few inverse bind matrices");
+  for (std::size_t j = 0; j < matrices.size(); ++j)
+    matrices[j] = glm::dmat4(glm::make_mat4(values.values.data() + 16 * j));
+  return matrices;
+}
+
+GltfSkins::GltfSkins(const GltfModel& model) : model_(model) {
+  for (const int node : model.order)
+    if (model.node(node).mesh >= 0 && model.node(node).skin >= 0) addSkinned(node);
+  for (const int node : model.order)
+    if (model.node(node).mesh >= 0 && model.node(node).skin < 0) addRigid(node);
+  sortJoints();
+}
+
+std::uint32_t GltfSkins::jointOf(int node, const glm::dmat4& from_world) {
+  const auto [begin, end] = of_node_.equal_range(node);
+  for (auto at = begin; at != end; ++at)
+    if (isNear(from_world_[at->second], from_world)) return at->second;
+  const auto joint = static_cast<std::uint32_t>(nodes_.size());
+  of_node_.emplace(node, joint);
+  nodes_.push_back(node);
+  from_world_.push_back(from_world);
+  SourceSkin::Joint& made = skin_.joints.emplace_back();
+  if (node >= 0) made.name = oneLine(model_.node(node).name, 80);
+  if (made.name.empty()) made.name = node < 0 ? "scene" : fmt::format("node {}", node);
+  if (isRegular(from_world)) made.origin = glm::dvec3(glm::inverse(from_world)[3]);
+  return joint;
+}
+
+// The bind pose is placed as the skin's uppermost joint places it at rest.
+void GltfSkins::addSkinned(int node) {
+  const int skin = model_.node(node).skin;
+  const auto [at, fresh] = skins_.try_emplace(skin);
+  Mesh& mesh = at->second;
+  if (fresh) {
+    const std::vector<int>& joints = model_.data.skins[static_cast<std::size_t>(skin)].joints;
+    const std::vector<glm::dmat4> inverse = inverseBindMatrices(model_, skin);
+    for (const int candidate : model_.order) {
+      const auto found = std::find(joints.begin(), joints.end(), candidate);
+      if (found == joints.end()) continue;
+      mesh.place = model_.world[static_cast<std::size_t>(candidate)] *
+                   inverse[static_cast<std::size_t>(found - joints.begin())];
+      if (isRegular(mesh.place)) break;
+    }
+    if (!isRegular(mesh.place)) mesh.place = glm::dmat4(1);
+    const glm::dmat4 back = glm::inverse(mesh.place);
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      mesh.joints.push_back(jointOf(joints[j], inverse[j] * back));
+  }
+  meshes_[node] = mesh;
+}
+
+void GltfSkins::addRigid(int node) {
+  // What a joint above does to its children between rest and bind pose, it does to the mesh.
+  glm::dmat4 bind(1);
+  for (int at = node; at >= 0; at = parentOf(at)) {
+    const auto found = of_node_.find(at);
+    if (found == of_node_.end()) continue;
+    const glm::dmat4 to_joint = worldOf(at) * from_world_[found->second];
+    if (isRegular(to_joint)) bind = glm::inverse(to_joint);
+    break;
+  }
+  int mover = node;  // the mesh itself, or, of a flat one, the nearest above that has a motion
+  while (mover >= 0 && !isRegular(worldOf(mover))) mover = parentOf(mover);
+  Mesh& mesh = meshes_[node];
+  mesh.place = bind * worldOf(node);
+  mesh.joints.push_back(jointOf(mover, mover < 0 ? glm::dmat4(1) : glm::inverse(bind * worldOf(mover))));
+}
+
+// Sorts the joints, parents first.
+void GltfSkins::sortJoints() {
+  std::vector<std::size_t> rank(model_.data.nodes.size(), 0);
+  for (std::size_t i = 0; i < model_.order.size(); ++i)
+    rank[static_cast<std::size_t>(model_.order[i])] = i + 1;
+  std::vector<std::uint32_t> order(nodes_.size()), place(nodes_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto rankOf = [&](std::uint32_t joint) {
+      return nodes_[joint] < 0 ? 0 : rank[static_cast<std::size_t>(nodes_[joint])];
+    };
+    return rankOf(a) < rankOf(b);
+  });
+  for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  const auto sorted = [&](const auto& list) {
+    auto out = list;
+    for (std::size_t i = 0; i < order.size(); ++i) out[i] = list[order[i]];
+    return out;
+  };
+  nodes_ = sorted(nodes_);
+  from_world_ = sorted(from_world_);
+  skin_.joints = sorted(skin_.joints);
+  of_node_.clear();
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) of_node_.emplace(nodes_[i], i);
+  for (auto& [node, mesh] : meshes_)
+    for (std::uint32_t& joint : mesh.joints) joint = place[joint];
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0; above = parentOf(above)) {
+      const auto found = of_node_.find(above);
+      if (found == of_node_.end()) continue;
+      if (found->second < i) skin_.joints[i].parent = static_cast<int>(found->second);
+      break;
+    }
+  }
+}
+
+void GltfSkins::beginVertex(int node) {
+  endVertex();
+  vertex_node_ = node;
+  skin_.first_influence.push_back(static_cast<std::uint32_t>(skin_.influences.size()));
+}
+
+void GltfSkins::addInfluence(std::size_t joint, double weight) {
+  skin_.influences.push_back({meshes_.at(vertex_node_).joints[joint], static_cast<float>(weight)});
+}
+
+// Weights sum to one. A vertex that no joint moves follows the first one.
+void GltfSkins::endVertex() {
+  if (skin_.first_influence.empty()) return;
+  const auto first = skin_.influences.begin() + static_cast<std::ptrdiff_t>(skin_.first_influence.back());
+  if (first == skin_.influences.end()) {
+    skin_.influences.push_back({meshes_.at(vertex_node_).joints.front(), 1});
+    return;
+  }
+  double sum = 0;
+  for (auto at = first; at != skin_.influences.end(); ++at) sum += static_cast<double>(at->weight);
+  for (auto at = first; at != skin_.influences.end(); ++at)
+    at->weight = static_cast<float>(static_cast<double>(at->weight) / sum);
+}
+
+SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
+                           std::vector<std::vector<bool>>& used) {
+  endVertex();
+  skin_.first_influence.push_back(static_cast<std::uint32_t>(skin_.influences.size()));
+  // The nodes whose motion reaches a joint: the joints and all above them.
+  std::vector<bool> reaches(model_.data.nodes.size(), false);
+  for (int node : nodes_)
+    for (; node >= 0 && !reaches[static_cast<std::size_t>(node)]; node = parentOf(node))
+      reaches[static_cast<std::size_t>(node)] = true;
+  std::map<std::string, std::vector<std::size_t>> by_name;  // animations of one name make one clip
+  std::vector<std::string> names;
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    bool concerned = false;
+    for (std::size_t c = 0; c < animations[a].channels.size(); ++c) {
+      if (!reaches[static_cast<std::size_t>(animations[a].channels[c].node)]) continue;
+      used[a][c] = concerned = true;
+    }
+    if (!concerned) continue;
+    std::vector<std::size_t>& list = by_name[animations[a].name];
+    if (list.empty()) names.push_back(animations[a].name);
+    list.push_back(a);
+  }
+  for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
+  if (space == glm::dmat4(1)) return std::move(skin_);
+  const glm::dmat4 back = glm::inverse(space);
+  for (SourceSkin::Joint& joint : skin_.joints) joint.origin = glm::dvec3(back * glm::dvec4(joint.origin, 1));
+  for (SourceSkin::Clip& clip : skin_.clips)
+    for (glm::dmat4x3& motion : clip.motions) motion = glm::dmat4x3(back * glm::dmat4(motion) * space);
+  return std::move(skin_);
+}
+
+void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>& members,
+                        const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches) {
+  SourceSkin::Clip clip{name, 0, {}, {}};
+  std::vector<const GltfChannel*> channels;
+  for (const std::size_t a : members) {
+    clip.duration = std::max(clip.duration, animations[a].duration);
+    for (const GltfChannel& channel : animations[a].channels)
+      if (reaches[static_cast<std::size_t>(channel.node)]) channels.push_back(&channel);
+  }
+  if (!(clip.duration > 0)) clip.duration = 1;  // a pose of one key lasts a second
+  clip.times = sampleTimes(channels);
+  const std::string place = "animation '" + name + "'";
+  model_.countRead(clip.times.size() * (model_.order.size() + channels.size()), place);
+  model_.budget->take(clip.times.size() * nodes_.size() * sizeof(glm::dmat4x3), place);
+
+  std::vector<GltfTransform> rest;
+  std::vector<bool> animated(model_.data.nodes.size(), false);
+  for (const tinygltf::Node& node : model_.data.nodes) rest.push_back(restTransform(node));
+  for (const GltfChannel* channel : channels) animated[static_cast<std::size_t>(channel->node)] = true;
+  std::vector<glm::dmat4> world = model_.world;
+  for (const float time : clip.times) {
+    std::vector<GltfTransform> posed = rest;
+    for (const GltfChannel* channel : channels)
+      apply(*channel, static_cast<double>(time), posed[static_cast<std::size_t>(channel->node)]);
+    for (const int node : model_.order) {
+      const auto at = static_cast<std::size_t>(node);
+      const glm::dmat4 local = animated[at] ? posed[at].matrix() : localMatrix(model_.node(node));
+      world[at] = parentOf(node) < 0 ? local : world[static_cast<std::size_t>(parentOf(node))] * local;
+    }
+    for (std::size_t j = 0; j < nodes_.size(); ++j)
+      clip.motions.emplace_back(nodes_[j] < 0 ? glm::dmat4(1)
+                                              : world[static_cast<std::size_t>(nodes_[j])] * from_world_[j]);
+  }
+  skin_.clips.push_back(std::move(clip));
+}
+
+}  // namespace kelp::bake

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The meshes of a scene as one that bends by joints: where each stands in the bind pose, which joints move
+// its vertices, and how the file's animations move the joints.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "gltf_model.h"
+
+namespace kelp::bake {
+
+// Whether a mesh of the scene has a skin.
+bool hasSkins(const GltfModel& model);
+
+// Whether an animation moves a joint of a skin of the scene.
+bool movesJoints(const GltfModel& model, const std::vector<GltfAnimation>& animations);
+
+// The joint matrices of a skin, its mesh's space to each joint's.
+std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int skin);
+
+class GltfSkins {
+ public:
+  // ToolError for a skin that is damaged.
+  explicit GltfSkins(const GltfModel& model);
+
+  // World <- mesh, in the bind pose. A mesh without a skin stands to the nearest joint above it as it does at
+  // rest.
+  const glm::dmat4& place(int node) const { return meshes_.at(node).place; }
+
+  // Vertices one after the other. `joint` counts within the skin of the vertex's mesh; weights are above 0
+  // and need not sum to one. A vertex without any follows the first joint.
+  std::uint32_t vertices() const { return static_cast<std::uint32_t>(skin_.first_influence.size()); }
+  void beginVertex(int node);
+  void addInfluence(std::size_t joint, double weight);
+
+  // Ends the vertices. What animations do to them, in `space` (of the world); marks the channels that move
+  // joints.
+  SourceSkin take(const glm::dmat4& space, const std::vector<GltfAnimation>& animations,
+                  std::vector<std::vector<bool>>& used);
+
+ private:
+  struct Mesh {
+    glm::dmat4 place{1};
+    std::vector<std::uint32_t> joints;  // of its skin; of a mesh without one: the one that moves it
+  };
+  int parentOf(int node) const { return model_.parents[static_cast<std::size_t>(node)]; }
+  const glm::dmat4& worldOf(int node) const { return model_.world[static_cast<std::size_t>(node)]; }
+  std::uint32_t jointOf(int node, const glm::dmat4& from_world);
+  void addSkinned(int node);
+  void addRigid(int node);
+  void sortJoints();
+  void endVertex();
+  void addClip(const std::string& name, const std::vector<std::size_t>& members,
+               const std::vector<GltfAnimation>& animations, const std::vector<bool>& reaches);
+
+  const GltfModel& model_;
+  std::map<int, Mesh> meshes_;  // by node
+  std::map<int, Mesh> skins_;   // by skin
+  SourceSkin skin_;
+  std::vector<int> nodes_;              // of each joint; -1: stands still
+  std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose
+  std::multimap<int, std::uint32_t>
+      of_node_;           // the joints of a node: one, but where skins bind it differently
+  int vertex_node_ = -1;  // of the last vertex
+};
+
+}  // namespace kelp::bake

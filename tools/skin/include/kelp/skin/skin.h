@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// From a skin to parts: a mesh that bends by joints becomes rigid parts that move as its surface moves.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kelp/common/progress.h"
+#include "kelp/import/core/frame.h"
+#include "kelp/import/core/source_model.h"
+
+namespace kelp::bake {
+
+struct SkinPart {
+  std::string name;     // of its joint; further parts of a joint: "joint.2"
+  int parent = -1;      // an earlier part, -1: none
+  glm::dvec3 pivot{0};  // what it turns about, in the soup's space; the pivot's axes are the soup's
+  VoxelGrid grid;       // a box of the whole grid, with the same axes
+  std::vector<RigDescription::Clip> clips;  // one for each of the skin's, in their order
+};
+
+// How far a clip's parts are from the skinned surface, in voxels: at 12 moments, weighted by area.
+struct SkinFit {
+  std::string clip;
+  double mean = 0, p95 = 0, max = 0;
+  std::string joint;  // that moves the surface most where the distance is greatest
+};
+
+struct SkinParts {
+  std::vector<SkinPart> parts;  // at least one
+  std::vector<SkinFit> fits;    // of each clip
+};
+
+// Divides `whole`, the voxels of `soup` in `frame`, among parts that follow `skin`. Every solid voxel is in
+// at least one part, and no part has others. Each part also has some of its neighbours' voxels, so that bends
+// stay closed. The same result with any number of threads. ToolError kInterrupted if `progress`, told 0 to 1
+// in "skin", asks to stop.
+SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
+                     const VoxelGrid& whole, int threads, const Progress& progress);
+
+// Bytes that divideSkin needs beside its arguments and its result, for a box of so many voxels.
+double skinBytes(double voxels, std::size_t joints);
+
+}  // namespace kelp::bake

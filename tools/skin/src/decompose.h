@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Which samples form a rigid part.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "moments.h"
+#include "samples.h"
+
+namespace kelp::bake {
+
+// A partition of the samples. Every part has at least one.
+struct SkinLabels {
+  std::vector<std::uint32_t> parts;   // of each sample
+  std::vector<std::uint32_t> joints;  // of each part: the joint that it was made for
+
+  std::vector<std::vector<std::uint32_t>> members() const;
+};
+
+// Starts with the joint that moves each sample most, then improves the parts by Lloyd's iteration, then cuts
+// parts in two while that pays: until there are twice as many parts as joints. `step` is told 0 to 1. The
+// same result with any number of threads.
+SkinLabels decompose(const SkinSamples& samples, const SkinMoments& moments, int threads,
+                     const std::function<void(double)>& step);
+
+}  // namespace kelp::bake

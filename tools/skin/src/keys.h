@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// From motions of parts to as few keys as keep them.
+#pragma once
+
+#include <vector>
+
+#include "decompose.h"
+#include "tree.h"
+
+namespace kelp::bake {
+
+// The clip's motion of every part in the rig language: rotations about the pivot and translations, linear
+// between keys, in the soup's axes and units. No sample of a part is farther than `tolerance` units from
+// where the fitted motion puts it, at every time that the clip was sampled.
+std::vector<RigDescription::Clip> makeSkinKeys(const SkinSamples& samples, const SourceSkin& skin,
+                                               std::uint32_t clip, const SkinSpace& space,
+                                               const SkinLabels& labels, const PartTree& tree,
+                                               double tolerance);
+
+// Where such clips put the parts at a time: posed <- bind pose.
+std::vector<glm::dmat4x3> posesOfKeys(const std::vector<RigDescription::Clip>& clips, const PartTree& tree,
+                                      const SkinSpace& space, double time);
+
+}  // namespace kelp::bake

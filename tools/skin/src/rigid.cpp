@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "rigid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kelp::bake {
+namespace {
+
+using Symmetric = std::array<std::array<double, 4>, 4>;
+
+// The eigenvector of the greatest eigenvalue, by Jacobi's rotations.
+std::array<double, 4> greatestEigenvector(Symmetric a) {
+  Symmetric v{};
+  for (std::size_t i = 0; i < 4; ++i) v[i][i] = 1;
+  constexpr int kSweeps = 16;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double off = 0, on = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      on += a[i][i] * a[i][i];
+      for (std::size_t j = i + 1; j < 4; ++j) off += a[i][j] * a[i][j];
+    }
+    if (off <= 1e-30 * on) break;
+    for (std::size_t p = 0; p < 3; ++p) {
+      for (std::size_t q = p + 1; q < 4; ++q) {
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
+          const double vp = v[k][p], vq = v[k][q];
+          v[k][p] = c * vp - s * vq;
+          v[k][q] = s * vp + c * vq;
+        }
+      }
+    }
+  }
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < 4; ++i)
+    if (a[i][i] > a[best][best]) best = i;
+  return {v[0][best], v[1][best], v[2][best], v[3][best]};
+}
+
+}  // namespace
+
+glm::dmat3 rotationOf(const glm::dquat& q) {
+  const double s = 2 / (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {{1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y + q.w * q.z), s * (q.x * q.z - q.w * q.y)},
+          {s * (q.x * q.y - q.w * q.z), 1 - s * (q.x * q.x + q.z * q.z), s * (q.y * q.z + q.w * q.x)},
+          {s * (q.x * q.z + q.w * q.y), s * (q.y * q.z - q.w * q.x), 1 - s * (q.x * q.x + q.y * q.y)}};
+}
+
+namespace {
+
+glm::dquat hornQuaternion(const glm::dmat3& h) {
+  // s[a][b]: the sum of x_a y_b; column a of h.
+  const glm::dmat3& s = h;
+  const Symmetric n{{{s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
+                     {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
+                     {s[2][0] - s[0][2], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
+                     {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}}};
+  const std::array<double, 4> q = greatestEigenvector(n);
+  return {q[0], q[1], q[2], q[3]};
+}
+
+}  // namespace
+
+glm::dmat3 nearestRotation(const glm::dmat3& h) { return rotationOf(hornQuaternion(h)); }
+
+glm::dquat quaternionOf(const glm::dmat3& rotation) {
+  const glm::dquat q = hornQuaternion(rotation);
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
+glm::dquat slerpShort(const glm::dquat& a, glm::dquat b, double share) {
+  double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+  if (cosine < 0) {
+    b = glm::dquat(-b.w, -b.x, -b.y, -b.z);
+    cosine = -cosine;
+  }
+  double of_a = 1 - share, of_b = share;
+  if (cosine < 1 - 1e-9) {
+    const double angle = std::acos(cosine), sine = std::sin(angle);
+    of_a = std::sin(of_a * angle) / sine;
+    of_b = std::sin(of_b * angle) / sine;
+  }
+  const glm::dquat q(of_a * a.w + of_b * b.w, of_a * a.x + of_b * b.x, of_a * a.y + of_b * b.y,
+                     of_a * a.z + of_b * b.z);
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w / length, q.x / length, q.y / length, q.z / length};
+}
+
+}  // namespace kelp::bake

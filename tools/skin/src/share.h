@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Which part has which voxels.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "decompose.h"
+#include "tree.h"
+
+namespace kelp::bake {
+
+// The part of each voxel.
+struct VoxelOwners {
+  static constexpr std::uint16_t kEmpty = 0xffff;
+  std::vector<std::uint16_t> owner;    // dense; kEmpty where nothing is solid
+  std::vector<std::uint32_t> surface;  // dense: the surface sample of the nearest surface voxel
+  std::vector<std::uint64_t> counts;   // voxels of each part
+};
+
+// Each surface voxel belongs to the nearest sample's part, each other solid voxel to that of the nearest
+// surface voxel.
+VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, const SkinLabels& labels,
+                        const VoxelGrid& whole, int threads);
+
+// Parts of fewer than `least` voxels go to the part with which they share the longest seam, or to that of a
+// joint above. True if there were some; then the voxels must be shared again.
+bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
+                    const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels);
+
+// How far beyond each seam both its parts have the other's voxels, in voxels: as far as it opens, from the
+// parts' motions at the moments ([part][moment]).
+std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
+                               const std::vector<Seam>& seams,
+                               const std::vector<std::vector<glm::dmat4x3>>& motions);
+
+// The voxels of each part, with those that it shares, as a box of the whole grid. A part does not share what
+// it would push out of its neighbour's surface, at one of the moments.
+std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space,
+                                const std::vector<Seam>& seams, const std::vector<double>& overlaps,
+                                const std::vector<std::vector<glm::dmat4x3>>& motions,
+                                const VoxelOwners& owners, const VoxelGrid& whole, int threads);
+
+}  // namespace kelp::bake

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "tree.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace kelp::bake {
+namespace {
+
+constexpr std::uint32_t kNobody = 0xffffffffu;
+
+int topOf(const SourceSkin& skin, int joint) {
+  while (skin.joints[static_cast<std::size_t>(joint)].parent >= 0)
+    joint = skin.joints[static_cast<std::size_t>(joint)].parent;
+  return joint;
+}
+
+// The largest part of each joint that has one.
+std::vector<std::uint32_t> mainParts(const std::vector<double>& areas, const SkinLabels& labels,
+                                     std::size_t joints) {
+  std::vector<std::uint32_t> main(joints, kNobody);
+  for (std::uint32_t p = 0; p < labels.joints.size(); ++p) {
+    std::uint32_t& of = main[labels.joints[p]];
+    if (of == kNobody || areas[p] > areas[of]) of = p;
+  }
+  return main;
+}
+
+std::vector<int> parentsOf(const SourceSkin& skin, const std::vector<double>& areas, const SkinLabels& labels,
+                           const std::vector<Seam>& seams, const std::vector<std::uint32_t>& main) {
+  const std::size_t count = labels.joints.size();
+  std::vector<int> parents(count, -1);
+  std::vector<bool> hangs(count, false);
+  std::map<int, std::uint32_t> roots;  // of each skeleton: the largest part that has no part above
+  for (std::uint32_t p = 0; p < count; ++p) {
+    if (main[labels.joints[p]] != p) continue;
+    hangs[p] = true;
+    int above = skin.joints[labels.joints[p]].parent;
+    while (above >= 0 && main[static_cast<std::size_t>(above)] == kNobody)
+      above = skin.joints[static_cast<std::size_t>(above)].parent;
+    if (above >= 0) {
+      parents[p] = static_cast<int>(main[static_cast<std::size_t>(above)]);
+    } else {
+      const auto [at, fresh] = roots.emplace(topOf(skin, static_cast<int>(labels.joints[p])), p);
+      if (!fresh && areas[p] > areas[at->second]) at->second = p;
+    }
+  }
+  for (std::uint32_t p = 0; p < count; ++p) {
+    if (!hangs[p] || parents[p] >= 0) continue;
+    const std::uint32_t root = roots[topOf(skin, static_cast<int>(labels.joints[p]))];
+    if (root != p) parents[p] = static_cast<int>(root);
+  }
+  // The longest seam between a part that hangs and one that does not; again and again.
+  for (;;) {
+    const Seam* best = nullptr;
+    for (const Seam& seam : seams)
+      if (hangs[seam.a] != hangs[seam.b] && (!best || seam.length > best->length)) best = &seam;
+    if (!best) break;
+    const std::uint32_t child = hangs[best->a] ? best->b : best->a;
+    parents[child] = static_cast<int>(hangs[best->a] ? best->a : best->b);
+    hangs[child] = true;
+  }
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (!hangs[p]) parents[p] = static_cast<int>(main[labels.joints[p]]);
+  return parents;
+}
+
+// Renames parts so that parents come first; otherwise in their order.
+void sortParts(SkinLabels& labels, std::vector<int>& parents) {
+  const std::size_t count = parents.size();
+  std::vector<std::uint32_t> order, place(count, kNobody);
+  while (order.size() < count) {
+    for (std::uint32_t p = 0; p < count; ++p) {
+      if (place[p] != kNobody) continue;
+      if (parents[p] >= 0 && place[static_cast<std::size_t>(parents[p])] == kNobody) continue;
+      place[p] = static_cast<std::uint32_t>(order.size());
+      order.push_back(p);
+    }
+  }
+  SkinLabels sorted{labels.parts, {}};
+  std::vector<int> sorted_parents;
+  for (const std::uint32_t p : order) {
+    sorted.joints.push_back(labels.joints[p]);
+    sorted_parents.push_back(parents[p] < 0 ? -1
+                                            : static_cast<int>(place[static_cast<std::size_t>(parents[p])]));
+  }
+  for (std::uint32_t& part : sorted.parts) part = place[part];
+  labels = std::move(sorted);
+  parents = std::move(sorted_parents);
+}
+
+std::vector<double> areasOf(const SkinSamples& samples, const SkinLabels& labels) {
+  std::vector<double> areas(labels.joints.size(), 0);
+  for (std::size_t i = 0; i < samples.size(); ++i) areas[labels.parts[i]] += samples.areas[i];
+  return areas;
+}
+
+}  // namespace
+
+std::vector<Seam> findSeams(const SkinSamples& samples, const SkinLabels& labels) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Seam> seams;
+  for (std::uint32_t e = 0; e < samples.edges.size(); ++e) {
+    const SkinSamples::Edge& edge = samples.edges[e];
+    const auto [a, b] = std::minmax(labels.parts[edge.a], labels.parts[edge.b]);
+    if (a == b) continue;
+    Seam& seam = seams[{a, b}];
+    seam.a = a;
+    seam.b = b;
+    seam.length += edge.width;
+    seam.middle += 0.5 * edge.width * (samples.positions[edge.a] + samples.positions[edge.b]);
+    seam.edges.push_back(e);
+  }
+  std::vector<Seam> list;
+  for (auto& [key, seam] : seams) {
+    seam.middle /= seam.length;
+    list.push_back(std::move(seam));
+  }
+  return list;
+}
+
+PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
+                   SkinLabels& labels) {
+  PartTree tree;
+  const std::vector<double> unsorted = areasOf(samples, labels);
+  tree.parents = parentsOf(skin, unsorted, labels, findSeams(samples, labels),
+                           mainParts(unsorted, labels, skin.joints.size()));
+  sortParts(labels, tree.parents);
+  const std::vector<double> areas = areasOf(samples, labels);
+  const std::vector<std::uint32_t> main = mainParts(areas, labels, skin.joints.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, glm::dvec3> middles;
+  for (const Seam& seam : findSeams(samples, labels)) middles[{seam.a, seam.b}] = seam.middle;
+  std::vector<glm::dvec3> centres(labels.joints.size(), glm::dvec3(0));
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    centres[labels.parts[i]] += samples.areas[i] / areas[labels.parts[i]] * samples.positions[i];
+
+  std::set<std::string> names;
+  for (std::uint32_t p = 0; p < labels.joints.size(); ++p) {
+    const SourceSkin::Joint& joint = skin.joints[labels.joints[p]];
+    glm::dvec3 pivot(space.from_soup * glm::dvec4(joint.origin, 1));
+    if (main[labels.joints[p]] != p) {
+      const auto parent = static_cast<std::uint32_t>(std::max(0, tree.parents[p]));
+      const auto seam = middles.find({std::min(p, parent), std::max(p, parent)});
+      pivot = seam == middles.end() ? centres[p] : seam->second;
+    }
+    tree.pivots.push_back(pivot);
+    std::string name = joint.name;
+    for (int k = 2; !names.insert(name).second; ++k) name = joint.name + "." + std::to_string(k);
+    tree.names.push_back(name);
+  }
+  return tree;
+}
+
+}  // namespace kelp::bake

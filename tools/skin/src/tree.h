@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Which part follows which, and what it turns about.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "decompose.h"
+
+namespace kelp::bake {
+
+// Where samples of two parts are neighbours.
+struct Seam {
+  std::uint32_t a = 0, b = 0;  // parts, a < b
+  double length = 0;
+  glm::dvec3 middle{0};
+  std::vector<std::uint32_t> edges;  // of the samples
+};
+// Ascending by a, then b.
+std::vector<Seam> findSeams(const SkinSamples& samples, const SkinLabels& labels);
+
+struct PartTree {
+  std::vector<int> parents;        // of each part
+  std::vector<glm::dvec3> pivots;  // in the bind pose
+  std::vector<std::string> names;
+};
+
+// Sorts the parts so that parents come first. The largest part of a joint follows the joint above; further
+// ones follow the part with which they share the longest seam. Joints without a part above them follow the
+// largest of these within their skeleton.
+PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
+                   SkinLabels& labels);
+
+}  // namespace kelp::bake
