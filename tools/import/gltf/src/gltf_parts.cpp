@@ -200,6 +200,24 @@ std::vector<PartPlan> planByNodes(const GltfModel& model, const std::vector<Gltf
   return NodePlanner(model, animations).plan();
 }
 
+glm::dmat4 rigidSpace(const GltfModel& model, int node) {
+  if (model.node(node).skin >= 0) return glm::dmat4(1);
+  glm::dquat turn(1, 0, 0, 0);
+  for (int at = node; at >= 0; at = model.parents[static_cast<std::size_t>(at)])
+    turn = restTransform(model.node(at)).rotation * turn;
+  glm::dmat4 space = glm::mat4_cast(glm::normalize(turn));
+  space[3] = model.world[static_cast<std::size_t>(node)][3];
+  return space;
+}
+
+glm::dmat4 pivotOf(const GltfModel& model, int node) {
+  if (node < 0) return glm::dmat4(1);
+  const int parent = model.parents[static_cast<std::size_t>(node)];
+  GltfTransform rest = restTransform(model.node(node));
+  rest.scale = glm::dvec3(1);
+  return (parent >= 0 ? model.world[static_cast<std::size_t>(parent)] : glm::dmat4(1)) * rest.matrix();
+}
+
 int skinAnchor(const GltfModel& model, int skin) {
   const std::size_t count = model.parents.size();
   std::vector<int> above;                   // the first joint and all above it, upwards

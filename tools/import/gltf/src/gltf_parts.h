@@ -31,6 +31,13 @@ std::vector<PartPlan> planByRigs(const GltfModel& model, bool single);
 // exact.
 std::vector<PartPlan> planByNodes(const GltfModel& model, const std::vector<GltfAnimation>& animations);
 
+// The node's place and rotation in the object. Scale, shear and mirroring go into the triangles, so that
+// voxels are cubes. Skins ignore the place of their node.
+glm::dmat4 rigidSpace(const GltfModel& model, int node);
+// The world of the parent, then the node's own place and rotation at rest: here its animated translation,
+// rotation and scale act. Node -1: the identity.
+glm::dmat4 pivotOf(const GltfModel& model, int node);
+
 // The nearest node above all joints of a skin, which places a skinned mesh. -1: they have none in common.
 int skinAnchor(const GltfModel& model, int skin);
 

@@ -159,7 +159,7 @@ class GltfImporter {
     part.name = partName(plan.node);
     glm::dmat4 space(1);
     if (plan.node >= 0) {
-      space = plan.rigid ? rigidSpace(plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
+      space = plan.rigid ? rigidSpace(model_, plan.node) : model_.world[static_cast<std::size_t>(plan.node)];
       if (std::abs(glm::determinant(glm::dmat3(space))) < 1e-30)
         model_.refuse(model_.nodeName(plan.node), "has a rig and a scale of zero; give it a size");
     }
@@ -221,23 +221,11 @@ class GltfImporter {
     return stemOf(files_);
   }
 
-  // The node's place and rotation in the object. Scale, shear and mirroring go into the triangles, so that
-  // voxels are cubes. Skins ignore the place of their node.
-  glm::dmat4 rigidSpace(int node) const {
-    if (model_.node(node).skin >= 0) return glm::dmat4(1);
-    glm::dquat turn(1, 0, 0, 0);
-    for (int at = node; at >= 0; at = model_.parents[static_cast<std::size_t>(at)])
-      turn = restTransform(model_.node(at)).rotation * turn;
-    glm::dmat4 space = glm::mat4_cast(glm::normalize(turn));
-    space[3] = model_.world[static_cast<std::size_t>(node)][3];
-    return space;
-  }
-
   // Sets the pivot. Returns the node whose animations move the part; -1, with a notice, if its pivot cannot
   // hold them.
   int giveMotion(const PartPlan& plan, SourcePart& part) const {
     const int node = plan.mover >= 0 ? plan.mover : plan.node;
-    const glm::dmat4 pivot = pivotOf(node);
+    const glm::dmat4 pivot = pivotOf(model_, node);
     const double volume = std::abs(glm::determinant(glm::dmat3(pivot)));
     const double sides = glm::length(glm::dvec3(pivot[0])) * glm::length(glm::dvec3(pivot[1])) *
                          glm::length(glm::dvec3(pivot[2]));
@@ -309,16 +297,6 @@ class GltfImporter {
     return model_.nodeName(plan.node) +
            " has a rig but no triangles in its subtree: no part is made of it; " +
            (plan.rig ? "put extras.kelp on the mesh's node" : "parent the knots to the mesh");
-  }
-
-  // The world of the parent, then the node's own place and rotation at rest: here its animated translation,
-  // rotation and scale act.
-  glm::dmat4 pivotOf(int node) const {
-    if (node < 0) return glm::dmat4(1);
-    const int parent = model_.parents[static_cast<std::size_t>(node)];
-    GltfTransform rest = restTransform(model_.node(node));
-    rest.scale = glm::dvec3(1);
-    return (parent >= 0 ? model_.world[static_cast<std::size_t>(parent)] : glm::dmat4(1)) * rest.matrix();
   }
 
   // Whether a rig is about all of the part and leaves knots, clips and sockets to others.
