@@ -523,10 +523,11 @@ TEST(Moment, UnknownNamesListThoseThereAre) {
 
 // Voxels seen from two sides beside the triangles as the second reader has them at that time: the share of
 // pixels in which both agree.
-double agreement(const Baked& baked, const std::vector<glm::dvec3>& corners, double yaw) {
+double agreement(const Baked& baked, const std::vector<glm::dvec3>& corners, double yaw,
+                 const runtime::Pose* pose = nullptr) {
   EXPECT_TRUE(baked.asset().loadAll());
   constexpr int kSide = 160;
-  const runtime::Instance instance{&baked.asset(), nullptr};
+  const runtime::Instance instance{&baked.asset(), pose};
   glm::dvec3 low(1e30), high(-1e30);
   for (const glm::dvec3& p : corners) {
     low = glm::min(low, p);
@@ -562,6 +563,33 @@ TEST(Moment, ThePictureIsThatOfItsTriangles) {
     EXPECT_GT(agreement(fox, walking, yaw), 0.94) << yaw;
     EXPECT_LT(agreement(fox, standing, yaw), 0.9) << yaw;
   }
+}
+
+// The skin as parts that clips move, as the runtime poses them.
+TEST(Skin, ThePictureIsThatOfItsTriangles) {
+  KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
+  const GltfTruth truth(path);
+  const Baked fox(path, {}, 128);
+  double sum = 0, least = 1;
+  int pictures = 0;
+  for (const auto& [name, animation, duration] :
+       {std::tuple("Survey", 0, 3.41), std::tuple("Walk", 1, 0.708), std::tuple("Run", 2, 1.158)})
+    for (const double share : {0.25, 0.75}) {
+      runtime::Pose pose = *runtime::Pose::create(fox.asset());
+      const int clip = runtime::findClip(fox.asset(), name).value();
+      ASSERT_TRUE(runtime::addClip(fox.asset(), clip, share * duration, 1, pose));
+      const std::vector<glm::dvec3> wanted = truth.worldCorners(kFox, animation, share * duration);
+      for (const double yaw : {0.0, 60.0, 90.0}) {
+        const double its = agreement(fox, wanted, yaw, &pose);
+        sum += its;
+        least = std::min(least, its);
+        ++pictures;
+      }
+    }
+  EXPECT_GT(sum / pictures, 0.92);
+  EXPECT_GT(least, 0.85);
+  RecordProperty("mean", std::to_string(sum / pictures));
+  RecordProperty("least", std::to_string(least));
 }
 
 }  // namespace

@@ -362,9 +362,10 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   voxelizeParts(job);
   if (skinned) {
     clock.begin("skin");
+    const Frame whole = job.frames.front();
     const std::vector<SkinFit> fits = divideSkins(job);
     rigParts(job.model, input, job.pack, report);
-    reportFits(fits, report);
+    reportFits(fits, whole, report);
   }
   clock.begin("palette");
   choosePalette(job);

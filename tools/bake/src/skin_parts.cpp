@@ -13,8 +13,8 @@
 namespace kelp::bake {
 namespace {
 
-// Voxels, for 95 % of the surface. Farther off, joints look broken.
-constexpr double kPoorFit = 4;
+// Of 95 % of the surface, as a share of the longest side: 4 voxels of 128. Farther off, joints look broken.
+constexpr double kPoorFit = 1.0 / 32;
 
 // What the turned pivot's axes are at `at`, in the pivot's space.
 glm::mat4x3 movedTo(const glm::mat4x3& pivot, const glm::dvec3& at) {
@@ -80,14 +80,15 @@ void countSkin(const SourceSkin& skin, PartSize& size) {
   size.source_bytes += kMoreVoxels * size.voxels();
 }
 
-void reportFits(const std::vector<SkinFit>& fits, Report& report) {
+void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& report) {
+  const double poor = kPoorFit * std::max({frame.size.x, frame.size.y, frame.size.z});
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
   for (Report::Clip& clip : report.clips)
     if (const auto found = by_clip.find(clip.name); found != by_clip.end())
       clip.fit = {found->second->mean, found->second->p95, found->second->max, found->second->joint};
   for (const SkinFit& fit : fits)
-    if (fit.p95 > kPoorFit)
+    if (fit.p95 > poor)
       report.notices.push_back(fmt::format(
           "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
           "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",

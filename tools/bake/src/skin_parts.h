@@ -18,7 +18,7 @@ std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, i
 // their neighbours beside the surface.
 void countSkin(const SourceSkin& skin, PartSize& size);
 
-// Adds how well clips fit to the report, and a notice for those that do not fit well.
-void reportFits(const std::vector<SkinFit>& fits, Report& report);
+// Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.
+void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& report);
 
 }  // namespace kelp::bake

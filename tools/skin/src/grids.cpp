@@ -81,7 +81,7 @@ class Overlap {
           distances(denseCount(size), kFar),
           answers(denseCount(size), kUnknown) {}
   };
-  enum Answer : std::uint8_t { kUnknown, kMay, kMayNot };
+  enum Answer : std::uint8_t { kUnknown, kFarFromSeam, kMay, kMayNot };
   struct Reach {
     double length = 0;
     std::vector<glm::dvec3> seam;
@@ -119,9 +119,13 @@ class Overlap {
           const double depth = depthOf(index);
           if (static_cast<double>(next) > std::max(reach->length, std::min(depth, reach->length + kDome)))
             continue;
-          if (start && !isNearSeam(*reach, to, depth)) continue;
           std::uint8_t& answer = search.answers[local];
-          if (answer == kUnknown) answer = sticksOut(*reach, search.part < other, to) ? kMayNot : kMay;
+          if (answer == kMayNot || (start && answer == kFarFromSeam)) continue;
+          if (start && answer == kUnknown && !isNearSeam(*reach, to, depth)) {
+            answer = kFarFromSeam;
+            continue;
+          }
+          if (answer != kMay) answer = sticksOut(*reach, search.part < other, to) ? kMayNot : kMay;
           if (answer == kMayNot) continue;
           search.distances[local] = next;
           search.open.emplace(next, local);

@@ -43,7 +43,7 @@ void keepStillClips(std::vector<std::vector<RigDescription::Clip>>& clips) {
 
 double skinBytes(double voxels, std::size_t joints) {
   // Owners, the nearest surface voxel and the transform that finds it; samples and their motions.
-  constexpr double kOfVoxel = 16, kOfSamples = 60e6, kOfJoint = 100e3;
+  constexpr double kOfVoxel = 16, kOfSamples = 25e6, kOfJoint = 100e3;
   return voxels * kOfVoxel + kOfSamples + static_cast<double>(joints) * kOfJoint;
 }
 

@@ -108,10 +108,14 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
 }
 
 GltfSkins::GltfSkins(const GltfModel& model) : model_(model) {
+  const auto hasJoints = [&](int node) {
+    const int skin = model.node(node).skin;
+    return skin >= 0 && !model.data.skins[static_cast<std::size_t>(skin)].joints.empty();
+  };
   for (const int node : model.order)
-    if (model.node(node).mesh >= 0 && model.node(node).skin >= 0) addSkinned(node);
+    if (model.node(node).mesh >= 0 && hasJoints(node)) addSkinned(node);
   for (const int node : model.order)
-    if (model.node(node).mesh >= 0 && model.node(node).skin < 0) addRigid(node);
+    if (model.node(node).mesh >= 0 && !hasJoints(node)) addRigid(node);
   sortJoints();
 }
 
@@ -197,7 +201,10 @@ void GltfSkins::sortJoints() {
   for (auto& [node, mesh] : meshes_)
     for (std::uint32_t& joint : mesh.joints) joint = place[joint];
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0; above = parentOf(above)) {
+    // Outside of the scene, nodes may be below themselves.
+    std::size_t steps = 0;
+    for (int above = nodes_[i] < 0 ? -1 : parentOf(nodes_[i]); above >= 0 && steps < model_.data.nodes.size();
+         above = parentOf(above), ++steps) {
       const auto found = of_node_.find(above);
       if (found == of_node_.end()) continue;
       if (found->second < i) skin_.joints[i].parent = static_cast<int>(found->second);
