@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "kelp/import/core/outer_rig.h"
+
 namespace kelp::bake_cli {
 namespace {
 
