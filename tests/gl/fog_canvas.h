@@ -101,4 +101,37 @@ inline gl::View framing(const glm::ivec2& viewport, const Instance& instance) {
   return lookAt(viewport, middle + reach * glm::vec3(0.35f, 0.2f, 0.9f), middle, 0.01f * reach, 4 * reach);
 }
 
+// While finer pages are missing, the coarser ones are drawn in their place: the mass is there from the first
+// level on. `all`: a renderer that has all of the asset.
+inline void expectCoarserUntilLoaded(gl::Renderer& all, runtime::Asset& asset) {
+  const FloatCanvas canvas({40, 48});
+  const Instance instance{&asset, nullptr};
+  const gl::View view = dark(framing(canvas.size(), instance));
+  const std::vector<glm::vec4> whole = drawFog(all, canvas, view, instance);
+  const auto massOf = [](const std::vector<glm::vec4>& picture) {
+    double sum = 0;
+    for (const glm::vec4& pixel : picture) sum -= std::log(1 - std::min(double{pixel.a}, 0.9999));
+    return sum;
+  };
+  gl::Config config;
+  config.getProcAddress = EglContext::getProcAddress;
+  const auto slow = gl::Renderer::create(config);
+  ASSERT_TRUE(slow && (*slow)->add(asset));
+  int seen = 0;
+  for (std::uint32_t pending = 1; pending > 0;) {
+    const auto uploaded = (*slow)->upload(32768);
+    ASSERT_TRUE(uploaded);
+    pending = uploaded->pending;
+    const std::vector<glm::vec4> now = drawFog(**slow, canvas, view, instance);
+    const double mass = massOf(now);
+    if (mass == 0) continue;  // the first level is not there yet
+    ++seen;
+    EXPECT_NEAR(mass / massOf(whole), 1, 0.05);
+    if (pending == 0) {
+      EXPECT_LT(greatest(now, whole), 1e-6);
+    }
+  }
+  EXPECT_GT(seen, 5);
+}
+
 }  // namespace kelp::test

@@ -297,38 +297,11 @@ TEST_P(SweptFog, IsBlendedFarToNearWithSheared) {
 // While finer pages are missing, the coarser ones are drawn in their place.
 TEST_P(SweptFog, IsCoarserUntilItsPagesAreThere) {
   if (!desktop()) return;  // OpenGL ES reads no floats back
-  const FloatCanvas canvas({40, 48});
   const glm::ivec3 size(48, 120, 40);
   const LoadedAsset loaded(sweptFog(fogOf(size, puffs), 0.1f, reference::namedSweeps(size)[6]));
   const auto renderer = makeRenderer(*loaded.asset);
   ASSERT_TRUE(renderer);
-  const Instance instance{loaded.asset.get(), nullptr};
-  const gl::View view = dark(framing(canvas.size(), instance));
-  const std::vector<glm::vec4> whole = drawFog(*renderer, canvas, view, instance);
-  const auto massOf = [](const std::vector<glm::vec4>& picture) {
-    double sum = 0;
-    for (const glm::vec4& pixel : picture) sum -= std::log(1 - std::min(double{pixel.a}, 0.9999));
-    return sum;
-  };
-  gl::Config config;
-  config.getProcAddress = EglContext::getProcAddress;
-  const auto slow = gl::Renderer::create(config);
-  ASSERT_TRUE(slow && (*slow)->add(*loaded.asset));
-  int seen = 0;
-  for (std::uint32_t pending = 1; pending > 0;) {
-    const auto uploaded = (*slow)->upload(32768);
-    ASSERT_TRUE(uploaded);
-    pending = uploaded->pending;
-    const std::vector<glm::vec4> now = drawFog(**slow, canvas, view, instance);
-    const double mass = massOf(now);
-    if (mass == 0) continue;  // the first level is not there yet
-    ++seen;
-    EXPECT_NEAR(mass / massOf(whole), 1, 0.05);
-    if (pending == 0) {
-      EXPECT_LT(greatest(now, whole), 1e-6);
-    }
-  }
-  EXPECT_GT(seen, 5);
+  expectCoarserUntilLoaded(*renderer, *loaded.asset);
 }
 
 TEST_P(SweptFog, IsTheSameInBothApis) {
