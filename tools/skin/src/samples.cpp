@@ -41,7 +41,7 @@ std::vector<Weighted> weightedPoints(const SourceSkin& skin, std::uint32_t verte
       same->x += x;
   }
   std::sort(list.begin(), list.end(), [](const Weighted& a, const Weighted& b) { return a.joint < b.joint; });
-  // Weights are floats, whose sum is one but for their last bits.
+  // Weights are floats: their sum differs from one by rounding.
   double sum = 0;
   for (const Weighted& w : list) sum += w.x.w;
   for (Weighted& w : list) w.x /= sum;
