@@ -78,10 +78,10 @@ def rounded(count, ends=0.04):
 
 class Mesh:
     """Triangles with one position and one linear colour per vertex; vertices are shared, normals are
-    smooth."""
+    smooth. influences: of a mesh that joints move, [(joint, weight), ...] of each vertex."""
 
     def __init__(self):
-        self.positions, self.colours, self.triangles = [], [], []
+        self.positions, self.colours, self.triangles, self.influences = [], [], [], []
 
     def append(self, positions, colours, triangles):
         """Takes one closed surface in, turned so that it faces outward."""

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes kelp's sample models, each as NAME.glb with its rig: see MODELS. Needs nothing but Python 3."""
+"""Makes kelp's sample models, each as NAME.glb with its rig or its skin: see MODELS. Needs nothing but Python
+3."""
 
 import os
 import sys
@@ -12,13 +13,14 @@ import fish  # noqa: E402
 import fusilier  # noqa: E402
 import glb  # noqa: E402
 import kelp_plant  # noqa: E402
+import octopus  # noqa: E402
 import orange  # noqa: E402
 import sea_grass  # noqa: E402
 import seabed  # noqa: E402
 import tentacle  # noqa: E402
 
 MODELS = {"kelp_plant": kelp_plant, "sea_grass": sea_grass, "dulse": dulse, "orange": orange, "fish": fish,
-          "fusilier": fusilier, "tentacle": tentacle, "seabed": seabed}
+          "fusilier": fusilier, "tentacle": tentacle, "octopus": octopus, "seabed": seabed}
 
 
 def main(arguments):
@@ -32,7 +34,10 @@ def main(arguments):
         for name, model in MODELS.items():
             path = os.path.join(arguments[0], name + ".glb")
             surfaces = model.surfaces()
-            glb.write(path, name, surfaces, model.rig())
+            if hasattr(model, "skeleton"):
+                glb.write(path, name, surfaces, skeleton=model.skeleton())
+            else:
+                glb.write(path, name, surfaces, rig=model.rig())
             print("%s: %d triangles" % (path, sum(len(mesh.triangles) for _, _, mesh in surfaces)))
     except OSError as error:
         print("make_models.py: %s: %s; give a folder that can be written" % (error.filename, error.strerror),
