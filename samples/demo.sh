@@ -79,7 +79,8 @@ step "build (the longest step, the first time)" cmake --build --preset release -
 if stale "$out/models/seabed.glb" samples/models/*.py; then
   step "make the models" python3 -B samples/models/make_models.py "$out/models"
 fi
-for pack in kelp_plant:256 orange:256 fish:256 sea_grass:160 dulse:128 fusilier:128 tentacle:256; do
+for pack in kelp_plant:256 orange:256 fish:256 sea_grass:160 dulse:128 fusilier:128 tentacle:256 \
+  octopus:128; do
   name=${pack%:*}
   step "bake $name at ${pack#*:} voxels" bake "$name" "${pack#*:}"
   step "verify $name" "$bin/kelp-dump" verify --deep "$out/$name.kelp"
@@ -92,6 +93,7 @@ step "render the plant in motion" picture plant_sway.png kelp_plant --clip curre
 step "render the orange" picture orange.png orange
 step "render the fish" picture fish.png fish --clip swim --time 0.2
 step "render the tentacle" picture tentacle.png tentacle --clip curl --time 2.5
+step "render the octopus" picture octopus.png octopus --clip idle --time 2 --yaw 10
 step "render the reef" reef
 
 echo "All of it took $((SECONDS / 60)) min $((SECONDS % 60)) s." >&2
@@ -101,12 +103,13 @@ echo
 cat <<END
 
 Made in $PWD/$out:
-  models/*.glb     eight models, *.kelp: seven packs of them
+  models/*.glb     nine models, *.kelp: eight packs of them
   plant_rest.png   the plant at rest
   plant_bent.png   bent by its knots and tangents
   plant_sway.png   2 s into its clip "current"
   orange.png, fish.png
   tentacle.png     rolled up: its voxels are swept along the spline, so it stays as thick as it is
+  octopus.png      its arms roll up: a skinned model, whose joints move parts
   underwater.png   400 plants and 59 fish
 
 See it move (needs a display and OpenGL 3.3):

@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them, and two pictures of what its two
-# maps do (bends.py): installs what is missing (as root, or with sudo), builds kelp, makes the sample models,
-# and leaves four pictures in samples/out/figures.
-# Spot and the Stanford bunny come from KELP_ASSETS, or from shared/assets beside the checkout; where they are
-# not, kelp's own models stand in.
+# From a fresh Debian 12 to Figures 6 and 7 of the paper as kelp draws them, two pictures of what its two maps
+# do (bends.py), and contact sheets of skinned models that play (skins.py): installs what is missing (as root,
+# or with sudo), builds kelp, makes the sample models, and leaves the pictures in samples/out/figures.
+# Spot, the Stanford bunny, CesiumMan and greenman come from KELP_ASSETS, or from shared/assets beside the
+# checkout; where they are not, kelp's own models stand in for the first two, and the sheets of the others are
+# left out.
 #   samples/pictures/figures.sh [OPTION OF figures.py]...    for instance --tile 600
 #   samples/pictures/figures.sh --help                       this text
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 case "${1:-}" in
-  -h|--help) sed -n '3,9s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
+  -h|--help) sed -n '3,10s/^# \{0,1\}//p' samples/pictures/figures.sh; exit 0 ;;
 esac
 
 out=samples/out/figures
@@ -32,6 +33,6 @@ step "build (minutes, the first time)" cmake --build --preset release --target \
   kelp-bake kelp-dump kelp-render
 step "make the models" python3 -B samples/models/make_models.py "$out/models"
 printf '  bake, render and lay out\n' >&2
-for script in figures.py bends.py; do
+for script in figures.py bends.py skins.py; do
   python3 -B samples/pictures/$script --bin "$bin" --models "$out/models" --out "$out" "$@"
 done
