@@ -176,10 +176,10 @@ def read_options(description):
     parser.add_argument("--bin", required=True, help="the folder of kelp's programs")
     parser.add_argument("--models", required=True,
                         help="the folder of kelp's sample models, made by samples/models/make_models.py")
-    parser.add_argument("--out", required=True, help="the folder for packs, tiles and the two sheets")
+    parser.add_argument("--out", required=True, help="the folder for packs, tiles and the sheets")
     parser.add_argument("--assets",
                         default=os.environ.get("KELP_ASSETS", os.path.join(here, "../../../shared/assets")),
-                        help="the folder of the paper's models; default KELP_ASSETS, or shared/assets "
+                        help="the folder of other models; default KELP_ASSETS, or shared/assets "
                              "beside the checkout")
     parser.add_argument("--tile", type=int, default=290, help="the width of a tile in pixels")
     parser.add_argument("--resolution", type=int, default=256,
