@@ -15,10 +15,11 @@
 namespace kelp::bake {
 namespace {
 
-test::SkinnedShape bendingTube(int joints) {
+// By default its joints turn so sharply that it would fold if it were swept.
+test::SkinnedShape bendingTube(int joints, double radians = 2.4) {
   test::SkinnedShape shape = test::tube(joints);
-  shape.skin().clips.push_back(test::turningClip(shape.skin(), "bend", 2, 121, [](int j, double t) {
-    return j == 0 ? 0.0 : 0.9 * std::sin(1.5707963 * t);
+  shape.skin().clips.push_back(test::turningClip(shape.skin(), "bend", 2, 121, [radians](int j, double t) {
+    return j == 0 ? 0.0 : (j % 2 ? radians : -radians) * std::sin(1.5707963 * t);
   }));
   shape.skin().clips.push_back(
       test::turningClip(shape.skin(), "rest", 1, 2, [](int, double) { return 0.0; }));
@@ -38,7 +39,7 @@ glm::ivec3 placeOf(const SkinPart& part, const VoxelGrid& whole, std::size_t ind
 
 TEST(DivideSkin, InTheBindPoseThePartsAreTheWhole) {
   const test::SkinnedShape shape = bendingTube(3);
-  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
   ASSERT_GE(divided.parts.size(), 3u);
   std::vector<std::uint8_t> together(shape.whole.solid.size(), 0);
   std::size_t shared = 0;
@@ -64,7 +65,7 @@ TEST(DivideSkin, InTheBindPoseThePartsAreTheWhole) {
 
 TEST(DivideSkin, SurfaceVoxelsLookLikeTheWhole) {
   const test::SkinnedShape shape = bendingTube(2);
-  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
   std::size_t same = 0;
   for (const SkinPart& part : divided.parts)
     for (const SurfaceSample& sample : part.grid.surface) {
@@ -82,18 +83,18 @@ TEST(DivideSkin, SurfaceVoxelsLookLikeTheWhole) {
 
 TEST(DivideSkin, IsTheSameOnAnyNumberOfThreads) {
   const test::SkinnedShape shape = bendingTube(3);
-  const SkinParts one = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {}),
-                  four = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 4, {});
+  const SkinParts one = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {}),
+                  four = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 4, {});
   ASSERT_EQ(one.parts.size(), four.parts.size());
   for (std::size_t p = 0; p < one.parts.size(); ++p) {
     EXPECT_EQ(one.parts[p].grid.solid, four.parts[p].grid.solid);
-    EXPECT_EQ(one.parts[p].clips, four.parts[p].clips);
+    EXPECT_EQ(one.parts[p].rig.clips, four.parts[p].rig.clips);
   }
 }
 
 TEST(DivideSkin, ReportsTheFitOfEachClip) {
-  const test::SkinnedShape shape = bendingTube(3);
-  const SkinParts divided = divideSkin(shape.soup(), shape.skin(), shape.frame, shape.whole, 1, {});
+  const test::SkinnedShape shape = bendingTube(3, 0.9);
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
   ASSERT_EQ(divided.fits.size(), 2u);
   const SkinFit& bend = divided.fits[0];
   EXPECT_EQ(bend.clip, "bend");
@@ -107,9 +108,9 @@ TEST(DivideSkin, ReportsTheFitOfEachClip) {
   // A clip that moves nothing is one all the same.
   std::size_t tracks = 0;
   for (const SkinPart& part : divided.parts) {
-    ASSERT_EQ(part.clips.size(), 2u);
-    EXPECT_EQ(part.clips[1].name, "rest");
-    tracks += part.clips[1].tracks.size();
+    ASSERT_EQ(part.rig.clips.size(), 2u);
+    EXPECT_EQ(part.rig.clips[1].name, "rest");
+    tracks += part.rig.clips[1].tracks.size();
   }
   EXPECT_EQ(tracks, 1u);
 }
@@ -130,7 +131,7 @@ TEST(DivideSkin, SmallPartsGoToTheirParent) {
     }
     clip.motions = std::move(motions);
   }
-  const SkinParts divided = divideSkin(shape.soup(), skin, shape.frame, shape.whole, 1, {});
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
   for (const SkinPart& part : divided.parts) EXPECT_NE(part.name.substr(0, 3), "tip");
 }
 

@@ -87,6 +87,20 @@ inline SkinnedShape tube(int joints, int rings = 33, int corners = 16) {
   return shape;
 }
 
+// The same, bent in the bind pose: its middle line is an arc of so many radians.
+inline SkinnedShape curvedTube(int joints, double radians) {
+  SkinnedShape shape = tube(joints);
+  const double radius = kTubeHeight / radians;
+  const auto bend = [&](const glm::dvec3& at) {
+    const double turn = at.y / radius;
+    return glm::dvec3(radius - (radius - at.x) * std::cos(turn), (radius - at.x) * std::sin(turn), at.z);
+  };
+  for (glm::vec3& at : shape.model.parts[0].soup.positions) at = glm::vec3(bend(glm::dvec3(at)));
+  for (SourceSkin::Joint& joint : shape.skin().joints) joint.origin = bend(joint.origin);
+  shape.frame = makeFrame(shape.soup(), Axis::kPlusY, kTubeHeight / 128, "curved tube");
+  return shape;
+}
+
 // A clip in which joint j turns about its origin by angle(j, time) about z, seen from its parent.
 inline SourceSkin::Clip turningClip(const SourceSkin& skin, const std::string& name, double duration,
                                     int samples, const std::function<double(int, double)>& angle) {

@@ -41,6 +41,7 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
     line.closed = whole.closed;
     line.voxel_size = whole.voxel_size;
     line.size = part.grid->size;
+    line.parent_at = part.rig.parent_at;
     line.swept = part.rig.bend == Bend::kSweep;
     line.solid_voxels = countSolid(*part.grid);
     line.surface_voxels = part.grid->surface.size();
@@ -53,7 +54,7 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
 std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
                                        const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
-  SkinParts divided = divideSkin(whole.soup, *whole.skin, frame, *whole.grid, threads, progress);
+  SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
   model.parts.clear();
   for (SkinPart& its : divided.parts) {
     SourcePart& part = model.parts.emplace_back();
@@ -61,12 +62,15 @@ std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, i
     part.parent = its.parent;
     part.to_object = whole.to_object;
     part.pivot = movedTo(whole.pivot, its.pivot);
-    part.rig.bend = whole.rig.bend;
-    part.rig.clips = std::move(its.clips);
+    part.rig = std::move(its.rig);
+    if (!its.swept) part.rig.bend = whole.rig.bend;
+    if (part.rig.parent_at >= 0) model.parts[static_cast<std::size_t>(part.parent)].carries = true;
     part.rig_origin = whole.rig_origin;
     part.grid = std::move(its.grid);
-    padGrid(*part.grid, paddingOf(part, pad));
   }
+  // A swept part has room beside its voxels already; more would make it fold sooner.
+  for (SourcePart& part : model.parts)
+    if (part.rig.bend != Bend::kSweep) padGrid(*part.grid, paddingOf(part, pad));
   reportParts(model.parts, report);
   return std::move(divided.fits);
 }

@@ -54,6 +54,7 @@ SkinLabels ofHeaviestJoints(SkinLabels labels, const SkinSamples& samples, std::
     labels.joints[p] =
         static_cast<std::uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
   }
+  labels.chains.resize(labels.joints.size());
   return labels;
 }
 
@@ -62,6 +63,7 @@ SkinLabels ofHeaviestJoints(SkinLabels labels, const SkinSamples& samples, std::
 SkinLabels decompose(const SkinSamples& samples, const SkinMoments& moments, int threads,
                      const std::function<void(double)>& step) {
   SkinLabels first = seeds(samples, moments.joints);
+  first.chains.resize(first.joints.size());
   if (moments.size() == 0) return first;
   const std::size_t most = std::max(first.joints.size(), std::min(2 * first.joints.size(), kMostParts));
   Partition partition(samples, moments, std::move(first), threads);

@@ -11,10 +11,19 @@
 
 namespace kelp::bake {
 
+// Joints, each below the one before, along which a part is swept. None: it is rigid.
+struct SkinChain {
+  std::vector<std::uint32_t> joints;
+  std::size_t knots = 0;  // at least 3
+
+  bool swept() const { return !joints.empty(); }
+};
+
 // A partition of the samples. Every part has at least one.
 struct SkinLabels {
   std::vector<std::uint32_t> parts;   // of each sample
   std::vector<std::uint32_t> joints;  // of each part: the joint that it was made for
+  std::vector<SkinChain> chains;      // of each part
 
   std::vector<std::vector<std::uint32_t>> members() const;
 };

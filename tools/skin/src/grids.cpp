@@ -12,6 +12,7 @@
 #include "kelp/fields/fields.h"
 #include "rigid.h"
 #include "share.h"
+#include "straight_grid.h"
 
 namespace kelp::bake {
 namespace {
@@ -27,14 +28,14 @@ struct Box {
 class Overlap {
  public:
   Overlap(const SkinSamples& samples, const SkinSpace& space, const std::vector<Seam>& seams,
-          const std::vector<double>& overlaps, const std::vector<std::vector<glm::dmat4x3>>& motions,
+          const std::vector<double>& overlaps, const std::vector<SeamMotion>& motions,
           const VoxelOwners& owners, const VoxelGrid& whole)
       : owners_(owners), whole_(whole) {
     for (std::size_t s = 0; s < seams.size(); ++s) {
       Reach& reach = reaches_[{seams[s].a, seams[s].b}];
       reach.length = overlaps[s];
-      for (std::size_t t = 0; t < motions[seams[s].a].size(); ++t) {
-        glm::dmat4x3 step = compose(inverseRigid(motions[seams[s].b][t]), motions[seams[s].a][t]);
+      for (std::size_t t = 0; t < motions[s].a.size(); ++t) {
+        glm::dmat4x3 step = compose(inverseRigid(motions[s].b[t]), motions[s].a[t]);
         step[3] *= space.voxels;
         reach.steps.push_back(step);
         reach.back_steps.push_back(inverseRigid(step));
@@ -168,22 +169,6 @@ class Overlap {
   std::map<PartPair, Reach> reaches_;
 };
 
-// Away from the solid around a voxel. Zero if it is as solid on all sides.
-glm::vec3 openDirection(const fields::Occupancy& occupancy, const glm::ivec3& at) {
-  constexpr int kFar = 2;
-  glm::vec3 sum(0);
-  for (int z = -kFar; z <= kFar; ++z)
-    for (int y = -kFar; y <= kFar; ++y)
-      for (int x = -kFar; x <= kFar; ++x) {
-        const glm::ivec3 to = at + glm::ivec3(x, y, z);
-        const bool inside =
-            glm::all(glm::greaterThanEqual(to, glm::ivec3(0))) && glm::all(glm::lessThan(to, occupancy.size));
-        if (!inside || !occupancy.solid[occupancy.index(to)]) sum += glm::vec3(x, y, z);
-      }
-  const float length = glm::length(sum);
-  return length > 0 ? sum / length : glm::vec3(0);
-}
-
 // The voxels `list` of the whole grid as a grid of their own.
 VoxelGrid gridOf(const std::vector<std::uint64_t>& list, const VoxelOwners& owners, const VoxelGrid& whole) {
   Box box;
@@ -216,10 +201,10 @@ VoxelGrid gridOf(const std::vector<std::uint64_t>& list, const VoxelOwners& owne
 
 }  // namespace
 
-std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space,
+std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space, const PartTree& tree,
                                 const std::vector<Seam>& seams, const std::vector<double>& overlaps,
-                                const std::vector<std::vector<glm::dmat4x3>>& motions,
-                                const VoxelOwners& owners, const VoxelGrid& whole, int threads) {
+                                const std::vector<SeamMotion>& motions, const VoxelOwners& owners,
+                                const VoxelGrid& whole, const MeshSurface* surface, int threads) {
   const Overlap overlap(samples, space, seams, overlaps, motions, owners, whole);
   std::vector<std::vector<std::uint64_t>> lists(owners.counts.size());
   for (std::uint64_t i = 0; i < owners.owner.size(); ++i)
@@ -230,9 +215,12 @@ std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& spa
       std::vector<std::uint64_t>& list = lists[part];
       const std::vector<std::uint64_t> shared = overlap.voxelsOf(static_cast<std::uint32_t>(part), list);
       list.insert(list.end(), shared.begin(), shared.end());
-      grids[part] = gridOf(list, owners, whole);
+      if (!tree.sweeps[part]) grids[part] = gridOf(list, owners, whole);
     }
   });
+  for (std::size_t part = 0; part < lists.size(); ++part)
+    if (tree.sweeps[part])
+      grids[part] = straightGrid(*tree.sweeps[part], space, *surface, lists[part], owners, whole, threads);
   return grids;
 }
 

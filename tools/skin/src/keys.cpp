@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <utility>
 
 #include "collapse.h"
+#include "key_choice.h"
+#include "knot_keys.h"
 #include "rigid.h"
+#include "sweep_fit.h"
 
 namespace kelp::bake {
 namespace {
@@ -56,58 +58,6 @@ Motion motionAbout(const std::vector<glm::dmat4x3>& local, const glm::dvec3& piv
   return motion;
 }
 
-// Which of the times get a key: keys are inserted where the error is worst until it is small everywhere, then
-// those that are not needed are taken out. error(i, a, b) is that at time i between keys at a and b; if a
-// equals b, the value is the same all the time.
-std::vector<std::size_t> chooseKeys(
-    std::size_t count, double tolerance,
-    const std::function<double(std::size_t, std::size_t, std::size_t)>& error) {
-  const auto fits = [&](std::size_t from, std::size_t to, std::size_t a, std::size_t b) {
-    for (std::size_t i = from; i <= to; ++i)
-      if (error(i, a, b) > tolerance) return false;
-    return true;
-  };
-  const std::size_t last = count - 1;
-  if (fits(0, last, last / 2, last / 2)) return {last / 2};
-  struct Span {
-    std::size_t a, b, worst;
-    double error;
-  };
-  const auto spanOf = [&](std::size_t a, std::size_t b) {
-    Span span{a, b, a, 0};
-    for (std::size_t i = a + 1; i < b; ++i)
-      if (const double its = error(i, a, b); its > span.error) {
-        span.error = its;
-        span.worst = i;
-      }
-    return span;
-  };
-  std::vector<std::size_t> keys{0, last};
-  std::vector<Span> open{spanOf(0, last)};
-  while (!open.empty()) {
-    const Span span = open.back();
-    open.pop_back();
-    if (span.error <= tolerance) continue;
-    keys.push_back(span.worst);
-    open.push_back(spanOf(span.a, span.worst));
-    open.push_back(spanOf(span.worst, span.b));
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t k = 1; k + 1 < keys.size();) {
-    if (fits(keys[k - 1] + 1, keys[k + 1] - 1, keys[k - 1], keys[k + 1]))
-      keys.erase(keys.begin() + static_cast<std::ptrdiff_t>(k));
-    else
-      ++k;
-  }
-  return keys;
-}
-
-double shareOf(const std::vector<float>& times, std::size_t i, std::size_t a, std::size_t b) {
-  if (a == b) return 0;
-  return (static_cast<double>(times[i]) - static_cast<double>(times[a])) /
-         (static_cast<double>(times[b]) - static_cast<double>(times[a]));
-}
-
 // The keys of a part; `tolerance` for both tracks together, `of_turns` of it for the rotations alone.
 struct KeyChoice {
   std::vector<std::size_t> turns, shifts;
@@ -151,20 +101,30 @@ KeyChoice chooseTracks(const Motion& motion, const std::vector<float>& times,
   return choice;
 }
 
+constexpr double kKeyRounding = 1.0 / 64;  // units
+
 // From the space of the samples, whose axes may be turned, to the soup's.
 struct KeySpace {
   glm::dmat3 turn;  // soup <- units, a rotation
   double unit;      // in lengths of the soup
+  double voxels;    // a unit's
   explicit KeySpace(const SkinSpace& space)
-      : turn(space.to_soup), unit(std::cbrt(std::abs(glm::determinant(glm::dmat3(space.to_soup))))) {
+      : turn(space.to_soup),
+        unit(std::cbrt(std::abs(glm::determinant(glm::dmat3(space.to_soup))))),
+        voxels(space.voxels) {
     turn /= unit;
   }
+  // Rounded: turns to half of 1/128 at the far end of the box, shifts to half of 1/128 of a unit.
   glm::vec4 keyOf(const glm::dquat& q) const {
     const glm::dvec3 axis = turn * glm::dvec3(q.x, q.y, q.z);
-    return glm::vec4(static_cast<float>(axis.x), static_cast<float>(axis.y), static_cast<float>(axis.z),
-                     static_cast<float>(q.w));
+    const auto round = [](double v) { return roundedKey(v, kKeyRounding / kSkinSide); };
+    return {round(axis.x), round(axis.y), round(axis.z), round(q.w)};
   }
-  glm::vec4 keyOf(const glm::dvec3& shift) const { return glm::vec4(glm::vec3(unit * (turn * shift)), 0); }
+  glm::vec4 keyOf(const glm::dvec3& shift) const {
+    const glm::dvec3 at = unit * (turn * shift);
+    const auto round = [&](double v) { return roundedKey(v, kKeyRounding * unit); };
+    return {round(at.x), round(at.y), round(at.z), 0};
+  }
   glm::dquat turnOf(const glm::vec4& key) const {
     const glm::dvec3 axis = glm::transpose(turn) * glm::dvec3(glm::vec3(key));
     return {static_cast<double>(key.w), axis.x, axis.y, axis.z};
@@ -186,29 +146,13 @@ void addTrack(RigDescription::Clip& clip, Target target, const std::vector<std::
   clip.tracks.push_back(std::move(track));
 }
 
-// The values of a linear track at a time: the keys around it.
-struct Between {
-  glm::vec4 a{0}, b{0};
-  double share = 0;
-};
-Between valuesAt(const Track& track, double time) {
-  const auto after = std::upper_bound(
-      track.keys.begin(), track.keys.end(), time,
-      [](double t, const RigDescription::Key& key) { return t < static_cast<double>(key.time); });
-  if (after == track.keys.begin()) return {track.keys.front().value, track.keys.front().value, 0};
-  if (after == track.keys.end()) return {track.keys.back().value, track.keys.back().value, 0};
-  const RigDescription::Key& before = *(after - 1);
-  return {before.value, after->value,
-          (time - static_cast<double>(before.time)) /
-              (static_cast<double>(after->time) - static_cast<double>(before.time))};
-}
-
 glm::dmat4x3 localAt(const RigDescription::Clip& clip, const glm::dvec3& pivot, const KeySpace& space,
                      double time) {
   glm::dquat turn(1, 0, 0, 0);
   glm::dvec3 shift(0);
   for (const Track& track : clip.tracks) {
     const Between at = valuesAt(track, time);
+    if (movesKnots(track)) continue;
     if (track.target == Target::kPartRotation)
       turn = slerpShort(space.turnOf(at.a), space.turnOf(at.b), at.share);
     else
@@ -218,15 +162,108 @@ glm::dmat4x3 localAt(const RigDescription::Clip& clip, const glm::dvec3& pivot, 
   return rigid(rotation, pivot + shift - rotation * pivot);
 }
 
-// The fitted motions of all parts: [part][time].
-std::vector<std::vector<glm::dmat4x3>> fitParts(const SkinSamples& samples, const SkinMoments& moments,
-                                                const SkinLabels& labels,
-                                                const std::vector<std::vector<std::uint32_t>>& members) {
-  std::vector<std::vector<glm::dmat4x3>> motions;
-  for (std::size_t p = 0; p < members.size(); ++p)
-    motions.push_back(fitRigid(samples, moments, members[p], labels.joints[p]));
-  return motions;
+// The poses of a part that follow its samples best, at all times.
+std::vector<SkinPose> fitPart(const SkinSamples& samples, const SkinMoments& moments,
+                              const std::vector<std::uint32_t>& members, std::uint32_t joint,
+                              const std::optional<SkinSweep>& sweep) {
+  std::vector<SkinPose> poses(moments.size());
+  if (!sweep) {
+    const std::vector<glm::dmat4x3> motions = fitRigid(samples, moments, members, joint);
+    for (std::size_t t = 0; t < motions.size(); ++t) poses[t].motion = motions[t];
+    return poses;
+  }
+  const SweepFit fit(samples, *sweep, members);
+  // Where it would fold, it stays as it was.
+  SkinPose last{glm::dmat4x3(1), sweep->knots};
+  for (std::size_t t = 0; t < poses.size(); ++t) {
+    if (std::optional<SkinPose> pose = fit.pose(moments, t)) last = *std::move(pose);
+    poses[t] = last;
+  }
+  return poses;
 }
+
+// How far two poses of a part are apart: of rigid parts at the farthest of their samples, of swept ones at
+// the farthest knot.
+double apart(const SkinPose& a, const SkinPose& b, const SkinSamples& samples,
+             const std::vector<std::uint32_t>& members, const std::optional<SkinSweep>& sweep) {
+  double most = 0;
+  if (!sweep) {
+    const glm::dmat4x3 off = a.motion - b.motion;
+    for (const std::uint32_t i : members)
+      most = std::max(most, glm::length(off * glm::dvec4(samples.positions[i], 1)));
+    return most;
+  }
+  const auto placeOf = [&](const SkinPose& pose, std::size_t k) {
+    const glm::dvec3 at = sweep->corner() + sweep->height() * glm::dvec3(pose.knots[k].position);
+    return pose.motion * glm::dvec4(sweep->toSkin(at), 1);
+  };
+  for (std::size_t k = 0; k < a.knots.size(); ++k)
+    most = std::max(most, glm::distance(placeOf(a, k), placeOf(b, k)));
+  return most;
+}
+
+// The clip of one part.
+class PartKeys {
+ public:
+  PartKeys(const SkinSamples& samples, const SourceSkin::Clip& clip, const SkinSpace& space,
+           const std::vector<std::uint32_t>& members, const PartTree& tree, std::size_t part)
+      : samples_(samples),
+        clip_(clip),
+        space_(space),
+        members_(members),
+        pivot_(tree.pivots[part]),
+        sweep_(tree.sweeps[part]),
+        points_(outermost(samples, members, pivot_)) {}
+
+  // Keys that keep the part within `tolerance` of the wanted poses; `parents`: what it follows. `reduced`
+  // becomes its poses by these keys.
+  RigDescription::Clip make(const std::vector<SkinPose>& wanted, const std::vector<glm::dmat4x3>& parents,
+                            double tolerance, std::vector<SkinPose>& reduced) const {
+    std::vector<glm::dmat4x3> local;
+    for (std::size_t t = 0; t < wanted.size(); ++t)
+      local.push_back(compose(inverseRigid(parents[t]), wanted[t].motion));
+    const Motion motion = motionAbout(local, pivot_);
+    // The outermost points stand for all, and the first section for a chain; where they do not quite, the
+    // tolerance is less.
+    for (double most = 0.98 * tolerance;; most *= 0.8) {
+      RigDescription::Clip clip = keysOf(motion, (sweep_ ? 0.5 : 1) * most);
+      if (sweep_) addKnotTracks(*sweep_, wanted, clip_.times, 0.8 * most * space_.voxels, clip);
+      reduced.clear();
+      double worst = 0;
+      for (std::size_t t = 0; t < wanted.size(); ++t) {
+        const double time = static_cast<double>(clip_.times[t]);
+        SkinPose& pose = reduced.emplace_back();
+        pose.motion = compose(parents[t], localAt(clip, pivot_, space_, time));
+        if (sweep_) pose.knots = knotsAt(*sweep_, clip, time);
+        worst = std::max(worst, apart(pose, wanted[t], samples_, members_, sweep_));
+      }
+      if (worst <= tolerance || most < 0.1 * tolerance) return clip;
+    }
+  }
+
+ private:
+  RigDescription::Clip keysOf(const Motion& motion, double most) const {
+    KeyChoice choice;
+    for (const double share : {0.8, 0.5, 0.25}) {
+      KeyChoice other = chooseTracks(motion, clip_.times, points_, most, share * most);
+      if (choice.size() == 0 || other.size() < choice.size()) choice = std::move(other);
+    }
+    RigDescription::Clip clip{clip_.name, clip_.duration, {}, {}};
+    const bool turns = choice.turns.size() > 1 || std::abs(motion.turns[choice.turns[0]].w) < 1 - 1e-14;
+    const bool shifts = choice.shifts.size() > 1 || glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
+    addTrack(clip, Target::kPartTranslation, choice.shifts, clip_.times, motion.shifts, space_, !shifts);
+    addTrack(clip, Target::kPartRotation, choice.turns, clip_.times, motion.turns, space_, !turns);
+    return clip;
+  }
+
+  const SkinSamples& samples_;
+  const SourceSkin::Clip& clip_;
+  const KeySpace space_;
+  const std::vector<std::uint32_t>& members_;
+  const glm::dvec3 pivot_;
+  const std::optional<SkinSweep>& sweep_;
+  const std::vector<glm::dvec3> points_;
+};
 
 }  // namespace
 
@@ -238,55 +275,32 @@ std::vector<RigDescription::Clip> makeSkinKeys(const SkinSamples& samples, const
   const SkinMoments moments =
       momentsAt(skin, clip, std::vector<double>(times.begin(), times.end()), space, 1);
   const std::vector<std::vector<std::uint32_t>> members = labels.members();
-  const std::vector<std::vector<glm::dmat4x3>> fitted = fitParts(samples, moments, labels, members);
-  const KeySpace key_space(space);
-  std::vector<std::vector<glm::dmat4x3>> reduced(members.size());  // as the keys move the parts
+  std::vector<std::vector<SkinPose>> reduced(members.size());  // as the keys move the parts
   std::vector<RigDescription::Clip> clips;
   for (std::size_t p = 0; p < members.size(); ++p) {
-    std::vector<glm::dmat4x3> local = fitted[p];
-    const auto* parent = tree.parents[p] < 0 ? nullptr : &reduced[static_cast<std::size_t>(tree.parents[p])];
-    if (parent)
-      for (std::size_t t = 0; t < local.size(); ++t) local[t] = compose(inverseRigid((*parent)[t]), local[t]);
-    const Motion motion = motionAbout(local, tree.pivots[p]);
-    const std::vector<glm::dvec3> points = outermost(samples, members[p], tree.pivots[p]);
-    RigDescription::Clip best;
-    // The outermost points stand for all; where they do not quite, the tolerance is less.
-    for (double most = 0.98 * tolerance;; most *= 0.8) {
-      KeyChoice choice;
-      for (const double share : {0.8, 0.5, 0.25}) {
-        KeyChoice other = chooseTracks(motion, times, points, most, share * most);
-        if (choice.size() == 0 || other.size() < choice.size()) choice = std::move(other);
-      }
-      best = {skin.clips[clip].name, skin.clips[clip].duration, {}, {}};
-      const bool turns = choice.turns.size() > 1 || std::abs(motion.turns[choice.turns[0]].w) < 1 - 1e-14;
-      const bool shifts = choice.shifts.size() > 1 || glm::length(motion.shifts[choice.shifts[0]]) > 1e-6;
-      addTrack(best, Target::kPartTranslation, choice.shifts, times, motion.shifts, key_space, !shifts);
-      addTrack(best, Target::kPartRotation, choice.turns, times, motion.turns, key_space, !turns);
-      reduced[p].clear();
-      double worst = 0;
-      for (std::size_t t = 0; t < times.size(); ++t) {
-        glm::dmat4x3 pose = localAt(best, tree.pivots[p], key_space, static_cast<double>(times[t]));
-        if (parent) pose = compose((*parent)[t], pose);
-        const glm::dmat4x3 off = pose - fitted[p][t];
-        for (const std::uint32_t i : members[p])
-          worst = std::max(worst, glm::length(off * glm::dvec4(samples.positions[i], 1)));
-        reduced[p].push_back(pose);
-      }
-      if (worst <= tolerance || most < 0.1 * tolerance) break;
-    }
-    clips.push_back(std::move(best));
+    const std::vector<SkinPose> wanted =
+        fitPart(samples, moments, members[p], labels.joints[p], tree.sweeps[p]);
+    std::vector<glm::dmat4x3> parents(times.size(), glm::dmat4x3(1));
+    if (tree.parents[p] >= 0)
+      for (std::size_t t = 0; t < times.size(); ++t)
+        parents[t] = motionFromParent(tree, p, reduced[static_cast<std::size_t>(tree.parents[p])][t]);
+    const PartKeys keys(samples, skin.clips[clip], space, members[p], tree, p);
+    clips.push_back(keys.make(wanted, parents, tolerance, reduced[p]));
   }
   return clips;
 }
 
-std::vector<glm::dmat4x3> posesOfKeys(const std::vector<RigDescription::Clip>& clips, const PartTree& tree,
-                                      const SkinSpace& space, double time) {
+std::vector<SkinPose> posesOfKeys(const std::vector<RigDescription::Clip>& clips, const PartTree& tree,
+                                  const SkinSpace& space, double time) {
   const KeySpace key_space(space);
-  std::vector<glm::dmat4x3> poses;
+  std::vector<SkinPose> poses;
   for (std::size_t p = 0; p < clips.size(); ++p) {
-    glm::dmat4x3 pose = localAt(clips[p], tree.pivots[p], key_space, time);
-    if (tree.parents[p] >= 0) pose = compose(poses[static_cast<std::size_t>(tree.parents[p])], pose);
-    poses.push_back(pose);
+    SkinPose pose{localAt(clips[p], tree.pivots[p], key_space, time), {}};
+    if (tree.parents[p] >= 0)
+      pose.motion =
+          compose(motionFromParent(tree, p, poses[static_cast<std::size_t>(tree.parents[p])]), pose.motion);
+    if (tree.sweeps[p]) pose.knots = knotsAt(*tree.sweeps[p], clips[p], time);
+    poses.push_back(std::move(pose));
   }
   return poses;
 }

@@ -10,6 +10,8 @@
 
 namespace kelp::bake {
 
+class MeshSurface;
+
 // The part of each voxel.
 struct VoxelOwners {
   static constexpr std::uint16_t kEmpty = 0xffff;
@@ -28,17 +30,24 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
 bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
                     const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels);
 
-// How far beyond each seam both its parts have the other's voxels, in voxels: as far as it opens, from the
-// parts' motions at the moments ([part][moment]).
-std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
-                               const std::vector<Seam>& seams,
-                               const std::vector<std::vector<glm::dmat4x3>>& motions);
+// What both parts of a seam do there, at each moment: posed <- bind pose.
+struct SeamMotion {
+  std::vector<glm::dmat4x3> a, b;
+};
+std::vector<SeamMotion> motionsAtSeams(const SkinSamples& samples, const SkinMoments& moments,
+                                       const SkinLabels& labels, const PartTree& tree,
+                                       const std::vector<Seam>& seams);
 
-// The voxels of each part, with those that it shares, as a box of the whole grid. A part does not share what
-// it would push out of its neighbour's surface, at one of the moments.
-std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space,
+// How far beyond each seam both its parts have the other's voxels, in voxels: as far as it opens.
+std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
+                               const std::vector<Seam>& seams, const std::vector<SeamMotion>& motions);
+
+// The voxels of each part, with those that it shares: of a rigid one as a box of the whole grid, of a swept
+// one straightened, from `surface`, which is null if none is. A part does not share what it would push out of
+// its neighbour's surface, at one of the moments.
+std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space, const PartTree& tree,
                                 const std::vector<Seam>& seams, const std::vector<double>& overlaps,
-                                const std::vector<std::vector<glm::dmat4x3>>& motions,
-                                const VoxelOwners& owners, const VoxelGrid& whole, int threads);
+                                const std::vector<SeamMotion>& motions, const VoxelOwners& owners,
+                                const VoxelGrid& whole, const MeshSurface* surface, int threads);
 
 }  // namespace kelp::bake

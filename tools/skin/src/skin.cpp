@@ -3,29 +3,24 @@
 #include "kelp/skin/skin.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <utility>
 
+#include "chains.h"
 #include "collapse.h"
 #include "kelp/common/error.h"
 #include "kelp/common/parallel.h"
 #include "keys.h"
 #include "measure.h"
 #include "share.h"
+#include "straight_grid.h"
 
 namespace kelp::bake {
 namespace {
 
 constexpr std::uint64_t kLeastVoxels = 40;  // of a part, at 128 voxels along the longest side
 constexpr double kTolerance = 0.25;         // voxels, of keys
-
-std::vector<std::vector<glm::dmat4x3>> motionsOf(const SkinSamples& samples, const SkinMoments& moments,
-                                                 const SkinLabels& labels) {
-  const std::vector<std::vector<std::uint32_t>> members = labels.members();
-  std::vector<std::vector<glm::dmat4x3>> motions;
-  for (std::size_t p = 0; p < members.size(); ++p)
-    motions.push_back(fitRigid(samples, moments, members[p], labels.joints[p]));
-  return motions;
-}
 
 // A clip that leaves everything as it is at rest still is a clip.
 void keepStillClips(std::vector<std::vector<RigDescription::Clip>>& clips) {
@@ -39,6 +34,70 @@ void keepStillClips(std::vector<std::vector<RigDescription::Clip>>& clips) {
   }
 }
 
+// Who has what, and how it moves.
+struct Divided {
+  SkinLabels labels;
+  PartTree tree;
+  VoxelOwners owners;
+  std::vector<std::vector<RigDescription::Clip>> clips;  // [clip][part]
+};
+
+// Chains that begin with a joint in `stiff` are not swept.
+Divided divideAsLabelled(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
+                         const SkinSpace& space, const VoxelGrid& whole, int threads, SkinLabels labels,
+                         const std::set<std::uint32_t>& stiff) {
+  sweepChains(samples, skin, moments, space, threads, stiff, labels);
+  VoxelOwners owners = shareVoxels(samples, space, labels, whole, threads);
+  const double scale = std::min(1.0, space.voxels);
+  const auto least = static_cast<std::uint64_t>(static_cast<double>(kLeastVoxels) * scale * scale);
+  while (labels.joints.size() > 1 &&
+         joinSmallParts(samples, skin, owners.counts, std::max<std::uint64_t>(least, 1), labels))
+    owners = shareVoxels(samples, space, labels, whole, threads);
+  Divided divided;
+  divided.tree = hangParts(samples, skin, space, labels);
+  divided.owners = shareVoxels(samples, space, labels, whole, threads);
+  const auto count = static_cast<std::uint32_t>(skin.clips.size());
+  divided.clips.resize(count);
+  parallelRanges(count, 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      divided.clips[c] = makeSkinKeys(samples, skin, static_cast<std::uint32_t>(c), space, labels,
+                                      divided.tree, kTolerance / space.voxels);
+  });
+  divided.labels = std::move(labels);
+  return divided;
+}
+
+RigDescription rigOf(const Divided& divided, std::size_t part) {
+  RigDescription rig;
+  for (const std::vector<RigDescription::Clip>& of_parts : divided.clips) rig.clips.push_back(of_parts[part]);
+  rig.parent_at = divided.tree.places[part];
+  const std::optional<SkinSweep>& sweep = divided.tree.sweeps[part];
+  if (!sweep) return rig;
+  rig.bend = Bend::kSweep;
+  for (const Knot& knot : sweep->knots)
+    rig.knots.push_back({knot.at, knot.position - glm::vec3(0, knot.at, 0), knot.tangent});
+  return rig;
+}
+
+// Whether a swept part folds within a clip; its chain is added to those that are not swept.
+bool foldsSomewhere(const Divided& divided, std::set<std::uint32_t>& stiff) {
+  bool folds = false;
+  for (std::size_t p = 0; p < divided.tree.sweeps.size(); ++p) {
+    if (!divided.tree.sweeps[p]) continue;
+    try {
+      const RigDescription rig = rigOf(divided, p);
+      const RawRig rest = realizeRig(rig);
+      const glm::ivec3& size = divided.tree.sweeps[p]->size;
+      checkRest(rest, size);
+      for (const RawClip& clip : realizeClips(rig, 0)) proveClip(clip, 0, rest, size);
+    } catch (const RigError&) {
+      stiff.insert(divided.labels.joints[p]);
+      folds = true;
+    }
+  }
+  return folds;
+}
+
 }  // namespace
 
 double skinBytes(double voxels, std::size_t joints) {
@@ -47,8 +106,10 @@ double skinBytes(double voxels, std::size_t joints) {
   return voxels * kOfVoxel + kOfSamples + static_cast<double>(joints) * kOfJoint;
 }
 
-SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
+SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Frame& frame,
                      const VoxelGrid& whole, int threads, const Progress& progress) {
+  const TriangleSoup& soup = part.soup;
+  const SourceSkin& skin = *part.skin;
   const auto report = [&](double done) {
     if (progress && !progress("skin", done)) throw ToolError(Exit::kInterrupted, "interrupted");
   };
@@ -57,45 +118,39 @@ SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Fra
   const SkinSamples samples = makeSkinSamples(soup, skin, space);
   const SkinMoments moments = judgedMoments(skin, samples, space, threads);
   report(0.05);
-  SkinLabels labels = decompose(samples, moments, threads, [&](double done) { report(0.05 + 0.6 * done); });
-  report(0.65);
-  VoxelOwners owners = shareVoxels(samples, space, labels, whole, threads);
-  const double scale = std::min(1.0, space.voxels);
-  const auto least = static_cast<std::uint64_t>(static_cast<double>(kLeastVoxels) * scale * scale);
-  while (labels.joints.size() > 1 &&
-         joinSmallParts(samples, skin, owners.counts, std::max<std::uint64_t>(least, 1), labels))
-    owners = shareVoxels(samples, space, labels, whole, threads);
-  report(0.7);
-  const PartTree tree = hangParts(samples, skin, space, labels);
-  owners = shareVoxels(samples, space, labels, whole, threads);
-  report(0.75);
-
-  const auto count = static_cast<std::uint32_t>(skin.clips.size());
-  std::vector<std::vector<RigDescription::Clip>> clips(count);  // [clip][part]
+  const SkinLabels rigid =
+      decompose(samples, moments, threads, [&](double done) { report(0.05 + 0.5 * done); });
+  report(0.55);
+  Divided divided;
+  std::set<std::uint32_t> stiff;
+  do {
+    divided = divideAsLabelled(samples, skin, moments, space, whole, threads, rigid, stiff);
+    report(0.8);
+  } while (foldsSomewhere(divided, stiff));
   SkinParts out;
-  out.fits.resize(count);
-  parallelRanges(count, 1, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const auto clip = static_cast<std::uint32_t>(c);
-      clips[c] = makeSkinKeys(samples, skin, clip, space, labels, tree, kTolerance / space.voxels);
-      out.fits[c] = measureClip(samples, skin, clip, space, labels, tree, clips[c]);
-    }
-  });
-  keepStillClips(clips);
+  for (std::uint32_t c = 0; c < skin.clips.size(); ++c)
+    out.fits.push_back(measureClip(samples, skin, c, space, divided.labels, divided.tree, divided.clips[c]));
+  keepStillClips(divided.clips);
   report(0.9);
-
-  const std::vector<Seam> seams = findSeams(samples, labels);
-  const std::vector<std::vector<glm::dmat4x3>> motions = motionsOf(samples, moments, labels);
-  std::vector<VoxelGrid> grids = cutGrids(samples, space, seams, overlapsOf(samples, space, seams, motions),
-                                          motions, owners, whole, threads);
-  for (std::size_t p = 0; p < grids.size(); ++p) {
-    SkinPart& part = out.parts.emplace_back();
-    part.name = tree.names[p];
-    part.parent = tree.parents[p];
-    part.pivot = glm::dvec3(space.to_soup * glm::dvec4(tree.pivots[p], 1));
-    part.grid = std::move(grids[p]);
-    for (std::vector<RigDescription::Clip>& of_parts : clips) part.clips.push_back(std::move(of_parts[p]));
+  for (std::size_t p = 0; p < divided.labels.joints.size(); ++p) {
+    SkinPart& its = out.parts.emplace_back();
+    its.name = divided.tree.names[p];
+    its.parent = divided.tree.parents[p];
+    its.pivot = glm::dvec3(space.to_soup * glm::dvec4(divided.tree.pivots[p], 1));
+    its.rig = rigOf(divided, p);
+    its.swept = divided.tree.sweeps[p].has_value();
   }
+
+  const std::vector<Seam> seams = findSeams(samples, divided.labels);
+  const std::vector<SeamMotion> motions =
+      motionsAtSeams(samples, moments, divided.labels, divided.tree, seams);
+  std::optional<MeshSurface> surface;
+  if (std::any_of(out.parts.begin(), out.parts.end(), [](const SkinPart& its) { return its.swept; }))
+    surface.emplace(model, soup, frame);
+  std::vector<VoxelGrid> grids =
+      cutGrids(samples, space, divided.tree, seams, overlapsOf(samples, space, seams, motions), motions,
+               divided.owners, whole, surface ? &*surface : nullptr, threads);
+  for (std::size_t p = 0; p < grids.size(); ++p) out.parts[p].grid = std::move(grids[p]);
   report(1);
   return out;
 }

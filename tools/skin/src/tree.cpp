@@ -17,7 +17,7 @@ int topOf(const SourceSkin& skin, int joint) {
   return joint;
 }
 
-// The largest part of each joint that has one.
+// The largest part of each joint that has one; the swept part of those in a chain.
 std::vector<std::uint32_t> mainParts(const std::vector<double>& areas, const SkinLabels& labels,
                                      std::size_t joints) {
   std::vector<std::uint32_t> main(joints, kNobody);
@@ -25,6 +25,8 @@ std::vector<std::uint32_t> mainParts(const std::vector<double>& areas, const Ski
     std::uint32_t& of = main[labels.joints[p]];
     if (of == kNobody || areas[p] > areas[of]) of = p;
   }
+  for (std::uint32_t p = 0; p < labels.joints.size(); ++p)
+    for (const std::uint32_t joint : labels.chains[p].joints) main[joint] = p;
   return main;
 }
 
@@ -79,16 +81,25 @@ void sortParts(SkinLabels& labels, std::vector<int>& parents) {
       order.push_back(p);
     }
   }
-  SkinLabels sorted{labels.parts, {}};
+  SkinLabels sorted{labels.parts, {}, {}};
   std::vector<int> sorted_parents;
   for (const std::uint32_t p : order) {
     sorted.joints.push_back(labels.joints[p]);
+    sorted.chains.push_back(std::move(labels.chains[p]));
     sorted_parents.push_back(parents[p] < 0 ? -1
                                             : static_cast<int>(place[static_cast<std::size_t>(parents[p])]));
   }
   for (std::uint32_t& part : sorted.parts) part = place[part];
   labels = std::move(sorted);
   parents = std::move(sorted_parents);
+}
+
+float placeOnParent(const PartTree& tree, std::size_t part) {
+  if (tree.parents[part] < 0) return Part::kNotOnSpline;
+  const std::optional<SkinSweep>& parent = tree.sweeps[static_cast<std::size_t>(tree.parents[part])];
+  if (!parent) return Part::kNotOnSpline;
+  const float y = parent->straightened(parent->toPart(tree.pivots[part])).y;
+  return std::clamp(y / static_cast<float>(parent->size.y), 0.0f, 1.0f);
 }
 
 std::vector<double> areasOf(const SkinSamples& samples, const SkinLabels& labels) {
@@ -136,20 +147,33 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
     centres[labels.parts[i]] += samples.areas[i] / areas[labels.parts[i]] * samples.positions[i];
 
   std::set<std::string> names;
+  const std::vector<std::vector<std::uint32_t>> members = labels.members();
   for (std::uint32_t p = 0; p < labels.joints.size(); ++p) {
     const SourceSkin::Joint& joint = skin.joints[labels.joints[p]];
     glm::dvec3 pivot(space.from_soup * glm::dvec4(joint.origin, 1));
-    if (main[labels.joints[p]] != p) {
+    tree.sweeps.emplace_back();
+    if (labels.chains[p].swept())
+      tree.sweeps[p] = makeSweep(samples, skin, space, members[p], labels.chains[p]);
+    if (tree.sweeps[p]) {
+      pivot = tree.sweeps[p]->toSkin(tree.sweeps[p]->corner());
+    } else if (main[labels.joints[p]] != p) {
       const auto parent = static_cast<std::uint32_t>(std::max(0, tree.parents[p]));
       const auto seam = middles.find({std::min(p, parent), std::max(p, parent)});
       pivot = seam == middles.end() ? centres[p] : seam->second;
     }
     tree.pivots.push_back(pivot);
+    tree.places.push_back(placeOnParent(tree, p));
     std::string name = joint.name;
     for (int k = 2; !names.insert(name).second; ++k) name = joint.name + "." + std::to_string(k);
     tree.names.push_back(name);
   }
   return tree;
+}
+
+glm::dmat4x3 motionFromParent(const PartTree& tree, std::size_t part, const SkinPose& parent) {
+  if (tree.places[part] < 0) return parent.motion;
+  const SkinSweep& sweep = *tree.sweeps[static_cast<std::size_t>(tree.parents[part])];
+  return PosedSweep(sweep, parent).sectionMotion(static_cast<double>(tree.places[part]) * sweep.height());
 }
 
 }  // namespace kelp::bake

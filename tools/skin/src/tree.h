@@ -2,10 +2,12 @@
 // Which part follows which, and what it turns about.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "decompose.h"
+#include "sweep.h"
 
 namespace kelp::bake {
 
@@ -23,11 +25,17 @@ struct PartTree {
   std::vector<int> parents;        // of each part
   std::vector<glm::dvec3> pivots;  // in the bind pose
   std::vector<std::string> names;
+  std::vector<std::optional<SkinSweep>> sweeps;  // of those that are swept
+  std::vector<float> places;                     // on the spline of the parent, as Part::parent_at
 };
+
+// The motion that a part with a parent has from it, when the parent is in such a pose: posed <- bind pose.
+glm::dmat4x3 motionFromParent(const PartTree& tree, std::size_t part, const SkinPose& parent);
 
 // Sorts the parts so that parents come first. The largest part of a joint follows the joint above; further
 // ones follow the part with which they share the longest seam. Joints without a part above them follow the
-// largest of these within their skeleton.
+// largest of these within their skeleton. A swept part is that of all joints of its chain; what follows it
+// hangs on its spline. One that would fold by now is rigid after all.
 PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
                    SkinLabels& labels);
 

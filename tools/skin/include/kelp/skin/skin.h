@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a skin to parts: a mesh that bends by joints becomes rigid parts that move as its surface moves.
+// From a skin to parts: a mesh that bends by joints becomes parts that move as its surface moves. Most are
+// rigid; some are swept along chains of joints.
 #pragma once
 
 #include <string>
@@ -15,8 +16,9 @@ struct SkinPart {
   std::string name;     // of its joint; further parts of a joint: "joint.2"
   int parent = -1;      // an earlier part, -1: none
   glm::dvec3 pivot{0};  // what it turns about, in the soup's space; the pivot's axes are the soup's
-  VoxelGrid grid;       // a box of the whole grid, with the same axes
-  std::vector<RigDescription::Clip> clips;  // one for each of the skin's, in their order
+  bool swept = false;   // along its rig's knots; else rigid
+  VoxelGrid grid;       // rigid: a box of the whole grid, with the same axes; swept: straightened
+  RigDescription rig;   // knots, place on the parent's spline, a clip for each of the skin's in their order
 };
 
 // How far a clip's parts are from the skinned surface, in voxels: at 12 moments, weighted by area.
@@ -31,11 +33,11 @@ struct SkinParts {
   std::vector<SkinFit> fits;    // of each clip
 };
 
-// Divides `whole`, the voxels of `soup` in `frame`, among parts that follow `skin`. Every solid voxel is in
-// at least one part, and no part has others. Each part also has some of its neighbours' voxels, so that bends
-// stay closed. The same result with any number of threads. ToolError kInterrupted if `progress`, told 0 to 1
-// in "skin", asks to stop.
-SkinParts divideSkin(const TriangleSoup& soup, const SourceSkin& skin, const Frame& frame,
+// Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin. Every
+// solid voxel is in at least one part, and no part has others; straightened voxels are within one of their
+// place. Each part also has some of its neighbours' voxels, so that bends stay closed. The same result with
+// any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.
+SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Frame& frame,
                      const VoxelGrid& whole, int threads, const Progress& progress);
 
 // Bytes that divideSkin needs beside its arguments and its result, for a box of so many voxels.

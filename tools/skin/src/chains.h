@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Chains of joints, and which of them become one swept part.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "decompose.h"
+
+namespace kelp::bake {
+
+// Joints one below the other, at least two, that bend one tube: each has one child with a surface, shares
+// some of it with that child, and does not turn sharply. No joint is in two.
+std::vector<std::vector<std::uint32_t>> findChains(const SkinSamples& samples, const SourceSkin& skin,
+                                                   const SkinSpace& space);
+
+// Makes one part of the parts along a chain where a swept part follows the surface better than they do; their
+// seams count too. Chains that begin with a joint in `stiff` stay as they are.
+void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
+                 const SkinSpace& space, int threads, const std::set<std::uint32_t>& stiff,
+                 SkinLabels& labels);
+
+}  // namespace kelp::bake

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The poses of a swept part that follow its samples best.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "moments.h"
+#include "sweep.h"
+
+namespace kelp::bake {
+
+// Fits the knots of one part to its samples, at any moment.
+class SweepFit {
+ public:
+  SweepFit(const SkinSamples& samples, const SkinSweep& sweep, const std::vector<std::uint32_t>& members);
+
+  // Least squares over places and tangents of all knots and a roll of the whole (README.md has the method).
+  // nullopt if the part folds.
+  std::optional<SkinPose> pose(const SkinMoments& moments, std::size_t moment) const;
+
+  // The mean squared distance, weighted by area, of the samples that are fitted to; in skin space.
+  double meanSquare(const SkinPose& pose, const SkinMoments& moments, std::size_t moment) const;
+
+ private:
+  struct Point {
+    std::uint32_t sample = 0;
+    double area = 0;
+    glm::vec3 straight{0};
+    std::size_t span = 0;  // between knots span and span + 1
+    double t = 0;          // there
+  };
+  struct Curve;
+  struct Reached;
+  std::vector<glm::dvec3> drawn(const SkinMoments& moments, std::size_t moment) const;
+  Curve begin(const std::vector<glm::dvec3>& drawn) const;
+  std::optional<Reached> reach(Curve& curve, const std::vector<glm::dvec3>& drawn) const;
+  Curve step(const Curve& curve, const Reached& reached, const std::vector<glm::dvec3>& drawn,
+             double stiffness) const;
+  std::optional<Curve> improve(Curve curve, const std::vector<glm::dvec3>& drawn, double stiffness) const;
+  std::vector<Knot> knotsOf(const Curve& curve) const;
+
+  const SkinSamples& samples_;
+  const SkinSweep& sweep_;
+  std::vector<Point> points_;
+  double area_ = 0;
+};
+
+}  // namespace kelp::bake
