@@ -98,13 +98,13 @@ TEST(DivideSkin, ReportsTheFitOfEachClip) {
   ASSERT_EQ(divided.fits.size(), 2u);
   const SkinFit& bend = divided.fits[0];
   EXPECT_EQ(bend.clip, "bend");
-  EXPECT_GT(bend.mean, 0.05);
-  EXPECT_LT(bend.mean, 0.8);
-  EXPECT_GT(bend.p95, bend.mean);
-  EXPECT_LE(bend.p95, 2.5);
-  EXPECT_GE(bend.max, bend.p95);
+  EXPECT_GT(bend.distances.mean, 0.05);
+  EXPECT_LT(bend.distances.mean, 0.8);
+  EXPECT_GT(bend.distances.p95, bend.distances.mean);
+  EXPECT_LE(bend.distances.p95, 2.5);
+  EXPECT_GE(bend.distances.max, bend.distances.p95);
   EXPECT_EQ(bend.joint.rfind("bone", 0), 0u);
-  EXPECT_LT(divided.fits[1].max, 1e-4);
+  EXPECT_LT(divided.fits[1].distances.max, 1e-4);
   // A clip that moves nothing is one all the same.
   std::size_t tracks = 0;
   for (const SkinPart& part : divided.parts) {

@@ -247,7 +247,7 @@ TEST(DivideSweptSkin, InTheBindPoseItsSurfaceIsThatOfTheWhole) {
     const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
     ASSERT_EQ(divided.parts.size(), 1u);
     EXPECT_TRUE(divided.parts[0].swept);
-    EXPECT_LT(divided.fits[0].p95, 1.0);
+    EXPECT_LT(divided.fits[0].distances.p95, 1.0);
     std::vector<glm::dvec3> drawn, normals, whole;
     addSurface(divided.parts[0], shape.whole, drawn, normals);
     for (const SurfaceSample& sample : shape.whole.surface)

@@ -281,14 +281,14 @@ void voxelizeParts(Job& job) {
 }
 
 // The one part of a model that bends by joints becomes several.
-std::vector<SkinFit> divideSkins(Job& job) {
-  std::vector<SkinFit> fits = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
-                                                job.progress, job.report);
+DividedSkin divideSkins(Job& job) {
+  DividedSkin divided = divideSkinnedPart(job.model, job.frames.front(), job.settings.pad, job.threads,
+                                          job.progress, job.report);
   job.frames.assign(job.model.parts.size(), Frame());
   job.grids.clear();
   for (const SourcePart& part : job.model.parts) job.grids.push_back(&*part.grid);
   layParts(job);
-  return fits;
+  return divided;
 }
 
 void choosePalette(Job& job) {
@@ -360,12 +360,14 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   if (!skinned) rigParts(job.model, input, job.pack, report);  // reports faults before the long work
   clock.begin("voxelize");
   voxelizeParts(job);
+  std::string skin_info;
   if (skinned) {
     clock.begin("skin");
     const Frame whole = job.frames.front();
-    const std::vector<SkinFit> fits = divideSkins(job);
+    const DividedSkin divided = divideSkins(job);
     rigParts(job.model, input, job.pack, report);
-    reportFits(fits, whole, report);
+    reportFits(divided.fits, whole, report);
+    skin_info = divided.info;
   }
   clock.begin("palette");
   choosePalette(job);
@@ -375,7 +377,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     clock.begin("distances");
     addDistances(job);
   }
-  job.pack.info_json = makeInfo(input, job.model.format, job.volume, settings, report.files);
+  job.pack.info_json = makeInfo(input, job.model.format, job.volume, settings, report.files, skin_info);
   clock.end();
   return std::move(job.pack);
 }

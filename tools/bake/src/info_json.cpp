@@ -63,7 +63,7 @@ std::filesystem::path rigBeside(const std::filesystem::path& input) {
 }
 
 std::string makeInfo(const std::filesystem::path& input, const std::string& format, bool volume,
-                     const Settings& settings, const FilesUsed& used) {
+                     const Settings& settings, const FilesUsed& used, const std::string& skin) {
   OrderedJson options;
   if (settings.voxel_size) {
     options["voxel_size"] = *settings.voxel_size;
@@ -101,6 +101,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
       {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},
       {"options", options}};
   for (const auto& [name, hash] : otherFiles(input, settings, used)) info["files"][name] = hash;
+  if (!skin.empty()) info["skin"] = OrderedJson::parse(skin);
   // A name that is not UTF-8 must not stop the bake.
   return info.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }

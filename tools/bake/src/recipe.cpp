@@ -78,7 +78,7 @@ std::map<std::string, std::filesystem::path> namesNotUtf8(const std::filesystem:
 Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings) {
   const FilesNow now = namedFiles(input, settings);
   // as of a volume: so a resolution stands there if it was asked for
-  return {makeInfo(input, "", true, settings, now.used()), now.used()};
+  return {makeInfo(input, "", true, settings, now.used(), ""), now.used()};
 }
 
 std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input,
@@ -101,7 +101,12 @@ std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::
   // Whether it is a volume with voxels of its own, the file tells: by the resolution that was taken where
   // none was asked for.
   const bool volume = !settings.voxel_size && !settings.resolution_given && !member(*options, "resolution");
-  return Recipe{makeInfo(input, format->get<std::string>(), volume, settings, now.used()), now.used()};
+  // What became of a skin follows from all the rest.
+  const auto ordered = nlohmann::ordered_json::parse(text);
+  const auto skin = ordered.find("skin");
+  return Recipe{makeInfo(input, format->get<std::string>(), volume, settings, now.used(),
+                         skin == ordered.end() ? "" : skin->dump()),
+                now.used()};
 }
 
 bool isCurrent(const std::filesystem::path& pack_path, const std::filesystem::path& input,

@@ -2,10 +2,12 @@
 #include "skin_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "kelp/import/core/padding.h"
 #include "part_frames.h"
@@ -26,6 +28,21 @@ glm::mat4x3 movedTo(const glm::mat4x3& pivot, const glm::dvec3& at) {
 std::uint64_t countSolid(const VoxelGrid& grid) {
   return static_cast<std::uint64_t>(
       std::count_if(grid.solid.begin(), grid.solid.end(), [](std::uint8_t voxel) { return voxel != 0; }));
+}
+
+// Distances in hundredths of a voxel: finer than anybody needs, and the same on every machine.
+std::string infoOf(const std::vector<SkinPart>& parts) {
+  const auto rounded = [](double distance) { return std::round(100 * distance) / 100; };
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const SkinPart& part : parts) {
+    nlohmann::ordered_json& line = list.emplace_back();
+    line["joints"] = part.joints;
+    if (part.swept) line["knots"] = part.rig.knots.size();
+    line["fit"] = {
+        {"mean", rounded(part.fit.mean)}, {"p95", rounded(part.fit.p95)}, {"max", rounded(part.fit.max)}};
+  }
+  return nlohmann::ordered_json{{"parts", list}}.dump(-1, ' ', false,
+                                                      nlohmann::ordered_json::error_handler_t::replace);
 }
 
 // The whole's line becomes one for each part; the mesh and its repairs stay in the first.
@@ -51,10 +68,11 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
 
 }  // namespace
 
-std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
-                                       const Progress& progress, Report& report) {
+DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+                              const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
   SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
+  DividedSkin out{std::move(divided.fits), infoOf(divided.parts)};
   model.parts.clear();
   for (SkinPart& its : divided.parts) {
     SourcePart& part = model.parts.emplace_back();
@@ -72,7 +90,7 @@ std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, i
   for (SourcePart& part : model.parts)
     if (part.rig.bend != Bend::kSweep) padGrid(*part.grid, paddingOf(part, pad));
   reportParts(model.parts, report);
-  return std::move(divided.fits);
+  return out;
 }
 
 void countSkin(const SourceSkin& skin, PartSize& size) {
@@ -89,14 +107,16 @@ void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& re
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
   for (Report::Clip& clip : report.clips)
-    if (const auto found = by_clip.find(clip.name); found != by_clip.end())
-      clip.fit = {found->second->mean, found->second->p95, found->second->max, found->second->joint};
+    if (const auto found = by_clip.find(clip.name); found != by_clip.end()) {
+      const SkinDistances& its = found->second->distances;
+      clip.fit = {its.mean, its.p95, its.max, found->second->joint};
+    }
   for (const SkinFit& fit : fits)
-    if (fit.p95 > poor)
+    if (fit.distances.p95 > poor)
       report.notices.push_back(fmt::format(
           "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
           "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
-          fit.clip, fit.p95, fit.max, fit.joint));
+          fit.clip, fit.distances.p95, fit.distances.max, fit.joint));
 }
 
 }  // namespace kelp::bake

@@ -2,6 +2,7 @@
 // A part that bends by joints becomes rigid parts that move.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "kelp/bake/bake.h"
@@ -9,10 +10,14 @@
 
 namespace kelp::bake {
 
-// Replaces the model's first part, whose voxels are made, and its line of the report. How well the new parts
-// follow the skin, for each clip.
-std::vector<SkinFit> divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
-                                       const Progress& progress, Report& report);
+struct DividedSkin {
+  std::vector<SkinFit> fits;  // how well the new parts follow the skin, for each clip
+  std::string info;           // JSON: what a pack says of its parts, INFO's "skin"
+};
+
+// Replaces the model's first part, whose voxels are made, and its line of the report.
+DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
+                              const Progress& progress, Report& report);
 
 // Adds what a skin needs to the size of its part: the division itself, and parts that have cuts and voxels of
 // their neighbours beside the surface.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "measure.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "keys.h"
@@ -8,20 +9,40 @@
 
 namespace kelp::bake {
 
-SkinFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uint32_t clip,
+ClipFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uint32_t clip,
                     const SkinSpace& space, const SkinLabels& labels, const PartTree& tree,
                     const std::vector<RigDescription::Clip>& keys) {
   constexpr int kMoments = 12;
   const std::vector<double> times = evenTimes(skin.clips[clip], kMoments);
   const SkinMoments moments = momentsAt(skin, clip, times, space, 1);
-  SkinFit fit;
-  fit.clip = skin.clips[clip].name;
+  ClipFit fit;
+  fit.all.clip = skin.clips[clip].name;
   std::vector<glm::vec3> straight(samples.size());  // of those in swept parts
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (const auto& sweep = tree.sweeps[labels.parts[i]])
       straight[i] = sweep->straightened(sweep->toPart(samples.positions[i]));
-  std::vector<double> distances, areas;
-  double sum = 0, area = 0;
+  struct List {
+    std::vector<double> distances, areas;
+    void add(double distance, double area) {
+      distances.push_back(distance);
+      areas.push_back(area);
+    }
+    SkinDistances summary() const {
+      SkinDistances its;
+      double area = 0;
+      for (std::size_t i = 0; i < distances.size(); ++i) {
+        its.mean += areas[i] * distances[i];
+        area += areas[i];
+        its.max = std::max(its.max, distances[i]);
+      }
+      its.mean /= area;
+      its.p95 = weightedQuantile(distances, areas, 0.95);
+      return its;
+    }
+  };
+  List all;
+  std::vector<List> of_parts(labels.joints.size());
+  double most = -1;
   for (std::size_t t = 0; t < times.size(); ++t) {
     const std::vector<SkinPose> poses = posesOfKeys(keys, tree, space, times[t]);
     std::vector<std::unique_ptr<PosedSweep>> swept(poses.size());
@@ -32,18 +53,15 @@ SkinFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uin
       const glm::dvec3 at = swept[part] ? swept[part]->at(straight[i])
                                         : poses[part].motion * glm::dvec4(samples.positions[i], 1);
       const double distance = space.voxels * glm::distance(at, skinnedPoint(samples, i, moments, t));
-      distances.push_back(distance);
-      areas.push_back(samples.areas[i]);
-      sum += samples.areas[i] * distance;
-      area += samples.areas[i];
-      if (fit.joint.empty() || distance > fit.max) {
-        fit.max = distance;
-        fit.joint = skin.joints[samples.heaviestJoint(i)].name;
-      }
+      all.add(distance, samples.areas[i]);
+      of_parts[part].add(distance, samples.areas[i]);
+      if (distance <= most) continue;
+      most = distance;
+      fit.all.joint = skin.joints[samples.heaviestJoint(i)].name;
     }
   }
-  fit.mean = sum / area;
-  fit.p95 = weightedQuantile(distances, areas, 0.95);
+  fit.all.distances = all.summary();
+  for (const List& part : of_parts) fit.parts.push_back(part.summary());
   return fit;
 }
 

@@ -9,8 +9,13 @@
 
 namespace kelp::bake {
 
+struct ClipFit {
+  SkinFit all;
+  std::vector<SkinDistances> parts;
+};
+
 // How far a clip's keys put the samples from where linear blend skinning draws them.
-SkinFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uint32_t clip,
+ClipFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uint32_t clip,
                     const SkinSpace& space, const SkinLabels& labels, const PartTree& tree,
                     const std::vector<RigDescription::Clip>& keys);
 

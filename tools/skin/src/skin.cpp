@@ -79,6 +79,13 @@ RigDescription rigOf(const Divided& divided, std::size_t part) {
   return rig;
 }
 
+std::vector<std::string> jointsOf(const SkinLabels& labels, std::size_t part, const SourceSkin& skin) {
+  if (!labels.chains[part].swept()) return {skin.joints[labels.joints[part]].name};
+  std::vector<std::string> names;
+  for (const std::uint32_t joint : labels.chains[part].joints) names.push_back(skin.joints[joint].name);
+  return names;
+}
+
 // Whether a swept part folds within a clip; its chain is added to those that are not swept.
 bool foldsSomewhere(const Divided& divided, std::set<std::uint32_t>& stiff) {
   bool folds = false;
@@ -128,8 +135,13 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     report(0.8);
   } while (foldsSomewhere(divided, stiff));
   SkinParts out;
-  for (std::uint32_t c = 0; c < skin.clips.size(); ++c)
-    out.fits.push_back(measureClip(samples, skin, c, space, divided.labels, divided.tree, divided.clips[c]));
+  std::vector<SkinDistances> worst(divided.labels.joints.size());
+  for (std::uint32_t c = 0; c < skin.clips.size(); ++c) {
+    ClipFit fit = measureClip(samples, skin, c, space, divided.labels, divided.tree, divided.clips[c]);
+    out.fits.push_back(std::move(fit.all));
+    for (std::size_t p = 0; p < worst.size(); ++p)
+      if (fit.parts[p].p95 > worst[p].p95) worst[p] = fit.parts[p];
+  }
   keepStillClips(divided.clips);
   report(0.9);
   for (std::size_t p = 0; p < divided.labels.joints.size(); ++p) {
@@ -138,6 +150,8 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     its.parent = divided.tree.parents[p];
     its.pivot = glm::dvec3(space.to_soup * glm::dvec4(divided.tree.pivots[p], 1));
     its.rig = rigOf(divided, p);
+    its.fit = worst[p];
+    its.joints = jointsOf(divided.labels, p, skin);
     its.swept = divided.tree.sweeps[p].has_value();
   }
 

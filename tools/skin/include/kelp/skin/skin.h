@@ -12,20 +12,26 @@
 
 namespace kelp::bake {
 
+// How far parts are from the skinned surface, in voxels: at 12 moments of a clip, weighted by area.
+struct SkinDistances {
+  double mean = 0, p95 = 0, max = 0;
+};
+
 struct SkinPart {
   std::string name;     // of its joint; further parts of a joint: "joint.2"
   int parent = -1;      // an earlier part, -1: none
   glm::dvec3 pivot{0};  // what it turns about, in the soup's space; the pivot's axes are the soup's
   bool swept = false;   // along its rig's knots; else rigid
-  VoxelGrid grid;       // rigid: a box of the whole grid, with the same axes; swept: straightened
-  RigDescription rig;   // knots, place on the parent's spline, a clip for each of the skin's in their order
+  std::vector<std::string> joints;  // rigid: the joint that it was made for; swept: those of the chain
+  SkinDistances fit;                // in the clip in which it is worst; zeros without clips
+  VoxelGrid grid;                   // rigid: a box of the whole grid, with the same axes; swept: straightened
+  RigDescription rig;  // knots, place on the parent's spline, a clip for each of the skin's in their order
 };
 
-// How far a clip's parts are from the skinned surface, in voxels: at 12 moments, weighted by area.
 struct SkinFit {
   std::string clip;
-  double mean = 0, p95 = 0, max = 0;
-  std::string joint;  // that moves the surface most where the distance is greatest
+  SkinDistances distances;  // of all parts
+  std::string joint;        // that moves the surface most where the distance is greatest
 };
 
 struct SkinParts {
