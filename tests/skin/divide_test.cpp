@@ -7,9 +7,11 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <glm/gtc/quaternion.hpp>
 
 #include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
+#include "kelp/formats/sweep.h"
 #include "skin_shapes.h"
 
 namespace kelp::bake {
@@ -133,6 +135,78 @@ TEST(DivideSkin, SmallPartsGoToTheirParent) {
   }
   const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
   for (const SkinPart& part : divided.parts) EXPECT_NE(part.name.substr(0, 3), "tip");
+}
+
+// Where a socket is in the bind pose, and its axes, in the soup's space.
+glm::dmat4x3 seatOf(const SkinPart& part, const RigDescription::Socket& socket) {
+  const glm::vec3 size(part.grid.size);
+  glm::vec3 at(0.5f * size.x + socket.offset.x * size.y, socket.at * size.y,
+               0.5f * size.z + socket.offset.z * size.y);
+  glm::mat3 axes = glm::mat3_cast(socket.rotation);
+  if (part.swept) {
+    ArcChain arcs;
+    EXPECT_TRUE(makeArcs(realizeRig(part.rig).knots, part.grid.size, 0, kArcTolerance, arcs));
+    axes = glm::mat3(sectionAt(arcs, at.y)) * axes;
+    at = sweepPoint(arcs, part.grid.size, at);
+  }
+  const glm::dmat4x3 to_node(part.grid.to_node);
+  const glm::dmat3 linear(to_node[0], to_node[1], to_node[2]);
+  const glm::dmat3 turned = linear * glm::dmat3(axes);
+  return {glm::normalize(turned[0]), glm::normalize(turned[1]), glm::normalize(turned[2]),
+          to_node * glm::dvec4(glm::dvec3(at), 1)};
+}
+
+// One within the tube, one beyond its end; of rigid parts, of a swept one that is bent in the bind pose.
+TEST(DivideSkin, SocketsStayWhereTheyAre) {
+  for (const bool swept : {false, true}) {
+    test::SkinnedShape shape = swept ? test::curvedTube(4, 1.0) : bendingTube(3);
+    SourceSkin& skin = shape.skin();
+    if (swept) {
+      skin.clips.push_back(test::turningClip(
+          skin, "bend", 2, 61, [](int j, double t) { return j == 0 ? 0.0 : 0.3 * std::sin(1.5707963 * t); }));
+      shape.voxelizeWhole();
+    }
+    const auto last = static_cast<std::uint32_t>(skin.joints.size() - 1);
+    const glm::dmat4 turn = glm::rotate(glm::dmat4(1), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
+    glm::dmat4 inner =
+        glm::translate(glm::dmat4(1), skin.joints[1].origin + glm::dvec3(0.1, 0.5, 0.2)) * turn;
+    glm::dmat4 outer = glm::translate(
+        glm::dmat4(1), skin.joints[last].origin + (swept ? glm::dvec3(-0.4, 2, 0) : glm::dvec3(0, 6, 0)));
+    skin.sockets = {{"inner", 1, inner}, {"outer", last, outer}};
+    const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
+    int found = 0;
+    for (const SkinPart& part : divided.parts)
+      for (const RigDescription::Socket& socket : part.rig.sockets) {
+        ++found;
+        const glm::dmat4& wanted = socket.name == "inner" ? inner : outer;
+        const glm::dmat4x3 seat = seatOf(part, socket);
+        EXPECT_LT(glm::distance(seat[3], glm::dvec3(wanted[3])), 0.002) << socket.name << swept;
+        for (int axis = 0; axis < 3; ++axis)
+          EXPECT_GT(glm::dot(seat[axis], glm::dvec3(wanted[axis])), 0.999) << socket.name << swept;
+        EXPECT_EQ(part.name.rfind("bone", 0), 0u);
+      }
+    EXPECT_EQ(found, 2);
+    ASSERT_EQ(divided.sockets.size(), 2u);
+    for (const SocketFit& fit : divided.sockets) EXPECT_LT(fit.most, 8) << fit.socket;
+  }
+}
+
+// A socket whose joint the file does not hang below the one that it moves with.
+TEST(DivideSkin, SocketsFollowThePartThatMovesAsTheyDo) {
+  test::SkinnedShape shape = bendingTube(2);
+  SourceSkin& skin = shape.skin();
+  skin.joints.push_back({"socket_tip", -1, {0, test::kTubeHeight, 0}});
+  for (SourceSkin::Clip& clip : skin.clips) {
+    std::vector<glm::dmat4x3> motions;
+    for (std::size_t i = 0; i < clip.motions.size(); i += 2)
+      motions.insert(motions.end(), {clip.motions[i], clip.motions[i + 1], clip.motions[i + 1]});
+    clip.motions = std::move(motions);
+  }
+  skin.sockets = {{"tip", 2, glm::translate(glm::dmat4(1), glm::dvec3(0, test::kTubeHeight, 0))}};
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
+  ASSERT_EQ(divided.sockets.size(), 1u);
+  EXPECT_EQ(divided.sockets[0].part.rfind("bone1", 0), 0u) << divided.sockets[0].part;
+  EXPECT_LT(divided.sockets[0].most, 3);
 }
 
 }  // namespace

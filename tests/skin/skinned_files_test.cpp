@@ -122,6 +122,15 @@ TEST(SkinnedFiles, GreenmanFits) {
   KELP_ASSET(path, "gltf/skinned/greenman.glb");
   const Baked baked(path);
   expectFit(baked, 2.3, 6.5, 4);
+  // Its empty on the head follows that; two others, which the file moves far away in its clips, are reported.
+  ASSERT_EQ(baked.pack.sockets.size(), 3u);
+  for (const RawSocket& socket : baked.pack.sockets)
+    if (socket.name == "hat") {
+      EXPECT_EQ(baked.pack.parts[socket.part].name, "body_up");
+    }
+  EXPECT_EQ(std::count_if(baked.report.notices.begin(), baked.report.notices.end(),
+                          [](const auto& notice) { return notice.rfind("socket '", 0) == 0; }),
+            2);
 }
 
 TEST(SkinnedFiles, RiggedSimpleFits) {

@@ -366,7 +366,7 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
     const Frame whole = job.frames.front();
     const DividedSkin divided = divideSkins(job);
     rigParts(job.model, input, job.pack, report);
-    reportFits(divided.fits, whole, report);
+    reportFits(divided, whole, report);
     skin_info = divided.info;
   }
   clock.begin("palette");

@@ -59,6 +59,7 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
     line.voxel_size = whole.voxel_size;
     line.size = part.grid->size;
     line.parent_at = part.rig.parent_at;
+    for (const RigDescription::Socket& socket : part.rig.sockets) line.sockets.push_back(socket.name);
     line.swept = part.rig.bend == Bend::kSweep;
     line.solid_voxels = countSolid(*part.grid);
     line.surface_voxels = part.grid->surface.size();
@@ -72,7 +73,7 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
                               const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
   SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
-  DividedSkin out{std::move(divided.fits), infoOf(divided.parts)};
+  DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts)};
   model.parts.clear();
   for (SkinPart& its : divided.parts) {
     SourcePart& part = model.parts.emplace_back();
@@ -102,7 +103,8 @@ void countSkin(const SourceSkin& skin, PartSize& size) {
   size.source_bytes += kMoreVoxels * size.voxels();
 }
 
-void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& report) {
+void reportFits(const DividedSkin& divided, const Frame& frame, Report& report) {
+  const std::vector<SkinFit>& fits = divided.fits;
   const double poor = kPoorFit * std::max({frame.size.x, frame.size.y, frame.size.z});
   std::map<std::string, const SkinFit*> by_clip;
   for (const SkinFit& fit : fits) by_clip[fit.clip] = &fit;
@@ -117,6 +119,13 @@ void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& re
           "clip '{}': a twentieth of the surface is more than {:.1f} voxels from where the skin "
           "would draw it, most ({:.1f}) at joint '{}'; rigid parts do not follow it closely there",
           fit.clip, fit.distances.p95, fit.distances.max, fit.joint));
+  for (const SocketFit& fit : divided.sockets)
+    if (fit.most > poor)
+      report.notices.push_back(
+          fmt::format("socket '{}' is up to {:.1f} voxels from where its joint takes it in clip '{}': it "
+                      "moves by itself, "
+                      "and here with part '{}'",
+                      fit.socket, fit.most, fit.clip, fit.part));
 }
 
 }  // namespace kelp::bake

@@ -11,8 +11,9 @@
 namespace kelp::bake {
 
 struct DividedSkin {
-  std::vector<SkinFit> fits;  // how well the new parts follow the skin, for each clip
-  std::string info;           // JSON: what a pack says of its parts, INFO's "skin"
+  std::vector<SkinFit> fits;       // how well the new parts follow the skin, for each clip
+  std::vector<SocketFit> sockets;  // and their sockets
+  std::string info;                // JSON: what a pack says of its parts, INFO's "skin"
 };
 
 // Replaces the model's first part, whose voxels are made, and its line of the report.
@@ -24,6 +25,6 @@ DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, i
 void countSkin(const SourceSkin& skin, PartSize& size);
 
 // Adds how well clips fit to the report, and a notice for those that do not fit well. `frame` is the whole's.
-void reportFits(const std::vector<SkinFit>& fits, const Frame& frame, Report& report);
+void reportFits(const DividedSkin& divided, const Frame& frame, Report& report);
 
 }  // namespace kelp::bake

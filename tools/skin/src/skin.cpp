@@ -14,6 +14,7 @@
 #include "keys.h"
 #include "measure.h"
 #include "share.h"
+#include "skin_sockets.h"
 #include "straight_grid.h"
 
 namespace kelp::bake {
@@ -142,6 +143,8 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     for (std::size_t p = 0; p < worst.size(); ++p)
       if (fit.parts[p].p95 > worst[p].p95) worst[p] = fit.parts[p];
   }
+  SocketSeats seats = seatSockets(skin, space, divided.tree, divided.clips);
+  out.sockets = std::move(seats.fits);
   keepStillClips(divided.clips);
   report(0.9);
   for (std::size_t p = 0; p < divided.labels.joints.size(); ++p) {
@@ -165,6 +168,7 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
       cutGrids(samples, space, divided.tree, seams, overlapsOf(samples, space, seams, motions), motions,
                divided.owners, whole, surface ? &*surface : nullptr, threads);
   for (std::size_t p = 0; p < grids.size(); ++p) out.parts[p].grid = std::move(grids[p]);
+  addSkinSockets(skin, space, divided.tree, seats.parts, out.parts);
   report(1);
   return out;
 }

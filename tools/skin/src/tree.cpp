@@ -140,6 +140,12 @@ PartTree hangParts(const SkinSamples& samples, const SourceSkin& skin, const Ski
   sortParts(labels, tree.parents);
   const std::vector<double> areas = areasOf(samples, labels);
   const std::vector<std::uint32_t> main = mainParts(areas, labels, skin.joints.size());
+  for (std::size_t joint = 0; joint < skin.joints.size(); ++joint) {
+    int above = static_cast<int>(joint);
+    while (above >= 0 && main[static_cast<std::size_t>(above)] == kNobody)
+      above = skin.joints[static_cast<std::size_t>(above)].parent;
+    tree.carriers.push_back(above < 0 ? 0 : main[static_cast<std::size_t>(above)]);
+  }
   std::map<std::pair<std::uint32_t, std::uint32_t>, glm::dvec3> middles;
   for (const Seam& seam : findSeams(samples, labels)) middles[{seam.a, seam.b}] = seam.middle;
   std::vector<glm::dvec3> centres(labels.joints.size(), glm::dvec3(0));

@@ -103,7 +103,10 @@ class GltfImporter {
     const std::size_t notices = out_.notices.size();
     const std::set<std::string> said = model_.said;
     for (const bool again : {false, true}) {
-      GltfSkins skins(model_);
+      std::vector<int> sockets;
+      for (const int node : model_.order)
+        if (isSocket(model_, node)) sockets.push_back(node);
+      GltfSkins skins(model_, socketNames(model_, sockets, stemOf(files_)));
       SoupBuilder builder;
       std::vector<int> members;
       for (const int node : model_.order) {

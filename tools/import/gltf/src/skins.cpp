@@ -107,7 +107,8 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
   return matrices;
 }
 
-GltfSkins::GltfSkins(const GltfModel& model) : model_(model) {
+GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, std::string>>& sockets)
+    : model_(model) {
   const auto hasJoints = [&](int node) {
     const int skin = model.node(node).skin;
     return skin >= 0 && !model.data.skins[static_cast<std::size_t>(skin)].joints.empty();
@@ -115,7 +116,16 @@ GltfSkins::GltfSkins(const GltfModel& model) : model_(model) {
   for (const int node : model.order)
     if (model.node(node).mesh >= 0 && hasJoints(node)) addSkinned(node);
   for (const int node : model.order)
-    if (model.node(node).mesh >= 0 && !hasJoints(node)) addRigid(node);
+    if (model.node(node).mesh >= 0 && !hasJoints(node)) meshes_[node] = rigid(node);
+  for (const auto& [node, name] : sockets) {
+    const Mesh socket = rigid(node);
+    if (!isRegular(socket.place)) {
+      model.note(model.nodeName(node) + ": no socket is made of it: its place or scale is beyond sense");
+      continue;
+    }
+    sockets_.push_back(socket);
+    skin_.sockets.push_back({name, 0, sockets_.back().place});
+  }
   sortJoints();
 }
 
@@ -157,7 +167,8 @@ void GltfSkins::addSkinned(int node) {
   meshes_[node] = mesh;
 }
 
-void GltfSkins::addRigid(int node) {
+// A mesh without a skin, or an empty.
+GltfSkins::Mesh GltfSkins::rigid(int node) {
   // What a joint above does to its children between rest and bind pose, it does to the mesh.
   glm::dmat4 bind(1);
   for (int at = node; at >= 0; at = parentOf(at)) {
@@ -169,9 +180,10 @@ void GltfSkins::addRigid(int node) {
   }
   int mover = node;  // the mesh itself, or, of a flat one, the nearest above that has a motion
   while (mover >= 0 && !isRegular(worldOf(mover))) mover = parentOf(mover);
-  Mesh& mesh = meshes_[node];
+  Mesh mesh;
   mesh.place = bind * worldOf(node);
   mesh.joints.push_back(jointOf(mover, mover < 0 ? glm::dmat4(1) : glm::inverse(bind * worldOf(mover))));
+  return mesh;
 }
 
 // Sorts the joints, parents first.
@@ -200,6 +212,7 @@ void GltfSkins::sortJoints() {
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) of_node_.emplace(nodes_[i], i);
   for (auto& [node, mesh] : meshes_)
     for (std::uint32_t& joint : mesh.joints) joint = place[joint];
+  for (std::size_t i = 0; i < sockets_.size(); ++i) skin_.sockets[i].joint = place[sockets_[i].joints[0]];
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     // Outside of the scene, nodes may be below themselves.
     std::size_t steps = 0;
@@ -262,6 +275,7 @@ SourceSkin GltfSkins::take(const glm::dmat4& space, const std::vector<GltfAnimat
   for (const std::string& name : names) addClip(name, by_name[name], animations, reaches);
   if (space == glm::dmat4(1)) return std::move(skin_);
   const glm::dmat4 back = glm::inverse(space);
+  for (SourceSkin::Socket& socket : skin_.sockets) socket.place = back * socket.place;
   for (SourceSkin::Joint& joint : skin_.joints) joint.origin = glm::dvec3(back * glm::dvec4(joint.origin, 1));
   for (SourceSkin::Clip& clip : skin_.clips)
     for (glm::dmat4x3& motion : clip.motions) motion = glm::dmat4x3(back * glm::dmat4(motion) * space);

@@ -21,8 +21,8 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int skin);
 
 class GltfSkins {
  public:
-  // ToolError for a skin that is damaged.
-  explicit GltfSkins(const GltfModel& model);
+  // `sockets`: empties of the scene with their names. ToolError for a skin that is damaged.
+  GltfSkins(const GltfModel& model, const std::vector<std::pair<int, std::string>>& sockets);
 
   // World <- mesh, in the bind pose. A mesh without a skin stands to the nearest joint above it as it does at
   // rest.
@@ -48,7 +48,7 @@ class GltfSkins {
   const glm::dmat4& worldOf(int node) const { return model_.world[static_cast<std::size_t>(node)]; }
   std::uint32_t jointOf(int node, const glm::dmat4& from_world);
   void addSkinned(int node);
-  void addRigid(int node);
+  Mesh rigid(int node);
   void sortJoints();
   void endVertex();
   void addClip(const std::string& name, const std::vector<std::size_t>& members,
@@ -57,6 +57,7 @@ class GltfSkins {
   const GltfModel& model_;
   std::map<int, Mesh> meshes_;  // by node
   std::map<int, Mesh> skins_;   // by skin
+  std::vector<Mesh> sockets_;   // of skin_.sockets
   SourceSkin skin_;
   std::vector<int> nodes_;              // of each joint; -1: stands still
   std::vector<glm::dmat4> from_world_;  // of each joint: its node's space <- the world in the bind pose

@@ -71,6 +71,33 @@ bool isSocket(const GltfModel& model, int node) {
   return source.mesh < 0 && !nameOf(source.name).empty();
 }
 
+std::vector<std::pair<int, std::string>> socketNames(const GltfModel& model, const std::vector<int>& nodes,
+                                                     const std::string& part) {
+  // Names as they are come first, so that "hand" is no copy of "hand.001".
+  std::vector<int> order = nodes;
+  std::stable_partition(order.begin(), order.end(), [&](int node) {
+    const std::string name = nameOf(model.node(node).name);
+    return withoutCopyNumber(name) == name;
+  });
+  std::vector<std::pair<int, std::string>> names;
+  std::set<std::string> taken;
+  for (const int node : order) {
+    const std::string full = nameOf(model.node(node).name);
+    const std::string name = taken.count(withoutCopyNumber(full)) ? full : withoutCopyNumber(full);
+    if (names.size() == kMaxSockets) {
+      model.note(
+          fmt::format("part '{}' has more than {} sockets: the others are left out", part, kMaxSockets));
+      break;
+    }
+    if (taken.insert(name).second)
+      names.emplace_back(node, name);
+    else
+      model.note(fmt::format("{}: part '{}' has a socket '{}' already; rename one", model.nodeName(node),
+                             part, name));
+  }
+  return names;
+}
+
 void addSockets(const GltfModel& model, const std::vector<int>& nodes, const glm::dmat4& space,
                 SourcePart& part) {
   if (nodes.empty()) return;
@@ -82,16 +109,8 @@ void addSockets(const GltfModel& model, const std::vector<int>& nodes, const glm
   const glm::dmat3 to_rig(axisRotation(part.rig.axis.value_or(Axis::kPlusY)));
   const RigBox box(part.soup, to_rig);
   const double length = box.high.y - box.low.y;
-  // Names as they are come first, so that "hand" is no copy of "hand.001".
-  std::vector<int> order = nodes;
-  std::stable_partition(order.begin(), order.end(), [&](int node) {
-    const std::string name = nameOf(model.node(node).name);
-    return withoutCopyNumber(name) == name;
-  });
-  std::set<std::string> taken;
-  for (const int node : order) {
-    const std::string full = nameOf(model.node(node).name), place = model.nodeName(node);
-    const std::string name = taken.count(withoutCopyNumber(full)) ? full : withoutCopyNumber(full);
+  for (const auto& [node, name] : socketNames(model, nodes, part.name)) {
+    const std::string place = model.nodeName(node);
     const glm::dmat4 seat = glm::inverse(space) * model.world[static_cast<std::size_t>(node)];
     const glm::dvec3 at = to_rig * glm::dvec3(seat[3]);
     const glm::dvec3 offset = (at - (box.low + box.high) / 2.0) / length;
@@ -101,15 +120,6 @@ void addSockets(const GltfModel& model, const std::vector<int>& nodes, const glm
         !(glm::length(glm::dvec3(offset.x, along, offset.z)) < kFarthest)) {
       model.note(place + ": no socket is made of it: " +
                  (length > 0 ? "its place or scale is beyond sense" : "the part is flat along its spline"));
-      continue;
-    }
-    if (part.rig.sockets.size() == kMaxSockets) {
-      model.note(
-          fmt::format("part '{}' has more than {} sockets: the others are left out", part.name, kMaxSockets));
-      return;
-    }
-    if (!taken.insert(name).second) {
-      model.note(fmt::format("{}: part '{}' has a socket '{}' already; rename one", place, part.name, name));
       continue;
     }
     if (const double beyond = std::max(-along, along - 1); beyond > kBeyondEnd)

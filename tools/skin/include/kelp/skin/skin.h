@@ -34,9 +34,16 @@ struct SkinFit {
   std::string joint;        // that moves the surface most where the distance is greatest
 };
 
+// How far a socket's part takes it from where its joint does, in voxels, in the clip in which that is most.
+struct SocketFit {
+  std::string socket, part, clip;
+  double most = 0;
+};
+
 struct SkinParts {
-  std::vector<SkinPart> parts;  // at least one
-  std::vector<SkinFit> fits;    // of each clip
+  std::vector<SkinPart> parts;     // at least one
+  std::vector<SkinFit> fits;       // of each clip
+  std::vector<SocketFit> sockets;  // of each of the skin's
 };
 
 // Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin. Every

@@ -94,7 +94,14 @@ struct SourceSkin {
     std::vector<float> times;           // strictly ascending, the first 0; motions are linear between them
     std::vector<glm::dmat4x3> motions;  // for each time, for each joint: posed <- bind pose
   };
+  // A named place that follows a joint.
+  struct Socket {
+    std::string name;
+    std::uint32_t joint = 0;
+    glm::dmat4 place{1};  // its axes and origin in the bind pose, in the soup's space
+  };
   std::vector<Joint> joints;
+  std::vector<Socket> sockets;
   std::vector<std::uint32_t> first_influence;  // of each vertex, and the end
   std::vector<Influence> influences;
   std::vector<Clip> clips;
