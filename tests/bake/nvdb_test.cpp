@@ -106,8 +106,8 @@ TEST(Nvdb, HostileFilesAreRefused) {
   const Scratch scratch;
   const auto vdb = scratch.folder() / "a.vdb", nvdb = scratch.folder() / "a.nvdb";
   std::mt19937 random(7);
-  const std::size_t cuts = kelp::test::allTests() ? 30 : 10;
-  const int flips = kelp::test::allTests() ? 80 : 24;
+  const std::size_t cuts = kelp::test::allTests() ? 30 : 6;
+  const int flips = kelp::test::allTests() ? 80 : 12;
   for (const NvdbSum sum : {NvdbSum::kNone, NvdbSum::kHead, NvdbSum::kAll})
     for (const NvdbCodec codec : {NvdbCodec::kNone, NvdbCodec::kZip, NvdbCodec::kBlosc}) {
       writeVdb(vdb, {ball("float", "level set")});

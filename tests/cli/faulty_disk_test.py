@@ -20,7 +20,7 @@ KINDS = {"open": errno.EACCES, "read": errno.EIO, "write": errno.ENOSPC, "fsync"
          "close": errno.ENOSPC, "rename": errno.EIO}
 OLD = b"the old one"
 # Calls of a kind that are tried, spread over all there are.
-AT_MOST = 24 if os.environ.get("KELP_ALL_TESTS") else 8
+AT_MOST = 24 if os.environ.get("KELP_ALL_TESTS") else 5
 
 CUBE = "".join("v %d %d %d\n" % (i & 1, i >> 1 & 1, i >> 2) for i in range(8)) + "".join(
     "f " + " ".join(str(i + 1) for i in quad) + "\n"

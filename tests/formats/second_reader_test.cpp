@@ -174,7 +174,7 @@ TEST(SecondReader, SeesEveryChangedByte) {
 TEST(SecondReader, RefusesTheSameLies) {
   std::mt19937 random(9);
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
-  const int lies = test::allTests() ? 60 : test::shareOf(24);  // of each pack
+  const int lies = test::allTests() ? 60 : test::shareOf(12);  // of each pack
   int refused = 0, accepted = 0;
   for (const RawPack& pack : {test::makeTinyPack(), test::makeTinyFogPack(), test::makeTinyDistancePack()}) {
     const test::PackSurgeon sound(test::writeToMemory(pack));
