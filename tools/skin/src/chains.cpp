@@ -15,11 +15,11 @@ namespace {
 
 constexpr double kLeastSurface = 1;    // square units: joints that move less do not count
 constexpr double kLeastShared = 0.03;  // of the smaller one's weight, between a joint and its child
-constexpr double kLeastBone = 2;       // units
+constexpr double kLeastBone = 2;       // units: joints that are nearer make one bone
 constexpr std::size_t kMostKnots = 24;
 constexpr double kMoreKnotsGain = 0.9;  // more knots are taken if they lower the cost to this share
 constexpr double kFartherOff = 1.5, kNearEnough = 0.3;  // square units
-constexpr int kMostDropped = 3;                         // joints at the end of a chain
+constexpr int kMostTries = 4;  // with a chain, each with fewer joints
 constexpr double kMostTurn = 0.26;                      // the cosine of 75 degrees, in the bind pose
 
 // How much surface each joint moves, and shares with the joint above that moves some.
@@ -168,35 +168,40 @@ std::vector<std::vector<std::uint32_t>> findChains(const SkinSamples& samples, c
     ++children[above];
     below[above] = static_cast<int>(j);
   }
-  const auto bone = [&](std::size_t j) {
-    const glm::dvec3 from = skin.joints[static_cast<std::size_t>(weights.above[j])].origin;
-    return glm::dmat3(space.from_soup) * (skin.joints[j].origin - from);
-  };
   // Whether the joint goes on the chain of the joint above.
   const auto linked = [&](std::size_t j) {
     if (weights.own[j] < kLeastSurface || weights.above[j] < 0) return false;
     const auto above = static_cast<std::size_t>(weights.above[j]);
-    return children[above] == 1 && glm::length(bone(j)) >= kLeastBone &&
+    return children[above] == 1 &&
            weights.shared[j] >= kLeastShared * std::min(weights.own[j], weights.own[above]);
+  };
+  const auto origin = [&](std::size_t j) {
+    return glm::dvec3(space.from_soup * glm::dvec4(skin.joints[j].origin, 1));
   };
   std::vector<std::vector<std::uint32_t>> chains;
   for (std::size_t j = 0; j < count; ++j) {
     if (weights.own[j] < kLeastSurface || linked(j)) continue;
     std::vector<std::uint32_t> chain{static_cast<std::uint32_t>(j)};
+    // Bones go between joints that are far enough apart; `corner` is where in the chain the last one ends.
+    std::size_t corner = 0;
+    glm::dvec3 direction(0);
     const auto end = [&] {
-      if (chain.size() > 1) chains.push_back(chain);
+      if (direction != glm::dvec3(0)) chains.push_back(chain);
     };
     for (std::size_t at = j; children[at] == 1 && linked(static_cast<std::size_t>(below[at]));) {
-      const auto next = static_cast<std::size_t>(below[at]);
-      const bool sharp =
-          chain.size() > 1 && glm::dot(glm::normalize(bone(at)), glm::normalize(bone(next))) < kMostTurn;
-      if (sharp) {
-        chain.pop_back();
-        end();
-        chain = {static_cast<std::uint32_t>(at)};
+      at = static_cast<std::size_t>(below[at]);
+      chain.push_back(static_cast<std::uint32_t>(at));
+      const glm::dvec3 bone = origin(at) - origin(chain[corner]);
+      if (glm::length(bone) < kLeastBone) continue;
+      if (direction != glm::dvec3(0) && glm::dot(direction, glm::normalize(bone)) < kMostTurn) {
+        const std::vector<std::uint32_t> rest(chain.begin() + static_cast<std::ptrdiff_t>(corner),
+                                              chain.end());
+        chain.resize(corner);
+        if (chain.size() > 1) end();
+        chain = rest;
       }
-      chain.push_back(static_cast<std::uint32_t>(next));
-      at = next;
+      direction = glm::normalize(bone);
+      corner = chain.size() - 1;
     }
     end();
   }
@@ -209,9 +214,11 @@ void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinM
   if (moments.size() == 0) return;
   // Where the end of a chain does not bend with it, as a foot on a leg, the rest may.
   for (std::vector<std::uint32_t>& chain : findChains(samples, skin, space))
-    for (int dropped = 0; dropped <= kMostDropped && chain.size() > 1; ++dropped, chain.pop_back())
+    for (int tries = 0; tries < kMostTries && chain.size() > 1; ++tries) {
       if (!stiff.contains(chain.front()) && sweepChain(samples, skin, moments, space, threads, chain, labels))
         break;
+      chain.resize(chain.size() - std::max<std::size_t>(1, chain.size() / 4));
+    }
 }
 
 }  // namespace kelp::bake

@@ -10,8 +10,9 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kEnds = 4;    // units that the part goes on beyond its samples, for shared voxels
-constexpr double kBeside = 1;  // voxels beside the samples
+constexpr double kEnds = 4;        // units that the part goes on beyond its samples, for shared voxels
+constexpr double kNearJoints = 2;  // units: the line passes by joints that are nearer to the one before
+constexpr double kBeside = 1;      // voxels beside the samples
 
 // A line through joints; it goes on beyond both ends.
 class Polyline {
@@ -190,8 +191,11 @@ glm::vec3 SkinSweep::straightened(const glm::dvec3& at) const {
 std::optional<SkinSweep> makeSweep(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
                                    const std::vector<std::uint32_t>& members, const SkinChain& chain) {
   std::vector<glm::dvec3> points;
-  for (const std::uint32_t joint : chain.joints)
-    points.emplace_back(space.from_soup * glm::dvec4(skin.joints[joint].origin, 1));
+  for (const std::uint32_t joint : chain.joints) {
+    const glm::dvec3 at(space.from_soup * glm::dvec4(skin.joints[joint].origin, 1));
+    if (points.empty() || glm::distance(points.back(), at) >= kNearJoints) points.push_back(at);
+  }
+  if (points.size() < 2) return std::nullopt;
   const Polyline line(points);
   std::vector<double> lengths;
   double low = std::numeric_limits<double>::infinity(), high = -low;
