@@ -19,7 +19,7 @@ constexpr double kLeastBone = 2;       // units: joints that are nearer make one
 constexpr std::size_t kMostKnots = 24;
 constexpr double kMoreKnotsGain = 0.9;  // more knots are taken if they lower the cost to this share
 constexpr double kFartherOff = 1.5, kNearEnough = 0.3;  // square units
-constexpr int kMostTries = 4;  // with a chain, each with fewer joints
+constexpr int kMostTries = 4;                           // with a chain, each with fewer joints
 constexpr double kMostTurn = 0.26;                      // the cosine of 75 degrees, in the bind pose
 
 // How much surface each joint moves, and shares with the joint above that moves some.
