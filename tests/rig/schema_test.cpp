@@ -38,7 +38,7 @@ TEST(RigSchema, AcceptsTheExamplesOfTheReadme) {
     for (const RawClip& clip : realizeClips(rig, 0)) EXPECT_NO_THROW(proveClip(clip, 0, rest, {64, 128, 64}));
     ++examples;
   }
-  EXPECT_EQ(examples, 6);
+  EXPECT_EQ(examples, 7);
 }
 
 TEST(RigSchema, AgreesWithTheParser) {
@@ -64,6 +64,17 @@ TEST(RigSchema, AgreesWithTheParser) {
       R"({"kelp": 1, "bend": "sweep", "roll": 181})",
       R"({"kelp": 1, "bend": "shear", "roll": 1})",
       R"({"kelp": 1, "roll": 1})",
+      R"({"kelp": 1, "skin": {}})",
+      R"({"kelp": 1, "skin": {"parts": []}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": []}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": [""]}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"], "pieces": 0}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"], "pieces": 257}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"], "knots": 5}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a", "b"], "knots": 2}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a", "b"], "knots": 5, "pieces": 1}]}})",
+      R"({"kelp": 1, "skin": {"parts": [{"joints": ["a"]}]}, "clips": {}})",
+      R"({"kelp": 1, "bend": "sweep", "skin": {"parts": [{"joints": ["a"]}]}})",
       R"({"kelp": 1, "clips": {"": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "tangent": [0, 0, 0], "period": 1}]}}})",
       R"({"kelp": 1, "clips": {"c": {"waves": [{"knot": 1, "offset": [0, 0, 0], "period": 0}]}}})",

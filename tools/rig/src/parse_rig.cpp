@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp.
+// JSON text -> RigDescription: knots and clips; sockets in parse_sockets.cpp, skins in parse_skin.cpp.
 #include <array>
 #include <cmath>
 #include <set>
@@ -221,8 +221,8 @@ void readBend(const Place& place, RigDescription& rig) {
 }
 
 RigDescription readRig(const Place& place) {
-  static constexpr std::array<std::string_view, 8> kKeys{"kelp",    "axis",      "knots", "clips",
-                                                         "sockets", "parent_at", "bend",  "roll"};
+  static constexpr std::array<std::string_view, 9> kKeys{"kelp",      "axis", "knots", "clips", "sockets",
+                                                         "parent_at", "bend", "roll",  "skin"};
   requireObject(place, kKeys);
   const Place version =
       required(place, "kelp", "a rig begins with \"kelp\": 1, the version of the rig language");
@@ -230,6 +230,15 @@ RigDescription readRig(const Place& place) {
     fail(version, "this tool reads version " + std::to_string(kLanguageVersion) +
                       " of the rig language; write \"kelp\": 1, or update kelp if the rig is newer");
   RigDescription rig;
+  if (place.has("skin")) {
+    for (const auto& member : place.json.items())
+      if (member.key() != "kelp" && member.key() != "skin")
+        fail(place.at(member.key()),
+             "a rig with \"skin\" has no '" + member.key() +
+                 "': the file's joints and animations move its parts; take one of the two out");
+    readSkin(place.at("skin"), rig);
+    return rig;
+  }
   if (place.has("axis")) {
     const Place axis = place.at("axis");
     if (axis.json.is_string()) rig.axis = parseAxis(axis.json.get_ref<const std::string&>());

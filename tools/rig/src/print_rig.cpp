@@ -134,6 +134,15 @@ std::string socketText(const RigDescription::Socket& socket) {
   return line + "}";
 }
 
+std::string groupLine(const RigDescription::SkinGroup& group) {
+  std::string line;
+  for (const std::string& joint : group.joints) line += (line.empty() ? "" : ", ") + inQuotes(joint);
+  line = "{\"joints\": [" + line + "]";
+  if (group.knots > 0) line += ", \"knots\": " + std::to_string(group.knots);
+  if (group.pieces != 1) line += ", \"pieces\": " + std::to_string(group.pieces);
+  return line + "}";
+}
+
 }  // namespace
 
 std::string printRig(const RigDescription& rig) {
@@ -157,6 +166,11 @@ std::string printRig(const RigDescription& rig) {
   if (rig.parent_at != Part::kNotOnSpline) members.push_back("\"parent_at\": " + number(rig.parent_at));
   if (rig.bend) members.push_back(std::string("\"bend\": \"") + toString(*rig.bend) + "\"");
   if (rig.roll != 0) members.push_back("\"roll\": " + degrees(rig.roll));
+  if (!rig.skin.empty()) {
+    std::vector<std::string> lines;
+    for (const auto& group : rig.skin) lines.push_back(groupLine(group));
+    members.push_back("\"skin\": {\"parts\": [" + join(lines, "    ") + "]}");
+  }
   return "{" + join(members, "  ") + "}\n";
 }
 

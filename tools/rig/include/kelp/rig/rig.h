@@ -75,6 +75,14 @@ struct RigDescription {
     bool operator==(const Socket&) const = default;
   };
 
+  // A part of a file's own skin, or several: the surface that these joints move (README.md, "Skins").
+  struct SkinGroup {
+    std::vector<std::string> joints;  // at least one; of a swept part at least two
+    int knots = 0;                    // at least kMinSkinKnots: one part, swept along the joints; 0: rigid
+    int pieces = 1;                   // rigid parts that the surface is cut into; 1 if swept
+    bool operator==(const SkinGroup&) const = default;
+  };
+
   std::optional<Axis> axis;  // in the node's (or file's) own axes; +y if absent
   std::vector<Knot> knots;   // empty: two, at 0 and 1
   std::vector<Clip> clips;
@@ -82,9 +90,13 @@ struct RigDescription {
   float parent_at = Part::kNotOnSpline;  // place on the parent part's spline, as Part::parent_at
   std::optional<Bend> bend;              // kDefaultBend if absent
   float roll = 0;                        // as Part::roll; 0 unless `bend` is kSweep
+  // Not empty: the rig divides a skin, whose parts move by the file's animations; then it says nothing else.
+  std::vector<SkinGroup> skin;
   bool operator==(const RigDescription&) const = default;
 };
 inline constexpr std::size_t kMaxSockets = 1024;
+inline constexpr int kMinSkinKnots = 3, kMaxSkinKnots = 24;
+inline constexpr int kMaxSkinPieces = 256, kMaxSkinParts = 1024;  // of one group; of all
 // How a part bends whose rig does not say.
 inline constexpr Bend kDefaultBend = Bend::kShear;
 std::optional<Bend> parseBend(std::string_view text);  // "shear", "sweep"
