@@ -357,7 +357,11 @@ RawPack bake(const std::filesystem::path& input, const Settings& settings, Repor
   importModel(job);
   frameParts(job);
   const bool skinned = job.model.parts.front().skin.has_value();
-  if (!skinned) rigParts(job.model, input, job.pack, report);  // reports faults before the long work
+  // Faults are reported before the long work.
+  if (skinned)
+    requirePlan(job.model.parts.front(), input);
+  else
+    rigParts(job.model, input, job.pack, report);
   clock.begin("voxelize");
   voxelizeParts(job);
   std::string skin_info;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -69,11 +70,21 @@ void reportParts(const std::vector<SourcePart>& parts, Report& report) {
 
 }  // namespace
 
+void requirePlan(const SourcePart& part, const std::filesystem::path& input) {
+  try {
+    if (!part.rig.skin.empty()) checkSkinRig(part);
+  } catch (const RigError& error) {
+    throw ToolError(Exit::kInvalid,
+                    fmt::format("{} ({}): {}", partPlace(input, part), part.rig_origin, error.what()));
+  }
+}
+
 DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,
                               const Progress& progress, Report& report) {
   const SourcePart whole = std::move(model.parts.front());
   SkinParts divided = divideSkin(model, whole, frame, *whole.grid, threads, progress);
   DividedSkin out{std::move(divided.fits), std::move(divided.sockets), infoOf(divided.parts)};
+  std::ranges::move(divided.notices, std::back_inserter(report.notices));
   model.parts.clear();
   for (SkinPart& its : divided.parts) {
     SourcePart& part = model.parts.emplace_back();

@@ -2,6 +2,7 @@
 // A part that bends by joints becomes rigid parts that move.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct DividedSkin {
   std::vector<SocketFit> sockets;  // and their sockets
   std::string info;                // JSON: what a pack says of its parts, INFO's "skin"
 };
+
+// ToolError kInvalid if the rig asks for parts that the skin cannot have.
+void requirePlan(const SourcePart& part, const std::filesystem::path& input);
 
 // Replaces the model's first part, whose voxels are made, and its line of the report.
 DividedSkin divideSkinnedPart(SourceModel& model, const Frame& frame, int pad, int threads,

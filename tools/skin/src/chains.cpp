@@ -105,23 +105,6 @@ std::optional<double> sweptCost(const SkinSamples& samples, const SkinMoments& m
   return area * sum / static_cast<double>(moments.size());
 }
 
-// The parts inside become one, which is swept.
-void joinParts(const std::vector<bool>& inside, const SkinChain& chain, SkinLabels& labels) {
-  SkinLabels joined;
-  joined.parts = labels.parts;
-  std::vector<std::uint32_t> place(inside.size());
-  std::optional<std::uint32_t> swept;
-  for (std::uint32_t p = 0; p < inside.size(); ++p) {
-    place[p] = inside[p] && swept ? *swept : static_cast<std::uint32_t>(joined.joints.size());
-    if (inside[p] && swept) continue;
-    joined.joints.push_back(inside[p] ? chain.joints.front() : labels.joints[p]);
-    joined.chains.push_back(inside[p] ? chain : labels.chains[p]);
-    if (inside[p]) swept = place[p];
-  }
-  for (std::uint32_t& part : joined.parts) part = place[part];
-  labels = std::move(joined);
-}
-
 // The best swept part along the joints, in place of rigid ones; none if these are better.
 bool sweepChain(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                 const SkinSpace& space, int threads, const std::vector<std::uint32_t>& joints,
@@ -208,9 +191,24 @@ std::vector<std::vector<std::uint32_t>> findChains(const SkinSamples& samples, c
   return chains;
 }
 
+void joinParts(const std::vector<bool>& inside, const SkinChain& chain, SkinLabels& labels) {
+  SkinLabels joined;
+  joined.parts = labels.parts;
+  std::vector<std::uint32_t> place(inside.size());
+  std::optional<std::uint32_t> swept;
+  for (std::uint32_t p = 0; p < inside.size(); ++p) {
+    place[p] = inside[p] && swept ? *swept : static_cast<std::uint32_t>(joined.joints.size());
+    if (inside[p] && swept) continue;
+    joined.joints.push_back(inside[p] ? chain.joints.front() : labels.joints[p]);
+    joined.chains.push_back(inside[p] ? chain : labels.chains[p]);
+    if (inside[p]) swept = place[p];
+  }
+  for (std::uint32_t& part : joined.parts) part = place[part];
+  labels = std::move(joined);
+}
+
 void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
-                 const SkinSpace& space, int threads, const std::set<std::uint32_t>& stiff,
-                 SkinLabels& labels) {
+                 const SkinSpace& space, int threads, const StiffChains& stiff, SkinLabels& labels) {
   if (moments.size() == 0) return;
   // Where the end of a chain does not bend with it, as a foot on a leg, the rest may.
   for (std::vector<std::uint32_t>& chain : findChains(samples, skin, space))

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <vector>
 
 #include "decompose.h"
+#include "plan.h"
 
 namespace kelp::bake {
 
@@ -18,7 +18,9 @@ std::vector<std::vector<std::uint32_t>> findChains(const SkinSamples& samples, c
 // Makes one part of the parts along a chain where a swept part follows the surface better than they do; their
 // seams count too. Chains that begin with a joint in `stiff` stay as they are.
 void sweepChains(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
-                 const SkinSpace& space, int threads, const std::set<std::uint32_t>& stiff,
-                 SkinLabels& labels);
+                 const SkinSpace& space, int threads, const StiffChains& stiff, SkinLabels& labels);
+
+// The parts inside become one, which is swept.
+void joinParts(const std::vector<bool>& inside, const SkinChain& chain, SkinLabels& labels);
 
 }  // namespace kelp::bake

@@ -11,12 +11,13 @@
 
 namespace kelp::bake {
 
-// Joints, each below the one before, along which a part is swept. None: it is rigid.
+// The joints that a part is for, where that is not the one in SkinLabels::joints alone. A part that has knots
+// is swept along them; then each is below the one before.
 struct SkinChain {
   std::vector<std::uint32_t> joints;
-  std::size_t knots = 0;  // at least 3
+  std::size_t knots = 0;  // at least 3, or 0
 
-  bool swept() const { return !joints.empty(); }
+  bool swept() const { return knots > 0; }
 };
 
 // A partition of the samples. Every part has at least one.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kelp/common/parallel.h"
+#include "plan.h"
 
 namespace kelp::bake {
 namespace {
@@ -31,10 +32,12 @@ std::vector<std::vector<std::uint32_t>> SkinLabels::members() const {
   return lists;
 }
 
-Partition::Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads)
+Partition::Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads,
+                     const SkinPlan* plan)
     : samples_(samples),
       moments_(moments),
       threads_(threads),
+      plan_(plan),
       labels_(std::move(labels)),
       constants_(constantCosts(samples, moments, threads)) {
   removeEmpty();
@@ -67,7 +70,8 @@ void Partition::fit() {
   });
 }
 
-// A sample may go to the parts of the joints that move it, and to neighbours of its own part.
+// A sample may go to the parts of the joints that move it, and, unless a plan says whose it is, to neighbours
+// of its own part.
 void Partition::findCandidates() {
   const std::size_t count = parts_.size();
   std::vector<bool> adjacent(count * count, false);
@@ -86,11 +90,15 @@ void Partition::findCandidates() {
   std::vector<std::uint32_t> list;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const std::uint32_t own = labels_.parts[i];
-    list = near[own];
+    // What a joint moves that no entry of the plan names may go to any neighbour.
+    if (!plan_ || !plan_->named[samples_.heaviestJoint(i)])
+      list = near[own];
+    else
+      list.clear();
     for (std::size_t k = samples_.first_weighted[i]; k < samples_.first_weighted[i + 1]; ++k) {
       const SkinSamples::Weighted& w = samples_.weighted[k];
       if (w.x.w < kLeastWeight) continue;
-      for (const std::uint32_t part : of_joint[w.joint])
+      for (const std::uint32_t part : of_joint[plan_ ? plan_->lead[w.joint] : w.joint])
         if (part != own) list.push_back(part);
     }
     std::sort(list.begin(), list.end());

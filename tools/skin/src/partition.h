@@ -15,9 +15,13 @@ namespace kelp::bake {
 // What a unit of a seam's length costs; as much as a unit of area at a distance of 1.
 inline constexpr double kSeamPrice = 1;
 
+struct SkinPlan;
+
 class Partition {
  public:
-  Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads);
+  // With a plan, samples only go to parts whose group moves them.
+  Partition(const SkinSamples& samples, const SkinMoments& moments, SkinLabels labels, int threads,
+            const SkinPlan* plan = nullptr);
 
   // Rounds of fitting and labelling, as long as the energy falls: the sum of areas times costs, and the
   // length of the seams. Parts that lose all samples are removed.
@@ -72,6 +76,7 @@ class Partition {
   const SkinSamples& samples_;
   const SkinMoments& moments_;
   int threads_;
+  const SkinPlan* plan_;
   SkinLabels labels_;
   std::vector<PartState> parts_;
   std::vector<double> constants_;

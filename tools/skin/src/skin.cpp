@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "chains.h"
@@ -13,6 +12,7 @@
 #include "kelp/common/parallel.h"
 #include "keys.h"
 #include "measure.h"
+#include "plan.h"
 #include "share.h"
 #include "skin_sockets.h"
 #include "straight_grid.h"
@@ -43,11 +43,14 @@ struct Divided {
   std::vector<std::vector<RigDescription::Clip>> clips;  // [clip][part]
 };
 
-// Chains that begin with a joint in `stiff` are not swept.
+// Chains that begin with a joint in `stiff` are not swept. `plan` may be null.
 Divided divideAsLabelled(const SkinSamples& samples, const SourceSkin& skin, const SkinMoments& moments,
                          const SkinSpace& space, const VoxelGrid& whole, int threads, SkinLabels labels,
-                         const std::set<std::uint32_t>& stiff) {
-  sweepChains(samples, skin, moments, space, threads, stiff, labels);
+                         const SkinPlan* plan, StiffChains& stiff) {
+  if (plan)
+    sweepAsPlanned(samples, skin, moments, space, *plan, threads, stiff, labels);
+  else
+    sweepChains(samples, skin, moments, space, threads, stiff, labels);
   VoxelOwners owners = shareVoxels(samples, space, labels, whole, threads);
   const double scale = std::min(1.0, space.voxels);
   const auto least = static_cast<std::uint64_t>(static_cast<double>(kLeastVoxels) * scale * scale);
@@ -80,15 +83,16 @@ RigDescription rigOf(const Divided& divided, std::size_t part) {
   return rig;
 }
 
-std::vector<std::string> jointsOf(const SkinLabels& labels, std::size_t part, const SourceSkin& skin) {
-  if (!labels.chains[part].swept()) return {skin.joints[labels.joints[part]].name};
-  std::vector<std::string> names;
-  for (const std::uint32_t joint : labels.chains[part].joints) names.push_back(skin.joints[joint].name);
-  return names;
+std::vector<std::string> jointsOf(const SkinLabels& labels, std::size_t part,
+                                  const std::vector<std::string>& names) {
+  if (labels.chains[part].joints.empty()) return {names[labels.joints[part]]};
+  std::vector<std::string> its;
+  for (const std::uint32_t joint : labels.chains[part].joints) its.push_back(names[joint]);
+  return its;
 }
 
 // Whether a swept part folds within a clip; its chain is added to those that are not swept.
-bool foldsSomewhere(const Divided& divided, std::set<std::uint32_t>& stiff) {
+bool foldsSomewhere(const Divided& divided, StiffChains& stiff) {
   bool folds = false;
   for (std::size_t p = 0; p < divided.tree.sweeps.size(); ++p) {
     if (!divided.tree.sweeps[p]) continue;
@@ -98,8 +102,8 @@ bool foldsSomewhere(const Divided& divided, std::set<std::uint32_t>& stiff) {
       const glm::ivec3& size = divided.tree.sweeps[p]->size;
       checkRest(rest, size);
       for (const RawClip& clip : realizeClips(rig, 0)) proveClip(clip, 0, rest, size);
-    } catch (const RigError&) {
-      stiff.insert(divided.labels.joints[p]);
+    } catch (const RigError& error) {
+      stiff.emplace(divided.labels.joints[p], error.what());
       folds = true;
     }
   }
@@ -114,6 +118,8 @@ double skinBytes(double voxels, std::size_t joints) {
   return voxels * kOfVoxel + kOfSamples + static_cast<double>(joints) * kOfJoint;
 }
 
+void checkSkinRig(const SourcePart& part) { (void)planOf(*part.skin, part.rig.skin); }
+
 SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Frame& frame,
                      const VoxelGrid& whole, int threads, const Progress& progress) {
   const TriangleSoup& soup = part.soup;
@@ -126,16 +132,21 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
   const SkinSamples samples = makeSkinSamples(soup, skin, space);
   const SkinMoments moments = judgedMoments(skin, samples, space, threads);
   report(0.05);
-  const SkinLabels rigid =
-      decompose(samples, moments, threads, [&](double done) { report(0.05 + 0.5 * done); });
+  std::optional<SkinPlan> plan;
+  if (!part.rig.skin.empty()) plan = planOf(skin, part.rig.skin);
+  const auto step = [&](double done) { report(0.05 + 0.5 * done); };
+  const SkinLabels rigid = plan ? decomposeAsPlanned(samples, moments, *plan, threads, step)
+                                : decompose(samples, moments, threads, step);
   report(0.55);
   Divided divided;
-  std::set<std::uint32_t> stiff;
+  StiffChains stiff;
   do {
-    divided = divideAsLabelled(samples, skin, moments, space, whole, threads, rigid, stiff);
+    divided = divideAsLabelled(samples, skin, moments, space, whole, threads, rigid, plan ? &*plan : nullptr,
+                               stiff);
     report(0.8);
   } while (foldsSomewhere(divided, stiff));
   SkinParts out;
+  if (plan) out.notices = departures(*plan, skin, divided.labels, divided.tree, stiff);
   std::vector<SkinDistances> worst(divided.labels.joints.size());
   for (std::uint32_t c = 0; c < skin.clips.size(); ++c) {
     ClipFit fit = measureClip(samples, skin, c, space, divided.labels, divided.tree, divided.clips[c]);
@@ -147,6 +158,7 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
   out.sockets = std::move(seats.fits);
   keepStillClips(divided.clips);
   report(0.9);
+  const std::vector<std::string> names = jointNames(skin);
   for (std::size_t p = 0; p < divided.labels.joints.size(); ++p) {
     SkinPart& its = out.parts.emplace_back();
     its.name = divided.tree.names[p];
@@ -154,7 +166,7 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     its.pivot = glm::dvec3(space.to_soup * glm::dvec4(divided.tree.pivots[p], 1));
     its.rig = rigOf(divided, p);
     its.fit = worst[p];
-    its.joints = jointsOf(divided.labels, p, skin);
+    its.joints = jointsOf(divided.labels, p, names);
     its.swept = divided.tree.sweeps[p].has_value();
   }
 

@@ -34,7 +34,8 @@ struct SkinSweep {
 };
 
 // The centre line goes through the middles of the samples `members` around the joints' line, in equal steps,
-// and some way beyond both ends. nullopt if the part would fold in the bind pose.
+// and some way beyond both ends. nullopt if the part would fold in the bind pose, or all joints are in one
+// place.
 std::optional<SkinSweep> makeSweep(const SkinSamples& samples, const SourceSkin& skin, const SkinSpace& space,
                                    const std::vector<std::uint32_t>& members, const SkinChain& chain);
 

@@ -17,7 +17,7 @@ int topOf(const SourceSkin& skin, int joint) {
   return joint;
 }
 
-// The largest part of each joint that has one; the swept part of those in a chain.
+// The largest part of each joint that has one; of those that a part is for together, that part.
 std::vector<std::uint32_t> mainParts(const std::vector<double>& areas, const SkinLabels& labels,
                                      std::size_t joints) {
   std::vector<std::uint32_t> main(joints, kNobody);
@@ -26,7 +26,7 @@ std::vector<std::uint32_t> mainParts(const std::vector<double>& areas, const Ski
     if (of == kNobody || areas[p] > areas[of]) of = p;
   }
   for (std::uint32_t p = 0; p < labels.joints.size(); ++p)
-    for (const std::uint32_t joint : labels.chains[p].joints) main[joint] = p;
+    for (const std::uint32_t joint : labels.chains[p].joints) main[joint] = main[labels.joints[p]];
   return main;
 }
 

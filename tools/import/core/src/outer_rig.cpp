@@ -59,6 +59,9 @@ std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettin
 }
 
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings) {
+  if (outer && !outer->rig.skin.empty())
+    throw ToolError(Exit::kInvalid, "the rig (" + outer->origin + ") divides a skin (\"skin\"), and part '" +
+                                        part.name + "' has none: take another rig, or leave it out");
   if (outer) {
     part.rig = outer->rig;
     part.rig_origin = outer->origin;

@@ -68,14 +68,18 @@ class GltfImporter {
     }
     if (out_.parts.empty()) explainEmptiness(model_);
     uniqueNames();
-    if (!settings_.at) noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_.has_value());
+    if (!settings_.at)
+      noteUnusedMotion(model_, animations_, used_, settings_.parts, outer_ && !dividesSkin());
     return std::move(out_);
   }
 
  private:
+  // Whether the outer rig says which parts become of the file's skins.
+  bool dividesSkin() const { return outer_ && !outer_->rig.skin.empty(); }
+
   // Whether the file's skins are its rig: asked for, or where nothing else is.
   bool bendsBySkin() const {
-    const bool asked = settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
+    const bool asked = dividesSkin() || settings_.rig_preset == kSkinRig, skins = hasSkins(model_);
     if (!asked) {
       if (!skins || outer_ || settings_.at || settings_.parts != Parts::kOne) return false;
       const std::vector<PartPlan> plans = planByRigs(model_, false);
@@ -87,11 +91,14 @@ class GltfImporter {
             "a part of each joint all the same");
       return false;
     }
+    const std::string rig = dividesSkin() ? "the rig (" + outer_->origin + ") divides a skin" : "--rig skin";
     if (!skins)
-      throw ToolError(Exit::kUsage, "--rig skin: " + files_.input().filename().string() +
-                                        " has no mesh that bends by joints; leave --rig out");
+      throw ToolError(dividesSkin() ? Exit::kInvalid : Exit::kUsage,
+                      rig + ": " + files_.input().filename().string() +
+                          " has no mesh that bends by joints; " +
+                          (dividesSkin() ? "take another rig, or leave it out" : "leave --rig out"));
     if (settings_.at || settings_.parts != Parts::kOne)
-      throw ToolError(Exit::kUsage, std::string("--rig skin: ") +
+      throw ToolError(Exit::kUsage, rig + ": " +
                                         (settings_.at ? "--at bakes one moment of the skin"
                                                       : "--parts nodes makes parts of nodes") +
                                         "; leave one of them out");
@@ -129,7 +136,8 @@ class GltfImporter {
       }
       if (part.soup.triangles.empty()) return;
       part.to_object = part.pivot = toAffine(space);
-      part.rig_origin = "skin";
+      part.rig_origin = outer_ ? outer_->origin : "skin";
+      if (outer_) part.rig.skin = outer_->rig.skin;
       part.skin = skins.take(space, animations_, used_);
       out_.parts.push_back(std::move(part));
       return;
@@ -322,6 +330,9 @@ class GltfImporter {
         refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp", error.what());
       }
       const std::string origin = "extras.kelp of " + plan.rig->owner;
+      if (!written.skin.empty())
+        refuse(Exit::kInvalid, files_.input(), plan.rig->owner + ".extras.kelp",
+               "/skin: only a rig file (--rig, STEM.rig.json) divides a skin; put it there");
       if (!knots.empty() && saysOnlyHow(written)) {
         if (!written.axis) written.axis = drawn.axis;
         if (!written.bend) written.bend = drawn.bend;

@@ -22,9 +22,11 @@ struct SkinPart {
   int parent = -1;      // an earlier part, -1: none
   glm::dvec3 pivot{0};  // what it turns about, in the soup's space; the pivot's axes are the soup's
   bool swept = false;   // along its rig's knots; else rigid
-  std::vector<std::string> joints;  // rigid: the joint that it was made for; swept: those of the chain
-  SkinDistances fit;                // in the clip in which it is worst; zeros without clips
-  VoxelGrid grid;                   // rigid: a box of the whole grid, with the same axes; swept: straightened
+  // Rigid: the joint that it was made for, or those of its entry in the rig; swept: those of the chain.
+  // Joints of one name are told apart: "joint.2".
+  std::vector<std::string> joints;
+  SkinDistances fit;   // in the clip in which it is worst; zeros without clips
+  VoxelGrid grid;      // rigid: a box of the whole grid, with the same axes; swept: straightened
   RigDescription rig;  // knots, place on the parent's spline, a clip for each of the skin's in their order
 };
 
@@ -41,12 +43,18 @@ struct SocketFit {
 };
 
 struct SkinParts {
-  std::vector<SkinPart> parts;     // at least one
-  std::vector<SkinFit> fits;       // of each clip
-  std::vector<SocketFit> sockets;  // of each of the skin's
+  std::vector<SkinPart> parts;       // at least one
+  std::vector<SkinFit> fits;         // of each clip
+  std::vector<SocketFit> sockets;    // of each of the skin's
+  std::vector<std::string> notices;  // where the parts are not as the rig asks
 };
 
-// Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin. Every
+// Whether `part`, which has a skin, can be divided as its rig asks (RigDescription::skin, not empty).
+// RigError names the joint that there is not, or that is not where a chain needs it.
+void checkSkinRig(const SourcePart& part);
+
+// Divides `whole`, the voxels of `part` of the model in `frame`, among parts that follow its skin: those that
+// follow it best, or those that `part.rig.skin` asks for, which checkSkinRig has accepted. Every
 // solid voxel is in at least one part, and no part has others; straightened voxels are within one of their
 // place. Each part also has some of its neighbours' voxels, so that bends stay closed. The same result with
 // any number of threads. ToolError kInterrupted if `progress`, told 0 to 1 in "skin", asks to stop.

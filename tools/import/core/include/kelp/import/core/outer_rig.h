@@ -23,7 +23,8 @@ std::vector<std::string> rigNames();
 std::optional<OuterRig> findOuterRig(const InputFiles& files, const ImportSettings& settings);
 
 // Gives a part without a rig of its own the outer rig, or the straight one. A rig that names no axis gets
-// that of the settings. ToolError kUsage if it names another axis than the settings.
+// that of the settings. ToolError kUsage if it names another axis than the settings, kInvalid if it divides a
+// skin.
 void giveRig(SourcePart& part, const std::optional<OuterRig>& outer, const ImportSettings& settings);
 
 // The input's name without folder and extension: the name of its main part.
