@@ -261,6 +261,58 @@ TEST_F(SetRig, ReplacesThePackWhole) {
   EXPECT_EQ(set(folder_ / "expected.kelp", rig, {"-o", folder_.folder()}).exit, 2);
 }
 
+// What INFO says of a skin becomes the rig that divides it so.
+TEST_F(SetRig, ASkinsRigComesFromInfo) {
+  RawPack raw = pack({kNod, kSway, kNod});
+  const auto printed = [&](const std::string& skin, std::vector<std::string> more = {}) {
+    raw.info_json = R"({"tool":"kelp-bake 0.1.0","options":{"resolution":32},"skin":)" + skin + "}";
+    more.insert(more.begin(), {"rig", write(raw)});
+    return test::dump(more);
+  };
+  const std::string good =
+      R"({"parts":[{"joints":["hip"],"fit":{"mean":0.1}},{"joints":["tail","tip"],"knots":4},{"joints":["hip"]}]})";
+  const ProcessResult result = printed(good);
+  EXPECT_EQ(result.exit, 0) << result.err;
+  using Group = RigDescription::SkinGroup;
+  EXPECT_EQ(parseRig(result.out).skin,
+            (std::vector<Group>{Group{{"hip"}, 0, 2}, Group{{"tail", "tip"}, 4, 1}}));
+  EXPECT_EQ(parseRig(printed(good, {"--part", "1"}).out).clips.size(), 2u);  // as ever
+  EXPECT_EQ(parseRig(printed(good, {"--axis", "+x"}).out).clips.size(), 1u);
+  // Anything else: a word about it, and the rig of the first part.
+  const char* const kBad[] = {
+      "3",
+      "[]",
+      "{}",
+      R"({"parts":7})",
+      R"({"parts":[]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":[3]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":"c"}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":[]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["\u001b[2J"]}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},7]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":2}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":1e99}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","d"],"knots":"5"}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c"],"knots":5}]})",
+      R"({"parts":[{"joints":["a"]},{"joints":["b"]},{"joints":["c","a"]}]})",
+  };
+  for (const char* bad : kBad) {
+    const ProcessResult said = printed(bad);
+    EXPECT_EQ(said.exit, 0) << bad << said.err;
+    EXPECT_NE(said.err.find("what its INFO says of a skin cannot be used ("), std::string::npos)
+        << bad << said.err;
+    EXPECT_TRUE(parseRig(said.out).skin.empty()) << bad;
+    EXPECT_EQ(parseRig(said.out).clips.size(), 1u) << bad;
+  }
+  // It is made by baking, not set.
+  const std::string before = test::readWhole(write(raw));
+  const ProcessResult refused = set(folder_ / "pack.kelp", writeRig(result.out));
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_NE(refused.err.find("/skin: "), std::string::npos) << refused.err;
+  EXPECT_EQ(test::readWhole(folder_ / "pack.kelp"), before);
+}
+
 // Ctrl-C while a file is written: exit code 130, and nothing left behind.
 TEST_F(SetRig, AnInterruptLeavesNoTemporaryFile) {
   RawPack raw;

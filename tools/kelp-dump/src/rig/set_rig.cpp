@@ -9,6 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -101,18 +102,26 @@ struct NewRig {
   std::string origin;   // for messages
   std::string preset;   // or
   std::string content;  // of the file
+
+  const std::string& name() const { return preset.empty() ? origin : preset; }  // as --rig has it
 };
 
-NewRig readRig(const std::string& wanted, std::optional<Axis> axis, std::optional<Axis> up) {
+// A preset's rig is left empty: it depends on the axis.
+NewRig readRig(const std::string& wanted) {
   const std::vector<std::string> presets = presetNames();
   if (std::find(presets.begin(), presets.end(), wanted) != presets.end())
-    return {*presetRig(wanted, axis, up), "preset '" + wanted + "'", wanted, ""};
+    return {{}, "preset '" + wanted + "'", wanted, ""};
   NewRig read{{}, wanted, "", readText(wanted)};
   try {
     read.rig = parseRig(read.content);
   } catch (const RigError& error) {
     throw ToolError(Exit::kInvalid, fmt::format("{}: {}", wanted, error.what()));
   }
+  if (!read.rig.skin.empty())
+    throw ToolError(Exit::kInvalid,
+                    fmt::format("{}: /skin: which parts a skin becomes is decided when it is baked; bake its "
+                                "file again: kelp-bake --rig {}",
+                                wanted, wanted));
   return read;
 }
 
@@ -123,15 +132,16 @@ class RigSetter {
     for (const RawClip& clip : old_clips_) old_durations_.try_emplace(clip.name, clip.duration);
   }
 
-  void read(const std::string& wanted, std::optional<Axis> given) {
+  void take(NewRig wanted, std::optional<Axis> given) {
     const std::optional<BakeOptions> read = bakeOptions(pack_.infoJson());
     if (!read)
       throw ToolError(Exit::kInvalid,
                       fmt::format("{}: its INFO about the bake cannot be read, so it is unknown whether this "
                                   "rig fits its voxels; bake it again with this rig: kelp-bake --rig {}",
-                                  file_.path(), wanted));
+                                  file_.path(), wanted.name()));
     const BakeOptions& options = *read;
-    new_ = readRig(wanted, given ? given : options.axis, options.up);
+    new_ = std::move(wanted);
+    if (!new_.preset.empty()) new_.rig = *presetRig(new_.preset, given ? given : options.axis, options.up);
     by_default_ = part().fog ? Bend::kShear : options.bend.value_or(kDefaultBend);
     if (given && new_.rig.axis && *given != *new_.rig.axis)
       throw ToolError(
@@ -147,7 +157,7 @@ class RigSetter {
                       fmt::format("{}: {} was baked with --pad {} and a rig that does not bend and has no "
                                   "sockets, so empty layers are at "
                                   "the ends of its spline; bake it again with this rig: kelp-bake --rig {}",
-                                  new_.origin, what(), options.pad, wanted));
+                                  new_.origin, what(), options.pad, new_.name()));
     given_axis_ = given;
   }
 
@@ -266,11 +276,12 @@ void checkRequest(const SetRigRequest& request) {
 Exit setRig(const SetRigRequest& request) {
   checkRequest(request);
   PackFile file(request.path);
+  NewRig wanted = readRig(request.rig);
   if (request.part.empty() && file.pack().parts().size() > 1)
     throw ToolError(Exit::kUsage, fmt::format("{}: has several parts; choose one of {} with --part",
                                               request.path, file.partList()));
   RigSetter setter(file, request.part.empty() ? 0 : file.findPart(request.part));
-  setter.read(request.rig, request.axis);
+  setter.take(std::move(wanted), request.axis);
   const RawRigs rigs = setter.make();
 
   const std::string& output = request.output.empty() ? request.path : request.output;
