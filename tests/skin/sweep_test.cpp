@@ -210,7 +210,7 @@ TEST(SkinChains, AreTubes) {
 TEST(SkinChains, MayHaveHundredsOfJoints) {
   test::SkinnedShape shape = test::tube(200, 201);
   shape.skin().clips.push_back(test::turningClip(shape.skin(), "wave", 2, 21, [](int j, double t) {
-    return 0.036 * std::sin(1.5707963 * t + 0.03 * j);
+    return 0.02 * std::sin(1.5707963 * t + 0.03 * j);
   }));
   shape.voxelizeWhole();
   const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
