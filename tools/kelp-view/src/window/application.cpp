@@ -110,7 +110,10 @@ void Application::frame() {
                 editor_ ? editor_->realized().sockets : rawSockets(stage_.model()->asset().pack()));
   status_.workshop = workshop_.get();
   status_.unsaved = unsaved();
+  const int chosen = choices_.focus.chosen;
   drawPanel(stage_, choices_, under_mouse_, status_);
+  if (editor_ && choices_.focus.chosen >= 0 && choices_.focus.chosen != chosen)
+    showInEditor(choices_.focus.chosen);
   if (editor_ && choices_.edit) {
     drawRigPanel(panel_, *editor_, choices_.seconds, [this] { save(panel_.part); });
     if (panel_.path.empty()) panel_.path = defaultPath(panel_.part);
