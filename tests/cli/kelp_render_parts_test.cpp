@@ -33,8 +33,11 @@ TEST_F(KelpRender, PartsHaveColoursOfTheirOwn) {
   const glm::ivec4 below = p.at(60, 90), above = p.at(60, 30);
   EXPECT_GT(glm::length(glm::vec3(below - above)), 60);
   // All of a part, whatever its materials are; the same in each pack of the picture.
-  EXPECT_EQ(p.at(54, 110), p.at(66, 70));
-  EXPECT_EQ(p.at(54, 50), p.at(66, 10));
+  const auto alike = [](const glm::ivec4& a, const glm::ivec4& b) {
+    return glm::length(glm::vec3(a - b)) < 8;
+  };
+  EXPECT_TRUE(alike(p.at(54, 110), p.at(66, 70)));
+  EXPECT_TRUE(alike(p.at(54, 50), p.at(66, 10)));
   const Picture both = picture({"--view", "parts", "--size", "240x120", "--and", pack_, "--at", "2,0,0"});
   EXPECT_GT(both.middle(0, 120), 90);
   for (const int y : {35, 85}) {
