@@ -75,4 +75,21 @@ report, rig = load("property.report.json"), load("property.rig.json")
 assert not report["notices"], report["notices"]
 near(rig["clips"]["sway"]["waves"][0]["offset"], [0.2, 0, -0.05])
 PYTHON
+
+# A tentacle of eight bones with automatic weights that curls by 30 degrees at each: one swept part, which
+# follows the skin at 128 voxels within half a voxel in the mean.
+run_blender blender_tentacle.py "$folder/tentacle.glb" 30
+"$build/bin/kelp-bake" "$folder/tentacle.glb" -o "$folder/tentacle.kelp" --resolution 128 \
+  --report "$folder/tentacle.json" --progress none
+"$build/bin/kelp-dump" verify --deep "$folder/tentacle.kelp"
+python3 - "$folder/tentacle.json" <<'PYTHON'
+import json
+import sys
+
+report = json.load(open(sys.argv[1]))
+assert len(report["parts"]) == 1 and not report["notices"], (report["parts"], report["notices"])
+(clip,) = report["clips"]
+print("tentacle:", clip["fit"])
+assert clip["name"] == "curl" and clip["fit"]["mean"] <= 0.5 and clip["fit"]["p95"] <= 2, clip
+PYTHON
 echo "blender_test.sh: passed"

@@ -20,13 +20,20 @@ namespace kelp::bake::test {
 
 class GltfTruth {
  public:
-  explicit GltfTruth(const std::filesystem::path& path) : json_(nlohmann::json::parse(std::ifstream(path))) {
-    const std::string uri = json_["buffers"][0]["uri"];
+  explicit GltfTruth(const std::filesystem::path& path) {
+    std::string text = contentOf(path);
+    if (path.extension() == ".glb") {  // a header, then two chunks, each with its size and kind in front
+      std::uint32_t size = 0;
+      std::memcpy(&size, text.data() + 12, 4);
+      buffer_ = text.substr(20 + size + 8);
+      text = text.substr(20, size);
+    }
+    json_ = nlohmann::json::parse(text);
+    const std::string uri = json_["buffers"][0].value("uri", "");
     if (uri.rfind("data:", 0) == 0) {
       buffer_ = decode(uri.substr(uri.find(',') + 1));
-    } else {
-      std::ifstream file(path.parent_path() / uri, std::ios::binary);
-      buffer_.assign(std::istreambuf_iterator<char>(file), {});
+    } else if (!uri.empty()) {
+      buffer_ = contentOf(path.parent_path() / uri);
     }
     parents_.assign(json_["nodes"].size(), -1);
     for (std::size_t i = 0; i < parents_.size(); ++i)
@@ -91,6 +98,11 @@ class GltfTruth {
 
  private:
   using Json = nlohmann::json;
+
+  static std::string contentOf(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
 
   static std::string decode(const std::string& text) {
     static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -2,25 +2,17 @@
 // Parts that move as the nodes of their file do, and files baked at a moment, against a second reader of the
 // same files.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <memory>
 
+#include "baked_asset.h"
 #include "gltf_truth.h"
 #include "import_scratch.h"
-#include "kelp/runtime/instance.h"
-#include "support/all_tests.h"
 #include "support/assets.h"
-#include "support/rasterizer.h"
-#include "support/test_pack.h"
 #include "support/voxel_points.h"
 
 namespace kelp::bake::test {
 namespace {
-
-using kelp::test::OrthographicCamera;
-using kelp::test::Rasterizer;
 
 glm::dmat4 asMatrix(const glm::mat4x3& m) {
   glm::dmat4 out(1);
@@ -28,44 +20,13 @@ glm::dmat4 asMatrix(const glm::mat4x3& m) {
   return out;
 }
 
-// A pack in memory.
-class Baked {
- public:
-  Baked(const std::filesystem::path& path, Settings settings, int resolution) {
-    settings.resolution = resolution;
-    settings.resolution_given = true;
-    settings.threads = 2;
-    pack_ = bake::bake(path, settings, report);
-    bytes_ = kelp::test::bytesOf(pack_);
-    source_.emplace(bytes_);
-    auto opened = runtime::Asset::open(source_->source());
-    EXPECT_TRUE(opened);
-    asset_ = *std::move(opened);
-  }
-  const RawPack& pack() const { return pack_; }
-  runtime::Asset& asset() const { return *asset_; }
-  int partNamed(const std::string& name) const {
-    for (std::size_t i = 0; i < pack_.parts.size(); ++i)
-      if (pack_.parts[i].name == name) return static_cast<int>(i);
-    ADD_FAILURE() << "no part '" << name << "'";
-    return 0;
-  }
-  Report report;
-
- private:
-  RawPack pack_;
-  std::vector<std::byte> bytes_;
-  std::optional<MemorySource> source_;
-  std::unique_ptr<runtime::Asset> asset_;
-};
-
 // Every corner of every mesh is where the file's nodes take it at that time of the clip. `rest`: the moment
 // at which the pack was baked.
 struct Rest {
   int animation = -1;
   double time = 0;
 };
-void expectFollows(const Baked& baked, const GltfTruth& truth, const std::map<std::string, int>& nodes,
+void expectFollows(const BakedAsset& baked, const GltfTruth& truth, const std::map<std::string, int>& nodes,
                    const std::string& clip, int animation, const std::vector<double>& times, double tolerance,
                    const Rest& rest = {}) {
   const int index = runtime::findClip(baked.asset(), clip).value();
@@ -103,7 +64,7 @@ TEST(Parts, TheTruckTurnsItsWheels) {
   KELP_ASSET(path, "gltf/draco_testdata/CesiumMilkTruck/CesiumMilkTruck.gltf");
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 48);
+  const BakedAsset baked(path, settings, 48);
   ASSERT_EQ(baked.pack().parts.size(), 3u);
   EXPECT_EQ(baked.pack().parts[1].parent, 0);
   EXPECT_EQ(baked.pack().parts[2].parent, 0);
@@ -189,7 +150,7 @@ struct BakedRobot {
   Scratch scratch;
   std::filesystem::path path;
   GltfTruth truth;
-  Baked baked;
+  BakedAsset baked;
 
  private:
   static Settings settingsOf(const std::optional<Moment>& at) {
@@ -202,7 +163,7 @@ struct BakedRobot {
 
 TEST(Parts, ChainsOfStretchedMirroredAndTurningNodesAreExact) {
   const BakedRobot robot;
-  const Baked& baked = robot.baked;
+  const BakedAsset& baked = robot.baked;
   EXPECT_TRUE(baked.report.notices.empty()) << baked.report.notices[0];
   ASSERT_EQ(baked.pack().parts.size(), 6u);  // with two that hold no voxels
   const auto& parts = baked.pack().parts;
@@ -240,7 +201,7 @@ TEST(Parts, OneMoverNeedsNoPartOfItsOwn) {
                  R"(}],"channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 16);
+  const BakedAsset baked(path, settings, 16);
   EXPECT_EQ(baked.pack().parts.size(), 3u);
   expectFollows(baked, GltfTruth(path), {{"a", 1}, {"b", 2}, {"c", 3}}, "spin", 0, {0, 0.3, 0.99}, 1e-5);
 }
@@ -263,7 +224,7 @@ TEST(Parts, SkinsFollowTheNodeThatAllTheirJointsHangOn) {
   const auto path = scratch.write("m.gltf", maker.text(file));
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 16);
+  const BakedAsset baked(path, settings, 16);
   ASSERT_EQ(baked.pack().parts.size(), 1u);
   EXPECT_FALSE(anyContains(baked.report.notices, "'turn'"));
   const GltfTruth truth(path);
@@ -293,7 +254,7 @@ TEST(Parts, AnimationsOfOneNameAreToldApartForAllNodesAlike) {
                     b = R"({"sampler":0,"target":{"node":1,"path":"translation"}})";
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(
+  const BakedAsset baked(
       scratch.write(
           "m.gltf",
           maker.text(
@@ -327,7 +288,7 @@ TEST(Parts, RigsKeepWhatTheyBendAndLetGoOfWhatMoves) {
           R"(}],"channels":[{"sampler":0,"target":{"node":2,"path":"translation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 32);
+  const BakedAsset baked(path, settings, 32);
   ASSERT_EQ(baked.pack().parts.size(), 2u);
   EXPECT_EQ(baked.report.parts[0].triangles, 24u);
   EXPECT_EQ(baked.pack().parts[1].parent, 0);
@@ -353,7 +314,7 @@ TEST(Parts, TheScenesOwnRigFollowsNoNode) {
                  R"(}],"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}]}])"));
   Settings settings;
   settings.parts = Parts::kNodes;
-  const Baked baked(path, settings, 32);
+  const BakedAsset baked(path, settings, 32);
   ASSERT_EQ(baked.pack().parts.size(), 2u);
   for (const RawPart& part : baked.pack().parts) EXPECT_EQ(part.parent, -1) << part.name;
   const int bird = baked.partNamed("bird");
@@ -523,77 +484,17 @@ TEST(Moment, UnknownNamesListThoseThereAre) {
   EXPECT_THROW(bake::bake(plain, settings, report), ToolError);
 }
 
-// Voxels seen from two sides beside the triangles as the second reader has them at that time: the share of
-// pixels in which both agree.
-double agreement(const Baked& baked, const std::vector<glm::dvec3>& corners, double yaw,
-                 const runtime::Pose* pose = nullptr) {
-  EXPECT_TRUE(baked.asset().loadAll());
-  constexpr int kSide = 160;
-  const runtime::Instance instance{&baked.asset(), pose};
-  glm::dvec3 low(1e30), high(-1e30);
-  for (const glm::dvec3& p : corners) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const auto camera = OrthographicCamera::around(low, high, yaw, 10, kSide);
-  const double back = 2 * camera.depthRange(low, high);
-  Rasterizer triangles(camera);
-  for (std::size_t i = 0; i < corners.size(); i += 3)
-    triangles.draw(static_cast<std::uint32_t>(i / 3), corners[i], corners[i + 1], corners[i + 2]);
-  int both = 0, either = 0;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const bool voxel =
-          runtime::raycast(instance, {glm::vec3(camera.pixelOrigin(x, y, back)), glm::vec3(camera.forward)})
-              .has_value();
-      const bool triangle = triangles.at(x, y).hit();
-      both += voxel && triangle;
-      either += voxel || triangle;
-    }
-  }
-  return static_cast<double>(both) / either;
-}
-
 TEST(Moment, ThePictureIsThatOfItsTriangles) {
   KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
   Settings settings;
   settings.at = Moment{"Walk", 0.3};
-  const Baked fox(path, settings, 160);
+  const BakedAsset fox(path, settings, 160);
   const std::vector<glm::dvec3> walking = GltfTruth(path).worldCorners(kFox, 1, 0.3),
                                 standing = GltfTruth(path).worldCorners(kFox, -1, 0);
   for (const double yaw : {0.0, 90.0}) {
     EXPECT_GT(agreement(fox, walking, yaw), 0.94) << yaw;
     EXPECT_LT(agreement(fox, standing, yaw), 0.9) << yaw;
   }
-}
-
-// The skin as parts that clips move, as the runtime poses them.
-TEST(Skin, ThePictureIsThatOfItsTriangles) {
-  KELP_ASSET(path, "gltf/draco_testdata/Fox/Fox.gltf");
-  const GltfTruth truth(path);
-  const Baked fox(path, {}, 128);
-  double sum = 0, least = 1;
-  int pictures = 0;
-  for (const auto& [name, animation, duration] :
-       {std::tuple("Survey", 0, 3.41), std::tuple("Walk", 1, 0.708), std::tuple("Run", 2, 1.158)})
-    for (int moment = 0; moment < kelp::test::shareOf(2); ++moment) {
-      const double share = 0.25 + 0.5 * moment;
-      runtime::Pose pose = *runtime::Pose::create(fox.asset());
-      const int clip = runtime::findClip(fox.asset(), name).value();
-      ASSERT_TRUE(runtime::addClip(fox.asset(), clip, share * duration, 1, pose));
-      const std::vector<glm::dvec3> wanted = truth.worldCorners(kFox, animation, share * duration);
-      for (int side = 0; side < kelp::test::shareOf(3); ++side) {
-        const double yaw = std::array{0.0, 60.0, 90.0}[static_cast<std::size_t>(side)];
-        const double its = agreement(fox, wanted, yaw, &pose);
-        sum += its;
-        least = std::min(least, its);
-        ++pictures;
-      }
-    }
-  EXPECT_GT(sum / pictures, 0.92);
-  EXPECT_GT(least, 0.85);
-  RecordProperty("mean", std::to_string(sum / pictures));
-  RecordProperty("least", std::to_string(least));
 }
 
 }  // namespace

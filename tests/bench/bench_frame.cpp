@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a frame of 2,000 animated instances costs: the CPU's part beside GLM's mat4 products of the same run,
 // on a GL that does nothing, and the whole frame on the GL that is there. README.md here.
-//   bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl]
+//   bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl] [--foxes]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -12,6 +12,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "bench_frame_foxes.h"
 #include "bench_frame_gl.h"
 #include "bench_frame_scene.h"
 #include "support/fake_gl.h"
@@ -30,14 +31,14 @@ struct Row {
   std::vector<double> ns{};  // an instance, of each round
 };
 
-void measure(std::vector<Row>& rows, int rounds) {
+void measure(std::vector<Row>& rows, int rounds, std::size_t instances = kInstances) {
   for (int round = -3; round < rounds; ++round) {  // the first three warm up
     for (Row& row : rows) {
       const auto start = std::chrono::steady_clock::now();
       row.once();
       const double ns =
           std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() /
-          static_cast<double>(kInstances);
+          static_cast<double>(instances);
       if (round >= 0) row.ns.push_back(ns);
     }
   }
@@ -63,7 +64,8 @@ gl::View fieldView(const glm::vec3& eye, const glm::vec3& target) {
 
 // A crowd of the library's assets on a GL that does nothing.
 struct Field {
-  explicit Field(const Library& library) : crowd(library, kInstances) {
+  explicit Field(const Library& library, std::size_t count = kInstances, int clip = 0)
+      : crowd(library, count, clip) {
     placeAll(crowd);
     test::FakeGl::current() = &fake;
     gl::Config config;
@@ -105,6 +107,34 @@ void reportSwept(Report& out, int rounds) {
     const double ns = median(rows[i].ns), over = ns / median(rows[i - i % 4 + 1].ns);
     std::printf("| %s | %.1f | %.2f |\n", rows[i].name, ns, over);
     out.add(std::string("cpu, ") + rows[i].name, over);
+  }
+}
+
+// Foxes that run and the same ones that stand still.
+void reportFoxes(Report& out, const Foxes& foxes, int rounds) {
+  Field still(foxes.still, Foxes::kCount), playing(foxes.playing, Foxes::kCount, foxes.run);
+  const gl::View view = fieldView({0, 0, 10}, {0, 0, 0});
+  gl::Stats seen[2];
+  std::vector<Row> rows;
+  const auto addDraw = [&](Field& field, const char* name, gl::Stats& stats) {
+    foxes.place(field.crowd);
+    rows.push_back({name, [&] {
+                      test::FakeGl::current() = &field.fake;
+                      stats = *field.renderer->draw(view, field.crowd.instances);
+                    }});
+  };
+  addDraw(still, "draw(), still", seen[0]);
+  rows.push_back({"update, running", [&] { playing.crowd.update(); }});
+  addDraw(playing, "draw(), running", seen[1]);
+  measure(rows, rounds, Foxes::kCount);
+  std::printf(
+      "\n%zu foxes: still %u parts drawn, running %u, %u left out\n\n| | ns a fox | over draw(), still "
+      "|\n|---|---|---|\n",
+      Foxes::kCount, seen[0].instances, seen[1].instances, seen[1].left_out);
+  for (const Row& row : rows) {
+    const double ns = median(row.ns), over = ns / median(rows[0].ns);
+    std::printf("| %s | %.0f | %.1f |\n", row.name, ns, over);
+    out.add(std::string("cpu, foxes, ") + row.name, over);
   }
 }
 
@@ -167,14 +197,15 @@ void reportCpu(Report& out, int parts, int rounds) {
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl]\n");
+  std::fprintf(stderr,
+               "usage: bench_frame [--json FILE] [--rounds N] [--size WxH] [--cpu | --gl] [--foxes]\n");
   return 1;
 }
 
 int run(int count, char** words) {
   const char* json = nullptr;
   int rounds = 101;
-  bool cpu = true, gl = true;
+  bool cpu = true, gl = true, foxes_only = false;
   glm::ivec2 size(320, 240);
   for (int i = 1; i < count; ++i) {
     const bool more = i + 1 < count;
@@ -188,18 +219,22 @@ int run(int count, char** words) {
       gl = false;
     } else if (std::strcmp(words[i], "--gl") == 0) {
       cpu = false;
+    } else if (std::strcmp(words[i], "--foxes") == 0) {
+      foxes_only = true;
     } else {
       return usage();
     }
   }
   if (rounds < 1 || (!cpu && !gl)) return usage();
   Report report;
-  if (cpu) {
+  const std::unique_ptr<Foxes> foxes = Foxes::bake();
+  if (cpu && !foxes_only) {
     reportCpu(report, 1, rounds);
     reportCpu(report, 3, rounds);
     reportSwept(report, rounds);
   }
-  if (gl) reportGl(report, size, std::min(rounds, 3));  // some of its frames take seconds
+  if (cpu && foxes) reportFoxes(report, *foxes, rounds);
+  if (gl) reportGl(report, foxes.get(), foxes_only, size, std::min(rounds, 3));  // some frames take seconds
   return json && !report.write(json) ? 2 : 0;
 }
 

@@ -10,6 +10,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "bench_frame_foxes.h"
 #include "bench_frame_scene.h"
 #include "support/egl_context.h"
 
@@ -102,8 +103,8 @@ void measure(gl::Renderer& renderer, const Target& target, const glm::ivec2& siz
 // Half of the height of the view at the distance of the plane z.
 float halfHeight(float z) { return (10 - z) * std::tan(0.4f); }
 
-// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high
-// at scale 1, and standing on the cell's lower side.
+}  // namespace
+
 void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z) {
   const float height = 2 * halfHeight(z) / static_cast<float>(rows),
               width = 2 * halfHeight(z) * 4.0f / 3.0f / static_cast<float>(columns);
@@ -115,6 +116,8 @@ void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int ro
         glm::scale(glm::translate(glm::mat4(1), at), glm::vec3(std::min(height, width)));
   }
 }
+
+namespace {
 
 // In a heap around the origin, each before and behind others.
 void heap(Crowd& crowd, float depth, float scale) {
@@ -144,38 +147,22 @@ void print(Report& out, const char* title, const std::vector<Frame>& frames) {
   }
 }
 
-}  // namespace
-
-void reportGl(Report& out, const glm::ivec2& size, int rounds) {
-  const test::EglContext context(test::GlApi::kDesktop33);
-  if (!context) {
-    std::printf("\nNo OpenGL 3.3 by EGL here: frames are not measured.\n");
-    return;
-  }
-  std::printf("\n%s, %d x %d\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)), size.x, size.y);
-  const Target target(size);
-  const Library library(1);
-  gl::Config config;
-  config.getProcAddress = test::EglContext::getProcAddress;
-  const auto renderer = gl::Renderer::create(config);
-  if (!renderer) {
-    std::fprintf(stderr, "bench_frame: %s\n", renderer.error().detail);
-    return;
-  }
-  for (std::size_t i = 0; i < library.size(); ++i) (void)(*renderer)->add(library[i]);
-  (void)(*renderer)->upload(~std::uint64_t{0});
-
+void reportHeaps(Report& out, gl::Renderer& renderer, const Library& library, const Target& target,
+                 const glm::ivec2& size, int rounds) {
   for (const std::size_t count : {std::size_t{48}, std::size_t{2000}}) {
     Crowd crowd(library, count);
     heap(crowd, count > 100 ? 8.0f : 4.0f, count > 100 ? 0.4f : 3.0f);
     std::vector<Frame> frames;
     for (const int batches : {1, 2, 4, 8, 12, 16})
       frames.push_back({std::to_string(batches) + " batches", &crowd, batches});
-    measure(**renderer, target, size, frames, rounds);
+    measure(renderer, target, size, frames, rounds);
     print(out, count > 100 ? "2,000 instances in a heap" : "48 instances in a heap", frames);
   }
+}
 
-  // The same pixels by 20 and by 2,000: side by side, and 20 with the other 1,980 behind them.
+// Of 20 and of 2,000 instances on the same pixels: side by side, and 20 with the other 1,980 behind them.
+void reportSmall(Report& out, gl::Renderer& renderer, const Library& library, const Target& target,
+                 const glm::ivec2& size, int rounds) {
   Crowd twenty(library, 20), small(library, 2000), behind(library, 2000);
   tile(twenty, 0, 20, 5, 4, 0);
   tile(small, 0, 2000, 50, 40, 0);
@@ -192,8 +179,54 @@ void reportGl(Report& out, const glm::ivec2& size, int rounds) {
   frames.push_back({"2,000 small ones side by side", &small, 1});
   for (const int batches : {1, 8, 16})
     frames.push_back({"20 and 1,980 behind them, " + std::to_string(batches) + " batches", &behind, batches});
-  measure(**renderer, target, size, frames, rounds);
+  measure(renderer, target, size, frames, rounds);
   print(out, "2,000 instances on the pixels of 20", frames);
+}
+
+void reportFoxes(Report& out, gl::Renderer& renderer, const Foxes& foxes, const Target& target,
+                 const glm::ivec2& size, int rounds) {
+  for (const Library* library : {&foxes.still, &foxes.playing}) (void)renderer.add((*library)[0]);
+  (void)renderer.upload(~std::uint64_t{0});
+  Crowd still(foxes.still, Foxes::kCount), playing(foxes.playing, Foxes::kCount, foxes.run);
+  foxes.place(still);
+  foxes.place(playing);
+  Crowd resting(foxes.playing, Foxes::kCount, foxes.run);
+  foxes.place(resting);
+  for (runtime::Instance& instance : resting.instances) instance.pose = nullptr;
+  std::vector<Frame> frames;
+  frames.push_back({"still, one part each", &still, 1});
+  frames.push_back({"the parts of the skin, still", &resting, 1});
+  for (const int batches : {1, 4})
+    frames.push_back({"running, " + std::to_string(batches) + " batches", &playing, batches});
+  measure(renderer, target, size, frames, rounds);
+  print(out, "100 foxes side by side", frames);
+}
+
+}  // namespace
+
+void reportGl(Report& out, const Foxes* foxes, bool foxes_only, const glm::ivec2& size, int rounds) {
+  const test::EglContext context(test::GlApi::kDesktop33);
+  if (!context) {
+    std::printf("\nNo OpenGL 3.3 by EGL here: frames are not measured.\n");
+    return;
+  }
+  std::printf("\n%s, %d x %d\n", reinterpret_cast<const char*>(glGetString(GL_RENDERER)), size.x, size.y);
+  const Target target(size);
+  const Library library(1);
+  gl::Config config;
+  config.getProcAddress = test::EglContext::getProcAddress;
+  const auto renderer = gl::Renderer::create(config);
+  if (!renderer) {
+    std::fprintf(stderr, "bench_frame: %s\n", renderer.error().detail);
+    return;
+  }
+  if (!foxes_only) {
+    for (std::size_t i = 0; i < library.size(); ++i) (void)(*renderer)->add(library[i]);
+    (void)(*renderer)->upload(~std::uint64_t{0});
+    reportHeaps(out, **renderer, library, target, size, rounds);
+    reportSmall(out, **renderer, library, target, size, rounds);
+  }
+  if (foxes) reportFoxes(out, **renderer, *foxes, target, size, rounds);
 }
 
 }  // namespace kelp::bench

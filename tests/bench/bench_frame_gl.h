@@ -11,6 +11,9 @@
 
 namespace kelp::bench {
 
+struct Crowd;
+struct Foxes;
+
 // Figures by name, for --json.
 struct Report {
   std::vector<std::pair<std::string, double>> figures;
@@ -28,8 +31,13 @@ struct Report {
   }
 };
 
-// Frames on the GL that EGL gives: what overlapping instances cost in 1 to 16 depth batches, and what many
-// small instances cost beside few large ones on the same pixels. Says so where there is none.
-void reportGl(Report& out, const glm::ivec2& size, int rounds);
+// `columns` by `rows` instances that fill 4 by 3 of the view at the plane z, cell by cell; each a metre high
+// at scale 1, and standing on the cell's lower side.
+void tile(Crowd& crowd, std::size_t from, std::size_t count, int columns, int rows, float z);
+
+// Frames on the GL that EGL gives: what overlapping instances cost in 1 to 16 depth batches, what many small
+// instances cost beside few large ones on the same pixels, and what foxes cost that run beside those that
+// stand still, or only that. Says so where there is no GL.
+void reportGl(Report& out, const Foxes* foxes, bool foxes_only, const glm::ivec2& size, int rounds);
 
 }  // namespace kelp::bench

@@ -81,16 +81,22 @@ RawPack packOf(const Kind& kind, int which, int parts, Bend bend) {
 Library::Library(int parts, Bend bend, bool slender) {
   for (Kind kind : kKinds) {
     if (slender) kind.size = {14, 64, 14}, kind.knots = 4;
-    Loaded& fresh = assets_.emplace_back();
-    fresh.bytes = test::bytesOf(packOf(kind, static_cast<int>(assets_.size()), parts, bend));
-    fresh.source = std::make_unique<MemorySource>(fresh.bytes);
-    auto opened = runtime::Asset::open(fresh.source->source());
-    if (!opened || !(*opened)->loadAll()) {
-      std::fprintf(stderr, "bench_frame: the benchmark's own pack does not open\n");
-      std::exit(4);
-    }
-    fresh.asset = *std::move(opened);
+    add(packOf(kind, static_cast<int>(assets_.size()) + 1, parts, bend));
   }
+}
+
+Library::Library(const RawPack& pack) { add(pack); }
+
+void Library::add(const RawPack& pack) {
+  Loaded& fresh = assets_.emplace_back();
+  fresh.bytes = test::bytesOf(pack);
+  fresh.source = std::make_unique<MemorySource>(fresh.bytes);
+  auto opened = runtime::Asset::open(fresh.source->source());
+  if (!opened || !(*opened)->loadAll()) {
+    std::fprintf(stderr, "bench_frame: the benchmark's own pack does not open\n");
+    std::exit(4);
+  }
+  fresh.asset = *std::move(opened);
 }
 
 std::size_t Library::knots() const {
@@ -107,7 +113,7 @@ std::size_t Library::waves() const {
   return all;
 }
 
-Crowd::Crowd(const Library& assets, std::size_t count) : library(assets) {
+Crowd::Crowd(const Library& assets, std::size_t count, int which_clip) : library(assets), clip(which_clip) {
   for (std::size_t i = 0; i < count; ++i)
     poses.push_back(*runtime::Pose::create(library[i % library.size()]));
   for (std::size_t i = 0; i < count; ++i) {
@@ -122,7 +128,8 @@ void Crowd::update() {
   seconds += 1.0 / 60;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses[i].reset();
-    (void)runtime::addClip(*instances[i].asset, 0, seconds + 0.37 * static_cast<double>(i), 1.0f, poses[i]);
+    (void)runtime::addClip(*instances[i].asset, clip, seconds + 0.37 * static_cast<double>(i), 1.0f,
+                           poses[i]);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "kelp/formats/raw_pack.h"
 #include "kelp/gl/renderer.h"
 
 namespace kelp::bench {
@@ -14,6 +15,7 @@ namespace kelp::bench {
 class Library {
  public:
   explicit Library(int parts, Bend bend = Bend::kShear, bool slender = false);
+  explicit Library(const RawPack& pack);  // of this one asset
   const runtime::Asset& operator[](std::size_t i) const { return *assets_[i].asset; }
   std::size_t size() const { return assets_.size(); }
   std::size_t knots() const;  // of all assets
@@ -25,16 +27,18 @@ class Library {
     std::unique_ptr<MemorySource> source;
     std::unique_ptr<runtime::Asset> asset;
   };
+  void add(const RawPack& pack);
   std::vector<Loaded> assets_;
 };
 
 // Instances of the assets by turns, one pose each.
 struct Crowd {
-  Crowd(const Library& assets, std::size_t count);
+  Crowd(const Library& assets, std::size_t count, int which_clip = 0);
   // What a host does with each instance, each frame: back to rest, and the clip at a moment of its own.
   void update();
 
   const Library& library;
+  int clip;
   std::vector<runtime::Pose> poses;
   std::vector<runtime::Instance> instances;
   double seconds = 0;

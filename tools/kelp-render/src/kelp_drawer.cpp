@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Draws by kelp's own method: kelp::gl::Renderer.
 #include <cstdio>
+#include <optional>
 
 #include "drawer.h"
 #include "gl_program.h"
@@ -8,6 +9,7 @@
 #include "headless_context.h"
 #include "kelp/common/distance_slice.h"
 #include "kelp/common/pack_error.h"
+#include "part_texture.h"
 
 namespace kelp::render {
 namespace {
@@ -28,11 +30,14 @@ class KelpDrawer final : public Drawer {
     renderer_ = checkPack("OpenGL", gl::Renderer::create(config));
     for (const auto& [key, pack] : scene.packs()) checkPack(key.path, renderer_->add(*pack));
     checkPack("OpenGL", renderer_->upload(~std::uint64_t{0}));
+    if (options.showsParts()) parts_.emplace(scene.instances(), options.view == ViewKind::kFit);
   }
 
   void draw(const gl::View& view, std::span<const runtime::Instance> instances) override {
     if (slice_) return drawSlice(view, instances);
-    checkPack("OpenGL", renderer_->draw(view, instances));
+    gl::View painted = view;
+    if (parts_) parts_->attach(painted);
+    checkPack("OpenGL", renderer_->draw(painted, instances));
     if (colors_) checkPack("OpenGL", renderer_->draw(view, instances, gl::Pass::kFog));
   }
 
@@ -82,6 +87,7 @@ class KelpDrawer final : public Drawer {
   bool colors_, es_, slice_;
   std::unique_ptr<gl::Renderer> renderer_;
   std::unique_ptr<GlProgram> counter_, slicer_;
+  std::optional<PartTexture> parts_;
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ std::string takeOrder(int count, const char* const* words, int i, BakeOrder& ord
       if (word == reserved || (word.starts_with(reserved) && word.substr(reserved.size()).starts_with("=")))
         return std::string(word) + ": kelp-view sets this itself; leave it out";
     }
-    for (const std::string_view own : {"--frames", "--edit", "--watch"}) {
+    for (const std::string_view own : {"--frames", "--edit", "--watch", "--view"}) {
       if (word == own)
         return std::string(word) + ": options after the model go to kelp-bake; write it before --watch";
     }
@@ -53,6 +53,9 @@ Usage: kelp-view [OPTIONS] [PACK]
        kelp-view [OPTIONS] --watch MODEL [OPTIONS OF kelp-bake]
 
   PACK                      the .kelp file to show; drop others onto the window
+  --view NAME               what the colours mean: shaded, normals, levels, steps, distances, parts (each
+                            its own), fit (how closely each part follows the skin it was made from: green
+                            0 voxels, red 4 and more)
   --edit                    open the rig editor at once (key E)
   --watch PACK              show the pack again whenever it changes
   --watch MODEL             bake a model and show it, again whenever it, its rig or a texture changes.
@@ -64,12 +67,13 @@ Usage: kelp-view [OPTIONS] [PACK]
   --version                 print the version and exit
 
 Mouse: left drag turns, or moves a handle; right drag moves the camera; wheel zooms.
-Keys: space play, F fit, H handles, E rig editor, R reset handles; in the editor Ctrl Z undo, Ctrl Y redo,
-Ctrl S save.
+Keys: space play, F fit, H handles, E rig editor, R reset handles, P colours of parts, their fit, and back,
+J joints and chains; in the editor Ctrl Z undo, Ctrl Y redo, Ctrl S save.
 It needs a display (DISPLAY) and OpenGL 3.3.
 
 Examples:
   kelp-view reed.kelp
+  kelp-view --view fit fox.kelp
   kelp-view --watch reed.glb --rig sway --resolution 256
   kelp-view --frames 1 reed.ppm --watch reed.glb    bakes, saves one picture and ends
 
@@ -91,6 +95,10 @@ std::optional<Arguments> parseArguments(int count, const char* const* words, std
     }
     if (word == "--edit") {
       arguments.edit = true;
+    } else if (word == "--view") {
+      const auto surface = i + 1 < count ? parseSurface(words[++i]) : std::nullopt;
+      if (!surface) return wrong = std::string("--view: give one of ") + kSurfaceNames, std::nullopt;
+      arguments.surface = *surface;
     } else if (word == "--frames") {
       if (i + 1 >= count || std::atoi(words[i + 1]) <= 0)
         return wrong = "--frames: give a number of frames, 1 or more", std::nullopt;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "surface.h"
 #include "workshop.h"
 
 namespace kelp::view {
@@ -11,8 +12,9 @@ namespace kelp::view {
 // The command line as data.
 struct Arguments {
   std::string pack, picture;
-  int frames = 0;     // 0: until the user closes the window
-  bool edit = false;  // open the rig editor at once
+  int frames = 0;                      // 0: until the user closes the window
+  Surface surface = Surface::kShaded;  // what is shown first
+  bool edit = false;                   // open the rig editor at once
   bool watch = false;
   std::optional<BakeOrder> bake;  // of --watch MODEL: how the pack is made
   bool help = false, version = false;

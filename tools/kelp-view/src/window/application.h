@@ -47,6 +47,10 @@ class Application {
   void fitCamera();
   void useKeys();
   void useMouse(const glm::vec2& mouse);
+  void usePart(const glm::vec2& mouse);
+  void showInEditor(int part) {
+    if (panel_.part != part) panel_.part = part, panel_.path.clear();
+  }
 
   void watch(double now);
   void reload();        // reads the pack again while the old one is shown
@@ -70,7 +74,8 @@ class Application {
   bool escaped_ = false;   // in this frame
   void (*next_key_callback_)(GLFWwindow*, int, int, int, int) = nullptr;
   std::optional<Handle> near_, held_;
-  glm::vec2 grip_{0};  // where the held handle was taken, pixels from its middle
+  glm::vec2 grip_{0};   // where the held handle was taken, pixels from its middle
+  glm::vec2 press_{0};  // where the left button went down
   std::optional<runtime::Hit> under_mouse_;
 
   std::optional<RigEditor> editor_;

@@ -17,8 +17,20 @@ struct Choices {
   double seconds = 0;
   float pixels_per_voxel = 1;  // 0: always the finest level
   bool handles = true;
+  bool joints = false;
+  PartFocus focus;
   bool edit = false;  // the rig editor is open: what is dragged changes the rig
 };
+
+// Whether handles are drawn and can be held. Where the picture shows parts they would hide them, so there
+// they belong to the rig editor.
+inline bool showsHandles(const Choices& choices, Surface surface) {
+  return choices.handles && (choices.edit || !showsParts(surface));
+}
+
+// Changes what the colours mean. Where the picture begins to show parts, it shows joints too. Answers an
+// empty text, or what is wrong.
+std::string changeSurface(Stage& stage, Choices& choices, Surface surface);
 
 // Messages that the panel shows.
 struct Status {

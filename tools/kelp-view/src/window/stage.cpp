@@ -12,26 +12,6 @@ namespace {
 
 constexpr std::uint64_t kUploadPerFrame = 8 << 20;  // bytes
 
-const char* glslOf(Surface surface) {
-  switch (surface) {
-    case Surface::kNormals:
-      return "vec4 kelpSurface(KelpSurface s) { return vec4(0.5 + 0.5 * s.normal, 1.0); }";
-    case Surface::kLevels:
-      return R"(vec4 kelpSurface(KelpSurface s) {
-  vec3 hue = 0.5 + 0.5 * cos(6.2831853 * (float(s.level) * 0.236 + vec3(0.40, 0.07, 0.73)));
-  return vec4(hue * (0.35 + 0.65 * max(dot(s.normal, s.view), 0.0)), 1.0);
-})";
-    case Surface::kSteps:
-      return R"(vec4 kelpSurface(KelpSurface s) {
-  float n = clamp(float(s.steps) / 48.0, 0.0, 1.0);
-  vec3 few = mix(vec3(0.01, 0.03, 0.20), vec3(0.75, 0.12, 0.25), min(2.0 * n, 1.0));
-  return vec4(mix(few, vec3(1.0, 0.9, 0.4), max(2.0 * n - 1.0, 0.0)), 1.0);
-})";
-    default:
-      return nullptr;
-  }
-}
-
 std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl::Renderer>& renderer) {
   gl::Config config;
   config.getProcAddress = [](void*, const char* name) {
@@ -47,11 +27,6 @@ std::string makeRenderer(const Model& model, Surface surface, std::unique_ptr<gl
 }
 
 }  // namespace
-
-const char* toString(Surface surface) {
-  constexpr const char* kNames[] = {"shaded", "normals", "levels", "steps", "distances"};
-  return kNames[static_cast<int>(surface)];
-}
 
 std::string Stage::show(std::unique_ptr<Model> model) {
   if (renderer_) {  // its programs are made already
@@ -75,7 +50,8 @@ std::string Stage::paint(Surface surface) {
   return {};
 }
 
-std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel) {
+std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel,
+                        const PartFocus& focus) {
   if (viewport.x == 0 || viewport.y == 0) return {};  // minimised
   glViewport(0, 0, viewport.x, viewport.y);
   glClearColor(0.15f, 0.18f, 0.21f, 1);
@@ -98,6 +74,7 @@ std::string Stage::draw(const OrbitCamera& camera, const glm::ivec2& viewport, f
     complete_ = all_read && sent->pending == 0;
     return slice_.draw(*renderer_, view, instance, camera.toTarget());
   }
+  if (showsParts(surface_)) paint_.attach(colorsOf(*model_, surface_, focus), view);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_FRAMEBUFFER_SRGB);
   const auto drawn = renderer_->draw(view, {&instance, 1});

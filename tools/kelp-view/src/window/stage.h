@@ -9,18 +9,16 @@
 #include "kelp/gl/renderer.h"
 #include "model.h"
 #include "orbit_camera.h"
+#include "part_look.h"
+#include "window/part_paint.h"
 #include "window/slice.h"
 
 namespace kelp::view {
 
-// What the colours mean. All except kShaded are surface functions of kelp-view (gl::Config::surface_glsl).
-// kDistances: not of surfaces, but on a slice through the middle of the view.
-enum class Surface { kShaded, kNormals, kLevels, kSteps, kDistances, kCount };
-const char* toString(Surface surface);
-
 class Stage {
  public:
   Model* model() { return model_.get(); }
+  const Model* model() const { return model_.get(); }
   Surface surface() const { return surface_; }
 
   // Both answer an empty text, or what is wrong; after an error everything stays as it was.
@@ -28,7 +26,8 @@ class Stage {
   std::string paint(Surface surface);
 
   // Sends voxels to the GPU and draws. Answers an empty text, or what is wrong.
-  std::string draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel);
+  std::string draw(const OrbitCamera& camera, const glm::ivec2& viewport, float pixels_per_voxel,
+                   const PartFocus& focus);
   const gl::Stats& stats() const { return stats_; }  // of the last draw()
   // whether every voxel is loaded and was drawn
   bool complete() const { return complete_; }
@@ -37,6 +36,7 @@ class Stage {
   std::unique_ptr<Model> model_;
   std::unique_ptr<gl::Renderer> renderer_;  // destroyed before the model that it draws
   Slice slice_;
+  PartPaint paint_;
   Surface surface_ = Surface::kShaded;
   gl::Stats stats_;
   bool complete_ = false;
