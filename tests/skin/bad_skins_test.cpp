@@ -22,6 +22,7 @@ struct BoxSkin {
   std::string more;         // nodes
   std::string joints = "1,2", children = R"("children":[2],)", node = R"("mesh":0,"skin":0)";
   bool animated = true;
+  float bind = 0;  // x where the inverse bind matrices move the joints
   float last_time = 1;
 
   std::string text() const {
@@ -39,9 +40,14 @@ struct BoxSkin {
     std::vector<float> turns{0, 0, 0, 1, turn, 0, 0, 0.8f};
     if (!(last_time > 0)) turns = {turn, 0, 0, 0.8f};
     maker.floats(turns, 4);
+    const std::vector<float> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, bind, 0, 0, 1};
+    std::vector<float> matrices = matrix;
+    matrices.insert(matrices.end(), matrix.begin(), matrix.end());
+    if (bind != 0) maker.add(bytesOf(matrices), 5126, 2, "MAT4");
     return maker.text(
         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}]}],"skins":[{"joints":[)" +
-        joints + R"(]}],"nodes":[{)" + node + R"(},{"name":"root",)" + children +
+        joints + "]" + (bind != 0 ? R"(,"inverseBindMatrices":6)" : "") + R"(}],"nodes":[{)" + node +
+        R"(},{"name":"root",)" + children +
         R"("translation":[0,0,0]},{"name":"tip","translation":[0,0.1,0]})" + more + "]" +
         (animated
              ? std::string(
@@ -124,6 +130,12 @@ TEST_F(BadSkins, NumbersThatAreNone) {
   BoxSkin keys;
   keys.turn = std::numeric_limits<float>::infinity();
   EXPECT_EQ(errorOf(keys), Exit::kInvalid) << message;
+  BoxSkin matrices;
+  matrices.bind = 0.05f;
+  EXPECT_EQ(errorOf(matrices), Exit::kOk) << message;
+  matrices.bind = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(errorOf(matrices), Exit::kInvalid);
+  EXPECT_NE(message.find("inverse bind matrix"), std::string::npos) << message;
 }
 
 TEST_F(BadSkins, AnAnimationWithoutALengthIsAPose) {

@@ -209,5 +209,27 @@ TEST(DivideSkin, SocketsFollowThePartThatMovesAsTheyDo) {
   EXPECT_LT(divided.sockets[0].most, 3);
 }
 
+// Many sockets far away do not make a part's box much larger; one beyond all sense is left out.
+TEST(DivideSkin, FarSocketsAreTakenToTheEnd) {
+  test::SkinnedShape shape = bendingTube(2);
+  SourceSkin& skin = shape.skin();
+  for (int i = 0; i < 20; ++i)
+    skin.sockets.push_back({"far" + std::to_string(i), 1,
+                            glm::translate(glm::dmat4(1), glm::dvec3(0, i % 2 ? 1000.0 : -1000.0, 0))});
+  skin.sockets.push_back({"nowhere", 1, glm::translate(glm::dmat4(1), glm::dvec3(1e9, 0, 0))});
+  const SkinParts divided = divideSkin(shape.model, shape.model.parts[0], shape.frame, shape.whole, 1, {});
+  std::size_t found = 0;
+  for (const SkinPart& part : divided.parts) {
+    EXPECT_LE(part.grid.size.y, 3 * shape.whole.size.y);
+    for (const RigDescription::Socket& socket : part.rig.sockets) {
+      ++found;
+      EXPECT_TRUE(socket.at == 0 || socket.at == 1) << socket.name;
+    }
+  }
+  EXPECT_EQ(found, 20u);
+  ASSERT_EQ(divided.notices.size(), 1u);
+  EXPECT_NE(divided.notices[0].find("nowhere"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kelp::bake

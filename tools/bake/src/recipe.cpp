@@ -13,6 +13,7 @@
 #include "kelp/formats/source.h"
 #include "kelp/formats/verify.h"
 #include "kelp/import/core/files_used.h"
+#include "kelp/rig/json_depth.h"
 
 namespace kelp::bake {
 namespace {
@@ -20,6 +21,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxInfoBytes = std::size_t{16} << 20;
+constexpr int kMaxInfoDepth = 64;
+constexpr std::size_t kMaxInfoMembers = 4096;  // of an object
 
 const Json* member(const Json& object, const char* name) {
   const auto found = object.is_object() ? object.find(name) : object.end();
@@ -84,6 +87,7 @@ Recipe recipeBefore(const std::filesystem::path& input, const Settings& settings
 std::optional<Recipe> recipeNow(const std::string& text, const std::filesystem::path& input,
                                 const Settings& settings, const FilesUsed& told) {
   if (text.size() > kMaxInfoBytes) return std::nullopt;
+  if (nestedDeeper(text, kMaxInfoDepth) || hasLargerObjects(text, kMaxInfoMembers)) return std::nullopt;
   const Json info = Json::parse(text, nullptr, false);
   const Json *source = member(info, "source"), *format = source ? member(*source, "format") : nullptr,
              *options = member(info, "options"), *files = member(info, "files");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The part of a rig's JSON that divides a skin.
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -56,10 +57,13 @@ void readSkin(const Place& place, RigDescription& rig) {
   std::set<std::string> taken;
   int sum = 0;
   for (std::size_t i = 0; i < parts.json.size(); ++i) {
-    sum += rig.skin.emplace_back(readGroup(parts.at(i), taken)).pieces;
+    // A swept part begins as one for each of its joints.
+    const RigDescription::SkinGroup& group = rig.skin.emplace_back(readGroup(parts.at(i), taken));
+    sum += group.knots > 0 ? static_cast<int>(std::min<std::size_t>(group.joints.size(), kMaxSkinParts + 1))
+                           : group.pieces;
     if (sum > kMaxSkinParts)
-      fail(parts,
-           "asks for more than " + std::to_string(kMaxSkinParts) + " parts; a skin becomes at most so many");
+      fail(parts, "asks for more than " + std::to_string(kMaxSkinParts) +
+                      " parts, counting the joints of those that are swept; a skin becomes at most so many");
   }
 }
 

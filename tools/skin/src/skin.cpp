@@ -180,7 +180,7 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
       cutGrids(samples, space, divided.tree, seams, overlapsOf(samples, space, seams, motions), motions,
                divided.owners, whole, surface ? &*surface : nullptr, threads);
   for (std::size_t p = 0; p < grids.size(); ++p) out.parts[p].grid = std::move(grids[p]);
-  addSkinSockets(skin, space, divided.tree, seats.parts, out.parts);
+  addSkinSockets(skin, space, divided.tree, seats.parts, out.parts, out.notices);
   report(1);
   return out;
 }

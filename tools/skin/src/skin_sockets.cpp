@@ -58,7 +58,10 @@ glm::quat turnOf(const glm::dmat3& axes) {
 }  // namespace
 
 void addSkinSockets(const SourceSkin& skin, const SkinSpace& space, const PartTree& tree,
-                    const std::vector<std::uint32_t>& part_of_socket, std::vector<SkinPart>& parts) {
+                    const std::vector<std::uint32_t>& part_of_socket, std::vector<SkinPart>& parts,
+                    std::vector<std::string>& notices) {
+  std::vector<int> heights, grown_below(parts.size(), 0), grown_above(parts.size(), 0);
+  for (const SkinPart& part : parts) heights.push_back(part.grid.size.y);
   for (const bool places : {false, true})  // first the boxes grow
     for (std::size_t i = 0; i < skin.sockets.size(); ++i) {
       const SourceSkin::Socket& socket = skin.sockets[i];
@@ -68,12 +71,21 @@ void addSkinSockets(const SourceSkin& skin, const SkinSpace& space, const PartTr
       const glm::dvec3 size(part.grid.size);
       if (!places) {
         if (tree.sweeps[p]) continue;
-        const int most = part.grid.size.y;
-        const auto layers = [&](double beyond) {
-          return std::min(most, static_cast<int>(std::ceil(beyond)));
+        const auto layers = [&](double beyond, int& grown) {
+          const int room = heights[p] - grown;
+          const int more = !(beyond > 0) ? 0 : beyond < room ? static_cast<int>(std::ceil(beyond)) : room;
+          grown += more;
+          return more;
         };
-        if (seat.at.y < 0 || seat.at.y > size.y)
-          growAlongY(part.grid, std::max(0, layers(-seat.at.y)), std::max(0, layers(seat.at.y - size.y)));
+        const int below = layers(-seat.at.y, grown_below[p]),
+                  above = layers(seat.at.y - size.y, grown_above[p]);
+        if (below + above > 0) growAlongY(part.grid, below, above);
+        continue;
+      }
+      constexpr double kFarthest = 1e6;  // in heights of the part
+      if (!(glm::length(seat.at - 0.5 * size) < kFarthest * size.y)) {
+        notices.push_back("socket '" + socket.name + "' is too far from part '" + part.name +
+                          "' to be on it: it is left out");
         continue;
       }
       RigDescription::Socket& its = part.rig.sockets.emplace_back();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "kelp/skin/skin.h"
@@ -20,8 +21,10 @@ SocketSeats seatSockets(const SourceSkin& skin, const SkinSpace& space, const Pa
                         const std::vector<std::vector<RigDescription::Clip>>& clips);
 
 // Gives the parts their sockets, when they have their grids. The grid of a rigid part grows along y, up to
-// three times its height, where a socket lies beyond it. A socket that lies farther is taken to the end.
+// three times its height, where a socket lies beyond it. A socket that lies farther is taken to the
+// end; of one that is beyond a rig's numbers there is a notice.
 void addSkinSockets(const SourceSkin& skin, const SkinSpace& space, const PartTree& tree,
-                    const std::vector<std::uint32_t>& part_of_socket, std::vector<SkinPart>& parts);
+                    const std::vector<std::uint32_t>& part_of_socket, std::vector<SkinPart>& parts,
+                    std::vector<std::string>& notices);
 
 }  // namespace kelp::bake

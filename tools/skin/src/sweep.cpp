@@ -10,9 +10,11 @@
 namespace kelp::bake {
 namespace {
 
-constexpr double kEnds = 4;        // units that the part goes on beyond its samples, for shared voxels
-constexpr double kNearJoints = 2;  // units: the line passes by joints that are nearer to the one before
-constexpr double kBeside = 1;      // voxels beside the samples
+constexpr double kEnds = 4;            // units that the part goes on beyond its samples, for shared voxels
+constexpr double kMostLayers = 32768;  // voxels along a part: joints may be anywhere
+constexpr double kMostOfBox = 0.25;    // of the cube around the whole: a larger straight part stays rigid
+constexpr double kNearJoints = 2;      // units: the line passes by joints that are nearer to the one before
+constexpr double kBeside = 1;          // voxels beside the samples
 
 // A line through joints; it goes on beyond both ends.
 class Polyline {
@@ -126,8 +128,8 @@ std::vector<double> lengthsAtKnots(const ArcChain& arcs, const std::vector<Knot>
   for (int i = 0; i < arcs.count; ++i) {
     length += 2 * static_cast<double>(arcs.arcs[i].half_length);
     const double y = static_cast<double>(arcs.joints[i + 1].y);
-    if (i + 1 == arcs.count ||
-        y > (static_cast<double>(knots[knot].at) * height) - 1e-3 * height / kMaxArcs) {
+    if (i + 1 == arcs.count || (knot < knots.size() && y > (static_cast<double>(knots[knot].at) * height) -
+                                                               1e-3 * height / kMaxArcs)) {
       lengths.push_back(length);
       ++knot;
     }
@@ -141,6 +143,7 @@ bool layKnots(SkinSweep& sweep, const std::vector<glm::dvec3>& points, double vo
   for (std::size_t k = 1; k < points.size(); ++k)
     lengths.push_back(lengths.back() + voxels * glm::distance(points[k - 1], points[k]));
   for (int round = 0; round < 3; ++round) {
+    if (!(lengths.back() < kMostLayers)) return false;
     sweep.size.y = static_cast<int>(std::ceil(lengths.back() - 1e-3));
     std::vector<double> at;
     for (const double length : lengths) at.push_back(length / lengths.back());
@@ -214,6 +217,9 @@ std::optional<SkinSweep> makeSweep(const SkinSamples& samples, const SourceSkin&
     const glm::vec3 straight = sweep.straightened(sweep.toPart(samples.positions[i]));
     most = glm::max(most, glm::abs(glm::vec2(straight.x, straight.z) - 1.0f));
   }
+  const double side = kSkinSide * space.voxels;
+  const glm::dvec2 across = 2.0 * glm::dvec2(most) + 4.0;
+  if (!(across.x * across.y * sweep.height() <= kMostOfBox * side * side * side)) return std::nullopt;
   sweep.size.x = 2 * static_cast<int>(std::ceil(static_cast<double>(most.x) + kBeside));
   sweep.size.z = 2 * static_cast<int>(std::ceil(static_cast<double>(most.y) + kBeside));
   if (!layKnots(sweep, middles, space.voxels)) return std::nullopt;

@@ -26,6 +26,12 @@ bool isRegular(const glm::dmat4& m) {
   return volume > 1e-30 && std::isfinite(volume);
 }
 
+bool isFinite(const glm::dmat4& m) {
+  for (int column = 0; column < 4; ++column)
+    if (!std::isfinite(glm::dot(m[column], glm::dvec4(1)))) return false;
+  return true;
+}
+
 bool isNear(const glm::dmat4& a, const glm::dmat4& b) {
   double apart = 0, size = 0;
   for (int column = 0; column < 4; ++column) {
@@ -104,6 +110,10 @@ std::vector<glm::dmat4> inverseBindMatrices(const GltfModel& model, int index) {
     model.refuse(place, "has too few inverse bind matrices");
   for (std::size_t j = 0; j < matrices.size(); ++j)
     matrices[j] = glm::dmat4(glm::make_mat4(values.values.data() + 16 * j));
+  for (std::size_t j = 0; j < matrices.size(); ++j)
+    if (!isFinite(matrices[j]))
+      model.refuse(place, "has an inverse bind matrix of " + model.nodeName(skin.joints[j]) +
+                              " with a number that is infinite or none");
   return matrices;
 }
 
@@ -119,7 +129,7 @@ GltfSkins::GltfSkins(const GltfModel& model, const std::vector<std::pair<int, st
     if (model.node(node).mesh >= 0 && !hasJoints(node)) meshes_[node] = rigid(node);
   for (const auto& [node, name] : sockets) {
     const Mesh socket = rigid(node);
-    if (!isRegular(socket.place)) {
+    if (!isRegular(socket.place) || !isFinite(socket.place)) {
       model.note(model.nodeName(node) + ": no socket is made of it: its place or scale is beyond sense");
       continue;
     }
@@ -311,9 +321,13 @@ void GltfSkins::addClip(const std::string& name, const std::vector<std::size_t>&
       const glm::dmat4 local = animated[at] ? posed[at].matrix() : localMatrix(model_.node(node));
       world[at] = parentOf(node) < 0 ? local : world[static_cast<std::size_t>(parentOf(node))] * local;
     }
-    for (std::size_t j = 0; j < nodes_.size(); ++j)
-      clip.motions.emplace_back(nodes_[j] < 0 ? glm::dmat4(1)
-                                              : world[static_cast<std::size_t>(nodes_[j])] * from_world_[j]);
+    for (std::size_t j = 0; j < nodes_.size(); ++j) {
+      const glm::dmat4 motion =
+          nodes_[j] < 0 ? glm::dmat4(1) : world[static_cast<std::size_t>(nodes_[j])] * from_world_[j];
+      if (!isFinite(motion))
+        model_.refuse(place, "moves " + model_.nodeName(nodes_[j]) + " beyond all numbers");
+      clip.motions.emplace_back(motion);
+    }
   }
   skin_.clips.push_back(std::move(clip));
 }
