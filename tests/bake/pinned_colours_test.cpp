@@ -137,7 +137,7 @@ TEST_P(PinnedColours, AreWhereTheyBelongInTheWorld) {
   const auto parts = asset->pack().parts();
   const bool swept =
       std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.bend == Bend::kSweep; });
-  const float spare = swept ? 8 * voxel : 1.1f * voxel;
+  const float spare = swept ? 12 * voxel : 1.1f * voxel;
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_LE(box.min[axis], file.low[axis] + 1.1f * voxel) << "axis " << axis;
     EXPECT_GE(box.min[axis], file.low[axis] - spare) << "axis " << axis;
