@@ -2,11 +2,10 @@
 // Gaps between the parts of a skin: within its clips, and between two clips that are cross-faded.
 //
 // At rest the parts share voxels around their seams, so a point of the surface there is drawn by two parts
-// (or more). In a pose they draw it at two places. The surface between its neighbours on both sides must lead
-// from the one place to the other, so the straight line between the two is where a gap would open. What of
-// that line is inside a voxel of any part is closed. A point of it that is d voxels away from the nearest
-// voxel is the middle of a gap that is 2 d wide. So steps do not count, and overlaps close what they really
-// cover; a hole that shows something inside the body instead of the sky counts, which no silhouette shows.
+// (or more). In a pose they draw it at two places. A gap would open on the straight line between the two. The
+// line is closed where it is inside a voxel of any part. Where a point of it is d voxels away from the
+// nearest voxel, a gap is 2 d wide. So a step is no gap, and an overlap closes what it covers. A hole that
+// shows the inside of the body counts too, which no silhouette shows.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -42,9 +42,9 @@ std::vector<SeamMotion> motionsAtSeams(const SkinSamples& samples, const SkinMom
 std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
                                const std::vector<Seam>& seams, const std::vector<SeamMotion>& motions);
 
-// The voxels of each part, with those that it shares: of a rigid one as a box of the whole grid, of a swept
-// one straightened, from `surface`, which is null if none is. A part does not share what it would push out of
-// its neighbour's surface, at one of the moments.
+// The voxels of each part, with those that it shares. A rigid part gets a box of the whole grid. A swept part
+// gets its voxels straightened; `surface` says how they look, and is null if no part is swept. A part does
+// not share a voxel that it would push out of its neighbour's surface at one of the moments.
 std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space, const PartTree& tree,
                                 const std::vector<Seam>& seams, const std::vector<double>& overlaps,
                                 const std::vector<SeamMotion>& motions, const VoxelOwners& owners,
