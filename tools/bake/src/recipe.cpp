@@ -9,11 +9,11 @@
 
 #include "info_json.h"
 #include "kelp/common/hash.h"
+#include "kelp/common/json_depth.h"
 #include "kelp/formats/pack.h"
 #include "kelp/formats/source.h"
 #include "kelp/formats/verify.h"
 #include "kelp/import/core/files_used.h"
-#include "kelp/rig/json_depth.h"
 
 namespace kelp::bake {
 namespace {

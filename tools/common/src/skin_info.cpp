@@ -5,30 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kelp/common/json_depth.h"
+
 namespace kelp {
 namespace {
 
 constexpr double kFarthest = 1e6;  // voxels: more than any part has along a side
-
-// Deep nesting would recurse when the document goes; what kelp-bake writes is 5 levels deep.
-bool isNestedLittle(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      i += c == '\\' ? 1 : 0;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > 32) return false;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return true;
-}
+constexpr int kMaxDepth = 32;      // what kelp-bake writes is 5 levels deep
 
 // Null if there is none.
 const nlohmann::json* memberOf(const nlohmann::json& object, const char* key) {
@@ -56,7 +39,7 @@ std::optional<PartFit> fitOf(const nlohmann::json& part) {
 
 std::vector<PartSkin> readSkin(std::string_view info_json, std::size_t parts) {
   std::vector<PartSkin> skin(parts);
-  if (!isNestedLittle(info_json)) return skin;
+  if (nestedDeeper(info_json, kMaxDepth)) return skin;
   const nlohmann::json info = nlohmann::json::parse(info_json, nullptr, false);
   const nlohmann::json* const whole = memberOf(info, "skin");
   const nlohmann::json* const list = whole ? memberOf(*whole, "parts") : nullptr;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "kelp/rig/json_depth.h"
+#include "kelp/common/json_depth.h"
 #include "kelp/rig/rig.h"
 
 namespace kelp::rig {

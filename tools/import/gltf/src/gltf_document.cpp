@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "gltf_json.h"
-#include "kelp/rig/json_depth.h"
+#include "kelp/common/json_depth.h"
 
 namespace kelp::bake {
 namespace {

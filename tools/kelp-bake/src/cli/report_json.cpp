@@ -9,8 +9,8 @@
 
 #include "cli/summary.h"
 #include "kelp/common/console.h"
+#include "kelp/common/json_depth.h"
 #include "kelp/common/output_file.h"
-#include "kelp/rig/json_depth.h"
 
 namespace kelp::bake_cli {
 namespace {

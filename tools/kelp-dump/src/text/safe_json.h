@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kelp/rig/json_depth.h"
+#include "kelp/common/json_depth.h"
 
 namespace kelp::dump {
 
