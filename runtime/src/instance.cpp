@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "kelp/runtime/instance.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <glm/glm.hpp>
@@ -64,16 +66,22 @@ float bentHeight(const Part& part, std::span<const Knot> knots, float rest_y) {
   return static_cast<float>(part.size.y) * low + rest_y * (knots.back().position.y - low);
 }
 
+// The arcs of a part, made in `room`; null if it is not swept, or cannot be drawn.
+const ArcChain* arcsOf(const PosedPart& posed, ArcChain& room) {
+  return posed.isSwept() && posed.arcs(room) ? &room : nullptr;
+}
+
 // The frame of a rest point (part space) of a part that `to_space` takes to some space: orthonormal and
-// right-handed. y points along the spline.
-glm::mat4 frameIn(const PosedPart& posed, const glm::mat4& to_space, const glm::vec3& rest) {
+// right-handed. y points along the spline. `arcs`: those of the part.
+glm::mat4 frameIn(const PosedPart& posed, const ArcChain* arcs, const glm::mat4& to_space,
+                  const glm::vec3& rest) {
   glm::vec3 along(0, 1, 0), x(1, 0, 0), z(0, 0, 1), at = rest;
-  if (ArcChain chain; posed.isSwept() && posed.arcs(chain)) {
-    const glm::mat4x3 section = sectionAt(chain, rest.y);
+  if (arcs) {
+    const glm::mat4x3 section = sectionAt(*arcs, rest.y);
     along = section[1];
     x = section[0];
     z = section[2];
-    at = sweepPoint(chain, posed.part->size, rest);
+    at = sweepPoint(*arcs, posed.part->size, rest);
   } else if (!posed.isSwept()) {
     const SplinePoint on = splineAtHeight(posed.knots, static_cast<float>(posed.part->size.y),
                                           bentHeight(*posed.part, posed.knots, rest.y));
@@ -93,18 +101,65 @@ glm::mat4 frameIn(const PosedPart& posed, const glm::mat4& to_space, const glm::
                    to_space * glm::vec4(at, 1.0f));
 }
 
+glm::mat4 frameIn(const PosedPart& posed, const glm::mat4& to_space, const glm::vec3& rest) {
+  ArcChain room;
+  return frameIn(posed, arcsOf(posed, room), to_space, rest);
+}
+
 // The rest point at a place of the axis, `offset` heights from the middle line; part space.
 glm::vec3 onAxis(const Part& part, float at, const glm::vec2& offset) {
   const glm::vec3 size(part.size);
   return {0.5f * size.x + offset.x * size.y, at * size.y, 0.5f * size.z + offset.y * size.y};
 }
 
-// How something that hangs on a parent's spline at `at` moves when the parent bends; object space.
-glm::mat4 hanging(const PosedPart& parent, float at) {
-  const glm::mat4 to_object = affine(parent.part->to_object);
-  const glm::vec3 place = onAxis(*parent.part, at, glm::vec2(0));
-  const glm::mat4 rest = frameIn({parent.part, parent.part->knots, parent.part->roll}, to_object, place);
-  return frameIn(parent, to_object, place) * glm::affineInverse(rest);
+// How parts of one pose of an instance move with the splines on which they hang: worked out once a part, and
+// the arcs of a spline once for the parts on it that follow one another. Kept on the stack; allocates
+// nothing.
+class Hangings {
+ public:
+  Hangings() { parts_.fill(-1); }
+  // Of a part that hangs on its parent's spline; object space.
+  const glm::mat4& of(const Instance& instance, int part);
+
+ private:
+  static constexpr std::size_t kPlaces = 32;  // a part's is its index modulo this
+  std::array<int, kPlaces> parts_;
+  std::array<glm::mat4, kPlaces> matrices_;
+  int parent_ = -1;  // whose arcs these are, as posed and at rest; null: not swept, or it cannot be drawn
+  ArcChain posed_, rest_;
+  const ArcChain *posed_arcs_ = nullptr, *rest_arcs_ = nullptr;
+};
+const glm::mat4& Hangings::of(const Instance& instance, int part) {
+  const std::size_t place = static_cast<std::size_t>(part) % kPlaces;
+  if (parts_[place] == part) return matrices_[place];
+  const Part& hanging = partOf(instance, part);
+  const PosedPart posed = posedPart(instance, hanging.parent);
+  const PosedPart rest{posed.part, posed.part->knots, posed.part->roll};
+  if (parent_ != hanging.parent) {
+    posed_arcs_ = arcsOf(posed, posed_);
+    rest_arcs_ = arcsOf(rest, rest_);
+    parent_ = hanging.parent;
+  }
+  const glm::mat4 to_object = affine(posed.part->to_object);
+  const glm::vec3 at = onAxis(*posed.part, hanging.parent_at, glm::vec2(0));
+  parts_[place] = part;
+  matrices_[place] = frameIn(posed, posed_arcs_, to_object, at) *
+                     glm::affineInverse(frameIn(rest, rest_arcs_, to_object, at));
+  return matrices_[place];
+}
+
+// partToWorld(), for several parts of one pose.
+glm::mat4 partToWorld(const Instance& instance, int part, Hangings& hangings) {
+  if (!isPart(instance, part)) return glm::mat4(1);
+  const std::span<const Part> parts = instance.asset->pack().parts();
+  glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
+  if (!instance.pose || part >= instance.pose->parts()) return instance.to_world * matrix;
+  for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
+    const Part& moved = parts[static_cast<std::size_t>(i)];
+    if (!isRest(*instance.pose->motion(i))) matrix = motionMatrix(moved, *instance.pose->motion(i)) * matrix;
+    if (hangsOnSpline(moved)) matrix = hangings.of(instance, i) * matrix;
+  }
+  return instance.to_world * matrix;
 }
 
 }  // namespace
@@ -143,26 +198,24 @@ glm::vec3 toObject(const Instance& instance, int part, const glm::vec3& voxels) 
 }
 
 glm::mat4 partToWorld(const Instance& instance, int part) {
-  if (!isPart(instance, part)) return glm::mat4(1);
-  const std::span<const Part> parts = instance.asset->pack().parts();
-  glm::mat4 matrix = affine(parts[static_cast<std::size_t>(part)].to_object);
-  if (!instance.pose || part >= instance.pose->parts()) return instance.to_world * matrix;
-  for (int i = part; i >= 0; i = parts[static_cast<std::size_t>(i)].parent) {
-    const Part& moved = parts[static_cast<std::size_t>(i)];
-    if (!isRest(*instance.pose->motion(i))) matrix = motionMatrix(moved, *instance.pose->motion(i)) * matrix;
-    if (hangsOnSpline(moved)) matrix = hanging(posedPart(instance, moved.parent), moved.parent_at) * matrix;
-  }
-  return instance.to_world * matrix;
+  Hangings hangings;
+  return partToWorld(instance, part, hangings);
+}
+
+void partsToWorld(const Instance& instance, std::span<glm::mat4> out) {
+  Hangings hangings;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = partToWorld(instance, static_cast<int>(i), hangings);
 }
 
 Box bounds(const Instance& instance) {
   Box all;
   if (!instance.asset) return all;
   const std::span<const Part> parts = instance.asset->pack().parts();
+  Hangings hangings;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const PosedPart posed = posedPart(instance, static_cast<int>(i));
     if (posed.knots.size() < 2) continue;
-    const Box box = transformed(partToWorld(instance, static_cast<int>(i)), boundsOf(posed));
+    const Box box = transformed(partToWorld(instance, static_cast<int>(i), hangings), boundsOf(posed));
     all.add(box.min);
     all.add(box.max);
   }

@@ -242,5 +242,41 @@ TEST(Lifetimes, ModelsMoveInAVector) {
   }
 }
 
+// More leaves than are remembered, on two stems in turn, with a bud on each: one call gives what many give.
+TEST(Hanging, AllPartsAtOnceAreWhereEachIs) {
+  RawPack pack = stemAndLeaf();
+  RawPart stem = pack.parts[0];
+  stem.name = "swept stem";
+  stem.bend = Bend::kSweep;
+  stem.knots = straight({0, 0.5f, 1});
+  RawPart leaf = pack.parts[1];
+  pack.parts.push_back(stem);
+  for (int i = 0; i < 45; ++i) {
+    leaf.name = "leaf " + std::to_string(i);
+    leaf.parent = i % 3 == 0 ? 0 : 2;
+    leaf.parent_at = static_cast<float>(i % 10) / 10;
+    pack.parts.push_back(leaf);
+    RawPart bud = leaf;
+    bud.name = "bud " + std::to_string(i);
+    bud.parent = static_cast<int>(pack.parts.size()) - 1;
+    bud.parent_at = i % 2 ? 0.5f : Part::kNotOnSpline;
+    pack.parts.push_back(bud);
+  }
+  Scene scene(pack);
+  scene.bend();
+  ASSERT_TRUE(scene.pose.move(2, 2, {0.2f, -0.05f, 0.1f}));
+  std::vector<glm::mat4> worlds(pack.parts.size() + 1, glm::mat4(7));
+  partsToWorld(scene.instance, worlds);
+  for (std::size_t i = 0; i < pack.parts.size(); ++i)
+    EXPECT_EQ(worlds[i], partToWorld(scene.instance, static_cast<int>(i))) << pack.parts[i].name;
+  EXPECT_EQ(worlds.back(), glm::mat4(1));  // there is no such part
+  // The leaves on the swept stem went with it.
+  const Pose rest = *Pose::create(*scene.loaded.asset);
+  Instance still = scene.instance;
+  still.pose = &rest;
+  EXPECT_GT(glm::distance(worlds[11][3], partToWorld(still, 11)[3]), 0.01f);
+  EXPECT_EQ(pack.parts[11].parent, 2);
+}
+
 }  // namespace
 }  // namespace kelp::runtime

@@ -141,7 +141,7 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     if (const Error* const error = addPalette(instance.palette, palette)) return error;
     palette |= kOwnPalette;
   }
-  bool is_drawn = false;
+  bool is_drawn = false, is_moved = false;
   for (std::uint32_t part = 0; part < parts.size(); ++part) {
     const std::span<const Knot> knots =
         instance.pose ? instance.pose->knots(static_cast<int>(part)) : parts[part].knots;
@@ -178,7 +178,11 @@ const Error* DrawList::addInstance(const Frame& frame, ResidentAsset& asset,
     posed.to_world[k] = &instance.to_world;
     posed.to_object[k] = &parts[part].to_object;
     if (instance.pose && moves(*instance.pose, parts, static_cast<int>(part))) {
-      moved_[i] = runtime::partToWorld(instance, static_cast<int>(part));
+      if (!std::exchange(is_moved, true)) {
+        if (!grow(worlds_, parts.size())) return &kNoMemoryForFrame;
+        runtime::partsToWorld(instance, {worlds_.data(), parts.size()});
+      }
+      moved_[i] = worlds_[part];
       posed.to_world[k] = &moved_[i];
       posed.to_object[k] = &kSame;
       // place() checks the others' matrices.

@@ -26,6 +26,7 @@ class DrawList {
 
   DrawList(const Allocator& allocator, const LogSink& log)
       : log_(log),
+        worlds_(allocator),
         order_(allocator),
         sorted_(allocator),
         records_(allocator),
@@ -123,7 +124,8 @@ class DrawList {
   ArcChain chain_;
   std::size_t waiting_ = 0;
   LogSink log_;
-  Buffer<Ordered> order_;  // the first count_
+  Buffer<glm::mat4> worlds_;  // part -> world of one instance that moves as a whole
+  Buffer<Ordered> order_;     // the first count_
   Buffer<Ordered> sorted_;
   Buffer<glm::uvec4> records_;  // the first texels_
   Buffer<glm::uvec4> arcs_;     // of the block's swept parts, as in the records; the first arc_texels_

@@ -30,6 +30,9 @@ struct Instance {
 // Part space (level-0 voxels) -> world, including the motion of the part and of its ancestors. The identity
 // for a part that does not exist.
 glm::mat4 partToWorld(const Instance& instance, int part);
+// The same of the first parts, as many as there are matrices. It takes less time than a call for each where
+// parts hang on swept splines.
+void partsToWorld(const Instance& instance, std::span<glm::mat4> out);
 // A box in the world that contains the deformed instance. Empty if `asset` is null.
 Box bounds(const Instance& instance);
 
