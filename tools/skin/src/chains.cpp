@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "collapse.h"
 #include "kelp/common/parallel.h"
 #include "sweep_fit.h"
-#include "tree.h"
 
 namespace kelp::bake {
 namespace {
@@ -58,31 +58,36 @@ struct Costs {
   double errors = 0, seams = 0;
 };
 Costs rigidCosts(const SkinSamples& samples, const SkinMoments& moments, const SkinLabels& labels,
-                 const std::vector<std::vector<std::uint32_t>>& members, const std::vector<bool>& inside) {
+                 const std::vector<std::uint32_t>& along) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> members;  // of each part
+  for (const std::uint32_t i : along) members[labels.parts[i]].push_back(i);
   Costs costs;
-  std::vector<std::vector<glm::dmat4x3>> motions(members.size());
-  for (std::size_t p = 0; p < members.size(); ++p) {
-    if (!inside[p]) continue;
-    motions[p] = fitRigid(samples, moments, members[p], labels.joints[p]);
+  std::map<std::uint32_t, std::vector<glm::dmat4x3>> motions;
+  const double share = 1 / static_cast<double>(moments.size());
+  for (const auto& [part, its] : members) {
+    const std::vector<glm::dmat4x3>& motion = motions[part] =
+        fitRigid(samples, moments, its, labels.joints[part]);
     for (std::size_t t = 0; t < moments.size(); ++t)
-      for (const std::uint32_t i : members[p]) {
+      for (const std::uint32_t i : its) {
         const glm::dvec3 off =
-            motions[p][t] * glm::dvec4(samples.positions[i], 1) - skinnedPoint(samples, i, moments, t);
-        costs.errors += samples.areas[i] * glm::dot(off, off) / static_cast<double>(moments.size());
+            motion[t] * glm::dvec4(samples.positions[i], 1) - skinnedPoint(samples, i, moments, t);
+        costs.errors += samples.areas[i] * glm::dot(off, off) * share;
       }
   }
-  for (const Seam& seam : findSeams(samples, labels)) {
-    if (!inside[seam.a] || !inside[seam.b]) continue;
-    costs.seams += seam.length;
-    for (const std::uint32_t e : seam.edges) {
-      const SkinSamples::Edge& edge = samples.edges[e];
-      const glm::dvec4 x(0.5 * (samples.positions[edge.a] + samples.positions[edge.b]), 1);
+  for (const std::uint32_t i : along)
+    for (std::size_t k = samples.first_neighbour[i]; k < samples.first_neighbour[i + 1]; ++k) {
+      const auto& [other, width] = samples.neighbours[k];
+      // Each pair once, of two parts along the chain.
+      if (other < i || labels.parts[other] == labels.parts[i] || !members.contains(labels.parts[other]))
+        continue;
+      costs.seams += width;
+      const glm::dvec4 x(0.5 * (samples.positions[i] + samples.positions[other]), 1);
+      const auto &a = motions[labels.parts[i]], &b = motions[labels.parts[other]];
       for (std::size_t t = 0; t < moments.size(); ++t) {
-        const glm::dvec3 step = motions[seam.a][t] * x - motions[seam.b][t] * x;
-        costs.seams += edge.width * glm::dot(step, step) / static_cast<double>(moments.size());
+        const glm::dvec3 step = a[t] * x - b[t] * x;
+        costs.seams += width * glm::dot(step, step) * share;
       }
     }
-  }
   return costs;
 }
 
@@ -117,7 +122,7 @@ bool sweepChain(const SkinSamples& samples, const SourceSkin& skin, const SkinMo
   std::vector<std::uint32_t> along;
   for (std::uint32_t i = 0; i < samples.size(); ++i)
     if (inside[labels.parts[i]]) along.push_back(i);
-  const Costs rigid = rigidCosts(samples, moments, labels, labels.members(), inside);
+  const Costs rigid = rigidCosts(samples, moments, labels, along);
   // Closed seams do not make up for a surface that is much farther off, unless that is near enough.
   double area = 0;
   for (const std::uint32_t i : along) area += samples.areas[i];

@@ -9,18 +9,23 @@
 
 namespace kelp::bake {
 
+std::vector<glm::vec3> straightPlaces(const SkinSamples& samples, const SkinLabels& labels,
+                                      const PartTree& tree) {
+  std::vector<glm::vec3> straight(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (const auto& sweep = tree.sweeps[labels.parts[i]])
+      straight[i] = sweep->straightened(sweep->toPart(samples.positions[i]));
+  return straight;
+}
+
 ClipFit measureClip(const SkinSamples& samples, const SourceSkin& skin, std::uint32_t clip,
                     const SkinSpace& space, const SkinLabels& labels, const PartTree& tree,
-                    const std::vector<RigDescription::Clip>& keys) {
+                    const std::vector<glm::vec3>& straight, const std::vector<RigDescription::Clip>& keys) {
   constexpr int kMoments = 12;
   const std::vector<double> times = evenTimes(skin.clips[clip], kMoments);
   const SkinMoments moments = momentsAt(skin, clip, times, space, 1);
   ClipFit fit;
   fit.all.clip = skin.clips[clip].name;
-  std::vector<glm::vec3> straight(samples.size());  // of those in swept parts
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    if (const auto& sweep = tree.sweeps[labels.parts[i]])
-      straight[i] = sweep->straightened(sweep->toPart(samples.positions[i]));
   struct List {
     std::vector<double> distances, areas;
     void add(double distance, double area) {

@@ -148,8 +148,14 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
   SkinParts out;
   if (plan) out.notices = departures(*plan, skin, divided.labels, divided.tree, stiff);
   std::vector<SkinDistances> worst(divided.labels.joints.size());
-  for (std::uint32_t c = 0; c < skin.clips.size(); ++c) {
-    ClipFit fit = measureClip(samples, skin, c, space, divided.labels, divided.tree, divided.clips[c]);
+  const std::vector<glm::vec3> straight = straightPlaces(samples, divided.labels, divided.tree);
+  std::vector<ClipFit> fits(skin.clips.size());
+  parallelRanges(fits.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      fits[c] = measureClip(samples, skin, static_cast<std::uint32_t>(c), space, divided.labels, divided.tree,
+                            straight, divided.clips[c]);
+  });
+  for (ClipFit& fit : fits) {
     out.fits.push_back(std::move(fit.all));
     for (std::size_t p = 0; p < worst.size(); ++p)
       if (fit.parts[p].p95 > worst[p].p95) worst[p] = fit.parts[p];

@@ -103,6 +103,15 @@ SocketSeats seatSockets(const SourceSkin& skin, const SkinSpace& space, const Pa
   // How far each part takes each socket from its joint at most, and in which clip.
   std::vector<double> most(count * parts, 0);
   std::vector<std::uint32_t> worst(count * parts, 0);
+  // Of each socket in the bind pose, and of each part that is swept, straight.
+  std::vector<glm::dvec3> places;
+  std::vector<glm::vec3> straight(count * parts);
+  for (const SourceSkin::Socket& socket : skin.sockets)
+    places.emplace_back(space.from_soup * socket.place[3]);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t p = 0; p < parts; ++p)
+      if (tree.sweeps[p])
+        straight[i * parts + p] = tree.sweeps[p]->straightened(tree.sweeps[p]->toPart(places[i]));
   for (std::uint32_t c = 0; c < clips.size() && count > 0; ++c) {
     const std::vector<double> times = evenTimes(skin.clips[c], kMoments);
     const SkinMoments moments = momentsAt(skin, c, times, space, 1);
@@ -112,11 +121,9 @@ SocketSeats seatSockets(const SourceSkin& skin, const SkinSpace& space, const Pa
         std::optional<PosedSweep> swept;
         if (tree.sweeps[p]) swept.emplace(*tree.sweeps[p], poses[p]);
         for (std::size_t i = 0; i < count; ++i) {
-          const glm::dvec3 at(space.from_soup * skin.sockets[i].place[3]);
-          const glm::dvec3 posed = swept ? swept->at(tree.sweeps[p]->straightened(tree.sweeps[p]->toPart(at)))
-                                         : poses[p].motion * glm::dvec4(at, 1);
-          const double off =
-              glm::distance(posed, moments.motion(t, skin.sockets[i].joint) * glm::dvec4(at, 1));
+          const glm::dvec4 at(places[i], 1);
+          const glm::dvec3 posed = swept ? swept->at(straight[i * parts + p]) : poses[p].motion * at;
+          const double off = glm::distance(posed, moments.motion(t, skin.sockets[i].joint) * at);
           if (off <= most[i * parts + p]) continue;
           most[i * parts + p] = off;
           worst[i * parts + p] = c;
