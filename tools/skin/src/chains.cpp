@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "collapse.h"
-#include "kelp/common/parallel.h"
 #include "sweep_fit.h"
 
 namespace kelp::bake {
@@ -95,18 +94,11 @@ std::optional<double> sweptCost(const SkinSamples& samples, const SkinMoments& m
                                 const SkinSweep& sweep, const std::vector<std::uint32_t>& members,
                                 int threads) {
   const SweepFit fit(samples, sweep, members);
-  std::vector<double> squares(moments.size(), -1);
-  parallelRanges(moments.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
-      if (const std::optional<SkinPose> pose = fit.pose(moments, t))
-        squares[t] = fit.meanSquare(*pose, moments, t);
-  });
+  const SweepFit::Poses poses = fit.poses(moments, threads);
+  if (poses.fold()) return std::nullopt;
   double area = 0, sum = 0;
   for (const std::uint32_t i : members) area += samples.areas[i];
-  for (const double square : squares) {
-    if (square < 0) return std::nullopt;
-    sum += square;
-  }
+  for (std::size_t t = 0; t < moments.size(); ++t) sum += fit.meanSquare(poses.of_moments[t], moments, t);
   return area * sum / static_cast<double>(moments.size());
 }
 

@@ -166,20 +166,14 @@ glm::dmat4x3 localAt(const RigDescription::Clip& clip, const glm::dvec3& pivot, 
 std::vector<SkinPose> fitPart(const SkinSamples& samples, const SkinMoments& moments,
                               const std::vector<std::uint32_t>& members, std::uint32_t joint,
                               const std::optional<SkinSweep>& sweep) {
-  std::vector<SkinPose> poses(moments.size());
   if (!sweep) {
+    std::vector<SkinPose> poses(moments.size());
     const std::vector<glm::dmat4x3> motions = fitRigid(samples, moments, members, joint);
     for (std::size_t t = 0; t < motions.size(); ++t) poses[t].motion = motions[t];
     return poses;
   }
-  const SweepFit fit(samples, *sweep, members);
-  // Where it would fold, it stays as it was.
-  SkinPose last{glm::dmat4x3(1), sweep->knots};
-  for (std::size_t t = 0; t < poses.size(); ++t) {
-    if (std::optional<SkinPose> pose = fit.pose(moments, t)) last = *std::move(pose);
-    poses[t] = last;
-  }
-  return poses;
+  // If they fold, so does the clip, and the part will be rigid.
+  return SweepFit(samples, *sweep, members).poses(moments, 1).of_moments;
 }
 
 // How far two poses of a part are apart: of rigid parts at the farthest of their samples, of swept ones at

@@ -81,17 +81,6 @@ std::vector<std::size_t> countParts(const SkinPlan& plan, const SkinLabels& labe
   return counts;
 }
 
-// The first moment at which the part folds, or the number of moments.
-std::size_t foldingMoment(const SkinSamples& samples, const SkinMoments& moments, const SkinSweep& sweep,
-                          const std::vector<std::uint32_t>& members, int threads) {
-  const SweepFit fit(samples, sweep, members);
-  std::vector<std::uint8_t> folds(moments.size(), 0);
-  parallelRanges(moments.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) folds[t] = !fit.pose(moments, t);
-  });
-  return static_cast<std::size_t>(std::find(folds.begin(), folds.end(), 1) - folds.begin());
-}
-
 }  // namespace
 
 std::vector<std::string> jointNames(const SourceSkin& skin) {
@@ -200,9 +189,10 @@ void sweepAsPlanned(const SkinSamples& samples, const SourceSkin& skin, const Sk
       stiff.emplace(group.top, "it would fold in the bind pose, or its joints are in one place");
       continue;
     }
-    const std::size_t moment = foldingMoment(samples, moments, *sweep, along, threads);
-    if (moment < moments.size())
-      stiff.emplace(group.top, "it would fold in clip '" + skin.clips[moments.clips[moment]].name + "'");
+    const SweepFit::Poses poses = SweepFit(samples, *sweep, along).poses(moments, threads);
+    if (poses.fold())
+      stiff.emplace(group.top,
+                    "it would fold in clip '" + skin.clips[moments.clips[poses.folding]].name + "'");
     else
       joinParts(inside, chain, labels);
   }

@@ -127,9 +127,7 @@ std::vector<SeamMotion> motionsAtSeams(const SkinSamples& samples, const SkinMom
       rigid[p] = fitRigid(samples, moments, members[p], labels.joints[p]);
       continue;
     }
-    const SweepFit fit(samples, *tree.sweeps[p], members[p]);
-    for (std::size_t t = 0; t < moments.size(); ++t)
-      swept[p].push_back(fit.pose(moments, t).value_or(SkinPose{glm::dmat4x3(1), tree.sweeps[p]->knots}));
+    swept[p] = SweepFit(samples, *tree.sweeps[p], members[p]).poses(moments, 1).of_moments;
   }
   // A swept part moves there as its section at the seam's middle.
   const auto motionsOf = [&](std::uint32_t part, const Seam& seam) {

@@ -2,8 +2,10 @@
 #include "sweep_fit.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
+#include "kelp/common/parallel.h"
 #include "rigid.h"
 #include "solve.h"
 
@@ -235,28 +237,39 @@ std::optional<SweepFit::Curve> SweepFit::improve(Curve curve, const std::vector<
   return curve;
 }
 
-std::optional<SkinPose> SweepFit::pose(const SkinMoments& moments, std::size_t moment) const {
+bool SweepFit::pose(const SkinMoments& moments, std::size_t moment, double stiffness, SkinPose& pose) const {
   const std::vector<glm::dvec3> wanted = drawn(moments, moment);
-  const Curve first = begin(wanted);
-  std::optional<Curve> found;
-  SkinPose pose;
-  // Ever stiffer, until it does not fold.
-  for (const double stiffness : {0.0, 0.3, 3.0, 30.0}) {
-    found = improve(first, wanted, stiffness);
-    if (!found) return std::nullopt;
-    pose.knots = knotsOf(*found);
-    if (checkSweep(pose.knots, sweep_.size + kSpare)) break;
-    found.reset();
-  }
-  if (!found) return std::nullopt;
-  const glm::dmat3 turn = found->frame();
+  Curve curve = begin(wanted);
+  const std::optional<Curve> found = improve(curve, wanted, stiffness);
+  if (found) curve = *found;
+  pose.knots = knotsOf(curve);
+  const glm::dmat3 turn = curve.frame();
   const glm::dvec3 corner = sweep_.corner();
   // In part space the first knot goes from `corner` to its place; in skin space that is the same turn, seen
   // along other axes.
   const glm::dmat3 axes = linearOf(sweep_.place), spun = axes * turn * glm::inverse(axes);
-  const glm::dvec3 from = sweep_.toSkin(corner), to = sweep_.toSkin(found->places[0]);
+  const glm::dvec3 from = sweep_.toSkin(corner), to = sweep_.toSkin(curve.places[0]);
   pose.motion = rigid(spun, to - spun * from);
-  return pose;
+  return !found || !checkSweep(pose.knots, sweep_.size + kSpare);
+}
+
+SweepFit::Poses SweepFit::poses(const SkinMoments& moments, int threads) const {
+  constexpr double kStiffest = 30;
+  Poses out;
+  out.of_moments.resize(moments.size());
+  for (const double stiffness : {0.0, 0.1, 0.3, 1.0, 3.0, 10.0, kStiffest}) {
+    std::vector<std::uint8_t> folds(moments.size(), 0);
+    std::atomic<bool> too_soft{false};  // then the others need no answer
+    parallelRanges(moments.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end && !too_soft; ++t) {
+        folds[t] = pose(moments, t, stiffness, out.of_moments[t]);
+        if (folds[t] && stiffness < kStiffest) too_soft = true;
+      }
+    });
+    out.folding = static_cast<std::size_t>(std::find(folds.begin(), folds.end(), 1) - folds.begin());
+    if (!out.fold()) break;
+  }
+  return out;
 }
 
 double SweepFit::meanSquare(const SkinPose& pose, const SkinMoments& moments, std::size_t moment) const {

@@ -16,9 +16,15 @@ class SweepFit {
  public:
   SweepFit(const SkinSamples& samples, const SkinSweep& sweep, const std::vector<std::uint32_t>& members);
 
+  struct Poses {
+    std::vector<SkinPose> of_moments;
+    std::size_t folding = 0;  // the first moment in whose pose the part folds; their number: none
+    bool fold() const { return folding < of_moments.size(); }
+  };
   // Least squares over places and tangents of all knots and a roll of the whole (README.md has the method).
-  // nullopt if the part folds.
-  std::optional<SkinPose> pose(const SkinMoments& moments, std::size_t moment) const;
+  // All poses are as stiff as the one that folds most easily must be: what became stiffer on the way would
+  // jump.
+  Poses poses(const SkinMoments& moments, int threads) const;
 
   // The mean squared distance, weighted by area, of the samples that are fitted to; in skin space.
   double meanSquare(const SkinPose& pose, const SkinMoments& moments, std::size_t moment) const;
@@ -38,6 +44,8 @@ class SweepFit {
   std::optional<Reached> reach(Curve& curve, const std::vector<glm::dvec3>& drawn) const;
   Curve step(const Curve& curve, const Reached& reached, const std::vector<glm::dvec3>& drawn,
              double stiffness) const;
+  // Whether the part would fold in it, or nearly.
+  bool pose(const SkinMoments& moments, std::size_t moment, double stiffness, SkinPose& pose) const;
   std::optional<Curve> improve(Curve curve, const std::vector<glm::dvec3>& drawn, double stiffness) const;
   std::vector<Knot> knotsOf(const Curve& curve) const;
 
