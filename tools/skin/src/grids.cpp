@@ -5,12 +5,12 @@
 #include <functional>
 #include <map>
 #include <queue>
+#include <unordered_map>
 #include <utility>
 
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
 #include "kelp/fields/fields.h"
-#include "rigid.h"
 #include "share.h"
 #include "straight_grid.h"
 
@@ -27,146 +27,116 @@ struct Box {
 // Finds the voxels that parts share.
 class Overlap {
  public:
-  Overlap(const SkinSamples& samples, const SkinSpace& space, const std::vector<Seam>& seams,
-          const std::vector<double>& overlaps, const std::vector<SeamMotion>& motions,
-          const VoxelOwners& owners, const VoxelGrid& whole)
-      : owners_(owners), whole_(whole) {
-    for (std::size_t s = 0; s < seams.size(); ++s) {
-      Reach& reach = reaches_[{seams[s].a, seams[s].b}];
-      reach.length = overlaps[s];
-      for (std::size_t t = 0; t < motions[s].a.size(); ++t) {
-        glm::dmat4x3 step = compose(inverseRigid(motions[s].b[t]), motions[s].a[t]);
-        step[3] *= space.voxels;
-        reach.steps.push_back(step);
-        reach.back_steps.push_back(inverseRigid(step));
-      }
-      for (const std::uint32_t e : seams[s].edges)
-        reach.seam.push_back(0.5 * space.voxels *
-                             (samples.positions[samples.edges[e].a] + samples.positions[samples.edges[e].b]));
-    }
+  Overlap(const std::vector<SeamSteps>& seams, const SkinSpace& space, const VoxelOwners& owners,
+          const VoxelGrid& whole, int threads)
+      : most_(kMost * std::max(1.0, space.voxels)),
+        owners_(owners),
+        whole_(whole),
+        outside_(whole.solid.size()) {
+    fields::squaredDistance(whole.solid, whole.size, outside_, threads);
+    for (const SeamSteps& seam : seams) seams_[{seam.a, seam.b}] = &seam;
   }
 
   // The other parts' voxels that `part` has too: those within reach of the seam, through the solid.
   // Ascending.
   std::vector<std::uint64_t> voxelsOf(std::uint32_t part, const std::vector<std::uint64_t>& own) const {
-    Search search(part, boxAround(own));
-    for (const std::uint64_t index : own) visit(search, voxelAt(whole_.size, index), 0, true);
+    Search search{part, {}, {}};
+    for (const std::uint64_t index : own) visit(search, index, 0, index);
     while (!search.open.empty()) {
       const auto [distance, index] = search.open.top();
       search.open.pop();
-      if (search.distances[index] < distance) continue;
-      visit(search, search.box.low + voxelAt(search.size, index), distance, false);
+      const Candidate& its = search.candidates.at(index);
+      if (its.distance >= distance) visit(search, index, distance, its.origin);
     }
     std::vector<std::uint64_t> voxels;
-    for (std::size_t i = 0; i < search.distances.size(); ++i)
-      if (search.distances[i] < kFar) voxels.push_back(fullIndex(search.box.low + voxelAt(search.size, i)));
+    for (const auto& [index, candidate] : search.candidates)
+      if (candidate.distance < kFar) voxels.push_back(index);
+    std::sort(voxels.begin(), voxels.end());
     return voxels;
   }
 
  private:
-  static constexpr double kDome = 2;  // voxels farther inside, where nobody sees them at rest
+  static constexpr double kShare = 0.5;  // of what opens, by each of the two
+  static constexpr double kMore = 1;     // voxels; of those that stand out by as much as the edge: kMoreOut
+  static constexpr double kMoreOut = 0.3;
+  static constexpr double kMost = 5;  // units of the skin
   static constexpr float kFar = 1e9f;
-  // Dijkstra's, in a box around the part's own voxels.
+  // Another part's voxel near the own ones.
+  struct Candidate {
+    float distance = kFar;     // from the own voxels, through those that are shared; kFar: not shared
+    std::uint64_t origin = 0;  // the own voxel from which it was reached
+    double reach = 0;          // how far from the own voxels it may be
+    bool is_near = false;      // at the seam
+    const std::vector<glm::dmat4x3>* steps = nullptr;  // what the part does there, seen from the other
+  };
+  // Dijkstra's.
   struct Search {
     std::uint32_t part;
-    Box box;
-    glm::ivec3 size;
-    std::vector<float> distances;       // from the part's own voxels; kFar: not reached
-    std::vector<std::uint8_t> answers;  // whether the part may have a voxel, where that is known
-    using Entry = std::pair<float, std::size_t>;
+    std::unordered_map<std::uint64_t, Candidate> candidates;
+    using Entry = std::pair<float, std::uint64_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    Search(std::uint32_t its_part, const Box& its_box)
-        : part(its_part),
-          box(its_box),
-          size(box.size()),
-          distances(denseCount(size), kFar),
-          answers(denseCount(size), kUnknown) {}
-  };
-  enum Answer : std::uint8_t { kUnknown, kFarFromSeam, kMay, kMayNot };
-  struct Reach {
-    double length = 0;
-    std::vector<glm::dvec3> seam;
-    // What the first part does, seen from the second, at each moment; and the other way round.
-    std::vector<glm::dmat4x3> steps, back_steps;
   };
 
-  // Whether the part moves a voxel of its neighbour out of the solid, as the neighbour sees it.
-  bool sticksOut(const Reach& reach, bool is_first, const glm::ivec3& at) const {
-    const glm::dvec4 centre(glm::dvec3(at) + 0.5, 1);
-    const glm::dvec3 most = glm::dvec3(whole_.size - 1);
-    const auto& steps = is_first ? reach.steps : reach.back_steps;
-    return std::any_of(steps.begin(), steps.end(), [&](const glm::dmat4x3& step) {
-      const glm::dvec3 moved = glm::floor(step * centre);
-      return glm::clamp(moved, glm::dvec3(0), most) != moved || !whole_.solid[fullIndex(glm::ivec3(moved))];
-    });
-  }
-
-  void visit(Search& search, const glm::ivec3& at, float distance, bool start) const {
+  void visit(Search& search, std::uint64_t from, float distance, std::uint64_t origin) const {
+    const glm::ivec3 at = voxelAt(whole_.size, from);
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) {
           const glm::ivec3 to = at + glm::ivec3(x, y, z);
-          if ((x | y | z) == 0 || glm::any(glm::lessThan(to, search.box.low)) ||
-              glm::any(glm::greaterThan(to, search.box.high)))
-            continue;
-          const std::uint64_t index = fullIndex(to);
+          if (glm::clamp(to, glm::ivec3(0), whole_.size - 1) != to) continue;
+          const std::uint64_t index = denseIndex(whole_.size, to);
           const std::uint32_t other = owners_.owner[index];
           if (other == VoxelOwners::kEmpty || other == search.part) continue;
-          const std::size_t local = denseIndex(search.size, to - search.box.low);
+          const auto seam = seams_.find(std::minmax(search.part, other));
+          if (seam == seams_.end()) continue;
+          const auto [entry, fresh] = search.candidates.try_emplace(index);
+          Candidate& candidate = entry->second;
+          if (fresh) judge(*seam->second, search.part, to, index, candidate);
           const float next = distance + std::sqrt(static_cast<float>(x * x + y * y + z * z));
-          if (next >= search.distances[local]) continue;
-          const Reach* reach = reachTo(search.part, other);
-          if (!reach) continue;
-          const double depth = depthOf(index);
-          if (static_cast<double>(next) > std::max(reach->length, std::min(depth, reach->length + kDome)))
+          if (next >= candidate.distance || static_cast<double>(next) > candidate.reach ||
+              (from == origin && !candidate.is_near) || standsOut(candidate, next, to, origin))
             continue;
-          std::uint8_t& answer = search.answers[local];
-          if (answer == kMayNot || (start && answer == kFarFromSeam)) continue;
-          if (start && answer == kUnknown && !isNearSeam(*reach, to, depth)) {
-            answer = kFarFromSeam;
-            continue;
-          }
-          if (answer != kMay) answer = sticksOut(*reach, search.part < other, to) ? kMayNot : kMay;
-          if (answer == kMayNot) continue;
-          search.distances[local] = next;
-          search.open.emplace(next, local);
+          candidate.distance = next;
+          candidate.origin = origin;
+          search.open.emplace(next, index);
         }
   }
-  Box boxAround(const std::vector<std::uint64_t>& own) const {
-    Box box;
-    for (const std::uint64_t index : own) {
-      box.low = glm::min(box.low, voxelAt(whole_.size, index));
-      box.high = glm::max(box.high, voxelAt(whole_.size, index));
-    }
-    double most = 0;
-    for (const auto& [pair, reach] : reaches_) most = std::max(most, reach.length);
-    const int more = static_cast<int>(std::ceil(most + kDome)) + 1;
-    box.low = glm::max(box.low - more, glm::ivec3(0));
-    box.high = glm::min(box.high + more, whole_.size - 1);
-    return box;
-  }
-  std::uint64_t fullIndex(const glm::ivec3& v) const { return denseIndex(whole_.size, v); }
-  double depthOf(std::uint64_t index) const {
-    const glm::ivec3 surface = voxelAt(whole_.size, whole_.surface[owners_.surface[index]].index);
-    return glm::distance(glm::dvec3(surface), glm::dvec3(voxelAt(whole_.size, index)));
-  }
-  const Reach* reachTo(std::uint32_t a, std::uint32_t b) const {
-    const auto found = reaches_.find({std::min(a, b), std::max(a, b)});
-    return found == reaches_.end() ? nullptr : &found->second;
-  }
-  // Parts may also touch where they have nothing to do with each other: a hand at a leg.
-  static bool isNearSeam(const Reach& reach, const glm::ivec3& at, double depth) {
+  void judge(const SeamSteps& seam, std::uint32_t part, const glm::ivec3& at, std::uint64_t index,
+             Candidate& candidate) const {
+    // Parts may also touch where they have nothing to do with each other: a hand at a leg.
     constexpr double kNear = 4;
-    const double within = depth + kNear;
-    return std::any_of(reach.seam.begin(), reach.seam.end(), [&](const glm::dvec3& seam) {
-      const glm::dvec3 from = seam - (glm::dvec3(at) + 0.5);
-      return glm::dot(from, from) <= within * within;
+    const glm::dvec3 centre = glm::dvec3(at) + 0.5;
+    const SeamSteps::Place& place = seam.nearest(centre);
+    const glm::ivec3 surface = voxelAt(whole_.size, whole_.surface[owners_.surface[index]].index);
+    candidate.is_near =
+        glm::distance(place.at, centre) <= kNear + glm::distance(glm::dvec3(surface), glm::dvec3(at));
+    candidate.reach = std::min(kShare * seam.opening(place, centre), most_) + kMore;
+    candidate.steps = &(part == seam.a ? seam.steps : seam.back_steps)[place.motion];
+  }
+  // Whether the part moves a voxel of its neighbour out of the solid, as the neighbour sees it. Where that
+  // closes what opens, it may, as far as its own voxel does from which that one was reached.
+  bool standsOut(const Candidate& candidate, float distance, const glm::ivec3& at,
+                 std::uint64_t origin) const {
+    const bool closes = static_cast<double>(distance) <= candidate.reach - kMore + kMoreOut;
+    const glm::dvec4 centre(glm::dvec3(at) + 0.5, 1), own(glm::dvec3(voxelAt(whole_.size, origin)) + 0.5, 1);
+    return std::any_of(candidate.steps->begin(), candidate.steps->end(), [&](const glm::dmat4x3& step) {
+      const double its = outside(step * centre);
+      return its > 0 && !(closes && its <= outside(step * own));
     });
   }
+  // How far a place is from the solid.
+  double outside(const glm::dvec3& at) const {
+    const glm::dvec3 cell = glm::floor(at),
+                     inner = glm::clamp(cell, glm::dvec3(0), glm::dvec3(whole_.size - 1));
+    return std::sqrt(static_cast<double>(outside_[denseIndex(whole_.size, glm::ivec3(inner))])) +
+           glm::distance(cell, inner);
+  }
 
+  double most_;  // voxels
   const VoxelOwners& owners_;
   const VoxelGrid& whole_;
-  std::map<PartPair, Reach> reaches_;
+  std::vector<std::uint32_t> outside_;  // squared distances to the solid
+  std::map<PartPair, const SeamSteps*> seams_;
 };
 
 // The voxels `list` of the whole grid as a grid of their own.
@@ -201,11 +171,10 @@ VoxelGrid gridOf(const std::vector<std::uint64_t>& list, const VoxelOwners& owne
 
 }  // namespace
 
-std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space, const PartTree& tree,
-                                const std::vector<Seam>& seams, const std::vector<double>& overlaps,
-                                const std::vector<SeamMotion>& motions, const VoxelOwners& owners,
+std::vector<VoxelGrid> cutGrids(const SkinSpace& space, const PartTree& tree,
+                                const std::vector<SeamSteps>& seams, const VoxelOwners& owners,
                                 const VoxelGrid& whole, const MeshSurface* surface, int threads) {
-  const Overlap overlap(samples, space, seams, overlaps, motions, owners, whole);
+  const Overlap overlap(seams, space, owners, whole, threads);
   std::vector<std::vector<std::uint64_t>> lists(owners.counts.size());
   for (std::uint64_t i = 0; i < owners.owner.size(); ++i)
     if (owners.owner[i] != VoxelOwners::kEmpty) lists[owners.owner[i]].push_back(i);

@@ -5,13 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "collapse.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
 #include "kelp/fields/fields.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
-#include "quantile.h"
-#include "sweep_fit.h"
 
 namespace kelp::bake {
 namespace {
@@ -114,55 +111,6 @@ bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
   labels.joints = std::move(joints);
   labels.chains = std::move(chains);
   return true;
-}
-
-std::vector<SeamMotion> motionsAtSeams(const SkinSamples& samples, const SkinMoments& moments,
-                                       const SkinLabels& labels, const PartTree& tree,
-                                       const std::vector<Seam>& seams) {
-  const std::vector<std::vector<std::uint32_t>> members = labels.members();
-  std::vector<std::vector<glm::dmat4x3>> rigid(members.size());
-  std::vector<std::vector<SkinPose>> swept(members.size());
-  for (std::size_t p = 0; p < members.size(); ++p) {
-    if (!tree.sweeps[p]) {
-      rigid[p] = fitRigid(samples, moments, members[p], labels.joints[p]);
-      continue;
-    }
-    swept[p] = SweepFit(samples, *tree.sweeps[p], members[p]).poses(moments, 1).of_moments;
-  }
-  // A swept part moves there as its section at the seam's middle.
-  const auto motionsOf = [&](std::uint32_t part, const Seam& seam) {
-    if (!tree.sweeps[part]) return rigid[part];
-    const SkinSweep& sweep = *tree.sweeps[part];
-    const double y = static_cast<double>(sweep.straightened(sweep.toPart(seam.middle)).y);
-    std::vector<glm::dmat4x3> motions;
-    for (const SkinPose& pose : swept[part]) motions.push_back(PosedSweep(sweep, pose).sectionMotion(y));
-    return motions;
-  };
-  std::vector<SeamMotion> out;
-  for (const Seam& seam : seams) out.push_back({motionsOf(seam.a, seam), motionsOf(seam.b, seam)});
-  return out;
-}
-
-std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
-                               const std::vector<Seam>& seams, const std::vector<SeamMotion>& motions) {
-  // Each part closes half of the step between the two, and a little more.
-  constexpr double kLeast = 1.5, kMore = 1, kMost = 5;
-  std::vector<double> overlaps;
-  for (std::size_t s = 0; s < seams.size(); ++s) {
-    std::vector<double> steps, widths;
-    for (const std::uint32_t e : seams[s].edges) {
-      const SkinSamples::Edge& edge = samples.edges[e];
-      const glm::dvec4 x(0.5 * (samples.positions[edge.a] + samples.positions[edge.b]), 1);
-      double worst = 0;
-      for (std::size_t t = 0; t < motions[s].a.size(); ++t)
-        worst = std::max(worst, glm::distance(motions[s].a[t] * x, motions[s].b[t] * x));
-      steps.push_back(worst * space.voxels);
-      widths.push_back(edge.width);
-    }
-    const double step = weightedQuantile(steps, widths, 0.9);
-    overlaps.push_back(std::clamp(0.5 * step + kMore, kLeast, std::max(kMost, kMost * space.voxels)));
-  }
-  return overlaps;
 }
 
 }  // namespace kelp::bake

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "decompose.h"
+#include "seam_steps.h"
 #include "tree.h"
 
 namespace kelp::bake {
@@ -30,24 +31,12 @@ VoxelOwners shareVoxels(const SkinSamples& samples, const SkinSpace& space, cons
 bool joinSmallParts(const SkinSamples& samples, const SourceSkin& skin,
                     const std::vector<std::uint64_t>& counts, std::uint64_t least, SkinLabels& labels);
 
-// What both parts of a seam do there, at each moment: posed <- bind pose.
-struct SeamMotion {
-  std::vector<glm::dmat4x3> a, b;
-};
-std::vector<SeamMotion> motionsAtSeams(const SkinSamples& samples, const SkinMoments& moments,
-                                       const SkinLabels& labels, const PartTree& tree,
-                                       const std::vector<Seam>& seams);
-
-// How far beyond each seam both its parts have the other's voxels, in voxels: as far as it opens.
-std::vector<double> overlapsOf(const SkinSamples& samples, const SkinSpace& space,
-                               const std::vector<Seam>& seams, const std::vector<SeamMotion>& motions);
-
-// The voxels of each part, with those that it shares. A rigid part gets a box of the whole grid. A swept part
-// gets its voxels straightened; `surface` says how they look, and is null if no part is swept. A part does
-// not share a voxel that it would push out of its neighbour's surface at one of the moments.
-std::vector<VoxelGrid> cutGrids(const SkinSamples& samples, const SkinSpace& space, const PartTree& tree,
-                                const std::vector<Seam>& seams, const std::vector<double>& overlaps,
-                                const std::vector<SeamMotion>& motions, const VoxelOwners& owners,
+// The voxels of each part, with those that it shares: as many as close what opens at its seams. A rigid part
+// gets a box of the whole grid. A swept part gets its voxels straightened; `surface` says how they look, and
+// is null if no part is swept. A part does not share a voxel that would stand out of its neighbour's surface
+// at one of the moments, farther than the part itself does there.
+std::vector<VoxelGrid> cutGrids(const SkinSpace& space, const PartTree& tree,
+                                const std::vector<SeamSteps>& seams, const VoxelOwners& owners,
                                 const VoxelGrid& whole, const MeshSurface* surface, int threads);
 
 }  // namespace kelp::bake

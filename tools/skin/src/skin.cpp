@@ -176,14 +176,11 @@ SkinParts divideSkin(const SourceModel& model, const SourcePart& part, const Fra
     its.swept = divided.tree.sweeps[p].has_value();
   }
 
-  const std::vector<Seam> seams = findSeams(samples, divided.labels);
-  const std::vector<SeamMotion> motions =
-      motionsAtSeams(samples, moments, divided.labels, divided.tree, seams);
   std::optional<MeshSurface> surface;
   if (std::any_of(out.parts.begin(), out.parts.end(), [](const SkinPart& its) { return its.swept; }))
     surface.emplace(model, soup, frame);
   std::vector<VoxelGrid> grids =
-      cutGrids(samples, space, divided.tree, seams, overlapsOf(samples, space, seams, motions), motions,
+      cutGrids(space, divided.tree, stepsAtSeams(samples, moments, space, divided.labels, divided.tree),
                divided.owners, whole, surface ? &*surface : nullptr, threads);
   for (std::size_t p = 0; p < grids.size(); ++p) out.parts[p].grid = std::move(grids[p]);
   addSkinSockets(skin, space, divided.tree, seats.parts, out.parts, out.notices);
