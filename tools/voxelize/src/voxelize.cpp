@@ -19,7 +19,7 @@
 #include "kelp/voxelize/fill/match_volumes.h"
 #include "kelp/voxelize/fill/scan.h"
 #include "kelp/voxelize/fill/thin.h"
-#include "kelp/voxelize/surface/band.h"
+#include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/look.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 #include "kelp/voxelize/topology/fill_report.h"
@@ -50,7 +50,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels, between(0.3, 0.35));
     report(0.35);
-    closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+    closeDiagonalGaps(mesh, bvh, frame.size, threads, voxels);
     report(0.4);
     matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels, between(0.4, 0.5));
   }

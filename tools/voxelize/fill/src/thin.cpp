@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/voxelize/surface/touched_voxels.h"
 
 namespace kelp::bake {
 namespace {
@@ -107,10 +108,11 @@ class ThinParts {
   // components.
   void joinEnds(const Step& step) {
     thin_.assign(touched_.size(), kCap);
+    const std::vector<std::uint8_t> by_thin = touchedByThin();
     choose(
         [&](std::size_t i, const glm::ivec3& voxel) {
           const std::uint32_t mask = neighbours(voxel);
-          if (mask == 0 || (!has_thin_ && !touchesLost(voxel))) return false;
+          if (mask == 0 || (!by_thin[i] && !touchesLost(voxel))) return false;
           const std::uint32_t component = passingAny(voxel);
           if (component == kCap) return false;
           if (mesh_.components[component].thin) thin_[i] = component;
@@ -140,6 +142,20 @@ class ThinParts {
   }
 
  private:
+  // By touched voxel: whether a thin component touches it.
+  std::vector<std::uint8_t> touchedByThin() const {
+    std::vector<std::uint8_t> by_thin(touched_.size(), 0);
+    if (!has_thin_) return by_thin;
+    const std::vector<std::uint64_t> thin = touchedVoxels(
+        mesh_, size_, threads_,
+        [&](const SolidTriangle& triangle) { return mesh_.components[triangle.component].thin; });
+    for (std::size_t i = 0, at = 0; at < thin.size(); ++i) {
+      by_thin[i] = touched_[i] == thin[at] ? 1 : 0;
+      at += by_thin[i];
+    }
+    return by_thin;
+  }
+
   // Chooses the touched voxels that are not solid and that `wanted(number, voxel)` wants.
   template <class Wanted>
   void choose(const Wanted& wanted, const Step& step = {}) {
