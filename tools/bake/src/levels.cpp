@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -82,6 +84,30 @@ std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, con
   return coarse;
 }
 
+// encodeNormal() and decodeNormal(), which take long, of normals that come again soon: neighbours often share
+// a triangle.
+class NormalCodes {
+ public:
+  struct Code {
+    glm::vec3 normal{std::numeric_limits<float>::quiet_NaN()}, decoded{0};  // not a number: none yet
+    std::uint32_t code = 0;
+  };
+  const Code& of(const glm::vec3& normal) {
+    const glm::uvec3 bits(std::bit_cast<std::uint32_t>(normal.x), std::bit_cast<std::uint32_t>(normal.y),
+                          std::bit_cast<std::uint32_t>(normal.z));
+    Code& its = known_[((bits.x * 0x9e3779b1u) ^ (bits.y * 0x85ebca6bu) ^ (bits.z * 0xc2b2ae35u)) >> 22];
+    if (its.normal != normal) {
+      its.normal = normal;
+      its.code = encodeNormal(normal);
+      its.decoded = decodeNormal(its.code);
+    }
+    return its;
+  }
+
+ private:
+  std::array<Code, 1024> known_{};
+};
+
 }  // namespace
 
 int levelCount(const glm::ivec3& size, int asked) {
@@ -126,13 +152,14 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
     }
     std::vector<fields::SurfaceVoxel> surface(attributes.size());
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+      NormalCodes codes;
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
-        const std::uint32_t normal = encodeNormal(attributes[i].normal);
-        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal)};
+        const NormalCodes::Code& normal = codes.of(attributes[i].normal);
+        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal.code)};
         if (level > 0) continue;
         attributes[i].material = palette[entry];
-        attributes[i].normal = decodeNormal(normal);
+        attributes[i].normal = normal.decoded;
       }
     });
     built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));

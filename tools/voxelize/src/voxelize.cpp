@@ -19,8 +19,8 @@
 #include "kelp/voxelize/fill/match_volumes.h"
 #include "kelp/voxelize/fill/scan.h"
 #include "kelp/voxelize/fill/thin.h"
-#include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/look.h"
+#include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 #include "kelp/voxelize/topology/fill_report.h"
 #include "kelp/voxelize/topology/mesh_counts.h"
@@ -44,7 +44,7 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   const std::vector<Scanned> scanned =
       fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
   report(0.3);
-  const TriangleBvh bvh(mesh);
+  const TriangleBvh bvh(mesh, threads);
   const SurfaceLook look(model, part.soup, mesh);
   {
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);

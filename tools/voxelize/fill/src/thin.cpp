@@ -15,7 +15,8 @@ constexpr std::size_t kGrain = 4096;
 // Two more values of voxels, while this file works.
 constexpr std::uint8_t kLost = 3;    // kept because nothing solid was around it
 constexpr std::uint8_t kPassed = 4;  // empty, and a thin component passes through it
-bool isSolidVoxel(std::uint8_t voxel) { return voxel != kEmpty && voxel != kPassed; }
+// kInside, kKept or kLost
+bool isSolidVoxel(std::uint8_t voxel) { return (voxel & 3) != 0; }
 
 // For each of the 27 cells of a block, the cells that touch it: by a face, an edge or a corner.
 struct Touching {
@@ -284,6 +285,18 @@ std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::
                             const glm::ivec3& voxel) {
   std::uint32_t mask = 0;
   int bit = 0;
+  const auto isInner = [](int at, int count) { return at > 0 && at < count - 1; };
+  if (isInner(voxel.x, size.x) && isInner(voxel.y, size.y) && isInner(voxel.z, size.z)) {
+    for (int z = voxel.z - 1; z <= voxel.z + 1; ++z) {
+      for (int y = voxel.y - 1; y <= voxel.y + 1; ++y, bit += 3) {
+        const std::uint8_t* const row = voxels.data() + denseIndex(size, voxel.x - 1, y, z);
+        mask |= (std::uint32_t{isSolidVoxel(row[0])} | std::uint32_t{isSolidVoxel(row[1])} << 1 |
+                 std::uint32_t{isSolidVoxel(row[2])} << 2)
+                << bit;
+      }
+    }
+    return mask;
+  }
   for (int z = voxel.z - 1; z <= voxel.z + 1; ++z) {
     for (int y = voxel.y - 1; y <= voxel.y + 1; ++y) {
       if (y < 0 || z < 0 || y >= size.y || z >= size.z) {
