@@ -2,11 +2,10 @@
 #include "samples.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
@@ -148,14 +147,26 @@ class Sampler {
   }
 
   // Sum of the directions to the empty ones of the 27 voxels around.
-  static glm::dvec3 openSide(std::uint32_t solid) {
-    // The cells of the lower and the upper third along each axis.
-    constexpr std::uint32_t kLower[3] = {0x1249249, 0x1c0e07, 0x1ff},
-                            kUpper[3] = {0x4924924, 0x70381c0, 0x7fc0000};
-    glm::dvec3 sum;
-    for (int axis = 0; axis < 3; ++axis)
-      sum[axis] = std::popcount(~solid & kUpper[axis]) - std::popcount(~solid & kLower[axis]);
-    return sum;
+  glm::dvec3 openSide(std::uint32_t solid) const {
+    const Slice &low = slices_[solid & 511], &middle = slices_[solid >> 9 & 511],
+                &high = slices_[solid >> 18];
+    return {low.x + middle.x + high.x, low.y + middle.y + high.y, high.count - low.count};
+  }
+  // Of nine voxels at one height: how many are empty, and the sum of the directions to those.
+  struct Slice {
+    int x = 0, y = 0, count = 0;
+  };
+  static std::array<Slice, 512> makeSlices() {
+    std::array<Slice, 512> slices;
+    for (std::size_t solid = 0; solid < 512; ++solid) {
+      for (int cell = 0; cell < 9; ++cell) {
+        if (solid >> cell & 1) continue;
+        slices[solid].x += cell % 3 - 1;
+        slices[solid].y += cell / 3 - 1;
+        slices[solid].count += 1;
+      }
+    }
+    return slices;
   }
 
   // Whether a ray from a voxel meets no other on its way out of the box.
@@ -279,6 +290,7 @@ class Sampler {
   const TriangleBvh& bvh_;
   const std::vector<std::uint8_t>& voxels_;
   glm::ivec3 size_;
+  std::array<Slice, 512> slices_ = makeSlices();  // by which of the nine are solid
 };
 
 // Turns the sheets that are seen from behind, each as a whole: a sign chosen voxel by voxel would flicker.
