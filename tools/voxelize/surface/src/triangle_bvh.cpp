@@ -106,22 +106,20 @@ class TriangleBvh::Builder {
     bvh_.order_.resize(items_.size());
     bvh_.corners_.resize(items_.size());
     const Range all{0, static_cast<std::uint32_t>(items_.size())};
+    bvh_.nodes_.assign(nodesOf(all.count()), emptyNode());
     std::vector<Branch> branches;
-    grow(bvh_.nodes_, all, std::max<std::uint32_t>(1024, all.count() / 64), &branches);
-    std::vector<std::vector<Node>> grown(branches.size());
-    parallelRanges(branches.size(), 1, threads,
-                   [&](std::size_t i, std::size_t) { grow(grown[i], branches[i].range, 0, nullptr); });
-    const std::size_t upper = bvh_.nodes_.size();
-    for (std::size_t i = 0; i < branches.size(); ++i) {
-      const auto offset = static_cast<std::uint32_t>(bvh_.nodes_.size());
-      bvh_.nodes_[branches[i].node].child[branches[i].lane] = offset;
-      for (Node& node : grown[i])
-        for (std::uint32_t& child : node.child)
-          if ((child & kLeaf) == 0) child += offset;
-      bvh_.nodes_.insert(bvh_.nodes_.end(), grown[i].begin(), grown[i].end());
-      grown[i] = {};
+    const std::uint32_t upper = grow(0, all, std::max<std::uint32_t>(1024, all.count() / 64), &branches);
+    std::uint32_t next = upper;
+    for (Branch& branch : branches) {
+      branch.root = next;
+      bvh_.nodes_[branch.parent].child[branch.lane] = next;
+      next += nodesOf(branch.range.count());
     }
-    enclose(bvh_.nodes_, upper);
+    parallelRanges(branches.size(), 1, threads, [&](std::size_t i, std::size_t) {
+      const std::uint32_t end = grow(branches[i].root, branches[i].range, 0, nullptr);
+      enclose(branches[i].root, end);
+    });
+    enclose(0, upper);
   }
 
   static Node emptyNode() {
@@ -141,9 +139,10 @@ class TriangleBvh::Builder {
     std::uint32_t count() const { return end - begin; }
   };
   struct Branch {
-    std::uint32_t node;
+    std::uint32_t parent;
     int lane;
     Range range;
+    std::uint32_t root = 0;
   };
 
   glm::dvec3 centre(std::uint32_t triangle) const {
@@ -189,42 +188,54 @@ class TriangleBvh::Builder {
     return count;
   }
 
-  // Makes the nodes of a range, each before those below it. Ranges of no more than `least` triangles are left
-  // for `later`.
-  void grow(std::vector<Node>& nodes, const Range& range, std::uint32_t least, std::vector<Branch>* later) {
-    std::vector<std::pair<std::uint32_t, Range>> tasks{{0, range}};
-    nodes.push_back(emptyNode());
+  // How many nodes divide() makes of so many triangles, and of the parts.
+  static std::uint32_t nodesOf(std::uint32_t triangles) {
+    std::uint32_t nodes = 1;
+    for (const std::uint32_t half : {triangles / 2, triangles - triangles / 2}) {
+      if (half <= 1) continue;
+      for (const std::uint32_t part : {half / 2, half - half / 2}) nodes += part > 1 ? nodesOf(part) : 0;
+    }
+    return nodes;
+  }
+
+  // Makes the nodes of a range, from `root` on, each before those below it. Ranges of no more than `least`
+  // triangles are left for `later`. Answers the end of the nodes.
+  std::uint32_t grow(std::uint32_t root, const Range& range, std::uint32_t least,
+                     std::vector<Branch>* later) {
+    std::vector<std::pair<std::uint32_t, Range>> tasks{{root, range}};
+    std::uint32_t end = root + 1;
     while (!tasks.empty()) {
       const auto [at, its] = tasks.back();
       tasks.pop_back();
+      Node& node = bvh_.nodes_[at];
       Range parts[4];
       const int count = divide(its, parts);
       for (int k = 0; k < count; ++k) {
         if (parts[k].count() == 1) {
-          nodes[at].child[k] = kLeaf | parts[k].begin;
-          setLeaf(nodes[at], k, parts[k].begin);
+          node.child[k] = kLeaf | parts[k].begin;
+          setLeaf(node, k, parts[k].begin);
         } else if (later != nullptr && parts[k].count() <= least) {
           later->push_back({at, k, parts[k]});
         } else {
-          nodes[at].child[k] = static_cast<std::uint32_t>(nodes.size());
-          tasks.emplace_back(nodes[at].child[k], parts[k]);
-          nodes.push_back(emptyNode());
+          node.child[k] = end;
+          tasks.emplace_back(end++, parts[k]);
         }
       }
     }
-    if (later == nullptr) enclose(nodes, nodes.size());
+    return end;
   }
 
-  // The boxes of the nodes below each of the first `count`.
-  static void enclose(std::vector<Node>& nodes, std::size_t count) {
-    for (std::size_t i = count; i-- > 0;) {
+  // The boxes of what is below the nodes [begin, end), the last first.
+  void enclose(std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = end; i-- > begin;) {
+      Node& node = bvh_.nodes_[i];
       for (int k = 0; k < 4; ++k) {
-        if ((nodes[i].child[k] & kLeaf) != 0) continue;
-        const Node& below = nodes[nodes[i].child[k]];
+        if ((node.child[k] & kLeaf) != 0) continue;
+        const Node& below = bvh_.nodes_[node.child[k]];
         for (int axis = 0; axis < 3; ++axis) {
           const Floats low = below.low[axis], high = below.high[axis];
-          nodes[i].low[axis][k] = std::min({low[0], low[1], low[2], low[3]});
-          nodes[i].high[axis][k] = std::max({high[0], high[1], high[2], high[3]});
+          node.low[axis][k] = std::min({low[0], low[1], low[2], low[3]});
+          node.high[axis][k] = std::max({high[0], high[1], high[2], high[3]});
         }
       }
     }
