@@ -150,9 +150,10 @@ class ThinParts {
     const std::vector<std::uint64_t> thin = touchedVoxels(
         mesh_, size_, threads_,
         [&](const SolidTriangle& triangle) { return mesh_.components[triangle.component].thin; });
-    for (std::size_t i = 0, at = 0; at < thin.size(); ++i) {
-      by_thin[i] = touched_[i] == thin[at] ? 1 : 0;
-      at += by_thin[i];
+    auto at = thin.begin();
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      while (at != thin.end() && *at < touched_[i]) ++at;
+      by_thin[i] = at != thin.end() && *at == touched_[i] ? 1 : 0;
     }
     return by_thin;
   }
