@@ -10,8 +10,6 @@
 namespace kelp::bake {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;
-
 glm::dvec3 onSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, double& s) {
   const glm::dvec3 ab = b - a;
   const double length = glm::dot(ab, ab);
