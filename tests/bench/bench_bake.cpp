@@ -2,7 +2,8 @@
 // Baking beside its peers, interleaved in one run: the distance transform beside ITK, SciPy and seung-lab's
 // edt; a whole bake beside OpenVDB's meshToLevelSet alone; packs beside .vdb and .nvdb of the same narrow
 // band; reading them beside zstd alone. README.md here.
-//   bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] [bake] [read]
+//   bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] [bake] [scan]
+//              [read]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -196,8 +197,9 @@ void compareTransforms(const Options& options, Table& table, const test::Scratch
 
 // --- whole bakes
 
-void compareBakes(const Options& options, Table& table, const test::Scratch& scratch, const Model& model) {
-  const bake::Settings settings = settingsFor(options.resolution, options.threads);
+void compareBakes(const Options& options, Table& table, const test::Scratch& scratch, const Model& model,
+                  int resolution) {
+  const bake::Settings settings = settingsFor(resolution, options.threads);
   const bake::SourceModel source = bake::importFile(model.path, settings);
   std::vector<double> bakes, level_sets;
   bake::Report report;
@@ -219,7 +221,7 @@ void compareBakes(const Options& options, Table& table, const test::Scratch& scr
   const glm::ivec3 size = report.parts[0].size;
   const std::uint64_t voxels = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) *
                                static_cast<std::uint64_t>(size.z);
-  const std::string title = model.name + " at " + std::to_string(options.resolution);
+  const std::string title = model.name + " at " + std::to_string(resolution);
   const double kelp = median(bakes);
   const std::uint64_t bytes = std::filesystem::file_size(pack_path);
   table.add({"bake, " + title, "kelp", voxels, options.threads, kelp});
@@ -229,6 +231,15 @@ void compareBakes(const Options& options, Table& table, const test::Scratch& scr
   for (const auto& [name, size_of_file] : written.files)
     table.add({"size, " + title, name, voxels, 1, 0, size_of_file,
                static_cast<double>(size_of_file) / static_cast<double>(bytes)});
+}
+
+// The dragon in as many triangles as the scan that it was made of has.
+void compareScans(const Options& options, Table& table, const test::Scratch& scratch, const Model& dragon) {
+  constexpr std::size_t kTriangles = 871414;
+  const Model scan{"scan of 871 k triangles", scratch / "scan.ply"};
+  const bake::SourceModel source = bake::importFile(dragon.path, settingsFor(256, options.threads));
+  writeDivided(source.parts[0].soup, kTriangles, scan.path);
+  for (const int resolution : {256, 1024}) compareBakes(options, table, scratch, scan, resolution);
 }
 
 // --- reading
@@ -286,7 +297,7 @@ void compareReading(const Options& options, Table& table, const test::Scratch& s
 int usage() {
   std::fprintf(stderr,
                "usage: bench_bake [--json FILE] [--rounds N] [--threads N] [--resolution N] [edt] [scale] "
-               "[bake] [read]\n");
+               "[bake] [scan] [read]\n");
   return 1;
 }
 
@@ -303,7 +314,7 @@ int run(int count, char** words) {
       options.threads = std::atoi(words[++i]);
     } else if (word == "--resolution" && more) {
       options.resolution = std::atoi(words[++i]);
-    } else if (word == "edt" || word == "scale" || word == "bake" || word == "read") {
+    } else if (word == "edt" || word == "scale" || word == "bake" || word == "scan" || word == "read") {
       options.sections.insert(word);
     } else {
       return usage();
@@ -337,8 +348,9 @@ int run(int count, char** words) {
     }
   }
   if (options.wants("bake")) {
-    for (const Model& model : all) compareBakes(options, table, scratch, model);
+    for (const Model& model : all) compareBakes(options, table, scratch, model, options.resolution);
   }
+  if (options.wants("scan") && all.size() == 2) compareScans(options, table, scratch, all[1]);
   if (options.wants("read")) {
     for (const Model& model : all) compareReading(options, table, scratch, model);
   }

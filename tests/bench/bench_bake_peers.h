@@ -41,4 +41,8 @@ struct LevelSetRun {
 LevelSetRun runMeshToLevelSet(const bake::TriangleSoup& soup, const bake::Frame& frame, int threads,
                               const std::filesystem::path* scratch);
 
+// Writes a binary PLY file of the same surface in so many triangles (one less where that does not go), at
+// least as many as there are.
+void writeDivided(const bake::TriangleSoup& soup, std::size_t triangles, const std::filesystem::path& path);
+
 }  // namespace kelp::bench

@@ -87,6 +87,70 @@ TEST(Bvh, FindsTheNearestOfAllTriangles) {
   }
 }
 
+// Queries that begin around a box, where it must hold what is near and may hold more; with guesses, bad ones
+// too.
+TEST(Bvh, FindsTheNearestOfThoseAroundABox) {
+  for (const int count : {1, 2, 5, 30, 3000}) {
+    const Topology mesh = randomMesh(count, 9);
+    const TriangleBvh bvh(mesh, 3);
+    Queries queries;
+    int found = 0, nothing = 0;
+    for (int round = 0; round < 400; ++round) {
+      const double reach = round % 2 ? 0.5 : 3.0;
+      const glm::dvec3 low = queries.point(), high = low + glm::dvec3(round % 8, round % 5, 7);
+      const TriangleBvh::Around around = bvh.around(low, high, reach);
+      for (const double share : {0.0, 0.3, 1.0}) {
+        const glm::dvec3 p = glm::mix(low, high, share);
+        Nearest guess;
+        guess.squared = reach * reach;
+        const std::uint32_t triangle = static_cast<std::uint32_t>(queries.pick(count));
+        glm::dvec3 weights;
+        const auto [a, b, c] = cornersOf(mesh, triangle);
+        const glm::dvec3 q = nearestOnTriangle(p, a, b, c, weights);
+        if (glm::dot(p - q, p - q) < guess.squared) guess = {triangle, glm::dot(p - q, p - q), q, weights};
+        // The other query's answer: the test above compares that with all triangles.
+        const Nearest expected = bvh.nearest(p, reach), nearest = bvh.nearest(around, p, guess);
+        ASSERT_EQ(nearest.triangle, expected.triangle) << count << " " << round;
+        if (expected.triangle == kCap) {
+          ++nothing;
+          continue;
+        }
+        ++found;
+        EXPECT_EQ(nearest.squared, expected.squared);
+        EXPECT_EQ(nearest.point, expected.point);
+        EXPECT_EQ(nearest.weights, expected.weights);
+      }
+      const glm::dvec3 p = glm::mix(low, high, 0.5);
+      const int axis = queries.pick(3), sign = queries.pick(2) ? 1 : -1;
+      const auto any = [](const Nearest&) { return true; };
+      EXPECT_EQ(bvh.first(around, p, axis, sign, reach, any).triangle,
+                bvh.first(p, axis, sign, reach, any).triangle);
+    }
+    EXPECT_GT(count > 1000 ? found : nothing, 100);
+  }
+}
+
+// Far from the origin, where floats are coarser than the lattice.
+TEST(Bvh, FindsTheNearestFarFromTheOrigin) {
+  Topology mesh = randomMesh(300, 12);
+  for (glm::i64vec3& vertex : mesh.lattice) vertex += glm::i64vec3(std::int64_t{8100} << kLatticeBits);
+  const TriangleBvh bvh(mesh);
+  Queries queries;
+  for (int round = 0; round < 500; ++round) {
+    const glm::dvec3 p = queries.point() + 8100.0;
+    double least = 1e9;
+    std::uint32_t expected = kCap;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      glm::dvec3 weights;
+      const double distance = test::distanceToTriangle(p, cornersOf(mesh, i), weights);
+      if (distance >= least - 1e-9) continue;
+      least = distance;
+      expected = i;
+    }
+    ASSERT_EQ(bvh.nearest(p).triangle, expected) << round;
+  }
+}
+
 // Where a way along an axis meets a triangle: Moeller and Trumbore's test, in doubles. -1: nowhere.
 double meets(const glm::dvec3& p, const glm::dvec3& way, const std::array<glm::dvec3, 3>& t) {
   const glm::dvec3 ab = t[1] - t[0], ac = t[2] - t[0], across = glm::cross(way, ac);

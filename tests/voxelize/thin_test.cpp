@@ -65,7 +65,7 @@ Filled fill(const TriangleSoup& soup, Fill how = Fill::kAuto, int threads = 2) {
   filled.mesh = analyse(soup, frame, how);
   filled.before.assign(40 * 40 * 40, kEmpty);
   fillScanlines(filled.mesh, {}, filled.size, threads, filled.before);
-  // Touched voxels by brute force: no OpenVDB in this test.
+  // Touched voxels by brute force, and some beside them.
   const test::MeshTruth truth(soup, frame);
   const auto touched = [&truth](const glm::dvec3& middle) {
     glm::dvec3 weights;

@@ -219,6 +219,7 @@ void voxelizeMesh(Job& job, std::size_t index, Report::Part& line, PartNotices& 
   for (const std::string& notice : result.notices) notices.add(part.name, notice);
   line.fill = std::move(result.fill);
   line.repairs = result.counts;
+  line.solid_voxels = result.solid_voxels;
   line.components = std::move(result.components);
   line.closed = result.closed;
   line.voxel_size = job.frames[index].voxel_size * objectScale(part);
@@ -264,7 +265,7 @@ void voxelizePart(Job& job, std::size_t index, PartNotices& notices) {
   line.carrier = part.carrier;
   line.size = part.grid->size;
   line.surface_voxels = part.grid->surface.size();
-  line.solid_voxels = countNonZero(part.grid->solid);
+  if (line.solid_voxels == 0) line.solid_voxels = countNonZero(part.grid->solid);
   checkSolid(job, part, line, cut_out);
   job.grids.push_back(&*part.grid);
 }

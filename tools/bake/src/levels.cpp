@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "kelp/bake/bake.h"
@@ -36,51 +39,108 @@ std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t
   return best;
 }
 
-std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
-                                         const glm::ivec3& coarse_size) {
+// What a voxel of the coarser level gets of its children, by their places in the finer one.
+Attribute parentOf(const std::vector<Attribute>& fine, std::uint64_t index,
+                   std::span<const std::size_t> children) {
+  glm::vec3 normal(0);
+  glm::vec4 base(0);
+  glm::dvec3 emissive(0);  // of floats without a bound
+  float metallic = 0, roughness = 0;
+  std::array<std::uint32_t, 8> sources{};
+  std::size_t count = 0;
+  for (const std::size_t at : children) {
+    const Attribute& child = fine[at];
+    normal += child.normal;
+    base += child.material.base_color;
+    emissive += glm::dvec3(child.material.emissive);
+    metallic += child.material.metallic;
+    roughness += child.material.roughness;
+    sources[count++] = child.source;
+  }
+  const float share = 1.0f / static_cast<float>(count);
+  Attribute parent;
+  parent.index = index;
+  const float length = std::sqrt(glm::dot(normal, normal));
+  // Children that face all ways, as on a thin sheet, cancel: any one of them is better than rounding.
+  parent.normal = length * share > 0.1f ? normal / length : fine[children.front()].normal;
+  parent.material.base_color = base * share;
+  parent.material.emissive = glm::vec3(emissive / static_cast<double>(count));
+  parent.material.metallic = metallic * share;
+  parent.material.roughness = roughness * share;
+  parent.source = commonest(sources, count);
+  return parent;
+}
+
+// One slice of the coarser level, of two of the finer: its attributes from `begin` to `end`.
+std::vector<Attribute> coarserSlice(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
+                                    const glm::ivec3& coarse_size, std::size_t begin, std::size_t end) {
   struct Child {
     std::uint64_t parent;
     std::size_t at;
   };
-  std::vector<Child> children(fine.size());
-  for (std::size_t i = 0; i < fine.size(); ++i) {
-    children[i] = {denseIndex(coarse_size, voxelAt(fine_size, fine[i].index) / 2), i};
-  }
+  std::vector<Child> children;
+  children.reserve(end - begin);
+  for (std::size_t i = begin; i < end; ++i)
+    children.push_back({denseIndex(coarse_size, voxelAt(fine_size, fine[i].index) / 2), i});
   std::sort(children.begin(), children.end(), [](const Child& a, const Child& b) {
     return a.parent != b.parent ? a.parent < b.parent : a.at < b.at;
   });
   std::vector<Attribute> coarse;
-  for (std::size_t begin = 0; begin < children.size();) {
-    std::size_t end = begin;
-    glm::vec3 normal(0);
-    glm::vec4 base(0);
-    glm::dvec3 emissive(0);  // of floats without a bound
-    float metallic = 0, roughness = 0;
-    std::array<std::uint32_t, 8> sources{};
-    for (; end < children.size() && children[end].parent == children[begin].parent; ++end) {
-      const Attribute& child = fine[children[end].at];
-      normal += child.normal;
-      base += child.material.base_color;
-      emissive += glm::dvec3(child.material.emissive);
-      metallic += child.material.metallic;
-      roughness += child.material.roughness;
-      sources[end - begin] = child.source;
-    }
-    const float share = 1.0f / static_cast<float>(end - begin);
-    Attribute& parent = coarse.emplace_back();
-    parent.index = children[begin].parent;
-    const float length = std::sqrt(glm::dot(normal, normal));
-    // Children that face all ways, as on a thin sheet, cancel: any one of them is better than rounding.
-    parent.normal = length * share > 0.1f ? normal / length : fine[children[begin].at].normal;
-    parent.material.base_color = base * share;
-    parent.material.emissive = glm::vec3(emissive / static_cast<double>(end - begin));
-    parent.material.metallic = metallic * share;
-    parent.material.roughness = roughness * share;
-    parent.source = commonest(sources, end - begin);
-    begin = end;
+  std::array<std::size_t, 8> siblings{};
+  for (std::size_t i = 0; i < children.size();) {
+    const std::uint64_t parent = children[i].parent;
+    std::size_t count = 0;
+    for (; i < children.size() && children[i].parent == parent; ++i) siblings[count++] = children[i].at;
+    coarse.push_back(parentOf(fine, parent, std::span(siblings).first(count)));
   }
   return coarse;
 }
+
+std::vector<Attribute> coarserAttributes(const std::vector<Attribute>& fine, const glm::ivec3& fine_size,
+                                         const glm::ivec3& coarse_size, int threads) {
+  const auto slices = static_cast<std::size_t>(coarse_size.z);
+  const auto firstOf = [&](std::size_t slice) {
+    const std::uint64_t first = denseIndex(fine_size, 0, 0, 2 * static_cast<int>(slice));
+    return static_cast<std::size_t>(
+        std::lower_bound(fine.begin(), fine.end(), first,
+                         [](const Attribute& a, std::uint64_t index) { return a.index < index; }) -
+        fine.begin());
+  };
+  std::vector<std::vector<Attribute>> found(slices);
+  parallelRanges(slices, 1, threads, [&](std::size_t slice, std::size_t) {
+    found[slice] = coarserSlice(fine, fine_size, coarse_size, firstOf(slice), firstOf(slice + 1));
+  });
+  std::size_t count = 0;
+  for (const auto& its : found) count += its.size();
+  std::vector<Attribute> coarse;
+  coarse.reserve(count);
+  for (const auto& its : found) coarse.insert(coarse.end(), its.begin(), its.end());
+  return coarse;
+}
+
+// encodeNormal() and decodeNormal(), which take long, of normals that come again soon: neighbours often share
+// a triangle.
+class NormalCodes {
+ public:
+  struct Code {
+    glm::vec3 normal{std::numeric_limits<float>::quiet_NaN()}, decoded{0};  // not a number: none yet
+    std::uint32_t code = 0;
+  };
+  const Code& of(const glm::vec3& normal) {
+    const glm::uvec3 bits(std::bit_cast<std::uint32_t>(normal.x), std::bit_cast<std::uint32_t>(normal.y),
+                          std::bit_cast<std::uint32_t>(normal.z));
+    Code& its = known_[((bits.x * 0x9e3779b1u) ^ (bits.y * 0x85ebca6bu) ^ (bits.z * 0xc2b2ae35u)) >> 22];
+    if (its.normal != normal) {
+      its.normal = normal;
+      its.code = encodeNormal(normal);
+      its.decoded = decodeNormal(its.code);
+    }
+    return its;
+  }
+
+ private:
+  std::array<Code, 1024> known_{};
+};
 
 }  // namespace
 
@@ -121,18 +181,19 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
       throw ToolError(Exit::kInterrupted, "interrupted");
     if (level > 0) {
       fields::Occupancy coarse = fields::coarser(occupancy, threadCount(threads));
-      attributes = coarserAttributes(attributes, occupancy.size, coarse.size);
+      attributes = coarserAttributes(attributes, occupancy.size, coarse.size, threads);
       occupancy = std::move(coarse);
     }
     std::vector<fields::SurfaceVoxel> surface(attributes.size());
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
+      NormalCodes codes;
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
-        const std::uint32_t normal = encodeNormal(attributes[i].normal);
-        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal)};
+        const NormalCodes::Code& normal = codes.of(attributes[i].normal);
+        surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal.code)};
         if (level > 0) continue;
         attributes[i].material = palette[entry];
-        attributes[i].normal = decodeNormal(normal);
+        attributes[i].normal = normal.decoded;
       }
     });
     built.push_back(fields::buildLevel(occupancy, surface, threadCount(threads)));

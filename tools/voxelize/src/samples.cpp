@@ -2,6 +2,7 @@
 #include "samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,11 +10,14 @@
 #include "kelp/common/dense_index.h"
 #include "kelp/common/parallel.h"
 #include "kelp/voxelize/fill/thin.h"
+#include "surface_blocks.h"
 
 namespace kelp::bake {
 namespace {
 
-constexpr std::size_t kSamplesAtOnce = 2048;
+constexpr std::size_t kBlocksAtOnce = 8;
+// Most voxels of the surface are nearer to it.
+constexpr double kNear = 2;
 // Nearer than this the direction to the nearest point is rounding; the triangle's own normal is not.
 constexpr double kTooNear = 0.02;
 // The empty voxels around lie within 60 degrees of what is seen of a body there; at an edge and at a corner,
@@ -48,12 +52,21 @@ class Sampler {
           const std::vector<std::uint8_t>& voxels, const glm::ivec3& size)
       : look_(look), mesh_(mesh), bvh_(bvh), voxels_(voxels), size_(size) {}
 
-  SurfaceSample sample(std::uint64_t index, SheetVote& vote) const {
+  // The triangles around voxels from `low` to `high`.
+  TriangleBvh::Around around(const glm::ivec3& low, const glm::ivec3& high) const {
+    return bvh_.around(glm::dvec3(low) + 0.5, glm::dvec3(high) + 0.5, kNear);
+  }
+
+  // `guess`: a triangle that may be the nearest; it becomes the nearest.
+  SurfaceSample sample(std::uint64_t index, const TriangleBvh::Around& around, std::uint32_t& guess,
+                       SheetVote& vote) const {
     const glm::ivec3 voxel = voxelAt(size_, index);
     const glm::dvec3 centre = glm::dvec3(voxel) + 0.5;
-    const glm::dvec3 open = openSide(voxel);
+    const std::uint32_t around_it = neighbourMask(voxels_, size_, voxel);
+    const glm::dvec3 open = openSide(around_it);
 
-    Nearest nearest = bvh_.nearest(centre);
+    Nearest nearest = nearestTo(centre, around, guess);
+    guess = nearest.triangle;
     if (look_.isCutOut(nearest)) {
       const Nearest shown = look_.nearestShown(bvh_, centre);
       if (shown.triangle != kCap) nearest = shown;
@@ -65,14 +78,16 @@ class Sampler {
     }
     glm::dvec3 normal = outward(nearest, centre, index, open);
     // The nearest surface may be hidden: inside a body, under a roof, in a crack.
-    const Sides sides = sidesOf(centre);
+    const Sides sides = sidesOf(centre, around_it, around);
     if (sides.count > 0 && !isSeen(sides, nearest, normal)) {
-      const Side& seen = *std::min_element(
-          sides.side, sides.side + sides.count,
-          [](const Side& a, const Side& b) { return a.nearest.squared < b.nearest.squared; });
-      nearest = seen.nearest;
-      normal =
-          isSolid(nearest.triangle) || voxels_[index] == kInside ? seen.normal : faceNormal(nearest.triangle);
+      nearest.squared = std::numeric_limits<double>::infinity();
+      for (const Side* side = sides.side; side != sides.side + sides.count; ++side) {
+        const Nearest its = on(side->triangle, centre);
+        if (its.squared >= nearest.squared) continue;
+        nearest = its;
+        normal = side->normal;
+      }
+      if (!isSolid(nearest.triangle) && voxels_[index] != kInside) normal = faceNormal(nearest.triangle);
     }
     if (!isSolid(nearest.triangle) && voxels_[index] != kInside) {
       // A sheet has no inside, and in the open its voxels' steps say nothing about its sides: its winding
@@ -84,7 +99,7 @@ class Sampler {
           static_cast<int>(leadsOutside(centre, normal)) - static_cast<int>(leadsOutside(centre, -normal));
     } else if (const Side* far = farSide(sides, nearest, normal);
                far != nullptr && showsFar(centre, normal, far->normal)) {
-      nearest = far->nearest;
+      nearest = on(far->triangle, centre);
       normal = far->normal;
     } else if (sides.count == 0 && glm::dot(normal, open) < -0.1 * glm::length(open)) {
       normal = glm::normalize(open);
@@ -107,22 +122,51 @@ class Sampler {
     return mesh_.components[mesh_.triangles[triangle].component].solid;
   }
 
-  glm::dvec3 faceNormal(std::uint32_t triangle) const {
+  Nearest nearestTo(const glm::dvec3& centre, const TriangleBvh::Around& around, std::uint32_t guess) const {
+    Nearest within;
+    within.squared = kNear * kNear;
+    if (guess != kCap) {
+      const Nearest guessed = on(guess, centre);
+      if (guessed.squared < within.squared) within = guessed;
+    }
+    const Nearest nearest = bvh_.nearest(around, centre, within);
+    return nearest.triangle != kCap ? nearest : bvh_.nearest(centre);
+  }
+
+  // Along the triangle's normal, as long as twice its area.
+  glm::dvec3 area(std::uint32_t triangle) const {
     const auto& v = mesh_.triangles[triangle].vertex;
     const glm::dvec3 a = mesh_.position(v[0]);
-    const glm::dvec3 n = glm::cross(mesh_.position(v[1]) - a, mesh_.position(v[2]) - a);
+    return glm::cross(mesh_.position(v[1]) - a, mesh_.position(v[2]) - a);
+  }
+
+  glm::dvec3 faceNormal(std::uint32_t triangle) const {
+    const glm::dvec3 n = area(triangle);
     const double length = glm::length(n);
     return length > 0 ? n / length : glm::dvec3(0);
   }
 
-  // Sum of the directions to the empty voxels around.
-  glm::dvec3 openSide(const glm::ivec3& voxel) const {
-    const std::uint32_t mask = neighbourMask(voxels_, size_, voxel);
-    glm::dvec3 sum(0);
-    for (int cell = 0; cell < 27; ++cell) {
-      if (!(mask & (1u << cell))) sum += glm::dvec3(cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1);
+  // Sum of the directions to the empty ones of the 27 voxels around.
+  glm::dvec3 openSide(std::uint32_t solid) const {
+    const Slice &low = slices_[solid & 511], &middle = slices_[solid >> 9 & 511],
+                &high = slices_[solid >> 18];
+    return {low.x + middle.x + high.x, low.y + middle.y + high.y, high.count - low.count};
+  }
+  // Of nine voxels at one height: how many are empty, and the sum of the directions to those.
+  struct Slice {
+    int x = 0, y = 0, count = 0;
+  };
+  static std::array<Slice, 512> makeSlices() {
+    std::array<Slice, 512> slices;
+    for (std::size_t solid = 0; solid < 512; ++solid) {
+      for (int cell = 0; cell < 9; ++cell) {
+        if (solid >> cell & 1) continue;
+        slices[solid].x += cell % 3 - 1;
+        slices[solid].y += cell / 3 - 1;
+        slices[solid].count += 1;
+      }
     }
-    return sum;
+    return slices;
   }
 
   // Whether a ray from a voxel meets no other on its way out of the box.
@@ -148,29 +192,28 @@ class Sampler {
 
   // What is seen of a voxel through its faces.
   struct Side {
-    Nearest nearest;    // on the way to the voxel's middle, near it
-    glm::dvec3 normal;  // towards who looks
+    std::uint32_t triangle;  // on the way to the voxel's middle, near it
+    glm::dvec3 normal;       // towards who looks
   };
   struct Sides {
     Side side[6];
     int count = 0;
   };
-  Sides sidesOf(const glm::dvec3& centre) const {
+  Sides sidesOf(const glm::dvec3& centre, std::uint32_t solid, const TriangleBvh::Around& around) const {
+    constexpr std::uint32_t kBeside[6] = {1u << 12, 1u << 14, 1u << 10, 1u << 16, 1u << 4, 1u << 22};
     Sides sides;
     for (int face = 0; face < 6; ++face) {
       const int axis = face / 2, sign = face % 2 ? 1 : -1;
-      glm::dvec3 way(0);
-      way[axis] = sign;
-      if (!isEmpty(centre + way)) continue;
+      if (solid & kBeside[face]) continue;
+      glm::dvec3 before = centre + kAskew;
+      before[axis] = centre[axis] + sign;
       // Bodies are not left through their skin, and sheets are looked through where they are cut out.
-      const Nearest seen = bvh_.first(
-          centre + way + kAskew * (1.0 - glm::abs(way)), axis, -sign, kDeep, [&](const Nearest& hit) {
-            return isSolid(hit.triangle) ? glm::dot(faceNormal(hit.triangle), way) > 0 : !look_.isCutOut(hit);
-          });
+      const Nearest seen = bvh_.first(around, before, axis, -sign, kDeep, [&](const Nearest& hit) {
+        return isSolid(hit.triangle) ? area(hit.triangle)[axis] * sign > 0 : !look_.isCutOut(hit);
+      });
       if (seen.triangle == kCap) continue;
-      const Nearest at = on(seen.triangle, centre);
       const glm::dvec3 across = faceNormal(seen.triangle);
-      sides.side[sides.count++] = {at, glm::dot(across, way) < 0 ? -across : across};
+      sides.side[sides.count++] = {seen.triangle, across[axis] * sign < 0 ? -across : across};
     }
     return sides;
   }
@@ -190,7 +233,7 @@ class Sampler {
   bool isSeen(const Sides& sides, const Nearest& nearest, const glm::dvec3& normal) const {
     const SolidTriangle& triangle = mesh_.triangles[nearest.triangle];
     return std::any_of(sides.side, sides.side + sides.count, [&](const Side& side) {
-      return mesh_.triangles[side.nearest.triangle].component == triangle.component &&
+      return mesh_.triangles[side.triangle].component == triangle.component &&
              (!isSolid(nearest.triangle) || glm::dot(side.normal, normal) > kAlike);
     });
   }
@@ -204,7 +247,7 @@ class Sampler {
     for (const Side* side = sides.side; side != sides.side + sides.count; ++side) {
       const double along = glm::dot(side->normal, normal);
       if (along >= least ||
-          mesh_.triangles[side->nearest.triangle].component != mesh_.triangles[nearest.triangle].component)
+          mesh_.triangles[side->triangle].component != mesh_.triangles[nearest.triangle].component)
         continue;
       least = along;
       far = side;
@@ -221,16 +264,11 @@ class Sampler {
     return glm::dot(far - normal, kShown) > 0;
   }
 
-  bool isEmpty(const glm::dvec3& p) const {
-    const glm::ivec3 v(glm::floor(p));
-    if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size_.x || v.y >= size_.y || v.z >= size_.z) return true;
-    return voxels_[denseIndex(size_, v)] == kEmpty;
-  }
-
   glm::dvec3 outward(const Nearest& nearest, const glm::dvec3& centre, std::uint64_t index,
                      const glm::dvec3& open) const {
-    glm::dvec3 normal = faceNormal(nearest.triangle);
+    glm::dvec3 normal;
     if (!isSolid(nearest.triangle)) {
+      normal = faceNormal(nearest.triangle);
       // it lies in the skin of a body
       if (voxels_[index] == kInside && glm::dot(normal, open) < 0) normal = -normal;
     } else if (mesh_.triangles[nearest.triangle].seam) {
@@ -239,6 +277,8 @@ class Sampler {
                               .triangle);
     } else if (const double distance = std::sqrt(nearest.squared); distance > kTooNear) {
       normal = (voxels_[index] == kInside ? nearest.point - centre : centre - nearest.point) / distance;
+    } else {
+      normal = faceNormal(nearest.triangle);
     }
     if (normal == glm::dvec3(0)) normal = open;
     const double length = glm::length(normal);
@@ -250,6 +290,7 @@ class Sampler {
   const TriangleBvh& bvh_;
   const std::vector<std::uint8_t>& voxels_;
   glm::ivec3 size_;
+  std::array<Slice, 512> slices_ = makeSlices();  // by which of the nine are solid
 };
 
 // Turns the sheets that are seen from behind, each as a whole: a sign chosen voxel by voxel would flicker.
@@ -287,10 +328,22 @@ std::vector<SurfaceSample> sampleSurface(const SurfaceLook& look, const Topology
   const Sampler sampler(look, mesh, bvh, voxels, size);
   std::vector<SurfaceSample> samples(surface.size());
   std::vector<SheetVote> votes(surface.size());
+  const SurfaceBlocks blocks(surface, size, threads);
   parallelRanges(
-      surface.size(), kSamplesAtOnce, threads,
+      blocks.count(), kBlocksAtOnce, threads,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) samples[i] = sampler.sample(surface[i], votes[i]);
+        for (std::size_t block = begin; block < end; ++block) {
+          glm::ivec3 low = size, high(0);
+          blocks.forEach(block, [&](std::size_t i) {
+            low = glm::min(low, voxelAt(size, surface[i]));
+            high = glm::max(high, voxelAt(size, surface[i]));
+          });
+          const TriangleBvh::Around around = sampler.around(low, high);
+          std::uint32_t guess = kCap;
+          blocks.forEach(block, [&](std::size_t i) {
+            samples[i] = sampler.sample(surface[i], around, guess, votes[i]);
+          });
+        }
       },
       step);
   turnHiddenSheets(votes, mesh.components.size(), samples);

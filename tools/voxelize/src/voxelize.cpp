@@ -3,7 +3,7 @@
 #include "kelp/voxelize/voxelize.h"
 #include "kelp/common/dense_index.h"
 
-#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "kelp/common/error.h"
@@ -19,8 +19,8 @@
 #include "kelp/voxelize/fill/match_volumes.h"
 #include "kelp/voxelize/fill/scan.h"
 #include "kelp/voxelize/fill/thin.h"
-#include "kelp/voxelize/surface/band.h"
 #include "kelp/voxelize/surface/look.h"
+#include "kelp/voxelize/surface/touched_voxels.h"
 #include "kelp/voxelize/surface/triangle_bvh.h"
 #include "kelp/voxelize/topology/fill_report.h"
 #include "kelp/voxelize/topology/mesh_counts.h"
@@ -28,6 +28,35 @@
 #include "samples.h"
 
 namespace kelp::bake {
+namespace {
+
+struct VoxelCounts {
+  std::uint64_t solid = 0, kept = 0;
+};
+
+// What made a voxel solid is forgotten: 1 for all of them.
+VoxelCounts settle(std::vector<std::uint8_t>& voxels, int threads) {
+  static_assert(kEmpty == 0 && kInside == 1 && kKept == 2);
+  constexpr std::size_t kAtOnce = 1 << 20;
+  std::vector<VoxelCounts> counts((voxels.size() + kAtOnce - 1) / kAtOnce);
+  parallelRanges(voxels.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t solid = 0, kept = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      kept += voxels[i] >> 1;
+      voxels[i] = voxels[i] != kEmpty ? 1 : 0;
+      solid += voxels[i];
+    }
+    counts[begin / kAtOnce] = {solid, kept};
+  });
+  VoxelCounts all;
+  for (const VoxelCounts& its : counts) {
+    all.solid += its.solid;
+    all.kept += its.kept;
+  }
+  return all;
+}
+
+}  // namespace
 
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill,
                         int threads, const Progress& progress) {
@@ -44,13 +73,13 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   const std::vector<Scanned> scanned =
       fillScanlines(mesh, findDoubts(mesh, frame.size, threads), frame.size, threads, voxels);
   report(0.3);
-  const TriangleBvh bvh(mesh);
+  const TriangleBvh bvh(mesh, threads);
   const SurfaceLook look(model, part.soup, mesh);
   {
     const std::vector<std::uint64_t> touched = touchedVoxels(mesh, frame.size, threads);
     keepThinParts(mesh, bvh, touched, frame.size, threads, voxels, between(0.3, 0.35));
     report(0.35);
-    closeDiagonalGaps(mesh, bvh, touched, frame.size, threads, voxels);
+    closeDiagonalGaps(mesh, bvh, frame.size, threads, voxels);
     report(0.4);
     matchVolumes(mesh, scanned, bvh, touched, frame.size, threads, voxels, between(0.4, 0.5));
   }
@@ -59,7 +88,6 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   report(0.5);
 
   // What made a voxel solid still tells where its look comes from: one dense array for both.
-  static_assert(kEmpty == 0);
   fields::Occupancy occupancy{frame.size, std::move(voxels)};
   VoxelizeResult result;
   {
@@ -70,9 +98,9 @@ VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const 
   }
   returnFreedMemory();
   result.counts = countFill(mesh, part.soup.triangles.size());
-  result.counts.kept_voxels =
-      static_cast<std::uint64_t>(std::count(occupancy.solid.begin(), occupancy.solid.end(), kKept));
-  for (std::uint8_t& voxel : occupancy.solid) voxel = voxel != kEmpty ? 1 : 0;
+  const VoxelCounts counts = settle(occupancy.solid, threads);
+  result.counts.kept_voxels = counts.kept;
+  result.solid_voxels = counts.solid;
   result.grid.size = frame.size;
   result.grid.to_node = glm::mat4x3(glm::dmat4x3(glm::inverse(frame.node_to_voxel)));
   result.grid.solid = std::move(occupancy.solid);

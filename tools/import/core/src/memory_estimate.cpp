@@ -30,12 +30,11 @@ PartSize fogSize(const glm::ivec3& size, const glm::ivec3& pad, bool heat) {
 
 std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t image_bytes) {
   // Measured on real files (see the README of this folder). Bytes for each triangle: as it was read, while
-  // the mesh is analysed, and with its hierarchy. Bytes while the surface is found and sampled: for each
-  // brick that the surface passes through, which OpenVDB's trees hold whole, and for each surface voxel.
-  // Bytes while levels are built: for each surface voxel. Bricks within the band of distances for each brick
-  // that the surface passes through.
-  constexpr double kProgram = 23e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 120,
-                   kTrees = 7500, kFinding = 36, kLeveling = 42, kBricksOfBand = 3;
+  // the mesh is analysed, and with its hierarchy. Bytes while the surface is found: a bit for each voxel,
+  // and for each surface voxel; while it is sampled, and while levels are built: for each surface voxel.
+  // Bricks within the band of distances for each brick that the surface passes through.
+  constexpr double kProgram = 23e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 140,
+                   kFinding = 36, kSampling = 32, kLeveling = 42, kBricksOfBand = 3;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
   for (const PartSize& part : parts) kept += static_cast<double>(part.triangles) * kTriangle;
@@ -47,7 +46,8 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   for (const PartSize& part : parts) {
     const double triangles = static_cast<double>(part.triangles);
     if (part.triangles > 0) {
-      const double finding = part.surface_bricks * kTrees + part.surface_voxels * kFinding;
+      const double finding = std::max(part.voxels() / 8 + part.surface_voxels * kFinding,
+                                      part.surface_voxels * (sizeof(SurfaceSample) + kSampling));
       peak = std::max({peak, kept + triangles * kAnalysing,
                        kept + part.voxels() + triangles * kAnalysing + part.scan_bytes,
                        kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});

@@ -126,10 +126,14 @@ bool ChangeRules::mayChange(std::size_t i, int below) const {
   return true;
 }
 
+Nearest ChangeRules::nearestDrawn(const glm::dvec3& centre) const {
+  return bvh_.nearest(centre, kHalfDiagonal,
+                      [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
+}
+
 ChangeRules::Near ChangeRules::nearest(std::uint64_t index) const {
   const glm::dvec3 centre = glm::dvec3(voxelAt(size_, index)) + 0.5;
-  const Nearest nearest =
-      bvh_.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return mesh_.triangles[i].source != kCap; });
+  const Nearest nearest = nearestDrawn(centre);
   if (nearest.triangle == kCap || !isSolid(nearest.triangle)) return {};
   const bool sheet =
       bvh_.nearest(centre, kHalfDiagonal, [&](std::uint32_t i) { return !isSolid(i); }).triangle != kCap;
@@ -165,8 +169,10 @@ const ChangeRules::Near* ChangeRules::nearAt(const glm::ivec3& v) const {
 }
 
 bool ChangeRules::isOwn(const glm::ivec3& v, std::uint32_t component) const {
-  const Near* near = nearAt(v);
-  return near == nullptr || near->component == component;
+  if (const Near* near = nearAt(v)) return near->component == component;
+  const Nearest nearest = nearestDrawn(glm::dvec3(v) + 0.5);
+  return nearest.triangle == kCap ||
+         (isSolid(nearest.triangle) && mesh_.triangles[nearest.triangle].component == component);
 }
 
 int ChangeRules::solidFaces(const glm::ivec3& v) const {

@@ -53,6 +53,8 @@ class ChangeRules {
 
  private:
   Near nearest(std::uint64_t index) const;
+  // The nearest triangle that is not a cap, within half a diagonal.
+  Nearest nearestDrawn(const glm::dvec3& centre) const;
   bool isSolid(std::uint32_t triangle) const {
     return mesh_.components[mesh_.triangles[triangle].component].solid;
   }

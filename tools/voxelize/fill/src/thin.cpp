@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/voxelize/surface/touched_voxels.h"
 
 namespace kelp::bake {
 namespace {
@@ -14,7 +15,8 @@ constexpr std::size_t kGrain = 4096;
 // Two more values of voxels, while this file works.
 constexpr std::uint8_t kLost = 3;    // kept because nothing solid was around it
 constexpr std::uint8_t kPassed = 4;  // empty, and a thin component passes through it
-bool isSolidVoxel(std::uint8_t voxel) { return voxel != kEmpty && voxel != kPassed; }
+// kInside, kKept or kLost
+bool isSolidVoxel(std::uint8_t voxel) { return (voxel & 3) != 0; }
 
 // For each of the 27 cells of a block, the cells that touch it: by a face, an edge or a corner.
 struct Touching {
@@ -107,10 +109,11 @@ class ThinParts {
   // components.
   void joinEnds(const Step& step) {
     thin_.assign(touched_.size(), kCap);
+    const std::vector<std::uint8_t> by_thin = touchedByThin();
     choose(
         [&](std::size_t i, const glm::ivec3& voxel) {
           const std::uint32_t mask = neighbours(voxel);
-          if (mask == 0 || (!has_thin_ && !touchesLost(voxel))) return false;
+          if (mask == 0 || (!by_thin[i] && !touchesLost(voxel))) return false;
           const std::uint32_t component = passingAny(voxel);
           if (component == kCap) return false;
           if (mesh_.components[component].thin) thin_[i] = component;
@@ -140,6 +143,21 @@ class ThinParts {
   }
 
  private:
+  // By touched voxel: whether a thin component touches it.
+  std::vector<std::uint8_t> touchedByThin() const {
+    std::vector<std::uint8_t> by_thin(touched_.size(), 0);
+    if (!has_thin_) return by_thin;
+    const std::vector<std::uint64_t> thin = touchedVoxels(
+        mesh_, size_, threads_,
+        [&](const SolidTriangle& triangle) { return mesh_.components[triangle.component].thin; });
+    auto at = thin.begin();
+    for (std::size_t i = 0; i < touched_.size(); ++i) {
+      while (at != thin.end() && *at < touched_[i]) ++at;
+      by_thin[i] = at != thin.end() && *at == touched_[i] ? 1 : 0;
+    }
+    return by_thin;
+  }
+
   // Chooses the touched voxels that are not solid and that `wanted(number, voxel)` wants.
   template <class Wanted>
   void choose(const Wanted& wanted, const Step& step = {}) {
@@ -268,6 +286,18 @@ std::uint32_t neighbourMask(const std::vector<std::uint8_t>& voxels, const glm::
                             const glm::ivec3& voxel) {
   std::uint32_t mask = 0;
   int bit = 0;
+  const auto isInner = [](int at, int count) { return at > 0 && at < count - 1; };
+  if (isInner(voxel.x, size.x) && isInner(voxel.y, size.y) && isInner(voxel.z, size.z)) {
+    for (int z = voxel.z - 1; z <= voxel.z + 1; ++z) {
+      for (int y = voxel.y - 1; y <= voxel.y + 1; ++y, bit += 3) {
+        const std::uint8_t* const row = voxels.data() + denseIndex(size, voxel.x - 1, y, z);
+        mask |= (std::uint32_t{isSolidVoxel(row[0])} | std::uint32_t{isSolidVoxel(row[1])} << 1 |
+                 std::uint32_t{isSolidVoxel(row[2])} << 2)
+                << bit;
+      }
+    }
+    return mask;
+  }
   for (int z = voxel.z - 1; z <= voxel.z + 1; ++z) {
     for (int y = voxel.y - 1; y <= voxel.y + 1; ++y) {
       if (y < 0 || z < 0 || y >= size.y || z >= size.z) {

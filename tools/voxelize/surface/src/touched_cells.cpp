@@ -84,6 +84,11 @@ class TouchedCells {
  private:
   void touch(const Polygon& triangle) {
     const Cells slabs = cellsOf(triangle, 2, size_.z);
+    if (slabs.first == slabs.last) {
+      // Of a scan most triangles are as small as this: nothing has to be cut.
+      const Cells rows = cellsOf(triangle, 1, size_.y);
+      if (rows.first == rows.last) return touchRow(cellsOf(triangle, 0, size_.x), rows.first, slabs.first);
+    }
     for (int z = slabs.first; z <= slabs.last; ++z) {
       const Polygon slab = cut(triangle, 2, z, slabs);
       if (slab.corners == 0) continue;
@@ -91,14 +96,17 @@ class TouchedCells {
       for (int y = rows.first; y <= rows.last; ++y) {
         const Polygon row = cut(slab, 1, y, rows);
         if (row.corners == 0) continue;
-        const Cells run = cellsOf(row, 0, size_.x);
-        const std::size_t start = denseIndex(size_, 0, y, z);
-        for (int x = run.first; x <= run.last; ++x) {
-          std::vector<bool>::reference bit = bits_[start + static_cast<std::size_t>(x)];
-          if (!bit) ++count_;
-          bit = true;
-        }
+        touchRow(cellsOf(row, 0, size_.x), y, z);
       }
+    }
+  }
+
+  void touchRow(const Cells& run, int y, int z) {
+    const std::size_t start = denseIndex(size_, 0, y, z);
+    for (int x = run.first; x <= run.last; ++x) {
+      std::vector<bool>::reference bit = bits_[start + static_cast<std::size_t>(x)];
+      if (!bit) ++count_;
+      bit = true;
     }
   }
 

@@ -2,6 +2,7 @@
 // From a mesh to voxels: which are solid, and the material and normal of each surface voxel.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace kelp::bake {
 
 struct VoxelizeResult {
   VoxelGrid grid;
+  std::uint64_t solid_voxels = 0;
   bool closed = false;                      // no boundary edges after welding equal positions
   std::string fill;                         // "solid" or "surface", and why
   std::vector<ComponentReport> components;  // the largest kMaxComponentReports, by area
@@ -21,8 +23,7 @@ struct VoxelizeResult {
   FillCounts counts;
 };
 // Voxelizes one part into the box of `frame`. The same result with any number of threads. Throws ToolError:
-// kInvalid for materials or images that are out of range, kInterrupted if `progress` asks to stop, kRuntime
-// if OpenVDB fails.
+// kInvalid for materials or images that are out of range, kInterrupted if `progress` asks to stop.
 VoxelizeResult voxelize(const SourceModel& model, const SourcePart& part, const Frame& frame, Fill fill,
                         int threads, const Progress& progress);
 

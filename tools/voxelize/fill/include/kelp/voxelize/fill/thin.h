@@ -9,10 +9,10 @@
 
 namespace kelp::bake {
 
-// Runs after the scanlines. Adds touched voxels (as kKept) where the mesh is too thin for them: a wire, a
-// grass blade, the tip of an ear. First it adds voxels that the surface passes through and that have nothing
-// solid around them. Then, beside those and on thin components, it adds single voxels or pairs that connect
-// pieces. Thick bodies gain nothing.
+// Runs after the scanlines. Adds voxels of `touched` (touchedVoxels of the mesh), as kKept, where the mesh is
+// too thin for them: a wire, a grass blade, the tip of an ear. First it adds voxels that the surface passes
+// through and that have nothing solid around them. Then, beside those and on thin components, it adds single
+// voxels or pairs that connect pieces. Thick bodies gain nothing.
 void keepThinParts(const Topology& mesh, const TriangleBvh& bvh, const std::vector<std::uint64_t>& touched,
                    const glm::ivec3& size, int threads, std::vector<std::uint8_t>& voxels, const Step& step);
 
