@@ -32,8 +32,10 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
   // Measured on real files (see the README of this folder). Bytes for each triangle: as it was read, while
   // the mesh is analysed, and with its hierarchy. Bytes while the surface is found: a bit for each voxel,
   // and for each surface voxel; while it is sampled, and while levels are built: for each surface voxel.
-  // Bricks within the band of distances for each brick that the surface passes through.
-  constexpr double kProgram = 23e6, kVoxelizer = 15e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 140,
+  // Bricks within the band of distances for each brick that the surface passes through. The process that
+  // bakes takes some memory of its own, the one that watches it and reads the pack back more, which is the
+  // least.
+  constexpr double kProgram = 12e6, kWatching = 41e6, kTriangle = 50, kAnalysing = 315, kHierarchy = 140,
                    kFinding = 36, kSampling = 32, kLeveling = 42, kBricksOfBand = 3;
   // Reductions of images hold a third as many texels, each four times as large.
   double kept = kProgram + static_cast<double>(image_bytes) * (1 + 4.0 / 3);
@@ -50,15 +52,13 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
                                       part.surface_voxels * (sizeof(SurfaceSample) + kSampling));
       peak = std::max({peak, kept + triangles * kAnalysing,
                        kept + part.voxels() + triangles * kAnalysing + part.scan_bytes,
-                       kept + kVoxelizer + part.voxels() + triangles * kHierarchy + finding});
+                       kept + part.voxels() + triangles * kHierarchy + finding});
     }
     kept += gridBytes(part);
     peak = std::max(peak, kept + part.source_bytes);
     // both copies, while it is padded
     peak = std::max(peak, kept + part.volume_voxels * (part.fog_channels > 0 ? sizeof(std::uint16_t) : 1));
   }
-  if (std::any_of(parts.begin(), parts.end(), [](const PartSize& part) { return part.triangles > 0; }))
-    kept += kVoxelizer;
   for (const PartSize& part : parts) {
     if (part.fog_channels > 0) {
       // Codes, and a byte a voxel for the cubes that are not clear. At worst all of it becomes bricks.
@@ -82,7 +82,7 @@ std::uint64_t estimateMemory(std::span<const PartSize> parts, std::uint64_t imag
     peak = std::max(peak, kept + near_bricks * kBrickVoxels);
     kept += near_bricks * kBrickVoxels;
   }
-  return static_cast<std::uint64_t>(peak);
+  return static_cast<std::uint64_t>(std::max(peak, kWatching));
 }
 
 namespace {
