@@ -125,8 +125,8 @@ Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
       return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
     return {};
   }
-  if (findBrickWithoutSolid(out.codes.span()) >= 0)
-    return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
+  if (findBrickWithoutSurface(out.codes.span()) >= 0)
+    return Error{ErrorCode::kCorrupt, "a stored brick holds no surface voxel", page.offset};
   if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {
     return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that does not exist", page.offset};
   }

@@ -230,18 +230,18 @@ class Verifier {
     if (!decoded) issue(IssueId::kPage, decoded.error(), number);
     bool outside = false;
     for (std::uint32_t brick = 0; brick < page.count; ++brick, walk.next()) {
-      while (!(grid_.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) walk.next();
+      while (!isStoredCell(grid_.cells[static_cast<std::size_t>(walk.index())])) walk.next();
       if (decoded) outside = outside || holdsOutside(page, brick, walk.cell());
     }
     if (!decoded) return;
     if (page.channels > 0) {
       if (findClearBrick(page_.fog.span(), page.channels) >= 0)
-        broken(IssueId::kBrickWithoutSolid, "a stored brick holds no fog");
+        broken(IssueId::kBrickWithoutSurface, "a stored brick holds no fog");
       if (outside) broken(IssueId::kOutsideVolume, "a sample of fog lies outside the level");
       return;
     }
-    if (findBrickWithoutSolid(page_.codes.span()) >= 0)
-      broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
+    if (findBrickWithoutSurface(page_.codes.span()) >= 0)
+      broken(IssueId::kBrickWithoutSurface, "a stored brick holds no surface voxel");
     if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
     if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
       broken(IssueId::kPaletteIndex, "an attribute names a palette entry that does not exist");
@@ -320,7 +320,7 @@ const char* toString(IssueId id) {
       return "The grid of a level cannot be read. Copy or bake the pack again.";
     case IssueId::kPage:
       return "A page of bricks cannot be read. Copy or bake the pack again.";
-    case IssueId::kBrickWithoutSolid:
+    case IssueId::kBrickWithoutSurface:
       return "A stored brick holds nothing. The writer has a bug: report it.";
     case IssueId::kOutsideVolume:
       return "A solid voxel or a sample of fog lies outside its level. The writer has a bug: report it.";

@@ -25,11 +25,18 @@ std::uint64_t cellCount(const glm::ivec3& grid) {
          static_cast<std::uint64_t>(grid.z);
 }
 
-Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid) {
+Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lattice& lattice) {
+  const glm::ivec3 whole = lattice.channels == 0 ? lattice.size / kBrickSide : glm::ivec3(0);
   std::uint32_t next = 0;
-  for (MortonWalk walk(grid); !walk.done(); walk.next()) {
+  for (MortonWalk walk(brickGrid(lattice.size)); !walk.done(); walk.next()) {
     const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
     if (!(cell & kCellSolid)) continue;
+    if (cell == kCellInside) {
+      const glm::ivec3& at = walk.cell();
+      if (at.x < whole.x && at.y < whole.y && at.z < whole.z) continue;
+      return Error{ErrorCode::kCorrupt, "a brick that is wholly inside reaches beyond the level, or is fog",
+                   walk.index()};
+    }
     if (next > kCellSlotMask)
       return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
     if (cell != (kCellSolid | next))
@@ -59,7 +66,7 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
     if (chunk[static_cast<std::size_t>(i)] != std::byte{0})
       return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
   }
-  const Result<std::uint32_t> count = checkCells(out.cells.span(), out.grid);
+  const Result<std::uint32_t> count = checkCells(out.cells.span(), lattice);
   if (!count)
     return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
   out.bricks = *count;
@@ -217,10 +224,10 @@ bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& bric
   return false;
 }
 
-std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
+std::int64_t findBrickWithoutSurface(std::span<const std::uint8_t> codes) {
   for (std::size_t brick = 0; brick * kBrickVoxels < codes.size(); ++brick) {
     const auto voxels = codes.subspan(brick * kBrickVoxels, kBrickVoxels);
-    if (std::none_of(voxels.begin(), voxels.end(), isSolidCode)) return static_cast<std::int64_t>(brick);
+    if (std::none_of(voxels.begin(), voxels.end(), isSurfaceCode)) return static_cast<std::int64_t>(brick);
   }
   return -1;
 }

@@ -12,10 +12,10 @@ Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
   Result<LevelGrid> read = pack.readGrid(part, level);
   if (!read) return read.error();
   const std::size_t count = read->pages.size();
-  if (count > kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131072 pages"};
+  if (count >= kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131071 pages"};
   // Where each slot lies. Pages are in the order of slots.
   Buffer<std::uint32_t> places(allocator);
-  const auto bytes_of_slots = static_cast<std::size_t>(count * sizeof(PageSlot));
+  const auto bytes_of_slots = (count + 1) * sizeof(PageSlot);
   void* const memory = allocator.allocate(allocator.user, bytes_of_slots);
   if (!memory || !places.reset(read->bricks)) {
     if (memory) allocator.deallocate(allocator.user, memory, bytes_of_slots);
@@ -27,11 +27,16 @@ Result<void> LevelState::load(const Pack& pack, const Allocator& allocator) {
       places[info.first_slot + brick] = makeStoredCell(static_cast<std::uint32_t>(page), brick);
   }
   for (std::uint32_t& cell : read->cells) {
-    if (cell & kCellSolid) cell = places[cell & kCellSlotMask];
+    if (cell == kCellInside)
+      cell = makeStoredCell(static_cast<std::uint32_t>(count), 0);
+    else if (cell & kCellSolid)
+      cell = places[cell & kCellSlotMask];
   }
   grid = *std::move(read);
   pages = static_cast<PageSlot*>(memory);
-  for (std::size_t page = 0; page < count; ++page) new (&pages[page]) PageSlot;
+  for (std::size_t page = 0; page <= count; ++page) new (&pages[page]) PageSlot;
+  pages[count].words.store(const_cast<std::uint32_t*>(kSolidBrick.data()),  // NOLINT: only read
+                           std::memory_order_relaxed);
   absent = static_cast<std::uint32_t>(count);
   data = {grid.size, grid.grid, grid.cells.span(), grid.pages.span()};
   return {};
@@ -45,7 +50,8 @@ void LevelState::release(const Allocator& allocator) {
     }
     pages[page].~PageSlot();
   }
-  allocator.deallocate(allocator.user, pages, grid.pages.size() * sizeof(PageSlot));
+  pages[grid.pages.size()].~PageSlot();
+  allocator.deallocate(allocator.user, pages, (grid.pages.size() + 1) * sizeof(PageSlot));
   pages = nullptr;
 }
 
@@ -55,7 +61,8 @@ std::uint64_t LevelState::bytes(const Part& of) const {
                               static_cast<std::uint64_t>(bricks.z);
   const std::uint64_t table = grid_raw - std::min(grid_raw, cells * sizeof(std::uint32_t));
   const std::uint64_t page_count = table / 32;  // a page has 32 bytes in the file
-  return cells * sizeof(std::uint32_t) + page_count * (sizeof(PageInfo) + sizeof(PageSlot));
+  return cells * sizeof(std::uint32_t) + page_count * (sizeof(PageInfo) + sizeof(PageSlot)) +
+         sizeof(PageSlot);
 }
 
 }  // namespace kelp::runtime

@@ -54,7 +54,7 @@ struct LevelState {
   std::uint32_t first_absent = 0;  // no page before it is absent
   std::atomic<std::uint32_t> resident{0};
   LevelGrid grid;
-  PageSlot* pages = nullptr;  // grid.pages.size() of them, from the allocator
+  PageSlot* pages = nullptr;  // grid.pages.size() and that of kSolidBrick, from the allocator
   VoxelLevel data;
   std::atomic<bool> ready{false};
   Request request;

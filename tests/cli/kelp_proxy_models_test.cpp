@@ -73,7 +73,9 @@ Voxels readVoxels(const std::string& path) {
     const ivec3 brick = v / kBrickSide;
     const std::uint32_t cell =
         grid.cells[static_cast<std::size_t>(brick.x + bricks.x * (brick.y + bricks.y * brick.z))];
-    if (cell & kCellSolid)
+    if (cell == kCellInside)
+      voxels.solid.at(v) = true;
+    else if (cell & kCellSolid)
       voxels.solid.at(v) = isSolidCode(
           codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels + static_cast<std::size_t>(codeIndex(v))]);
   });

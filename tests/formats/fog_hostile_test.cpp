@@ -293,7 +293,7 @@ TEST(FogHostile, VerifyNamesWhatIsWrong) {
       {IssueId::kMetadata, -1, -1, [](PackSurgeon& s) { set(s.content("FOGS"), 16, 1.0f); }},
       {IssueId::kGrid, 1, 1, [](PackSurgeon& s) { set(s.content("GRID"), 20, 512u); }},
       {IssueId::kPage, 1, 1, [](PackSurgeon& s) { set(s.content("GRID"), 24, std::uint64_t{1}); }},
-      {IssueId::kBrickWithoutSolid, 1, 1,
+      {IssueId::kBrickWithoutSurface, 1, 1,
        [](PackSurgeon& s) { s.editPage([](Bytes& p) { std::fill_n(p.begin(), 729, std::byte{0}); }); }},
       // 13 x 6 x 5 samples: the first brick has room in x, the second for 5.
       {IssueId::kOutsideVolume, 1, 1,

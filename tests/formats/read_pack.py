@@ -428,7 +428,7 @@ class Pack:
         cells = table.take("%dI" % count)
         if count % 2:
             need(table.one("I") == 0, "padding of a grid")
-        stored = self.check_cells(cells, grid)
+        stored = self.check_cells(cells, grid, None if part["kind"] else size)
         content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(),
                 "heat": bytearray()}
         for first, bricks, raw in self.pages(table, grid_chunk, bricks_chunk, len(stored), 128):
@@ -489,9 +489,13 @@ class Pack:
                 for i in range(13))
 
     @staticmethod
-    def check_cells(cells, grid):
-        """Positions of the stored bricks, by slot."""
-        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=lambda c: Pack.morton(c, grid))
+    def check_cells(cells, grid, size):
+        """Positions of the stored bricks, by slot. size: of a level of voxels; None: it is fog."""
+        for i in (i for i, cell in enumerate(cells) if cell == 3 << 30):
+            position = (i % grid[0], i // grid[0] % grid[1], i // grid[0] // grid[1])
+            need(size and all(8 * p + 8 <= side for p, side in zip(position, size)), "brick that is inside")
+        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31 and cell != 3 << 30),
+                key=lambda c: Pack.morton(c, grid))
         need(len(stored) <= 1 << 24 and all(
                 cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
         return [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
@@ -502,17 +506,16 @@ class Pack:
         surface = 0
         for brick, position in enumerate(positions):
             room = [size[a] - 8 * position[a] for a in range(3)]
-            solid = False
+            seen = surface
             for z in range(8):
                 for i in range(64):
                     code = codes[512 * brick + 64 * z + i]
                     need(code <= 64 or code == 128, "reserved code")
                     if code < 64:
                         continue
-                    solid = True
                     need(i % 8 < room[0] and i // 8 < room[1] and z < room[2], "solid voxel outside")
                     surface += code == 64
-            need(solid, "brick without solid voxel")
+            need(surface > seen, "brick without surface voxel")
         return surface
 
 

@@ -138,7 +138,7 @@ TEST(Verify, GridsAndPagesAreNamedWithTheirPlace) {
   };
   const Case cases[] = {
       {IssueId::kPage, [](Bytes& p) { p[5] = std::byte{222}; }},
-      {IssueId::kBrickWithoutSolid, [](Bytes& p) { p.assign(512, std::byte{0}); }},
+      {IssueId::kBrickWithoutSurface, [](Bytes& p) { p.assign(512, std::byte{0}); }},
       {IssueId::kOutsideVolume, [](Bytes& p) { p[4] = std::byte{128}; }},  // the level is 4 voxels wide
       {IssueId::kPaletteIndex, [](Bytes& p) { p[512] = std::byte{9}; }},
   };
@@ -192,7 +192,7 @@ TEST(Verify, SolidVoxelsOutsideAreFoundInEveryPage) {
   ASSERT_TRUE(grid);
   std::set<std::int64_t> expected, found;
   for (std::size_t cell = 12; cell < level.cells.size(); cell += 13) {
-    if (!(level.cells[cell] & kCellSolid)) continue;
+    if (!isStoredCell(level.cells[cell])) continue;
     const std::uint32_t slot = level.cells[cell] & kCellSlotMask;
     bool outside = false;
     for (std::size_t i = 0; i < 512; ++i)

@@ -86,6 +86,15 @@ bool SolidBits::holdsSolid(const glm::ivec3& brick) const {
   return false;
 }
 
+bool SolidBits::isFull(const glm::ivec3& brick) const {
+  for (int z = 0; z < kBrickSide; ++z) {
+    for (int y = 0; y < kBrickSide; ++y) {
+      if (row(brick.x, brick.y * kBrickSide + y, brick.z * kBrickSide + z) != 0xff) return false;
+    }
+  }
+  return true;
+}
+
 std::uint64_t SolidBits::bytes(const glm::ivec3& grid) {
   return static_cast<std::uint64_t>(grid.x + 2) * static_cast<std::uint64_t>(grid.y + 2) *
          static_cast<std::uint64_t>(grid.z + 2) * kBrickSide * kBrickSide;

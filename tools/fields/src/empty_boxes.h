@@ -22,6 +22,7 @@ class SolidBits {
   // (grid + 1).
   std::uint8_t row(int brick_x, int y, int z) const { return bits_[index(brick_x, y, z)]; }
   bool holdsSolid(const glm::ivec3& brick) const;
+  bool isFull(const glm::ivec3& brick) const;
   static std::uint64_t bytes(const glm::ivec3& grid);
 
  private:

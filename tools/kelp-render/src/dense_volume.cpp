@@ -61,8 +61,8 @@ void spreadInwards(DenseVolume& volume, const std::vector<glm::ivec3>& surface) 
   }
 }
 
-// The words of each page (kelp/runtime/page.h). The pack was read before, so errors are those of a file that
-// changed meanwhile.
+// The words of each page, and kSolidBrick (kelp/runtime/page.h). The pack was read before, so errors are
+// those of a file that changed meanwhile.
 std::vector<std::vector<std::uint32_t>> decodePages(const Pack& pack, const runtime::VoxelLevel& level) {
   std::vector<std::vector<std::uint32_t>> pages;
   PageData decoded;
@@ -74,6 +74,7 @@ std::vector<std::vector<std::uint32_t>> decodePages(const Pack& pack, const runt
     if (!runtime::arrangePage(decoded, words))
       throw ToolError(Exit::kInvalid, "codes and attributes of a page do not match");
   }
+  pages.emplace_back(runtime::kSolidBrick.begin(), runtime::kSolidBrick.end());
   return pages;
 }
 

@@ -6,7 +6,8 @@
 //     bit 31 = 0     The brick is empty. Six numbers of 4 bits say how many bricks its empty box reaches
 //                    beyond it: bits 0..3 towards -x, 4..7 +x, 8..11 -y, 12..15 +y, 16..19 -z, 20..23 +z.
 //                    Bits 24..30: its clearance in voxels, rounded down, at most 127.
-//     bit 31 = 1     The brick holds at least one solid voxel. Bits 0..23: its slot. Bits 24..30: zero.
+//     bit 31 = 1     The brick is stored: it holds a surface voxel. Bits 0..23: its slot. Bits 24..30: zero.
+//     kCellInside    All voxels of the brick are inner. It is not stored.
 //   code (u8), one a voxel
 //     0 ..  63       Empty. Its empty box reaches 2^k - 1 voxels on both sides of it, with k = bits 0,1
 //                    along x, bits 2,3 along y, bits 4,5 along z.
@@ -35,11 +36,15 @@ inline constexpr int kBrickVoxels = 512;
 inline constexpr std::uint8_t kSurfaceCode = 64;
 inline constexpr std::uint8_t kInnerCode = 128;
 inline constexpr std::uint32_t kCellSolid = 0x80000000u;
+inline constexpr std::uint32_t kCellInside = 0xc0000000u;
 inline constexpr std::uint32_t kCellSlotMask = 0x00ffffffu;
 inline constexpr int kCellMaxReach = 15;
 inline constexpr int kCellClearanceShift = 24;
 inline constexpr std::uint32_t kCellMaxClearance = 127;
 inline constexpr int kMaxLevels = 16;
+
+// Whether the cell's brick is stored, and not only solid.
+inline bool isStoredCell(std::uint32_t cell) { return cell >> 30 == 2; }
 
 inline bool isSolidCode(std::uint8_t code) { return code >= kSurfaceCode; }
 inline bool isSurfaceCode(std::uint8_t code) { return code >= kSurfaceCode && code < kInnerCode; }

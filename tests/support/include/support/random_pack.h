@@ -74,11 +74,15 @@ class RandomPack {
         for (int x = 0; x < grid.x; ++x) {
           const std::size_t cell = level.cells.size();
           level.cells.push_back(static_cast<std::uint32_t>(random_()) & ~kCellSolid);
-          if (unit() < filled) order.emplace_back(mortonCode({x, y, z}), cell);
+          const bool whole = 8 * x + 8 <= size.x && 8 * y + 8 <= size.y && 8 * z + 8 <= size.z;
+          if (whole && unit() < 0.1f)
+            level.cells.back() = kCellInside;
+          else if (unit() < filled)
+            order.emplace_back(mortonCode({x, y, z}), cell);
         }
       }
     }
-    if (order.empty()) order.emplace_back(0, 0);
+    if (order.empty()) order.emplace_back(0, 0);  // even if it was inside
     std::sort(order.begin(), order.end());
     for (std::size_t slot = 0; slot < order.size(); ++slot) {
       const int cell = static_cast<int>(order[slot].second);
@@ -102,10 +106,10 @@ class RandomPack {
       if (i % 64 == 0) rank = 0;
       const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
       const bool inside = voxel.x < size.x && voxel.y < size.y && voxel.z < size.z;
-      // Voxel 0 of a brick is always inside: make it solid, so that none is empty.
+      // Voxel 0 of a brick is always within the level: it becomes the one surface voxel that there must be.
       if (!inside || (i > 0 && unit() >= solid)) {
         level.codes.push_back(static_cast<std::uint8_t>(between(0, kSurfaceCode - 1)));
-      } else if (unit() < 0.2f) {
+      } else if (i > 0 && unit() < 0.2f) {
         level.codes.push_back(kInnerCode);
       } else {
         level.codes.push_back(static_cast<std::uint8_t>(kSurfaceCode + rank++));

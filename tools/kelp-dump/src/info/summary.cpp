@@ -92,6 +92,8 @@ LevelSummary::Counted countLevel(PackFile& file, std::uint32_t part, int level,
     positions = bricksBySlot(grid);
   }
   counted.bricks = grid.bricks;
+  counted.solid += kBrickVoxels *
+                   static_cast<std::uint64_t>(std::count(grid.cells.begin(), grid.cells.end(), kCellInside));
   PageData page;
   for (const PageInfo& info : grid.pages) {
     counted.page_bytes += info.raw;

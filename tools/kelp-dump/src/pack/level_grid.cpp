@@ -50,7 +50,7 @@ RawLevel readLevelData(PackFile& file, std::uint32_t part, int level, const Leve
 std::vector<glm::ivec3> bricksBySlot(const LevelGrid& grid) {
   std::vector<glm::ivec3> bricks(grid.bricks);
   for (std::size_t c = 0; c < grid.cells.size(); ++c)
-    if (grid.cells[c] & kCellSolid) bricks[grid.cells[c] & kCellSlotMask] = voxelAt(grid.grid, c);
+    if (isStoredCell(grid.cells[c])) bricks[grid.cells[c] & kCellSlotMask] = voxelAt(grid.grid, c);
   return bricks;
 }
 

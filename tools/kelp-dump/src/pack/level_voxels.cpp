@@ -38,6 +38,8 @@ LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   if (fog()) extinction_ = part.fog->extinction[static_cast<std::size_t>(level)];
   raw_ = readLevelData(file, part_index, level, grid);
   brick_of_slot_ = bricksBySlot(grid);
+  for (std::size_t c = 0; c < grid.cells.size(); ++c)
+    if (grid.cells[c] == kCellInside) inside_.push_back(voxelAt(grid_, c));
   slice_base_.resize(raw_.codes.size() / kBrickVoxels * 8);
   computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
 }
@@ -60,7 +62,9 @@ void LevelVoxels::paletteRow(int y, int z, int from, std::span<std::int16_t> row
     for (int x = first; x < std::min(first + kBrickSide, beyond); ++x) {
       const int index = codeIndex({x, y, z});
       const std::uint8_t here =
-          raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
+          cell == kCellInside
+              ? kInnerCode
+              : raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
       if (isSurfaceCode(here)) last = attributePalette(attributeOf(slot, index, here));
       if (x >= from && isSolidCode(here)) row[static_cast<std::size_t>(x - from)] = last;
     }

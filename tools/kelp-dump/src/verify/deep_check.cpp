@@ -152,11 +152,11 @@ class DeepCheck {
       const std::uint32_t right = exact.cells[c];
       // Both have the same bricks in the same slots: the occupancy comes from the stored cells, every stored
       // brick holds a solid voxel, and slots ascend in Morton order. formats' verify has checked this.
-      if (right & kCellSolid) {
+      if (isStoredCell(right)) {
         const std::size_t codes = std::size_t{right & kCellSlotMask} * kBrickVoxels;
         compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, voxelAt(level.grid, c),
                      occupancy, untrue, lesser);
-      } else {
+      } else if (right != kCellInside) {
         compareCell(level.raw.cells[c], c, exact.cells, level.grid, untrue, lesser);
       }
     }

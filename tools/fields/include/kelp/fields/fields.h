@@ -77,8 +77,8 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
 Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 
 // Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels
-// that get an attribute, all solid. Throws std::invalid_argument if nothing is solid or `surface` does not
-// fit.
+// that get an attribute, all solid; full bricks without any become kCellInside. Throws std::invalid_argument
+// if nothing is solid or `surface` does not fit.
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
 // The distances of one level, exact within the band: what kelp/formats/distance.h describes. Brick by brick,
