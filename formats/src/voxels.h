@@ -45,13 +45,16 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
 // Whether the page's numbers are possible. If so, its memory is bounded.
 bool isPossiblePage(const PageInfo& page);
 
-// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64. Returns the number
-// of surface voxels, or -1 if a code is reserved.
-std::int64_t giveRanks(std::span<std::uint8_t> codes);
+// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64.
+void giveRanks(std::span<std::uint8_t> codes);
 
-// Reads a page, checks its checksum and decodes it. Its sizes, and the codes and ranks of a solid part, are
-// then right. The offset of an error is the page's.
-Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out);
+// Reads a page of fog, checks its checksum and decodes it. Its size is then right. The offset of an error is
+// the page's.
+Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out);
+// The same for a page of voxels. Its codes, their boxes and ranks, its shapes, and which palette entries it
+// names are then right. palette: entries.
+Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
+                             const LevelAbove& above, std::size_t palette, PageData& out);
 
 // The samples of one channel of all bricks of a page of fog.
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel);

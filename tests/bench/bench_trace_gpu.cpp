@@ -52,8 +52,8 @@ void uploadBricks(const Item& item, ItemTextures& textures) {
   words[kRow + cells + pages] = 1;
   for (std::uint32_t i = 0; i < cells; ++i) {
     const std::uint32_t cell = item.level.cells[i], slot = cell & kCellSlotMask;
-    words[kRow + i] = cell == kCellInside ? runtime::makeStoredCell(pages, 0)
-                      : cell & kCellSolid ? runtime::makeStoredCell(slot / kPageBricks, slot % kPageBricks)
+    words[kRow + i] = cell == kCellInside ? makeStoredCell(pages, 0)
+                      : cell & kCellSolid ? makeStoredCell(slot / kPageBricks, slot % kPageBricks)
                                           : cell;
   }
   textures.pages_at = static_cast<int>(kRow + cells);

@@ -40,7 +40,7 @@ std::uint32_t tableWords(const Part& part, int distances) {
   return kTableWords * static_cast<std::uint32_t>(part.levels + distances) + fogWords(part);
 }
 
-constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = runtime::kMaxPageBricks * kCodeWords;
+constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = kMaxPageBricks * kCodeWords;
 
 LevelContent contentOf(const runtime::DistanceLevel& level) {
   return {level.cells,

@@ -17,6 +17,10 @@
 //   attribute (u32), one a surface voxel
 //                    Bits 0..7: palette index. Bits 8..19 and 20..31: octahedral normal, u and v.
 //
+// The boxes of cells and codes are not in the file: the reader makes them (kelp/formats/empty_boxes.h). Nor
+// are slots, which ascend in Morton order. While a level is written, a stored cell holds its slot; once it is
+// read, the page of its brick and its place there (kelp/formats/pack.h).
+//
 // Clearance: the exact Euclidean distance between the brick's closed 8 x 8 x 8 cube and the closed cube of
 // the nearest solid voxel, in voxels of the level. Boxes may reach beyond the volume, where nothing is solid.
 // Surface voxels of level 0 are the solid voxels with an empty voxel, or the outside of the volume, among
@@ -60,6 +64,26 @@ inline int cellReach(std::uint32_t cell, int side) { return static_cast<int>(cel
 inline int cellClearance(std::uint32_t cell) {
   return static_cast<int>(cell >> kCellClearanceShift & kCellMaxClearance);
 }
+
+// Cells of a level that was read. page: its index; the number of pages for a brick that is inside.
+inline constexpr std::uint32_t kMaxPageBricks = 128;
+inline constexpr std::uint32_t kMaxPages = 1u << 17;
+inline constexpr std::uint32_t makeStoredCell(std::uint32_t page, std::uint32_t brick) {
+  return kCellSolid | page << 7 | brick;
+}
+inline constexpr std::uint32_t cellPage(std::uint32_t cell) { return cell >> 7 & (kMaxPages - 1); }
+inline constexpr std::uint32_t cellBrick(std::uint32_t cell) { return cell & (kMaxPageBricks - 1); }
+
+// Bits of the voxels of a brick, slice by slice along z: bit x + 8 y of slices[z] is that of voxel (x, y, z).
+struct BrickBits {
+  std::uint64_t slices[8] = {};
+};
+inline constexpr BrickBits kEmptyBits{};
+
+// Which voxels of a brick are solid, and which of these are surface.
+struct BrickShape {
+  BrickBits solid, surface;
+};
 
 // Size in voxels of level `level` of a volume of `size` level-0 voxels: ceil(size / 2^level), at least 1.
 glm::ivec3 levelSize(const glm::ivec3& size, int level);

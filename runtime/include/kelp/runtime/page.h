@@ -4,7 +4,7 @@
 //
 //   cell, one word a brick
 //     empty        as in the pack (kelp/formats/brick.h)
-//     stored       kCellSolid | page << 7 | brick within the page
+//     stored       makeStoredCell (kelp/formats/brick.h)
 //     inside       as brick 0 of one more page, which every level of voxels has after its own: kSolidBrick.
 //                  So rays, queries and shading need not tell it from a stored one
 //   page, up to 128 bricks
@@ -33,15 +33,6 @@ namespace kelp::runtime {
 
 inline constexpr std::uint32_t kSliceWords = 4;
 inline constexpr std::uint32_t kBrickWords = kSliceWords + kBrickVoxels / 4;
-inline constexpr std::uint32_t kMaxPageBricks = 128;
-inline constexpr std::uint32_t kMaxPages = 1u << 17;  // of a level, with that of kSolidBrick
-
-inline std::uint32_t makeStoredCell(std::uint32_t page, std::uint32_t brick) {
-  return kCellSolid | page << 7 | brick;
-}
-inline std::uint32_t cellPage(std::uint32_t cell) { return cell >> 7 & (kMaxPages - 1); }
-inline std::uint32_t cellBrick(std::uint32_t cell) { return cell & (kMaxPageBricks - 1); }
-
 // The brick whose voxels are all inner.
 inline constexpr auto kSolidBrick = [] {
   std::array<std::uint32_t, kBrickWords> words{};

@@ -28,7 +28,7 @@ class LevelDiff {
   LevelDiff(const PaletteDistances& palette, const Tolerance& tolerance)
       : palette_(palette), tolerance_(tolerance) {}
 
-  Places only_a, only_b, bare_a, bare_b, colour, normal, boxes;
+  Places only_a, only_b, bare_a, bare_b, colour, normal;
   glm::ivec3 first_solid{0}, first_surface{0};
 
   // a, b: null if the level does not store the brick; it is then wholly inside or empty.
@@ -54,8 +54,6 @@ class LevelDiff {
       if (isSolidCode(code_a) != isSolidCode(code_b)) {
         if (only_a.count + only_b.count == 0) first_solid = at;
         (isSolidCode(code_a) ? only_a : only_b).add(at);
-      } else if (!isSolidCode(code_a)) {
-        if (a && b && code_a != code_b) boxes.add(at);
       } else if (surface_a != surface_b) {
         if (bare_a.count + bare_b.count == 0) first_surface = at;
         (surface_a ? bare_b : bare_a).add(at);
@@ -71,12 +69,6 @@ class LevelDiff {
       if (inside_a != inside_b && !isStoredCell(a.cells[c]) && !isStoredCell(b.cells[c]))
         compare(voxelAt(a.grid, c) * kBrickSide, nullptr, nullptr, inside_a, inside_b);
     }
-  }
-  // Compares the cells of bricks that are empty in both.
-  void compareCells(const LevelGrid& a, const LevelGrid& b) {
-    for (std::size_t c = 0; c < a.cells.size(); ++c)
-      if (a.cells[c] != b.cells[c] && !((a.cells[c] | b.cells[c]) & kCellSolid))
-        boxes.add(voxelAt(a.grid, c) * kBrickSide);
   }
   // Whether equal palette indices mean equal colours.
   void setIdentical(bool identical) { identical_ = identical; }
@@ -125,7 +117,6 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
   });
   found.compareInside(a.grid(), b.grid());
   const bool agree = found.only_a.count + found.only_b.count == 0;
-  if (agree) found.compareCells(a.grid(), b.grid());
 
   const std::string name(file_a.pack().parts()[static_cast<std::size_t>(part_a)].name);
   const auto add = [&](const char* kind, std::uint64_t count, const glm::ivec3& first,
@@ -162,10 +153,6 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
         fmt::format("{} with another normal (by up to {:.3g} degrees)", plural(found.normal.count, "voxel"),
                     found.normal.largest))
         .largest = found.normal.largest;
-  if (agree && found.boxes.count > 0)
-    add("empty_boxes", found.boxes.count, found.boxes.first,
-        fmt::format("the same voxels, but other empty boxes in {}; verify --deep says which are right",
-                    plural(found.boxes.count, "place")));
 }
 
 }  // namespace kelp::dump
