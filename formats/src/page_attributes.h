@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT
+// The attributes of a page: normals, then palette indices, coded alike by encoder and decoder.
+#pragma once
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+#include "page_occupancy.h"
+#include "page_state.h"
+
+namespace kelp::coding {
+
+inline constexpr std::uint32_t kMostVotes = 56;  // 6 sides, 12 edges, 8 corners
+
+inline constexpr std::array<std::uint8_t, 27> kVotes = {1, 2, 1, 2, 4, 2, 1, 2, 1, 2, 4, 2, 4, 0,
+                                                        4, 2, 4, 2, 1, 2, 1, 2, 4, 2, 1, 2, 1};
+
+// 2^20 / n, rounded up.
+inline constexpr std::array<std::uint32_t, 4 * kMostVotes + 2> kInverse = [] {
+  std::array<std::uint32_t, 4 * kMostVotes + 2> inverse{};
+  for (std::uint32_t n = 1; n < inverse.size(); ++n) inverse[n] = ((1u << 20) + n - 1) / n;
+  return inverse;
+}();
+
+// The first different values of a list, most votes first, the first among equals.
+struct Ballot {
+  static constexpr std::uint32_t kPlaces = 6;
+  std::array<std::uint32_t, kPlaces> value, votes{};
+  std::uint32_t count = 0, all = 0;
+
+  // Replaces the list.
+  void hold(std::uint32_t* values, std::uint32_t* weights, std::uint32_t left) {
+    for (; count < kPlaces && left > 0; ++count) {
+      const std::uint32_t candidate = values[0];
+      std::uint32_t sum = 0, others = 0;
+      for (std::uint32_t i = 0; i < left; ++i) {
+        const std::uint32_t v = values[i], w = weights[i];
+        const bool other = v != candidate;
+        sum += other ? 0 : w;
+        values[others] = v;
+        weights[others] = w;
+        others += other;
+      }
+      value[count] = candidate;
+      votes[count] = sum;
+      all += sum;
+      left = others;
+    }
+    for (std::uint32_t i = 0; i < left; ++i) all += weights[i];
+    for (std::uint32_t i = 1; i < count; ++i)
+      for (std::uint32_t j = i; j > 0 && votes[j] > votes[j - 1]; --j) {
+        std::swap(votes[j], votes[j - 1]);
+        std::swap(value[j], value[j - 1]);
+      }
+  }
+  // How many eighths of all votes, less than 8.
+  std::uint32_t share(std::uint32_t i) const { return (votes[i] * kInverse[all + 1]) >> 17; }
+};
+
+// The attributes of coded voxels around a voxel.
+struct Neighbours {
+  std::uint32_t count = 0, fresh = 0;  // fresh: how many of their normals were new
+  bool alike = true;                   // whether they all have the same normal
+  std::array<std::uint32_t, 26> attribute;
+  std::array<std::uint32_t, 26> votes;
+};
+
+// The coded surface voxels of a brick and around it. Voxel (x, y, z) is at x + 1 of row (y + 1, z + 1).
+class CodedWindow {
+ public:
+  void start(const PageState& state, std::size_t brick, std::span<const std::uint32_t> attributes) {
+    rows_.fill(0);
+    for (std::size_t i = 0; i < 27; ++i) {
+      const int there = state.around[brick][i];
+      if (there < 0 || there >= static_cast<int>(brick)) continue;
+      copyFrom(state, static_cast<std::size_t>(there), static_cast<int>(i % 3) - 1,
+               static_cast<int>(i / 3 % 3) - 1, static_cast<int>(i / 9) - 1, attributes);
+    }
+  }
+
+  void find(std::size_t x, std::size_t y, std::size_t z, Neighbours& out) const {
+    const std::size_t row = y + 10 * z;
+    const auto three = [&](std::size_t r) {
+      return (rows_[row + r % 3 + 10 * (r / 3)] >> x & 0x700000007u) << (3 * r);
+    };
+    const std::uint64_t both =
+        three(0) | three(1) | three(2) | three(3) | three(4) | three(5) | three(6) | three(7) | three(8);
+    auto mask = static_cast<std::uint32_t>(both);
+    const auto fresh = static_cast<std::uint32_t>(both >> 32);
+    const std::uint32_t* const corner = &attribute_[x + 10 * row];
+    std::uint32_t count = 0, new_ones = 0, differ = 0, first = 0;
+    for (; mask != 0; ++count) {  // the last first: it is beside the voxel
+      const auto i = static_cast<std::size_t>(std::bit_width(mask) - 1);
+      mask ^= 1u << i;
+      const std::uint32_t attribute = corner[kOffsets[i]];
+      if (count == 0) first = attribute;
+      differ |= attribute ^ first;
+      new_ones += fresh >> i & 1;
+      out.attribute[count] = attribute;
+      out.votes[count] = kVotes[i];
+    }
+    out.count = count;
+    out.fresh = new_ones;
+    out.alike = differ >> 8 == 0;
+  }
+
+  void set(std::size_t x, std::size_t y, std::size_t z, std::uint32_t attribute, bool fresh) {
+    const std::size_t row = y + 1 + 10 * (z + 1);
+    rows_[row] |= (1 | std::uint64_t{fresh} << 32) << (x + 1);
+    attribute_[x + 1 + 10 * row] = attribute;
+  }
+
+ private:
+  static constexpr std::array<std::uint16_t, 27> kOffsets = [] {
+    std::array<std::uint16_t, 27> offsets{};
+    for (std::size_t i = 0; i < 27; ++i)
+      offsets[i] = static_cast<std::uint16_t>(i % 3 + 10 * (i / 3 % 3) + 100 * (i / 9));
+    return offsets;
+  }();
+
+  // Copies what lies beside this brick from the one at (dx, dy, dz) from it.
+  void copyFrom(const PageState& state, std::size_t there, int dx, int dy, int dz,
+                std::span<const std::uint32_t> attributes) {
+    const auto first = [](int d) { return d < 0 ? 7 : 0; };
+    const auto last = [](int d) { return d > 0 ? 0 : 7; };
+    const std::uint32_t in_row = dx < 0 ? 0x80 : dx > 0 ? 1 : 0xff;
+    for (int z = first(dz); z <= last(dz); ++z) {
+      for (int y = first(dy); y <= last(dy); ++y) {
+        std::uint32_t bits =
+            static_cast<std::uint32_t>(state.surface[there][static_cast<std::size_t>(z)] >> (8 * y)) & in_row;
+        for (; bits != 0; bits &= bits - 1) {
+          const int x = std::countr_zero(bits);
+          const std::uint16_t at = state.index[there][static_cast<std::size_t>(x + 8 * y + 64 * z)];
+          const auto row = static_cast<std::size_t>(y + 8 * dy + 1 + 10 * (z + 8 * dz + 1));
+          const auto column = static_cast<std::size_t>(x + 8 * dx + 1);
+          rows_[row] |= (1 | std::uint64_t{state.fresh[at]} << 32) << column;
+          attribute_[column + 10 * row] = attributes[at];
+        }
+      }
+    }
+  }
+
+  std::array<std::uint64_t, 100> rows_;  // bit x + 1: known; bit x + 33: and its normal was new
+  std::array<std::uint32_t, 1000> attribute_;
+};
+
+template <class Coder>
+class AttributeCoder {
+ public:
+  AttributeCoder(const Coder& coder, const PageHeader& header, std::uint32_t palette, Models& models)
+      : coder_(coder),
+        models_(models),
+        palette_(palette),
+        dropped_(static_cast<int>(header.dropped)),
+        pattern_(header.pattern) {}
+
+  const Coder& coder() const { return coder_; }
+
+  // Codes an attribute, given those around.
+  std::uint32_t code(const Neighbours& near, std::uint32_t truth) {
+    const std::uint32_t normal = codeNormal(near, truth >> 8);
+    const std::uint32_t entry = palette_ > 1 ? codeEntry(near, normal, truth & 0xff) : 0;
+    last_ = entry | normal << 8;
+    return last_;
+  }
+  // Whether the normal of the last one was new.
+  bool wasNew() const { return was_new_; }
+
+ private:
+  std::uint32_t codeNormal(const Neighbours& near, std::uint32_t truth) {
+    const std::uint32_t how_new = near.fresh == 0                ? 0
+                                  : near.fresh * 4 <= near.count ? 1
+                                  : near.fresh * 2 <= near.count ? 2
+                                  : near.fresh < near.count      ? 3
+                                                                 : 4;
+    was_new_ = false;
+    if (near.alike) {
+      const std::uint32_t only = (near.count == 0 ? last_ : near.attribute[0]) >> 8;
+      if (coder_.bit(models_.same[0][how_new][std::min(near.count, 7u)], only == truth)) return only;
+      return codeOtherNormal(near, how_new, truth);
+    }
+    std::array<std::uint32_t, 26> normals, votes = near.votes;
+    for (std::uint32_t i = 0; i < near.count; ++i) normals[i] = near.attribute[i] >> 8;
+    Ballot ballot;
+    ballot.hold(normals.data(), votes.data(), near.count);
+    for (std::uint32_t i = 0; i < ballot.count; ++i) {
+      const std::uint32_t share = ballot.share(i);
+      const std::uint32_t context = i == 0 ? 8 + share : std::min(ballot.count, 4u) * 3 + std::min(2u, share);
+      if (coder_.bit(models_.same[std::min(i, 2u)][how_new][context], ballot.value[i] == truth))
+        return ballot.value[i];
+    }
+    return codeOtherNormal(near, how_new, truth);
+  }
+
+  std::uint32_t codeOtherNormal(const Neighbours& near, std::uint32_t how_new, std::uint32_t truth) {
+    std::uint32_t index = kRecent;
+    if (!Coder::kDecodes)
+      for (index = 0; index < kRecent && recent_[(newest_ + index) % kRecent] != truth;) ++index;
+    if (coder_.bit(models_.recent[how_new], index < kRecent)) {
+      std::uint32_t node = 1;
+      for (int bit = 3; bit >= 0; --bit)
+        node = 2 * node + coder_.bit(models_.recent_index[node], (index >> bit & 1) != 0);
+      return recent_[(newest_ + node) % kRecent];
+    }
+    const std::uint32_t normal = codeNewNormal(near, truth);
+    was_new_ = true;
+    newest_ = (newest_ + kRecent - 1) % kRecent;
+    recent_[newest_] = normal;
+    return normal;
+  }
+
+  std::uint32_t codeNewNormal(const Neighbours& near, std::uint32_t truth) {
+    std::uint32_t normal = pattern_, all = 0, before = 0;
+    for (std::uint32_t i = 0; i < near.count; ++i) all += near.votes[i];
+    for (int axis = 0; axis < 2; ++axis) {
+      const int shift = 12 * axis + dropped_;
+      const std::uint32_t mask = 0xfffu >> dropped_;
+      std::uint32_t least = mask, most = 0, sum = 0;
+      for (std::uint32_t i = 0; i < near.count; ++i) {
+        const std::uint32_t value = near.attribute[i] >> (8 + shift) & mask;
+        least = std::min(least, value);
+        most = std::max(most, value);
+        sum += value * near.votes[i];
+      }
+      const std::uint32_t guess =
+          near.count == 0
+              ? last_ >> (8 + shift) & mask
+              : static_cast<std::uint32_t>((std::uint64_t{sum} * kInverse[all] + (1u << 19)) >> 20);
+      const auto spread = near.count == 0   ? 15u
+                          : near.count == 1 ? 14u
+                                            : static_cast<std::uint32_t>(std::bit_width(most - least));
+      std::uint32_t size = 0;
+      const std::uint32_t difference = codeDifference(static_cast<std::size_t>(axis), spread, before / 2,
+                                                      (truth >> shift & mask) - guess, size);
+      normal |= ((guess + difference) & mask) << shift;
+      before = size;
+    }
+    return normal;
+  }
+
+  // A difference, modulo 2^32, of less than 2^12 either way. size: its class.
+  std::uint32_t codeDifference(std::size_t axis, std::uint32_t spread, std::uint32_t before,
+                               std::uint32_t truth, std::uint32_t& size) {
+    const bool truly_negative = truth >> 31 != 0;
+    const std::uint32_t true_amount = truly_negative ? 0u - truth : truth;
+    const auto true_size = static_cast<std::uint32_t>(std::bit_width(true_amount));
+    std::array<Bit, kClasses>& tree = models_.size_of[axis][before][spread];
+    std::uint32_t node = 1;
+    for (int bit = 3; bit >= 0; --bit) node = 2 * node + coder_.bit(tree[node], (true_size >> bit & 1) != 0);
+    size = node - kClasses;
+    if (size == 0) return 0;
+    std::uint32_t amount = 1;
+    int left = static_cast<int>(size) - 1;
+    std::array<Bit, 3>& top = models_.top[axis][size];
+    for (std::size_t i = 0; i < 2 && left > 0; ++i) {
+      --left;
+      amount = 2 * amount + coder_.bit(top[i == 0 ? 0 : amount & 1 ? 2 : 1], (true_amount >> left & 1) != 0);
+    }
+    const std::uint32_t rest =
+        coder_.plain(left + 1, (true_amount & ((1u << left) - 1)) | std::uint32_t{truly_negative} << left);
+    amount = amount << left | (rest & ((1u << left) - 1));
+    return rest >> left != 0 ? 0u - amount : amount;
+  }
+
+  std::uint32_t codeEntry(const Neighbours& near, std::uint32_t normal, std::uint32_t truth) {
+    std::array<std::uint32_t, 26> entries, votes;
+    entries[0] = last_ & 0xff;
+    votes[0] = 0;
+    for (std::uint32_t i = 0; i < near.count; ++i) {
+      entries[i] = near.attribute[i] & 0xff;
+      votes[i] = near.attribute[i] >> 8 == normal ? 4 * near.votes[i] : near.votes[i];
+    }
+    Ballot ballot;
+    ballot.hold(entries.data(), votes.data(), std::max(near.count, 1u));
+    for (std::uint32_t i = 0; i < ballot.count; ++i) {
+      const std::uint32_t context = ballot.count == 1 ? std::min(near.count, 3u) : 4 + ballot.share(i) / 2;
+      if (coder_.bit(models_.entry_same[std::min(i, 2u)][context], ballot.value[i] == truth))
+        return ballot.value[i];
+    }
+    std::uint32_t node = 1;
+    for (int bit = 7; bit >= 0; --bit)
+      node = 2 * node + coder_.bit(models_.entry[node], (truth >> bit & 1) != 0);
+    return node & 0xff;
+  }
+
+  Coder coder_;
+  Models& models_;
+  std::uint32_t palette_;
+  int dropped_;
+  std::uint32_t pattern_;
+  std::uint32_t last_ = 2047u << 8 | 2047u << 20;
+  std::uint32_t newest_ = 0;
+  bool was_new_ = false;
+  std::array<std::uint32_t, kRecent> recent_{};
+};
+
+// Codes all attributes of the page: one a surface voxel. False: an index is beyond the palette.
+template <class Coder>
+bool codeAttributes(Coder& shared, const PageHeader& header, const PageShape& shape, PageState& state,
+                    std::span<std::conditional_t<Coder::kDecodes, std::uint32_t, const std::uint32_t>> all) {
+  AttributeCoder<Coder> coder(shared, header, shape.palette, state.models);
+  CodedWindow window;
+  Neighbours near;
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
+    window.start(state, b, all);
+    for (std::size_t z = 0; z < 8; ++z) {
+      for (std::uint64_t left = state.surface[b][z]; left != 0; left &= left - 1) {
+        const auto at = static_cast<std::size_t>(std::countr_zero(left)), x = at & 7, y = at >> 3;
+        window.find(x, y, z, near);
+        const std::uint32_t attribute = coder.code(near, Coder::kDecodes ? 0 : all[next]);
+        if ((attribute & 0xff) >= shape.palette) return false;
+        if constexpr (Coder::kDecodes) all[next] = attribute;
+        window.set(x, y, z, attribute, coder.wasNew());
+        state.fresh[next] = coder.wasNew();
+        state.index[b][at + 64 * z] = static_cast<std::uint16_t>(next++);
+      }
+    }
+  }
+  shared = coder.coder();
+  return true;
+}
+
+}  // namespace kelp::coding
