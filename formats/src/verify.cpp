@@ -194,7 +194,10 @@ class Verifier {
     Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]],
                                            latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
-    if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+    if (!grid) {
+      known_[chunk.part].lost = grid.error().code;
+      return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+    }
     grid_ = *std::move(grid);
     grid_.part = part_;
     grid_.level = level_;
@@ -234,19 +237,21 @@ class Verifier {
     const LevelAbove above{&known.grid, known.shapes.span()};
     Buffer<BrickShape> shapes(allocator_);
     const auto atPage = [&](const Error& error, std::int64_t page) { issue(IssueId::kPage, error, page); };
-    if (!shapes.reset(grid_.bricks.size()))
-      return atPage({ErrorCode::kOutOfMemory, "no memory for a level"}, -1);
+    if (!shapes.reset(grid_.bricks.size())) {
+      known.lost = ErrorCode::kOutOfMemory;
+      return atPage({known.lost, "no memory for a level"}, -1);
+    }
     if (!grid_.coarsest && known.grid.level != level_ + 1)
-      return atPage({ErrorCode::kCorrupt, "the next coarser level cannot be read"}, -1);
+      return atPage({known.lost, "the next coarser level cannot be read"}, -1);
     for (std::size_t i = 0; i < grid_.pages.size(); ++i) {
       const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page_);
       if (decoded) {
         std::copy(page_.shapes.begin(), page_.shapes.end(), shapes.begin() + page_.first_slot);
       } else if (decoded.error().code == ErrorCode::kMisuse) {
-        atPage({ErrorCode::kCorrupt, "a page of the next coarser level over it cannot be read",
-                grid_.pages[i].offset},
+        atPage({known.lost, "a page of the next coarser level over it cannot be read", grid_.pages[i].offset},
                static_cast<std::int64_t>(i));
       } else {
+        known.lost = decoded.error().code;
         atPage(decoded.error(), static_cast<std::int64_t>(i));
       }
     }
@@ -286,6 +291,7 @@ class Verifier {
   struct KnownLevel {
     LevelGrid grid;
     Buffer<BrickShape> shapes;
+    ErrorCode lost = ErrorCode::kCorrupt;  // why something of it was not read
   };
 
   const Source& source_;

@@ -72,7 +72,7 @@ const Mistake kMistakes[] = {
     {"attribute missing", [](RawPack& p) { p.parts[0].levels[0].attributes.pop_back(); }},
     {"attribute too many", [](RawPack& p) { p.parts[0].levels[0].attributes.push_back(0); }},
     {"palette index", [](RawPack& p) { p.parts[0].levels[0].attributes[0] = makeAttribute(2, 0); }},
-    {"brick without solid",
+    {"brick without surface",
      [](RawPack& p) {
        p.parts[1].levels[0].codes.assign(512, 0);
        p.parts[1].levels[0].attributes.clear();
