@@ -16,6 +16,7 @@
 #include "process.h"
 #include "support/json_schema.h"
 #include "support/random_pack.h"
+#include "support/surface_above.h"
 
 namespace kelp {
 namespace {
@@ -70,14 +71,7 @@ std::vector<Level> levelsOf(const fields::Occupancy& volume, int count) {
   while (static_cast<int>(levels.size()) < count) {
     const Level& finer = levels.back();
     Level next{fields::coarser(finer.occupancy), {}};
-    std::set<std::uint64_t> above;
-    for (const std::uint64_t i : finer.surface) {
-      const auto sx = static_cast<std::uint64_t>(finer.occupancy.size.x),
-                 sy = static_cast<std::uint64_t>(finer.occupancy.size.y);
-      above.insert(next.occupancy.index({static_cast<int>(i % sx) / 2, static_cast<int>(i / sx % sy) / 2,
-                                         static_cast<int>(i / sx / sy) / 2}));
-    }
-    next.surface.assign(above.begin(), above.end());
+    next.surface = test::surfaceAbove(finer.surface, finer.occupancy.size);
     levels.push_back(next);
   }
   return levels;

@@ -18,7 +18,6 @@ BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_s
   BrickCells out;
   out.cells.resize(checkedVolume(grid));
   const std::vector<std::uint8_t> clearances = brickClearances(bits, grid, threads);
-  const BrickSums sums(bits, grid);
   parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads,
               [&](std::int64_t begin, std::int64_t end) {
                 glm::ivec3 brick{0};
@@ -27,8 +26,7 @@ BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_s
                     for (brick.x = 0; brick.x < grid.x; ++brick.x) {
                       const std::size_t i = denseIndex(grid, brick);
                       out.cells[i] =
-                          !bits.holdsSolid(brick)
-                              ? sums.grownBox(brick) | std::uint32_t{clearances[i]} << kCellClearanceShift
+                          !bits.holdsSolid(brick) ? std::uint32_t{clearances[i]} << kCellClearanceShift
                           : !has_surface.empty() && !has_surface[i] && bits.isFull(brick) ? kCellInside
                                                                                           : kCellSolid;
                     }

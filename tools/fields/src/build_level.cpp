@@ -6,7 +6,6 @@
 #include "brick_cells.h"
 #include "brick_clearance.h"
 #include "check.h"
-#include "empty_boxes.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
@@ -29,14 +28,19 @@ class LevelBuilder {
     stored_ = std::move(built.stored);
   }
 
-  // The boxes of the empty voxels of stored bricks; all solid ones inner for now.
+  // All solid voxels of stored bricks are inner for now.
   void makeCodes() {
-    level_.codes.assign(stored_.size() * kBrickVoxels, kInnerCode);
+    level_.codes.resize(stored_.size() * kBrickVoxels);
     parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (auto slot = static_cast<std::size_t>(begin); slot < static_cast<std::size_t>(end);
-                       ++slot)
-                    chooseCodes(bits_, stored_[slot], level_.codes.data() + slot * kBrickVoxels);
+                       ++slot) {
+                    const glm::ivec3 low = stored_[slot] * kBrickSide;
+                    std::uint8_t* code = level_.codes.data() + slot * kBrickVoxels;
+                    for (int i = 0; i < kBrickVoxels; ++i, ++code)
+                      if (bits_.row(stored_[slot].x, low.y + (i >> 3 & 7), low.z + (i >> 6)) >> (i & 7) & 1)
+                        *code = kInnerCode;
+                  }
                 });
   }
 
@@ -121,8 +125,8 @@ std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks) {
   // A brick: its cell, whether it holds surface. A stored one: its place in the order of slots (with growth),
   // its position, the first attribute of each slice, its codes.
   const std::uint64_t stored = 3 * 24 + 12 + 8 * 4 + kBrickVoxels;
-  return SolidBits::bytes(grid) + BrickSums::bytes(grid) + brickClearanceBytes(grid) +
-         (sizeof(std::uint32_t) + 1) * bricks + stored * std::min(stored_bricks, bricks);
+  return SolidBits::bytes(grid) + brickClearanceBytes(grid) + (sizeof(std::uint32_t) + 1) * bricks +
+         stored * std::min(stored_bricks, bricks);
 }
 
 }  // namespace kelp::fields

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Empty boxes: how far a ray may go in empty space (formats/SPEC.md, 5.1.1). They are not stored, but follow
-// from which voxels and bricks are solid. The reader makes them of what it knows; the baker and its tests of
-// everything.
+// Empty boxes: how far a ray may go in empty space (formats/SPEC.md, 5.1.1). They are not stored: the
+// reader makes them of what it knows.
 #pragma once
 
 #include <array>
