@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How voxels are stored: bricks of 8 x 8 x 8 one-byte codes, a grid of cells over them, and one attribute for
-// each surface voxel. formats/SPEC.md, section 5, defines this; the header is that section in C++.
+// How voxels lie in memory: bricks of 8 x 8 x 8 one-byte codes, a grid of cells over them, and one attribute
+// for each surface voxel. formats/SPEC.md, section 5, says what they mean and how a file holds them.
 //
 //   cell (u32), one a brick
 //     bit 31 = 0     The brick is empty. Six numbers of 4 bits say how many bricks its empty box reaches
@@ -12,7 +12,7 @@
 //     0 ..  63       Empty. Its empty box reaches 2^k - 1 voxels on both sides of it, with k = bits 0,1
 //                    along x, bits 2,3 along y, bits 4,5 along z.
 //     64 .. 127      Surface voxel: solid, with an attribute. code - 64 = its rank among the surface voxels
-//                    of its z-slice. In a file all surface codes are 64.
+//                    of its z-slice.
 //     128            Inner voxel: solid, without an attribute.
 //   attribute (u32), one a surface voxel
 //                    Bits 0..7: palette index. Bits 8..19 and 20..31: octahedral normal, u and v.
