@@ -11,27 +11,33 @@
 
 namespace kelp::coding {
 
-inline constexpr std::uint32_t kMostVotes = 56;  // 6 sides, 12 edges, 8 corners
+inline constexpr std::uint32_t kNeighbours = 18, kMostVotes = 24;  // 6 sides and 12 edges
 
-inline constexpr std::array<std::uint8_t, 27> kVotes = {1, 2, 1, 2, 4, 2, 1, 2, 1, 2, 4, 2, 4, 0,
-                                                        4, 2, 4, 2, 1, 2, 1, 2, 4, 2, 1, 2, 1};
+// Of the 27 voxels around: the corners do not vote.
+inline constexpr std::array<std::uint8_t, 27> kVotes = {0, 1, 0, 1, 2, 1, 0, 1, 0, 1, 2, 1, 2, 0,
+                                                        2, 1, 2, 1, 0, 1, 0, 1, 2, 1, 0, 1, 0};
+inline constexpr std::uint32_t kVoters = [] {
+  std::uint32_t voters = 0;
+  for (std::uint32_t i = 0; i < 27; ++i) voters |= kVotes[i] > 0 ? 1u << i : 0u;
+  return voters;
+}();
 
 // 2^20 / n, rounded up.
-inline constexpr std::array<std::uint32_t, 4 * kMostVotes + 2> kInverse = [] {
-  std::array<std::uint32_t, 4 * kMostVotes + 2> inverse{};
+inline constexpr std::array<std::uint32_t, 8 * kMostVotes + 2> kInverse = [] {
+  std::array<std::uint32_t, 8 * kMostVotes + 2> inverse{};
   for (std::uint32_t n = 1; n < inverse.size(); ++n) inverse[n] = ((1u << 20) + n - 1) / n;
   return inverse;
 }();
 
-// The first different values of a list, most votes first, the first among equals.
+// The different values of a list: the one with most votes first, the one with most of the others second, then
+// the others.
 struct Ballot {
-  static constexpr std::uint32_t kPlaces = 6;
-  std::array<std::uint32_t, kPlaces> value, votes{};
+  std::array<std::uint32_t, kNeighbours> value, votes;
   std::uint32_t count = 0, all = 0;
 
   // Replaces the list.
   void hold(std::uint32_t* values, std::uint32_t* weights, std::uint32_t left) {
-    for (; count < kPlaces && left > 0; ++count) {
+    for (; left > 0; ++count) {
       const std::uint32_t candidate = values[0];
       std::uint32_t sum = 0, others = 0;
       for (std::uint32_t i = 0; i < left; ++i) {
@@ -47,12 +53,12 @@ struct Ballot {
       all += sum;
       left = others;
     }
-    for (std::uint32_t i = 0; i < left; ++i) all += weights[i];
-    for (std::uint32_t i = 1; i < count; ++i)
-      for (std::uint32_t j = i; j > 0 && votes[j] > votes[j - 1]; --j) {
-        std::swap(votes[j], votes[j - 1]);
-        std::swap(value[j], value[j - 1]);
-      }
+    for (std::uint32_t place = 0; place < 2 && place < count; ++place) {
+      std::uint32_t best = place;
+      for (std::uint32_t i = place + 1; i < count; ++i) best = votes[i] > votes[best] ? i : best;
+      std::swap(votes[place], votes[best]);
+      std::swap(value[place], value[best]);
+    }
   }
   // How many eighths of all votes, less than 8.
   std::uint32_t share(std::uint32_t i) const { return (votes[i] * kInverse[all + 1]) >> 17; }
@@ -62,8 +68,8 @@ struct Ballot {
 struct Neighbours {
   std::uint32_t count = 0, fresh = 0;  // fresh: how many of their normals were new
   bool alike = true;                   // whether they all have the same normal
-  std::array<std::uint32_t, 26> attribute;
-  std::array<std::uint32_t, 26> votes;
+  std::array<std::uint32_t, kNeighbours> attribute;
+  std::array<std::uint32_t, kNeighbours> votes;
 };
 
 // The coded surface voxels of a brick and around it. Voxel (x, y, z) is at x + 1 of row (y + 1, z + 1).
@@ -86,7 +92,7 @@ class CodedWindow {
     };
     const std::uint64_t both =
         three(0) | three(1) | three(2) | three(3) | three(4) | three(5) | three(6) | three(7) | three(8);
-    auto mask = static_cast<std::uint32_t>(both);
+    std::uint32_t mask = static_cast<std::uint32_t>(both) & kVoters;
     const auto fresh = static_cast<std::uint32_t>(both >> 32);
     const std::uint32_t* const corner = &attribute_[x + 10 * row];
     std::uint32_t count = 0, new_ones = 0, differ = 0, first = 0;
@@ -98,7 +104,7 @@ class CodedWindow {
       differ |= attribute ^ first;
       new_ones += fresh >> i & 1;
       out.attribute[count] = attribute;
-      out.votes[count] = kVotes[i];
+      out.votes[count] = std::uint32_t{kVotes[i]} << (fresh >> i & 1);
     }
     out.count = count;
     out.fresh = new_ones;
@@ -178,36 +184,48 @@ class AttributeCoder {
     if (near.alike) {
       const std::uint32_t only = (near.count == 0 ? last_ : near.attribute[0]) >> 8;
       if (coder_.bit(models_.same[0][how_new][std::min(near.count, 7u)], only == truth)) return only;
-      return codeOtherNormal(near, how_new, truth);
+      return codeOtherNormal({}, near, how_new, false, truth);
     }
-    std::array<std::uint32_t, 26> normals, votes = near.votes;
+    // Where all normals are new, most will be.
+    const bool told = how_new == 4;
+    if (told && !coder_.bit(models_.known[5], !Coder::kDecodes && isListed(near, truth)))
+      return codeNewNormal(near, truth);
+    std::array<std::uint32_t, kNeighbours> normals, votes = near.votes;
     for (std::uint32_t i = 0; i < near.count; ++i) normals[i] = near.attribute[i] >> 8;
     Ballot ballot;
     ballot.hold(normals.data(), votes.data(), near.count);
-    for (std::uint32_t i = 0; i < ballot.count; ++i) {
-      const std::uint32_t share = ballot.share(i);
-      const std::uint32_t context = i == 0 ? 8 + share : std::min(ballot.count, 4u) * 3 + std::min(2u, share);
-      if (coder_.bit(models_.same[std::min(i, 2u)][how_new][context], ballot.value[i] == truth))
-        return ballot.value[i];
-    }
-    return codeOtherNormal(near, how_new, truth);
+    const bool nearest = ballot.value[0] == near.attribute[0] >> 8;
+    if (coder_.bit(models_.same[nearest][how_new][8 + ballot.share(0)], ballot.value[0] == truth))
+      return ballot.value[0];
+    const std::uint32_t context = ballot.share(1) + 4 * std::min(ballot.count, 5u) - 8;
+    if (coder_.bit(models_.same[2][how_new][context], ballot.value[1] == truth)) return ballot.value[1];
+    return codeOtherNormal(ballot, near, how_new, told, truth);
   }
 
-  std::uint32_t codeOtherNormal(const Neighbours& near, std::uint32_t how_new, std::uint32_t truth) {
-    std::uint32_t index = kRecent;
-    if (!Coder::kDecodes)
-      for (index = 0; index < kRecent && recent_[(newest_ + index) % kRecent] != truth;) ++index;
-    if (coder_.bit(models_.recent[how_new], index < kRecent)) {
-      std::uint32_t node = 1;
-      for (int bit = 3; bit >= 0; --bit)
-        node = 2 * node + coder_.bit(models_.recent_index[node], (index >> bit & 1) != 0);
-      return recent_[(newest_ + node) % kRecent];
+  // For an encoder: whether a normal is among those around, or a recent one.
+  bool isListed(const Neighbours& near, std::uint32_t normal) const {
+    for (std::uint32_t i = 0; i < near.count; ++i)
+      if (near.attribute[i] >> 8 == normal) return true;
+    return std::find(recent_.begin(), recent_.end(), normal) != recent_.end();
+  }
+
+  // One that is further down on the ballot, then the recent ones; or new. told: it is not new.
+  std::uint32_t codeOtherNormal(const Ballot& ballot, const Neighbours& near, std::uint32_t how_new,
+                                bool told, std::uint32_t truth) {
+    std::uint32_t place = 2, index = 0;
+    if (!Coder::kDecodes) {
+      while (place < ballot.count && ballot.value[place] != truth) ++place;
+      if (place >= ballot.count)
+        while (index < kRecent && recent_[(newest_ + index) % kRecent] != truth) ++index;
     }
-    const std::uint32_t normal = codeNewNormal(near, truth);
-    was_new_ = true;
-    newest_ = (newest_ + kRecent - 1) % kRecent;
-    recent_[newest_] = normal;
-    return normal;
+    if (!told && !coder_.bit(models_.known[how_new], place < ballot.count || index < kRecent))
+      return codeNewNormal(near, truth);
+    for (std::uint32_t i = 2; i < ballot.count; ++i)
+      if (coder_.bit(models_.other[std::min(i - 2, 3u)], i == place)) return ballot.value[i];
+    std::uint32_t node = 1;
+    for (int bit = 3; bit >= 0; --bit)
+      node = 2 * node + coder_.bit(models_.recent[node], (index >> bit & 1) != 0);
+    return recent_[(newest_ + node) % kRecent];
   }
 
   std::uint32_t codeNewNormal(const Neighbours& near, std::uint32_t truth) {
@@ -236,6 +254,9 @@ class AttributeCoder {
       normal |= ((guess + difference) & mask) << shift;
       before = size;
     }
+    was_new_ = true;
+    newest_ = (newest_ + kRecent - 1) % kRecent;
+    recent_[newest_] = normal;
     return normal;
   }
 
@@ -250,21 +271,15 @@ class AttributeCoder {
     for (int bit = 3; bit >= 0; --bit) node = 2 * node + coder_.bit(tree[node], (true_size >> bit & 1) != 0);
     size = node - kClasses;
     if (size == 0) return 0;
-    std::uint32_t amount = 1;
-    int left = static_cast<int>(size) - 1;
-    std::array<Bit, 3>& top = models_.top[axis][size];
-    for (std::size_t i = 0; i < 2 && left > 0; ++i) {
-      --left;
-      amount = 2 * amount + coder_.bit(top[i == 0 ? 0 : amount & 1 ? 2 : 1], (true_amount >> left & 1) != 0);
-    }
+    const int left = static_cast<int>(size) - 1;
     const std::uint32_t rest =
         coder_.plain(left + 1, (true_amount & ((1u << left) - 1)) | std::uint32_t{truly_negative} << left);
-    amount = amount << left | (rest & ((1u << left) - 1));
+    const std::uint32_t amount = 1u << left | (rest & ((1u << left) - 1));
     return rest >> left != 0 ? 0u - amount : amount;
   }
 
   std::uint32_t codeEntry(const Neighbours& near, std::uint32_t normal, std::uint32_t truth) {
-    std::array<std::uint32_t, 26> entries, votes;
+    std::array<std::uint32_t, kNeighbours> entries, votes;
     entries[0] = last_ & 0xff;
     votes[0] = 0;
     for (std::uint32_t i = 0; i < near.count; ++i) {
@@ -274,7 +289,7 @@ class AttributeCoder {
     Ballot ballot;
     ballot.hold(entries.data(), votes.data(), std::max(near.count, 1u));
     for (std::uint32_t i = 0; i < ballot.count; ++i) {
-      const std::uint32_t context = ballot.count == 1 ? std::min(near.count, 3u) : 4 + ballot.share(i) / 2;
+      const std::uint32_t context = ballot.count == 1 ? std::min(near.count, 7u) : 8 + ballot.share(i);
       if (coder_.bit(models_.entry_same[std::min(i, 2u)][context], ballot.value[i] == truth))
         return ballot.value[i];
     }

@@ -36,27 +36,33 @@ inline constexpr int kRecent = 16;
 
 // The numbers of a page's header.
 struct PageHeader {
-  std::uint32_t limit = 5;    // of Bit::shift
+  std::uint32_t limit = 4;    // of Bit::shift
   bool exact = false;         // a voxel is surface exactly if an empty one is around it
   std::uint32_t dropped = 0;  // low bits of u and of v that are the same in all normals
   std::uint32_t pattern = 0;  // these bits, in their places
   std::size_t plain_bytes = 0;
 };
 inline constexpr std::size_t kHeaderBytes = 3, kPatternBytes = 3;
-inline constexpr std::uint32_t kLeastLimit = 4;  // two bits
+inline constexpr std::uint32_t kLeastLimit = 3;  // two bits
 inline constexpr std::uint32_t kMostDropped = 11;
 constexpr std::uint32_t droppedBits(std::uint32_t dropped) { return ((1u << dropped) - 1) * 0x1001; }
 
+// How new the normals around are: none of them, at most a quarter, at most half, fewer than all, all.
+inline constexpr std::size_t kNewness = 5;
+
+// A tree of n values has the decisions 1 to n - 1: the first bit decides at 1, the next at 2 or 3, and so on.
 struct Models {
-  std::array<std::array<Bit, kBins>, 8> solid;  // [parity][bin]
-  std::array<std::array<Bit, 8>, 4> surface;
-  std::array<std::array<std::array<Bit, 16>, 5>, 3> same;  // [candidate][news][votes]
-  std::array<Bit, 5> recent;                               // [news]
-  std::array<Bit, kRecent> recent_index;                   // a tree
-  std::array<std::array<std::array<std::array<Bit, kClasses>, 16>, 8>, 2>
-      size_of;                                                  // [axis][spread][u's][tree]
-  std::array<std::array<std::array<Bit, 3>, kClasses>, 2> top;  // [axis][class][tree]
-  std::array<std::array<Bit, 8>, 3> entry_same;
+  std::array<std::array<Bit, kBins>, 8> solid;  // [parity of x, y, z][bin]
+  std::array<std::array<Bit, 7>, 2> surface;    // [whether a voxel around is unknown][surface sides]
+  // The normal is the only one around, or the first of the ballot though not the nearest; the first, and the
+  // nearest; the second.
+  std::array<std::array<std::array<Bit, 16>, kNewness>, 3> same;
+  std::array<Bit, kNewness + 1> known;  // it is one around or recent; the last is asked before the ballot
+  std::array<Bit, 4> other;             // it is the next one of the ballot
+  std::array<Bit, kRecent> recent;      // a tree: which of the recent ones
+  std::array<std::array<std::array<std::array<Bit, kClasses>, kClasses>, kClasses / 2>, 2>
+      size_of;  // [axis][half the class on the axis before][spread]: a tree
+  std::array<std::array<Bit, 16>, 3> entry_same;
   std::array<Bit, 256> entry;  // a tree
 };
 
