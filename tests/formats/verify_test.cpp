@@ -135,10 +135,7 @@ TEST(Verify, GridsAndPagesAreNamedWithTheirPlace) {
   EXPECT_EQ(issues[1].level, 0);
 
   surgeon = tiny();
-  Bytes& page = surgeon.content("BRCK");
-  page.push_back(std::byte{1});
-  set(surgeon.content("GRID"), 16, static_cast<std::uint32_t>(page.size()));
-  set(surgeon.content("GRID"), 24, static_cast<std::uint64_t>(XXH3_64bits(page.data(), page.size())));
+  surgeon.editPage([](Bytes& page) { page.push_back(std::byte{1}); });
   issues = issuesOf(surgeon.build());
   ASSERT_EQ(idsOf(issues), (Ids{IssueId::kPage, IssueId::kPage}));
   EXPECT_EQ(issues[0].part, 0);
