@@ -23,7 +23,7 @@ inline RawLevel boxedLevel(const fields::Occupancy& volume, std::span<const fiel
   };
   for (std::size_t cell = 0; cell < level.cells.size(); ++cell) {
     if (!isStoredCell(level.cells[cell])) continue;
-    const glm::ivec3 first = kBrickSide * voxelAt(grid, cell);
+    const glm::ivec3 first = kBrickSide * kelp::voxelAt(grid, cell);
     BoxWindow window;
     for (int z = 0; z < kBoxWindow; ++z)
       for (int y = 0; y < kBoxWindow; ++y) {
