@@ -33,26 +33,23 @@ inline constexpr std::array<std::uint32_t, 8 * kMostVotes + 2> kInverse = [] {
 // the others.
 struct Ballot {
   std::array<std::uint32_t, kNeighbours> value, votes;
-  std::uint32_t count = 0, all = 0;
+  std::uint32_t count = 0, all;
 
-  // Replaces the list.
-  void hold(std::uint32_t* values, std::uint32_t* weights, std::uint32_t left) {
-    for (; left > 0; ++count) {
-      const std::uint32_t candidate = values[0];
-      std::uint32_t sum = 0, others = 0;
-      for (std::uint32_t i = 0; i < left; ++i) {
-        const std::uint32_t v = values[i], w = weights[i];
-        const bool other = v != candidate;
-        sum += other ? 0 : w;
-        values[others] = v;
-        weights[others] = w;
-        others += other;
-      }
-      value[count] = candidate;
-      votes[count] = sum;
-      all += sum;
-      left = others;
-    }
+  explicit Ballot(std::uint32_t votes_cast) : all(votes_cast) {}
+
+  // Counts the votes for the first value: valueOf(i), with votesOf(i) votes, for i < voters; at least one.
+  // True: it has more than half of them all, and so its place.
+  template <class ValueOf, class VotesOf>
+  bool begin(std::uint32_t voters, const ValueOf& valueOf, const VotesOf& votesOf) {
+    sift(voters, valueOf(0), valueOf, votesOf);
+    return 2 * votes[0] > all;
+  }
+  // Counts the others.
+  void finish() {
+    while (left_ > 0)
+      sift(
+          left_, left_value_[0], [&](std::uint32_t i) { return left_value_[i]; },
+          [&](std::uint32_t i) { return left_votes_[i]; });
     for (std::uint32_t place = 0; place < 2 && place < count; ++place) {
       std::uint32_t best = place;
       for (std::uint32_t i = place + 1; i < count; ++i) best = votes[i] > votes[best] ? i : best;
@@ -62,12 +59,33 @@ struct Ballot {
   }
   // How many eighths of all votes, less than 8.
   std::uint32_t share(std::uint32_t i) const { return (votes[i] * kInverse[all + 1]) >> 17; }
+
+ private:
+  // Adds a value with all its votes, and keeps the other voters.
+  template <class ValueOf, class VotesOf>
+  void sift(std::uint32_t voters, std::uint32_t candidate, const ValueOf& valueOf, const VotesOf& votesOf) {
+    std::uint32_t sum = 0, left = 0;
+    for (std::uint32_t i = 0; i < voters; ++i) {
+      const std::uint32_t v = valueOf(i), w = votesOf(i);
+      const bool other = v != candidate;
+      sum += other ? 0 : w;
+      left_value_[left] = v;
+      left_votes_[left] = w;
+      left += other;
+    }
+    value[count] = candidate;
+    votes[count++] = sum;
+    left_ = left;
+  }
+
+  std::array<std::uint32_t, kNeighbours> left_value_, left_votes_;
+  std::uint32_t left_ = 0;
 };
 
 // The attributes of coded voxels around a voxel.
 struct Neighbours {
-  std::uint32_t count = 0, fresh = 0;  // fresh: how many of their normals were new
-  bool alike = true;                   // whether they all have the same normal
+  std::uint32_t count = 0, votes_cast = 0, fresh = 0;  // fresh: how many of their normals were new
+  bool alike = true;                                   // whether they all have the same normal
   std::array<std::uint32_t, kNeighbours> attribute;
   std::array<std::uint32_t, kNeighbours> votes;
 };
@@ -95,7 +113,7 @@ class CodedWindow {
     std::uint32_t mask = static_cast<std::uint32_t>(both) & kVoters;
     const auto fresh = static_cast<std::uint32_t>(both >> 32);
     const std::uint32_t* const corner = &attribute_[x + 10 * row];
-    std::uint32_t count = 0, new_ones = 0, differ = 0, first = 0;
+    std::uint32_t count = 0, cast = 0, new_ones = 0, differ = 0, first = 0;
     for (; mask != 0; ++count) {  // the last first: it is beside the voxel
       const auto i = static_cast<std::size_t>(std::bit_width(mask) - 1);
       mask ^= 1u << i;
@@ -105,8 +123,10 @@ class CodedWindow {
       new_ones += fresh >> i & 1;
       out.attribute[count] = attribute;
       out.votes[count] = std::uint32_t{kVotes[i]} << (fresh >> i & 1);
+      cast += out.votes[count];
     }
     out.count = count;
+    out.votes_cast = cast;
     out.fresh = new_ones;
     out.alike = differ >> 8 == 0;
   }
@@ -158,7 +178,7 @@ class AttributeCoder {
       : coder_(coder),
         models_(models),
         palette_(palette),
-        dropped_(static_cast<int>(header.dropped)),
+        dropped_(header.dropped),
         pattern_(header.pattern) {}
 
   const Coder& coder() const { return coder_; }
@@ -184,19 +204,21 @@ class AttributeCoder {
     if (near.alike) {
       const std::uint32_t only = (near.count == 0 ? last_ : near.attribute[0]) >> 8;
       if (coder_.bit(models_.same[0][how_new][std::min(near.count, 7u)], only == truth)) return only;
-      return codeOtherNormal({}, near, how_new, false, truth);
+      return codeOtherNormal(Ballot(0), near, how_new, false, truth);
     }
     // Where all normals are new, most will be.
     const bool told = how_new == 4;
     if (told && !coder_.bit(models_.known[5], !Coder::kDecodes && isListed(near, truth)))
       return codeNewNormal(near, truth);
-    std::array<std::uint32_t, kNeighbours> normals, votes = near.votes;
-    for (std::uint32_t i = 0; i < near.count; ++i) normals[i] = near.attribute[i] >> 8;
-    Ballot ballot;
-    ballot.hold(normals.data(), votes.data(), near.count);
+    Ballot ballot(near.votes_cast);
+    const bool decided = ballot.begin(
+        near.count, [&](std::uint32_t i) { return near.attribute[i] >> 8; },
+        [&](std::uint32_t i) { return near.votes[i]; });
+    if (!decided) ballot.finish();
     const bool nearest = ballot.value[0] == near.attribute[0] >> 8;
     if (coder_.bit(models_.same[nearest][how_new][8 + ballot.share(0)], ballot.value[0] == truth))
       return ballot.value[0];
+    if (decided) ballot.finish();
     const std::uint32_t context = ballot.share(1) + 4 * std::min(ballot.count, 5u) - 8;
     if (coder_.bit(models_.same[2][how_new][context], ballot.value[1] == truth)) return ballot.value[1];
     return codeOtherNormal(ballot, near, how_new, told, truth);
@@ -229,28 +251,30 @@ class AttributeCoder {
   }
 
   std::uint32_t codeNewNormal(const Neighbours& near, std::uint32_t truth) {
-    std::uint32_t normal = pattern_, all = 0, before = 0;
-    for (std::uint32_t i = 0; i < near.count; ++i) all += near.votes[i];
-    for (int axis = 0; axis < 2; ++axis) {
-      const int shift = 12 * axis + dropped_;
-      const std::uint32_t mask = 0xfffu >> dropped_;
-      std::uint32_t least = mask, most = 0, sum = 0;
-      for (std::uint32_t i = 0; i < near.count; ++i) {
-        const std::uint32_t value = near.attribute[i] >> (8 + shift) & mask;
-        least = std::min(least, value);
-        most = std::max(most, value);
-        sum += value * near.votes[i];
+    const std::uint32_t mask = 0xfffu >> dropped_;
+    std::array<std::uint32_t, 2> least = {mask, mask}, most{}, sum{};
+    for (std::uint32_t i = 0; i < near.count; ++i) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const std::uint32_t value = near.attribute[i] >> (8 + 12 * axis) >> dropped_ & mask;
+        least[axis] = std::min(least[axis], value);
+        most[axis] = std::max(most[axis], value);
+        sum[axis] += value * near.votes[i];
       }
+    }
+    std::uint32_t normal = pattern_, before = 0;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto shift = 12 * axis + dropped_;
       const std::uint32_t guess =
-          near.count == 0
-              ? last_ >> (8 + shift) & mask
-              : static_cast<std::uint32_t>((std::uint64_t{sum} * kInverse[all] + (1u << 19)) >> 20);
-      const auto spread = near.count == 0   ? 15u
-                          : near.count == 1 ? 14u
-                                            : static_cast<std::uint32_t>(std::bit_width(most - least));
+          near.count == 0 ? last_ >> (8 + shift) & mask
+                          : static_cast<std::uint32_t>(
+                                (std::uint64_t{sum[axis]} * kInverse[near.votes_cast] + (1u << 19)) >> 20);
+      const auto spread = near.count == 0 ? 15u
+                          : near.count == 1
+                              ? 14u
+                              : static_cast<std::uint32_t>(std::bit_width(most[axis] - least[axis]));
       std::uint32_t size = 0;
-      const std::uint32_t difference = codeDifference(static_cast<std::size_t>(axis), spread, before / 2,
-                                                      (truth >> shift & mask) - guess, size);
+      const std::uint32_t difference =
+          codeDifference(axis, spread, before / 2, (truth >> shift & mask) - guess, size);
       normal |= ((guess + difference) & mask) << shift;
       before = size;
     }
@@ -279,15 +303,20 @@ class AttributeCoder {
   }
 
   std::uint32_t codeEntry(const Neighbours& near, std::uint32_t normal, std::uint32_t truth) {
-    std::array<std::uint32_t, kNeighbours> entries, votes;
-    entries[0] = last_ & 0xff;
-    votes[0] = 0;
-    for (std::uint32_t i = 0; i < near.count; ++i) {
-      entries[i] = near.attribute[i] & 0xff;
-      votes[i] = near.attribute[i] >> 8 == normal ? 4 * near.votes[i] : near.votes[i];
-    }
-    Ballot ballot;
-    ballot.hold(entries.data(), votes.data(), std::max(near.count, 1u));
+    std::uint32_t alike = 0;
+    for (std::uint32_t i = 0; i < near.count; ++i)
+      alike += near.attribute[i] >> 8 == normal ? near.votes[i] : 0;
+    Ballot ballot(near.votes_cast + 3 * alike);
+    if (near.count > 0)
+      ballot.begin(
+          near.count, [&](std::uint32_t i) { return near.attribute[i] & 0xff; },
+          [&](std::uint32_t i) {
+            return near.attribute[i] >> 8 == normal ? 4 * near.votes[i] : near.votes[i];
+          });
+    else
+      ballot.begin(
+          1, [&](std::uint32_t) { return last_ & 0xff; }, [](std::uint32_t) { return 0u; });
+    ballot.finish();
     for (std::uint32_t i = 0; i < ballot.count; ++i) {
       const std::uint32_t context = ballot.count == 1 ? std::min(near.count, 7u) : 8 + ballot.share(i);
       if (coder_.bit(models_.entry_same[std::min(i, 2u)][context], ballot.value[i] == truth))
@@ -302,7 +331,7 @@ class AttributeCoder {
   Coder coder_;
   Models& models_;
   std::uint32_t palette_;
-  int dropped_;
+  std::uint32_t dropped_;
   std::uint32_t pattern_;
   std::uint32_t last_ = 2047u << 8 | 2047u << 20;
   std::uint32_t newest_ = 0;

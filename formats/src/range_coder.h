@@ -57,14 +57,7 @@ class Decoder {
 
   // At most 16 plain bits.
   std::uint32_t plain(int bits, std::uint32_t = 0) {
-    while (pool_bits_ < bits) {
-      pool_ |= static_cast<std::uint64_t>(plain_ < plain_end_ ? *plain_ : std::byte{0}) << pool_bits_;
-      if (plain_ < plain_end_)
-        ++plain_;
-      else
-        ++missing_;
-      pool_bits_ += 8;
-    }
+    if (pool_bits_ < bits) refill();
     const auto value = static_cast<std::uint32_t>(pool_ & ((std::uint64_t{1} << bits) - 1));
     pool_ >>= bits;
     pool_bits_ -= bits;
@@ -73,11 +66,21 @@ class Decoder {
 
   // Whether everything was read, nothing more, and it ended as an encoder ends it.
   bool isAtEnd() const {
-    return at_ == end_ && beyond_ == 2 && code_ < kLeastRange && plain_ == plain_end_ && missing_ == 0 &&
-           pool_bits_ < 8 && pool_ == 0;
+    return at_ == end_ && beyond_ == 2 && code_ < kLeastRange && plain_ == plain_end_ && pool_ == 0 &&
+           pool_bits_ / 8 == missing_;
   }
 
  private:
+  // Four bytes; zeros after the last.
+  void refill() {
+    for (int i = 0; i < 4; ++i, pool_bits_ += 8) {
+      if (plain_ < plain_end_)
+        pool_ |= static_cast<std::uint64_t>(*plain_++) << pool_bits_;
+      else
+        ++missing_;
+    }
+  }
+
   void shiftIn() {
     std::uint64_t word = 0;
     if (end_ - at_ >= 2) {
@@ -95,8 +98,8 @@ class Decoder {
   const std::byte* plain_;
   const std::byte* plain_end_;
   std::uint64_t pool_ = 0;
-  int pool_bits_ = 0;
-  std::uint32_t limit_, beyond_ = 0, missing_ = 0;
+  int pool_bits_ = 0, missing_ = 0;
+  std::uint32_t limit_, beyond_ = 0;
 };
 
 class Encoder {

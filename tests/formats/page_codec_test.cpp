@@ -265,6 +265,16 @@ TEST(PageCodec, MistakesAreRefused) {
   }
 }
 
+TEST(PageCodec, IndexBeyondThePalette) {
+  PageWorkspace workspace;
+  TestPage page = allPages(ballWorld(40), 256, noiseLook(256))[0];
+  const std::vector<std::byte> stored = encoded(page);
+  page.palette = 200;  // which the bytes do not depend on, unless it is 1
+  const Decoded back = decoded(page, stored, workspace);
+  ASSERT_FALSE(back.result);
+  EXPECT_STREQ(back.result.error().detail, "a palette index is beyond the palette");
+}
+
 // The format must not drift: these bytes are what SPEC.md says.
 TEST(PageCodec, KnownBytes) {
   std::vector<std::byte> all;
