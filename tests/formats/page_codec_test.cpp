@@ -266,7 +266,7 @@ TEST(PageCodec, MistakesAreRefused) {
 }
 
 TEST(PageCodec, IndexBeyondThePalette) {
-  PageWorkspace workspace;
+  Buffer<std::byte> workspace;
   TestPage page = allPages(ballWorld(40), 256, noiseLook(256))[0];
   const std::vector<std::byte> stored = encoded(page);
   page.palette = 200;  // which the bytes do not depend on, unless it is 1
