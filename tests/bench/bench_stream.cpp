@@ -80,7 +80,8 @@ class Painter {
   gl::View view_;
 };
 
-bool same(const Pixel& a, const Pixel& b) { return a.color == b.color; }
+// The canvas is cleared to zeros, the surface is opaque.
+bool isCovered(const Pixel& pixel) { return pixel[3] != 0; }
 
 nlohmann::json measure(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -94,10 +95,10 @@ nlohmann::json measure(const std::string& path) {
   if (!all->loadAll()) fail("the pack cannot be read");
   bool pending = true;
   Painter final_painter(*all);
-  std::vector<Pixel> last, background(static_cast<std::size_t>(kViewport.x * kViewport.y));
+  std::vector<Pixel> last;
   while (pending) last = final_painter.draw(pending);
   std::size_t covered = 0;
-  for (const Pixel& pixel : last) covered += pixel.depth < 1 ? 1 : 0;
+  for (const Pixel& pixel : last) covered += isCovered(pixel);
 
   // Step by step, as the renderer asks for it.
   Counted counted{MemorySource(bytes)};
@@ -112,8 +113,8 @@ nlohmann::json measure(const std::string& path) {
     const std::vector<Pixel> now = painter.draw(pending);
     std::size_t shown = 0, final_ones = 0;
     for (std::size_t i = 0; i < now.size(); ++i) {
-      shown += now[i].depth < 1 ? 1 : 0;
-      final_ones += last[i].depth < 1 && same(now[i], last[i]) ? 1 : 0;
+      shown += isCovered(now[i]);
+      final_ones += isCovered(last[i]) && now[i] == last[i];
     }
     if (first == 0 && shown > 0) first = counted.bytes;
     if (half == 0 && 2 * final_ones >= covered) half = counted.bytes;

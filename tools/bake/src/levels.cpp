@@ -22,6 +22,10 @@ namespace {
 // level.
 using Attribute = SurfaceSample;
 
+// Low bits of the normals of coarser levels that are all ones: 0.16 degrees off in the mean, 0.32 at worst,
+// where nobody sees it, and two thirds of the bytes.
+constexpr int kCoarseOnes = 3;
+
 // The commonest of at most eight sources; the lowest of several.
 std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t count) {
   std::uint32_t best = sources[0];
@@ -128,7 +132,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
-        const std::uint32_t normal = encodeNormal(attributes[i].normal);
+        const std::uint32_t normal = encodeNormal(attributes[i].normal, level == 0 ? 0 : kCoarseOnes);
         surface[i] = {attributes[i].index, makeAttribute(static_cast<std::uint8_t>(entry), normal)};
         if (level > 0) continue;
         attributes[i].material = palette[entry];
