@@ -100,8 +100,9 @@ std::uint64_t mortonCode(const glm::ivec3& brick);
 // Every value of the 24 bits can be decoded:
 //   x = (min(u, 4094) - 2047) / 2047, z likewise from v, y = 1 - |x| - |z|, f = max(-y, 0),
 //   x -= x >= 0 ? f : -f, z -= z >= 0 ? f : -f, then (x, y, z) is normalised.
-// encodeNormal returns the nearest representable normal whose low `ones` bits of u and of v are all ones; pages
-// of such normals are smaller. ones: 0 to 8. A zero or non-finite input gives +y, or what is nearest to it.
+// encodeNormal returns the nearest representable normal whose low `ones` bits of u and of v are all ones;
+// pages of such normals are smaller. ones: 0 to 8. A zero or non-finite input gives +y, or what is nearest to
+// it.
 std::uint32_t encodeNormal(const glm::vec3& normal, int ones = 0);
 glm::vec3 decodeNormal(std::uint32_t bits24);
 

@@ -15,7 +15,8 @@ namespace kelp::test {
 inline std::vector<std::uint64_t> surfaceAbove(std::span<const std::uint64_t> surface,
                                                const glm::ivec3& size) {
   std::set<std::uint64_t> above;
-  for (const std::uint64_t i : surface) above.insert(denseIndex(levelSize(size, 1), kelp::voxelAt(size, i) / 2));
+  for (const std::uint64_t i : surface)
+    above.insert(denseIndex(levelSize(size, 1), kelp::voxelAt(size, i) / 2));
   return {above.begin(), above.end()};
 }
 
