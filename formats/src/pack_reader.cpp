@@ -138,8 +138,7 @@ Result<void> Pack::readPage(const LevelGrid& grid, std::size_t index, const Leve
       (!above.grid || above.grid->part != grid.part || above.grid->level != grid.level + 1 ||
        above.shapes.size() != above.grid->bricks.size()))
     return Error{ErrorCode::kMisuse, "a page of voxels needs the next coarser level of its part"};
-  return decodeSolidPage(impl_->source, grid, index, grid.coarsest ? LevelAbove() : above, palette().size(),
-                         out);
+  return decodeSolidPage(impl_->source, grid, index, above, palette().size(), out);
 }
 
 bool Pack::hasDistances() const { return !impl_->levels.distance_grids.empty(); }

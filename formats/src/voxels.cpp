@@ -192,8 +192,9 @@ Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData&
 }
 
 Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
-                             const LevelAbove& above, std::size_t palette, PageData& out) {
+                             const LevelAbove& given, std::size_t palette, PageData& out) {
   const PageInfo& page = grid.pages[index];
+  const LevelAbove above = grid.coarsest ? LevelAbove() : given;
   PageFrame frame;
   if (const Result<void> made = frame.make(grid, index, above, palette); !made) return made;
   const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels,

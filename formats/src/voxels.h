@@ -52,7 +52,7 @@ void giveRanks(std::span<std::uint8_t> codes);
 // the page's.
 Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out);
 // The same for a page of voxels. Its codes, their boxes and ranks, its shapes, and which palette entries it
-// names are then right. palette: entries.
+// names are then right. above: is not looked at if the level is the coarsest. palette: entries.
 Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
                              const LevelAbove& above, std::size_t palette, PageData& out);
 

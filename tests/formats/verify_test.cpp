@@ -160,6 +160,19 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
                              [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
 }
 
+// Nothing coarser is known of the only level, and its pages are beside each other.
+TEST(Verify, AcceptsASingleLevelOfSeveralPages) {
+  test::RandomPack random(31, {1, 8, 1, 0});
+  RawPack raw = random.make();
+  raw.parts[0].size = {101, 60, 97};
+  raw.parts[0].knots = {{0, {0, 0, 0}, {0, 1, 0}}, {1, {0, 1, 0}, {0, 1, 0}}};
+  raw.parts[0].levels = {random.makeLevel(raw.parts[0].size, raw.palette.size(), 0.6f)};
+  const Bytes bytes = test::writeToMemory(raw);
+  EXPECT_EQ(idsOf(issuesOf(bytes)), Ids{});
+  MemorySource memory(bytes);
+  EXPECT_GT(Pack::open(memory.source())->readGrid(0, 0)->pages.size(), 1u);
+}
+
 TEST(Verify, LimitsAndUnreadableSourcesAreIssuesToo) {
   Limits limits;
   limits.max_side = 10;
