@@ -60,10 +60,10 @@ std::uint64_t mortonCode(const glm::ivec3& brick) {
          (spreadBits(static_cast<std::uint64_t>(brick.z)) << 2);
 }
 
-std::uint32_t encodeNormal(const glm::vec3& normal) {
+std::uint32_t encodeNormal(const glm::vec3& normal, int ones) {
   const double nx = normal.x, ny = normal.y, nz = normal.z;
   const double length = std::sqrt(nx * nx + ny * ny + nz * nz);
-  if (!(length > 0.0) || !std::isfinite(length)) return encodeNormal(glm::vec3(0.0f, 1.0f, 0.0f));
+  if (!(length > 0.0) || !std::isfinite(length)) return encodeNormal(glm::vec3(0.0f, 1.0f, 0.0f), ones);
   const double sum = std::abs(nx) + std::abs(ny) + std::abs(nz);
   double x = nx / sum, z = nz / sum;
   if (ny < 0.0) {
@@ -73,29 +73,32 @@ std::uint32_t encodeNormal(const glm::vec3& normal) {
     z = folded_z;
   }
   // The map is not uniform, so rounding does not always give the nearest normal: try the codes around it.
-  const int u0 = static_cast<int>(std::floor(x * kOctahedralHalf)) + kOctahedralHalf;
-  const int v0 = static_cast<int>(std::floor(z * kOctahedralHalf)) + kOctahedralHalf;
-  std::uint32_t best = 0;
+  constexpr int kEnd = 2 * kOctahedralHalf;
+  const int u0 = (static_cast<int>(std::floor(x * kOctahedralHalf)) + kOctahedralHalf) >> ones;
+  const int v0 = (static_cast<int>(std::floor(z * kOctahedralHalf)) + kOctahedralHalf) >> ones;
+  const auto codeOf = [ones](int rounded) { return (rounded + 1) * (1 << ones) - 1; };
+  int best_u = 0, best_v = 0;
   double best_distance = 16.0;
-  for (int v = v0 - 1; v <= v0 + 2; ++v) {
-    for (int u = u0 - 1; u <= u0 + 2; ++u) {
-      if (u < 0 || v < 0 || u > 2 * kOctahedralHalf || v > 2 * kOctahedralHalf) continue;
+  for (int j = v0 - 1; j <= v0 + 2; ++j) {
+    for (int i = u0 - 1; i <= u0 + 2; ++i) {
+      const int u = codeOf(i), v = codeOf(j), most = ones > 0 ? kEnd + 1 : kEnd;  // kEnd + 1 reads as kEnd
+      if (u < 0 || v < 0 || u > most || v > most) continue;
       const Direction d = octahedralDirection(u, v);
       // Compares chords. Cosines near 1 cannot distinguish such small angles.
       const double dx = d.x - nx / length, dy = d.y - ny / length, dz = d.z - nz / length;
       const double distance = dx * dx + dy * dy + dz * dz;
       if (distance < best_distance) {
         best_distance = distance;
-        best = static_cast<std::uint32_t>(u) | (static_cast<std::uint32_t>(v) << 12);
+        best_u = u;
+        best_v = v;
       }
     }
   }
   // On the border of the square, two codes are the same direction: write the greater.
-  std::uint32_t u = best & 0xfffu, v = best >> 12;
-  constexpr std::uint32_t kEnd = 2 * kOctahedralHalf;
-  if (u == 0 || u == kEnd) v = std::max(v, kEnd - v);
-  if (v == 0 || v == kEnd) u = std::max(u, kEnd - u);
-  return u | v << 12;
+  const auto isBorder = [](int code) { return code == 0 || code >= kEnd; };
+  if (isBorder(best_u)) best_v = std::max(best_v, kEnd - best_v);
+  if (isBorder(best_v)) best_u = std::max(best_u, kEnd - best_u);
+  return static_cast<std::uint32_t>(best_u) | static_cast<std::uint32_t>(best_v) << 12;
 }
 
 glm::vec3 decodeNormal(std::uint32_t bits24) {

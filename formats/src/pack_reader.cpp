@@ -111,26 +111,34 @@ Result<LevelGrid> Pack::readGrid(int part, int level) const {
   const ChunkInfo& chunk = impl_->container.chunks[impl_->levels.grids[slot]];
   const ChunkInfo& bricks = impl_->container.chunks[impl_->levels.bricks[slot]];
 
-  return readLevelGrid(impl_->source, chunk, bricks, latticeOf(of, level), impl_->limits, impl_->allocator);
+  Result<LevelGrid> grid =
+      readLevelGrid(impl_->source, chunk, bricks, latticeOf(of, level), impl_->limits, impl_->allocator);
+  if (grid) {
+    grid->part = part;
+    grid->level = level;
+    grid->coarsest = level + 1 == of.levels;
+  }
+  return grid;
 }
 
-Result<void> Pack::readPage(const PageInfo& page, PageData& out) const {
+Result<void> Pack::readPage(const LevelGrid& grid, std::size_t index, const LevelAbove& above,
+                            PageData& out) const {
   const std::uint64_t size = impl_->container.file_size;
-  if (!isPossiblePage(page) || page.channels > 2 || page.offset > size || page.stored > size - page.offset) {
+  if (index >= grid.pages.size()) return Error{ErrorCode::kMisuse, "the grid has no such page"};
+  const PageInfo& page = grid.pages[index];
+  if (!isPossiblePage(page) || page.channels > 2 || page.offset > size || page.stored > size - page.offset)
     return Error{ErrorCode::kMisuse, "the page is not from a grid of this pack"};
-  }
-  if (const Result<void> decoded = decodePage(impl_->source, page, out); !decoded) return decoded;
   if (page.channels > 0) {
+    if (const Result<void> decoded = decodeFogPage(impl_->source, page, out); !decoded) return decoded;
     if (findClearBrick(out.fog.span(), page.channels) >= 0)
       return Error{ErrorCode::kCorrupt, "a stored brick holds no fog", page.offset};
     return {};
   }
-  if (findBrickWithoutSolid(out.codes.span()) >= 0)
-    return Error{ErrorCode::kCorrupt, "a stored brick holds no solid voxel", page.offset};
-  if (findWrongPaletteIndex(out.attributes.span(), palette().size()) >= 0) {
-    return Error{ErrorCode::kCorrupt, "an attribute names a palette entry that does not exist", page.offset};
-  }
-  return {};
+  if (!grid.coarsest &&
+      (!above.grid || above.grid->part != grid.part || above.grid->level != grid.level + 1 ||
+       above.shapes.size() != above.grid->bricks.size()))
+    return Error{ErrorCode::kMisuse, "a page of voxels needs the next coarser level of its part"};
+  return decodeSolidPage(impl_->source, grid, index, above, palette().size(), out);
 }
 
 bool Pack::hasDistances() const { return !impl_->levels.distance_grids.empty(); }

@@ -7,10 +7,13 @@
 #include <new>
 
 #include "checksum.h"
+#include "grid_cells.h"
+#include "kelp/formats/fog.h"
 #include "kelp/formats/raw_pack.h"
 #include "layout.h"
 #include "metadata.h"
 #include "metadata_writer.h"
+#include "morton_walk.h"
 #include "page_writer.h"
 #include "raw_pack_check.h"
 #include "voxels.h"
@@ -35,7 +38,8 @@ struct DistancePlan {
 
 class Writer {
  public:
-  Writer(const RawPack& pack, const Sink& sink, int threads) : pack_(pack), sink_(sink), threads_(threads) {}
+  Writer(const RawPack& pack, const Sink& sink, int threads, Effort effort)
+      : pack_(pack), sink_(sink), threads_(threads), effort_(effort) {}
 
   Result<void> run() {
     if (const Result<void> r = checkSizes(); !r) return r;
@@ -116,11 +120,15 @@ class Writer {
 
   Result<void> packLevels() {
     if (const Result<void> r = planDistances(); !r) return r;
-    std::size_t page_count = 0, coarsest = 0;
+    levels_of_.reset(new (std::nothrow) LevelPlan[levels_]);
+    if (!levels_of_) return kNoMemory;
+    std::size_t page_count = 0, plan_count = 0, coarsest = 0;
     for (const RawPart& part : pack_.parts) {
       for (std::size_t level = 0; level < part.levels.size(); ++level) {
         if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r) return r;
-        page_count += planPages(part.levels[level], {});
+        LevelPlan& plan = levels_of_[plan_count++];
+        if (const Result<void> r = planLevel(part, level, plan); !r) return r;
+        page_count += planPages(plan, {});
       }
       coarsest = std::max(coarsest, part.levels.size() - 1);
     }
@@ -133,17 +141,35 @@ class Writer {
     // In the order of the file: levels coarse to fine, then parts; voxels, then distances.
     std::size_t first = 0;
     for (std::size_t level = coarsest + 1; level-- > 0;) {
+      std::size_t of_part = 0;  // its first level
       for (std::size_t part = 0; part < pack_.parts.size(); ++part) {
-        if (level >= pack_.parts[part].levels.size()) continue;
-        first +=
-            addLevel(level, part, first, planPages(pack_.parts[part].levels[level], plans.subspan(first)));
+        const std::size_t count = pack_.parts[part].levels.size();
+        if (level < count)
+          first += addLevel(level, part, first, planPages(levels_of_[of_part + level], plans.subspan(first)));
+        of_part += count;
       }
     }
     for (const DistancePlan& plan : distances())
       first += addLevel(plan.index, plan.part, first,
                         planPages(plan.level, plan.raw->codes, plans.subspan(first)));
-    if (const Result<void> r = packPages(plans, {packed_.get(), page_count}, threads_); !r) return r;
+    if (const Result<void> r = packPages(plans, {packed_.get(), page_count}, threads_, effort_); !r) return r;
     return packGrids();
+  }
+
+  // The level was checked.
+  Result<void> planLevel(const RawPart& part, std::size_t index, LevelPlan& plan) const {
+    plan.raw = &part.levels[index];
+    plan.above = part.fog || index + 1 == part.levels.size() ? nullptr : &part.levels[index + 1];
+    plan.size = levelSize(part.size, static_cast<int>(index));
+    plan.palette = pack_.palette.size();
+    if (part.fog) return {};
+    if (!plan.bricks.reset(plan.raw->codes.size() / kBrickVoxels)) return kNoMemory;
+    std::size_t slot = 0;
+    for (MortonWalk walk(brickGrid(plan.size)); !walk.done(); walk.next()) {
+      if (isStoredCell(plan.raw->cells[static_cast<std::size_t>(walk.index())]))
+        plan.bricks[slot++] = walk.cell();
+    }
+    return {};
   }
 
   // All solid parts have distances, in the order of the file, or none has.
@@ -211,16 +237,19 @@ class Writer {
   // Cells, padding to 8 bytes, page table.
   static bool packGrid(std::span<const PagePlan> plans, std::span<const Packed> pages, Packed& out) {
     const DistanceLevel* const distances = plans.front().distances;
-    const std::span<const std::uint32_t> cells =
-        distances ? distances->cells : std::span(plans.front().level->cells);
-    const std::size_t table_at = static_cast<std::size_t>(layout::align(
-        distances ? layout::kDgrdHeader + cells.size() : cells.size() * sizeof(std::uint32_t), 8));
+    const LevelPlan* const level = plans.front().level;
+    const std::size_t cells = distances ? layout::kDgrdHeader + distances->cells.size()
+                                        : level->raw->cells.size(),
+                      table_at = static_cast<std::size_t>(layout::align(cells, 8));
     Buffer<std::byte> raw;
     if (!raw.reset(table_at + pages.size() * layout::kPageEntryBytes)) return false;
     if (distances)
       storeDistanceCells(*distances, raw.span());
     else
-      std::memcpy(raw.data(), cells.data(), cells.size() * sizeof(std::uint32_t));
+      storeCells(level->raw->cells,
+                 brickGrid(latticeSize(level->raw->density.empty() ? PartKind::kSolid : PartKind::kFog,
+                                       level->size)),
+                 raw.span());
     std::uint64_t offset = 0;
     for (std::size_t i = 0; i < pages.size(); ++i) {
       const std::size_t at = table_at + i * layout::kPageEntryBytes;
@@ -304,11 +333,13 @@ class Writer {
   const RawPack& pack_;
   const Sink& sink_;
   const int threads_;
+  const Effort effort_;
   std::size_t levels_ = 0, distance_levels_ = 0;
   std::unique_ptr<ChunkPlan[]> chunks_;
   std::size_t chunk_count_ = 0;
   std::unique_ptr<DistancePlan[]> distances_;
   std::size_t distance_count_ = 0;
+  std::unique_ptr<LevelPlan[]> levels_of_;  // part by part, finest first
   std::unique_ptr<PagePlan[]> plans_;
   std::unique_ptr<Packed[]> packed_;
   std::uint64_t written_ = 0;
@@ -316,10 +347,10 @@ class Writer {
 
 }  // namespace
 
-Result<void> writePack(const RawPack& pack, const Sink& sink, int threads) {
+Result<void> writePack(const RawPack& pack, const Sink& sink, int threads, Effort effort) {
   if (!sink.write) return misuse("the sink has no write function");
   if (threads < 1) return misuse("the number of threads is less than 1");
-  return Writer(pack, sink, threads).run();
+  return Writer(pack, sink, threads, effort).run();
 }
 
 }  // namespace kelp

@@ -5,11 +5,14 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "checksum.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata_writer.h"
+#include "page_codec.h"
+#include "page_frame.h"
 #include "worker_threads.h"
 #include "zstd_encode.h"
 
@@ -24,24 +27,10 @@ std::uint32_t surfaceVoxels(std::span<const std::uint8_t> codes) {
 bool fillFogPage(const PagePlan& page, Buffer<std::byte>& raw) {
   const std::size_t bytes = std::size_t{page.count} * kFogSamples,
                     from = std::size_t{page.first_slot} * kFogSamples;
-  const RawLevel& level = *page.level;
+  const RawLevel& level = *page.level->raw;
   if (!raw.reuse(level.heat.empty() ? bytes : 2 * bytes)) return false;
   std::memcpy(raw.data(), level.density.data() + from, bytes);
   if (!level.heat.empty()) std::memcpy(raw.data() + bytes, level.heat.data() + from, bytes);
-  return true;
-}
-
-bool fillSolidPage(const PagePlan& page, Buffer<std::byte>& raw) {
-  const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels;
-  const std::size_t attribute_bytes = std::size_t{page.attributes} * sizeof(std::uint32_t);
-  if (!raw.reuse(code_bytes + attribute_bytes)) return false;
-  // Ranks are not stored; the reader counts them.
-  const std::uint8_t* const codes = page.level->codes.data() + std::size_t{page.first_slot} * kBrickVoxels;
-  for (std::size_t i = 0; i < code_bytes; ++i)
-    raw[i] = std::byte{isSurfaceCode(codes[i]) ? kSurfaceCode : codes[i]};
-  if (attribute_bytes > 0)
-    std::memcpy(raw.data() + code_bytes, page.level->attributes.data() + page.first_attribute,
-                attribute_bytes);
   return true;
 }
 
@@ -68,27 +57,79 @@ bool fillDistancePage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<Brick
   return true;
 }
 
-bool fillPage(const PagePlan& page, Buffer<std::byte>& raw, Buffer<BrickBits>& bits, const char*& fault) {
-  if (page.distances) return fillDistancePage(page, raw, bits, fault);
-  return page.level->density.empty() ? fillSolidPage(page, raw) : fillFogPage(page, raw);
+// What a thread needs to pack one page after the other.
+struct Workshop {
+  FrameEncoder encoder;
+  Buffer<std::byte> raw, frame, workspace;
+  Buffer<BrickBits> bits;
+  Buffer<std::uint8_t> codes;
+};
+
+// The blocks of the coarser level over the bricks of a page.
+void findBlocks(const LevelPlan& level, std::span<const glm::ivec3> bricks, std::span<CoarseBlock> above) {
+  const glm::ivec3 grid = brickGrid(levelSize(level.size, 1));
+  std::uint32_t known = kCellInside;  // the cell whose shape it is
+  BrickShape shape;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const glm::ivec3 coarse = bricks[i] >> 1;
+    const std::uint32_t cell =
+        level.above->cells[static_cast<std::size_t>(coarse.x) +
+                           static_cast<std::size_t>(grid.x) *
+                               (static_cast<std::size_t>(coarse.y) +
+                                static_cast<std::size_t>(grid.y) * static_cast<std::size_t>(coarse.z))];
+    above[i] = {};  // of a brick that is not stored: the encoder refuses it
+    if (!isStoredCell(cell)) continue;
+    if (std::exchange(known, cell) != cell)
+      shapesOf(std::span(level.above->codes)
+                   .subspan(std::size_t{cell & kCellSlotMask} * kBrickVoxels, kBrickVoxels),
+               {&shape, 1});
+    above[i] = blockOver(shape, bricks[i]);
+  }
 }
 
-bool packPage(const PagePlan& page, FrameEncoder& encoder, Buffer<std::byte>& raw, Buffer<BrickBits>& bits,
-              Buffer<std::byte>& frame, Packed& packed, const char*& fault) {
-  if (!fillPage(page, raw, bits, fault) || !frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw)))
-    return false;
-  const std::size_t size = encoder.encode(raw.span(), frame.span());
-  if (size == 0 || !packed.stored.reset(size)) return false;
-  std::memcpy(packed.stored.data(), frame.data(), size);
-  packed.checksum = checksum(packed.stored.span());
-  packed.raw = raw.size();
-  packed.compressed = true;
-  return true;
+Result<void> encodePage(const PagePlan& page, Effort effort, Workshop& shop) {
+  const LevelPlan& level = *page.level;
+  const std::span<const std::uint8_t> codes =
+      std::span(level.raw->codes)
+          .subspan(std::size_t{page.first_slot} * kBrickVoxels, std::size_t{page.count} * kBrickVoxels);
+  if (!shop.codes.reuse(codes.size())) return kNoMemory;
+  std::transform(codes.begin(), codes.end(), shop.codes.begin(), [](std::uint8_t code) {
+    return isSurfaceCode(code) ? kSurfaceCode : isSolidCode(code) ? kInnerCode : std::uint8_t{0};
+  });
+  std::array<CoarseBlock, kMaxPageBricks> above;
+  PageShape shape;
+  shape.bricks = level.bricks.span().subspan(page.first_slot, page.count);
+  if (level.above) {
+    shape.above = std::span(above).first(page.count);
+    findBlocks(level, shape.bricks, std::span(above).first(page.count));
+  }
+  shape.size = level.size;
+  shape.palette = static_cast<std::uint32_t>(level.palette);
+  return encodeSolidPage(shape, shop.codes.span(),
+                         std::span(level.raw->attributes)
+                             .subspan(static_cast<std::size_t>(page.first_attribute), page.attributes),
+                         effort, shop.workspace, shop.frame);
+}
+
+// The bytes of the page in shop.frame, and its decoded size.
+Result<std::size_t> encode(const PagePlan& page, Effort effort, Workshop& shop) {
+  if (!page.distances && page.level->raw->density.empty()) {
+    if (const Result<void> encoded = encodePage(page, effort, shop); !encoded) return encoded.error();
+    return std::size_t{page.count} * kBrickVoxels + std::size_t{page.attributes} * sizeof(std::uint32_t);
+  }
+  const char* fault = nullptr;
+  if (!(page.distances ? fillDistancePage(page, shop.raw, shop.bits, fault) : fillFogPage(page, shop.raw)))
+    return fault ? Error{ErrorCode::kMisuse, fault} : kNoMemory;
+  if (!shop.frame.reuse(FrameEncoder::bound(layout::kMaxPageRaw))) return kNoMemory;
+  const std::size_t size = shop.encoder.encode(shop.raw.span(), shop.frame.span());
+  if (size == 0 || !shop.frame.reuse(size)) return kNoMemory;
+  return shop.raw.size();
 }
 
 struct Work {
   std::span<const PagePlan> pages;
   std::span<Packed> packed;
+  Effort effort = Effort::kFast;
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   std::atomic<const char*> fault{nullptr};  // if it was not memory
@@ -96,26 +137,32 @@ struct Work {
 
 void packNextPages(void* user) {
   Work& work = *static_cast<Work*>(user);
-  FrameEncoder encoder;
-  Buffer<std::byte> raw, frame;
-  Buffer<BrickBits> bits;
+  Workshop shop;
   for (std::size_t i = work.next++; i < work.pages.size() && !work.failed; i = work.next++) {
-    const char* fault = nullptr;
-    if (packPage(work.pages[i], encoder, raw, bits, frame, work.packed[i], fault)) continue;
-    if (fault) work.fault = fault;
-    work.failed = true;
+    Packed& packed = work.packed[i];
+    const Result<std::size_t> raw = encode(work.pages[i], work.effort, shop);
+    if (!raw && raw.error().code != ErrorCode::kOutOfMemory) work.fault = raw.error().detail;
+    if (!raw || !packed.stored.reset(shop.frame.size())) {
+      work.failed = true;
+      continue;
+    }
+    std::memcpy(packed.stored.data(), shop.frame.data(), shop.frame.size());
+    packed.checksum = checksum(packed.stored.span());
+    packed.raw = *raw;
+    packed.compressed = true;
   }
 }
 
 }  // namespace
 
-std::size_t planPages(const RawLevel& level, std::span<PagePlan> pages) {
+std::size_t planPages(const LevelPlan& plan, std::span<PagePlan> pages) {
+  const RawLevel& level = *plan.raw;
   const bool fog = !level.density.empty();
   const std::size_t bricks = fog ? level.density.size() / kFogSamples : level.codes.size() / kBrickVoxels;
   const std::size_t brick_bytes = fog ? (level.heat.empty() ? 1 : 2) * kFogSamples : kBrickVoxels;
   std::size_t count = 0;
   PagePlan page;
-  page.level = &level;
+  page.level = &plan;
   const auto close = [&] {
     if (page.count == 0) return;
     if (!pages.empty()) pages[count] = page;
@@ -151,10 +198,12 @@ std::size_t planPages(const DistanceLevel& level, std::span<const std::uint8_t> 
   return count;
 }
 
-Result<void> packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads) {
+Result<void> packPages(std::span<const PagePlan> pages, std::span<Packed> packed, int threads,
+                       Effort effort) {
   Work work;
   work.pages = pages;
   work.packed = packed;
+  work.effort = effort;
   const std::size_t useful =
       std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(pages.size(), 1));
   runOnThreads(static_cast<int>(useful), packNextPages, &work);

@@ -16,7 +16,8 @@ Result<void> checkFogLevel(const RawLevel& level, const glm::ivec3& samples, boo
   const glm::ivec3 grid = brickGrid(latticeSize(PartKind::kFog, samples));
   if (level.cells.size() != cellCount(grid))
     return misuse("a level does not have one cell for each brick of its grid");
-  const Result<std::uint32_t> bricks = checkCells(level.cells, grid);
+  const Result<std::uint32_t> bricks =
+      checkCells(level.cells, {latticeSize(PartKind::kFog, samples), heat ? 2 : 1});
   if (!bricks) return misuse(bricks.error().detail);
   const std::size_t bytes = std::size_t{*bricks} * kFogSamples;
   if (level.density.size() != bytes || level.heat.size() != (heat ? bytes : 0))
@@ -51,7 +52,7 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
   const glm::ivec3 grid = brickGrid(size);
   if (level.cells.size() != cellCount(grid))
     return misuse("a level does not have one cell for each brick of its grid");
-  const Result<std::uint32_t> bricks = checkCells(level.cells, grid);
+  const Result<std::uint32_t> bricks = checkCells(level.cells, {size, 0});
   if (!bricks) return misuse(bricks.error().detail);
   const std::span<const std::uint8_t> codes(level.codes);
   if (codes.size() != std::size_t{*bricks} * kBrickVoxels)
@@ -60,12 +61,12 @@ Result<void> checkRawLevel(const RawPart& part, std::size_t index, std::size_t p
   std::uint64_t attributes = 0;
   std::size_t slot = 0;
   for (MortonWalk walk(grid); !walk.done(); walk.next()) {
-    if (!(level.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) continue;
+    if (!isStoredCell(level.cells[static_cast<std::size_t>(walk.index())])) continue;
     const auto brick = codes.subspan(slot++ * kBrickVoxels, kBrickVoxels);
     std::array<std::uint32_t, 8> slice_base;
     const std::int64_t surface = computeSliceBase(brick, 0, slice_base);
     if (surface < 0) return misuse("a brick holds a reserved code or a wrong rank");
-    if (findBrickWithoutSolid(brick) >= 0) return misuse("a stored brick holds no solid voxel");
+    if (findBrickWithoutSurface(brick) >= 0) return misuse("a stored brick holds no surface voxel");
     if (hasSolidOutside(brick, walk.cell(), size))
       return misuse("a brick holds a solid voxel outside the level");
     attributes += static_cast<std::uint64_t>(surface);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <new>
 #include <utility>
 
 #include "checksum.h"
@@ -11,7 +13,6 @@
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "metadata.h"
-#include "morton_walk.h"
 #include "voxels.h"
 
 namespace kelp {
@@ -182,7 +183,9 @@ class Verifier {
   void findLevelChunks() {
     const Result<void> found = findLevels(chunks(), model_.parts.span(), levels_);
     if (!found) issue(IssueId::kUnreadable, found.error());
-    levels_good_ = static_cast<bool>(found);
+    known_.reset(new (std::nothrow) KnownLevel[model_.parts.size()]);
+    levels_good_ = found && known_;
+    for (std::size_t i = 0; i < model_.parts.size() && known_; ++i) known_[i].grid = LevelGrid(allocator_);
   }
 
   void checkGrid(const ChunkInfo& chunk) {
@@ -191,8 +194,14 @@ class Verifier {
     Result<LevelGrid> grid = readLevelGrid(source_, chunk, chunks()[levels_.bricks[slot]],
                                            latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
-    if (!grid) return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+    if (!grid) {
+      known_[chunk.part].lost = grid.error().code;
+      return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
+    }
     grid_ = *std::move(grid);
+    grid_.part = part_;
+    grid_.level = level_;
+    grid_.coarsest = level_ + 1 == model_.parts[chunk.part].levels;
   }
 
   void checkDistanceGrid(const ChunkInfo& chunk) {
@@ -216,43 +225,59 @@ class Verifier {
 
   // Checks the pages of the grid that came just before.
   void checkPages() {
-    MortonWalk walk(grid_.grid);
-    for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkPage(i, walk);
+    if (model_.parts[static_cast<std::size_t>(part_)].fog) {
+      for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkFogPage(i);
+    } else if (palette_good_) {  // without it nothing can be decoded
+      checkSolidPages();
+    }
   }
 
-  void checkPage(std::size_t index, MortonWalk& walk) {
+  void checkSolidPages() {
+    KnownLevel& known = known_[static_cast<std::size_t>(part_)];
+    const LevelAbove above{&known.grid, known.shapes.span()};
+    Buffer<BrickShape> shapes(allocator_);
+    const auto atPage = [&](const Error& error, std::int64_t page) { issue(IssueId::kPage, error, page); };
+    if (!shapes.reset(grid_.bricks.size())) {
+      known.lost = ErrorCode::kOutOfMemory;
+      return atPage({known.lost, "no memory for a level"}, -1);
+    }
+    if (!grid_.coarsest && known.grid.level != level_ + 1)
+      return atPage({known.lost, "the next coarser level cannot be read"}, -1);
+    for (std::size_t i = 0; i < grid_.pages.size(); ++i) {
+      const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page_);
+      if (decoded) {
+        std::copy(page_.shapes.begin(), page_.shapes.end(), shapes.begin() + page_.first_slot);
+      } else if (decoded.error().code == ErrorCode::kMisuse) {
+        atPage({known.lost, "a page of the next coarser level over it cannot be read", grid_.pages[i].offset},
+               static_cast<std::int64_t>(i));
+      } else {
+        known.lost = decoded.error().code;
+        atPage(decoded.error(), static_cast<std::int64_t>(i));
+      }
+    }
+    known.grid = std::move(grid_);
+    known.shapes = std::move(shapes);
+  }
+
+  void checkFogPage(std::size_t index) {
     const PageInfo& page = grid_.pages[index];
     const auto number = static_cast<std::int64_t>(index);
+    const Result<void> decoded = decodeFogPage(source_, page, page_);
+    if (!decoded) issue(IssueId::kPage, decoded.error(), number);
+    bool outside = false;
+    for (std::uint32_t brick = 0; brick < page.count; ++brick)
+      outside = outside || (decoded && holdsOutside(page, brick, grid_.place(page.first_slot + brick)));
+    if (!decoded) return;
     const auto broken = [&](IssueId id, const char* detail) {
       issue(id, {ErrorCode::kCorrupt, detail, page.offset}, number);
     };
-    const Result<void> decoded = decodePage(source_, page, page_);
-    if (!decoded) issue(IssueId::kPage, decoded.error(), number);
-    bool outside = false;
-    for (std::uint32_t brick = 0; brick < page.count; ++brick, walk.next()) {
-      while (!(grid_.cells[static_cast<std::size_t>(walk.index())] & kCellSolid)) walk.next();
-      if (decoded) outside = outside || holdsOutside(page, brick, walk.cell());
-    }
-    if (!decoded) return;
-    if (page.channels > 0) {
-      if (findClearBrick(page_.fog.span(), page.channels) >= 0)
-        broken(IssueId::kBrickWithoutSolid, "a stored brick holds no fog");
-      if (outside) broken(IssueId::kOutsideVolume, "a sample of fog lies outside the level");
-      return;
-    }
-    if (findBrickWithoutSolid(page_.codes.span()) >= 0)
-      broken(IssueId::kBrickWithoutSolid, "a stored brick holds no solid voxel");
-    if (outside) broken(IssueId::kOutsideVolume, "a solid voxel lies outside the level");
-    if (palette_good_ && findWrongPaletteIndex(page_.attributes.span(), model_.palette.size()) >= 0) {
-      broken(IssueId::kPaletteIndex, "an attribute names a palette entry that does not exist");
-    }
+    if (findClearBrick(page_.fog.span(), page.channels) >= 0)
+      broken(IssueId::kClearBrick, "a stored brick holds no fog");
+    if (outside) broken(IssueId::kFogOutside, "a sample of fog lies outside the level");
   }
 
-  // Whether a brick of the current page has something outside the level.
+  // Whether a brick of the current page of fog has something outside the level.
   bool holdsOutside(const PageInfo& page, std::uint32_t brick, const glm::ivec3& at) const {
-    if (page.channels == 0)
-      return hasSolidOutside(page_.codes.span().subspan(std::size_t{brick} * kBrickVoxels, kBrickVoxels), at,
-                             grid_.size);
     const glm::ivec3 samples = levelSize(model_.parts[static_cast<std::size_t>(part_)].size, level_);
     for (int channel = 0; channel < page.channels; ++channel) {
       if (hasFogOutside(fogChannel(page_, channel).subspan(std::size_t{brick} * kFogSamples, kFogSamples), at,
@@ -261,6 +286,13 @@ class Verifier {
     }
     return false;
   }
+
+  // The level of a part that was read last.
+  struct KnownLevel {
+    LevelGrid grid;
+    Buffer<BrickShape> shapes;
+    ErrorCode lost = ErrorCode::kCorrupt;  // why something of it was not read
+  };
 
   const Source& source_;
   const Limits& limits_;
@@ -276,6 +308,7 @@ class Verifier {
   bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false,
        grid_good_ = false;
   LevelGrid grid_{allocator_};
+  std::unique_ptr<KnownLevel[]> known_;  // one a part
   PageData page_{allocator_};
   DistanceGrid distances_{allocator_};
   DistancePage distance_page_{allocator_};
@@ -320,12 +353,10 @@ const char* toString(IssueId id) {
       return "The grid of a level cannot be read. Copy or bake the pack again.";
     case IssueId::kPage:
       return "A page of bricks cannot be read. Copy or bake the pack again.";
-    case IssueId::kBrickWithoutSolid:
-      return "A stored brick holds nothing. The writer has a bug: report it.";
-    case IssueId::kOutsideVolume:
-      return "A solid voxel or a sample of fog lies outside its level. The writer has a bug: report it.";
-    case IssueId::kPaletteIndex:
-      return "A voxel's palette entry does not exist. The writer has a bug: report it.";
+    case IssueId::kClearBrick:
+      return "A stored brick of fog holds nothing. The writer has a bug: report it.";
+    case IssueId::kFogOutside:
+      return "A sample of fog lies outside its level. The writer has a bug: report it.";
     case IssueId::kDistanceGrid:
       return "A grid of distances cannot be read. The pack can be drawn; bake it again to ask for distances.";
     case IssueId::kDistances:

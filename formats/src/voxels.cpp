@@ -8,15 +8,22 @@
 #include "checksum.h"
 #include "container.h"
 #include "eight_codes.h"
+#include "grid_cells.h"
+#include "kelp/formats/empty_boxes.h"
 #include "kelp/formats/fog.h"
 #include "layout.h"
 #include "morton_walk.h"
+#include "page_codec.h"
+#include "page_frame.h"
 #include "zstd_decode.h"
 
 namespace kelp {
 namespace {
 
-constexpr std::uint32_t kMaxPageBricks = layout::kMaxPageRaw / kBrickVoxels;
+// Bytes that a cell of a grid takes while it is read: the cell, its brick's place, the sums for its box (more
+// in flat grids), its byte in the file.
+constexpr std::uint64_t kCellMemory = 16;
+static_assert(kMaxPageBricks == layout::kMaxPageRaw / kBrickVoxels);
 
 }  // namespace
 
@@ -25,11 +32,18 @@ std::uint64_t cellCount(const glm::ivec3& grid) {
          static_cast<std::uint64_t>(grid.z);
 }
 
-Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid) {
+Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lattice& lattice) {
+  const glm::ivec3 whole = lattice.channels == 0 ? lattice.size / kBrickSide : glm::ivec3(0);
   std::uint32_t next = 0;
-  for (MortonWalk walk(grid); !walk.done(); walk.next()) {
+  for (MortonWalk walk(brickGrid(lattice.size)); !walk.done(); walk.next()) {
     const std::uint32_t cell = cells[static_cast<std::size_t>(walk.index())];
     if (!(cell & kCellSolid)) continue;
+    if (cell == kCellInside) {
+      const glm::ivec3& at = walk.cell();
+      if (at.x < whole.x && at.y < whole.y && at.z < whole.z) continue;
+      return Error{ErrorCode::kCorrupt, "a brick that is wholly inside reaches beyond the level, or is fog",
+                   walk.index()};
+    }
     if (next > kCellSlotMask)
       return Error{ErrorCode::kCorrupt, "a level has more than 2^24 bricks", walk.index()};
     if (cell != (kCellSolid | next))
@@ -48,22 +62,24 @@ Result<void> parseGrid(std::span<const std::byte> chunk, const Lattice& lattice,
                        const Pack::ChunkInfo& bricks, LevelGrid& out) {
   out.size = lattice.size;
   out.grid = brickGrid(lattice.size);
-  const std::uint64_t cells = cellCount(out.grid);
-  const std::uint64_t table_at = layout::align(cells * sizeof(std::uint32_t), 8);
+  const std::uint64_t cells = cellCount(out.grid), table_at = layout::align(cells, 8);
   if (chunk.size() < table_at || (chunk.size() - table_at) % layout::kPageEntryBytes != 0) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", 0};
   }
-  if (!out.cells.reset(cells)) return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
-  std::memcpy(out.cells.data(), chunk.data(), static_cast<std::size_t>(cells) * sizeof(std::uint32_t));
-  for (std::uint64_t i = cells * sizeof(std::uint32_t); i < table_at; ++i) {
+  const std::span<const std::byte> bytes = chunk.first(static_cast<std::size_t>(cells));
+  for (std::uint64_t i = cells; i < table_at; ++i) {
     if (chunk[static_cast<std::size_t>(i)] != std::byte{0})
       return Error{ErrorCode::kCorrupt, "a grid's padding is not zero", i};
   }
-  const Result<std::uint32_t> count = checkCells(out.cells.span(), out.grid);
-  if (!count)
-    return Error{ErrorCode::kCorrupt, count.error().detail, count.error().offset * sizeof(std::uint32_t)};
-  out.bricks = *count;
-  return parsePages(chunk, table_at, bricks, out.bricks, lattice.channels, out.pages);
+  const Result<std::uint32_t> stored = countStored(bytes);
+  if (!stored) return stored.error();
+  if (const Result<void> pages = parsePages(chunk, table_at, bricks, *stored, lattice.channels, out.pages);
+      !pages)
+    return pages;
+  if (out.pages.size() >= kMaxPages) return Error{ErrorCode::kLimit, "a level has more than 131071 pages", 0};
+  if (!out.cells.reset(cells) || !out.bricks.reset(*stored))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a grid", 0};
+  return loadCells(bytes, lattice.channels, out);
 }
 
 Result<void> parsePages(std::span<const std::byte> chunk, std::uint64_t table_at,
@@ -104,18 +120,23 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
                                 const Allocator& allocator) {
   // Checked before memory is allocated: the chunk has all cells, and no more pages than bricks or than the
   // stored bytes can hold.
-  const std::uint64_t cells = cellCount(brickGrid(lattice.size)),
-                      table_at = layout::align(cells * sizeof(std::uint32_t), 8);
-  if (chunk.raw < table_at || (chunk.raw - table_at) / layout::kPageEntryBytes >
-                                  std::min(cells, bricks.stored / layout::kLeastFrame)) {
+  const std::uint64_t cells = cellCount(brickGrid(lattice.size)), table_at = layout::align(cells, 8),
+                      least_page = lattice.channels > 0 ? layout::kLeastFrame : 1;
+  if (chunk.raw < table_at ||
+      (chunk.raw - table_at) / layout::kPageEntryBytes > std::min(cells, bricks.stored / least_page)) {
     return Error{ErrorCode::kCorrupt, "a grid's size does not match the part's size", chunk.offset};
   }
+  if (cells > limits.max_decoded_bytes / kCellMemory)
+    return Error{ErrorCode::kLimit, "a grid takes more memory than max_decoded_bytes", chunk.offset};
   Buffer<std::byte> bytes(allocator);
   if (const Result<void> read = readChunk(source, chunk, limits, bytes, allocator); !read)
     return read.error();
   LevelGrid grid(allocator);
   if (const Result<void> parsed = parseGrid(bytes.span(), lattice, bricks, grid); !parsed)
     return inFile(parsed.error(), chunk);
+  bytes = Buffer<std::byte>(allocator);  // before more is allocated
+  if (!growBoxes(grid.cells.span(), grid.grid, allocator))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a grid", chunk.offset};
   return Result<LevelGrid>(std::move(grid));
 }
 
@@ -129,60 +150,68 @@ bool isPossiblePage(const PageInfo& page) {
          (page.raw - page.count * kBrickVoxels) % sizeof(std::uint32_t) == 0;
 }
 
-std::int64_t giveRanks(std::span<std::uint8_t> codes) {
-  std::uint64_t wrong = 0;
-  std::int64_t count = 0;
+void giveRanks(std::span<std::uint8_t> codes) {
   for (std::size_t slice = 0; slice + EightCodes::kSlice <= codes.size(); slice += EightCodes::kSlice) {
     std::uint64_t rank = 0;
     for (std::size_t i = 0; i < EightCodes::kSlice; i += 8) {
       std::uint8_t* const at = codes.data() + slice + i;
       EightCodes eight(at);
       const std::uint64_t surface = eight.surfaceBytes(), voxels = eight.surfaceVoxels();
-      wrong |= eight.reservedBits() | ((eight.codes ^ kSurfaceCode * EightCodes::kOnes) & surface);
       eight.codes = (eight.codes & ~surface) | (eight.ranked(rank) & surface);
       eight.store(at);
       rank += voxels;
     }
-    count += static_cast<std::int64_t>(rank);
   }
-  return wrong == 0 ? count : -1;
 }
 
-Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out) {
-  // One block of memory for everything that decoding needs: workspace of zstd, decoded page, stored page.
-  const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
-  const std::size_t raw_bytes = static_cast<std::size_t>(layout::align(page.raw, 16));
-  const bool fog = page.channels > 0;
-  const std::size_t code_bytes = fog ? 0 : std::size_t{page.count} * kBrickVoxels;
-  const std::size_t attributes = fog ? 0 : (page.raw - code_bytes) / sizeof(std::uint32_t);
-  if (!out.scratch.reuse(workspace_bytes + raw_bytes + page.stored) || !out.codes.reuse(code_bytes) ||
-      !out.attributes.reuse(attributes) || !out.fog.reuse(fog ? page.raw : 0)) {
-    return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
-  }
-  const std::span<std::byte> workspace = out.scratch.span().first(workspace_bytes);
-  const std::span<std::byte> raw = out.scratch.span().subspan(workspace_bytes, page.raw);
-  const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes + raw_bytes, page.stored);
+namespace {
+
+// Reads the bytes of a page into `stored` and compares them with its checksum.
+Result<void> readStored(const Source& source, const PageInfo& page, std::span<std::byte> stored) {
   if (const Result<void> read = readBytes(source, page.offset, stored); !read) return read;
   if (checksum(stored) != page.checksum)
     return Error{ErrorCode::kChecksum, "a page differs from its checksum", page.offset};
-  if (!decodeFrame(stored, raw, workspace))
-    return Error{ErrorCode::kCorrupt, "a page does not decompress to its raw size", page.offset};
+  return {};
+}
 
+}  // namespace
+
+Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out) {
+  // One block of memory for everything that decoding needs: workspace of zstd, stored page.
+  const std::size_t workspace_bytes = static_cast<std::size_t>(layout::align(decodeWorkspaceBytes(), 16));
+  if (!out.scratch.reuse(workspace_bytes + page.stored) || !out.codes.reuse(0) || !out.attributes.reuse(0) ||
+      !out.shapes.reuse(0) || !out.fog.reuse(page.raw))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
+  const std::span<std::byte> stored = out.scratch.span().subspan(workspace_bytes, page.stored);
+  if (const Result<void> read = readStored(source, page, stored); !read) return read;
   out.first_slot = page.first_slot;
   out.count = page.count;
-  if (fog) {
-    std::memcpy(out.fog.data(), raw.data(), page.raw);
-    return {};
-  }
-  std::memcpy(out.codes.data(), raw.data(), code_bytes);
-  if (attributes > 0)
-    std::memcpy(out.attributes.data(), raw.data() + code_bytes, attributes * sizeof(std::uint32_t));
-  const std::int64_t surface = giveRanks(out.codes.span());
-  if (surface < 0) return Error{ErrorCode::kCorrupt, "a page holds a reserved code", page.offset};
-  if (static_cast<std::uint64_t>(surface) != attributes) {
-    return Error{ErrorCode::kCorrupt, "a page does not have one attribute for each surface voxel",
-                 page.offset};
-  }
+  if (!decodeFrame(stored, std::as_writable_bytes(out.fog.span()), out.scratch.span().first(workspace_bytes)))
+    return Error{ErrorCode::kCorrupt, "a page does not decompress to its raw size", page.offset};
+  return {};
+}
+
+Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
+                             const LevelAbove& given, std::size_t palette, PageData& out) {
+  const PageInfo& page = grid.pages[index];
+  const LevelAbove above = grid.coarsest ? LevelAbove() : given;
+  PageFrame frame;
+  if (const Result<void> made = frame.make(grid, index, above, palette); !made) return made;
+  const std::size_t code_bytes = std::size_t{page.count} * kBrickVoxels,
+                    attributes = (page.raw - code_bytes) / sizeof(std::uint32_t);
+  if (!out.scratch.reuse(page.stored) || !out.codes.reuse(code_bytes) || !out.attributes.reuse(attributes) ||
+      !out.shapes.reuse(page.count) || !out.fog.reuse(0))
+    return Error{ErrorCode::kOutOfMemory, "no memory for a page", page.offset};
+  if (const Result<void> read = readStored(source, page, out.scratch.span()); !read) return read;
+  if (const Result<void> decoded = decodeSolidPage(frame.shape, out.scratch.span(), out.workspace,
+                                                   out.codes.span(), out.attributes.span());
+      !decoded)
+    return Error{decoded.error().code, decoded.error().detail, page.offset};
+  out.first_slot = page.first_slot;
+  out.count = page.count;
+  shapesOf(out.codes.span(), out.shapes.span());
+  chooseBoxes(grid, index, above, out.shapes.span(), out.codes.span());
+  giveRanks(out.codes.span());
   return {};
 }
 
@@ -217,10 +246,10 @@ bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& bric
   return false;
 }
 
-std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes) {
+std::int64_t findBrickWithoutSurface(std::span<const std::uint8_t> codes) {
   for (std::size_t brick = 0; brick * kBrickVoxels < codes.size(); ++brick) {
     const auto voxels = codes.subspan(brick * kBrickVoxels, kBrickVoxels);
-    if (std::none_of(voxels.begin(), voxels.end(), isSolidCode)) return static_cast<std::int64_t>(brick);
+    if (std::none_of(voxels.begin(), voxels.end(), isSurfaceCode)) return static_cast<std::int64_t>(brick);
   }
   return -1;
 }

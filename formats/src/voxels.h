@@ -10,19 +10,20 @@
 
 namespace kelp {
 
-// Checks the cells of a grid: reserved bits, and slots that ascend from 0 in Morton order. Returns the
-// number of stored bricks, at least 1. The offset of an error is the index of the cell.
-Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const glm::ivec3& grid);
-
-// Number of cells of a grid.
-std::uint64_t cellCount(const glm::ivec3& grid);
-
 // What the grid of a level divides: voxels of a solid part, cubes of fog. And the channels of its pages.
 struct Lattice {
   glm::ivec3 size{0};
   int channels = 0;  // see PageInfo
 };
 Lattice latticeOf(const Part& part, int level);
+
+// Checks the cells of a grid: reserved bits, slots that ascend from 0 in Morton order, bricks that are inside
+// and reach beyond the level. Returns the number of stored bricks, at least 1. The offset of an error is the
+// index of the cell.
+Result<std::uint32_t> checkCells(std::span<const std::uint32_t> cells, const Lattice& lattice);
+
+// Number of cells of a grid.
+std::uint64_t cellCount(const glm::ivec3& grid);
 
 // Reads a decoded GRID chunk of a level whose BRCK or FOGB chunk is `bricks`. The offset of an error counts
 // from the start of the chunk.
@@ -44,13 +45,16 @@ Result<LevelGrid> readLevelGrid(const Source& source, const Pack::ChunkInfo& chu
 // Whether the page's numbers are possible. If so, its memory is bounded.
 bool isPossiblePage(const PageInfo& page);
 
-// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64. Returns the number
-// of surface voxels, or -1 if a code is reserved.
-std::int64_t giveRanks(std::span<std::uint8_t> codes);
+// Adds ranks to the codes of a page: whole bricks, where each surface voxel has code 64.
+void giveRanks(std::span<std::uint8_t> codes);
 
-// Reads a page, checks its checksum and decodes it. Its sizes, and the codes and ranks of a solid part, are
-// then right. The offset of an error is the page's.
-Result<void> decodePage(const Source& source, const PageInfo& page, PageData& out);
+// Reads a page of fog, checks its checksum and decodes it. Its size is then right. The offset of an error is
+// the page's.
+Result<void> decodeFogPage(const Source& source, const PageInfo& page, PageData& out);
+// The same for a page of voxels. Its codes, their boxes and ranks, its shapes, and which palette entries it
+// names are then right. above: is not looked at if the level is the coarsest. palette: entries.
+Result<void> decodeSolidPage(const Source& source, const LevelGrid& grid, std::size_t index,
+                             const LevelAbove& above, std::size_t palette, PageData& out);
 
 // The samples of one channel of all bricks of a page of fog.
 std::span<const std::uint8_t> fogChannel(const PageData& page, int channel);
@@ -60,8 +64,8 @@ std::int64_t findClearBrick(std::span<const std::uint8_t> fog, int channels);
 // grid. channel: its 729 samples.
 bool hasFogOutside(std::span<const std::uint8_t> channel, const glm::ivec3& brick, const glm::ivec3& samples);
 
-// Index of the first brick without a solid voxel, or -1.
-std::int64_t findBrickWithoutSolid(std::span<const std::uint8_t> codes);
+// Index of the first brick without a surface voxel, or -1.
+std::int64_t findBrickWithoutSurface(std::span<const std::uint8_t> codes);
 // Index of the first attribute whose palette index is not below `palette_size`, or -1.
 std::int64_t findWrongPaletteIndex(std::span<const std::uint32_t> attributes, std::size_t palette_size);
 // Whether a brick has a solid voxel outside a level of `size` voxels. codes: its 512 codes. brick: its place

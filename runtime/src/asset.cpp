@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -73,7 +74,10 @@ Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
   if (!makeScratch(memory)) return Error{ErrorCode::kOutOfMemory, "no memory to decode a page"};
   Scratch& decoded = *memory;
   const PageInfo& info = task.level->grid.pages[task.page];
-  if (Result<void> read = pack.readPage(info, decoded.page); !read) return read;
+  const LevelState* const coarser = find(task.level->part, task.level->level + 1);
+  LevelAbove above;
+  if (coarser) above = {&coarser->grid, coarser->shapes.span()};
+  if (Result<void> read = pack.readPage(task.level->grid, task.page, above, decoded.page); !read) return read;
   const std::uint32_t count = pageWords(info);
   auto* words = static_cast<std::uint32_t*>(
       options.allocator.allocate(options.allocator.user, count * sizeof(std::uint32_t)));
@@ -83,6 +87,9 @@ Result<void> Asset::Impl::loadPage(const Task& task, Scratch*& memory) {
     return Error{ErrorCode::kCorrupt, "codes and attributes do not match", info.offset};
   }
   PageSlot& slot = task.level->pages[task.page];
+  if (!slot.shaped && !task.level->shapes.empty())
+    std::copy(decoded.page.shapes.begin(), decoded.page.shapes.end(),
+              task.level->shapes.begin() + info.first_slot);
   slot.used.store(round.load(std::memory_order_relaxed), std::memory_order_relaxed);
   slot.words.store(words, std::memory_order_release);
   return {};
@@ -126,6 +133,7 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
   if (!done) used_bytes.fetch_sub(reserved, std::memory_order_relaxed);
   if (task.page != Task::kGrid) {
     level.pages[task.page].stage = stage;
+    level.pages[task.page].shaped |= done;
     level.pages[task.page].request.failed.store(!done, std::memory_order_relaxed);
     if (done) level.resident.fetch_add(1, std::memory_order_release);
     if (done && !level.coarsest) page_bytes += reserved;
@@ -133,6 +141,7 @@ void Asset::Impl::finish(const Task& task, std::uint64_t reserved, bool done) {
   }
   level.stage = stage;
   if (done) {
+    used_bytes.fetch_add(level.bytes() - reserved, std::memory_order_relaxed);  // it was an estimate
     noteOpen(level);
     level.ready.store(true, std::memory_order_release);
     changes.fetch_add(1, std::memory_order_relaxed);  // the next finer grid can be loaded now
@@ -211,7 +220,9 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
   }
 
   const Result<void> done =
-      task.page == Task::kGrid ? task.level->load(pack, options.allocator) : loadPage(task, memory);
+      task.page == Task::kGrid
+          ? task.level->load(pack, find(task.level->part, task.level->level + 1), options.allocator)
+          : loadPage(task, memory);
   std::lock_guard lock(mutex);
   const bool postponed = !done && done.error().code == ErrorCode::kNotYet;
   if (postponed) {

@@ -35,6 +35,27 @@ bool Asset::Impl::isAbsent(const Task& task) const {
   return task.level->stage == Stage::kResident && task.level->pages[task.page].stage == Stage::kAbsent;
 }
 
+// What is loaded for the sake of a task: itself, or a page of a coarser level that it is decoded with. None
+// if that page is not there yet, or failed; the task has then failed too.
+Asset::Impl::Task Asset::Impl::firstNeeded(const Task& task) {
+  LevelState& level = *task.level;
+  if (task.page == Task::kGrid || level.needs.first.empty()) return task;
+  LevelState& coarser = *find(level.part, level.level + 1);
+  for (const std::uint32_t page : level.needs.of(task.page)) {
+    const PageSlot& slot = coarser.pages[page];
+    if (slot.shaped) continue;
+    if (slot.stage == Stage::kFailed) {
+      PageSlot& lost = level.pages[task.page];
+      lost.stage = Stage::kFailed;
+      lost.request.failed.store(true, std::memory_order_relaxed);
+      --level.absent;
+      noteOpen(level);
+    }
+    return slot.stage == Stage::kAbsent ? firstNeeded({&coarser, page}) : Task();
+  }
+  return task;
+}
+
 // To be called after each change of the level's stage or of the number of its absent pages.
 void Asset::Impl::noteOpen(LevelState& level) {
   const bool open = level.stage == Stage::kAbsent || (level.stage == Stage::kResident && level.absent > 0);
@@ -70,7 +91,9 @@ Asset::Impl::Task Asset::Impl::firstAbsent(bool coarsest_only, std::uint64_t bel
     while (level.first_absent < count && level.pages[level.first_absent].stage != Stage::kAbsent)
       ++level.first_absent;
     for (std::uint32_t page = level.first_absent; page < count; ++page) {
-      if (level.pages[page].stage == Stage::kAbsent && bytesOf({&level, page}) < below) return {&level, page};
+      if (level.pages[page].stage != Stage::kAbsent) continue;
+      const Task task = firstNeeded({&level, page});
+      if (task.level && bytesOf(task) < below) return task;
     }
   }
   return {};
@@ -130,7 +153,10 @@ Asset::Impl::Task Asset::Impl::mostUrgent() {
   }
   while (true) {
     while (asked_next < asked_count && !isAbsent(asked[asked_next].task)) ++asked_next;
-    if (asked_next < asked_count) return asked[asked_next].task;
+    for (std::size_t i = asked_next; i < asked_count; ++i) {
+      if (!isAbsent(asked[i].task)) continue;
+      if (const Task task = firstNeeded(asked[i].task); task.level) return task;
+    }
     if (is_fresh || asked_all) return {};
     findAsked();
     is_fresh = true;
@@ -141,8 +167,10 @@ Asset::Impl::Task Asset::Impl::mostUrgent() {
 Asset::Impl::Task Asset::Impl::mostUrgentBelow(std::uint64_t below) {
   Task best;
   float most = 0;
-  visitAsked([&](const Task& task, float urgency) {
-    if (!(urgency > most) || bytesOf(task) >= below) return;
+  visitAsked([&](const Task& asked_for, float urgency) {
+    if (!(urgency > most)) return;
+    const Task task = firstNeeded(asked_for);
+    if (!task.level || bytesOf(task) >= below) return;
     most = urgency;
     best = task;
   });

@@ -98,6 +98,7 @@ struct Asset::Impl {
   void visitAsked(const Visit& visit);
   void findAsked();
   bool isAbsent(const Task& task) const;
+  Task firstNeeded(const Task& task);
   float urgencyOf(const Request& request) const;
   void noteOpen(LevelState& level);
   void setAbsent(LevelState& level, std::uint32_t page);

@@ -116,7 +116,7 @@ std::uint64_t Asset::Impl::bytesOf(const Task& task) const {
   const LevelState& level = *task.level;
   if (task.page != Task::kGrid)
     return std::uint64_t{pageWords(level.grid.pages[task.page])} * sizeof(std::uint32_t);
-  return level.bytes(pack.parts()[static_cast<std::size_t>(level.part)]);
+  return level.estimatedBytes(pack.parts()[static_cast<std::size_t>(level.part)]);
 }
 
 }  // namespace kelp::runtime

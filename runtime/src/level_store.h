@@ -33,6 +33,7 @@ struct Request {
 
 struct PageSlot {
   Stage stage = Stage::kAbsent;  // guarded by the asset's mutex
+  bool shaped = false;           // its bricks' shapes are in LevelState::shapes; guarded too
   // Null: not in memory. Changes to null only while no PageReader lives.
   std::atomic<std::uint32_t*> words{nullptr};
   std::atomic<std::uint32_t> pins{0};
@@ -54,7 +55,11 @@ struct LevelState {
   std::uint32_t first_absent = 0;  // no page before it is absent
   std::atomic<std::uint32_t> resident{0};
   LevelGrid grid;
-  PageSlot* pages = nullptr;  // grid.pages.size() of them, from the allocator
+  // What the next finer level is decoded with, one a stored brick; empty if there is none, or of fog. It is
+  // never dropped. A page's are written while it is in hand for the first time.
+  Buffer<BrickShape> shapes;
+  PagesAbove needs;           // pages of the next coarser level; empty if there is none, or of fog
+  PageSlot* pages = nullptr;  // grid.pages.size() and that of kSolidBrick, from the allocator
   VoxelLevel data;
   std::atomic<bool> ready{false};
   Request request;
@@ -63,11 +68,14 @@ struct LevelState {
   LevelState(const LevelState&) = delete;
   LevelState& operator=(const LevelState&) = delete;
 
-  // Reads the grid, converts its cells and makes the slots of the pages. The caller sets `ready`.
-  Result<void> load(const Pack& pack, const Allocator& allocator);
+  // Reads the grid and makes the slots of the pages. coarser: null if the level is the coarsest. The caller
+  // sets `ready`.
+  Result<void> load(const Pack& pack, const LevelState* coarser, const Allocator& allocator);
   void release(const Allocator& allocator);
-  // Estimates the bytes of grid and slots before they are read; without the pages.
-  std::uint64_t bytes(const Part& of) const;
+  // Estimates the bytes of grid, shapes and slots before they are read; without the pages.
+  std::uint64_t estimatedBytes(const Part& of) const;
+  // The bytes of them, once they are there.
+  std::uint64_t bytes() const;
 };
 
 }  // namespace kelp::runtime

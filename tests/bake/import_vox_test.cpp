@@ -25,22 +25,27 @@ std::map<Place, int> voxelsOf(const RawPack& pack, double voxel_size = 1) {
     const glm::ivec3 bricks = brickGrid(part.size);
     std::size_t next = 0;
     std::map<std::uint32_t, glm::ivec3> brick_of;
+    const auto placeOf = [&](const glm::ivec3& brick, int i) -> Place {
+      const glm::vec3 centre = glm::vec3(brick * kBrickSide + glm::ivec3(i & 7, i >> 3 & 7, i >> 6)) + 0.5f;
+      const glm::dvec3 object = glm::dvec3(part.to_object * glm::vec4(centre, 1)) / voxel_size;
+      return {static_cast<int>(std::floor(object.x)), static_cast<int>(std::floor(-object.z)),
+              static_cast<int>(std::floor(object.y))};
+    };
     for (int z = 0; z < bricks.z; ++z)
       for (int y = 0; y < bricks.y; ++y)
         for (int x = 0; x < bricks.x; ++x)
           if (const std::uint32_t cell =
                   level.cells[static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z))];
-              cell & kCellSolid)
+              isStoredCell(cell)) {
             brick_of[cell & kCellSlotMask] = {x, y, z};
+          } else if (cell == kCellInside) {
+            for (int i = 0; i < kBrickVoxels; ++i) out[placeOf({x, y, z}, i)] = -1;
+          }
     for (const auto& [slot, brick] : brick_of)
       for (int i = 0; i < kBrickVoxels; ++i) {
         const std::uint8_t code = level.codes[slot * std::size_t{kBrickVoxels} + static_cast<std::size_t>(i)];
         if (!isSolidCode(code)) continue;
-        const glm::vec3 centre = glm::vec3(brick * kBrickSide + glm::ivec3(i & 7, i >> 3 & 7, i >> 6)) + 0.5f;
-        const glm::dvec3 object = glm::dvec3(part.to_object * glm::vec4(centre, 1)) / voxel_size;
-        const Place at = {static_cast<int>(std::floor(object.x)), static_cast<int>(std::floor(-object.z)),
-                          static_cast<int>(std::floor(object.y))};
-        out[at] = isSurfaceCode(code) ? attributePalette(level.attributes[next++]) : -1;
+        out[placeOf(brick, i)] = isSurfaceCode(code) ? attributePalette(level.attributes[next++]) : -1;
       }
   }
   return out;

@@ -37,6 +37,7 @@ class Solid {
     const glm::ivec3 brick = voxel / 8, in = voxel - 8 * brick;
     const std::uint32_t cell =
         level_.cells[static_cast<std::size_t>(brick.x + grid_.x * (brick.y + grid_.y * brick.z))];
+    if (cell == kCellInside) return kInnerCode;
     if (!(cell & kCellSolid)) return 0;
     const std::size_t slot = cell & kCellSlotMask;
     return level_.codes[slot * kBrickVoxels + static_cast<std::size_t>(in.x + 8 * (in.y + 8 * in.z))];

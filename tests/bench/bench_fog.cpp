@@ -20,6 +20,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "kelp/formats/raw_level.h"
 #include "kelp/gl/renderer.h"
 #include "kelp/runtime/pose.h"
 #include "kelp/shaders/shaders.h"
@@ -71,16 +72,7 @@ struct Volume {
     if (part.kind != PartKind::kFog) fail("the pack's first part is not fog");
     size = part.size;
     extinction = part.fog->extinction[0];
-    RawLevel raw;
-    const LevelGrid grid = expect(pack.readGrid(0, 0), "a grid");
-    raw.cells.assign(grid.cells.begin(), grid.cells.end());
-    PageData page;
-    for (const PageInfo& info : grid.pages) {
-      if (!pack.readPage(info, page)) fail("a page cannot be read");
-      raw.density.insert(raw.density.end(), page.fog.begin(),
-                         page.fog.begin() + static_cast<std::ptrdiff_t>(page.count * kFogSamples));
-    }
-    raw.extinction = extinction;
+    RawLevel raw = expect(readRawLevel(pack, 0, 0), "a level");
     finest.size = size;
     finest.levels.push_back(std::move(raw));
     for (const std::uint8_t code : fields::fogSamplesOf(finest.levels[0], size).density)

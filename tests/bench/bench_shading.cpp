@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "canvas.h"
+#include "kelp/formats/raw_level.h"
 #include "kelp/runtime/pose.h"
 #include "light_truth.h"
 #include "support/poses.h"
@@ -34,14 +35,7 @@ T expect(Result<T> result, const char* what) {
 }
 
 fields::Occupancy voxelsOf(const Pack& pack) {
-  RawLevel raw;
-  const LevelGrid grid = expect(pack.readGrid(0, 0), "a grid");
-  raw.cells.assign(grid.cells.begin(), grid.cells.end());
-  PageData page;
-  for (const PageInfo& info : grid.pages) {
-    if (!pack.readPage(info, page)) fail("a page cannot be read");
-    raw.codes.insert(raw.codes.end(), page.codes.begin(), page.codes.end());
-  }
+  const RawLevel raw = expect(readRawLevel(pack, 0, 0), "a level");
   return fields::occupancyOf(raw, pack.parts()[0].size);
 }
 

@@ -47,11 +47,14 @@ void uploadBricks(const Item& item, ItemTextures& textures) {
   const auto bricks = static_cast<std::uint32_t>(item.level.codes.size() / kBrickVoxels);
   const std::uint32_t pages = (bricks + kPageBricks - 1) / kPageBricks;
   const auto cells = static_cast<std::uint32_t>(item.level.cells.size());
-  std::vector<std::uint32_t> words(kRow + cells + pages);
+  std::vector<std::uint32_t> words(kRow + cells + pages + 1);
+  std::copy(runtime::kSolidBrick.begin(), runtime::kSolidBrick.end(), words.begin() + 1);
+  words[kRow + cells + pages] = 1;
   for (std::uint32_t i = 0; i < cells; ++i) {
     const std::uint32_t cell = item.level.cells[i], slot = cell & kCellSlotMask;
-    words[kRow + i] =
-        cell & kCellSolid ? runtime::makeStoredCell(slot / kPageBricks, slot % kPageBricks) : cell;
+    words[kRow + i] = cell == kCellInside ? makeStoredCell(pages, 0)
+                      : cell & kCellSolid ? makeStoredCell(slot / kPageBricks, slot % kPageBricks)
+                                          : cell;
   }
   textures.pages_at = static_cast<int>(kRow + cells);
   for (std::uint32_t page = 0; page < pages; ++page) {

@@ -7,7 +7,9 @@
 #include <stdexcept>
 
 #include "kelp/bake/bake.h"
+#include "kelp/formats/raw_level.h"
 #include "support/poses.h"
+#include "support/test_pack.h"
 
 namespace kelp::bench {
 namespace {
@@ -145,11 +147,18 @@ fields::Occupancy voxelize(const ItemSource& source, const std::filesystem::path
   return {size, bake::voxelize(model, part, frame, bake::Fill::kAuto, threads, {}).grid.solid};
 }
 
+// The finest level of the volume, as a pack gives it back: with the boxes that its pages know.
+RawLevel levelOf(const fields::Occupancy& volume) {
+  const std::vector<std::byte> bytes = test::bytesOf(test::packOf(volume));
+  MemorySource memory(bytes);
+  return readRawLevel(Pack::open(memory.source()).value(), 0, 0).value();
+}
+
 Item makeItem(const ItemSource& source, const std::filesystem::path& path, int threads) {
   Item item;
   item.name = path.stem().string();
   item.volume = source.shape ? makeShape(source) : voxelize(source, path, threads);
-  item.level = fields::buildLevel(item.volume, test::plainSurface(item.volume), threads);
+  item.level = levelOf(item.volume);
   const Placement& at = source.placement;
   item.to_world =
       glm::dmat4(glm::dvec4(at.x, 0), glm::dvec4(at.y, 0), glm::dvec4(at.z, 0), glm::dvec4(at.at, 1));

@@ -7,6 +7,7 @@
 
 #include "process.h"
 #include "support/random_pack.h"
+#include "support/surface_above.h"
 #include "support/test_pack.h"
 
 namespace kelp::test {
@@ -77,10 +78,12 @@ inline RawPart rawPart(const KnownPart& known, const std::string& name) {
   part.knots = figureKnots(kFigure6[0]);
   part.levels.push_back(fields::buildLevel(known.occupancy, surface, 1));
   fields::Occupancy coarse = fields::coarser(known.occupancy);
-  std::vector<fields::SurfaceVoxel> all;
-  for (std::uint64_t i = 0; i < coarse.solid.size(); ++i)
-    if (coarse.solid[i]) all.push_back({i, makeAttribute(0, encodeNormal({0, 1, 0}))});
-  part.levels.push_back(fields::buildLevel(coarse, all, 1));
+  std::vector<std::uint64_t> indices;
+  for (const fields::SurfaceVoxel& voxel : surface) indices.push_back(voxel.index);
+  std::vector<fields::SurfaceVoxel> above;
+  for (const std::uint64_t i : surfaceAbove(indices, part.size))
+    above.push_back({i, makeAttribute(0, encodeNormal({0, 1, 0}))});
+  part.levels.push_back(fields::buildLevel(coarse, above, 1));
   return part;
 }
 

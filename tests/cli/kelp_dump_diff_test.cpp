@@ -134,7 +134,8 @@ TEST_F(Diff, OrderIsNoDifference) {
 TEST_F(Diff, VoxelsAreCounted) {
   // One ball has a hole, a dent in its colours and a turned normal that the other has not.
   KnownPart known = test::ball(test::scaled(0.01f), kColours);
-  RawPack b = ballPack();
+  RawPack a = ballPack(), b = ballPack();
+  a.parts[0].levels.resize(1);
   std::uint64_t gone = 0, coloured = 0, turned = 0;
   known.eachVoxel(0, [&](const glm::ivec3& v) {
     const std::size_t i = known.occupancy.index(v);
@@ -160,8 +161,8 @@ TEST_F(Diff, VoxelsAreCounted) {
   ASSERT_GT(coloured, 50u);
   ASSERT_GT(turned, 50u);
   const RawPart changed = test::rawPart(known, "ball");
-  b.parts[0].levels[0] = changed.levels[0];
-  const json found = diff(ballPack(), b);
+  b.parts[0].levels = {changed.levels[0]};
+  const json found = diff(a, b);
   ASSERT_EQ(found.size(), 3u) << found.dump(1);
   EXPECT_EQ(found[0]["kind"], "occupancy");
   EXPECT_EQ(found[0]["only_a"], gone);
@@ -177,40 +178,51 @@ TEST_F(Diff, VoxelsAreCounted) {
   EXPECT_LE(found[2]["count"], turned);
   EXPECT_GT(found[2]["largest"], 45.0);
   // The other way round.
-  const json back = diff(b, ballPack());
+  const json back = diff(b, a);
   EXPECT_EQ(back[0]["only_b"], gone);
   EXPECT_EQ(back[1]["count"], coloured);
 }
 
-TEST_F(Diff, AttributesAndBoxesThatOneLacks) {
+TEST_F(Diff, AttributesThatOneLacks) {
   KnownPart known = test::ball(test::scaled(0.01f), kColours);
   RawPack b = ballPack();
-  std::int64_t* attribute = nullptr;
-  glm::ivec3 where(0);
+  const auto attributeAt = [&](const glm::ivec3& v) -> std::int64_t& {
+    return known.attribute[known.occupancy.index(v)];
+  };
+  std::optional<glm::ivec3>
+      where;  // an inner voxel beside a surface voxel, so that the coarser one is surface
   known.eachVoxel(0, [&](const glm::ivec3& v) {
-    if (v.y == 25 && known.attribute[known.occupancy.index(v)] >= 0)
-      attribute = &known.attribute[known.occupancy.index(v)], where = v;
+    if (!where && v.x % 2 == 0 && known.occupancy.solid[known.occupancy.index(v)] && attributeAt(v) < 0 &&
+        attributeAt(v + glm::ivec3(1, 0, 0)) >= 0)
+      where = v;
   });
-  *attribute = -1;
+  ASSERT_TRUE(where);
+  attributeAt(*where) = makeAttribute(1, 0);
   b.parts[0].levels[0] = test::rawPart(known, "ball").levels[0];
-  json one = only(b, "surface");
-  EXPECT_EQ(one["only_a"], 1);
-  EXPECT_EQ(one["only_b"], 0);
-  EXPECT_EQ(one["first"], json({where.x, where.y, where.z}));
+  const json one = only(b, "surface");
+  EXPECT_EQ(one["only_a"], 0);
+  EXPECT_EQ(one["only_b"], 1);
+  EXPECT_EQ(one["first"], json({where->x, where->y, where->z}));
+}
 
-  b = ballPack();
-  std::uint8_t& empty = *std::find_if(b.parts[1].levels[1].codes.begin(), b.parts[1].levels[1].codes.end(),
-                                      [](std::uint8_t code) { return code > 0 && !isSolidCode(code); });
-  empty = 0;
-  one = only(b, "empty_boxes");
-  EXPECT_EQ(one["count"], 1);
-  EXPECT_EQ(one["level"], 1);
-  EXPECT_EQ(one["name"], "twin");
-  b = ballPack();
-  std::uint32_t& cell = *std::find_if(b.parts[0].levels[0].cells.begin(), b.parts[0].levels[0].cells.end(),
-                                      [](std::uint32_t c) { return !(c & kCellSolid); });
-  cell &= 0xffffffu;
-  EXPECT_EQ(only(b, "empty_boxes")["count"], 1);
+// A block with a hole in its middle, as large as a brick that is inside.
+TEST_F(Diff, BricksThatAreInside) {
+  const auto blockPack = [](bool hollow) {
+    fields::Occupancy block{glm::ivec3(40), std::vector<std::uint8_t>(40 * 40 * 40, 1)};
+    for (int i = 0; hollow && i < 512; ++i)
+      block.solid[block.index(glm::ivec3(16 + i % 8, 16 + i / 8 % 8, 16 + i / 64))] = 0;
+    RawPack pack = test::packOf(block);
+    pack.parts[0].levels.resize(1);
+    return pack;
+  };
+  const json found = diff(blockPack(false), blockPack(true));
+  ASSERT_GE(found.size(), 2u) << found.dump(1);
+  EXPECT_EQ(found[0]["kind"], "occupancy");
+  EXPECT_EQ(found[0]["only_a"], 512);
+  EXPECT_EQ(found[0]["only_b"], 0);
+  EXPECT_EQ(found[0]["first"], json({16, 16, 16}));
+  EXPECT_EQ(found[1]["kind"], "surface");
+  EXPECT_EQ(found[1]["only_b"], 10 * 10 * 10 - 8 * 8 * 8);
 }
 
 TEST_F(Diff, WhatPartsAndClipsSay) {

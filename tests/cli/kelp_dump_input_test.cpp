@@ -257,17 +257,15 @@ std::optional<std::uint64_t> bytesRead() {
 }
 
 TEST_F(Input, InfoReadsAtMost64KiBOfALargePack) {
-  // 512 x 512 x 512 voxels in 8 levels; the bricks are noise, which makes the file large.
+  // 256 x 256 x 256 voxels in 7 levels; the bricks are noise, which makes the file large.
   RawPack pack;
   pack.info_json = R"({"tool": "a test"})";
   pack.palette = test::paletteOf(256);
   RawPart& part = pack.parts.emplace_back();
   part.name = "large";
-  part.size = glm::ivec3(512);
+  part.size = glm::ivec3(256);
   part.knots = test::figureKnots(test::kFigure6[0]);
-  test::RandomPack random(1);
-  for (int level = 0; level < 8; ++level)
-    part.levels.push_back(random.makeLevel(levelSize(part.size, level), 256, 0.02f));
+  part.levels = test::RandomPack(1).makeLevels(part.size, 7, 256, 0.3f);
   const std::string path =
       folder_.write("large.kelp", std::span<const std::byte>(test::writeToMemory(pack, 2)));
   ASSERT_GT(std::filesystem::file_size(path), 4u << 20);
@@ -310,7 +308,8 @@ TEST_F(Input, WhatDoesNotFitIntoMemoryIsAFailureAtRunTime) {
                      static_cast<std::size_t>(grid.z));
   level.cells[0] = kCellSolid;
   level.codes.assign(kBrickVoxels, 0);
-  level.codes[0] = kInnerCode;
+  level.codes[0] = kSurfaceCode;
+  level.attributes = {0};
   const std::string path = folder_.write("vast.kelp", std::span<const std::byte>(test::writeToMemory(pack)));
   EXPECT_LT(std::filesystem::file_size(path), 100000u);
   const ProcessResult result = test::dump({"slice", path, "-o", "-", "--what", "clearance"});

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -16,6 +15,7 @@
 #include "process.h"
 #include "support/json_schema.h"
 #include "support/random_pack.h"
+#include "support/surface_above.h"
 
 namespace kelp {
 namespace {
@@ -70,14 +70,7 @@ std::vector<Level> levelsOf(const fields::Occupancy& volume, int count) {
   while (static_cast<int>(levels.size()) < count) {
     const Level& finer = levels.back();
     Level next{fields::coarser(finer.occupancy), {}};
-    std::set<std::uint64_t> above;
-    for (const std::uint64_t i : finer.surface) {
-      const auto sx = static_cast<std::uint64_t>(finer.occupancy.size.x),
-                 sy = static_cast<std::uint64_t>(finer.occupancy.size.y);
-      above.insert(next.occupancy.index({static_cast<int>(i % sx) / 2, static_cast<int>(i / sx % sy) / 2,
-                                         static_cast<int>(i / sx / sy) / 2}));
-    }
-    next.surface.assign(above.begin(), above.end());
+    next.surface = test::surfaceAbove(finer.surface, finer.occupancy.size);
     levels.push_back(next);
   }
   return levels;
@@ -267,172 +260,106 @@ TEST_F(KelpDump, VerifyAcceptsSoundPacks) {
   EXPECT_EQ(report["levels"], 6);
   const ProcessResult text = dump({"verify", path(), "--deep"});
   EXPECT_EQ(text.exit, 0);
-  EXPECT_NE(text.out.find("blob.kelp: sound (2 parts, 6 levels, empty boxes and levels recomputed)"),
+  EXPECT_NE(text.out.find("blob.kelp: sound (2 parts, 6 levels, clearances and levels recomputed)"),
             std::string::npos)
       << text.out;
 }
 
 TEST_F(KelpDump, RandomPacksAreWellFormedButNotTrue) {
-  // The boxes that they promise are random numbers: structure holds, the deep check does not.
+  // The clearances that they promise are random numbers: structure holds, the deep check does not.
   writePack(test::makeRandomPack(3));
   verify(false, 0);
   EXPECT_GT(verify(true, 3)["errors"], 3);
   for (const char* command : {"info", "rig"}) EXPECT_EQ(dump({command, path()}).exit, 0);
 }
 
-// The voxel that an index into the codes means.
-glm::ivec3 voxelOfCode(const RawLevel& level, const glm::ivec3& size, std::size_t index) {
-  const glm::ivec3 grid = brickGrid(size);
-  const auto cell = static_cast<int>(std::find(level.cells.begin(), level.cells.end(),
-                                               kCellSolid | static_cast<std::uint32_t>(index / 512)) -
-                                     level.cells.begin());
-  const auto i = static_cast<int>(index % 512);
-  return 8 * glm::ivec3(cell % grid.x, cell / grid.x % grid.y, cell / grid.x / grid.y) +
-         glm::ivec3(i % 8, i / 8 % 8, i / 64);
-}
-
-bool anySolid(const fields::Occupancy& volume, const glm::ivec3& voxel, const glm::ivec3& reach) {
-  for (int z = 0; z < volume.size.z; ++z) {
-    for (int y = 0; y < volume.size.y; ++y) {
-      for (int x = 0; x < volume.size.x; ++x) {
-        if (std::abs(x - voxel.x) <= reach.x && std::abs(y - voxel.y) <= reach.y &&
-            std::abs(z - voxel.z) <= reach.z && volume.solid[volume.index({x, y, z})])
-          return true;
-      }
-    }
-  }
-  return false;
-}
-
-TEST_F(KelpDump, DeepFindsACodeThatPromisesAVoxelTooMuch) {
-  RawPack pack = packOf(levelsOf(blob(), 3));
-  auto& codes = pack.parts[1].levels[1].codes;
-  // One step longer along x: if that box were empty, it would be the better one.
-  const auto empty = std::find_if(codes.begin(), codes.end(),
-                                  [](std::uint8_t code) { return code == (1 | 1 << 2 | 2 << 4); });
-  ASSERT_NE(empty, codes.end());
-  ++*empty;
-  const json issue = onlyDeepFinds(pack, {500});
-  EXPECT_EQ(issue["part"], 1);
-  EXPECT_EQ(issue["part_name"], "twin");
-  EXPECT_EQ(issue["level"], 1);
-  EXPECT_EQ(issue["count"], 1);
-  const glm::ivec3 voxel =
-      voxelOfCode(pack.parts[1].levels[1], {23, 31, 19}, static_cast<std::size_t>(empty - codes.begin()));
-  EXPECT_EQ(issue["voxel"], json({voxel.x, voxel.y, voxel.z}));
-  EXPECT_EQ(issue["detail"], "box of 3 x 1 x 3 stored, 1 x 1 x 3 is right");
-  EXPECT_NE(issue["message"].get<std::string>().find("skip"), std::string::npos);
-  const ProcessResult text = dump({"verify", path(), "--deep"});
-  EXPECT_EQ(text.out.find(path() + ": error 500: part 1 'twin', level 1, brick ("), 0u) << text.out;
-  EXPECT_NE(text.out.find("box of 3 x 1 x 3 stored, 1 x 1 x 3 is right. A cell or code promises"),
-            std::string::npos)
-      << text.out;
-  EXPECT_NE(text.out.find("1 error"), std::string::npos) << text.out;
-}
-
-// Neither the number nor the volume of a box says whether it is true: only what is in it does.
-TEST_F(KelpDump, DeepLooksIntoTheBoxesThatDiffer) {
-  const fields::Occupancy volume = blob();
-  RawPack pack = packOf(levelsOf(volume, 1));
-  RawLevel& level = pack.parts[0].levels[0];
-  int untrue = 0, lesser = 0;
-  for (std::size_t i = 0; i < level.codes.size(); i += 97) {
-    const std::uint8_t right = level.codes[i];
-    if (isSolidCode(right)) continue;
-    level.codes[i] = static_cast<std::uint8_t>((right + 1 + i % 63) % 64);
-    ++(anySolid(volume, voxelOfCode(level, volume.size, i), codeReach(level.codes[i])) ? untrue : lesser);
-  }
-  ASSERT_GT(std::min(untrue, lesser), 20);
-  writePack(pack);
-  const json report = verify(true, 3);
-  ASSERT_EQ(report["issues"].size(), 2u);
-  EXPECT_EQ(report["issues"][0]["id"], 500);
-  EXPECT_EQ(report["issues"][0]["count"], untrue);
-  EXPECT_EQ(report["issues"][1]["id"], 501);
-  EXPECT_EQ(report["issues"][1]["count"], lesser);
-}
-
-TEST_F(KelpDump, DeepFindsCellsThatAreOneOff) {
+// One voxel more would be kept if it could be; one less is true but not the best.
+TEST_F(KelpDump, DeepFindsClearancesThatAreOneOff) {
   const auto levels = levelsOf(blob(), 3);
-  // A reach of one brick more would be kept if it could be; one less is true but not the best. The same for
-  // the clearance.
-  const auto within = [](std::uint32_t field, std::uint32_t most) { return field > 0 && field < most; };
-  for (int field = 0; field <= 6; ++field) {
-    for (const int change : {1, -1}) {
-      RawPack pack = packOf(levels);
-      auto& cells = pack.parts[0].levels[0].cells;
-      const auto empty = std::find_if(cells.begin(), cells.end(), [&](std::uint32_t cell) {
-        return !(cell & kCellSolid) &&
-               (field < 6 ? within(cell >> (4 * field) & 15, 15) : within(cell >> 24, 127));
-      });
-      ASSERT_NE(empty, cells.end());
-      const std::uint32_t right = *empty;
-      *empty += static_cast<std::uint32_t>(change) << (4 * field);
-      const json issue = onlyDeepFinds(pack, {change > 0 ? 500 : 501});
-      const auto index = static_cast<int>(empty - cells.begin());
-      const glm::ivec3 grid = brickGrid({45, 62, 38});
-      EXPECT_EQ(issue["brick"], json({index % grid.x, index / grid.x % grid.y, index / grid.x / grid.y}));
-      EXPECT_FALSE(issue.contains("voxel"));
-      const auto text = [](std::uint32_t cell) {
-        std::string words;
-        for (int side = 0; side < 6; ++side)
-          words += (side == 0 ? "" : side % 2 ? "+" : " x ") + std::to_string(cell >> (4 * side) & 15);
-        return words + " bricks and clearance " + std::to_string(cell >> 24);
-      };
-      EXPECT_EQ(issue["detail"], "box of " + text(*empty) + " stored, " + text(right) + " are right");
-    }
+  for (const int change : {1, -1}) {
+    RawPack pack = packOf(levels);
+    auto& cells = pack.parts[1].levels[0].cells;
+    const auto empty = std::find_if(cells.begin(), cells.end(), [&](std::uint32_t cell) {
+      return !(cell & kCellSolid) && cellClearance(cell) > 0 && cellClearance(cell) < 127;
+    });
+    ASSERT_NE(empty, cells.end());
+    const int right = cellClearance(*empty);
+    *empty += static_cast<std::uint32_t>(change) << kCellClearanceShift;
+    const json issue = onlyDeepFinds(pack, {change > 0 ? 500 : 501});
+    const auto index = static_cast<int>(empty - cells.begin());
+    const glm::ivec3 grid = brickGrid({45, 62, 38});
+    EXPECT_EQ(issue["brick"], json({index % grid.x, index / grid.x % grid.y, index / grid.x / grid.y}));
+    EXPECT_FALSE(issue.contains("voxel"));
+    EXPECT_EQ(issue["part"], 1);
+    EXPECT_EQ(issue["part_name"], "twin");
+    EXPECT_EQ(issue["level"], 0);
+    EXPECT_EQ(issue["count"], 1);
+    const std::string detail =
+        "clearance of " + std::to_string(right + change) + " stored, " + std::to_string(right) + " is right";
+    EXPECT_EQ(issue["detail"], detail);
+    const ProcessResult text = dump({"verify", path(), "--deep"});
+    EXPECT_EQ(text.out.find(path() + (change > 0 ? ": error 500" : ": error 501") +
+                            ": part 1 'twin', level 0, brick ("),
+              0u)
+        << text.out;
+    EXPECT_NE(text.out.find(detail + ". A cell promises"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("1 error"), std::string::npos) << text.out;
   }
 }
 
-// The first solid voxel of a level for which `wanted` holds.
-std::size_t findVoxel(const Level& level, const std::function<bool(std::size_t, bool surface)>& wanted) {
-  for (std::size_t i = 0; i < level.occupancy.solid.size(); ++i) {
-    if (level.occupancy.solid[i] &&
-        wanted(i, std::binary_search(level.surface.begin(), level.surface.end(), i)))
-      return i;
-  }
-  ADD_FAILURE() << "no such voxel";
-  return 0;
-}
-
-TEST_F(KelpDump, DeepFindsALevelThatLacksAVoxel) {
-  auto levels = levelsOf(blob(), 2);
-  const std::size_t voxel = findVoxel(levels[1], [](std::size_t, bool surface) { return surface; });
-  levels[1].occupancy.solid[voxel] = 0;
-  levels[1].surface.erase(std::find(levels[1].surface.begin(), levels[1].surface.end(), voxel));
-  const json issue = onlyDeepFinds(packOf(levels), {502});
-  const glm::ivec3 size = levels[1].occupancy.size;
-  const auto i = static_cast<int>(voxel);
-  EXPECT_EQ(issue["voxel"], json({i % size.x, i / size.x % size.y, i / size.x / size.y}));
+// A full block has bricks that are inside, 27 of them in the finest level and one in the next.
+TEST_F(KelpDump, DeepFindsBricksThatAreInsideOfOneLevelAlone) {
+  const fields::Occupancy block{glm::ivec3(40), std::vector<std::uint8_t>(40 * 40 * 40, 1)};
+  const RawPack sound = packOf(levelsOf(block, 2));
+  ASSERT_EQ(
+      std::count(sound.parts[0].levels[0].cells.begin(), sound.parts[0].levels[0].cells.end(), kCellInside),
+      27);
+  ASSERT_EQ(sound.parts[0].levels[1].cells[13], kCellInside);
+  writePack(sound);
+  verify(true, 0);
+  const auto found = [&](const RawPack& pack, int id) {
+    writePack(pack);
+    verify(false, 0);
+    const json issues = verify(true, 3)["issues"];
+    for (const json& issue : issues)
+      if (issue["id"] == id) return issue;
+    ADD_FAILURE() << issues.dump(1);
+    return json();
+  };
+  RawPack pack = sound;
+  pack.parts[0].levels[1].cells[13] = 0;  // empty
+  json issue = found(pack, 502);
   EXPECT_EQ(issue["level"], 1);
+  EXPECT_EQ(issue["count"], 512);
+  EXPECT_EQ(issue["voxel"], json({8, 8, 8}));
+  pack = sound;
+  for (int i = 0; i < 8; ++i)  // the eight below it
+    pack.parts[0]
+        .levels[0]
+        .cells[static_cast<std::size_t>(2 + i % 2 + 5 * (2 + i / 2 % 2) + 25 * (2 + i / 4))] = 0;
+  issue = found(pack, 503);
+  EXPECT_EQ(issue["level"], 1);
+  EXPECT_EQ(issue["count"], 512);
+  issue = found(pack, 504);  // what is around the hole has become surface
+  EXPECT_EQ(issue["level"], 0);
 }
 
-TEST_F(KelpDump, DeepFindsALevelWithOneVoxelTooMany) {
+TEST_F(KelpDump, DeepFindsASurfaceVoxelThatIsNone) {
   auto levels = levelsOf(blob(), 2);
-  auto& solid = levels[1].occupancy.solid;
-  solid[static_cast<std::size_t>(std::find(solid.begin(), solid.end(), 0) - solid.begin())] = 1;
-  EXPECT_EQ(onlyDeepFinds(packOf(levels), {503})["voxel"], json({0, 0, 0}));
-}
-
-TEST_F(KelpDump, DeepFindsWrongSurfaces) {
-  for (const std::size_t level : {0u, 1u}) {
-    const auto levels = levelsOf(blob(), 2);
-    auto lacking = levels;
-    lacking[level].surface.erase(lacking[level].surface.begin() + 5);
-    writePack(packOf(lacking));
-    const json report = verify(true, 3);
-    EXPECT_EQ(report["issues"][0]["id"], 504);
-    EXPECT_EQ(report["issues"][0]["level"], level);
-
-    auto extra = levels;
-    const std::size_t inner = findVoxel(extra[level], [](std::size_t, bool surface) { return !surface; });
-    extra[level].surface.insert(
-        std::lower_bound(extra[level].surface.begin(), extra[level].surface.end(), inner), inner);
-    writePack(packOf(extra));
-    const json second = verify(true, 3);
-    EXPECT_EQ(second["issues"][0]["id"], 505);
-    EXPECT_EQ(second["issues"][0]["level"], level);
-  }
+  Level& finest = levels[0];
+  const glm::ivec3 size = finest.occupancy.size;
+  std::size_t inner = 0;  // beside surface: the coarser level knows of no other
+  while (!finest.occupancy.solid[inner] ||
+         std::binary_search(finest.surface.begin(), finest.surface.end(), inner) ||
+         !std::binary_search(levels[1].surface.begin(), levels[1].surface.end(),
+                             denseIndex(levelSize(size, 1), voxelAt(size, inner) / 2)))
+    ASSERT_LT(++inner, finest.occupancy.solid.size());
+  finest.surface.insert(std::lower_bound(finest.surface.begin(), finest.surface.end(), inner), inner);
+  const json issue = onlyDeepFinds(packOf(levels), {505});
+  EXPECT_EQ(issue["level"], 0);
+  EXPECT_EQ(issue["count"], 1);
+  const glm::ivec3 voxel = voxelAt(size, inner);
+  EXPECT_EQ(issue["voxel"], json({voxel.x, voxel.y, voxel.z}));
 }
 
 TEST_F(KelpDump, VerifySaysWhichKnotFolds) {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "kelp/formats/fog.h"
-#include "kelp/formats/pack.h"
+#include "kelp/formats/raw_level.h"
 #include "kelp/formats/raw_pack.h"
 #include "process.h"
 #include "support/assets.h"
@@ -19,21 +19,7 @@ Pack openPack(const std::filesystem::path& path) {
   return Pack::open(FileSource::open(path.c_str()).value().source()).value();
 }
 
-RawLevel readLevel(const Pack& pack, int part, int level) {
-  RawLevel out;
-  const Result<LevelGrid> grid = pack.readGrid(part, level);
-  out.cells.assign(grid->cells.begin(), grid->cells.end());
-  PageData page;
-  for (const PageInfo& info : grid->pages) {
-    EXPECT_TRUE(pack.readPage(info, page));
-    out.codes.insert(out.codes.end(), page.codes.begin(), page.codes.end());
-    out.attributes.insert(out.attributes.end(), page.attributes.begin(), page.attributes.end());
-    const std::size_t samples = page.fog.empty() ? 0 : std::size_t{page.count} * kFogSamples;
-    out.density.insert(out.density.end(), page.fog.begin(), page.fog.begin() + samples);
-    out.heat.insert(out.heat.end(), page.fog.begin() + samples, page.fog.end());
-  }
-  return out;
-}
+RawLevel readLevel(const Pack& pack, int part, int level) { return readRawLevel(pack, part, level).value(); }
 
 bool sameMaterial(const Material& a, const Material& b) {
   return a.base_color == b.base_color && a.emissive == b.emissive && a.metallic == b.metallic &&

@@ -3,7 +3,7 @@
 #include <limits>
 #include <memory>
 
-#include "kelp/formats/pack.h"
+#include "kelp/formats/raw_level.h"
 #include "proxy_files.h"
 #include "support/all_tests.h"
 #include "support/assets.h"
@@ -60,22 +60,18 @@ struct Voxels {
 Voxels readVoxels(const std::string& path) {
   const Pack pack = Pack::open(FileSource::open(path.c_str()).value().source()).value();
   const Part& part = pack.parts()[0];
-  const LevelGrid grid = pack.readGrid(0, 0).value();
-  std::vector<std::uint8_t> codes;
-  for (const PageInfo& info : grid.pages) {
-    PageData page;
-    EXPECT_TRUE(pack.readPage(info, page));
-    codes.insert(codes.end(), page.codes.begin(), page.codes.end());
-  }
+  const RawLevel level = readRawLevel(pack, 0, 0).value();
   Voxels voxels{Cells<std::uint8_t>(part.size), part.to_object};
   const ivec3 bricks = (part.size + kBrickSide - 1) / kBrickSide;
   voxels.solid.each(ivec3(0), part.size - 1, [&](const ivec3& v) {
     const ivec3 brick = v / kBrickSide;
     const std::uint32_t cell =
-        grid.cells[static_cast<std::size_t>(brick.x + bricks.x * (brick.y + bricks.y * brick.z))];
-    if (cell & kCellSolid)
-      voxels.solid.at(v) = isSolidCode(
-          codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels + static_cast<std::size_t>(codeIndex(v))]);
+        level.cells[static_cast<std::size_t>(brick.x + bricks.x * (brick.y + bricks.y * brick.z))];
+    if (cell == kCellInside)
+      voxels.solid.at(v) = true;
+    else if (cell & kCellSolid)
+      voxels.solid.at(v) = isSolidCode(level.codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels +
+                                                   static_cast<std::size_t>(codeIndex(v))]);
   });
   return voxels;
 }

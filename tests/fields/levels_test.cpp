@@ -14,6 +14,7 @@
 #include "peak_allocated.h"
 #include "reference_fields.h"
 #include "support/all_tests.h"
+#include "support/boxed_level.h"
 #include "volumes.h"
 
 namespace kelp::test {
@@ -268,7 +269,7 @@ TEST(BuildLevel, HoldsWhatBrickHSays) {
     const fields::Occupancy& occupancy = volumes[i].occupancy;
     if (!anySolid(occupancy)) continue;
     const auto surface = numberedSurface(occupancy);
-    checkLevel(fields::buildLevel(occupancy, surface, 2), occupancy, surface);
+    checkLevel(test::boxedLevel(occupancy, surface, 2), occupancy, surface);
     if (HasFatalFailure()) FAIL() << volumes[i].name;
     ++checked;
   }
@@ -287,7 +288,7 @@ TEST(BuildLevel, HoldsWhatBrickHSaysOverManyBricks) {
   for (const double density : {0.0003, 0.003, 0.03}) {
     const auto volume = randomVolume({37, 41, 29}, density, 21);
     const auto surface = numberedSurface(volume);
-    checkLevel(fields::buildLevel(volume, surface, 3), volume, surface);
+    checkLevel(test::boxedLevel(volume, surface, 3), volume, surface);
     if (HasFatalFailure()) FAIL() << "density " << density;
   }
 }
@@ -304,7 +305,7 @@ TEST(BuildLevel, HoldsWhatBrickHSaysWhereBoxesAreLong) {
   const fields::Occupancy volumes[] = {far, amid};
   for (const fields::Occupancy& volume : std::span(volumes).first(shareOf(2))) {
     const auto surface = numberedSurface(volume);
-    const RawLevel level = fields::buildLevel(volume, surface, 2);
+    const RawLevel level = test::boxedLevel(volume, surface, 2);
     checkLevel(level, volume, surface);
     if (HasFatalFailure()) return;
     EXPECT_NE(std::find(level.cells.begin(), level.cells.end(), 0x7fffffffu), level.cells.end());
@@ -318,8 +319,8 @@ TEST(BuildLevel, TakesAnySubsetOfTheSolidVoxelsAsSurface) {
   for (std::size_t i = 0; i < volume.solid.size(); ++i) {
     if (volume.solid[i] && i % 3 == 0) surface.push_back({i, static_cast<std::uint32_t>(7 * i)});
   }
-  checkLevel(fields::buildLevel(volume, surface, 1), volume, surface);
-  checkLevel(fields::buildLevel(volume, {}, 1), volume, {});
+  checkLevel(test::boxedLevel(volume, surface, 1), volume, surface);
+  checkLevel(test::boxedLevel(volume, {}, 1), volume, {});
 }
 
 TEST(BuildLevel, IsTheSameForAnyNumberOfThreads) {

@@ -93,6 +93,27 @@ TEST(Normal, EncodeFindsTheNearestOfAWideNeighbourhood) {
   }
 }
 
+TEST(Normal, WithLowBitsOfOnesIsTheNearestOfAll) {
+  std::mt19937 random(3);
+  for (const int ones : {1, 3, 5, 8}) {
+    for (int i = 0; i < 40; ++i) {
+      Vector d = randomDirection(random);
+      if (i % 3 == 0) d[i % 9 / 3] *= 1e-4;  // near the folds and the axes
+      const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      for (double& c : d) c /= length;
+      const std::uint32_t code = encodeNormal(glm::vec3(d[0], d[1], d[2]), ones);
+      const std::uint32_t low = (1u << ones) - 1;
+      EXPECT_EQ(code & low, low);
+      EXPECT_EQ(code >> 12 & low, low);
+      const auto chord = [&](const Vector& v) { return std::hypot(v[0] - d[0], v[1] - d[1], v[2] - d[2]); };
+      const double found = chord(decodeAsSpecified(code & 0xfff, code >> 12));
+      for (std::uint32_t v = low; v < 4096; v += low + 1)
+        for (std::uint32_t u = low; u < 4096; u += low + 1)
+          ASSERT_LE(found, chord(decodeAsSpecified(static_cast<int>(u), static_cast<int>(v))) + 1e-7) << ones;
+    }
+  }
+}
+
 TEST(Normal, DecodeFollowsTheSpecificationForEveryValue) {
   for (std::uint32_t bits = 0; bits < (1u << 24); bits += 97) {
     const Vector expected = decodeAsSpecified(bits & 0xfff, bits >> 12);

@@ -150,7 +150,7 @@ TEST(Distance, ArriveAsTheyWereWritten) {
   pack.parts[0].levels[0].cells.assign(8 * 8 * 4, 0);
   pack.parts[0].levels[0].cells[0] = kCellSolid;
   pack.parts[0].levels[0].codes.resize(kBrickVoxels);
-  pack.parts[0].levels[0].attributes.resize(1);
+  pack.parts[0].levels[0].attributes.resize(26);  // those of the tiny cube
   pack.parts[0].distances = test::bruteDistancesOf({64, 64, 32}, 1, [&](const glm::ivec3& v) {
     return bool{solid[static_cast<std::size_t>(v.x + 64 * (v.y + 64 * v.z))]};
   });

@@ -167,13 +167,9 @@ const Lie kTableLies[] = {
 // Smoke 1 has two cells and one page of two bricks; its raw size is at 8 + 12, its number of bricks at 8
 // + 28.
 const Lie kLevelLies[] = {
-    {"slots the other way round", kCorrupt,
-     [](PackSurgeon& s) {
-       set(s.content("GRID"), 0, 0x80000001u);
-       set(s.content("GRID"), 4, 0x80000000u);
-     }},
-    {"a brick fewer", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 4, 0u); }},
-    {"a brick's reserved bits", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 0, 0x81000000u); }},
+    {"a brick fewer", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[1] = std::byte{0}; }},
+    {"a brick inside", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[1] = std::byte{129}; }},
+    {"a cell's byte is 130", kCorrupt, [](PackSurgeon& s) { s.content("GRID")[0] = std::byte{130}; }},
     {"a grid over voxels instead of cubes", kCorrupt,
      [](PackSurgeon& s) { set(s.content("PART"), 8 + 120 + 12, 36u); }},
     {"page of a brick fewer", kCorrupt, [](PackSurgeon& s) { set(s.content("GRID"), 36, 1u); }},
@@ -293,16 +289,16 @@ TEST(FogHostile, VerifyNamesWhatIsWrong) {
       {IssueId::kMetadata, -1, -1, [](PackSurgeon& s) { set(s.content("FOGS"), 16, 1.0f); }},
       {IssueId::kGrid, 1, 1, [](PackSurgeon& s) { set(s.content("GRID"), 20, 512u); }},
       {IssueId::kPage, 1, 1, [](PackSurgeon& s) { set(s.content("GRID"), 24, std::uint64_t{1}); }},
-      {IssueId::kBrickWithoutSolid, 1, 1,
+      {IssueId::kClearBrick, 1, 1,
        [](PackSurgeon& s) { s.editPage([](Bytes& p) { std::fill_n(p.begin(), 729, std::byte{0}); }); }},
       // 13 x 6 x 5 samples: the first brick has room in x, the second for 5.
-      {IssueId::kOutsideVolume, 1, 1,
+      {IssueId::kFogOutside, 1, 1,
        [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[9 * 6] = std::byte{1}; }); }},
-      {IssueId::kOutsideVolume, 1, 1,
+      {IssueId::kFogOutside, 1, 1,
        [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[81 * 5] = std::byte{1}; }); }},
-      {IssueId::kOutsideVolume, 1, 1,
+      {IssueId::kFogOutside, 1, 1,
        [](PackSurgeon& s) { s.editPage([](Bytes& p) { p[729 + 5] = std::byte{1}; }); }},
-      {IssueId::kOutsideVolume, 2, 0,
+      {IssueId::kFogOutside, 2, 0,
        [](PackSurgeon& s) { s.editPage(flameGrid(s), [](Bytes& p) { p[729 + 1] = std::byte{1}; }); }},
   };
   for (const Case& c : cases) {

@@ -257,9 +257,9 @@ TEST(Hostile, ReadingPageAfterPageAllocatesNothing) {
   ASSERT_GT(grid->pages.size(), 5u);
   test::ShortMemory counter;
   PageData page(counter.allocator());
-  for (const PageInfo& info : grid->pages) ASSERT_TRUE(pack->readPage(info, page));
+  for (std::size_t i = 0; i < grid->pages.size(); ++i) ASSERT_TRUE(pack->readPage(*grid, i, {}, page));
   const std::size_t first_round = counter.requests;
-  for (const PageInfo& info : grid->pages) ASSERT_TRUE(pack->readPage(info, page));
+  for (std::size_t i = 0; i < grid->pages.size(); ++i) ASSERT_TRUE(pack->readPage(*grid, i, {}, page));
   EXPECT_EQ(counter.requests, first_round);
 }
 

@@ -95,8 +95,8 @@ struct PackSurgeon {
   }
   Bytes& content(std::string_view name) { return chunks[find(name)].content; }
 
-  // Decodes the only page of the first level, lets `edit` change it, and states its new size and checksum in
-  // the page table.
+  // Lets `edit` change the only page of the first level, below zstd if it is a frame, and states its new size
+  // and checksum in the page table.
   template <class Edit>
   void editPage(Edit edit) {
     editPage(find("GRID"), edit);
@@ -108,11 +108,15 @@ struct PackSurgeon {
     Bytes& bricks = chunks[grid + 1].content;
     const std::size_t at = table.size() - 32;
     ASSERT_EQ(get<std::uint32_t>(table, at + 8), bricks.size()) << "more than one page";
-    Bytes page = zstdDecode(bricks.data(), bricks.size());
-    edit(page);
-    bricks = zstdFrame(page);
+    if (isFrame(bricks)) {
+      Bytes page = zstdDecode(bricks.data(), bricks.size());
+      edit(page);
+      bricks = zstdFrame(page);
+      set(table, at + 12, static_cast<std::uint32_t>(page.size()));
+    } else {
+      edit(bricks);
+    }
     set(table, at + 8, static_cast<std::uint32_t>(bricks.size()));
-    set(table, at + 12, static_cast<std::uint32_t>(page.size()));
     set(table, at + 16, static_cast<std::uint64_t>(XXH3_64bits(bricks.data(), bricks.size())));
   }
 

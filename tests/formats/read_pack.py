@@ -20,16 +20,8 @@ import sys
 import zlib
 
 from arcs import Folds, Sweep
+from read_page import Page, Refused, need
 from xxh3 import xxh3_64
-
-
-class Refused(Exception):
-    """The pack breaks the specification; the text says where and how."""
-
-
-def need(condition, why):
-    if not condition:
-        raise Refused(why)
 
 
 class Zstd:
@@ -367,7 +359,8 @@ class Pack:
         stored = list(slot_of)
         meaning = [0 if c == 0 else 255 if c == 1 else 1 << 31 | slot_of[i] for i, c in enumerate(cells)]
         codes = bytearray()
-        for first, bricks, raw in self.pages(table, grid_chunk, pages_chunk, len(stored), 113):
+        for first, bricks, page, size_of_raw in self.pages(table, grid_chunk, pages_chunk, len(stored), 113):
+            raw = self.zstd.decode(page, size_of_raw)
             need(len(raw) == 576 * bricks, "raw size of a page of distances")
             positions = [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1])
                     for c in stored[first : first + bricks]]
@@ -425,44 +418,82 @@ class Pack:
                 size if part["kind"] == 0 else [max(side - 1, 1) for side in size])]
         count = grid[0] * grid[1] * grid[2]
         table = Table(grid_chunk, "GRID")
-        cells = table.take("%dI" % count)
-        if count % 2:
-            need(table.one("I") == 0, "padding of a grid")
-        stored = self.check_cells(cells, grid)
-        content = {"cells": cells, "codes": bytearray(), "attributes": [], "density": bytearray(),
-                "heat": bytearray()}
-        for first, bricks, raw in self.pages(table, grid_chunk, bricks_chunk, len(stored), 128):
+        cells, stored = self.read_cells(table, grid, None if part["kind"] else size)
+        content = {"grid": grid, "cells": cells, "codes": bytearray(), "attributes": [],
+                "density": bytearray(), "heat": bytearray()}
+        for first, bricks, page, raw in self.pages(table, grid_chunk, bricks_chunk, len(stored), 128):
             positions = stored[first : first + bricks]
             if part["kind"] == 0:
-                self.take_solid(raw, positions, size, content)
+                coarser = None
+                if level + 1 < part["levels"]:
+                    coarser = functools.partial(self.codes_of_brick, part["level"][level + 1])
+                decoded = Page(page, positions, size, coarser, len(self.palette), raw)
+                content["codes"] += decoded.codes
+                content["attributes"] += decoded.attributes
             else:
-                self.take_fog(raw, positions, size, 2 if part["ramp"] else 1, content)
+                self.take_fog(self.zstd.decode(page, raw), positions, size, 2 if part["ramp"] else 1, content)
         return content
 
-    def pages(self, table, grid_chunk, pages_chunk, stored, most):
-        """First slot, number of bricks and decoded bytes of each page that the rest of the table lists."""
+    # Section 5.2
+    @staticmethod
+    def read_cells(table, grid, size):
+        """Cells, as u32: 1 << 31 | slot of a stored brick, 3 << 30 if it is inside, else its clearance << 24;
+        and the positions of the stored bricks, by slot. size: of a level of voxels; None: it is fog."""
+        count = grid[0] * grid[1] * grid[2]
+        stated = table.take("%dB" % count)
+        if count % 8:
+            need(not any(table.take("%dB" % (-count % 8))), "padding of a grid")
+        clearance = {}
+        cells, stored = [0] * count, []
+        for cell, value in enumerate(stated):
+            x, y, z = place = (cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1])
+            need(value <= 129, "cell of a grid")
+            if value == 128:
+                stored.append(cell)
+            elif value == 129:
+                need(size and all(8 * p + 8 <= side for p, side in zip(place, size)), "brick that is inside")
+                cells[cell] = 3 << 30
+            else:
+                before = lambda i, j, k: clearance.get((x - i, y - j, z - k), 0)
+                a, b, c = before(1, 0, 0), before(0, 1, 0), before(0, 0, 1)
+                predicted = sorted((a + b - before(1, 1, 0), a + c - before(1, 0, 1),
+                        b + c - before(0, 1, 1)))[1]
+                clearance[place] = (value + predicted) % 128
+                cells[cell] = clearance[place] << 24
+        stored.sort(key=lambda cell: Pack.morton(cell, grid))
+        need(1 <= len(stored) <= 1 << 24, "number of stored bricks")
+        for slot, cell in enumerate(stored):
+            cells[cell] = 1 << 31 | slot
+        return cells, [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
+
+    @staticmethod
+    def codes_of_brick(level, position):
+        grid = level["grid"]
+        cell = level["cells"][position[0] + grid[0] * (position[1] + grid[1] * position[2])]
+        if cell >> 31 == 0:
+            return bytes(512)
+        if cell == 3 << 30:
+            return bytes([128]) * 512
+        slot = cell & 0x7FFFFFFF
+        return level["codes"][512 * slot : 512 * slot + 512]
+
+    @staticmethod
+    def pages(table, grid_chunk, pages_chunk, stored, most):
+        """First slot, number of bricks, stored bytes and raw size of each page of the rest of the table."""
         offset = slot = 0
         while table.at < len(grid_chunk):
             page_offset, page_stored, page_raw, checksum, first, bricks = table.take("QIIQII")
             need(page_offset == offset and first == slot, "a page is not where the one before ends")
             need(1 <= page_stored <= 131072 and page_raw <= 65536 and 1 <= bricks <= most,
                     "numbers of a page")
-            frame = pages_chunk[offset : offset + page_stored]
-            need(len(frame) == page_stored, "a page is beyond its chunk")
-            need(xxh3_64(frame) == checksum, "page checksum")
-            yield slot, bricks, self.zstd.decode(frame, page_raw)
+            page = pages_chunk[offset : offset + page_stored]
+            need(len(page) == page_stored, "a page is beyond its chunk")
+            need(xxh3_64(page) == checksum, "page checksum")
+            need(slot + bricks <= stored, "pages do not cover the bricks")
+            yield slot, bricks, page, page_raw
             offset += page_stored
             slot += bricks
         need(offset == len(pages_chunk) and slot == stored and slot >= 1, "pages do not cover the bricks")
-
-    def take_solid(self, raw, positions, size, content):
-        bricks = len(positions)
-        surface = self.check_codes(raw[: 512 * bricks], bricks, positions, size)
-        need(len(raw) == 512 * bricks + 4 * surface, "raw size of a page")
-        values = struct.unpack_from("<%dI" % surface, raw, 512 * bricks)
-        need(all(v & 0xFF < len(self.palette) for v in values), "palette index")
-        content["codes"] += raw[: 512 * bricks]
-        content["attributes"] += values
 
     # Section 6
     @staticmethod
@@ -487,33 +518,6 @@ class Pack:
         x, y, z = cell % grid[0], cell // grid[0] % grid[1], cell // grid[0] // grid[1]
         return sum((x >> i & 1) << 3 * i | (y >> i & 1) << 3 * i + 1 | (z >> i & 1) << 3 * i + 2
                 for i in range(13))
-
-    @staticmethod
-    def check_cells(cells, grid):
-        """Positions of the stored bricks, by slot."""
-        stored = sorted((i for i, cell in enumerate(cells) if cell >> 31), key=lambda c: Pack.morton(c, grid))
-        need(len(stored) <= 1 << 24 and all(
-                cells[cell] == 1 << 31 | slot for slot, cell in enumerate(stored)), "slots")
-        return [(c % grid[0], c // grid[0] % grid[1], c // grid[0] // grid[1]) for c in stored]
-
-    @staticmethod
-    def check_codes(codes, bricks, positions, size):
-        need(len(codes) == 512 * bricks and len(positions) == bricks, "codes of a page")
-        surface = 0
-        for brick, position in enumerate(positions):
-            room = [size[a] - 8 * position[a] for a in range(3)]
-            solid = False
-            for z in range(8):
-                for i in range(64):
-                    code = codes[512 * brick + 64 * z + i]
-                    need(code <= 64 or code == 128, "reserved code")
-                    if code < 64:
-                        continue
-                    solid = True
-                    need(i % 8 < room[0] and i // 8 < room[1] and z < room[2], "solid voxel outside")
-                    surface += code == 64
-            need(solid, "brick without solid voxel")
-        return surface
 
 
 def bits(values):

@@ -121,17 +121,26 @@ TEST(Reader, RefusesPartsLevelsAndPagesThatAreNotThere) {
   EXPECT_TRUE(misuse(pack->readGrid(static_cast<int>(raw.parts.size()), 0)));
   EXPECT_TRUE(misuse(pack->readGrid(0, -1)));
   EXPECT_TRUE(misuse(pack->readGrid(0, static_cast<int>(raw.parts[0].levels.size()))));
-  const Result<LevelGrid> grid = pack->readGrid(0, 0);
+  Result<LevelGrid> grid = pack->readGrid(0, 0);
   ASSERT_TRUE(grid);
   PageData data;
+  EXPECT_TRUE(misuse(pack->readPage(*grid, grid->pages.size(), {}, data)));
+  ASSERT_FALSE(grid->coarsest);
+  EXPECT_TRUE(misuse(pack->readPage(*grid, 0, {}, data))) << "without the coarser level";
+  const Result<LevelGrid> above = pack->readGrid(0, 1);
+  ASSERT_TRUE(above);
+  const std::vector<BrickShape> unknown(above->bricks.size());
+  EXPECT_TRUE(misuse(pack->readPage(*grid, 0, {&*above, unknown}, data))) << "with nothing known of it";
+  EXPECT_TRUE(misuse(pack->readPage(*grid, 0, {&*grid, unknown}, data))) << "with another level";
+  const PageInfo sound = grid->pages[0];
   for (const auto spoil :
        {+[](PageInfo& p) { p.offset = ~std::uint64_t{0}; }, +[](PageInfo& p) { p.stored = 0; },
         +[](PageInfo& p) { p.stored = 0xffffffffu; }, +[](PageInfo& p) { p.raw = 0xffffffffu; },
         +[](PageInfo& p) { p.raw += 1; }, +[](PageInfo& p) { p.count = 0; },
         +[](PageInfo& p) { p.count = 0xffffffu; }, +[](PageInfo& p) { p.raw = p.count * 512 - 4; }}) {
-    PageInfo page = grid->pages[0];
-    spoil(page);
-    EXPECT_TRUE(misuse(pack->readPage(page, data)));
+    grid->pages[0] = sound;
+    spoil(grid->pages[0]);
+    EXPECT_TRUE(misuse(pack->readPage(*grid, 0, {&*above, unknown}, data)));
   }
   EXPECT_TRUE(misuse(Pack::open(Source{})));
 }

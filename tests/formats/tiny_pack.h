@@ -7,15 +7,23 @@
 
 namespace kelp::test {
 
-// A brick: one surface voxel at `voxel`, an inner one beside it in x, the rest empty.
+// A brick: one surface voxel, the rest empty.
 inline void addTinyBrick(RawLevel& level, int voxel, std::uint8_t palette_index, const glm::vec3& normal) {
-  const std::size_t first = level.codes.size();
-  level.codes.resize(first + kBrickVoxels);
-  for (std::size_t i = 0; i < kBrickVoxels; ++i)
-    level.codes[first + i] = static_cast<std::uint8_t>((i * 7) % kSurfaceCode);
-  level.codes[first + static_cast<std::size_t>(voxel)] = kSurfaceCode;
-  level.codes[first + static_cast<std::size_t>(voxel) + 1] = kInnerCode;
+  level.codes.resize(level.codes.size() + kBrickVoxels);
+  level.codes[level.codes.size() - kBrickVoxels + static_cast<std::size_t>(voxel)] = kSurfaceCode;
   level.attributes.push_back(makeAttribute(palette_index, encodeNormal(normal)));
+}
+// The same with all that touches the voxel (1, 1, 1), which is inner.
+inline void addTinyCube(RawLevel& level, std::uint8_t palette_index, const glm::vec3& normal) {
+  level.codes.resize(level.codes.size() + kBrickVoxels);
+  std::uint8_t* const codes = level.codes.data() + level.codes.size() - kBrickVoxels;
+  for (int i = 0; i < 27; ++i) {
+    const int rank = i % 9 - (i > 13 && i < 18 ? 1 : 0);
+    const bool inner = i == 13;
+    codes[i % 3 + 8 * (i / 3 % 3) + 64 * (i / 9)] =
+        static_cast<std::uint8_t>(inner ? int{kInnerCode} : kSurfaceCode + rank);
+    if (!inner) level.attributes.push_back(makeAttribute(palette_index, encodeNormal(normal)));
+  }
 }
 
 inline RawPack makeTinyPack() {
@@ -34,11 +42,17 @@ inline RawPack makeTinyPack() {
                 {1, {0, 1, 0}, {0.125f, 0, 0.25f}}};
   stem.automatic_tangents = 2;
   stem.levels.resize(2);
-  stem.levels[0].cells = {kCellSolid | 0, 7u << kCellClearanceShift | 0xff00ff, kCellSolid | 1};
-  addTinyBrick(stem.levels[0], 0, 0, {0, -1, 0});
+  stem.levels[0].cells = {kCellSolid | 0, 7u << kCellClearanceShift, kCellSolid | 1};
+  addTinyCube(stem.levels[0], 0, {0, -1, 0});
   addTinyBrick(stem.levels[0], 511 - 7, 1, {0.6f, 0.8f, 0});
-  stem.levels[1].cells = {kCellSolid | 0, 7u << kCellClearanceShift | 0xfff0ff};  // 4 x 12 x 4 voxels
-  addTinyBrick(stem.levels[1], 0, 0, {0, -1, 0});
+  stem.levels[1].cells = {kCellSolid | 0, kCellSolid | 1};  // 4 x 12 x 4 voxels
+  stem.levels[1].codes.resize(kBrickVoxels);
+  for (int i = 0; i < 8; ++i) {
+    stem.levels[1].codes[static_cast<std::size_t>(i % 2 + 8 * (i / 2 % 2) + 64 * (i / 4))] =
+        static_cast<std::uint8_t>(kSurfaceCode + i % 4);
+    stem.levels[1].attributes.push_back(makeAttribute(0, encodeNormal({0, -1, 0})));
+  }
+  addTinyBrick(stem.levels[1], 8 * 3 + 64 * 3, 1, {0.6f, 0.8f, 0});
 
   RawPart leaf;
   leaf.name = "Bl\xc3\xa4tt";

@@ -72,11 +72,28 @@ const Mistake kMistakes[] = {
     {"attribute missing", [](RawPack& p) { p.parts[0].levels[0].attributes.pop_back(); }},
     {"attribute too many", [](RawPack& p) { p.parts[0].levels[0].attributes.push_back(0); }},
     {"palette index", [](RawPack& p) { p.parts[0].levels[0].attributes[0] = makeAttribute(2, 0); }},
-    {"brick without solid",
+    {"brick without surface",
      [](RawPack& p) {
        p.parts[1].levels[0].codes.assign(512, 0);
        p.parts[1].levels[0].attributes.clear();
      }},
+    {"solid below an empty voxel",
+     [](RawPack& p) {
+       p.parts[0].levels[1].codes[9] = 0;
+       p.parts[0].levels[1].attributes.erase(p.parts[0].levels[1].attributes.begin() + 3);
+     }},
+    {"surface below an inner voxel",
+     [](RawPack& p) {
+       p.parts[0].levels[1].codes[64 + 9] = kInnerCode;
+       p.parts[0].levels[1].attributes.erase(p.parts[0].levels[1].attributes.begin() + 7);
+     }},
+    {"nothing below a solid voxel",
+     [](RawPack& p) {
+       p.parts[0].levels[1].codes[512 + 217] = kSurfaceCode + 1;
+       p.parts[0].levels[1].attributes.push_back(0);
+     }},
+    {"a brick below an empty one", [](RawPack& p) { p.parts[0].levels[1] = p.parts[1].levels[0]; }},
+    {"inside beyond the level", [](RawPack& p) { p.parts[0].levels[1].cells[1] = kCellInside; }},
     {"solid beyond x", [](RawPack& p) { p.parts[1].levels[0].codes[2] = kInnerCode; }},
     {"solid beyond y", [](RawPack& p) { p.parts[1].levels[0].codes[8] = kInnerCode; }},
     {"solid beyond z", [](RawPack& p) { p.parts[1].levels[0].codes[64] = kInnerCode; }},

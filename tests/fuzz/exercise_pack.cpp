@@ -153,10 +153,8 @@ void exercisePack(std::span<const std::byte> bytes) {
     const Result<Pack> pack = Pack::open(source, limits, allocator);
     if (pack && pack->fileSize() != bytes.size()) std::abort();
     if (pack) static_cast<void>(rawOf(*pack, allocator));
-    PageInfo foreign;  // which no grid of this pack holds
-    foreign.offset = bytes.size();
     PageData page;
-    if (pack && pack->readPage(foreign, page)) std::abort();
+    if (pack && pack->readPage(LevelGrid(), 0, {}, page)) std::abort();
   }
   // One input in four is drawn: of these some while they are loaded, some in too little memory.
   const bool is_drawn = (choice >> 22) % 4 == 0, is_streamed = is_drawn && (choice >> 24) % 2 == 0;

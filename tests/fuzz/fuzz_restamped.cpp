@@ -66,8 +66,7 @@ void apply(PackSurgeon& surgeon, const Record& record) {
       chunk.fourcc == PackSurgeon::fourcc("GRID") || chunk.fourcc == PackSurgeon::fourcc("DGRD");
   const bool has_page = c + 1 < surgeon.chunks.size() && is_grid && chunk.content.size() >= 32 &&
                         kelp::test::get<std::uint32_t>(chunk.content, chunk.content.size() - 24) ==
-                            surgeon.chunks[c + 1].content.size() &&
-                        kelp::test::isFrame(surgeon.chunks[c + 1].content);
+                            surgeon.chunks[c + 1].content.size();
   switch (record.at % 16) {
     case 0:
       chunk.level = record.number;

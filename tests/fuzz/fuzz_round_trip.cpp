@@ -14,6 +14,7 @@
 #include "kelp/formats/sweep.h"
 #include "kelp/formats/verify.h"
 #include "raw_of_pack.h"
+#include "support/surface_above.h"
 
 namespace {
 
@@ -85,12 +86,14 @@ fields::Occupancy shape(Numbers& in, const glm::ivec3& size) {
 std::vector<RawLevel> solidLevels(Numbers& in, const glm::ivec3& size, int count, std::size_t palette) {
   std::vector<RawLevel> levels;
   fields::Occupancy volume = shape(in, size);
+  std::vector<std::uint64_t> indices = fields::surfaceVoxels(volume, 1);
   for (int level = 0; level < count; ++level) {
     std::vector<fields::SurfaceVoxel> surface;
-    for (const std::uint64_t index : fields::surfaceVoxels(volume, 1))
+    for (const std::uint64_t index : indices)
       surface.push_back(
           {index, makeAttribute(static_cast<std::uint8_t>(in.byte() % palette), encodeNormal(in.vector()))});
     levels.push_back(fields::buildLevel(volume, surface, 1));
+    indices = test::surfaceAbove(indices, volume.size);
     volume = fields::coarser(volume);
   }
   return levels;

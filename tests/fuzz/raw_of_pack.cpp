@@ -5,7 +5,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "kelp/formats/fog.h"
+#include "kelp/formats/raw_level.h"
 
 namespace {
 
@@ -14,28 +14,6 @@ using namespace kelp;
 template <class To, class From>
 std::vector<To> listOf(const From& from) {
   return std::vector<To>(from.begin(), from.end());
-}
-
-Result<RawLevel> readLevel(const Pack& pack, int part, int level, const Allocator& allocator) {
-  const Part& source = pack.parts()[static_cast<std::size_t>(part)];
-  const Result<LevelGrid> grid = pack.readGrid(part, level);
-  if (!grid) return grid.error();
-  RawLevel out;
-  out.cells = listOf<std::uint32_t>(grid->cells.span());
-  if (source.fog) out.extinction = source.fog->extinction[static_cast<std::size_t>(level)];
-  PageData page(allocator);
-  for (const PageInfo& info : grid->pages) {
-    if (const Result<void> read = pack.readPage(info, page); !read) return read.error();
-    out.codes.insert(out.codes.end(), page.codes.begin(), page.codes.end());
-    out.attributes.insert(out.attributes.end(), page.attributes.begin(), page.attributes.end());
-    if (!source.fog) continue;
-    const std::uint8_t* const density = page.fog.data();
-    const std::size_t channel = std::size_t{page.count} * kFogSamples;
-    out.density.insert(out.density.end(), density, density + channel);
-    if (source.fog->channels() == 2)
-      out.heat.insert(out.heat.end(), density + channel, density + 2 * channel);
-  }
-  return out;
 }
 
 // Bit by bit: a number may be -0, and none may be lost.
@@ -117,7 +95,7 @@ Result<RawPack> rawOf(const Pack& pack, const Allocator& allocator) {
       raw.fog =
           RawFog{part.fog->color, part.fog->anisotropy, part.fog->glow, listOf<glm::vec3>(part.fog->ramp)};
     for (int level = 0; level < part.levels; ++level) {
-      Result<RawLevel> read = readLevel(pack, static_cast<int>(i), level, allocator);
+      Result<RawLevel> read = readRawLevel(pack, static_cast<int>(i), level, allocator);
       if (!read) return read.error();
       raw.levels.push_back(*std::move(read));
     }

@@ -73,7 +73,8 @@ fields::Occupancy composite(const Asset& asset, const std::vector<fields::Occupa
           const glm::ivec3 at(v.x >> l, v.y >> l, v.z >> l);
           const runtime::VoxelLevel& level = *asset.level(0, l);
           const std::uint32_t cell = level.cells[cellAt(at / 8, level.grid)];
-          if ((cell & kCellSolid) && !resident[static_cast<std::size_t>(l)].pages[runtime::cellPage(cell)])
+          if ((cell & kCellSolid) && cellPage(cell) < level.pages.size() &&
+              !resident[static_cast<std::size_t>(l)].pages[cellPage(cell)])
             continue;
           const fields::Occupancy& of = pyramid[static_cast<std::size_t>(l)];
           out.solid[out.index(v)] = (cell & kCellSolid) ? of.solid[of.index(at)] : 0;

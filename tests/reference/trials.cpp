@@ -8,6 +8,7 @@
 
 #include "reference/judge.h"
 #include "reference/tiled_cpp.h"
+#include "support/boxed_level.h"
 #include "support/poses.h"
 #include "support/voxel_knots.h"
 
@@ -133,7 +134,7 @@ TrialVolume wholeVolume(std::string name, fields::Occupancy volume) {
   TrialVolume out;
   out.name = std::move(name);
   out.size = volume.size;
-  out.level = fields::buildLevel(volume, test::plainSurface(volume), 1);
+  out.level = test::boxedLevel(volume, test::plainSurface(volume), 1);
   out.grid = out.tile_bricks = brickGrid(volume.size);
   out.pattern = std::move(volume);
   return out;
@@ -154,7 +155,7 @@ TrialVolume tiledVolume(std::string name, const fields::Occupancy& tile, const g
   TrialVolume out;
   out.name = std::move(name);
   out.size = size;
-  out.level = fields::buildLevel(block, test::plainSurface(block), 1);
+  out.level = test::boxedLevel(block, test::plainSurface(block), 1);
   out.grid = brickGrid(block.size);
   out.tile_bricks = brickGrid(tile.size);
   out.first_brick = around * out.tile_bricks;

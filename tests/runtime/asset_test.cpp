@@ -28,6 +28,11 @@ void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
     pages.push_back(PageAccess::pin(asset, 0, 0, page, 1.0f));
     ASSERT_TRUE(pages.back());
   }
+  const auto brickOf = [&](std::uint32_t cell) {
+    return cellPage(cell) == pages.size()
+               ? kSolidBrick.data()
+               : pages[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell);
+  };
   std::vector<std::uint8_t> solid;
   for (glm::ivec3 v(0); v.z < volume.size.z; ++v.z) {
     for (v.y = 0; v.y < volume.size.y; ++v.y) {
@@ -35,10 +40,7 @@ void expectHolds(const Asset& asset, const fields::Occupancy& volume) {
         const glm::ivec3 b = v / 8;
         const std::uint32_t cell =
             level->cells[static_cast<std::size_t>(b.x + level->grid.x * (b.y + level->grid.y * b.z))];
-        solid.push_back(
-            cell & kCellSolid
-                ? isSolidCode(codeOf(pages[cellPage(cell)].words().data() + kBrickWords * cellBrick(cell), v))
-                : 0);
+        solid.push_back(cell & kCellSolid ? isSolidCode(codeOf(brickOf(cell), v)) : 0);
       }
     }
   }

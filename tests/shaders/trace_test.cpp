@@ -7,6 +7,7 @@
 
 #include "reference/ground_truth.h"
 #include "support/all_tests.h"
+#include "support/boxed_level.h"
 #include "support/poses.h"
 #include "support/traced_level.h"
 #include "support/voxel_knots.h"
@@ -27,7 +28,7 @@ Scene makeScene(fields::Occupancy volume, int level_index = 0) {
   scene.size0 = volume.size;
   scene.level_index = level_index;
   for (int i = 0; i < level_index; ++i) volume = fields::coarser(volume);
-  scene.level = fields::buildLevel(volume, test::plainSurface(volume), 2);
+  scene.level = test::boxedLevel(volume, test::plainSurface(volume), 2);
   scene.volume = std::move(volume);
   return scene;
 }

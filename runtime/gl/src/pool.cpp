@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kelp/runtime/page.h"
 #include "residency.h"
 
 namespace kelp::gl {
@@ -31,9 +32,10 @@ Result<void> Pool::create(const Api& api, std::uint64_t budget) {
   rows_ = static_cast<std::uint32_t>(rows);
   used_ = 0;
   mayBeginAt(0);
-  // address 0 is nobody's
-  return take({0, 1, nullptr, Block::kGrid}) ? Result<void>()
-                                             : Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+  if (!take({0, 1, nullptr, Block::kGrid}))
+    return Error{ErrorCode::kOutOfMemory, "no memory for the renderer"};
+  write(api, kSolidBrick, runtime::kSolidBrick);
+  return {};
 }
 
 void Pool::destroy(const Api& api) {

@@ -19,6 +19,8 @@ class Pool {
   static constexpr std::uint32_t kRowBytes = kRowWords * sizeof(std::uint32_t);
   static constexpr std::uint32_t kLayerRows = 1024;
   static constexpr std::uint64_t kLeast = 64 * kRowBytes;
+  // Where runtime::kSolidBrick is, in row 0. Address 0 is nobody's.
+  static constexpr std::uint32_t kSolidBrick = 4;
 
   // Rows in use. `page`: a page of the level, or kGrid, its grid. No level: an asset's tables, which stay, or
   // a transfer in progress.
@@ -44,7 +46,7 @@ class Pool {
     return static_cast<std::uint32_t>((words + kRowWords - 1) / kRowWords);
   }
 
-  // The first row of a free place. 0: there is none (row 0 is never used).
+  // The first row of a free place. 0: there is none (row 0 is in use).
   std::uint32_t findFree(std::uint32_t rows);
   // A run of blocks, all worth less than `priority`, that would make enough room if they were given back. Of
   // all such runs one whose most valuable block is worth least. Empty: there is none. Valid until the next

@@ -148,7 +148,7 @@ Result<void> Residency::prioritise() {
 bool Residency::advance(const Api& api, ResidentLevel& level) {
   const runtime::Asset& asset = *level.asset->asset;
   const std::optional<LevelContent> data = contentOf(level);
-  const std::uint32_t grid_rows = Pool::rowsFor(cellCount(level.grid) + (data ? data->pageCount() : 0));
+  const std::uint32_t grid_rows = Pool::rowsFor(data ? data->gridWords() : cellCount(level.grid));
   // A coarsest level must fit as a whole; otherwise its grid would only take room.
   std::uint64_t least_rows = grid_rows;
   if (level.worth.priority() == kPinned && data) {

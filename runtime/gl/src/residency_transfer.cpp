@@ -108,7 +108,7 @@ bool Residency::proceed(const Api& api) {
   const std::uint64_t address = std::uint64_t{transfer_.row} * Pool::kRowWords + transfer_.done;
   if (transfer_.page == Pool::Block::kGrid) {
     const LevelContent data = *contentOf(level);
-    const std::uint64_t all = data.cells.size() + data.pageCount();
+    const std::uint64_t all = data.gridWords();
     std::uint64_t some = std::min(words, all - transfer_.done);
     if (transfer_.done < data.cells.size()) {
       some = std::min(some, data.cells.size() - transfer_.done);
@@ -117,6 +117,8 @@ bool Residency::proceed(const Api& api) {
           data.cells.subspan(static_cast<std::size_t>(transfer_.done), static_cast<std::size_t>(some)));
     } else {
       pool_.writeZeros(api, address, some);
+      if (transfer_.done + some == all && !level.distances)
+        pool_.write(api, address + some - 1, {&Pool::kSolidBrick, 1});
     }
     transfer_.done += some;
     if (transfer_.done < all)

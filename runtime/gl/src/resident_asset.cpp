@@ -40,7 +40,7 @@ std::uint32_t tableWords(const Part& part, int distances) {
   return kTableWords * static_cast<std::uint32_t>(part.levels + distances) + fogWords(part);
 }
 
-constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = runtime::kMaxPageBricks * kCodeWords;
+constexpr std::uint32_t kCodeWords = kBrickVoxels / 4, kPageCodeWords = kMaxPageBricks * kCodeWords;
 
 LevelContent contentOf(const runtime::DistanceLevel& level) {
   return {level.cells,
@@ -178,13 +178,13 @@ std::uint64_t poolBytes(const runtime::Asset& asset, bool distances) {
       const runtime::DistanceLevel* level = asset.distances(p, l);
       if (!level) continue;
       const LevelContent content = contentOf(*level);
-      rows += Pool::rowsFor(content.cells.size() + content.pageCount());
+      rows += Pool::rowsFor(content.gridWords());
       for (std::uint32_t page = 0; page < content.pageCount(); ++page) rows += content.rowsOfPage(page);
     }
     for (int l = 0; l < parts[static_cast<std::size_t>(p)].levels; ++l) {
       const runtime::VoxelLevel* level = asset.level(p, l);
       if (!level) continue;
-      rows += Pool::rowsFor(level->cells.size() + level->pages.size());
+      rows += Pool::rowsFor(LevelContent{level->cells, level->pages, {}}.gridWords());
       for (const PageInfo& page : level->pages) rows += Pool::rowsFor(runtime::pageWords(page));
     }
   }

@@ -87,6 +87,8 @@ struct LevelContent {
   std::span<const std::uint32_t> codes;  // of distances, all pages
 
   std::uint32_t pageCount() const;
+  // Words of the cells and of the page table. That of voxels ends with the page of kSolidBrick.
+  std::uint64_t gridWords() const { return cells.size() + pageCount() + (codes.empty() ? 1 : 0); }
   std::uint32_t rowsOfPage(std::uint32_t page) const;
   // A page of distances.
   std::span<const std::uint32_t> codesOfPage(std::uint32_t page) const;

@@ -96,6 +96,7 @@ std::string makeInfo(const std::filesystem::path& input, const std::string& form
   if (settings.ramp_file) options["ramp"] = fileJson(used, *settings.ramp_file);
   if (settings.levels > 0) options["levels"] = settings.levels;
   options["distance"] = settings.distance;
+  if (settings.effort == Effort::kBest) options["effort"] = "best";
   OrderedJson info = {
       {"tool", "kelp-bake " KELP_VERSION},
       {"source", {{"name", input.filename().string()}, {"format", format}, {"xxh3", hashOf(used, input)}}},

@@ -25,6 +25,10 @@ namespace {
 // level.
 using Attribute = SurfaceSample;
 
+// Low bits of the normals of coarser levels that are all ones: 0.16 degrees off in the mean, 0.32 at worst,
+// where nobody sees it, and two thirds of the bytes.
+constexpr int kCoarseOnes = 3;
+
 // The commonest of at most eight sources; the lowest of several.
 std::uint32_t commonest(const std::array<std::uint32_t, 8>& sources, std::size_t count) {
   std::uint32_t best = sources[0];
@@ -126,19 +130,22 @@ class NormalCodes {
     glm::vec3 normal{std::numeric_limits<float>::quiet_NaN()}, decoded{0};  // not a number: none yet
     std::uint32_t code = 0;
   };
+  explicit NormalCodes(int ones) : ones_(ones) {}
+
   const Code& of(const glm::vec3& normal) {
     const glm::uvec3 bits(std::bit_cast<std::uint32_t>(normal.x), std::bit_cast<std::uint32_t>(normal.y),
                           std::bit_cast<std::uint32_t>(normal.z));
     Code& its = known_[((bits.x * 0x9e3779b1u) ^ (bits.y * 0x85ebca6bu) ^ (bits.z * 0xc2b2ae35u)) >> 22];
     if (its.normal != normal) {
       its.normal = normal;
-      its.code = encodeNormal(normal);
+      its.code = encodeNormal(normal, ones_);
       its.decoded = decodeNormal(its.code);
     }
     return its;
   }
 
  private:
+  int ones_;
   std::array<Code, 1024> known_{};
 };
 
@@ -186,7 +193,7 @@ std::vector<RawLevel> buildLevels(VoxelGrid grid, const std::vector<std::uint8_t
     }
     std::vector<fields::SurfaceVoxel> surface(attributes.size());
     parallelRanges(attributes.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
-      NormalCodes codes;
+      NormalCodes codes(level == 0 ? 0 : kCoarseOnes);
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t entry = level == 0 ? palette_indices[i] : nearestOf(attributes[i]);
         const NormalCodes::Code& normal = codes.of(attributes[i].normal);

@@ -32,10 +32,10 @@ bool receive(void* user, std::span<const std::byte> bytes) {
 }  // namespace
 
 void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
-                   const Progress& progress) {
+                   const Progress& progress, Effort effort) {
   const auto start = std::chrono::steady_clock::now();
   Output output{file, progress, 0, {}, false};
-  const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads));
+  const Result<void> written = writePack(pack, Sink{receive, &output}, threadCount(threads), effort);
   if (output.interrupted || (progress && !progress("write", 1.0)))
     throw ToolError(Exit::kInterrupted, "interrupted");
   if (!written) {
@@ -55,9 +55,9 @@ void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& r
 }
 
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
-                   const Progress& progress) {
+                   const Progress& progress, Effort effort) {
   OutputFile file(path);
-  writePackInto(pack, file, threads, report, progress);
+  writePackInto(pack, file, threads, report, progress, effort);
   file.commit();
 }
 

@@ -13,22 +13,22 @@
 
 namespace kelp::fields {
 
-BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads) {
+BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface,
+                      const glm::ivec3& grid, int threads) {
   BrickCells out;
   out.cells.resize(checkedVolume(grid));
   const std::vector<std::uint8_t> clearances = brickClearances(bits, grid, threads);
-  const BrickSums sums(bits, grid);
   parallelFor(grid.z, grainOf(std::int64_t{grid.x} * grid.y * kBrickVoxels), threads,
               [&](std::int64_t begin, std::int64_t end) {
                 glm::ivec3 brick{0};
                 for (brick.z = static_cast<int>(begin); brick.z < end; ++brick.z) {
                   for (brick.y = 0; brick.y < grid.y; ++brick.y) {
                     for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-                      out.cells[denseIndex(grid, brick)] =
-                          bits.holdsSolid(brick)
-                              ? kCellSolid
-                              : sums.grownBox(brick) | std::uint32_t{clearances[denseIndex(grid, brick)]}
-                                                           << kCellClearanceShift;
+                      const std::size_t i = denseIndex(grid, brick);
+                      out.cells[i] =
+                          !bits.holdsSolid(brick) ? std::uint32_t{clearances[i]} << kCellClearanceShift
+                          : !has_surface.empty() && !has_surface[i] && bits.isFull(brick) ? kCellInside
+                                                                                          : kCellSolid;
                     }
                   }
                 }
@@ -38,7 +38,7 @@ BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads
   for (brick.z = 0; brick.z < grid.z; ++brick.z) {
     for (brick.y = 0; brick.y < grid.y; ++brick.y) {
       for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-        if (out.cells[denseIndex(grid, brick)] & kCellSolid) ordered.emplace_back(mortonCode(brick), brick);
+        if (isStoredCell(out.cells[denseIndex(grid, brick)])) ordered.emplace_back(mortonCode(brick), brick);
       }
     }
   }

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "empty_boxes.h"
+#include "solid_bits.h"
 
 namespace kelp::fields {
 
@@ -14,8 +15,10 @@ struct BrickCells {
   std::vector<glm::ivec3> stored;    // bricks by slot
 };
 
-// Empty bricks get their box and their clearance; the others a slot, in Morton order. Throws
-// std::invalid_argument where slots do not suffice.
-BrickCells buildCells(const SolidBits& bits, const glm::ivec3& grid, int threads);
+// Empty bricks get their clearance; full ones without surface (has_surface, one a brick, 0;
+// of fog empty) kCellInside; the others a slot, in Morton order. Throws std::invalid_argument where slots do
+// not suffice.
+BrickCells buildCells(const SolidBits& bits, std::span<const std::uint8_t> has_surface,
+                      const glm::ivec3& grid, int threads);
 
 }  // namespace kelp::fields

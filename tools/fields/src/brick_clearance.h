@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "empty_boxes.h"
+#include "solid_bits.h"
 
 namespace kelp::fields {
 

@@ -6,7 +6,6 @@
 #include "brick_cells.h"
 #include "brick_clearance.h"
 #include "check.h"
-#include "empty_boxes.h"
 #include "kelp/common/dense_index.h"
 #include "kelp/fields/fields.h"
 #include "kelp/formats/brick.h"
@@ -17,39 +16,37 @@ namespace {
 
 class LevelBuilder {
  public:
-  LevelBuilder(const Occupancy& occupancy, int threads)
+  // Throws if the surface is not in ascending order or not solid.
+  LevelBuilder(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads)
       : occupancy_(occupancy),
         grid_(brickGrid(occupancy.size)),
         threads_(threads),
+        surface_(surface),
         bits_(occupancy, threads) {
-    BrickCells built = buildCells(bits_, grid_, threads);
+    BrickCells built = buildCells(bits_, findSurface(), grid_, threads);
     level_.cells = std::move(built.cells);
     stored_ = std::move(built.stored);
   }
 
-  // The boxes of the empty voxels of stored bricks; all solid ones inner for now.
+  // All solid voxels of stored bricks are inner for now.
   void makeCodes() {
-    level_.codes.assign(stored_.size() * kBrickVoxels, kInnerCode);
+    level_.codes.resize(stored_.size() * kBrickVoxels);
     parallelFor(static_cast<std::int64_t>(stored_.size()), grainOf(kBrickVoxels), threads_,
                 [&](std::int64_t begin, std::int64_t end) {
                   for (auto slot = static_cast<std::size_t>(begin); slot < static_cast<std::size_t>(end);
-                       ++slot)
-                    chooseCodes(bits_, stored_[slot], level_.codes.data() + slot * kBrickVoxels);
+                       ++slot) {
+                    const glm::ivec3 low = stored_[slot] * kBrickSide;
+                    std::uint8_t* code = level_.codes.data() + slot * kBrickVoxels;
+                    for (int i = 0; i < kBrickVoxels; ++i, ++code)
+                      if (bits_.row(stored_[slot].x, low.y + (i >> 3 & 7), low.z + (i >> 6)) >> (i & 7) & 1)
+                        *code = kInnerCode;
+                  }
                 });
   }
 
   // Ranks of the surface voxels, and their attributes in the order of slots and codes.
-  void makeAttributes(std::span<const SurfaceVoxel> surface) {
-    for (std::size_t i = 0; i < surface.size(); ++i) {
-      const std::uint64_t index = surface[i].index;
-      if (index >= occupancy_.solid.size())
-        throw std::invalid_argument("surface voxel " + std::to_string(index) + " lies outside the volume");
-      if (i > 0 && index <= surface[i - 1].index)
-        throw std::invalid_argument("surface voxels are not in ascending order");
-      if (!occupancy_.solid[index])
-        throw std::invalid_argument("surface voxel " + std::to_string(index) + " is empty");
-      level_.codes[codeOf(index)] = kSurfaceCode;
-    }
+  void makeAttributes() {
+    for (const SurfaceVoxel& voxel : surface_) level_.codes[codeOf(voxel.index)] = kSurfaceCode;
     // Slices are 64 consecutive codes. Count in them, and note where in the list of attributes each begins.
     std::vector<std::uint32_t> slice_base(level_.codes.size() / kSliceVoxels);
     std::uint32_t total = 0;
@@ -62,8 +59,8 @@ class LevelBuilder {
       }
       total += rank;
     }
-    level_.attributes.resize(surface.size());
-    for (const SurfaceVoxel& voxel : surface) {
+    level_.attributes.resize(surface_.size());
+    for (const SurfaceVoxel& voxel : surface_) {
       const std::size_t code = codeOf(voxel.index);
       level_.attributes[slice_base[code / kSliceVoxels] + level_.codes[code] - kSurfaceCode] =
           voxel.attribute;
@@ -73,6 +70,22 @@ class LevelBuilder {
   RawLevel take() { return std::move(level_); }
 
  private:
+  // Which bricks hold surface voxels.
+  std::vector<std::uint8_t> findSurface() const {
+    std::vector<std::uint8_t> found(checkedVolume(grid_));
+    for (std::size_t i = 0; i < surface_.size(); ++i) {
+      const std::uint64_t index = surface_[i].index;
+      if (index >= occupancy_.solid.size())
+        throw std::invalid_argument("surface voxel " + std::to_string(index) + " lies outside the volume");
+      if (i > 0 && index <= surface_[i - 1].index)
+        throw std::invalid_argument("surface voxels are not in ascending order");
+      if (!occupancy_.solid[index])
+        throw std::invalid_argument("surface voxel " + std::to_string(index) + " is empty");
+      found[denseIndex(grid_, voxelAt(occupancy_.size, index) / kBrickSide)] = 1;
+    }
+    return found;
+  }
+
   static constexpr std::size_t kSliceVoxels = kBrickSide * kBrickSide;
 
   // Place in the codes of a voxel of a stored brick.
@@ -85,6 +98,7 @@ class LevelBuilder {
   const Occupancy& occupancy_;
   glm::ivec3 grid_;
   int threads_;
+  std::span<const SurfaceVoxel> surface_;
   SolidBits bits_;
   std::vector<glm::ivec3> stored_;  // bricks by slot
   RawLevel level_;
@@ -98,9 +112,9 @@ RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> su
                   [](std::uint8_t solid) { return solid == 0; })) {
     throw std::invalid_argument("a level needs at least one solid voxel");
   }
-  LevelBuilder builder(occupancy, threads);
+  LevelBuilder builder(occupancy, surface, threads);
   builder.makeCodes();
-  builder.makeAttributes(surface);
+  builder.makeAttributes();
   return builder.take();
 }
 
@@ -108,11 +122,11 @@ std::uint64_t peakBytes(const glm::ivec3& size, std::uint64_t stored_bricks) {
   checkedVolume(size);
   const glm::ivec3 grid = brickGrid(size);
   const std::uint64_t bricks = checkedVolume(grid);
-  // A brick: its cell. A stored one: its place in the order of slots (with growth), its position, the first
-  // attribute of each slice, its codes.
+  // A brick: its cell, whether it holds surface. A stored one: its place in the order of slots (with growth),
+  // its position, the first attribute of each slice, its codes.
   const std::uint64_t stored = 3 * 24 + 12 + 8 * 4 + kBrickVoxels;
-  return SolidBits::bytes(grid) + BrickSums::bytes(grid) + brickClearanceBytes(grid) +
-         sizeof(std::uint32_t) * bricks + stored * std::min(stored_bricks, bricks);
+  return SolidBits::bytes(grid) + brickClearanceBytes(grid) + (sizeof(std::uint32_t) + 1) * bricks +
+         stored * std::min(stored_bricks, bricks);
 }
 
 }  // namespace kelp::fields

@@ -43,6 +43,7 @@ class Bricks {
     bits_of_[cell] = static_cast<std::uint32_t>(slot);
     bits_[slot] = bits;
   }
+  void setInside(std::size_t cell) { kinds_[cell] = Kind::kSolid; }
 
   Kind kind(const glm::ivec3& brick) const {
     return isWithin(brick) ? kinds_[denseIndex(grid_, brick)] : Kind::kEmpty;
@@ -94,6 +95,10 @@ Bricks bricksOf(const RawLevel& level, const glm::ivec3& size, int threads) {
       static_cast<std::int64_t>(level.cells.size()), 256, threads, [&](std::int64_t begin, std::int64_t end) {
         for (auto cell = static_cast<std::size_t>(begin); cell < static_cast<std::size_t>(end); ++cell) {
           if (!(level.cells[cell] & kCellSolid)) continue;
+          if (level.cells[cell] == kCellInside) {
+            bricks.setInside(cell);
+            continue;
+          }
           const std::size_t slot = level.cells[cell] & kCellSlotMask;
           if (slot >= slots) throw std::invalid_argument("a cell's slot is beyond the level's codes");
           bricks.set(cell, slot, bitsOf(&level.codes[slot * kBrickVoxels], kSurfaceCode));

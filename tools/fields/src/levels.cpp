@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 
 #include "check.h"
 #include "kelp/fields/fields.h"
@@ -51,12 +52,18 @@ Occupancy occupancyOf(const RawLevel& level, const glm::ivec3& size) {
     for (brick.y = 0; brick.y < grid.y; ++brick.y) {
       for (brick.x = 0; brick.x < grid.x; ++brick.x, ++cell) {
         if (!(*cell & kCellSolid)) continue;
+        static constexpr auto kInside = [] {
+          std::array<std::uint8_t, kBrickVoxels> codes{};
+          codes.fill(kInnerCode);
+          return codes;
+        }();
         const std::size_t slot = *cell & kCellSlotMask;
-        if (slot >= slots) {
+        if (*cell != kCellInside && slot >= slots) {
           throw std::invalid_argument("a cell names slot " + std::to_string(slot) + " of a level with " +
                                       std::to_string(slots));
         }
-        const std::uint8_t* code = level.codes.data() + slot * kBrickVoxels;
+        const std::uint8_t* code =
+            *cell == kCellInside ? kInside.data() : level.codes.data() + slot * kBrickVoxels;
         for (int i = 0; i < kBrickVoxels; ++i, ++code) {
           if (!isSolidCode(*code)) continue;
           const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);

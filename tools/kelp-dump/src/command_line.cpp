@@ -21,7 +21,7 @@ constexpr const char* kExamples =
     "  kelp-dump info reed.kelp                     what it is, its parts, clips and colours, where the "
     "bytes "
     "go\n"
-    "  kelp-dump verify reed.kelp --deep            recompute empty boxes, levels, distances; compare\n"
+    "  kelp-dump verify reed.kelp --deep            recompute clearances, levels, distances; compare\n"
     "  kelp-dump diff old.kelp new.kelp             which parts, voxels, colours, rigs and clips differ\n"
     "  kelp-dump rig reed.kelp > reed.rig.json      the rig as kelp-bake --rig reads it\n"
     "  kelp-dump rig reed.kelp --set reed.rig.json  put it back into the pack, without baking\n"

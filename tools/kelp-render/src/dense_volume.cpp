@@ -9,6 +9,7 @@
 
 #include "kelp/common/pack_error.h"
 #include "kelp/fields/fields.h"
+#include "kelp/formats/raw_level.h"
 
 namespace kelp::render {
 namespace {
@@ -61,53 +62,52 @@ void spreadInwards(DenseVolume& volume, const std::vector<glm::ivec3>& surface) 
   }
 }
 
-// The words of each page (kelp/runtime/page.h). The pack was read before, so errors are those of a file that
-// changed meanwhile.
-std::vector<std::vector<std::uint32_t>> decodePages(const Pack& pack, const runtime::VoxelLevel& level) {
-  std::vector<std::vector<std::uint32_t>> pages;
-  PageData decoded;
-  for (const PageInfo& info : level.pages) {
-    if (const Result<void> read = pack.readPage(info, decoded); !read)
-      throw ToolError(exitOf(read.error().code),
-                      std::string("a page cannot be read: ") + read.error().detail);
-    std::vector<std::uint32_t>& words = pages.emplace_back(runtime::pageWords(info));
-    if (!runtime::arrangePage(decoded, words))
-      throw ToolError(Exit::kInvalid, "codes and attributes of a page do not match");
-  }
-  return pages;
+// All of level 0. The pack was read before, so errors are those of a file that changed meanwhile.
+RawLevel readFinest(const Pack& pack, int part) {
+  Result<RawLevel> level = readRawLevel(pack, part, 0);
+  if (!level)
+    throw ToolError(exitOf(level.error().code),
+                    std::string("a page cannot be read: ") + level.error().detail);
+  return *std::move(level);
 }
 
 }  // namespace
 
 DenseVolume decodeDense(const runtime::Asset& asset, int part) {
-  const runtime::VoxelLevel& level = *asset.level(part, 0);
-  const std::vector<std::vector<std::uint32_t>> pages = decodePages(asset.pack(), level);
+  const RawLevel level = readFinest(asset.pack(), part);
   DenseVolume volume;
-  volume.size = level.size;
-  const std::size_t voxels = static_cast<std::size_t>(level.size.x) * static_cast<std::size_t>(level.size.y) *
-                             static_cast<std::size_t>(level.size.z);
+  volume.size = asset.pack().parts()[static_cast<std::size_t>(part)].size;
+  const std::size_t voxels = static_cast<std::size_t>(volume.size.x) *
+                             static_cast<std::size_t>(volume.size.y) *
+                             static_cast<std::size_t>(volume.size.z);
   volume.solid.resize(voxels);
   volume.attributes.resize(voxels);
-  std::vector<glm::ivec3> surface;
+  std::vector<glm::ivec3> surface, bricks(level.codes.size() / kBrickVoxels);  // by slot
+  const glm::ivec3 grid = brickGrid(volume.size);
   std::size_t cell_index = 0;
   glm::ivec3 brick;
-  for (brick.z = 0; brick.z < level.grid.z; ++brick.z) {
-    for (brick.y = 0; brick.y < level.grid.y; ++brick.y) {
-      for (brick.x = 0; brick.x < level.grid.x; ++brick.x) {
+  for (brick.z = 0; brick.z < grid.z; ++brick.z) {
+    for (brick.y = 0; brick.y < grid.y; ++brick.y) {
+      for (brick.x = 0; brick.x < grid.x; ++brick.x) {
         const std::uint32_t cell = level.cells[cell_index++];
-        if (!(cell & kCellSolid)) continue;
-        const std::uint32_t* const words =
-            pages[runtime::cellPage(cell)].data() + runtime::kBrickWords * runtime::cellBrick(cell);
+        if (isStoredCell(cell)) bricks[cell & kCellSlotMask] = brick;
+        if (cell != kCellInside) continue;
         forVoxels(volume, brick, [&](const glm::ivec3& voxel) {
-          const std::uint8_t code = runtime::codeOf(words, voxel);
-          if (!isSolidCode(code)) return;
-          const std::size_t i = indexOf(volume, voxel);
-          volume.solid[i] = 1;
-          volume.attributes[i] =
-              isSurfaceCode(code) ? runtime::attributeOf(words, voxel, code) : kNoAttribute;
-          if (isSurfaceCode(code)) surface.push_back(voxel);
+          volume.solid[indexOf(volume, voxel)] = 1;
+          volume.attributes[indexOf(volume, voxel)] = kNoAttribute;
         });
       }
+    }
+  }
+  const std::uint8_t* code = level.codes.data();
+  const std::uint32_t* attribute = level.attributes.data();
+  for (const glm::ivec3& stored : bricks) {
+    for (int i = 0; i < kBrickVoxels; ++i, ++code) {
+      if (!isSolidCode(*code)) continue;
+      const glm::ivec3 voxel = kBrickSide * stored + glm::ivec3(i & 7, i >> 3 & 7, i >> 6);
+      volume.solid[indexOf(volume, voxel)] = 1;
+      volume.attributes[indexOf(volume, voxel)] = isSurfaceCode(*code) ? *attribute++ : kNoAttribute;
+      if (isSurfaceCode(*code)) surface.push_back(voxel);
     }
   }
   spreadInwards(volume, surface);

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: MIT
-// How voxels are stored: bricks of 8 x 8 x 8 one-byte codes, a grid of cells over them, and one attribute for
-// each surface voxel. formats/SPEC.md, section 5, defines this; the header is that section in C++.
+// How voxels lie in memory: bricks of 8 x 8 x 8 one-byte codes, a grid of cells over them, and one attribute
+// for each surface voxel. formats/SPEC.md, section 5, says what they mean and how a file holds them.
 //
 //   cell (u32), one a brick
 //     bit 31 = 0     The brick is empty. Six numbers of 4 bits say how many bricks its empty box reaches
 //                    beyond it: bits 0..3 towards -x, 4..7 +x, 8..11 -y, 12..15 +y, 16..19 -z, 20..23 +z.
 //                    Bits 24..30: its clearance in voxels, rounded down, at most 127.
-//     bit 31 = 1     The brick holds at least one solid voxel. Bits 0..23: its slot. Bits 24..30: zero.
+//     bit 31 = 1     The brick is stored: it holds a surface voxel. Bits 0..23: its slot. Bits 24..30: zero.
+//     kCellInside    All voxels of the brick are inner. It is not stored.
 //   code (u8), one a voxel
 //     0 ..  63       Empty. Its empty box reaches 2^k - 1 voxels on both sides of it, with k = bits 0,1
 //                    along x, bits 2,3 along y, bits 4,5 along z.
 //     64 .. 127      Surface voxel: solid, with an attribute. code - 64 = its rank among the surface voxels
-//                    of its z-slice. In a file all surface codes are 64.
+//                    of its z-slice.
 //     128            Inner voxel: solid, without an attribute.
 //   attribute (u32), one a surface voxel
 //                    Bits 0..7: palette index. Bits 8..19 and 20..31: octahedral normal, u and v.
+//
+// The boxes of cells and codes are not in the file: the reader makes them (kelp/formats/empty_boxes.h). Nor
+// are slots, which ascend in Morton order. While a level is written, a stored cell holds its slot; once it is
+// read, the page of its brick and its place there (kelp/formats/pack.h).
 //
 // Clearance: the exact Euclidean distance between the brick's closed 8 x 8 x 8 cube and the closed cube of
 // the nearest solid voxel, in voxels of the level. Boxes may reach beyond the volume, where nothing is solid.
@@ -35,11 +40,15 @@ inline constexpr int kBrickVoxels = 512;
 inline constexpr std::uint8_t kSurfaceCode = 64;
 inline constexpr std::uint8_t kInnerCode = 128;
 inline constexpr std::uint32_t kCellSolid = 0x80000000u;
+inline constexpr std::uint32_t kCellInside = 0xc0000000u;
 inline constexpr std::uint32_t kCellSlotMask = 0x00ffffffu;
 inline constexpr int kCellMaxReach = 15;
 inline constexpr int kCellClearanceShift = 24;
 inline constexpr std::uint32_t kCellMaxClearance = 127;
 inline constexpr int kMaxLevels = 16;
+
+// Whether the cell's brick is stored, and not only solid.
+inline bool isStoredCell(std::uint32_t cell) { return cell >> 30 == 2; }
 
 inline bool isSolidCode(std::uint8_t code) { return code >= kSurfaceCode; }
 inline bool isSurfaceCode(std::uint8_t code) { return code >= kSurfaceCode && code < kInnerCode; }
@@ -56,6 +65,26 @@ inline int cellClearance(std::uint32_t cell) {
   return static_cast<int>(cell >> kCellClearanceShift & kCellMaxClearance);
 }
 
+// Cells of a level that was read. page: its index; the number of pages for a brick that is inside.
+inline constexpr std::uint32_t kMaxPageBricks = 128;
+inline constexpr std::uint32_t kMaxPages = 1u << 17;
+inline constexpr std::uint32_t makeStoredCell(std::uint32_t page, std::uint32_t brick) {
+  return kCellSolid | page << 7 | brick;
+}
+inline constexpr std::uint32_t cellPage(std::uint32_t cell) { return cell >> 7 & (kMaxPages - 1); }
+inline constexpr std::uint32_t cellBrick(std::uint32_t cell) { return cell & (kMaxPageBricks - 1); }
+
+// Bits of the voxels of a brick, slice by slice along z: bit x + 8 y of slices[z] is that of voxel (x, y, z).
+struct BrickBits {
+  std::uint64_t slices[8] = {};
+};
+inline constexpr BrickBits kEmptyBits{};
+
+// Which voxels of a brick are solid, and which of these are surface.
+struct BrickShape {
+  BrickBits solid, surface;
+};
+
 // Size in voxels of level `level` of a volume of `size` level-0 voxels: ceil(size / 2^level), at least 1.
 glm::ivec3 levelSize(const glm::ivec3& size, int level);
 // Number of bricks along each axis of a level of `size` voxels: ceil(size / 8).
@@ -71,8 +100,10 @@ std::uint64_t mortonCode(const glm::ivec3& brick);
 // Every value of the 24 bits can be decoded:
 //   x = (min(u, 4094) - 2047) / 2047, z likewise from v, y = 1 - |x| - |z|, f = max(-y, 0),
 //   x -= x >= 0 ? f : -f, z -= z >= 0 ? f : -f, then (x, y, z) is normalised.
-// encodeNormal returns the nearest representable normal. A zero or non-finite input gives +y.
-std::uint32_t encodeNormal(const glm::vec3& normal);
+// encodeNormal returns the nearest representable normal whose low `ones` bits of u and of v are all ones;
+// pages of such normals are smaller. ones: 0 to 8. A zero or non-finite input gives +y, or what is nearest to
+// it.
+std::uint32_t encodeNormal(const glm::vec3& normal, int ones = 0);
 glm::vec3 decodeNormal(std::uint32_t bits24);
 
 inline std::uint32_t makeAttribute(std::uint8_t palette_index, std::uint32_t normal24) {

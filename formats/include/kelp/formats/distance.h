@@ -74,12 +74,6 @@ int distanceLevels(const glm::ivec3& size, int levels);
 // The band that writers give such a level: the widest one to the last, which it covers.
 DistanceBand distanceBand(const glm::ivec3& size, int levels, int level);
 
-// Bits of the voxels of a brick, slice by slice along z: bit x + 8 y is set if voxel (x, y, z) is solid.
-struct BrickBits {
-  std::uint64_t slices[8] = {};
-};
-inline constexpr BrickBits kEmptyBits{};
-
 // The codes of a brick, computed from the bits of the bricks around it. around[(i + 2) + 5 ((j + 2) + 5 (k +
 // 2))]: the brick (i, j, k) bricks beside it; null: nothing is known of that brick, so its voxels count as
 // neither solid nor empty. Those two bricks away matter from squared distances of 81 on, and may be null

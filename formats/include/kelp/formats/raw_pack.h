@@ -16,12 +16,14 @@
 
 namespace kelp {
 
-// One level of one part, as brick.h (solid) or fog.h (fog) describes it.
+// One level of one part, as brick.h (solid) or fog.h (fog) describes it. The boxes of cells and codes are not
+// written, and may be 0.
 struct RawLevel {
-  // One a brick of the grid, x fastest, then y, then z. Slots number the stored bricks in Morton order.
+  // One a brick of the grid, x fastest, then y, then z. A stored one holds its slot; slots number the stored
+  // bricks in Morton order.
   std::vector<std::uint32_t> cells;
   // If the part is solid:
-  std::vector<std::uint8_t> codes;        // 512 a slot
+  std::vector<std::uint8_t> codes;  // 512 a slot. A voxel is solid if one that it covers is, surface too
   std::vector<std::uint32_t> attributes;  // one a surface voxel, slot by slot, in the order of codes
   // If the part is fog:
   std::vector<std::uint8_t> density;  // 729 a slot
@@ -99,10 +101,16 @@ struct Sink {
   void* user = nullptr;
 };
 
+// How hard writePack tries to make pages of voxels small.
+enum class Effort : std::uint8_t {
+  kFast,
+  kBest,  // a few percent smaller, several times as long
+};
+
 // Writes the pack. The same RawPack gives the same bytes on every machine. Everything is checked before the
 // first byte is written. kMisuse, with a text, for everything that the reader would refuse; kIo if the sink
 // fails; kOutOfMemory. threads: how many threads compress pages, at least 1.
-Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1);
+Result<void> writePack(const RawPack& pack, const Sink& sink, int threads = 1, Effort effort = Effort::kFast);
 
 // The rest rig of a part, as in Part.
 struct RawRig {

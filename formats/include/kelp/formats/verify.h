@@ -15,19 +15,18 @@ enum class Severity : std::uint8_t { kError, kWarning };
 enum class IssueId : std::uint16_t {
   // The source cannot be read, or the identifier, version, header or index is wrong.
   kUnreadable = 100,
-  kChunkChecksum = 200,      // the bytes of a chunk differ from their checksum
-  kPaddingNotZero = 201,     // a byte between chunks, or a reserved field, is not zero
-  kUnknownChunk = 202,       // warning: an optional chunk that this version does not know
-  kMetadata = 300,           // PART, MATL, FOGS, RIGS, CLIP, SOCK or INFO breaks a rule
-  kNotMonotone = 301,        // the rest rig of a part turns back
-  kFolds = 302,              // the rest rig of a swept part bends too sharply for its thickness
-  kGrid = 400,               // a grid cannot be read
-  kPage = 401,               // a page cannot be read
-  kBrickWithoutSolid = 402,  // a stored brick holds no solid voxel, or no fog
-  kOutsideVolume = 403,      // a solid voxel, or a sample of fog, lies outside the level's size
-  kPaletteIndex = 404,       // an attribute names a palette entry that does not exist
-  kDistanceGrid = 405,       // a grid of distances cannot be read
-  kDistances = 406,          // a page of distances cannot be read, or its own bits contradict it
+  kChunkChecksum = 200,   // the bytes of a chunk differ from their checksum
+  kPaddingNotZero = 201,  // a byte between chunks, or a reserved field, is not zero
+  kUnknownChunk = 202,    // warning: an optional chunk that this version does not know
+  kMetadata = 300,        // PART, MATL, FOGS, RIGS, CLIP, SOCK or INFO breaks a rule
+  kNotMonotone = 301,     // the rest rig of a part turns back
+  kFolds = 302,           // the rest rig of a swept part bends too sharply for its thickness
+  kGrid = 400,            // a grid cannot be read
+  kPage = 401,            // a page cannot be read
+  kClearBrick = 402,      // a stored brick holds no fog
+  kFogOutside = 403,      // a sample of fog lies outside the level's size
+  kDistanceGrid = 405,    // a grid of distances cannot be read
+  kDistances = 406,       // a page of distances cannot be read, or its own bits contradict it
 };
 
 struct Issue {

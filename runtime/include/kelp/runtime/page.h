@@ -4,7 +4,9 @@
 //
 //   cell, one word a brick
 //     empty        as in the pack (kelp/formats/brick.h)
-//     stored       kCellSolid | page << 7 | brick within the page
+//     stored       makeStoredCell (kelp/formats/brick.h)
+//     inside       as brick 0 of one more page, which every level of voxels has after its own: kSolidBrick.
+//                  So rays, queries and shading need not tell it from a stored one
 //   page, up to 128 bricks
 //     Brick b starts at word kBrickWords * b: 4 words of slices, then 128 words of codes, four a word, the
 //     first in the lowest byte. After the bricks come the attributes of all of them.
@@ -19,6 +21,7 @@
 //     1), the first in the lowest byte. So two words hold all samples of a cube.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -30,14 +33,12 @@ namespace kelp::runtime {
 
 inline constexpr std::uint32_t kSliceWords = 4;
 inline constexpr std::uint32_t kBrickWords = kSliceWords + kBrickVoxels / 4;
-inline constexpr std::uint32_t kMaxPageBricks = 128;
-inline constexpr std::uint32_t kMaxPages = 1u << 17;  // of a level; a cell has 17 bits for it
-
-inline std::uint32_t makeStoredCell(std::uint32_t page, std::uint32_t brick) {
-  return kCellSolid | page << 7 | brick;
-}
-inline std::uint32_t cellPage(std::uint32_t cell) { return cell >> 7 & (kMaxPages - 1); }
-inline std::uint32_t cellBrick(std::uint32_t cell) { return cell & (kMaxPageBricks - 1); }
+// The brick whose voxels are all inner.
+inline constexpr auto kSolidBrick = [] {
+  std::array<std::uint32_t, kBrickWords> words{};
+  for (std::uint32_t i = kSliceWords; i < kBrickWords; ++i) words[i] = kInnerCode * 0x01010101u;
+  return words;
+}();
 
 inline constexpr std::uint32_t kFogChannelWords = kBrickSide * kBrickSide * (kBrickSide + 1);
 

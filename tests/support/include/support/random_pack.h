@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Random packs that keep every rule of formats/SPEC.md, and packs in memory. The voxels make no sense as a
-// shape (the emptiness that cells and codes promise is random), they are only well formed.
+// shape, they are only well formed: the clearances of cells are random.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -64,28 +64,20 @@ class RandomPack {
     return pack;
   }
 
-  // Bricks over a level of `size` voxels; about `filled` of them are stored.
+  // One level of `size` voxels, about `filled` of whose bricks hold something.
   RawLevel makeLevel(const glm::ivec3& size, std::size_t palette_size, float filled) {
-    RawLevel level;
-    const glm::ivec3 grid = brickGrid(size);
-    std::vector<std::pair<std::uint64_t, std::size_t>> order;  // Morton code, cell
-    for (int z = 0; z < grid.z; ++z) {
-      for (int y = 0; y < grid.y; ++y) {
-        for (int x = 0; x < grid.x; ++x) {
-          const std::size_t cell = level.cells.size();
-          level.cells.push_back(static_cast<std::uint32_t>(random_()) & ~kCellSolid);
-          if (unit() < filled) order.emplace_back(mortonCode({x, y, z}), cell);
-        }
-      }
+    return makeLevels(size, 1, palette_size, filled)[0];
+  }
+  // Levels of a part of `size` voxels, each true to the next finer one.
+  std::vector<RawLevel> makeLevels(const glm::ivec3& size, int count, std::size_t palette_size,
+                                   float filled) {
+    std::vector<RawLevel> levels;
+    Voxels voxels = scatter(size, filled);
+    for (int level = 0; level < count; ++level) {
+      levels.push_back(levelOf(voxels, palette_size));
+      voxels = coarser(voxels);
     }
-    if (order.empty()) order.emplace_back(0, 0);
-    std::sort(order.begin(), order.end());
-    for (std::size_t slot = 0; slot < order.size(); ++slot) {
-      const int cell = static_cast<int>(order[slot].second);
-      level.cells[order[slot].second] = kCellSolid | static_cast<std::uint32_t>(slot);
-      addBrick(level, {cell % grid.x, cell / grid.x % grid.y, cell / grid.x / grid.y}, size, palette_size);
-    }
-    return level;
+    return levels;
   }
 
  private:
@@ -95,25 +87,98 @@ class RandomPack {
     return {reach * (2 * unit() - 1), reach * (2 * unit() - 1), reach * (2 * unit() - 1)};
   }
 
-  void addBrick(RawLevel& level, const glm::ivec3& brick, const glm::ivec3& size, std::size_t palette_size) {
-    const float solid = 0.02f + 0.9f * unit();
-    int rank = 0;
-    for (int i = 0; i < kBrickVoxels; ++i) {
-      if (i % 64 == 0) rank = 0;
-      const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
-      const bool inside = voxel.x < size.x && voxel.y < size.y && voxel.z < size.z;
-      // Voxel 0 of a brick is always inside: make it solid, so that none is empty.
-      if (!inside || (i > 0 && unit() >= solid)) {
-        level.codes.push_back(static_cast<std::uint8_t>(between(0, kSurfaceCode - 1)));
-      } else if (unit() < 0.2f) {
-        level.codes.push_back(kInnerCode);
-      } else {
-        level.codes.push_back(static_cast<std::uint8_t>(kSurfaceCode + rank++));
+  // Dense: 0 empty, kInnerCode or kSurfaceCode.
+  struct Voxels {
+    glm::ivec3 size{0};
+    std::vector<std::uint8_t> codes;
+
+    std::uint8_t at(const glm::ivec3& v) const {
+      return v.x < 0 || v.y < 0 || v.z < 0 || v.x >= size.x || v.y >= size.y || v.z >= size.z
+                 ? 0
+                 : codes[index(v)];
+    }
+    std::size_t index(const glm::ivec3& v) const {
+      return static_cast<std::size_t>(v.x + size.x * (v.y + size.y * v.z));
+    }
+    template <class F>
+    void each(F&& f) const {
+      glm::ivec3 v;
+      for (v.z = 0; v.z < size.z; ++v.z)
+        for (v.y = 0; v.y < size.y; ++v.y)
+          for (v.x = 0; v.x < size.x; ++v.x) f(v);
+    }
+  };
+
+  // Bricks that are full, empty, or of random voxels; the surface is what SPEC.md says.
+  Voxels scatter(const glm::ivec3& size, float filled) {
+    Voxels out{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x * size.y * size.z))};
+    const glm::ivec3 grid = brickGrid(size);
+    std::vector<float> density(static_cast<std::size_t>(grid.x * grid.y * grid.z));
+    const float full = 0.8f * unit();
+    for (float& brick : density)
+      brick = unit() >= filled ? 0.0f : unit() < full ? 1.0f : 0.02f + 0.9f * unit();
+    out.each([&](const glm::ivec3& v) {
+      const glm::ivec3 b = v / 8;
+      const float solid = density[static_cast<std::size_t>(b.x + grid.x * (b.y + grid.y * b.z))];
+      if (solid >= 1 || (solid > 0 && unit() < solid)) out.codes[out.index(v)] = kInnerCode;
+    });
+    out.codes[0] = kInnerCode;  // something is solid
+    out.each([&](const glm::ivec3& v) {
+      if (out.at(v) == 0) return;
+      for (int i = 0; i < 27; ++i)
+        if (out.at(v + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1) == 0) out.codes[out.index(v)] = kSurfaceCode;
+    });
+    return out;
+  }
+
+  static Voxels coarser(const Voxels& fine) {
+    const glm::ivec3 size = levelSize(fine.size, 1);
+    Voxels out{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.x * size.y * size.z))};
+    fine.each([&](const glm::ivec3& v) {
+      std::uint8_t& code = out.codes[out.index(v / 2)];
+      if (const std::uint8_t below = fine.at(v); below != 0 && code != kSurfaceCode) code = below;
+    });
+    return out;
+  }
+
+  // The clearances of empty bricks are random.
+  RawLevel levelOf(const Voxels& voxels, std::size_t palette_size) {
+    RawLevel level;
+    const glm::ivec3 grid = brickGrid(voxels.size);
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;  // Morton code, cell
+    const auto codeOf = [&](std::size_t cell, int i) {
+      const auto c = static_cast<int>(cell);
+      return voxels.at(8 * glm::ivec3(c % grid.x, c / grid.x % grid.y, c / grid.x / grid.y) +
+                       glm::ivec3(i & 7, (i >> 3) & 7, i >> 6));
+    };
+    for (std::size_t cell = 0; cell < static_cast<std::size_t>(grid.x * grid.y * grid.z); ++cell) {
+      bool surface = false, inner = false;
+      for (int i = 0; i < kBrickVoxels; ++i) {
+        surface = surface || codeOf(cell, i) == kSurfaceCode;
+        inner = inner || codeOf(cell, i) == kInnerCode;
+      }
+      level.cells.push_back(surface ? kCellSolid
+                            : inner ? kCellInside
+                                    : static_cast<std::uint32_t>(random_()) & 127u << kCellClearanceShift);
+      const auto c = static_cast<int>(cell);
+      if (surface)
+        order.emplace_back(mortonCode({c % grid.x, c / grid.x % grid.y, c / grid.x / grid.y}), cell);
+    }
+    std::sort(order.begin(), order.end());
+    for (std::size_t slot = 0; slot < order.size(); ++slot) {
+      level.cells[order[slot].second] = kCellSolid | static_cast<std::uint32_t>(slot);
+      int rank = 0;
+      for (int i = 0; i < kBrickVoxels; ++i) {
+        if (i % 64 == 0) rank = 0;
+        const std::uint8_t code = codeOf(order[slot].second, i);
+        level.codes.push_back(code == kSurfaceCode ? static_cast<std::uint8_t>(code + rank++) : code);
+        if (code != kSurfaceCode) continue;
         level.attributes.push_back(
             makeAttribute(static_cast<std::uint8_t>(between(0, static_cast<int>(palette_size) - 1)),
                           static_cast<std::uint32_t>(random_()) & 0xffffffu));
       }
     }
+    return level;
   }
 
   RawPart makePart(int index, std::size_t palette_size) {
@@ -142,10 +207,7 @@ class RandomPack {
       part.bend = Bend::kSweep;
       part.roll = roll;
     }
-    const int levels = between(1, options_.max_levels);
-    for (int level = 0; level < levels; ++level) {
-      part.levels.push_back(makeLevel(levelSize(part.size, level), palette_size, unit()));
-    }
+    part.levels = makeLevels(part.size, between(1, options_.max_levels), palette_size, unit());
     return part;
   }
 

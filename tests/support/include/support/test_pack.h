@@ -12,6 +12,7 @@
 #include "kelp/fields/fields.h"
 #include "kelp/formats/raw_pack.h"
 #include "support/poses.h"
+#include "support/surface_above.h"
 
 namespace kelp::test {
 
@@ -19,16 +20,9 @@ namespace kelp::test {
 // volume's centre.
 inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t material = 0) {
   std::vector<RawLevel> levels;
+  std::vector<std::uint64_t> indices = fields::surfaceVoxels(volume, 1);
   while (true) {
     std::vector<fields::SurfaceVoxel> surface;
-    std::vector<std::uint64_t> indices;
-    if (levels.empty()) {
-      indices = fields::surfaceVoxels(volume, 1);
-    } else {  // any solid voxel may carry an attribute above level 0: give it to all
-      for (std::uint64_t i = 0; i < volume.solid.size(); ++i) {
-        if (volume.solid[i]) indices.push_back(i);
-      }
-    }
     const auto sx = static_cast<std::uint64_t>(volume.size.x);
     const auto sy = static_cast<std::uint64_t>(volume.size.y);
     for (const std::uint64_t i : indices) {
@@ -39,6 +33,7 @@ inline std::vector<RawLevel> levelsOf(fields::Occupancy volume, std::uint8_t mat
     }
     levels.push_back(fields::buildLevel(volume, surface, 1));
     if (volume.size.x <= 8 && volume.size.y <= 8 && volume.size.z <= 8) return levels;
+    indices = surfaceAbove(indices, volume.size);
     volume = fields::coarser(volume);
   }
 }

@@ -68,6 +68,9 @@ constexpr OptionInfo kOptions[] = {
      "levels of detail (default: as many as it takes to reach one brick)"},
     {"no-distance", "", T::kFlag, S::kPack, P::kNone, true, "false",
      "leave out the exact distances, which games ask for collisions and shaders for soft shadows"},
+    {"effort", "fast|best", T::kText, S::kPack, P::kNone, true, "\"fast\"",
+     "how hard to try to make the pack small; best: a little smaller, the writing takes longer (default "
+     "fast)"},
     {"threads", "N", T::kNumber, S::kRun, P::kNone, false, "4",
      "threads (default: all); the pack is the same with any number"},
     {"max-memory", "SIZE", T::kText, S::kRun, P::kNone, false, "\"4G\"",

@@ -218,6 +218,7 @@ Options readOptions(const Values& values, Faults& faults) {
   read.text("ramp", settings.ramp_file);
   read.positiveNumber("levels", settings.levels);
   settings.distance = !read.flag("no-distance");
+  read.choice("effort", settings.effort, {{"fast", Effort::kFast}, {"best", Effort::kBest}}, "fast or best");
   read.positiveNumber("threads", settings.threads);
   read.bytes("max-memory", settings.max_memory);
   read.positiveNumber("max-import-time", options.max_import_seconds);

@@ -141,7 +141,7 @@ std::string bakeInto(const Options& options, OutputFile& output, int pipe, const
     return !interrupted();
   };
   const RawPack pack = bake::bake(options.input, options.settings, report, progress);
-  bake::writePackInto(pack, output, options.settings.threads, report, progress);
+  bake::writePackInto(pack, output, options.settings.threads, report, progress, options.settings.effort);
   return packed(report, containment);
 }
 

@@ -87,7 +87,7 @@ Command addVerify(CLI::App& app) {
                  "  ssh farm cat reed.kelp | kelp-dump verify -\n");
   addPack(command, options->path);
   command->add_flag("--deep", options->deep,
-                    "also recompute empty boxes, levels, surface and distances from the voxels, and compare");
+                    "also recompute clearances, levels, surface and distances from the voxels, and compare");
   addFormat(command, options->format);
   return {command, [options] { return runVerify(*options); }};
 }

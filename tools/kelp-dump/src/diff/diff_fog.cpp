@@ -67,7 +67,7 @@ void diffFog(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int lev
     d.b = fmt::format("{}", extinction_b);
   }
   BrickReader a(file_a, part_a, level), b(file_b, part_b, level);
-  Places found[2], boxes;
+  Places found[2];
   // Heat in only one of them is reported as a difference of "look".
   const int channels = std::min(of_a.fog->channels(), of_b.fog->channels());
   forEachBrick(a, b, [&](const glm::ivec3& low, const BrickReader* its_a, const BrickReader* its_b) {
@@ -84,17 +84,6 @@ void diffFog(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int lev
     d.first = first;
     d.largest = found[channel].largest;
   }
-  if (found[0].count + found[1].count > 0 || of_a.fog->channels() != of_b.fog->channels()) return;
-  for (std::size_t c = 0; c < a.grid().cells.size(); ++c)
-    if (a.grid().cells[c] != b.grid().cells[c] && !((a.grid().cells[c] | b.grid().cells[c]) & kCellSolid))
-      boxes.add(voxelAt(a.grid().grid, c) * kBrickSide);
-  if (boxes.count == 0) return;
-  Difference& d = add("empty_boxes",
-                      fmt::format("the same samples, but other empty boxes in {}, first at ({}, {}, {}); "
-                                  "verify --deep says which are right",
-                                  plural(boxes.count, "place"), boxes.first.x, boxes.first.y, boxes.first.z));
-  d.count = boxes.count;
-  d.first = boxes.first;
 }
 
 }  // namespace kelp::dump

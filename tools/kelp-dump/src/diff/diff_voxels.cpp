@@ -28,17 +28,17 @@ class LevelDiff {
   LevelDiff(const PaletteDistances& palette, const Tolerance& tolerance)
       : palette_(palette), tolerance_(tolerance) {}
 
-  Places only_a, only_b, bare_a, bare_b, colour, normal, boxes;
+  Places only_a, only_b, bare_a, bare_b, colour, normal;
   glm::ivec3 first_solid{0}, first_surface{0};
 
-  // A missing brick (null) is empty.
-  void compare(const glm::ivec3& low, const BrickReader* a, const BrickReader* b) {
+  // a, b: null if the level does not store the brick; it is then wholly inside or empty.
+  void compare(const glm::ivec3& low, const BrickReader* a, const BrickReader* b, bool inside_a,
+               bool inside_b) {
     if (a && b && identical_ && std::ranges::equal(a->codes(), b->codes()) &&
         std::ranges::equal(a->attributes(), b->attributes()))
       return;
-    static constexpr std::array<std::uint8_t, kBrickVoxels> kEmptyBrick{};
-    const std::span<const std::uint8_t> codes_a = a ? a->codes() : kEmptyBrick,
-                                        codes_b = b ? b->codes() : kEmptyBrick;
+    const std::span<const std::uint8_t> codes_a = a ? a->codes() : uniform(inside_a),
+                                        codes_b = b ? b->codes() : uniform(inside_b);
     const std::span<const std::uint32_t> attributes_a =
                                              a ? a->attributes() : std::span<const std::uint32_t>(),
                                          attributes_b =
@@ -54,8 +54,6 @@ class LevelDiff {
       if (isSolidCode(code_a) != isSolidCode(code_b)) {
         if (only_a.count + only_b.count == 0) first_solid = at;
         (isSolidCode(code_a) ? only_a : only_b).add(at);
-      } else if (!isSolidCode(code_a)) {
-        if (a && b && code_a != code_b) boxes.add(at);
       } else if (surface_a != surface_b) {
         if (bare_a.count + bare_b.count == 0) first_surface = at;
         (surface_a ? bare_b : bare_a).add(at);
@@ -64,16 +62,28 @@ class LevelDiff {
       }
     }
   }
-  // Compares the cells of bricks that are empty in both.
-  void compareCells(const LevelGrid& a, const LevelGrid& b) {
-    for (std::size_t c = 0; c < a.cells.size(); ++c)
-      if (a.cells[c] != b.cells[c] && !((a.cells[c] | b.cells[c]) & kCellSolid))
-        boxes.add(voxelAt(a.grid, c) * kBrickSide);
+  // Compares the bricks that neither level stores, where one is wholly inside and the other empty.
+  void compareInside(const LevelGrid& a, const LevelGrid& b) {
+    for (std::size_t c = 0; c < a.cells.size(); ++c) {
+      const bool inside_a = a.cells[c] == kCellInside, inside_b = b.cells[c] == kCellInside;
+      if (inside_a != inside_b && !isStoredCell(a.cells[c]) && !isStoredCell(b.cells[c]))
+        compare(voxelAt(a.grid, c) * kBrickSide, nullptr, nullptr, inside_a, inside_b);
+    }
   }
   // Whether equal palette indices mean equal colours.
   void setIdentical(bool identical) { identical_ = identical; }
 
  private:
+  static std::span<const std::uint8_t> uniform(bool inside) {
+    static constexpr std::array<std::uint8_t, kBrickVoxels> kEmptyBrick{};
+    static constexpr auto kInsideBrick = [] {
+      std::array<std::uint8_t, kBrickVoxels> codes{};
+      codes.fill(kInnerCode);
+      return codes;
+    }();
+    return inside ? kInsideBrick : kEmptyBrick;
+  }
+
   void compareAttributes(const glm::ivec3& at, std::uint32_t a, std::uint32_t b) {
     if (const float apart = palette_.apart[attributePalette(a)][attributePalette(b)]; apart > 0)
       colour.add(at, static_cast<double>(apart));
@@ -101,10 +111,12 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
     identical = identical && palette.apart[i][i] == 0;
   found.setIdentical(identical);
   forEachBrick(a, b, [&](const glm::ivec3& low, const BrickReader* its_a, const BrickReader* its_b) {
-    found.compare(low, its_a, its_b);
+    const std::size_t cell = denseIndex(a.grid().grid, low / kBrickSide);
+    found.compare(low, its_a, its_b, a.grid().cells[cell] == kCellInside,
+                  b.grid().cells[cell] == kCellInside);
   });
+  found.compareInside(a.grid(), b.grid());
   const bool agree = found.only_a.count + found.only_b.count == 0;
-  if (agree) found.compareCells(a.grid(), b.grid());
 
   const std::string name(file_a.pack().parts()[static_cast<std::size_t>(part_a)].name);
   const auto add = [&](const char* kind, std::uint64_t count, const glm::ivec3& first,
@@ -141,10 +153,6 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
         fmt::format("{} with another normal (by up to {:.3g} degrees)", plural(found.normal.count, "voxel"),
                     found.normal.largest))
         .largest = found.normal.largest;
-  if (agree && found.boxes.count > 0)
-    add("empty_boxes", found.boxes.count, found.boxes.first,
-        fmt::format("the same voxels, but other empty boxes in {}; verify --deep says which are right",
-                    plural(found.boxes.count, "place")));
 }
 
 }  // namespace kelp::dump

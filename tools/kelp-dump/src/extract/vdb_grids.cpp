@@ -85,6 +85,8 @@ openvdb::FloatGrid::Ptr levelSet(const std::string& name, const LevelVoxels& lev
     }
   }
   // Deep inside. A sound pack has only full bricks there.
+  for (const glm::ivec3& brick : level.insideBricks())
+    if (!field.has(brick)) tree.addTile(1, coordOf(brick * kBrickSide), -outside, false);
   for (const glm::ivec3& brick : level.storedBricks()) {
     if (field.has(brick)) continue;
     int solid = 0;

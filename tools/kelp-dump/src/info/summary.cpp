@@ -75,7 +75,7 @@ std::vector<PartSummary> summarizeTables(const Pack& pack) {
     }
     if (kind != "GRID" && kind != "BRCK" && kind != "FOGB") continue;
     LevelSummary& level = parts.at(chunk.part).levels.at(chunk.level);
-    if (kind == "GRID") level.pages = pagesOf(chunk, level.cells * sizeof(std::uint32_t));
+    if (kind == "GRID") level.pages = pagesOf(chunk, level.cells);
     level.stored += chunk.stored;
   }
   return parts;
@@ -83,7 +83,8 @@ std::vector<PartSummary> summarizeTables(const Pack& pack) {
 
 LevelSummary::Counted countLevel(PackFile& file, std::uint32_t part, int level,
                                  std::array<std::uint64_t, 256>& palette_use) {
-  const LevelGrid grid = readLevelGrid(file, part, level);
+  const LevelReader reader = openLevel(file, part, level);
+  const LevelGrid& grid = reader.grid();
   LevelSummary::Counted counted;
   const Part& of = file.pack().parts()[part];
   std::vector<glm::ivec3> positions;
@@ -91,11 +92,15 @@ LevelSummary::Counted countLevel(PackFile& file, std::uint32_t part, int level,
     counted.cubes = denseCount(grid.size);
     positions = bricksBySlot(grid);
   }
-  counted.bricks = grid.bricks;
+  counted.bricks = grid.bricks.size();
+  counted.solid += kBrickVoxels * static_cast<std::uint64_t>(
+                                      std::count_if(grid.cells.begin(), grid.cells.end(),
+                                                    [&](std::uint32_t cell) { return grid.isInside(cell); }));
   PageData page;
-  for (const PageInfo& info : grid.pages) {
+  for (std::size_t i = 0; i < grid.pages.size(); ++i) {
+    const PageInfo& info = grid.pages[i];
     counted.page_bytes += info.raw;
-    readLevelPage(file, part, level, info, page);
+    readLevelPage(file, reader, i, page);
     if (of.fog) counted.foggy += foggyCubes(page, info.channels, positions, grid.size);
     counted.solid +=
         static_cast<std::uint64_t>(std::count_if(page.codes.begin(), page.codes.end(), isSolidCode));

@@ -9,18 +9,15 @@
 namespace kelp::dump {
 
 BrickReader::BrickReader(PackFile& file, int part, int level)
-    : file_(file), part_(static_cast<std::uint32_t>(part)), level_(level) {
-  grid_ = readLevelGrid(file, part_, level);
-  positions_ = bricksBySlot(grid_);
-}
+    : file_(file), level_(openLevel(file, static_cast<std::uint32_t>(part), level)) {}
 
 bool BrickReader::next() {
-  if (begun_ && slot_ + 1 >= grid_.bricks) return false;
+  if (begun_ && slot_ + 1 >= grid().bricks.size()) return false;
   slot_ += begun_;
   const bool turn = !begun_ || inPage() >= page_.count;
   if (turn) {
     page_index_ += begun_;
-    readLevelPage(file_, part_, level_, grid_.pages[page_index_], page_);
+    readLevelPage(file_, level_, page_index_, page_);
   }
   begun_ = true;
   if (channels() > 0) return true;

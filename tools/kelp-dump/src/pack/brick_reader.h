@@ -3,25 +3,24 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "kelp/formats/pack.h"
 #include "pack/pack_file.h"
 
 namespace kelp::dump {
 
-// Reads the bricks of a level one after the other, in Morton order as they are in the file. Holds only the
-// grid and one page in memory.
+// Reads the bricks of a level one after the other, in Morton order as they are in the file. Holds only grids,
+// one page and the shape of the next coarser level in memory.
 class BrickReader {
  public:
   // Reads the grid. ToolError here and from next().
   BrickReader(PackFile& file, int part, int level);
 
-  const LevelGrid& grid() const { return grid_; }
+  const LevelGrid& grid() const { return level_.grid(); }
   // Moves to the next brick; the first call to the first one. False at the end.
   bool next();
   // Of the current brick.
-  const glm::ivec3& position() const { return positions_[slot_]; }
+  glm::ivec3 position() const { return grid().place(slot_); }
   std::uint64_t morton() const { return mortonCode(position()); }
   std::span<const std::uint8_t> codes() const {
     return std::span<const std::uint8_t>(page_.codes.span()).subspan(inPage() * kBrickVoxels, kBrickVoxels);
@@ -32,16 +31,13 @@ class BrickReader {
   }
   // Of fog. Channel 0 is density, 1 is heat.
   std::span<const std::uint8_t> samples(int channel) const;
-  int channels() const { return grid_.pages[page_index_].channels; }
+  int channels() const { return grid().pages[page_index_].channels; }
 
  private:
   std::size_t inPage() const { return slot_ - page_.first_slot; }
 
   PackFile& file_;
-  std::uint32_t part_;
-  int level_;
-  LevelGrid grid_;
-  std::vector<glm::ivec3> positions_;  // by slot
+  LevelReader level_;
   PageData page_;
   std::size_t page_index_ = 0;
   std::uint32_t slot_ = 0;

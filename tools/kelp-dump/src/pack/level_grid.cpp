@@ -5,9 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "kelp/common/dense_index.h"
-#include "kelp/formats/brick.h"
-#include "kelp/formats/fog.h"
+#include "kelp/formats/raw_level.h"
 #include "text/text.h"
 
 namespace kelp::dump {
@@ -16,41 +14,27 @@ std::string levelText(const Pack& pack, std::uint32_t part, int level) {
   return fmt::format("part {} '{}', level {}", part, nameText(pack.parts()[part].name), level);
 }
 
-LevelGrid readLevelGrid(PackFile& file, std::uint32_t part, int level) {
-  Result<LevelGrid> grid = file.pack().readGrid(static_cast<int>(part), level);
-  if (!grid) file.fail(grid.error(), levelText(file.pack(), part, level));
-  return *std::move(grid);
+LevelReader openLevel(PackFile& file, std::uint32_t part, int level) {
+  Result<LevelReader> reader = LevelReader::open(file.pack(), static_cast<int>(part), level);
+  if (!reader) file.fail(reader.error(), levelText(file.pack(), part, level));
+  return *std::move(reader);
 }
 
-void readLevelPage(PackFile& file, std::uint32_t part, int level, const PageInfo& info, PageData& page) {
-  if (const Result<void> read = file.pack().readPage(info, page); !read)
-    file.fail(read.error(), levelText(file.pack(), part, level));
+void readLevelPage(PackFile& file, const LevelReader& level, std::size_t index, PageData& page) {
+  if (const Result<void> read = level.readPage(index, page); !read)
+    file.fail(read.error(),
+              levelText(file.pack(), static_cast<std::uint32_t>(level.grid().part), level.grid().level));
 }
 
-RawLevel readLevelData(PackFile& file, std::uint32_t part, int level, const LevelGrid& grid) {
-  const Fog* const fog = file.pack().parts()[part].fog;
-  const std::size_t bricks = grid.bricks;
-  RawLevel raw;
-  raw.cells.assign(grid.cells.begin(), grid.cells.end());
-  raw.codes.reserve(fog ? 0 : bricks * kBrickVoxels);
-  raw.density.reserve(fog ? bricks * kFogSamples : 0);
-  raw.heat.reserve(fog && fog->channels() == 2 ? bricks * kFogSamples : 0);
-  PageData page;
-  for (const PageInfo& info : grid.pages) {
-    readLevelPage(file, part, level, info, page);
-    raw.codes.insert(raw.codes.end(), page.codes.begin(), page.codes.end());
-    raw.attributes.insert(raw.attributes.end(), page.attributes.begin(), page.attributes.end());
-    const std::size_t samples = info.channels == 2 ? page.fog.size() / 2 : page.fog.size();
-    raw.density.insert(raw.density.end(), page.fog.begin(), page.fog.begin() + samples);
-    raw.heat.insert(raw.heat.end(), page.fog.begin() + samples, page.fog.end());
-  }
-  return raw;
+RawLevel readLevelData(PackFile& file, std::uint32_t part, int level) {
+  Result<RawLevel> raw = readRawLevel(file.pack(), static_cast<int>(part), level);
+  if (!raw) file.fail(raw.error(), levelText(file.pack(), part, level));
+  return *std::move(raw);
 }
 
 std::vector<glm::ivec3> bricksBySlot(const LevelGrid& grid) {
-  std::vector<glm::ivec3> bricks(grid.bricks);
-  for (std::size_t c = 0; c < grid.cells.size(); ++c)
-    if (grid.cells[c] & kCellSolid) bricks[grid.cells[c] & kCellSlotMask] = voxelAt(grid.grid, c);
+  std::vector<glm::ivec3> bricks;
+  for (std::uint32_t slot = 0; slot < grid.bricks.size(); ++slot) bricks.push_back(grid.place(slot));
   return bricks;
 }
 

@@ -16,11 +16,10 @@ namespace kelp::dump {
 std::string levelText(const Pack& pack, std::uint32_t part, int level);
 
 // ToolError if it cannot be read.
-LevelGrid readLevelGrid(PackFile& file, std::uint32_t part, int level);
-void readLevelPage(PackFile& file, std::uint32_t part, int level, const PageInfo& info, PageData& page);
-
-// Reads all pages of a level.
-RawLevel readLevelData(PackFile& file, std::uint32_t part, int level, const LevelGrid& grid);
+LevelReader openLevel(PackFile& file, std::uint32_t part, int level);
+void readLevelPage(PackFile& file, const LevelReader& level, std::size_t index, PageData& page);
+// All of a level.
+RawLevel readLevelData(PackFile& file, std::uint32_t part, int level);
 
 // The position in the grid of every stored brick, by slot.
 std::vector<glm::ivec3> bricksBySlot(const LevelGrid& grid);

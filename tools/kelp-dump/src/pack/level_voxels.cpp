@@ -16,7 +16,7 @@ namespace {
 // The memory that the level needs, known before any page is read: decoded pages and the tables beside them.
 std::uint64_t memoryOf(const LevelGrid& grid) {
   std::uint64_t bytes = grid.cells.size() * sizeof(std::uint32_t) * 2 +
-                        std::uint64_t{grid.bricks} * (sizeof(glm::ivec3) + 8 * sizeof(std::uint32_t));
+                        grid.bricks.size() * (sizeof(glm::ivec3) + 8 * sizeof(std::uint32_t));
   for (const PageInfo& page : grid.pages) bytes += page.raw;
   return bytes;
 }
@@ -26,7 +26,9 @@ std::uint64_t memoryOf(const LevelGrid& grid) {
 LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   const Pack& pack = file.pack();
   const Part& part = pack.parts()[part_index];
-  const LevelGrid grid = readLevelGrid(file, part_index, level);
+  const Result<LevelGrid> read = pack.readGrid(static_cast<int>(part_index), level);
+  if (!read) file.fail(read.error(), levelText(pack, part_index, level));
+  const LevelGrid& grid = *read;
   requireMemory(memoryOf(grid), fmt::format("{}: {}:", file.path(), levelText(pack, part_index, level)),
                 "extract a coarser --level, or use a larger machine");
   kind_ = part.kind;
@@ -36,8 +38,10 @@ LevelVoxels::LevelVoxels(PackFile& file, std::uint32_t part_index, int level) {
   to_object_ = glm::dmat4x3(part.to_object);
   for (int axis = 0; axis < 3; ++axis) to_object_[axis] *= scale;
   if (fog()) extinction_ = part.fog->extinction[static_cast<std::size_t>(level)];
-  raw_ = readLevelData(file, part_index, level, grid);
+  raw_ = readLevelData(file, part_index, level);
   brick_of_slot_ = bricksBySlot(grid);
+  for (std::size_t c = 0; c < grid.cells.size(); ++c)
+    if (raw_.cells[c] == kCellInside) inside_.push_back(voxelAt(grid_, c));
   slice_base_.resize(raw_.codes.size() / kBrickVoxels * 8);
   computeSliceBase(raw_.codes, 0, slice_base_);  // every page's ranks were checked as it was read
 }
@@ -60,7 +64,9 @@ void LevelVoxels::paletteRow(int y, int z, int from, std::span<std::int16_t> row
     for (int x = first; x < std::min(first + kBrickSide, beyond); ++x) {
       const int index = codeIndex({x, y, z});
       const std::uint8_t here =
-          raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
+          cell == kCellInside
+              ? kInnerCode
+              : raw_.codes[std::size_t{slot} * kBrickVoxels + static_cast<std::size_t>(index)];
       if (isSurfaceCode(here)) last = attributePalette(attributeOf(slot, index, here));
       if (x >= from && isSolidCode(here)) row[static_cast<std::size_t>(x - from)] = last;
     }

@@ -39,7 +39,7 @@ class LevelVoxels {
   // The palette index of each voxel of a row along x, or kEmpty. Inner voxels have no colour: they get that
   // of the surface voxel before them. `row` begins at x = `from` and ends within the level.
   void paletteRow(int y, int z, int from, std::span<std::int16_t> row) const;
-  // Whether any brick is stored for the voxels from..beyond-1 of a row.
+  // Whether any brick is solid, in part or whole, of the voxels from..beyond-1 of a row.
   bool anyBrick(int from, int beyond, int y, int z) const;
   std::uint64_t solidVoxels() const;
   std::uint64_t surfaceVoxels() const { return raw_.attributes.size(); }
@@ -57,6 +57,8 @@ class LevelVoxels {
   // Calls f(voxel) for every solid voxel.
   template <class F>
   void eachSolid(F&& f) const {
+    for (const glm::ivec3& brick : inside_)
+      for (int i = 0; i < kBrickVoxels; ++i) f(brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6));
     for (std::size_t slot = 0; slot < brick_of_slot_.size(); ++slot)
       for (int i = 0; i < kBrickVoxels; ++i) {
         if (!isSolidCode(raw_.codes[slot * kBrickVoxels + static_cast<std::size_t>(i)])) continue;
@@ -64,6 +66,7 @@ class LevelVoxels {
       }
   }
   const std::vector<glm::ivec3>& storedBricks() const { return brick_of_slot_; }  // by slot
+  const std::vector<glm::ivec3>& insideBricks() const { return inside_; }         // kCellInside
 
   // Of fog.
   float extinction() const { return extinction_; }
@@ -98,6 +101,7 @@ class LevelVoxels {
   std::uint8_t code(const glm::ivec3& voxel) const {
     if (!contains(voxel)) return 0;
     const std::uint32_t cell = cellOf(voxel);
+    if (cell == kCellInside) return kInnerCode;
     return cell & kCellSolid ? raw_.codes[std::size_t{cell & kCellSlotMask} * kBrickVoxels +
                                           static_cast<std::size_t>(codeIndex(voxel))]
                              : std::uint8_t{0};
@@ -112,7 +116,7 @@ class LevelVoxels {
   glm::dmat4x3 to_object_{1};
   float extinction_ = 0;
   RawLevel raw_;
-  std::vector<glm::ivec3> brick_of_slot_;
+  std::vector<glm::ivec3> brick_of_slot_, inside_;
   std::vector<std::uint32_t> slice_base_;  // 8 a slot
 };
 

@@ -83,7 +83,7 @@ Pixel coloursOf(const LevelVoxels& level, const Pack& pack, bool rows) {
   };
 }
 
-// Exact distances between closed cubes. They are computed: a pack only holds empty boxes.
+// Exact distances between closed cubes. They are computed: a pack only holds those of bricks.
 Pixel clearanceOf(const LevelVoxels& level, PackFile& file, std::uint32_t part) {
   const glm::ivec3 size = level.size();
   const std::size_t voxels = denseCount(size);

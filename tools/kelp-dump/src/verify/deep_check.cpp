@@ -17,7 +17,6 @@
 #include "verify/deep_distances.h"
 #include "verify/deep_fog.h"
 #include "verify/deep_level.h"
-#include "verify/emptiness.h"
 
 namespace kelp::dump {
 namespace {
@@ -146,33 +145,7 @@ class DeepCheck {
     for (std::size_t i = 0; i < occupancy.solid.size(); ++i) {
       if (occupancy.solid[i] == kAttributed) surface.push_back({i, 0});
     }
-    const RawLevel exact = fields::buildLevel(occupancy, surface, threads_);
-    Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
-    for (std::size_t c = 0; c < exact.cells.size(); ++c) {
-      const std::uint32_t right = exact.cells[c];
-      // Both have the same bricks in the same slots: the occupancy comes from the stored cells, every stored
-      // brick holds a solid voxel, and slots ascend in Morton order. formats' verify has checked this.
-      if (right & kCellSolid) {
-        const std::size_t codes = std::size_t{right & kCellSlotMask} * kBrickVoxels;
-        compareCodes(level.raw.codes.data() + codes, exact.codes.data() + codes, voxelAt(level.grid, c),
-                     occupancy, untrue, lesser);
-      } else {
-        compareCell(level.raw.cells[c], c, exact.cells, level.grid, untrue, lesser);
-      }
-    }
-    untrue.report(report_);
-    lesser.report(report_);
-  }
-
-  static void compareCodes(const std::uint8_t* stored, const std::uint8_t* right, const glm::ivec3& brick,
-                           const Occupancy& occupancy, Tally& untrue, Tally& lesser) {
-    for (int i = 0; i < kBrickVoxels; ++i) {
-      if (isSolidCode(stored[i]) || stored[i] == right[i]) continue;
-      const glm::ivec3 voxel = brick * kBrickSide + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
-      (breaksPromise(stored[i], voxel, occupancy) ? untrue : lesser)
-          .add(brick, voxel,
-               fmt::format("box of {} stored, {} is right", codeText(stored[i]), codeText(right[i])));
-    }
+    compareClearances(level, fields::buildLevel(occupancy, surface, threads_), place, report_);
   }
 
   PackFile& file_;
@@ -186,11 +159,11 @@ class DeepCheck {
 const char* toString(DeepIssue issue) {
   switch (issue) {
     case DeepIssue::kFalseEmptiness:
-      return "A cell or code promises emptiness where something is, so rays skip it. The program that wrote "
+      return "A cell promises emptiness where something is, so rays skip it. The program that wrote "
              "the pack is wrong: bake it again.";
     case DeepIssue::kNotBestEmptiness:
-      return "A cell or code promises another empty box than the best one, so rays take needless steps. Bake "
-             "the pack again.";
+      return "A cell promises less emptiness than there is, so rays take needless steps. Bake the pack "
+             "again.";
     case DeepIssue::kLacksVoxel:
       return "A level is empty where the next finer one is solid, so it shows holes from afar. Bake the "
              "pack again.";

@@ -7,7 +7,7 @@
 namespace kelp::dump {
 
 // Recomputes what the voxels imply and appends to `report` every difference from what is stored. For each
-// level of each solid part it compares: the empty boxes of all empty bricks and voxels, bit for bit; the
+// level of each solid part it compares: the clearances of all empty bricks, to the voxel; the
 // occupancy with that of the next finer level; which voxels have an attribute (at level 0 the surface, above
 // it the voxels over a surface voxel). deep_fog.h does the same for fog.
 //

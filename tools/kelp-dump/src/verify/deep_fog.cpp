@@ -44,14 +44,9 @@ bool bricksAgree(const Place& place, const StoredLevel& level, const FogSamples&
 
 void checkCells(const Place& place, const StoredLevel& level, const FogSamples& samples, int threads,
                 VerifyReport& report) {
-  const RawLevel exact = fields::buildFogLevel(samples, threads);
-  Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
   // All bricks agree about their samples, and no stored brick is clear. So both have the same bricks in the
   // same slots.
-  for (std::size_t c = 0; c < exact.cells.size(); ++c)
-    compareCell(level.raw.cells[c], c, exact.cells, level.grid, untrue, lesser);
-  untrue.report(report);
-  lesser.report(report);
+  compareClearances(level, fields::buildFogLevel(samples, threads), place, report);
 }
 
 void checkSamples(const Place& place, const FogSamples& stored, const FogSamples& right,

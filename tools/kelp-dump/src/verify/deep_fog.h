@@ -7,7 +7,7 @@
 
 namespace kelp::dump {
 
-// The deep check of a part of fog (see deep_check.h). It compares the empty boxes bit for bit, the samples
+// The deep check of a part of fog (see deep_check.h). It compares the clearances to the voxel, the samples
 // that bricks share, and every level's samples and extinction with those of the next finer level. If bricks
 // disagree about shared samples, nothing else is checked in that level.
 void checkFogDeeply(PackFile& file, int part, int threads, VerifyReport& report);

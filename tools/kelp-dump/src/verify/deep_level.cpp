@@ -1,24 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "verify/deep_level.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "kelp/common/dense_index.h"
+#include "kelp/formats/fog.h"
 #include "pack/level_grid.h"
-#include "verify/emptiness.h"
 
 namespace kelp::dump {
 
 StoredLevel readStored(PackFile& file, const Place& place) {
   const auto part = static_cast<std::uint32_t>(place.part);
-  const LevelGrid grid = readLevelGrid(file, part, place.level);
+  const Part& of = file.pack().parts()[part];
   StoredLevel level;
-  level.size = grid.size;
-  level.grid = grid.grid;
-  level.raw = readLevelData(file, part, place.level, grid);
-  level.brick_of_slot = bricksBySlot(grid);
+  level.size = latticeSize(of.kind, levelSize(of.size, place.level));
+  level.grid = brickGrid(level.size);
+  level.raw = readLevelData(file, part, place.level);
+  for (std::size_t cell = 0; cell < level.raw.cells.size(); ++cell) {
+    if (!isStoredCell(level.raw.cells[cell])) continue;
+    level.brick_of_slot.resize(
+        std::max<std::size_t>(level.brick_of_slot.size(), (level.raw.cells[cell] & kCellSlotMask) + 1));
+    level.brick_of_slot[level.raw.cells[cell] & kCellSlotMask] = voxelAt(level.grid, cell);
+  }
   return level;
 }
 
@@ -43,14 +49,19 @@ void Tally::report(VerifyReport& into) const {
   into.findings.push_back(finding);
 }
 
-void compareCell(std::uint32_t stored, std::size_t index, std::span<const std::uint32_t> right,
-                 const glm::ivec3& grid, Tally& untrue, Tally& lesser) {
-  if (stored == right[index]) return;
-  const glm::ivec3 brick = voxelAt(grid, index);
-  const bool broken = breaksPromise(stored, brick, right, grid, cellClearance(right[index]));
-  (broken ? untrue : lesser)
-      .add(brick, std::nullopt,
-           fmt::format("box of {} stored, {} are right", cellText(stored), cellText(right[index])));
+void compareClearances(const StoredLevel& level, const RawLevel& right, const Place& place,
+                       VerifyReport& report) {
+  Tally untrue(DeepIssue::kFalseEmptiness, place), lesser(DeepIssue::kNotBestEmptiness, place);
+  for (std::size_t c = 0; c < right.cells.size(); ++c) {
+    if (right.cells[c] & kCellSolid) continue;
+    const int stored = cellClearance(level.raw.cells[c]), best = cellClearance(right.cells[c]);
+    if (stored == best) continue;
+    (stored > best ? untrue : lesser)
+        .add(voxelAt(level.grid, c), std::nullopt,
+             fmt::format("clearance of {} stored, {} is right", stored, best));
+  }
+  untrue.report(report);
+  lesser.report(report);
 }
 
 }  // namespace kelp::dump

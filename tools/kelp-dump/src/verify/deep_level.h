@@ -45,9 +45,9 @@ class Tally {
   std::string detail_;
 };
 
-// Compares an empty brick's cell with the recomputed one. A difference is counted in `untrue` if the cell
-// promises emptiness where something is, else in `lesser`. `right`: the level's recomputed cells.
-void compareCell(std::uint32_t stored, std::size_t index, std::span<const std::uint32_t> right,
-                 const glm::ivec3& grid, Tally& untrue, Tally& lesser);
+// Compares the clearances of empty bricks with recomputed ones: they may promise emptiness where something
+// is, or less than they could.
+void compareClearances(const StoredLevel& level, const RawLevel& right, const Place& place,
+                       VerifyReport& report);
 
 }  // namespace kelp::dump

@@ -73,8 +73,7 @@ std::uint64_t VerifyReport::errors() const {
 std::string verifyText(const VerifyReport& report) {
   std::string text;
   for (const Finding& finding : report.findings) text += findingText(finding, report);
-  const char* const deeper =
-      report.distances ? "empty boxes, levels and distances" : "empty boxes and levels";
+  const char* const deeper = report.distances ? "clearances, levels and distances" : "clearances and levels";
   const std::string checked =
       fmt::format("{}, {}", plural(report.part_names.size(), "part"), plural(report.levels, "level")) +
       (report.deep ? fmt::format(", {} recomputed", deeper)

@@ -31,6 +31,7 @@ struct Settings : ImportSettings {
   bool keep_materials = false;
   int levels = 0;        // how many; 0: until a level is a single brick
   bool distance = true;  // whether the pack holds distances
+  Effort effort = Effort::kFast;
 };
 
 // Numbers of a bake, for --report and the closing lines.
@@ -156,10 +157,10 @@ bool isCurrent(const std::filesystem::path& pack, const std::filesystem::path& i
 // Writes the pack's bytes into a file that the caller commits, and their number and hash into the report.
 // Throws ToolError kIo.
 void writePackInto(const RawPack& pack, OutputFile& file, int threads, Report& report,
-                   const Progress& progress = {});
+                   const Progress& progress = {}, Effort effort = Effort::kFast);
 // The same, whole: to a temporary file beside `path`, flushes it to disk and renames it to `path`. So an
 // existing file is whole at every moment, and an error leaves no temporary file. Throws ToolError kIo.
 void writePackFile(const RawPack& pack, const std::filesystem::path& path, int threads, Report& report,
-                   const Progress& progress = {});
+                   const Progress& progress = {}, Effort effort = Effort::kFast);
 
 }  // namespace kelp::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Exact Euclidean distance transform, clearance, empty boxes and levels of voxel volumes. The baker computes
+// Exact Euclidean distance transform, clearance and levels of voxel volumes. The baker computes
 // with it, kelp-dump verifies with it. Every function gives the same result for any number of threads, with
 // or without SIMD. Arrays are dense, x fastest, then y, then z.
 #pragma once
@@ -76,9 +76,10 @@ std::vector<std::uint64_t> surfaceVoxels(const Occupancy& occupancy, int threads
 // The next coarser occupancy: size ceil(size / 2), solid where any of the (up to) eight voxels is.
 Occupancy coarser(const Occupancy& occupancy, int threads = 1);
 
-// Cells, codes and attributes of one level: what brick.h describes. `surface` must list exactly the voxels
-// that get an attribute, all solid. Throws std::invalid_argument if nothing is solid or `surface` does not
-// fit.
+// Cells, codes and attributes of one level: what brick.h describes, without boxes, which the reader of a pack
+// makes. `surface` must list exactly the voxels
+// that get an attribute, all solid; full bricks without any become kCellInside. Throws std::invalid_argument
+// if nothing is solid or `surface` does not fit.
 RawLevel buildLevel(const Occupancy& occupancy, std::span<const SurfaceVoxel> surface, int threads);
 
 // The distances of one level, exact within the band: what kelp/formats/distance.h describes. Brick by brick,

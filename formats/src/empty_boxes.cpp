@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/formats/empty_boxes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+#include <glm/common.hpp>
+
+namespace kelp {
+namespace {
+
+constexpr std::size_t kReaches = 4;                    // 2^k - 1 for k = 0 .. 3
+using Slices = std::array<std::uint64_t, kBrickSide>;  // bit x + 8 y of [z]
+
+// The 64 codes, the best first: by the shortest of their three reaches, then the middle one, then the
+// longest, then by number.
+constexpr auto kPreferred = [] {
+  std::array<std::uint8_t, 64> codes{};
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<std::uint8_t>(i);
+  const auto worth = [](std::uint8_t code) {
+    std::array<int, 3> k{code & 3, code >> 2 & 3, code >> 4};
+    std::sort(k.begin(), k.end());
+    return (k[0] << 4 | k[1] << 2 | k[2]) << 6 | (63 - code);
+  };
+  std::sort(codes.begin(), codes.end(), [&](std::uint8_t a, std::uint8_t b) { return worth(a) > worth(b); });
+  return codes;
+}();
+
+// Byte i of [eight]: bit i.
+constexpr auto kBytesOfBits = [] {
+  std::array<std::uint64_t, 256> bytes{};
+  for (std::size_t eight = 0; eight < bytes.size(); ++eight)
+    for (std::size_t i = 0; i < 8; ++i) bytes[eight] |= std::uint64_t{eight >> i & 1} << (8 * i);
+  return bytes;
+}();
+
+// The lines of a window -> for k = 0 .. 3, for each of the eight lines in its middle, the union of all lines
+// within 2^k - 1 of it. Runs of 2^k lines double from one k to the next, and two of them cover the 2^(k+1) -
+// 1 lines around one.
+template <class Line>
+void spread(std::array<Line, kBoxWindow>& run, std::array<std::array<Line, kBrickSide>, kReaches>& near) {
+  for (std::size_t k = 0; k < kReaches; ++k) {
+    const std::size_t length = std::size_t{1} << k;
+    for (std::size_t i = 0; i < kBrickSide; ++i)
+      near[k][i] = static_cast<Line>(run[i + kBoxReach] | run[i + kBoxReach - (length - 1)]);
+    if (k + 1 == kReaches) break;
+    for (std::size_t i = 0; i + length < kBoxWindow; ++i)
+      run[i] = static_cast<Line>(run[i] | run[i + length]);
+  }
+}
+
+}  // namespace
+
+// Which voxels have a solid one in the box of each code: along x by shifts of rows, along y over rows, along
+// z over slices of 64 bits.
+void chooseBoxes(const BoxWindow& window, std::span<std::uint8_t, kBrickVoxels> codes) {
+  std::array<std::array<std::array<std::uint64_t, kBoxWindow>, kReaches>, kReaches> slices;  // [kx][ky][z]
+  for (std::size_t z = 0; z < kBoxWindow; ++z) {
+    std::array<std::uint32_t, kBoxWindow> run = window.rows[z];
+    for (std::size_t kx = 0; kx < kReaches; ++kx) {
+      const int length = 1 << kx;
+      std::array<std::uint8_t, kBoxWindow> rows;
+      for (std::size_t y = 0; y < kBoxWindow; ++y) {
+        rows[y] = static_cast<std::uint8_t>((run[y] | run[y] << (length - 1)) >> kBrickSide);
+        run[y] |= run[y] >> length;
+      }
+      std::array<std::array<std::uint8_t, kBrickSide>, kReaches> near;
+      spread(rows, near);
+      for (std::size_t ky = 0; ky < kReaches; ++ky)
+        slices[kx][ky][z] = std::bit_cast<std::uint64_t>(near[ky]);
+    }
+  }
+  std::array<Slices, 64> blocked;
+  for (std::size_t kx = 0; kx < kReaches; ++kx) {
+    for (std::size_t ky = 0; ky < kReaches; ++ky) {
+      std::array<Slices, kReaches> near;
+      spread(slices[kx][ky], near);
+      for (std::size_t kz = 0; kz < kReaches; ++kz) blocked[kx | ky << 2 | kz << 4] = near[kz];
+    }
+  }
+
+  std::array<Slices, 6> bits{};  // of the codes
+  Slices open = blocked[0];
+  for (std::uint64_t& slice : open) slice = ~slice;
+  for (const std::uint8_t code : kPreferred) {
+    for (std::size_t z = 0; z < kBrickSide; ++z) {
+      const std::uint64_t fits = open[z] & ~blocked[code][z];
+      open[z] ^= fits;
+      for (std::size_t bit = 0; bit < 6; ++bit) bits[bit][z] |= code >> bit & 1 ? fits : 0;
+    }
+  }
+  for (std::size_t row = 0; row < 64; ++row) {
+    const auto eightOf = [&](const Slices& slices_of) {
+      return static_cast<std::uint8_t>(slices_of[row / 8] >> (8 * (row % 8)));
+    };
+    const std::uint64_t solid = kBytesOfBits[eightOf(blocked[0])] * 0xff;
+    std::uint64_t eight;
+    std::memcpy(&eight, &codes[8 * row], sizeof eight);
+    eight &= solid;
+    for (std::size_t bit = 0; bit < 6; ++bit) eight |= kBytesOfBits[eightOf(bits[bit])] << bit;
+    std::memcpy(&codes[8 * row], &eight, sizeof eight);
+  }
+}
+
+namespace {
+
+// How many bricks of each region of a grid are solid, in part or whole.
+class BrickSums {
+ public:
+  // sums: of all bricks below (x, y, z), one more than bricks along each axis.
+  BrickSums(std::span<const std::uint32_t> cells, const glm::ivec3& grid, std::span<std::uint32_t> sums)
+      : grid_(grid), sums_(sums) {
+    std::fill(sums.begin(), sums.end(), 0u);
+    std::size_t cell = 0;
+    for (int z = 0; z < grid.z; ++z) {
+      for (int y = 0; y < grid.y; ++y) {
+        std::uint32_t row = 0;
+        for (int x = 0; x < grid.x; ++x) {
+          row += cells[cell++] >> 31;
+          sums_[index(x + 1, y + 1, z + 1)] =
+              row + sums_[index(x + 1, y, z + 1)] + sums_[index(x + 1, y + 1, z)] - sums_[index(x + 1, y, z)];
+        }
+      }
+    }
+  }
+
+  // Bits 0 to 23 of the cell of an empty brick.
+  std::uint32_t grownBox(const glm::ivec3& brick) const {
+    // as most are in a large volume
+    if (count(brick - kCellMaxReach, brick + kCellMaxReach) == 0) return 0xffffff;
+    glm::ivec3 low = brick, high = brick;
+    std::array<int, 6> reach{};
+    std::uint32_t growing = 63;
+    // A slab only widens while the other sides grow: a side that cannot move once never will.
+    while (growing != 0) {
+      for (int side = 0; side < 6; ++side) {
+        if (!(growing >> side & 1)) continue;
+        const int axis = side / 2;
+        glm::ivec3 from = low, to = high;  // the slab of bricks beyond this side
+        from[axis] = to[axis] = side % 2 == 0 ? low[axis] - 1 : high[axis] + 1;
+        const auto s = static_cast<std::size_t>(side);
+        if (reach[s] >= kCellMaxReach || count(from, to) != 0) {
+          growing &= ~(1u << side);
+          continue;
+        }
+        ++reach[s];
+        low = glm::min(low, from);
+        high = glm::max(high, to);
+      }
+    }
+    std::uint32_t box = 0;
+    for (std::size_t side = 0; side < 6; ++side) box |= static_cast<std::uint32_t>(reach[side]) << (4 * side);
+    return box;
+  }
+
+ private:
+  // Bricks in the box from low to high, both included, that are solid; outside the grid there is nothing.
+  std::uint32_t count(glm::ivec3 low, glm::ivec3 high) const {
+    low = glm::max(low, glm::ivec3(0));
+    high = glm::min(high + 1, grid_);
+    if (low.x >= high.x || low.y >= high.y || low.z >= high.z) return 0;
+    const auto plane = [&](int z) {
+      return sums_[index(high.x, high.y, z)] - sums_[index(low.x, high.y, z)] -
+             sums_[index(high.x, low.y, z)] + sums_[index(low.x, low.y, z)];
+    };
+    return plane(high.z) - plane(low.z);
+  }
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(grid_.x + 1) *
+               (static_cast<std::size_t>(y) +
+                static_cast<std::size_t>(grid_.y + 1) * static_cast<std::size_t>(z));
+  }
+
+  glm::ivec3 grid_;
+  std::span<std::uint32_t> sums_;
+};
+
+}  // namespace
+
+bool growBoxes(std::span<std::uint32_t> cells, const glm::ivec3& grid, const Allocator& allocator) {
+  Buffer<std::uint32_t> memory(allocator);
+  if (!memory.reset(std::uint64_t{static_cast<std::uint32_t>(grid.x) + 1} *
+                    (static_cast<std::uint32_t>(grid.y) + 1) * (static_cast<std::uint32_t>(grid.z) + 1)))
+    return false;
+  const BrickSums sums(cells, grid, memory.span());
+  std::size_t cell = 0;
+  glm::ivec3 brick;
+  for (brick.z = 0; brick.z < grid.z; ++brick.z) {
+    for (brick.y = 0; brick.y < grid.y; ++brick.y) {
+      for (brick.x = 0; brick.x < grid.x; ++brick.x, ++cell) {
+        if (!(cells[cell] & kCellSolid)) cells[cell] = (cells[cell] & ~0xffffffu) | sums.grownBox(brick);
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace kelp

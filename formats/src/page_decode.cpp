@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "kelp/formats/brick.h"
+#include "page_attributes.h"
+#include "page_codec.h"
+#include "page_occupancy.h"
+#include "page_state.h"
+
+namespace kelp {
+namespace {
+
+using coding::PageHeader;
+using coding::PageState;
+
+// The header; what follows it stays in `stored`. False: it is not one.
+bool readHeader(std::span<const std::byte>& stored, PageHeader& header) {
+  if (stored.size() < coding::kHeaderBytes) return false;
+  const auto at = [&](std::size_t i) { return std::to_integer<std::uint32_t>(stored[i]); };
+  header.limit = coding::kLeastLimit + (at(0) & 3);
+  header.exact = (at(0) & 4) != 0;
+  header.dropped = at(0) >> 4;
+  header.plain_bytes = at(1) | at(2) << 8;
+  if ((at(0) & 8) != 0 || header.dropped > coding::kMostDropped) return false;
+  std::size_t bytes = coding::kHeaderBytes;
+  if (header.dropped > 0) {
+    if (stored.size() < bytes + coding::kPatternBytes) return false;
+    header.pattern = at(bytes) | at(bytes + 1) << 8 | at(bytes + 2) << 16;
+    bytes += coding::kPatternBytes;
+    if ((header.pattern & ~coding::droppedBits(header.dropped)) != 0) return false;
+  }
+  stored = stored.subspan(bytes);
+  return header.plain_bytes <= stored.size() && (stored.size() - header.plain_bytes) % 2 == 0;
+}
+
+// Writes the codes of all bricks. Returns the number of surface voxels.
+std::size_t writeCodes(const PageState& state, std::span<std::uint8_t> codes) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < codes.size(); i += 8) {
+    const std::size_t brick = i / 512, z = i / 64 % 8, y = i / 8 % 8;
+    const std::uint64_t solid = state.solid[brick][z] >> (8 * y) & 0xff,
+                        surface = state.surface[brick][z] >> (8 * y) & 0xff;
+    count += static_cast<std::size_t>(std::popcount(surface));
+    for (std::size_t x = 0; x < 8; ++x)
+      codes[i + x] = (surface >> x & 1) != 0 ? kSurfaceCode : (solid >> x & 1) != 0 ? kInnerCode : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+Result<void> decodeSolidPage(const PageShape& shape, std::span<const std::byte> stored,
+                             Buffer<std::byte>& workspace, std::span<std::uint8_t> codes,
+                             std::span<std::uint32_t> attributes) {
+  if (!coding::isPageShape(shape) || codes.size() != shape.bricks.size() * 512 ||
+      attributes.size() > kMaxPageAttributes)
+    return Error{ErrorCode::kMisuse, "sizes of a page do not match"};
+  PageHeader header;
+  if (!readHeader(stored, header)) return Error{ErrorCode::kCorrupt, "a page's header is impossible"};
+  PageState* const state = coding::prepareState(shape, workspace);
+  if (!state) return Error{ErrorCode::kOutOfMemory, "no memory for a page"};
+  coding::Decoder decoder(stored.subspan(header.plain_bytes), stored.first(header.plain_bytes), header.limit);
+  coding::startRows(shape, *state);
+  coding::codeSolid(decoder, shape, *state);
+  if (!coding::codeSurface(decoder, shape, *state, header.exact))
+    return Error{ErrorCode::kCorrupt, "a stored brick has no surface voxel"};
+  if (writeCodes(*state, codes) != attributes.size())
+    return Error{ErrorCode::kCorrupt, "a page does not have one attribute for each surface voxel"};
+  if (!coding::codeAttributes(decoder, header, shape, *state, attributes))
+    return Error{ErrorCode::kCorrupt, "a palette index is beyond the palette"};
+  if (!decoder.isAtEnd()) return Error{ErrorCode::kCorrupt, "a page does not end where its voxels end"};
+  return {};
+}
+
+}  // namespace kelp
