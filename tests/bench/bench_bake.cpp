@@ -265,9 +265,9 @@ PlainFrame plainFrame(const PageData& page, FrameEncoder& encoder) {
   const std::size_t codes = raw.size();
   raw.resize(codes + attributes.size());
   std::memcpy(raw.data() + codes, attributes.data(), attributes.size());
-  PlainFrame frame{std::vector<std::byte>(FrameEncoder::bound(raw.size())), raw.size()};
-  frame.bytes.resize(encoder.encode(std::as_bytes(std::span(raw)), frame.bytes));
-  return frame;
+  std::vector<std::byte> room(FrameEncoder::bound(raw.size()));
+  const std::size_t size = encoder.encode(std::as_bytes(std::span(raw)), room);
+  return {{room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size)}, raw.size()};
 }
 
 // Every page of every level: read, checked and decoded, beside zstd's decompression of the same voxels.

@@ -77,7 +77,7 @@ std::uint8_t bestCode(const Solid& solid, const glm::ivec3& v) {
 // What a page knows of the level: its own bricks, the coarser level for those of other pages; and which
 // bricks are empty or inside.
 Solid knownTo(const LevelGrid& grid, std::uint32_t page, const Solid& truth, const Solid* coarser) {
-  Solid known(truth.size);
+  Solid known(8 * brickGrid(truth.size));  // to the voxels that fill the last bricks
   known.each([&](const glm::ivec3& v) {
     const glm::ivec3 b = v / 8;
     const std::uint32_t cell =

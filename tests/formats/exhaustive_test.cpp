@@ -23,7 +23,7 @@ using test::PackSurgeon;
 // Solid parts with several levels and clips, and one of fog with heat.
 const RawPack& specimen() {
   static const RawPack pack = [] {
-    RawPack raw = test::RandomPack(11, {2, 14, 2, 2}).make();
+    RawPack raw = test::RandomPack(11, {2, 17, 2, 2}).make();
     raw.palette.resize(16);
     for (RawPart& part : raw.parts)
       for (RawLevel& level : part.levels)
