@@ -259,14 +259,14 @@ struct PlainFrame {
   std::size_t raw = 0;
 };
 PlainFrame plainFrame(const PageData& page, FrameEncoder& encoder) {
-  std::vector<std::uint8_t> raw(page.codes.begin(), page.codes.end());
-  for (std::uint8_t& code : raw) code = isSurfaceCode(code) ? kSurfaceCode : code;
+  std::vector<std::byte> raw;
+  raw.reserve(page.codes.size() + 4 * page.attributes.size());
+  for (const std::uint8_t code : page.codes)
+    raw.push_back(std::byte{isSurfaceCode(code) ? kSurfaceCode : code});
   const std::span<const std::byte> attributes = std::as_bytes(page.attributes.span());
-  const std::size_t codes = raw.size();
-  raw.resize(codes + attributes.size());
-  std::memcpy(raw.data() + codes, attributes.data(), attributes.size());
+  raw.insert(raw.end(), attributes.begin(), attributes.end());
   std::vector<std::byte> room(FrameEncoder::bound(raw.size()));
-  const std::size_t size = encoder.encode(std::as_bytes(std::span(raw)), room);
+  const std::size_t size = encoder.encode(raw, room);
   return {{room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size)}, raw.size()};
 }
 
