@@ -18,8 +18,8 @@ GIVEN = [
     ("at", "Wal\"k\\\\#:0.3"), ("frame", 3),
     ("palette", "r/colors.gpl"), ("grid", "den sity"), ("volume", "fog"), ("isovalue", -0.25),
     ("color-grid", "Cd"), ("heat-grid", "none"), ("density", 0.5), ("ramp", "r/fire.gpl"), ("levels", 2),
-    ("no-distance", True), ("threads", 1), ("max-memory", "1.5 GiB"), ("max-import-time", 60),
-    ("progress", "none"), ("cache", "r/cache"),
+    ("no-distance", True), ("effort", "best"), ("threads", 1), ("max-memory", "1.5 GiB"),
+    ("max-import-time", 60), ("progress", "none"), ("cache", "r/cache"),
     ("cache-size", "1G"), ("report", "out.json"), ("write-deps", True),
     ("deps-phony", True), ("deps-target", "a b"), ("deps-file", "x.d")]
 

@@ -47,7 +47,7 @@ class Progress(Case):
     def test_a_bar_on_a_terminal(self):
         self.write("lump.obj", lump(60))
         text = self.on_terminal(
-            "lump.obj", "-o", "out.kelp", "--resolution", "110" if SANITIZED else "260", "--threads", "1")
+            "lump.obj", "-o", "out.kelp", "--resolution", "110" if SANITIZED else "480", "--threads", "1")
         bars = self.bars(text)
         self.assertTrue(any(re.fullmatch(r"voxelize +\[#*\.*\] +\d+ %(, [0-9.e+]+ %/s, \d+:\d\d left)?", bar)
                             for bar in bars), bars)

@@ -171,9 +171,9 @@ class Distance(Case):
         for level in range(4):
             self.check_level(pack, "ball", level, (225, 28) if level == 3 else (OUTSIDE, INSIDE))
         said = self.run_program(DUMP, "verify", "--deep", pack).stdout
-        self.assertIn("sound (1 part, 4 levels, empty boxes, levels and distances recomputed)", said)
+        self.assertIn("sound (1 part, 4 levels, clearances, levels and distances recomputed)", said)
         said = self.run_program(DUMP, "verify", pack).stdout
-        self.assertIn("--deep recomputes empty boxes, levels and distances as well", said)
+        self.assertIn("--deep recomputes clearances, levels and distances as well", said)
 
     def test_levels_go_on_beyond_those_of_the_voxels(self):
         pack = self.bake(self.write_ball(), "--resolution", 40, "--levels", 1)

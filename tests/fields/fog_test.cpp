@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "kelp/fields/fields.h"
+#include "kelp/formats/empty_boxes.h"
 #include "reference_fields.h"
 #include "volumes.h"
 
@@ -146,7 +147,8 @@ TEST(Fog, EmptyBricksPromiseWhatIsThere) {
     SCOPED_TRACE(named.name);
     const fields::Occupancy cubes = bruteCubes(fog);
     const glm::ivec3 grid = (cubes.size + 7) / 8;
-    const RawLevel level = fields::buildFogLevel(fog, 1);
+    RawLevel level = fields::buildFogLevel(fog, 1);
+    ASSERT_TRUE(growBoxes(level.cells, grid));
     const auto stored = [&](const glm::ivec3& low, const glm::ivec3& high) {
       bool any = false;
       forEach(grid, [&](const glm::ivec3& b) {

@@ -11,6 +11,7 @@
 
 #include "kelp/formats/pack.h"
 #include "kelp/formats/raw_level.h"
+#include "support/without_boxes.h"
 
 namespace kelp::test {
 
@@ -39,14 +40,6 @@ inline ReadDistances readDistances(const Pack& pack, int part, int level, const 
     if (!out.status) return out;
     out.level.codes.insert(out.level.codes.end(), page.codes.begin(), page.codes.end());
   }
-  return out;
-}
-
-// Cells and codes, but for the boxes of empty bricks and voxels, which the reader makes.
-inline std::pair<std::vector<std::uint32_t>, std::vector<std::uint8_t>> withoutBoxes(const RawLevel& level) {
-  std::pair out(level.cells, level.codes);
-  for (std::uint32_t& cell : out.first) cell &= cell & kCellSolid ? ~0u : ~0xffffffu;
-  for (std::uint8_t& code : out.second) code = isSolidCode(code) ? code : std::uint8_t{0};
   return out;
 }
 

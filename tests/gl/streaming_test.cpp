@@ -14,7 +14,7 @@ namespace {
 
 using runtime::Instance;
 
-constexpr std::uint64_t kFirstPicture = 64 << 10;
+constexpr std::uint64_t kFirstPicture = 16 << 10;
 
 struct Picture {
   std::vector<Pixel> pixels;

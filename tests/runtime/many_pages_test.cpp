@@ -9,6 +9,7 @@
 #include "../formats/pack_surgeon.h"
 #include "kelp/runtime/asset.h"
 #include "kelp/streaming/page_access.h"
+#include "page_codec.h"
 #include "support/operations.h"
 #include "support/test_pack.h"
 
@@ -17,44 +18,60 @@ namespace {
 
 using test::Bytes;
 
-// Each brick has one voxel and a page of its own: what no writer makes and every reader must take. Level 0
-// has side^3 bricks.
-Bytes onePagePerBrick(std::uint32_t side, std::uint8_t levels) {
+// A page of one brick whose voxels with coordinates of 0 or `step` are surface.
+std::vector<std::byte> pageOf(const glm::ivec3& brick, const glm::ivec3& size, int step,
+                              std::span<const CoarseBlock> above, Buffer<std::byte>& workspace) {
+  std::vector<std::uint8_t> codes(kBrickVoxels, 0);
+  for (int i = 0; i < 8; ++i)
+    codes[static_cast<std::size_t>(step * codeIndex({i & 1, i >> 1 & 1, i >> 2}))] = kSurfaceCode;
+  const std::vector<std::uint32_t> attributes(
+      static_cast<std::size_t>(std::count(codes.begin(), codes.end(), kSurfaceCode)), makeAttribute(0, 0));
+  Buffer<std::byte> out;
+  EXPECT_TRUE(
+      encodeSolidPage({{&brick, 1}, above, size, 1}, codes, attributes, Effort::kFast, workspace, out));
+  return {out.begin(), out.end()};
+}
+
+// Two levels whose bricks have a page of their own each: what no writer makes and every reader must take.
+// Level 0 has side^3 bricks of one voxel, level 1 has those above it.
+Bytes onePagePerBrick(std::uint32_t side) {
   fields::Occupancy one;
   one.size = {8, 8, 8};
   one.solid.assign(512, 0);
   one.solid[0] = 1;
-  test::PackSurgeon pack(test::bytesOf(test::packOf(one)));
+  RawPack raw = test::packOf(one);
+  raw.palette.resize(1);
+  raw.parts[0].levels[0].attributes = {makeAttribute(0, 0)};
+  test::PackSurgeon pack(test::bytesOf(raw));
   for (std::size_t axis = 0; axis < 3; ++axis) test::set(pack.content("PART"), 8 + 12 + 4 * axis, 8 * side);
-  test::set(pack.content("PART"), 8 + 9, levels);
+  test::set(pack.content("PART"), 8 + 9, std::uint8_t{2});
   const test::PackSurgeon::Chunk grid = pack.chunks[pack.find("GRID")],
                                  bricks = pack.chunks[pack.find("BRCK")];
   pack.chunks.resize(pack.find("GRID"));
-  for (std::uint32_t level = levels; level-- > 0;) {
+  constexpr std::size_t kEntry = 32;  // bytes of the page table
+  Buffer<std::byte> workspace;
+  for (const std::uint32_t level : {1u, 0u}) {
     const std::uint32_t n = side >> level, count = n * n * n;
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> cells;  // slots follow the Morton order
-    for (std::uint32_t cell = 0; cell < count; ++cell) {
-      const std::uint32_t at[3] = {cell % n, cell / n % n, cell / n / n};
-      std::uint64_t code = 0;
-      for (int bit = 0; bit < 10; ++bit) {
-        for (int axis = 0; axis < 3; ++axis) code |= std::uint64_t{at[axis] >> bit & 1} << (3 * bit + axis);
-      }
-      cells.emplace_back(code, cell);
-    }
-    std::sort(cells.begin(), cells.end());
+    std::vector<glm::ivec3> places(count);
+    for (std::uint32_t cell = 0; cell < count; ++cell) places[cell] = voxelAt(glm::ivec3(n), cell);
+    std::ranges::sort(places, {}, [](const glm::ivec3& place) { return mortonCode(place); });
     test::PackSurgeon::Chunk all = grid, pages = bricks;
     all.level = pages.level = level;
-    const std::size_t table = (4 * std::size_t{count} + 7) / 8 * 8;
-    all.content.assign(table + 32 * std::size_t{count}, std::byte{0});
+    all.content.assign(count, std::byte{128});
+    all.content.resize((count + 7) / 8 * 8 + kEntry * count);
     pages.content.clear();
     for (std::uint32_t slot = 0; slot < count; ++slot) {
-      test::set(all.content, 4 * std::size_t{cells[slot].second}, 0x80000000u | slot);
-      const std::size_t entry = table + 32 * std::size_t{slot};
-      std::copy(grid.content.end() - 32, grid.content.end(),
-                all.content.begin() + static_cast<std::ptrdiff_t>(entry));
+      const CoarseBlock above{1, 1};
+      const std::vector<std::byte> page = pageOf(places[slot], glm::ivec3(8 * n), level == 0 ? 0 : 4,
+                                                 {&above, level == 0 ? 1u : 0u}, workspace);
+      const std::size_t entry = all.content.size() - kEntry * (count - slot);
       test::set(all.content, entry, std::uint64_t{pages.content.size()});
+      test::set(all.content, entry + 8, static_cast<std::uint32_t>(page.size()));
+      test::set(all.content, entry + 12, level == 0 ? 512u + 4 : 512u + 8 * 4);
+      test::set(all.content, entry + 16, std::uint64_t{XXH3_64bits(page.data(), page.size())});
       test::set(all.content, entry + 24, slot);
-      pages.content.insert(pages.content.end(), bricks.content.begin(), bricks.content.end());
+      test::set(all.content, entry + 28, 1u);
+      pages.content.insert(pages.content.end(), page.begin(), page.end());
     }
     pack.chunks.push_back(all);
     pack.chunks.push_back(pages);
@@ -101,7 +118,7 @@ struct Cost {
 };
 
 Cost costOf(std::uint32_t side) {
-  const Bytes bytes = onePagePerBrick(side, 2);
+  const Bytes bytes = onePagePerBrick(side);
   MemorySource source(bytes);
   Cost cost;
   const auto whole = openWithin(source, std::uint64_t{1} << 30);
@@ -151,7 +168,7 @@ TEST(ManyPages, TakeWorkInProportion) {
 }
 
 TEST(ManyPages, ComeInOrder) {
-  const Bytes bytes = onePagePerBrick(16, 2);
+  const Bytes bytes = onePagePerBrick(16);
   Recorder recorder(bytes);
   auto asset = Asset::open(recorder.source());
   ASSERT_TRUE(asset);
@@ -169,7 +186,7 @@ TEST(ManyPages, TheMostUrgentComesNext) {
     std::uint32_t round = 0;
     bool resident = false;
   };
-  const Bytes bytes = onePagePerBrick(16, 2);
+  const Bytes bytes = onePagePerBrick(16);
   Recorder recorder(bytes);
   auto opened = Asset::open(recorder.source());
   ASSERT_TRUE(opened);

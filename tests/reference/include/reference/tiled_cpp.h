@@ -40,6 +40,7 @@ inline uint fetchCell(const Context& context, ivec3 brick) {
                             static_cast<std::size_t>(v.grid.y) * static_cast<std::size_t>(at.z))];
 }
 inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
+  if (brick - 1u == (kCellInside & ~kCellSolid)) return kInnerCode;
   return context.volume.level
       .codes[std::size_t{brick - 1u} * 512u + static_cast<std::size_t>(codeIndex(voxel))];
 }
@@ -63,7 +64,7 @@ inline uint fetchCode(const Context& context, uint brick, ivec3 voxel) {
 #define KELP_COMPLETE true
 #define KELP_COARSER 0
 #define KELP_CELL(v) fetchCell(kelp_context, v)
-#define KELP_BRICK(k, cell) ((cell & 0x00ffffffu) + 1u)
+#define KELP_BRICK(k, cell) ((cell & 0x7fffffffu) + 1u)
 #define KELP_BRICK_ABOVE(k, v) 0u
 #define KELP_CODE(k, brick, v) fetchCode(kelp_context, brick, v)
 

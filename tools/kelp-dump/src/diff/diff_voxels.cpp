@@ -65,8 +65,10 @@ class LevelDiff {
   // Compares the bricks that neither level stores, where one is wholly inside and the other empty.
   void compareInside(const LevelGrid& a, const LevelGrid& b) {
     for (std::size_t c = 0; c < a.cells.size(); ++c) {
-      const bool inside_a = a.cells[c] == kCellInside, inside_b = b.cells[c] == kCellInside;
-      if (inside_a != inside_b && !isStoredCell(a.cells[c]) && !isStoredCell(b.cells[c]))
+      const bool inside_a = a.isInside(a.cells[c]), inside_b = b.isInside(b.cells[c]);
+      const bool stored_a = (a.cells[c] & kCellSolid) && !inside_a,
+                 stored_b = (b.cells[c] & kCellSolid) && !inside_b;
+      if (inside_a != inside_b && !stored_a && !stored_b)
         compare(voxelAt(a.grid, c) * kBrickSide, nullptr, nullptr, inside_a, inside_b);
     }
   }
@@ -112,8 +114,8 @@ void diffVoxels(PackFile& file_a, PackFile& file_b, int part_a, int part_b, int 
   found.setIdentical(identical);
   forEachBrick(a, b, [&](const glm::ivec3& low, const BrickReader* its_a, const BrickReader* its_b) {
     const std::size_t cell = denseIndex(a.grid().grid, low / kBrickSide);
-    found.compare(low, its_a, its_b, a.grid().cells[cell] == kCellInside,
-                  b.grid().cells[cell] == kCellInside);
+    found.compare(low, its_a, its_b, a.grid().isInside(a.grid().cells[cell]),
+                  b.grid().isInside(b.grid().cells[cell]));
   });
   found.compareInside(a.grid(), b.grid());
   const bool agree = found.only_a.count + found.only_b.count == 0;
