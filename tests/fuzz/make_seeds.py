@@ -368,6 +368,10 @@ def restamped_seeds():
     yield "empty_brick.bin", tiny + record(10, 11, 0, 4)
     yield "palette_index.bin", tiny + record(10, 12, 0xff << 16 | 512, 4)
     yield "page_raw.bin", tiny + record(10, 20, 520)
+    # Another header, other plain bits, other coded bits of a page of voxels.
+    for chunk in (6, 8, 10):
+        for at in (0, 4, 20):
+            yield "coded_page_%d_%d.bin" % (chunk, at), tiny + record(chunk, 12, 0x55 << 16 | at, 4)
     for chunk in (5, 7, 9, 11):
         yield "fog_page_%d.bin" % chunk, fog + record(chunk, 12, 0x40 << 16 | 100, 4)
     yield "distance_hosts.bin", distance + b"".join(record(0, at, ord("a") + at, 0) for at in (9, 10, 11, 12))
