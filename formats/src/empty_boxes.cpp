@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kReaches = 4;                    // 2^k - 1 for k = 0 .. 3
 using Slices = std::array<std::uint64_t, kBrickSide>;  // bit x + 8 y of [z]
+using Window = std::array<std::uint64_t, kBoxWindow>;  // of [z + kBoxReach]
 
 // The 64 codes, the best first: by the shortest of their three reaches, then the middle one, then the
 // longest, then by number.
@@ -36,58 +37,89 @@ constexpr auto kBytesOfBits = [] {
   return bytes;
 }();
 
-// The lines of a window -> for k = 0 .. 3, for each of the eight lines in its middle, the union of all lines
-// within 2^k - 1 of it. Runs of 2^k lines double from one k to the next, and two of them cover the 2^(k+1) -
-// 1 lines around one.
-template <class Line>
-void spread(std::array<Line, kBoxWindow>& run, std::array<std::array<Line, kBrickSide>, kReaches>& near) {
+// Slices of a row of three bricks, moved along x or y within the row: what lies `by` voxels further on, or
+// before. here: a slice of a brick; the other one of the brick after, or before it.
+struct AlongX {
+  template <std::size_t by>
+  static std::uint64_t further(std::uint64_t here, std::uint64_t after) {
+    constexpr std::uint64_t kHere = 0xff >> by, kEach = 0x0101010101010101u * kHere;
+    return (here >> by & kEach) | (after << (8 - by) & ~kEach);
+  }
+  template <std::size_t by>
+  static std::uint64_t before(std::uint64_t ahead, std::uint64_t here) {
+    return further<8 - by>(ahead, here);
+  }
+};
+struct AlongY {
+  template <std::size_t by>
+  static std::uint64_t further(std::uint64_t here, std::uint64_t after) {
+    return here >> (8 * by) | after << (64 - 8 * by);
+  }
+  template <std::size_t by>
+  static std::uint64_t before(std::uint64_t ahead, std::uint64_t here) {
+    return further<8 - by>(ahead, here);
+  }
+};
+
+// For k = 0 .. 3: the union of all voxels within 2^k - 1 of each voxel of the middle brick. Runs of 2^k
+// voxels double from one k to the next, and two of them cover the 2^(k+1) - 1 around one. run: is used up.
+template <class Axis, std::size_t k = 0, std::size_t count>
+void spread(std::array<std::array<std::uint64_t, count>, 3>& run,
+            std::array<std::array<std::uint64_t, count>, kReaches>& near) {
+  constexpr std::size_t kLength = std::size_t{1} << k;
+  for (std::size_t i = 0; i < count; ++i) {
+    near[k][i] = run[1][i];
+    if constexpr (k > 0) near[k][i] |= Axis::template before<kLength - 1>(run[0][i], run[1][i]);
+  }
+  if constexpr (k + 1 < kReaches) {
+    for (std::size_t i = 0; i < count; ++i) {
+      run[0][i] |= Axis::template further<kLength>(run[0][i], run[1][i]);
+      run[1][i] |= Axis::template further<kLength>(run[1][i], run[2][i]);
+      run[2][i] |= Axis::template further<kLength>(run[2][i], 0);
+    }
+    spread<Axis, k + 1>(run, near);
+  }
+}
+// The same along z, over the slices of a window.
+void spread(Window& run, std::array<Slices, kReaches>& near) {
   for (std::size_t k = 0; k < kReaches; ++k) {
     const std::size_t length = std::size_t{1} << k;
-    for (std::size_t i = 0; i < kBrickSide; ++i)
-      near[k][i] = static_cast<Line>(run[i + kBoxReach] | run[i + kBoxReach - (length - 1)]);
+    for (std::size_t z = 0; z < kBrickSide; ++z)
+      near[k][z] = run[z + kBoxReach] | run[z + kBoxReach - (length - 1)];
     if (k + 1 == kReaches) break;
-    for (std::size_t i = 0; i + length < kBoxWindow; ++i)
-      run[i] = static_cast<Line>(run[i] | run[i + length]);
+    for (std::size_t z = 0; z + length < kBoxWindow; ++z) run[z] |= run[z + length];
   }
 }
 
 }  // namespace
 
-// Which voxels have a solid one in the box of each code: along x by shifts of rows, along y over rows, along
-// z over slices of 64 bits.
+// Which voxels have a solid one in the box of each code, eight rows at a time; then the codes from the best
+// on take the voxels that they fit.
 void chooseBoxes(const BoxWindow& window, std::span<std::uint8_t, kBrickVoxels> codes) {
-  std::array<std::array<std::array<std::uint64_t, kBoxWindow>, kReaches>, kReaches> slices;  // [kx][ky][z]
-  for (std::size_t z = 0; z < kBoxWindow; ++z) {
-    std::array<std::uint32_t, kBoxWindow> run = window.rows[z];
-    for (std::size_t kx = 0; kx < kReaches; ++kx) {
-      const int length = 1 << kx;
-      std::array<std::uint8_t, kBoxWindow> rows;
-      for (std::size_t y = 0; y < kBoxWindow; ++y) {
-        rows[y] = static_cast<std::uint8_t>((run[y] | run[y] << (length - 1)) >> kBrickSide);
-        run[y] |= run[y] >> length;
-      }
-      std::array<std::array<std::uint8_t, kBrickSide>, kReaches> near;
-      spread(rows, near);
-      for (std::size_t ky = 0; ky < kReaches; ++ky)
-        slices[kx][ky][z] = std::bit_cast<std::uint64_t>(near[ky]);
-    }
-  }
+  constexpr std::size_t kRows = 3 * kBoxWindow;
+  auto along_x = std::bit_cast<std::array<std::array<std::uint64_t, kRows>, 3>>(window.slices);
+  std::array<std::array<std::uint64_t, kRows>, kReaches> near_x;
+  spread<AlongX>(along_x, near_x);
   std::array<Slices, 64> blocked;
   for (std::size_t kx = 0; kx < kReaches; ++kx) {
+    auto along_y = std::bit_cast<std::array<Window, 3>>(near_x[kx]);
+    std::array<Window, kReaches> near_y;
+    spread<AlongY>(along_y, near_y);
     for (std::size_t ky = 0; ky < kReaches; ++ky) {
-      std::array<Slices, kReaches> near;
-      spread(slices[kx][ky], near);
-      for (std::size_t kz = 0; kz < kReaches; ++kz) blocked[kx | ky << 2 | kz << 4] = near[kz];
+      std::array<Slices, kReaches> near_z;
+      spread(near_y[ky], near_z);
+      for (std::size_t kz = 0; kz < kReaches; ++kz) blocked[kx | ky << 2 | kz << 4] = near_z[kz];
     }
   }
 
   std::array<Slices, 6> bits{};  // of the codes
-  Slices open = blocked[0];
-  for (std::uint64_t& slice : open) slice = ~slice;
-  for (const std::uint8_t code : kPreferred) {
-    for (std::size_t z = 0; z < kBrickSide; ++z) {
-      const std::uint64_t fits = open[z] & ~blocked[code][z];
-      open[z] ^= fits;
+  for (std::size_t z = 0; z < kBrickSide; ++z) {
+    std::uint64_t open = ~blocked[0][z];
+    for (std::size_t i = 0; open != 0; ++i) {
+      const std::uint8_t code = kPreferred[i];
+      const std::uint64_t fits = open & ~blocked[code][z];
+      if (fits == 0) continue;
+      open ^= fits;
       for (std::size_t bit = 0; bit < 6; ++bit) bits[bit][z] |= code >> bit & 1 ? fits : 0;
     }
   }

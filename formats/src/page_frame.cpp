@@ -77,19 +77,14 @@ class Surroundings {
                std::span<const BrickShape> shapes)
       : grid_(grid), page_(page), over_(over), shapes_(shapes) {}
 
-  void gather(const glm::ivec3& brick, BoxWindow& window) {
-    for (int i = 0; i < 27; ++i)
-      around_[i] = &solidOf(brick + glm::ivec3(i % 3, i / 3 % 3, i / 9) - 1, spread_[i]);
-    for (int z = 0; z < kBoxWindow; ++z) {
-      const int k = z + kBrickSide - kBoxReach;
-      for (int y = 0; y < kBoxWindow; ++y) {
-        const int j = y + kBrickSide - kBoxReach, beside = 3 * (j / 8) + 9 * (k / 8);
-        std::uint32_t row = 0;
-        for (int x = 0; x < 3; ++x)
-          row |= static_cast<std::uint32_t>(around_[beside + x]->slices[k % 8] >> (8 * (j % 8)) & 0xff)
-                 << (8 * x);
-        window.rows[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = row;
-      }
+  void gather(const glm::ivec3& brick, BoxWindow& window) const {
+    BrickBits spread;
+    for (int i = 0; i < 27; ++i) {
+      const glm::ivec3 at(i % 3, i / 3 % 3, i / 9);
+      const BrickBits& bits = solidOf(brick + at - 1, spread);
+      std::uint64_t* const slices = window.slices[at.x][at.y].data() + kBoxReach + kBrickSide * (at.z - 1);
+      const int first = at.z == 0 ? kBrickSide - kBoxReach : 0, end = at.z == 2 ? kBoxReach : kBrickSide;
+      for (int z = first; z < end; ++z) slices[z] = bits.slices[z];
     }
   }
 
@@ -112,8 +107,6 @@ class Surroundings {
   std::size_t page_;
   const LevelAbove& over_;
   std::span<const BrickShape> shapes_;
-  const BrickBits* around_[27];
-  BrickBits spread_[27];
 };
 
 }  // namespace
@@ -177,7 +170,7 @@ Result<void> PageFrame::make(const LevelGrid& grid, std::size_t page, const Leve
 
 void chooseBoxes(const LevelGrid& grid, std::size_t page, const LevelAbove& over,
                  std::span<const BrickShape> shapes, std::span<std::uint8_t> codes) {
-  Surroundings surroundings(grid, page, over, shapes);
+  const Surroundings surroundings(grid, page, over, shapes);
   BoxWindow window;
   for (std::uint32_t i = 0; i < grid.pages[page].count; ++i) {
     surroundings.gather(grid.place(grid.pages[page].first_slot + i), window);

@@ -176,7 +176,10 @@ std::size_t planPages(const LevelPlan& plan, std::span<PagePlan> pages) {
         fog ? 0 : surfaceVoxels(std::span(level.codes).subspan(slot * kBrickVoxels, kBrickVoxels));
     const std::size_t raw = std::size_t{page.count + 1} * brick_bytes +
                             std::size_t{page.attributes + surface} * sizeof(std::uint32_t);
-    if (raw > layout::kMaxPageRaw) close();
+    // The runtime adds 16 bytes to each brick of voxels and keeps pages in rows of 4 KiB: so full pages fill
+    // 16 rows, and not a little of one more.
+    const std::size_t added = fog ? 0 : std::size_t{page.count + 1} * 16;
+    if (raw + added > layout::kMaxPageRaw) close();
     ++page.count;
     page.attributes += surface;
   }

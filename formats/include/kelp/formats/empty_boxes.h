@@ -18,10 +18,10 @@ namespace kelp {
 inline constexpr int kBoxReach = 7;
 inline constexpr int kBoxWindow = kBrickSide + 2 * kBoxReach;
 
-// A brick and what is around it, a bit a voxel, 1: solid. Voxel (x, y, z) of the brick is bit x + 8 of
-// rows[z + kBoxReach][y + kBoxReach]; so bits 1 to 22 of a row count.
+// A brick and those around it, a bit a voxel, 1: solid. slices[i][j][z + kBoxReach] is slice z of the brick
+// i - 1 along x and j - 1 along y from the middle one: bit x + 8 y, as in BrickBits.
 struct BoxWindow {
-  std::array<std::array<std::uint32_t, kBoxWindow>, kBoxWindow> rows;
+  std::array<std::array<std::array<std::uint64_t, kBoxWindow>, 3>, 3> slices;
 };
 
 // Writes the codes of the empty voxels of the brick in the window's middle, the best of all boxes that hold

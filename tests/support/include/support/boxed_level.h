@@ -24,14 +24,13 @@ inline RawLevel boxedLevel(const fields::Occupancy& volume, std::span<const fiel
   for (std::size_t cell = 0; cell < level.cells.size(); ++cell) {
     if (!isStoredCell(level.cells[cell])) continue;
     const glm::ivec3 first = kBrickSide * kelp::voxelAt(grid, cell);
-    BoxWindow window;
-    for (int z = 0; z < kBoxWindow; ++z)
-      for (int y = 0; y < kBoxWindow; ++y) {
-        std::uint32_t row = 0;
+    BoxWindow window{};
+    for (int z = -kBoxReach; z < kBrickSide + kBoxReach; ++z)
+      for (int y = -kBoxReach; y < kBrickSide + kBoxReach; ++y)
         for (int x = -kBoxReach; x < kBrickSide + kBoxReach; ++x)
-          if (isSolid(first + glm::ivec3(x, y - kBoxReach, z - kBoxReach))) row |= 1u << (x + kBrickSide);
-        window.rows[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = row;
-      }
+          if (isSolid(first + glm::ivec3(x, y, z)))
+            window.slices[(x + 8) / 8][(y + 8) / 8][z + kBoxReach] |= std::uint64_t{1}
+                                                                      << ((x & 7) + 8 * (y & 7));
     const std::size_t slot = level.cells[cell] & kCellSlotMask;
     chooseBoxes(window,
                 std::span<std::uint8_t, kBrickVoxels>(&level.codes[slot * kBrickVoxels], kBrickVoxels));
