@@ -3,6 +3,7 @@
 // without branches.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -12,11 +13,22 @@
 
 namespace kelp {
 
+// Byte i of [eight]: bit i.
+inline constexpr auto kBytesOfBits = [] {
+  std::array<std::uint64_t, 256> bytes{};
+  for (std::size_t eight = 0; eight < bytes.size(); ++eight)
+    for (std::size_t i = 0; i < 8; ++i) bytes[eight] |= std::uint64_t{eight >> i & 1} << (8 * i);
+  return bytes;
+}();
+
 struct EightCodes {
   static constexpr std::size_t kSlice = 64;
   static constexpr std::uint64_t kOnes = 0x0101010101010101u;
 
   static_assert(std::endian::native == std::endian::little, "the first code is the lowest byte");
+  // Bits of surface and of solid voxels; surface voxels are solid. The others are 0.
+  EightCodes(std::uint8_t surface, std::uint8_t solid)
+      : codes(kBytesOfBits[surface] * kSurfaceCode | kBytesOfBits[solid & ~surface] * kInnerCode) {}
   explicit EightCodes(const std::uint8_t* from) { std::memcpy(&codes, from, sizeof codes); }
   void store(std::uint8_t* to) const { std::memcpy(to, &codes, sizeof codes); }
 

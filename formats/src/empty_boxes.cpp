@@ -8,6 +8,8 @@
 
 #include <glm/common.hpp>
 
+#include "eight_codes.h"
+
 namespace kelp {
 namespace {
 
@@ -27,14 +29,6 @@ constexpr auto kPreferred = [] {
   };
   std::sort(codes.begin(), codes.end(), [&](std::uint8_t a, std::uint8_t b) { return worth(a) > worth(b); });
   return codes;
-}();
-
-// Byte i of [eight]: bit i.
-constexpr auto kBytesOfBits = [] {
-  std::array<std::uint64_t, 256> bytes{};
-  for (std::size_t eight = 0; eight < bytes.size(); ++eight)
-    for (std::size_t i = 0; i < 8; ++i) bytes[eight] |= std::uint64_t{eight >> i & 1} << (8 * i);
-  return bytes;
 }();
 
 // Slices of a row of three bricks, moved along x or y within the row: what lies `by` voxels further on, or
@@ -160,34 +154,47 @@ class BrickSums {
 
   // Bits 0 to 23 of the cell of an empty brick.
   std::uint32_t grownBox(const glm::ivec3& brick) const {
-    // as most are in a large volume
-    if (count(brick - kCellMaxReach, brick + kCellMaxReach) == 0) return 0xffffff;
     glm::ivec3 low = brick, high = brick;
-    std::array<int, 6> reach{};
-    std::uint32_t growing = 63;
-    // A slab only widens while the other sides grow: a side that cannot move once never will.
-    while (growing != 0) {
-      for (int side = 0; side < 6; ++side) {
-        if (!(growing >> side & 1)) continue;
-        const int axis = side / 2;
-        glm::ivec3 from = low, to = high;  // the slab of bricks beyond this side
-        from[axis] = to[axis] = side % 2 == 0 ? low[axis] - 1 : high[axis] + 1;
-        const auto s = static_cast<std::size_t>(side);
-        if (reach[s] >= kCellMaxReach || count(from, to) != 0) {
-          growing &= ~(1u << side);
-          continue;
-        }
-        ++reach[s];
-        low = glm::min(low, from);
-        high = glm::max(high, to);
+    glm::ivec3 grow_low(1), grow_high(1);  // 1 for each side that still moves: all have gone as far
+    // A slab only widens while the other sides grow: a side that cannot move once never will. And sides that
+    // are not stopped in the next rounds can take them all at once.
+    for (int round = 0; round < kCellMaxReach && grow_low + grow_high != glm::ivec3(0);) {
+      int rounds = 0;
+      for (int more = 8; more > 0; more /= 2) {
+        const int tried = rounds + more;
+        if (round + tried <= kCellMaxReach && count(low - tried * grow_low, high + tried * grow_high) == 0)
+          rounds = tried;
       }
+      low -= rounds * grow_low;
+      high += rounds * grow_high;
+      round += rounds;
+      if (round++ < kCellMaxReach) growOnce(low, high, grow_low, grow_high);
     }
     std::uint32_t box = 0;
-    for (std::size_t side = 0; side < 6; ++side) box |= static_cast<std::uint32_t>(reach[side]) << (4 * side);
+    for (int axis = 0; axis < 3; ++axis)
+      box |= static_cast<std::uint32_t>(brick[axis] - low[axis]) << (8 * axis) |
+             static_cast<std::uint32_t>(high[axis] - brick[axis]) << (8 * axis + 4);
     return box;
   }
 
  private:
+  // One round, side by side; sides that are stopped grow no more.
+  void growOnce(glm::ivec3& low, glm::ivec3& high, glm::ivec3& grow_low, glm::ivec3& grow_high) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::ivec3 from = low, to = high;  // the slab beyond a side
+      if (grow_low[axis] != 0) {
+        from[axis] = to[axis] = low[axis] - 1;
+        grow_low[axis] = count(from, to) == 0 ? 1 : 0;
+        low[axis] -= grow_low[axis];
+      }
+      from = low, to = high;
+      if (grow_high[axis] != 0) {
+        from[axis] = to[axis] = high[axis] + 1;
+        grow_high[axis] = count(from, to) == 0 ? 1 : 0;
+        high[axis] += grow_high[axis];
+      }
+    }
+  }
   // Bricks in the box from low to high, both included, that are solid; outside the grid there is nothing.
   std::uint32_t count(glm::ivec3 low, glm::ivec3 high) const {
     low = glm::max(low, glm::ivec3(0));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "eight_codes.h"
 #include "kelp/formats/brick.h"
 #include "page_attributes.h"
 #include "page_codec.h"
@@ -35,12 +36,11 @@ bool readHeader(std::span<const std::byte>& stored, PageHeader& header) {
 std::size_t writeCodes(const PageState& state, std::span<std::uint8_t> codes) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < codes.size(); i += 8) {
-    const std::size_t brick = i / 512, z = i / 64 % 8, y = i / 8 % 8;
-    const std::uint64_t solid = state.solid[brick][z] >> (8 * y) & 0xff,
-                        surface = state.surface[brick][z] >> (8 * y) & 0xff;
-    count += static_cast<std::size_t>(std::popcount(surface));
-    for (std::size_t x = 0; x < 8; ++x)
-      codes[i + x] = (surface >> x & 1) != 0 ? kSurfaceCode : (solid >> x & 1) != 0 ? kInnerCode : 0;
+    const std::size_t brick = i / kBrickVoxels, z = i / 64 % 8, shift = i % 64;
+    const EightCodes eight(static_cast<std::uint8_t>(state.surface[brick][z] >> shift),
+                           static_cast<std::uint8_t>(state.solid[brick][z] >> shift));
+    eight.store(&codes[i]);
+    count += eight.surfaceVoxels();
   }
   return count;
 }

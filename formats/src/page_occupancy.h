@@ -13,20 +13,20 @@ inline constexpr std::array<std::int8_t, 27> kWeights = {-4, 1,  -10, 2,  10, 2,
                                                          -2, 7,  3,   6,  10, 2, 2, 9, 7};  // z + 1
 inline constexpr int kWeightBias = 11;
 
-// The sum of three voxels' weights, by their 6 bits.
-inline constexpr std::array<std::array<std::int8_t, 64>, 9> kRowWeights = [] {
-  std::array<std::array<std::int8_t, 64>, 9> sums{};
+// What a row of the nine says of two voxels beside each other: the sum of three weights of the first in the
+// low half, that of the second in the high half, by the 8 bits of the four voxels there.
+inline constexpr std::array<std::array<std::int32_t, 256>, 9> kPairWeights = [] {
+  std::array<std::array<std::int32_t, 256>, 9> sums{};
   for (std::size_t row = 0; row < 9; ++row)
-    for (std::size_t bits = 0; bits < 64; ++bits) {
-      int sum = 0;
-      for (std::size_t x = 0; x < 3; ++x) {
-        const std::size_t state = bits >> (2 * x) & 3;
-        sum += state == kSolid ? kWeights[3 * row + x] : state == kEmpty ? -kWeights[3 * row + x] : 0;
+    for (std::size_t bits = 0; bits < 256; ++bits)
+      for (std::size_t at = 0; at < 6; ++at) {
+        const std::size_t second = at / 3, x = at % 3, state = bits >> (2 * (x + second)) & 3;
+        const int weight = kWeights[3 * row + x];
+        sums[row][bits] += (state == kSolid ? weight : state == kEmpty ? -weight : 0) * (second ? 65536 : 1);
       }
-      sums[row][bits] = static_cast<std::int8_t>(sum);
-    }
   return sums;
 }();
+inline constexpr int kWeightBefore = kWeights[12];  // of the voxel before, in the same row
 
 inline constexpr std::uint32_t kEachVoxel = 0x55555;  // of a window's row
 
@@ -49,8 +49,9 @@ inline std::uint32_t gatherRow(std::uint32_t bits) {
   bits = (bits | bits >> 2) & 0x0f0f;
   return (bits | bits >> 4) & 0xff;
 }
-inline std::uint32_t coarseRow(std::uint64_t block, std::size_t row) {
-  return static_cast<std::uint32_t>(block >> (4 * (row / 2 % 4) + 16 * (row / 16))) & 15;
+// Row y of slice z of a block, of 4 each.
+inline std::uint32_t coarseRow(std::uint64_t block, std::size_t y, std::size_t z) {
+  return static_cast<std::uint32_t>(block >> (4 * y + 16 * z)) & 15;
 }
 
 // What the coarser level and the level's size tell: the rest is unknown.
@@ -58,16 +59,20 @@ inline void startRows(const PageShape& shape, PageState& state) {
   for (std::size_t b = 0; b < shape.bricks.size(); ++b) {
     const glm::ivec3 room = shape.size - shape.bricks[b] * 8;
     const std::uint32_t in_row = room.x >= 8 ? 0xffff : (1u << (2 * room.x)) - 1;
-    for (std::size_t row = 0; row < 64; ++row) {
+    for (std::size_t four = 0; four < 16; ++four) {  // rows under the same coarse row
+      const std::size_t y = four % 4, z = four / 4;
       std::uint32_t bits = 0;
       if (!shape.above.empty()) {
         const CoarseBlock& block = shape.above[b];
-        bits = spreadCoarse(~coarseRow(block.solid, row) & 15) |
-               spreadCoarse(coarseRow(block.solid & ~block.surface, row)) << 1;
+        bits = spreadCoarse(~coarseRow(block.solid, y, z) & 15) |
+               spreadCoarse(coarseRow(block.solid & ~block.surface, y, z)) << 1;
       }
-      const bool inside = static_cast<int>(row % 8) < room.y && static_cast<int>(row / 8) < room.z;
-      bits = inside ? (bits & in_row) | (0x5555 & ~in_row) : 0x5555;
-      state.rows[b][row] = static_cast<std::uint16_t>(bits);
+      bits = (bits & in_row) | (0x5555 & ~in_row);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::size_t fine_y = 2 * y + i % 2, fine_z = 2 * z + i / 2;
+        const bool inside = static_cast<int>(fine_y) < room.y && static_cast<int>(fine_z) < room.z;
+        state.rows[b][fine_y + 8 * fine_z] = static_cast<std::uint16_t>(inside ? bits : 0x5555);
+      }
     }
   }
 }
@@ -96,23 +101,29 @@ template <class Coder>
 void codeSolidRow(Coder& coder, Models& models, Window& window, std::size_t y, std::size_t z,
                   std::uint64_t truth, bool coarsest) {
   std::uint32_t& row = window[z + 1][y + 1];
-  for (std::size_t x = 0; x < 8; ++x) {
-    if ((row >> (2 * x + 2) & 3) != kUnknown) continue;
-    bool solid;
-    if (!coarsest && (x & y & z & 1) && (window[z][y] >> (2 * x) & 15) == 5 &&
-        (window[z][y + 1] >> (2 * x) & 15) == 5 && (window[z + 1][y] >> (2 * x) & 15) == 5 &&
-        (row >> (2 * x) & 3) == kEmpty) {
-      solid = true;  // the last of a block that is not empty
-    } else {
-      const auto weight = [&](std::size_t r) {
-        return int{kRowWeights[r][window[z + r / 3][y + r % 3] >> (2 * x) & 63]};
-      };
-      const int sum = kWeightBias + weight(0) + weight(1) + weight(2) + weight(3) + weight(4) + weight(5) +
-                      weight(6) + weight(7) + weight(8);
-      const auto bin = static_cast<std::size_t>(sum < -64 ? 0 : sum > 63 ? kBins - 1 : (sum + 64) >> 3);
-      solid = coder.bit(models.solid[(x & 1) | (y & 1) << 1 | (z & 1) << 2][bin], (truth >> x & 1) != 0);
+  const auto isUnknown = [&](std::size_t x) { return (row >> (2 * x + 2) & 3) == kUnknown; };
+  for (std::size_t pair = 0; pair < 8; pair += 2) {
+    if (!isUnknown(pair) && !isUnknown(pair + 1)) continue;
+    std::int32_t both = 0;
+    for (std::size_t r = 0; r < 9; ++r)
+      both += kPairWeights[r][window[z + r / 3][y + r % 3] >> (2 * pair) & 255];
+    const auto first = static_cast<std::int16_t>(both);
+    std::array<int, 2> sums = {kWeightBias + first, kWeightBias + ((both - first) >> 16)};
+    for (std::size_t x = pair; x < pair + 2; ++x) {
+      if (!isUnknown(x)) continue;
+      bool solid;
+      if (!coarsest && (x & y & z & 1) && (window[z][y] >> (2 * x) & 15) == 5 &&
+          (window[z][y + 1] >> (2 * x) & 15) == 5 && (window[z + 1][y] >> (2 * x) & 15) == 5 &&
+          (row >> (2 * x) & 3) == kEmpty) {
+        solid = true;  // the last of a block that is not empty
+      } else {
+        const int sum = sums[x & 1];
+        const auto bin = static_cast<std::size_t>(sum < -64 ? 0 : sum > 63 ? kBins - 1 : (sum + 64) >> 3);
+        solid = coder.bit(models.solid[(x & 1) | (y & 1) << 1 | (z & 1) << 2][bin], (truth >> x & 1) != 0);
+      }
+      row |= (solid ? kSolid : kEmpty) << (2 * x + 2);
+      sums[1] += x == pair ? (solid ? kWeightBefore : -kWeightBefore) : 0;
     }
-    row |= (solid ? kSolid : kEmpty) << (2 * x + 2);
   }
 }
 
@@ -171,9 +182,10 @@ inline std::uint64_t innerByCoarse(const PageShape& shape, std::size_t brick, st
   if (shape.above.empty()) return 0;
   const CoarseBlock& block = shape.above[brick];
   std::uint64_t inner = 0;
-  for (std::size_t y = 0; y < 8; ++y)
-    inner |= std::uint64_t{gatherRow(spreadCoarse(coarseRow(block.solid & ~block.surface, y + 8 * z)))}
-             << (8 * y);
+  for (std::size_t y = 0; y < 4; ++y) {
+    const std::uint64_t row = gatherRow(spreadCoarse(coarseRow(block.solid & ~block.surface, y, z / 2)));
+    inner |= (row | row << 8) << (16 * y);
+  }
   return inner;
 }
 
