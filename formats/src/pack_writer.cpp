@@ -128,7 +128,9 @@ class Writer {
         if (const Result<void> r = checkRawLevel(part, level, pack_.palette.size()); !r) return r;
         LevelPlan& plan = levels_of_[plan_count++];
         if (const Result<void> r = planLevel(part, level, plan); !r) return r;
-        page_count += planPages(plan, {});
+        const std::size_t pages = planPages(plan, {});
+        if (pages >= kMaxPages) return misuse("a level has more than 131071 pages");
+        page_count += pages;
       }
       coarsest = std::max(coarsest, part.levels.size() - 1);
     }

@@ -38,8 +38,8 @@ Result<void> encodeSolidPage(const PageShape& shape, std::span<const std::uint8_
                              Buffer<std::byte>& workspace, Buffer<std::byte>& out);
 
 // The inverse. Safe for any bytes and any `above`. attributes: as many as the page must hold. kCorrupt: it
-// holds another number, an index beyond the palette, a brick without a surface voxel, or bytes that the
-// encoder would not have written. Allocates nothing once `workspace` was used.
+// holds another number, an index beyond the palette, a brick without a surface voxel, or other bytes than
+// its voxels take. Allocates nothing once `workspace` was used.
 Result<void> decodeSolidPage(const PageShape& shape, std::span<const std::byte> stored,
                              Buffer<std::byte>& workspace, std::span<std::uint8_t> codes,
                              std::span<std::uint32_t> attributes);

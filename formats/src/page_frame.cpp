@@ -136,6 +136,16 @@ bool PagesAbove::make(const LevelGrid& grid, const LevelGrid& over) {
   return true;
 }
 
+bool PagesAbove::isOver(const LevelGrid& grid, std::size_t page, const LevelGrid& above,
+                        std::uint32_t coarser) {
+  for (std::uint32_t i = 0; i < grid.pages[page].count; ++i) {
+    const std::uint32_t cell =
+        above.cells[cellAt(grid.place(grid.pages[page].first_slot + i) >> 1, above.grid)];
+    if ((cell & kCellSolid) && cellPage(cell) == coarser) return true;
+  }
+  return false;
+}
+
 CoarseBlock blockOver(const BrickShape& coarse, const glm::ivec3& brick) {
   const int x = 4 * (brick.x & 1), y = 4 * (brick.y & 1), z = 4 * (brick.z & 1);
   const auto block = [&](const BrickBits& bits) {
@@ -156,10 +166,9 @@ Result<void> PageFrame::make(const LevelGrid& grid, std::size_t page, const Leve
     const std::uint32_t cell = over.grid->cells[cellAt(brick >> 1, over.grid->grid)];
     if (!(cell & kCellSolid) || over.grid->isInside(cell))
       return Error{ErrorCode::kCorrupt, "a stored brick lies below one that is not stored", info.offset};
-    bool known = true;
-    forEachOver(brick, *over.grid, [&](std::uint32_t beside) { known = known && shapeOf(over, beside); });
-    if (!known) return Error{ErrorCode::kMisuse, "coarser bricks over the page are not known", info.offset};
-    above[i] = blockOver(*shapeOf(over, cell), brick);
+    const BrickShape* const coarse = shapeOf(over, cell);
+    if (!coarse) return Error{ErrorCode::kMisuse, "coarser bricks over the page are not known", info.offset};
+    above[i] = blockOver(*coarse, brick);
   }
   shape.bricks = std::span(bricks).first(info.count);
   shape.above = grid.coarsest ? std::span<const CoarseBlock>() : std::span(above).first(info.count);

@@ -17,8 +17,7 @@ struct PageFrame {
   std::array<CoarseBlock, kMaxPageBricks> above;
   PageShape shape;  // of these two
 
-  // kMisuse: a coarser brick over the page or beside that has no known shape. kCorrupt: one over the page is
-  // not stored. palette: entries.
+  // kMisuse: a coarser brick over the page has no known shape. kCorrupt: one is not stored. palette: entries.
   Result<void> make(const LevelGrid& grid, std::size_t page, const LevelAbove& over, std::size_t palette);
 };
 

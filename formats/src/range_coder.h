@@ -36,6 +36,7 @@ class Decoder {
         plain_end_(plain.data() + plain.size()),
         limit_(limit) {
     for (int i = 0; i < 3; ++i) shiftIn();
+    starts_below_ = code_ < range_;
   }
 
   bool bit(Bit& model, bool = false) {
@@ -66,8 +67,8 @@ class Decoder {
 
   // Whether everything was read, nothing more, and it ended as an encoder ends it.
   bool isAtEnd() const {
-    return at_ == end_ && beyond_ == 2 && code_ < kLeastRange && plain_ == plain_end_ && pool_ == 0 &&
-           pool_bits_ / 8 == missing_;
+    return starts_below_ && at_ == end_ && beyond_ == 2 && code_ < kLeastRange && plain_ == plain_end_ &&
+           pool_ == 0 && pool_bits_ / 8 == missing_;
   }
 
  private:
@@ -100,6 +101,7 @@ class Decoder {
   std::uint64_t pool_ = 0;
   int pool_bits_ = 0, missing_ = 0;
   std::uint32_t limit_, beyond_ = 0;
+  bool starts_below_ = false;  // as every code does that an encoder writes, and so at each decision
 };
 
 class Encoder {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
-#include <new>
 #include <utility>
 
 #include "checksum.h"
@@ -42,6 +40,7 @@ class Verifier {
       checkChunk(i, *found);
       end = chunks()[i].offset + chunks()[i].stored;
     }
+    if (levels_good_) checkVoxels();
     return errors_;
   }
 
@@ -77,16 +76,16 @@ class Verifier {
     if (levels_good_ && (layout::isGrid(chunk.fourcc) || layout::isPages(chunk.fourcc))) {
       part_ = static_cast<int>(chunk.part);
       level_ = static_cast<int>(chunk.level);
-      if (chunk.fourcc == layout::kGrid) {
-        checkGrid(chunk);
-      } else if (chunk.fourcc == layout::kDgrd) {
+      if (layout::isPages(chunk.fourcc)) checkStored(chunk);
+      const bool fog = model_.parts[chunk.part].fog != nullptr;
+      if (chunk.fourcc == layout::kDgrd) {
         checkDistanceGrid(chunk);
       } else if (chunk.fourcc == layout::kDist) {
-        checkStored(chunk);
         if (grid_good_) checkDistances();
-      } else {
-        checkStored(chunk);
-        if (grid_good_) checkPages();
+      } else if (fog && chunk.fourcc == layout::kGrid) {
+        checkGrid(chunk);
+      } else if (fog && grid_good_) {
+        for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkFogPage(i);
       }
       part_ = level_ = -1;
     } else if (index == metadata.info) {
@@ -183,9 +182,23 @@ class Verifier {
   void findLevelChunks() {
     const Result<void> found = findLevels(chunks(), model_.parts.span(), levels_);
     if (!found) issue(IssueId::kUnreadable, found.error());
-    known_.reset(new (std::nothrow) KnownLevel[model_.parts.size()]);
-    levels_good_ = found && known_;
-    for (std::size_t i = 0; i < model_.parts.size() && known_; ++i) known_[i].grid = LevelGrid(allocator_);
+    levels_good_ = static_cast<bool>(found);
+  }
+
+  // Levels of voxels, part by part from the coarsest: a page is decoded with the level above, and in the file
+  // other parts lie between the two.
+  void checkVoxels() {
+    for (std::size_t part = 0; part < model_.parts.size(); ++part) {
+      if (model_.parts[part].fog) continue;
+      known_ = {LevelGrid(allocator_), Buffer<BrickShape>(allocator_)};
+      part_ = static_cast<int>(part);
+      for (level_ = model_.parts[part].levels - 1; level_ >= 0; --level_) {
+        const auto level = static_cast<std::size_t>(level_);
+        checkGrid(chunks()[levels_.grids[levels_.first[part] + level]]);
+        if (grid_good_ && palette_good_) checkSolidPages();  // without a palette nothing can be decoded
+      }
+    }
+    part_ = level_ = -1;
   }
 
   void checkGrid(const ChunkInfo& chunk) {
@@ -195,7 +208,7 @@ class Verifier {
                                            latticeOf(model_.parts[chunk.part], level_), limits_, allocator_);
     grid_good_ = static_cast<bool>(grid);
     if (!grid) {
-      known_[chunk.part].lost = grid.error().code;
+      known_.lost = grid.error().code;
       return issue(idOf(grid.error(), IssueId::kGrid), grid.error());
     }
     grid_ = *std::move(grid);
@@ -223,40 +236,31 @@ class Verifier {
     }
   }
 
-  // Checks the pages of the grid that came just before.
-  void checkPages() {
-    if (model_.parts[static_cast<std::size_t>(part_)].fog) {
-      for (std::size_t i = 0; i < grid_.pages.size(); ++i) checkFogPage(i);
-    } else if (palette_good_) {  // without it nothing can be decoded
-      checkSolidPages();
-    }
-  }
-
   void checkSolidPages() {
-    KnownLevel& known = known_[static_cast<std::size_t>(part_)];
-    const LevelAbove above{&known.grid, known.shapes.span()};
+    const LevelAbove above{&known_.grid, known_.shapes.span()};
     Buffer<BrickShape> shapes(allocator_);
     const auto atPage = [&](const Error& error, std::int64_t page) { issue(IssueId::kPage, error, page); };
     if (!shapes.reset(grid_.bricks.size())) {
-      known.lost = ErrorCode::kOutOfMemory;
-      return atPage({known.lost, "no memory for a level"}, -1);
+      known_.lost = ErrorCode::kOutOfMemory;
+      return atPage({known_.lost, "no memory for a level"}, -1);
     }
-    if (!grid_.coarsest && known.grid.level != level_ + 1)
-      return atPage({known.lost, "the next coarser level cannot be read"}, -1);
+    if (!grid_.coarsest && known_.grid.level != level_ + 1)
+      return atPage({known_.lost, "the next coarser level cannot be read"}, -1);
     for (std::size_t i = 0; i < grid_.pages.size(); ++i) {
       const Result<void> decoded = decodeSolidPage(source_, grid_, i, above, model_.palette.size(), page_);
       if (decoded) {
         std::copy(page_.shapes.begin(), page_.shapes.end(), shapes.begin() + page_.first_slot);
       } else if (decoded.error().code == ErrorCode::kMisuse) {
-        atPage({known.lost, "a page of the next coarser level over it cannot be read", grid_.pages[i].offset},
-               static_cast<std::int64_t>(i));
+        atPage(
+            {known_.lost, "a page of the next coarser level over it cannot be read", grid_.pages[i].offset},
+            static_cast<std::int64_t>(i));
       } else {
-        known.lost = decoded.error().code;
+        known_.lost = decoded.error().code;
         atPage(decoded.error(), static_cast<std::int64_t>(i));
       }
     }
-    known.grid = std::move(grid_);
-    known.shapes = std::move(shapes);
+    known_.grid = std::move(grid_);
+    known_.shapes = std::move(shapes);
   }
 
   void checkFogPage(std::size_t index) {
@@ -287,7 +291,7 @@ class Verifier {
     return false;
   }
 
-  // The level of a part that was read last.
+  // The level of voxels that was read last.
   struct KnownLevel {
     LevelGrid grid;
     Buffer<BrickShape> shapes;
@@ -308,7 +312,7 @@ class Verifier {
   bool parts_good_ = false, palette_good_ = false, rigs_good_ = false, levels_good_ = false,
        grid_good_ = false;
   LevelGrid grid_{allocator_};
-  std::unique_ptr<KnownLevel[]> known_;  // one a part
+  KnownLevel known_;
   PageData page_{allocator_};
   DistanceGrid distances_{allocator_};
   DistancePage distance_page_{allocator_};

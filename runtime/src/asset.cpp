@@ -187,7 +187,7 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
   std::uint64_t reserved = 0;
   {
     std::lock_guard lock(mutex);
-    task = choose(wanted, kAnySize);
+    if (!retry_wanted) task = choose(wanted, kAnySize);
     if (!task.level) return Step::kNothing;
     reserved = bytesOf(task);
     const auto may_wait = [&] {
@@ -233,6 +233,26 @@ Result<Asset::Impl::Step> Asset::Impl::loadNext(Wanted wanted) {
   return endTask(memory, done);
 }
 
+// What failed is absent again. Nothing may be in hand: what is decoded without a page that failed must not
+// see it come.
+void Asset::Impl::reopenFailed() {
+  retry_wanted = any_error = false;
+  changes.fetch_add(1, std::memory_order_relaxed);
+  reopenDistances(Stage::kFailed);
+  for (std::size_t i = 0; i < state_count; ++i) {
+    LevelState& level = states[i];
+    level.request.failed.store(false, std::memory_order_relaxed);
+    if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
+    noteOpen(level);
+    if (level.stage != Stage::kResident) continue;
+    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
+      if (level.pages[page].stage != Stage::kFailed) continue;
+      level.pages[page].request.failed.store(false, std::memory_order_relaxed);
+      setAbsent(level, page);
+    }
+  }
+}
+
 // A task is no longer in hand.
 Result<Asset::Impl::Step> Asset::Impl::endTask(Scratch* memory, const Result<void>& done) {
   if (memory) {
@@ -240,7 +260,10 @@ Result<Asset::Impl::Step> Asset::Impl::endTask(Scratch* memory, const Result<voi
     scratch = memory;
   }
   ++ended;
-  if (--in_hand == 0) idle.notify_all();
+  if (--in_hand == 0) {
+    if (retry_wanted) reopenFailed();
+    idle.notify_all();
+  }
   if (done) return Step::kLoaded;
   if (done.error().code == ErrorCode::kNotYet) return Step::kPostponed;
   return fail(done.error());
@@ -318,23 +341,9 @@ Result<void> Asset::loadAll() {
 }
 
 void Asset::retry() {
-  Impl& a = *impl_;
-  std::lock_guard lock(a.mutex);
-  a.any_error = false;
-  a.changes.fetch_add(1, std::memory_order_relaxed);
-  a.reopenDistances(Stage::kFailed);
-  for (std::size_t i = 0; i < a.state_count; ++i) {
-    LevelState& level = a.states[i];
-    level.request.failed.store(false, std::memory_order_relaxed);
-    if (level.stage == Stage::kFailed) level.stage = Stage::kAbsent;
-    a.noteOpen(level);
-    if (level.stage != Stage::kResident) continue;
-    for (std::uint32_t page = 0; page < level.grid.pages.size(); ++page) {
-      if (level.pages[page].stage != Stage::kFailed) continue;
-      level.pages[page].request.failed.store(false, std::memory_order_relaxed);
-      a.setAbsent(level, page);
-    }
-  }
+  std::lock_guard lock(impl_->mutex);
+  impl_->retry_wanted = true;
+  if (impl_->in_hand == 0) impl_->reopenFailed();
 }
 
 const VoxelLevel* Asset::level(int part, int level) const {

@@ -36,7 +36,8 @@ bool Asset::Impl::isAbsent(const Task& task) const {
 }
 
 // What is loaded for the sake of a task: itself, or a page of a coarser level that it is decoded with. None
-// if that page is not there yet, or failed; the task has then failed too.
+// if that page is not there yet, or failed though it is over the task's: the task has then failed too.
+// Without those beside it, its boxes end earlier.
 Asset::Impl::Task Asset::Impl::firstNeeded(const Task& task) {
   LevelState& level = *task.level;
   if (task.page == Task::kGrid || level.needs.first.empty()) return task;
@@ -45,6 +46,7 @@ Asset::Impl::Task Asset::Impl::firstNeeded(const Task& task) {
     const PageSlot& slot = coarser.pages[page];
     if (slot.shaped) continue;
     if (slot.stage == Stage::kFailed) {
+      if (!PagesAbove::isOver(level.grid, task.page, coarser.grid, page)) continue;
       PageSlot& lost = level.pages[task.page];
       lost.stage = Stage::kFailed;
       lost.request.failed.store(true, std::memory_order_relaxed);
@@ -117,7 +119,7 @@ void Asset::Impl::visitAsked(const Visit& visit) {
   }
 }
 
-// Looks at everything that was asked for and keeps the most urgent.
+// Looks at everything that was asked for and keeps the most urgent that can be loaded now.
 void Asset::Impl::findAsked() {
   const auto goesBefore = [](const Asked& a,
                              const Asked& b) {  // the first in the order of loading among equals
@@ -130,16 +132,19 @@ void Asset::Impl::findAsked() {
   asked_round = round.load(std::memory_order_relaxed);
   asked_next = 0;
   asked_count = 0;
+  bool some_blocked = false;
   visitAsked([&](const Task& task, float urgency) {
     const Asked found{task, urgency};
-    if (asked_count == kKept) {
-      if (!goesBefore(found, asked[0])) return;
-      std::pop_heap(asked, asked + asked_count--, goesBefore);
+    if (asked_count == kKept && !goesBefore(found, asked[0])) return;
+    if (!firstNeeded(task).level) {
+      some_blocked = true;
+      return;
     }
+    if (asked_count == kKept) std::pop_heap(asked, asked + asked_count--, goesBefore);
     asked[asked_count++] = found;
     std::push_heap(asked, asked + asked_count, goesBefore);
   });
-  asked_all = asked_count < kKept;
+  asked_all = asked_count < kKept && !some_blocked;
   std::sort_heap(asked, asked + asked_count, goesBefore);
 }
 

@@ -108,7 +108,7 @@ Result<Asset::Impl::Step> Asset::Impl::loadDistances() {
   std::uint64_t reserved = 0;
   {
     std::lock_guard lock(mutex);
-    task = chooseDistances(reserved);
+    if (!retry_wanted) task = chooseDistances(reserved);
     if (!task.level) return Step::kNothing;
     setStage(task, Stage::kInHand);
     if (task.page != Task::kGrid) memory = takeScratch();

@@ -109,6 +109,7 @@ struct Asset::Impl {
   bool makeRoom(std::uint64_t bytes, bool coarsest);
   void evict(LevelState& level, std::uint32_t page);
   std::uint64_t bytesOf(const Task& task) const;
+  void reopenFailed();
   void finish(const Task& task, std::uint64_t reserved, bool done);
   Error fail(const Error& error);
   bool isCoarsestDone();
@@ -152,6 +153,7 @@ struct Asset::Impl {
   Scratch* scratch = nullptr;
   Error first_error;
   bool any_error = false;
+  bool retry_wanted = false;  // nothing is begun until nothing is in hand and what failed is absent again
   std::atomic<std::uint64_t> used_bytes{0};
   std::uint64_t page_bytes = 0;  // of these, the pages of levels that are not a coarsest one
   // How many pages findIdle() and findAsked() keep.

@@ -15,7 +15,7 @@ namespace {
 
 // Of many pages at level 0.
 const std::vector<std::byte>& dustBytes() {
-  static const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::dust({96, 128, 96}, 40, 4)));
+  static const std::vector<std::byte> bytes = test::bytesOf(test::packOf(test::dust({128, 160, 128}, 40, 4)));
   return bytes;
 }
 
@@ -28,7 +28,7 @@ std::uint64_t memoryOfAll(std::span<const std::byte> bytes) {
 
 TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
   const std::uint64_t all = memoryOfAll(dustBytes());
-  Loaded whole(test::packOf(test::dust({96, 128, 96}, 40, 4)));
+  Loaded whole(test::packOf(test::dust({128, 160, 128}, 40, 4)));
   MemorySource source(dustBytes());
   Options options;
   options.memory_budget = all / 4;
@@ -50,7 +50,7 @@ TEST(Query, RaysBringWhatTheyLackIntoAQuarterOfTheMemory) {
     Ray ray;
     ray.origin = {2.0f * unit(random) - 1, unit(random), 2};
     ray.direction =
-        test::voxelToWorld(instance, 0, {96 * unit(random), 128 * unit(random), 96 * unit(random)}) -
+        test::voxelToWorld(instance, 0, {128 * unit(random), 160 * unit(random), 128 * unit(random)}) -
         ray.origin;
     const auto wanted = raycast(truth, ray);
     bool fine = false;

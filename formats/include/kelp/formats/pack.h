@@ -24,8 +24,9 @@ inline constexpr std::uint16_t kFormatMinor = 0;
 // What a pack may ask for; kLimit beyond. Limits and file size together bound the memory that the reader
 // takes:
 // - Pack::open: at most 2 max_metadata_bytes + 2 file sizes + 1/4 MiB;
-// - readGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB. A decoded grid has at most
-//   max_decoded_bytes and at most 32768 times its stored size;
+// - readGrid: at most 9/4 of the decoded grid + its stored size + 1/4 MiB + 4 bytes for each brick of the
+//   grid, for each that is stored and for each corner of bricks. A decoded grid has at most 32768 times its
+//   stored size, and a grid at most max_decoded_bytes / 16 bricks;
 // - readDistanceGrid: at most 10 times the decoded grid + its stored size + 1/4 MiB;
 // - readPage, readDistancePage: at most 1/2 MiB, kept in the PageData or DistancePage.
 struct Limits {
@@ -102,7 +103,8 @@ struct DistanceGrid {
   Buffer<PageInfo> pages;        // ascending slots, no gaps
 };
 
-// Which pages of the next coarser level a level's pages are decoded with.
+// Which pages of the next coarser level a level's pages are decoded with: those over their bricks, which they
+// cannot do without, and those beside, which their boxes reach.
 struct PagesAbove {
   PagesAbove() = default;
   explicit PagesAbove(const Allocator& allocator) : first(allocator), pages(allocator) {}
@@ -112,6 +114,8 @@ struct PagesAbove {
 
   // False: no memory.
   [[nodiscard]] bool make(const LevelGrid& grid, const LevelGrid& above);
+  // Whether page `coarser` of the coarser level is over a brick of `page`.
+  static bool isOver(const LevelGrid& grid, std::size_t page, const LevelGrid& above, std::uint32_t coarser);
   std::span<const std::uint32_t> of(std::size_t page) const {
     return pages.span().subspan(first[page], first[page + 1] - first[page]);
   }
@@ -176,7 +180,8 @@ class Pack {
   // Reads, checks and decodes a page of a grid that readGrid of this pack returned. Reuses the memory of
   // `out`; allocates only if it is too small. above: of the next coarser level of the same part; it is needed
   // unless the level is the coarsest, or fog. kMisuse: there is no such page, or the shape of a stored brick
-  // over the page, or beside that, is not known. PagesAbove says which pages make it known.
+  // over the page is not known; those beside that are not known count as solid. PagesAbove says which pages
+  // make them known.
   Result<void> readPage(const LevelGrid& grid, std::size_t page, const LevelAbove& above,
                         PageData& out) const;
 

@@ -17,12 +17,22 @@ inline Result<RawLevel> readRawLevel(const Pack& pack, int part, int level, cons
   if (!reader) return reader.error();
   const LevelGrid& grid = reader->grid();
   RawLevel raw;
+  raw.cells.reserve(grid.cells.size());
   for (const std::uint32_t cell : grid.cells)
     raw.cells.push_back(grid.isInside(cell) ? kCellInside
                         : cell & kCellSolid ? kCellSolid | grid.slotOf(cell)
                                             : cell);
   const Part& of = pack.parts()[static_cast<std::size_t>(part)];
   if (of.fog) raw.extinction = of.fog->extinction[static_cast<std::size_t>(level)];
+  std::size_t raw_bytes = 0;
+  for (const PageInfo& info : grid.pages) raw_bytes += info.raw;
+  if (of.fog) {
+    raw.density.reserve(raw_bytes / grid.pages[0].channels);
+    raw.heat.reserve(grid.pages[0].channels == 2 ? raw_bytes / 2 : 0);
+  } else {
+    raw.codes.reserve(grid.bricks.size() * kBrickVoxels);
+    raw.attributes.reserve((raw_bytes - grid.bricks.size() * kBrickVoxels) / sizeof(std::uint32_t));
+  }
   PageData page(allocator);
   for (std::size_t i = 0; i < grid.pages.size(); ++i) {
     if (const Result<void> read = reader->readPage(i, page); !read) return read.error();

@@ -104,7 +104,7 @@ struct Sink {
 // How hard writePack tries to make pages of voxels small.
 enum class Effort : std::uint8_t {
   kFast,
-  kBest,  // a few percent smaller, several times as long
+  kBest,  // up to half a percent smaller, four times as long
 };
 
 // Writes the pack. The same RawPack gives the same bytes on every machine. Everything is checked before the

@@ -84,7 +84,8 @@ class Asset {
   // of any grid or page, including errors of other threads; everything else is loaded all the same. kLimit if
   // memory_budget is too small for everything. kNotYet if the source has not got the rest: call again later.
   Result<void> loadAll();
-  // Tries again what failed. Call it when a source that could not read can read again.
+  // Tries again what failed, once what other threads are loading has ended. Call it when a source that could
+  // not read can read again.
   void retry();
 
   // The level, if its grid and those of all coarser levels are loaded; else null.

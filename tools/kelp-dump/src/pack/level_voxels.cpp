@@ -13,10 +13,12 @@
 namespace kelp::dump {
 namespace {
 
-// The memory that the level needs, known before any page is read: decoded pages and the tables beside them.
+// The memory that the level needs, known before any page is read: decoded pages and the tables beside them,
+// and while they are read the grid once more, with the shapes of the coarser level, a quarter of this one's.
 std::uint64_t memoryOf(const LevelGrid& grid) {
-  std::uint64_t bytes = grid.cells.size() * sizeof(std::uint32_t) * 2 +
-                        grid.bricks.size() * (sizeof(glm::ivec3) + 8 * sizeof(std::uint32_t));
+  std::uint64_t bytes =
+      grid.cells.size() * sizeof(std::uint32_t) * 3 +
+      grid.bricks.size() * (sizeof(glm::ivec3) + 8 * sizeof(std::uint32_t) + sizeof(BrickShape) / 2);
   for (const PageInfo& page : grid.pages) bytes += page.raw;
   return bytes;
 }
