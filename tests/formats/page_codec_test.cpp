@@ -9,6 +9,7 @@
 
 #include "checksum.h"
 #include "page_worlds.h"
+#include "range_coder.h"
 
 namespace kelp {
 namespace {
@@ -239,6 +240,18 @@ const PageMistake kContentMistakes[] = {
        p.attributes.erase(p.attributes.begin(), p.attributes.begin() + surface);
      }},
 };
+
+// 48 ones are not below the range; what is beyond it would be lost, and these bytes end as others may.
+TEST(PageCodec, ACodeBeyondTheRangeIsRefused) {
+  std::vector<std::byte> coded(12, std::byte{0xff});
+  const std::array<unsigned, 4> last = {0x00, 0x01, 0x2a, 0xcb};
+  for (std::size_t i = 0; i < last.size(); ++i) coded[8 + i] = static_cast<std::byte>(last[i]);
+  coding::Decoder decoder(coded, {}, 4);
+  coding::Bit model;
+  (void)decoder.bit(model);
+  (void)decoder.bit(model);
+  EXPECT_FALSE(decoder.isAtEnd());
+}
 
 TEST(PageCodec, MistakesAreRefused) {
   const TestPage right = allPages(ballWorld(40), 6, flatLook(6))[0];

@@ -8,6 +8,7 @@
 
 #include "pack_surgeon.h"
 #include "support/random_pack.h"
+#include "support/short_memory.h"
 #include "tiny_pack.h"
 
 namespace kelp {
@@ -158,6 +159,23 @@ TEST(Verify, EverythingIsReportedInFileOrder) {
                                 IssueId::kChunkChecksum}));  // pages cannot be judged without the palette
   EXPECT_TRUE(std::is_sorted(issues.begin(), issues.end(),
                              [](const Issue& a, const Issue& b) { return a.error.offset < b.error.offset; }));
+}
+
+// Many parts take no more memory than one.
+TEST(Verify, HoldsOnePartAtATime) {
+  std::size_t peaks[2];
+  for (const int parts : {1, 24}) {
+    test::RandomPack random(3, {1, 80, 3, 0, 0});
+    RawPack raw = random.make();
+    raw.parts.resize(static_cast<std::size_t>(parts), raw.parts[0]);
+    const Bytes bytes = test::writeToMemory(raw);
+    MemorySource memory(bytes);
+    test::ShortMemory counter;
+    EXPECT_EQ(verify(memory.source(), {}, nullptr, nullptr, counter.allocator()), 0u);
+    EXPECT_EQ(counter.live, 0u);
+    peaks[parts > 1] = counter.peak_bytes;
+  }
+  EXPECT_LT(peaks[1], peaks[0] + 64 * 1024) << "tables of 24 parts, and the voxels of one";
 }
 
 // Nothing coarser is known of the only level, and its pages are beside each other.
