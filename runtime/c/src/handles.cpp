@@ -11,12 +11,17 @@ constexpr int kSlotBits = 20;
 constexpr std::uint32_t kClosed = 1u << 31;  // added to the pins while an object leaves its slot
 constexpr std::uint64_t kBlockSlots = 1024, kBlocks = (std::uint64_t{1} << kSlotBits) / kBlockSlots;
 
+// Objects are kept inverted. So for a leak checker the table holds none, and it reports each object that the
+// host did not destroy.
+std::uintptr_t hide(void* object) { return ~reinterpret_cast<std::uintptr_t>(object); }
+void* show(std::uintptr_t hidden) { return reinterpret_cast<void*>(~hidden); }
+
 struct Slot {
   std::atomic<std::uint64_t> id{0};  // 0: free
   std::atomic<std::uint32_t> pins{0};
   std::uint32_t index = 0;  // of the slot
   Kind kind{};
-  void* object = nullptr;
+  std::uintptr_t hidden = 0;  // hide() of the object
   Slot* next_free = nullptr;
 };
 
@@ -54,7 +59,7 @@ std::uint64_t addHandle(void* object, Kind kind) {
     slot = block.load(std::memory_order_relaxed) + table.slots % kBlockSlots;
     slot->index = table.slots++;
   }
-  slot->object = object;
+  slot->hidden = hide(object);
   slot->kind = kind;
   const std::uint64_t id = ++table.serial << kSlotBits | slot->index;
   slot->id.store(id);
@@ -65,7 +70,7 @@ void* pin(std::uint64_t id, Kind kind) {
   Slot* const slot = id ? slotOf(id) : nullptr;
   if (!slot) return nullptr;
   if (!(slot->pins.fetch_add(1) & kClosed) && slot->id.load() == id && slot->kind == kind)
-    return slot->object;
+    return show(slot->hidden);
   slot->pins.fetch_sub(1);
   return nullptr;
 }
@@ -86,7 +91,7 @@ void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result) {
   }
   slot->id.store(0);
   slot->pins.fetch_sub(kClosed);
-  void* const object = std::exchange(slot->object, nullptr);
+  void* const object = show(slot->hidden);
   slot->next_free = table.free;
   table.free = slot;
   return object;

@@ -15,10 +15,10 @@
 // using is not destroyed: KELP_ERROR_BUSY.
 //
 // Structs. A struct that may grow starts with struct_size: set it to sizeof, and everything that you don't
-// set to zero (`kelp_view view = {sizeof view};`). This holds for structs that the library fills, too. A
-// struct that is smaller than in the first version is KELP_ERROR_STRUCT_SIZE. So is a larger one than the
-// library knows, except if all that it does not know is zero. Fields that an older struct lacks count as
-// zero. kelp_..._defaults fills in the defaults.
+// set to zero. In C99: `kelp_view view = {.struct_size = sizeof view};`. This holds for structs that the
+// library fills, too. A struct that is smaller than in the first version is KELP_ERROR_STRUCT_SIZE. So is one
+// that is larger than the library knows, unless all that it does not know is zero. Fields that an older
+// struct lacks count as zero. kelp_..._defaults fills in the defaults.
 //
 // Numbers. Metres, +Y up, right-handed, as in glTF. Radians, seconds, linear colours. Matrices have 16
 // floats, column by column, as OpenGL takes them; quaternions are x, y, z, w. Knots, and what moves them,
