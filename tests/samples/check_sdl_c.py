@@ -38,7 +38,7 @@ def check_click(program, pack, folder):
     assert check_picture.share(before, check_picture.is_olive) > 0.05, "the plants are missing"
     assert check_picture.share(before, is_red) < 0.0002, "something is red before it is clicked"
     screen = x11_input.Screen()
-    process = subprocess.Popen([program, pack, "--frames", "60", clicked])
+    process = subprocess.Popen([program, pack, "--frames", "24", clicked])
     try:
         screen.find(width, height)
         for _ in range(40):

@@ -5,6 +5,16 @@
 #include <mutex>
 
 namespace kelp::c {
+
+struct Slot {
+  std::atomic<std::uint64_t> id{0};  // 0: free
+  std::atomic<std::uint32_t> pins{0};
+  std::uint32_t index = 0;  // of the slot
+  Kind kind{};
+  std::uintptr_t hidden = 0;  // hide() of the object
+  Slot* next_free = nullptr;
+};
+
 namespace {
 
 constexpr int kSlotBits = 20;
@@ -15,15 +25,6 @@ constexpr std::uint64_t kBlockSlots = 1024, kBlocks = (std::uint64_t{1} << kSlot
 // host did not destroy.
 std::uintptr_t hide(void* object) { return ~reinterpret_cast<std::uintptr_t>(object); }
 void* show(std::uintptr_t hidden) { return reinterpret_cast<void*>(~hidden); }
-
-struct Slot {
-  std::atomic<std::uint64_t> id{0};  // 0: free
-  std::atomic<std::uint32_t> pins{0};
-  std::uint32_t index = 0;  // of the slot
-  Kind kind{};
-  std::uintptr_t hidden = 0;  // hide() of the object
-  Slot* next_free = nullptr;
-};
 
 // Readers take no lock. Blocks are made when they are needed, and stay.
 struct Table {
@@ -66,16 +67,17 @@ std::uint64_t addHandle(void* object, Kind kind) {
   return id;
 }
 
-void* pin(std::uint64_t id, Kind kind) {
+Slot* pin(std::uint64_t id, Kind kind) {
   Slot* const slot = id ? slotOf(id) : nullptr;
   if (!slot) return nullptr;
-  if (!(slot->pins.fetch_add(1) & kClosed) && slot->id.load() == id && slot->kind == kind)
-    return show(slot->hidden);
-  slot->pins.fetch_sub(1);
+  if (!(slot->pins.fetch_add(1) & kClosed) && slot->id.load() == id && slot->kind == kind) return slot;
+  unpin(slot);
   return nullptr;
 }
 
-void unpin(std::uint64_t id) { slotOf(id)->pins.fetch_sub(1); }
+void* objectOf(const Slot* slot) { return show(slot->hidden); }
+
+void unpin(Slot* slot) { slot->pins.fetch_sub(1); }
 
 void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result) {
   Slot* const slot = id ? slotOf(id) : nullptr;

@@ -17,9 +17,12 @@ enum class Kind : std::uint8_t { kAsset = 1, kPose, kSpring, kRenderer };
 
 // A new id for the object. 0: no memory, or a million objects.
 std::uint64_t addHandle(void* object, Kind kind);
-// The object, which then is not destroyed before unpin(). Null: the id names no object of this kind.
-void* pin(std::uint64_t id, Kind kind);
-void unpin(std::uint64_t id);
+// The place of an object, which then is not destroyed before unpin(). Null: the id names no object of this
+// kind.
+struct Slot;
+Slot* pin(std::uint64_t id, Kind kind);
+void* objectOf(const Slot* slot);
+void unpin(Slot* slot);
 // Ends the id, and returns its object; null, with an error, if there is none or it is pinned.
 void* takeHandle(std::uint64_t id, Kind kind, kelp_result& result);
 
@@ -29,19 +32,19 @@ kelp_result badHandle(std::uint64_t id);
 template <class T>
 class Pinned {
  public:
-  explicit Pinned(std::uint64_t id) : id_(id), object_(static_cast<T*>(pin(id, T::kKind))) {}
+  explicit Pinned(std::uint64_t id) : id_(id), slot_(pin(id, T::kKind)) {}
   ~Pinned() {
-    if (object_) unpin(id_);
+    if (slot_) unpin(slot_);
   }
   Pinned(const Pinned&) = delete;
   Pinned& operator=(const Pinned&) = delete;
-  explicit operator bool() const { return object_ != nullptr; }
-  T* operator->() const { return object_; }
+  explicit operator bool() const { return slot_ != nullptr; }
+  T* operator->() const { return static_cast<T*>(objectOf(slot_)); }
   kelp_result bad() const { return badHandle(id_); }
 
  private:
   std::uint64_t id_;
-  T* object_;
+  Slot* slot_;
 };
 
 // An object in the host's memory. T has an `allocator`.

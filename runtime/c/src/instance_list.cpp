@@ -48,22 +48,17 @@ kelp_result InstanceList::read(const kelp_instance* instances, std::uint32_t cou
 }
 
 kelp_result InstanceList::readOne(const kelp_instance& from, runtime::Instance& to, Pins& pins) {
-  // Null, with the last error, if the handle is bad.
-  const auto pinned = [](std::uint64_t id, Kind kind, std::uint64_t& kept) -> void* {
-    void* const object = pin(id, kind);
-    if (object) kept = id;
-    return object;
-  };
   to = {};
-  const void* const asset = pinned(from.asset.id, Kind::kAsset, pins.asset);
-  if (!asset) return badHandle(from.asset.id);
-  to.asset = static_cast<const AssetObject*>(asset)->asset.get();
+  pins.asset = pin(from.asset.id, Kind::kAsset);
+  if (!pins.asset) return badHandle(from.asset.id);
+  to.asset = static_cast<const AssetObject*>(objectOf(pins.asset))->asset.get();
   for (const bool previous : {false, true}) {
     const std::uint64_t id = previous ? from.previous_pose.id : from.pose.id;
     if (id == 0) continue;
-    const void* const pose = pinned(id, Kind::kPose, previous ? pins.previous : pins.pose);
+    Slot*& pose = previous ? pins.previous : pins.pose;
+    pose = pin(id, Kind::kPose);
     if (!pose) return badHandle(id);
-    (previous ? to.previous_pose : to.pose) = &static_cast<const PoseObject*>(pose)->pose;
+    (previous ? to.previous_pose : to.pose) = &static_cast<const PoseObject*>(objectOf(pose))->pose;
   }
   if (!from.palette && from.palette_count > 0) return nullPointer();
   to.palette = same<Material>(from.palette, from.palette_count);

@@ -23,7 +23,7 @@ class InstanceList {
   std::span<const runtime::Instance> all() const { return memory_.instances.span().first(count_); }
 
   struct Pins {
-    std::uint64_t asset, pose, previous;  // 0: none
+    Slot *asset, *pose, *previous;  // null: none
   };
   struct Memory {
     Buffer<runtime::Instance> instances;
