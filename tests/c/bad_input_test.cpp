@@ -235,7 +235,9 @@ struct Grown {
 // call(struct): a function that succeeds with `good`.
 template <class T, class F>
 void expectSizes(const char* name, const T& good, const F& call) {
-  Grown<T> grown = {good, {0, 0}};
+  Grown<T> grown;
+  std::memset(static_cast<void*>(&grown), 0, sizeof grown);  // the padding, too
+  grown.known = good;
   EXPECT_KELP(KELP_OK, call(&grown.known)) << name;
   for (const std::size_t size : {std::size_t{0}, std::size_t{4}, sizeof(T) - 1, std::size_t{0xffffffff}}) {
     grown.known = good;

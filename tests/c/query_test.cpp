@@ -145,6 +145,30 @@ TEST(CDistance, AnswersAreThoseOfCpp) {
   EXPECT_GT(casts, 20);
 }
 
+// A list of one is what C++ asks one instance.
+TEST(CDistance, OneInstance) {
+  const BothAssets assets(packFile("distance"));
+  const BothInstances instances(assets);
+  Dice dice;
+  for (std::size_t i = 0; i < 90; ++i) {
+    const kelp_instance* const c = &instances.c[i % 3];
+    const runtime::Instance& cpp = instances.cpp[i % 3];
+    const glm::vec3 point = glm::vec3(14, 12, 0) + dice.vec3(20), other = point + dice.vec3(25);
+    auto far = sized<kelp_distance_answer>();
+    ASSERT_KELP(kelp_distance(c, 1, nullptr, &point.x, &far));
+    EXPECT_EQ(distance(cpp, point).value().bound, far.bound);
+    auto closest = sized<kelp_closest_point_answer>();
+    ASSERT_KELP(kelp_closest_point(c, 1, nullptr, &point.x, kEndless, &closest));
+    expectSame(closest.point, closestPoint(cpp, point).value().point, "point");
+    std::int32_t found = -9;
+    ASSERT_KELP(kelp_overlaps_sphere(c, 1, nullptr, &point.x, 2, &found));
+    EXPECT_EQ(overlaps(cpp, runtime::Sphere{point, 2}).value(), found == 0);
+    auto cast = sized<kelp_sphere_cast_answer>();
+    ASSERT_KELP(kelp_sphere_cast(c, 1, nullptr, &point.x, &other.x, 0.5f, &cast));
+    EXPECT_EQ(sphereCast(cpp, point, other, 0.5f).value().t, cast.t);
+  }
+}
+
 TEST(CDistance, AssetsWithoutDistancesAreTheErrorsOfCpp) {
   const glm::vec3 point(1);
   for (const char* const name : {"distance", "solid"}) {

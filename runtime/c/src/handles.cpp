@@ -69,7 +69,8 @@ std::uint64_t addHandle(void* object, Kind kind) {
 
 Slot* pin(std::uint64_t id, Kind kind) {
   Slot* const slot = id ? slotOf(id) : nullptr;
-  if (!slot) return nullptr;
+  // An old handle must not count as a user of the object that has its place now.
+  if (!slot || slot->id.load() != id) return nullptr;
   if (!(slot->pins.fetch_add(1) & kClosed) && slot->id.load() == id && slot->kind == kind) return slot;
   unpin(slot);
   return nullptr;

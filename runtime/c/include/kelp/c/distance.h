@@ -4,7 +4,7 @@
 //
 // All lengths are in the unit of the world. Any thread may call these functions while nobody changes the
 // poses. `boxes`: kelp_instance_get_bounds of each instance; a host that asks often makes them once a frame.
-// Null: they are made here, for every call.
+// Null: they are made here, for every call; a list of one needs none.
 //
 // Errors: KELP_ERROR_MISUSE for numbers that are not finite, lengths out of range, and assets opened without
 // distances; KELP_ERROR_UNSUPPORTED_FEATURE if the pack has none; KELP_ERROR_NOT_YET if a solid part has none
