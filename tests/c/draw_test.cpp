@@ -238,19 +238,22 @@ TEST_P(CDraw, ShadersOfTheHost) {
   const auto is_mine = [](const Pixel& pixel) { return pixel[0] == 127 || pixel[0] == 128; };
   EXPECT_EQ(drawn(pixels), std::count_if(pixels.begin(), pixels.end(), is_mine));
   EXPECT_GT(drawn(pixels), 100);
-  kelp_instance moved = instances.c[0];
+  kelp_instance by_matrix = instances.c[0], by_pose = instances.c[0];
   float before[16];
-  std::memcpy(before, moved.to_world, sizeof before);
+  std::memcpy(before, by_matrix.to_world, sizeof before);
   before[12] += 3;
-  moved.previous_to_world = before;
-  moved.previous_pose = instances.c[1].pose;
-  const auto still = picture([&] {
-    ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, instances.c.data(), 1, KELP_PASS_COLOUR, nullptr));
-  });
-  const auto moving = picture(
-      [&] { ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, &moved, 1, KELP_PASS_COLOUR, nullptr)); });
-  EXPECT_FALSE(still == moving);
-  EXPECT_EQ(drawn(still), drawn(moving));
+  by_matrix.previous_to_world = before;
+  by_pose.previous_pose = instances.c[1].pose;
+  const auto draw_one = [&](const kelp_instance& one) {
+    return picture(
+        [&] { ASSERT_KELP(kelp_renderer_draw(renderer, &c_view, &one, 1, KELP_PASS_COLOUR, nullptr)); });
+  };
+  const auto still = draw_one(instances.c[0]), moved = draw_one(by_matrix), bent = draw_one(by_pose);
+  EXPECT_FALSE(still == moved);
+  EXPECT_FALSE(still == bent);
+  EXPECT_FALSE(moved == bent);
+  EXPECT_EQ(drawn(still), drawn(moved));
+  EXPECT_EQ(drawn(still), drawn(bent));
   ASSERT_KELP(kelp_renderer_destroy(renderer));
   EXPECT_EQ("", log);
 }
