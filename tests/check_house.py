@@ -32,6 +32,7 @@ ROOMS = {
     "runtime/src/streaming": ("kelp/streaming/", ["formats", "runtime"]),
     "runtime/gl": ("kelp/gl/", ["formats", "shaders", "runtime", "runtime/src/simd",
                                 "runtime/src/streaming"]),
+    "runtime/c": ("kelp/c/", ["formats", "runtime", "runtime/gl"]),
     "tools/common": ("kelp/common/", ["formats"]),
     "tools/fields": ("kelp/fields/", ["formats", "tools/common"]),
     "tools/rig": ("kelp/rig/", ["formats", "tools/common"]),
@@ -56,10 +57,12 @@ ROOMS = {
     "tools/kelp-render": (None, ["formats", "shaders", "runtime", "runtime/gl", "tools/common",
                                  "tools/fields", "tools/rig"]),
     "tools/kelp-view": (None, ["formats", "runtime", "runtime/gl", "tools/common", "tools/rig"]),
-    "samples": (None, ["formats", "runtime", "runtime/gl"]),
+    "samples": (None, ["formats", "runtime", "runtime/gl", "runtime/c"]),
 }
 
-CODE = (".cpp", ".h", ".inl")
+WHOLE = {"kelp/kelp.hpp": "runtime/gl", "kelp/kelp.h": "runtime/c"}  # all headers for games
+
+CODE = (".c", ".cpp", ".h", ".hpp", ".inl")
 SHADERS = (".glsl", ".frag", ".vert")
 SCRIPTS = (".py", ".sh", ".cmake", ".yml", "CMakeLists.txt")
 PRODUCT = ("formats/", "shaders/", "runtime/", "tools/", "samples/")
@@ -82,8 +85,8 @@ def room_of(path):
 
 
 def room_of_include(include):
-    if include == "kelp/kelp.h":  # all headers for games
-        return "runtime/gl"
+    if include in WHOLE:
+        return WHOLE[include]
     prefixes = {prefix: room for room, (prefix, _) in ROOMS.items() if prefix}
     best = max((prefix for prefix in prefixes if include.startswith(prefix)), key=len, default=None)
     return prefixes.get(best)

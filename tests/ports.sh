@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Tests kelp on other systems than the one that builds it. Opt-in: tests/run.sh does not need it.
-#   tests/ports.sh debian    makes both Debian packages, checks them with lintian, installs them into a fresh
+#   tests/ports.sh debian    makes the Debian packages, checks them with lintian, installs them into a fresh
 #                            Debian and uses them there (as root; downloads some 500 MB)
 #   tests/ports.sh windows   cross-compiles the runtime and kelp-dump with mingw-w64, runs their tests in wine
 #   tests/ports.sh web       compiles the runtime with emscripten, runs its tests in node, links a program
@@ -86,7 +86,7 @@ port_debian() {
   # No manual pages: --help has it all. No bug of Debian's asks for the packages.
   lintian --allow-root --fail-on error --suppress-tags no-manual-page,initial-upload-closes-no-bugs \
     build/package/*.deb
-  tests/install/hardened.sh build/package/bin/kelp-*
+  tests/install/hardened.sh build/package/bin/kelp-* build/package/runtime/c/libkelp.so.*.*
   local root=build/debian-root
   if [ ! -x "$root/usr/bin/apt-get" ]; then
     local repository
@@ -97,7 +97,7 @@ port_debian() {
   fi
   rm -rf "$root/kelp" && mkdir "$root/kelp"
   cp build/package/*.deb "$root/kelp"
-  cp -r tests/install/consumer tests/install/packs "$root/kelp"
+  cp -r tests/install/consumer tests/install/consumer_c tests/install/packs "$root/kelp"
   cp tests/install/fresh_debian.sh "$root/kelp"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   chroot "$root" bash /kelp/fresh_debian.sh

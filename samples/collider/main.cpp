@@ -18,7 +18,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "../write_ppm.h"
-#include "kelp/kelp.h"
+#include "kelp/kelp.hpp"
 
 // Plain triangles without lights: `shade` comes from their normal.
 static const char* const kShaders[] = {R"(#version 330 core

@@ -13,7 +13,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "kelp/kelp.h"
+#include "kelp/kelp.hpp"
 
 // The host's own triangles, a hoop that goes through the voxels: its vertex and its fragment shader.
 static const char* const kHoop[] = {

@@ -14,7 +14,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "../write_ppm.h"
-#include "kelp/kelp.h"
+#include "kelp/kelp.hpp"
 
 // Three squares of four vertices, no vertex buffer: 0 is the floor, 1 stands behind, 2 to the right. room =
 // half its side, its height, the height of the floor.

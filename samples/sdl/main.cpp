@@ -10,7 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "../write_ppm.h"
-#include "kelp/kelp.h"
+#include "kelp/kelp.hpp"
 
 namespace runtime = kelp::runtime;
 constexpr int kPlants = 200;

@@ -16,7 +16,7 @@ function(expect text)
   endforeach()
 endfunction()
 
-foreach(package kelp-tools libkelp-dev)
+foreach(package kelp-tools libkelp-dev libkelp0)
   file(GLOB deb ${WORK_DIR}/packages/${package}_*.deb)
   step("reading ${package}" ${DPKG_DEB} --info ${deb})
   set(${package}_info "${step_output}")
@@ -38,7 +38,14 @@ endif()
 expect("${libkelp-dev_info}" "Depends: libglm-dev, libzstd-dev, libxxhash-dev" "Recommends: kelp-tools")
 expect("${libkelp-dev_files}" "libkelp_runtime_gl.a" "kelp/gl/renderer.h" "kelpConfig.cmake"
   "kelp_add_pack.cmake")
-if("${kelp-tools_files}" MATCHES "[.]a\n|[.]h\n" OR "${libkelp-dev_files}" MATCHES "/bin/")
+expect("${libkelp-dev_files}" "kelp/kelp.h\n" "kelpCTargets.cmake" "pkgconfig/kelp.pc"
+  "libkelp.a" "libkelp.so ->")
+expect("${libkelp-dev_info}" "Depends: [^\n]*libkelp0 [(]= ")
+expect("${libkelp0_files}" "libkelp.so.0 ->" "libkelp.so.0.[0-9.]+\n")
+expect("${libkelp0_info}" "Depends: [^\n]*libc6 [^\n]*libstdc[+][+]6" "Section: libs")
+if("${libkelp0_files}" MATCHES "[.]h\n|[.]a\n|libkelp.so ->|/bin/|[.]cmake\n" OR
+   "${kelp-tools_files}" MATCHES "[.]a\n|[.]h\n" OR
+   "${libkelp-dev_files}" MATCHES "/bin/")
   message(FATAL_ERROR "a file is in the wrong package")
 endif()
 
@@ -48,4 +55,8 @@ step("configuring the consumer" ${CMAKE_COMMAND} -S ${TEST_DIR}/consumer -B ${WO
   "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${WORK_DIR}/root/usr)
 step("building write_pack" ${CMAKE_COMMAND} --build ${WORK_DIR}/build --target write_pack)
 step("write_pack" ${WORK_DIR}/build/write_pack ${WORK_DIR}/cube.kelp)
+step("configuring the consumer in C" ${CMAKE_COMMAND} -S ${TEST_DIR}/consumer_c -B ${WORK_DIR}/c
+  -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK_DIR}/root/usr)
+step("building ask" ${CMAKE_COMMAND} --build ${WORK_DIR}/c)
+step("ask" ${WORK_DIR}/c/ask ${WORK_DIR}/cube.kelp)
 step("kelp-dump" ${WORK_DIR}/root/usr/bin/kelp-dump verify ${WORK_DIR}/cube.kelp)

@@ -6,7 +6,7 @@ set -euxo pipefail
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C
 cd /kelp
 apt-get update -qq
-apt-get purge -y -qq kelp-tools libkelp-dev 2>/dev/null || true
+apt-get purge -y -qq kelp-tools libkelp-dev libkelp0 2>/dev/null || true
 
 # The tools, on a machine that has no compiler and nothing of the baker's.
 apt-get install -y -qq --no-install-recommends ./kelp-tools_*.deb libgl1-mesa-dri
@@ -21,9 +21,12 @@ kelp-view --version
 
 # The development files: what the package depends on is enough to link; the consumer's window-less OpenGL
 # comes besides.
-apt-get install -y -qq --no-install-recommends ./libkelp-dev_*.deb g++ cmake ninja-build libegl-dev libgl-dev
+apt-get install -y -qq --no-install-recommends ./libkelp-dev_*.deb ./libkelp0_*.deb g++ cmake \
+  ninja-build pkg-config libegl-dev libgl-dev
 cmake -S consumer -B build-consumer -G Ninja && cmake --build build-consumer
 build-consumer/write_pack cube.kelp && build-consumer/draw cube.kelp
+cmake -S consumer_c -B build-c -G Ninja && cmake --build build-c && build-c/ask cube.kelp
+bash consumer_c/pkg_config.sh cc /usr cube.kelp
 cat >CMakeLists.txt <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(game LANGUAGES CXX)
@@ -37,7 +40,7 @@ cmake -S . -B build-game -G Ninja && cmake --build build-game
 build-game/game build-game/crate.kelp
 ninja -C build-game | grep 'no work to do'
 
-apt-get purge -y -qq kelp-tools libkelp-dev
+apt-get purge -y -qq kelp-tools libkelp-dev libkelp0
 left=$(find /usr -path '*kelp*')
 [ -z "$left" ] || { echo "left behind: $left" >&2; exit 1; }
-echo "both packages install, work and leave nothing behind"
+echo "the packages install, work and leave nothing behind"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Install and export: find_package(kelp) gives the runtime libraries, none of the baker's dependencies, and
-# the programs where they are built. Two components, each useful without the other: `dev` (libraries, headers,
-# the CMake package) and `tools` (the programs).
+# the programs where they are built. Components: `dev` (libraries, headers, the CMake package; needs `lib`),
+# `tools` (the programs), and `lib` (libkelp.so, for programs that were built with it).
 include(CMakePackageConfigHelpers)
 set(kelp_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kelp)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kelpConfig.cmake.in
@@ -13,13 +13,16 @@ install(FILES ${PROJECT_BINARY_DIR}/kelpConfig.cmake ${PROJECT_BINARY_DIR}/kelpC
   ${PROJECT_SOURCE_DIR}/tools/cmake/kelp_add_pack.cmake
   DESTINATION ${kelp_config_dir} COMPONENT dev)
 install(EXPORT kelpTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT dev)
+if(TARGET kelp_c)
+  install(EXPORT kelpCTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT dev)
+endif()
 if(KELP_BAKER OR KELP_TOOLS)
   install(EXPORT kelpToolTargets NAMESPACE kelp:: DESTINATION ${kelp_config_dir} COMPONENT tools)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # What headers cite, in the folders of the sources, so that names and links lead there.
-foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/gl/README.md shaders/README.md
-  tools/rig/README.md)
+foreach(document formats/SPEC.md formats/README.md runtime/README.md runtime/c/README.md
+  runtime/gl/README.md shaders/README.md tools/rig/README.md)
   cmake_path(GET document PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder}
     COMPONENT dev)
@@ -27,6 +30,8 @@ endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/shaders/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/shaders COMPONENT dev
   FILES_MATCHING PATTERN *.glsl PATTERN *.vert PATTERN *.frag
   PATTERN reference EXCLUDE PATTERN include EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/samples/sdl_c/main.c
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/sdl_c COMPONENT dev)
 # A game that builds as it is: cmake -S share/doc/kelp/examples/game_loop
 install(FILES ${PROJECT_SOURCE_DIR}/samples/game_loop/CMakeLists.txt
   ${PROJECT_SOURCE_DIR}/samples/game_loop/main.cpp

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-# Debian packages of the two components: kelp-tools (the programs) and libkelp-dev (libraries, headers, the
-# CMake package). `cmake --workflow --preset package` makes both as they ship, in build/package.
+# Debian packages of the components: kelp-tools (the programs), libkelp-dev (libraries, headers, the CMake
+# package) and libkelp0 (the shared library). `cmake --workflow --preset package` makes them as they ship, in
+# build/package.
 set(KELP_PACKAGE_CONTACT "The kelp authors <kelp@kelp.invalid>" CACHE STRING
   "The maintainer of the packages that this build makes: Name <mail address>")
 set(CPACK_GENERATOR DEB)
@@ -21,12 +22,28 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_COMPONENTS_ALL dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkelp-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libglm-dev, libzstd-dev, libxxhash-dev")
+set(depends "libglm-dev, libzstd-dev, libxxhash-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "kelp-tools (= ${PROJECT_VERSION}-1), cmake (>= 3.25)")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "voxel models that bend - development files of the runtime
 Static libraries, headers and the CMake package of the kelp runtime: packs
 read from files that need not be trusted, poses and clips, ray casts, and a
-renderer for OpenGL 3.3 core and OpenGL ES 3.0 with its shaders embedded.")
+renderer for OpenGL 3.3 core and OpenGL ES 3.0 with its shaders embedded.
+For C, the header kelp/kelp.h.")
+
+if(TARGET kelp_c)
+  list(APPEND CPACK_COMPONENTS_ALL lib)
+  set(lib_package libkelp${PROJECT_VERSION_MAJOR})
+  string(APPEND depends ", ${lib_package} (= ${PROJECT_VERSION}-1)")
+  set(CPACK_DEBIAN_LIB_PACKAGE_NAME ${lib_package})
+  set(CPACK_DEBIAN_LIB_PACKAGE_SECTION libs)
+  set(CPACK_DEBIAN_LIB_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_LIB_DESCRIPTION "voxel models that bend - shared library
+The kelp runtime behind its C interface: packs, poses and clips, ray casts,
+distances, and a renderer for OpenGL 3.3 core and OpenGL ES 3.0. Programs in
+C, and in any language that calls C, use it.")
+endif()
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${depends}")
 
 if(KELP_BAKER OR KELP_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL tools)
@@ -68,6 +85,9 @@ find_program(KELP_GZIP gzip)
 mark_as_advanced(KELP_GZIP)
 if(KELP_GZIP)
   kelp_package_papers(dev libkelp-dev libglm-dev libxxhash-dev)
+  if(TARGET kelp_c)
+    kelp_package_papers(lib ${lib_package} libglm-dev libxxhash-dev libzstd-dev)
+  endif()
   kelp_package_papers(tools kelp-tools libglm-dev libxxhash-dev libzstd-dev libcli11-dev nlohmann-json3-dev
     libtinygltf-dev libopenmesh-dev libstb-dev libnanovdb-dev libimgui-dev)
 endif()

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// A pack in memory. Opening it reads some kilobytes. Then kelp_asset_pump loads its voxels page by page,
+// coarse to fine. Include kelp/kelp.h.
+#ifndef KELP_C_ASSET_H
+#define KELP_C_ASSET_H
+
+#include "kelp/c/base.h"
+
+typedef struct kelp_asset {
+  uint64_t id;
+} kelp_asset;
+
+typedef struct kelp_asset_options {
+  uint32_t struct_size;
+  // The finest level of distances to load, for the queries of kelp/c/distance.h. 0: all; -1: none.
+  int32_t distance_level;
+  // The most bytes of grids and pages to keep in memory. What was not used for longest makes room.
+  uint64_t memory_budget;
+  // What a pack may ask for; KELP_ERROR_LIMIT beyond.
+  uint64_t max_decoded_bytes;   // of any one chunk
+  uint64_t max_metadata_bytes;  // of all metadata together
+  uint32_t max_side;            // voxels of the finest level along an axis
+  uint32_t max_parts;
+  const kelp_allocator* allocator;  // copied. Null: malloc and free
+} kelp_asset_options;
+
+typedef int32_t kelp_read;
+enum {
+  KELP_READ_DONE = 0,     // all of the bytes are there
+  KELP_READ_NOT_YET = 1,  // some have not arrived; note what was asked for, fetch and keep it
+  KELP_READ_FAILED = 2    // these bytes cannot be had; so is any other number
+};
+
+// The host's reader: an entry of an archive, a network. `read` fills all of `bytes` from `offset`. It may
+// block. Every thread that opens or pumps the asset calls it, several at the same time. `acquire` (may be
+// null) is called once in kelp_asset_open, `release` (may be null) once when the asset is destroyed or could
+// not be opened. `user` must live in between or, if these are null, as long as the asset.
+typedef struct kelp_source {
+  uint32_t struct_size;
+  kelp_read (*read)(void* user, uint64_t offset, void* bytes, size_t count);
+  void (*acquire)(void* user);
+  void (*release)(void* user);
+  void* user;
+  uint64_t size;  // of the whole pack, however much has arrived
+} kelp_source;
+
+KELP_API kelp_result kelp_asset_options_defaults(kelp_asset_options* options);
+
+// Opens a pack. options: null for the defaults. Safe for hostile packs. KELP_ERROR_NOT_YET: the source has
+// not got the first bytes; open it again later. All other errors of reading.
+KELP_API kelp_result kelp_asset_open(const kelp_source* source, const kelp_asset_options* options,
+                                     kelp_asset* asset);
+// path: in the system's encoding, UTF-8 on Windows. The file stays open as long as the asset lives.
+KELP_API kelp_result kelp_asset_open_file(const char* path, const kelp_asset_options* options,
+                                          kelp_asset* asset);
+// The bytes must live as long as the asset.
+KELP_API kelp_result kelp_asset_open_memory(const void* bytes, uint64_t size,
+                                            const kelp_asset_options* options, kelp_asset* asset);
+// Remove the asset from its renderers first; otherwise they refuse its instances. Poses and springs that were
+// made from it stay.
+KELP_API kelp_result kelp_asset_destroy(kelp_asset asset);
+
+// Reads and decodes the most urgent grid or page. Blocks while the source reads. *more: something was loaded,
+// so call again. Otherwise nothing is wanted now, or the source has not got it; call again in the next frame
+// or after some milliseconds. An error is returned once. What failed stays absent until kelp_asset_retry, and
+// the next call goes on with the rest.
+KELP_API kelp_result kelp_asset_pump(kelp_asset asset, kelp_bool* more);
+// Loads everything, and waits for what other threads load. Everything that can be loaded is, even if it
+// fails.
+KELP_API kelp_result kelp_asset_load_all(kelp_asset asset);
+// Tries again what failed.
+KELP_API kelp_result kelp_asset_retry(kelp_asset asset);
+
+// A material of the palette.
+typedef struct kelp_material {
+  float base_color[4];  // linear; alpha is coverage, 1 = opaque
+  float emissive[3];
+  float metallic;
+  float roughness;
+} kelp_material;
+
+// What is in a pack. Pointers are valid as long as the asset.
+typedef struct kelp_asset_info {
+  uint32_t struct_size;
+  uint32_t format_minor;
+  uint64_t file_size;
+  uint64_t memory;      // bytes of grids, pages and distances that are in memory now
+  kelp_text info_json;  // what the baker says of the pack; not parsed
+  const kelp_material* palette;
+  uint32_t palette_count;  // 1 to 256
+  uint32_t parts;
+  uint32_t clips;
+  uint32_t sockets;
+  kelp_bool has_distances;    // the pack has some
+  kelp_bool loads_distances;  // and the asset loads them
+} kelp_asset_info;
+KELP_API kelp_result kelp_asset_get_info(kelp_asset asset, kelp_asset_info* info);
+
+// A knot of a spline, in heights of the part.
+typedef struct kelp_knot {
+  float at;           // place along the axis, 0 to 1; animation does not change it
+  float position[3];  // (0, at, 0) in a straight rig
+  float tangent[3];   // dS/d(at); (0, 1, 0) in a straight rig
+} kelp_knot;
+
+typedef int32_t kelp_part_kind;
+enum { KELP_PART_SOLID = 0, KELP_PART_FOG = 1 };
+typedef int32_t kelp_bend;
+enum { KELP_BEND_SHEAR = 0, KELP_BEND_SWEEP = 1 };
+
+// A volume of voxels with one rig. Pointers are valid as long as the asset.
+typedef struct kelp_part {
+  uint32_t struct_size;
+  int32_t parent;  // index of an earlier part, whose motion this part follows; -1: none
+  kelp_text name;
+  kelp_part_kind kind;
+  kelp_bend bend;
+  int32_t levels;
+  int32_t distance_levels;      // 0: no distances
+  int32_t size[3];              // voxels of the finest level; +y along the spline
+  float to_object[16];          // those voxels -> metres, at rest
+  float pivot[16];              // pivot space, in which motions act -> metres
+  float parent_at;              // where it hangs on its parent's spline, 0 to 1; -1: not on the spline
+  float roll;                   // of a swept part: radians, its turn at the first knot
+  uint32_t knot_count;          // 2 to 64
+  const kelp_knot* knots;       // the rest rig
+  uint64_t automatic_tangents;  // bit i: the tangent of knot i follows when a knot beside it moves
+  // Of fog, else 0. Lengths are in voxels of the finest level.
+  float fog_color[3];           // the share of the stopped light that is scattered
+  float fog_anisotropy;         // mean cosine of the scattering angle
+  float fog_glow;               // emission at heat 1 is this times the last colour of the ramp
+  uint32_t fog_ramp_count;      // 0: no heat
+  const float* fog_ramp;        // 3 floats a colour, from cold to hot
+  const float* fog_extinction;  // one a level: optical depth of a length of 1 at density 1
+} kelp_part;
+KELP_API kelp_result kelp_asset_get_part(kelp_asset asset, int32_t part, kelp_part* out);
+
+// An animation. kelp_pose_add_clip plays it.
+typedef struct kelp_clip {
+  uint32_t struct_size;
+  float duration;  // seconds
+  kelp_text name;  // valid as long as the asset
+  uint32_t waves;
+  uint32_t tracks;
+} kelp_clip;
+KELP_API kelp_result kelp_asset_get_clip(kelp_asset asset, int32_t clip, kelp_clip* out);
+// The first clip of that name. KELP_ERROR_MISUSE: there is none; the error's text lists the names.
+KELP_API kelp_result kelp_asset_find_clip(kelp_asset asset, const char* name, int32_t* clip);
+// Whether a clip that is played once is over after so many seconds; true for a clip that does not exist.
+KELP_API kelp_result kelp_asset_clip_has_ended(kelp_asset asset, int32_t clip, double seconds,
+                                               kelp_bool* ended);
+
+// What a wave or track moves.
+typedef int32_t kelp_target;
+enum {
+  KELP_TARGET_KNOT_OFFSET = 0,
+  KELP_TARGET_KNOT_TANGENT = 1,
+  KELP_TARGET_PART_TRANSLATION = 2,
+  KELP_TARGET_PART_ROTATION = 3,
+  KELP_TARGET_PART_SCALE = 4
+};
+// amplitude * sin(2 pi (seconds / period + phase)), added to a knot.
+typedef struct kelp_wave {
+  uint32_t struct_size;
+  int32_t part;
+  int32_t knot;
+  kelp_target target;
+  float amplitude[3];
+  float period;  // seconds
+  float phase;   // turns
+} kelp_wave;
+KELP_API kelp_result kelp_asset_get_wave(kelp_asset asset, int32_t clip, int32_t wave, kelp_wave* out);
+
+typedef int32_t kelp_interpolation;
+enum { KELP_INTERPOLATION_STEP = 0, KELP_INTERPOLATION_LINEAR = 1, KELP_INTERPOLATION_CUBIC = 2 };
+typedef struct kelp_key {
+  float time;  // seconds
+  float value[4];
+  float in[4];  // slopes per second before and after the key, for cubic tracks
+  float out[4];
+} kelp_key;
+typedef struct kelp_track {
+  uint32_t struct_size;
+  int32_t part;
+  int32_t knot;  // 0 if the target is a part
+  kelp_target target;
+  kelp_interpolation interpolation;
+  uint32_t key_count;
+  const kelp_key* keys;  // ascending times; valid as long as the asset
+} kelp_track;
+KELP_API kelp_result kelp_asset_get_track(kelp_asset asset, int32_t clip, int32_t track, kelp_track* out);
+
+// A named place on a part, for what a game attaches: kelp_instance_socket_to_world.
+typedef struct kelp_socket {
+  uint32_t struct_size;
+  int32_t part;
+  kelp_text name;     // valid as long as the asset
+  float at;           // place along the axis, 0 to 1
+  float offset[2];    // across the axis, from the middle line: part x and z, heights of the part
+  float rotation[4];  // of its axes against those of the part
+} kelp_socket;
+KELP_API kelp_result kelp_asset_get_socket(kelp_asset asset, int32_t socket, kelp_socket* out);
+// The first socket of that name; of one part, or of any if `part` is -1. KELP_ERROR_MISUSE: there is none;
+// the error's text lists the names.
+KELP_API kelp_result kelp_asset_find_socket(kelp_asset asset, const char* name, int32_t part,
+                                            int32_t* socket);
+
+// The finest level of the part that is wholly in memory and not finer than `wanted`; if there is none, the
+// coarsest of the finer ones; -1: none yet, or no such part.
+KELP_API kelp_result kelp_asset_resident_level(kelp_asset asset, int32_t part, int32_t wanted,
+                                               int32_t* level);
+
+// The grid of a level of voxels. kelp/runtime/page.h says what a cell holds. Valid as long as the asset.
+typedef struct kelp_level {
+  uint32_t struct_size;
+  int32_t size[3];        // voxels of this level
+  int32_t grid[3];        // bricks of 8 x 8 x 8 voxels
+  uint32_t pages;         // of stored bricks
+  const uint32_t* cells;  // one a brick, x fastest, then y, then z
+} kelp_level;
+// KELP_ERROR_NOT_YET: the grid, or one of a coarser level, is not loaded.
+KELP_API kelp_result kelp_asset_get_level(kelp_asset asset, int32_t part, int32_t level, kelp_level* out);
+
+// A level of distances. kelp/formats/distance.h says what the codes mean. Valid as long as the asset.
+typedef struct kelp_distance_level {
+  uint32_t struct_size;
+  int32_t size[3];
+  int32_t grid[3];
+  uint32_t band_outside;  // the largest squared distances that it stores: of empty voxels, of solid ones
+  uint32_t band_inside;
+  const uint32_t* cells;  // one a brick: 0x80000000 | slot, or the code of all its voxels
+  const uint8_t* codes;   // 512 a slot
+  uint64_t code_count;
+} kelp_distance_level;
+// KELP_ERROR_NOT_YET: not in memory, and never so unless kelp_asset_options.distance_level asks for it.
+KELP_API kelp_result kelp_asset_get_distance_level(kelp_asset asset, int32_t part, int32_t level,
+                                                   kelp_distance_level* out);
+
+#endif

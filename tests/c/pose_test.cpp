@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// Poses and springs move in C as in C++.
+#include "both.h"
+
+namespace kelp::test {
+namespace {
+
+TEST(CPose, MovesAsInCpp) {
+  const BothAssets assets(packFile("distance"));
+  BothPoses poses(assets), others(assets);
+  Dice dice;
+  poses.expectEqual();
+  kelp_bool fits = 0;
+  ASSERT_KELP(kelp_pose_fits(poses.c, assets.c, &fits));
+  EXPECT_EQ(1u, fits);
+  const BothAssets fog(packFile("fog"), -1);
+  ASSERT_KELP(kelp_pose_fits(poses.c, fog.c, &fits));
+  EXPECT_EQ(0u, fits);
+
+  for (int i = 0; i < 8; ++i) {
+    const int part = i % 2, knot = i / 2 % (part == 0 ? 3 : 2);
+    const glm::vec3 offset = dice.vec3(0.05f), tangent = glm::vec3(0, 1, 0) + dice.vec3(0.3f);
+    ASSERT_KELP(kelp_pose_move(poses.c, part, knot, &offset.x));
+    poses.cpp.move(part, knot, offset).value();
+    if (i % 3 == 0) {
+      ASSERT_KELP(kelp_pose_set_tangent(poses.c, part, knot, &tangent.x));
+      poses.cpp.setTangent(part, knot, tangent).value();
+    }
+    const double seconds = dice.in(-3, 9);
+    ASSERT_KELP(kelp_pose_add_clip(poses.c, assets.c, 0, seconds, 0.5f, i % 2));
+    addClip(*assets.cpp, 0, seconds, 0.5f, poses.cpp, static_cast<runtime::Play>(i % 2)).value();
+    poses.expectEqual();
+  }
+
+  const kelp_motion motion = {{1, 2, 3}, {0.6f, 0, 0, 0.8f}, {1, 2, 1}, 0.25f};
+  ASSERT_KELP(kelp_pose_set_motion(others.c, 1, &motion));
+  *others.cpp.motion(1) = {{1, 2, 3}, glm::quat(0.8f, 0.6f, 0, 0), {1, 2, 1}, 0.25f};
+  others.expectEqual();
+  for (const std::vector<float>& mask : {std::vector<float>{}, std::vector<float>{0.25f, 1}}) {
+    ASSERT_KELP(
+        kelp_pose_blend(poses.c, others.c, 0.4f, mask.data(), static_cast<std::uint32_t>(mask.size())));
+    poses.cpp.blend(others.cpp, 0.4f, mask).value();
+    poses.expectEqual();
+  }
+
+  ASSERT_KELP(kelp_pose_assign(others.c, poses.c));
+  ASSERT_TRUE(others.cpp.assign(poses.cpp));
+  others.expectEqual();
+  ASSERT_KELP(kelp_pose_reset(poses.c));
+  poses.cpp.reset();
+  poses.expectEqual();
+  BothPoses foreign(fog);
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_assign(poses.c, foreign.c));
+}
+
+TEST(CPose, KnotsAreSetCheckedAndClamped) {
+  const BothAssets assets(packFile("distance"));
+  BothPoses poses(assets);
+  std::array<kelp_knot, 3> knots = {};
+  std::uint32_t count = 0;
+  ASSERT_KELP(kelp_pose_get_knots(poses.c, 0, nullptr, 0, &count));
+  EXPECT_EQ(3u, count);
+  ASSERT_KELP(kelp_pose_get_knots(poses.c, 0, knots.data(), 2, &count));
+  EXPECT_EQ(3u, count);
+  EXPECT_EQ(0, knots[2].at) << "more was written than there is room for";
+  ASSERT_KELP(kelp_pose_get_knots(poses.c, 0, knots.data(), 3, &count));
+  ASSERT_KELP(kelp_pose_check(poses.c));
+  knots[1].tangent[1] = -30;  // turns back
+  ASSERT_KELP(kelp_pose_set_knots(poses.c, 0, knots.data(), 3));
+  EXPECT_KELP(KELP_ERROR_NOT_MONOTONE, kelp_pose_check(poses.c));
+  const kelp_error error = lastError();
+  std::vector<Knot> same(poses.cpp.knots(0).begin(), poses.cpp.knots(0).end());
+  same[1].tangent.y = -30;
+  poses.cpp.setKnots(0, same).value();
+  const auto checked = poses.cpp.check();
+  EXPECT_STREQ(checked.error().detail, error.text);
+  EXPECT_EQ(checked.error().offset, error.offset);
+  EXPECT_EQ(kelp_unit{KELP_UNIT_PART}, error.unit);
+  ASSERT_KELP(kelp_pose_clamp(poses.c));
+  poses.cpp.clamp();
+  poses.expectEqual();
+  ASSERT_KELP(kelp_pose_check(poses.c));
+  EXPECT_KELP(KELP_ERROR_MISUSE, kelp_pose_set_knots(poses.c, 0, knots.data(), 2));
+}
+
+class BothSprings {
+ public:
+  BothSprings(const BothAssets& assets, const runtime::SpringSettings& settings)
+      : cpp(std::move(runtime::Spring::create(*assets.cpp, settings)).value()) {
+    auto same = sized<kelp_spring_settings>();
+    EXPECT_KELP(KELP_OK, kelp_spring_settings_defaults(&same));
+    const runtime::SpringSettings defaults;
+    EXPECT_EQ(defaults.damping, same.damping);
+    EXPECT_EQ(defaults.reach, same.reach);
+    EXPECT_EQ(defaults.frequency, same.frequency);
+    EXPECT_EQ(defaults.rooted, same.rooted != 0);
+    same.frequency = settings.frequency;
+    same.rooted = settings.rooted;
+    EXPECT_KELP(KELP_OK, kelp_spring_create(assets.c, &same, nullptr, &c));
+  }
+  ~BothSprings() { EXPECT_KELP(KELP_OK, kelp_spring_destroy(c)); }
+
+  void expectEqual() const {
+    std::int32_t parts = 0;
+    EXPECT_KELP(KELP_OK, kelp_spring_get_parts(c, &parts));
+    ASSERT_EQ(cpp.parts(), parts);
+    for (int part = 0; part < parts; ++part) {
+      std::array<kelp_swing, 64> swings = {};
+      std::uint32_t count = 0;
+      EXPECT_KELP(KELP_OK, kelp_spring_get_swings(c, part, swings.data(), 64, &count));
+      ASSERT_EQ(cpp.knots(part).size(), count);
+      for (std::size_t k = 0; k < count; ++k) {
+        expectSame(swings[k].offset, cpp.knots(part)[k].offset, "offset");
+        expectSame(swings[k].velocity, cpp.knots(part)[k].velocity, "velocity");
+      }
+    }
+  }
+
+  kelp_spring c = {};
+  runtime::Spring cpp;
+};
+
+TEST(CSpring, SwingsAsInCpp) {
+  const BothAssets assets(packFile("distance"));
+  const BothInstances instances(assets);
+  for (const bool rooted : {true, false}) {
+    BothSprings springs(assets, {.frequency = 2, .rooted = rooted});
+    BothPoses poses(assets);
+    const kelp_instance& in = instances.c[1];
+    const runtime::Instance& same = instances.cpp[1];
+    const glm::vec3 a(0.3f, 0, 0.2f), b(2, 0, -3);
+    ASSERT_KELP(kelp_spring_push(springs.c, 0, &a.x));
+    springs.cpp.push(0, a).value();
+    ASSERT_KELP(kelp_spring_push_in_world(springs.c, &in, 1, &b.x));
+    springs.cpp.pushInWorld(same, 1, b).value();
+    ASSERT_KELP(kelp_spring_set_wind(springs.c, 1, &a.x));
+    springs.cpp.setWind(1, a).value();
+    ASSERT_KELP(kelp_spring_set_wind_in_world(springs.c, &in, 0, &b.x));
+    springs.cpp.setWindInWorld(same, 0, b).value();
+    springs.expectEqual();
+    ASSERT_KELP(kelp_spring_step(springs.c, 0.1f));
+    springs.cpp.step(0.1f).value();
+    const glm::vec3 player = toWorld(same, 0, {1, 20, 1});
+    ASSERT_KELP(kelp_spring_push_away(springs.c, &in, &player.x, 3));
+    springs.cpp.pushAway(same, player, 3).value();
+    springs.expectEqual();
+    std::array<kelp_swing, 1> moved = {};
+    std::uint32_t count = 0;
+    ASSERT_KELP(kelp_spring_get_swings(springs.c, 0, moved.data(), 1, &count));
+    EXPECT_EQ(3u, count);
+    ASSERT_KELP(kelp_spring_add_to(springs.c, poses.c));
+    springs.cpp.addTo(poses.cpp).value();
+    poses.expectEqual();
+    ASSERT_KELP(kelp_spring_reset(springs.c));
+    springs.cpp.reset();
+    springs.expectEqual();
+  }
+}
+
+}  // namespace
+}  // namespace kelp::test

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""Usage: check_sdl_c.py PROGRAM PROGRAM_WITH_ADDRESS_SANITIZER PACK FOLDER_OF_SAMPLES
+
+Runs samples/sdl_c: its picture, a click, its errors, that it leaks nothing of its own or of kelp's, and that
+its source is as short as samples/README.md says."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import check_picture
+import x11_input
+from check_sdl import is_red
+
+# What a library below SDL keeps when it is at its end.
+SUPPRESSED = "leak:libdbus\n"
+MOST_LINES = 119
+
+
+def check_leaks(program, pack, folder):
+    suppressions = os.path.join(folder, "leaks.supp")
+    with open(suppressions, "w", encoding="utf-8") as file:
+        file.write(SUPPRESSED)
+    options = {"ASAN_OPTIONS": "detect_leaks=1:exitcode=99",
+               "LSAN_OPTIONS": "print_suppressions=0:suppressions=" + suppressions}
+    done = subprocess.run([program, pack, "--frames", "2"], env={**os.environ, **options}, timeout=240,
+                          capture_output=True, text=True)
+    assert done.returncode == 0, "%d: %s" % (done.returncode, done.stderr)
+
+
+def check_click(program, pack, folder):
+    plain, clicked = os.path.join(folder, "plain.ppm"), os.path.join(folder, "clicked.ppm")
+    subprocess.run([program, pack, "--frames", "2", plain], check=True, timeout=240)
+    width, height, before = check_picture.read_ppm(plain)
+    assert (width, height) == (960, 720)
+    assert check_picture.share(before, check_picture.is_olive) > 0.05, "the plants are missing"
+    assert check_picture.share(before, is_red) < 0.0002, "something is red before it is clicked"
+    screen = x11_input.Screen()
+    process = subprocess.Popen([program, pack, "--frames", "24", clicked])
+    try:
+        screen.find(width, height)
+        for _ in range(40):
+            if process.poll() is not None:
+                break
+            screen.click(160, 470)  # the stem of the plant to the left in front
+            time.sleep(0.2)
+        assert process.wait(timeout=240) == 0
+    finally:
+        process.kill()
+    after = check_picture.read_ppm(clicked)[2]
+    assert check_picture.share(after, is_red) > 0.002, "a click turns nothing red"
+
+
+def main(program, with_sanitizer, pack, samples):
+    with open(os.path.join(samples, "sdl_c", "main.c"), encoding="utf-8") as file:
+        lines = len(file.read().split("\n")) - 1
+    assert lines <= MOST_LINES, "sdl_c has %d lines, more than %d" % (lines, MOST_LINES)
+    with tempfile.TemporaryDirectory() as folder:
+        check_leaks(with_sanitizer, pack, folder)
+        try:
+            check_click(program, pack, folder)
+        except x11_input.Absent as absent:
+            print("SKIPPED: " + str(absent))
+        absent = os.path.join(folder, "absent.kelp")
+        check_picture.expect([program, absent, "--frames", "1"], 2, absent)
+        check_picture.expect([program, samples + "/README.md", "--frames", "1"], 3, "README.md")
+        check_picture.expect([program, pack, "--frames", "none"], 1, "usage")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
